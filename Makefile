@@ -63,6 +63,7 @@ TOOLS    := $(patsubst scripts/bench/%.c,$B/%,$(filter-out scripts/bench/measure
 STAMP    := data/models/.made
 
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
+ASAN     := -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png image_screen ply obj gzip part convert)
 
@@ -195,7 +196,7 @@ envelope: $(ENVELOPE)
 
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
-	$(MAKE) VARIANT=asan CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)" test
+	$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" test
 
 # Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with. clang alone has it.
 FUZZ_SECONDS ?= 60

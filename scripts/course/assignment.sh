@@ -48,4 +48,4 @@ echo "$kit: assignment \"$name\". Read $kit/ASSIGNMENT.md; yours to write, betwe
 for mark in $(sed -n 's|^ */\* \[\([a-z0-9-]*\)\] \*/$|\1|p' "tests/course/${name}_blank.c" | grep -vx end); do
     (cd "$kit" && grep -n "^ */\* \[$mark\] \*/\$" src/*/*.[ch] src/*/*/*.[ch]) | sed 's/^\([^:]*\):\([^:]*\):.*/    \1, line \2/'
 done
-echo "Then: cd $kit && make test"
+echo "Then: cd $kit && make test; make check shows the points"

@@ -18,7 +18,7 @@ say() {
     exit 1
 }
 
-# Compile the fragments' files, link, run: $folder/$1.marks
+# Compile the fragments' files, link them with what answers the claims' questions, run: $folder/$1.marks
 mark() {
     objects=""
     mkdir -p "$folder/$1/src" || exit 1
@@ -34,12 +34,14 @@ mark() {
         done
     fi
     # shellcheck disable=SC2086
-    $BIS_LINK -o "$folder/$1/marks" "$folder/claims.o" $objects $BIS_OBJECTS $BIS_LIBS || say "the $1 one does not link"
-    "$BIS_BUILD/grade" claims "$folder/$1/marks" "$folder/original/marks" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
+    $BIS_LINK -o "$folder/$1/student" $BIS_SERVER $objects ${BIS_OBJECTS##* } $BIS_LIBS || say "the $1 one does not link"
+    "$BIS_BUILD/grade" claims "$PWD/$folder/$1/student" "$folder/claims" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
 }
 
 prove() {
-    $BIS_COMPILE -Werror -c -o "$folder/claims.o" "tests/course/$name.c" || say "its tests do not compile"
+    # shellcheck disable=SC2086
+    $BIS_COMPILE -Werror -c -o "$folder/claims.o" "tests/course/$name.c" &&
+        $BIS_LINK -o "$folder/claims" "$folder/claims.o" $BIS_OBJECTS $BIS_LIBS || say "its tests do not compile"
     wrong=$(ls tests/course | sed -n "s/^${name}_\(wrong[0-9]*\)\.c\$/\1/p")
     for variant in original blank $wrong; do
         mark $variant
@@ -64,7 +66,7 @@ prove() {
 
 # Ours holds by hidden seeds and sizes, too: those of one secret, always the same.
 prove_hidden() {
-    "$BIS_BUILD/grade" claims -s 1d5e1f "$folder/original/marks" "$folder/original/marks" >"$folder/hidden.marks" && ! grep '^wrong' "$folder/hidden.marks"
+    "$BIS_BUILD/grade" claims -s 1d5e1f "$PWD/$folder/original/student" "$folder/claims" >"$folder/hidden.marks" && ! grep '^wrong' "$folder/hidden.marks"
 }
 
 (prove && prove_hidden && echo "$name: as it should be") >"$folder/verdict" 2>&1

@@ -2,7 +2,8 @@
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it
 #   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
-.PHONY: assignment grade grade-class
+#   make check                                            in a kit: points, speed and memory, before it is handed in
+.PHONY: assignment grade grade-class check check-clean
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
@@ -10,21 +11,37 @@ test grade grade-class: export BIS_BUILD = $B
 test grade grade-class: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
 test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
 test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
+test grade grade-class: export BIS_SERVER = $(SERVER)
 test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
-test grade grade-class: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
+test grade grade-class: export BIS_SANITIZE = $(ASAN)
 
 assignment:
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
 
+# What answers the claims' questions with a student's functions, in a process of its own.
+SERVER := $B/scripts/course/server.o $B/tests/support/answers.o $B/tests/support/lit.o
+$B/scripts/course/server.o: OURS += -Itests/support
 GRADER := $B/scripts/course/grade.o $B/scripts/course/tokens.o $B/tests/support/box.o $B/tests/support/mark_run.o
 $B/scripts/course/grade.o: OURS += -Itests/support
 $B/grade: $(GRADER)
 	$(LINK) -lm
-$(if $(wildcard tests/course),test: $B/grade)
+$(if $(wildcard tests/course),test: $B/grade $(SERVER))
 
-grade: $(SUPPORT) $(LIB) $B/grade $B/src/cli/main.o
+grade: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
 	@sh scripts/course/grade.sh "$(A)" "$(DEST)"
 
 JOBS ?= 2
-grade-class: $(SUPPORT) $(LIB) $B/grade
+grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
 	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"
+
+# The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the
+# second one is not built, if it is not.
+CHECKED := $(if $(wildcard tests/test_assignment.c),$B/tests/test_assignment)
+check: $(CHECKED)
+	@$(if $(CHECKED),,echo "make check: this is the project; a starter kit has a hand-in to check"; exit 1)
+	@$(CHECKED) --check
+	@$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" check-clean >build/check.log 2>&1; \
+	 sed -n '/of 10  clean memory/,$$p' build/check.log | sed '/^make/d' | grep . || \
+	 echo "        clean memory: not looked at: build/check.log"
+check-clean: $(CHECKED)
+	@$(CHECKED) --clean

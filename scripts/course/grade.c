@@ -4,16 +4,17 @@
  *         the sandbox that works here: "bwrap", or "none"
  *     grade run [-d DIR] [-c SECONDS] [-r PATH]... [-w PATH]... -- CMD
  *         run CMD in DIR; it may read PATHs (-r) and write there (-w)
- *     grade claims [-a] [-s SECRET]... [-k MARKS] PROGRAM OURS
- *         a line a claim of OURS, which names them: "ok" or "wrong", points, name, message, with tabs between.
- *         -a: PROGRAM is sanitized; -k: only what MARKS, such lines, has as ok. A second secret is tried where a claim
+ *     grade claims [-a] [-s SECRET]... [-k MARKS] STUDENT CLAIMS
+ *         a line a claim of CLAIMS, which asks STUDENT: "ok" or "wrong", points, name, message, with tabs between.
+ *         -a: STUDENT is sanitized; -k: only what MARKS, such lines, has as ok. A second secret is tried where a claim
  *         is wrong by the first
- *     grade speed [-s SECRET] PROGRAM OURS
- *         how many times OURS's time PROGRAM takes
+ *     grade speed [-s SECRET] STUDENT OURS CLAIMS
+ *         how many times OURS's time STUDENT takes for the load of CLAIMS
  *     grade look TEMPLATE FILE [PRINTS]
  *         status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
  *     grade alike SHARE BLANK FILE...
- *         lines "I J PERCENT" for pairs of PRINTS (counted from 1) that share so much of what BLANK has not
+ *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what
+ *         BLANK has not with another one: the least and the most percent that two of them share
  * BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty environment, no
  * terminal, and limits of time, memory and files. */
 #include "mark_run.h"
@@ -104,16 +105,16 @@ static size_t sandbox(const char **words, const options *o)
 /* PATH alone stays of the environment. */
 static void poor_environment(void)
 {
-    char path[4096], box[16], scratch[4096], seconds[32];
+    char path[4096], which[16], scratch[4096], seconds[32];
 
     snprintf(path, sizeof path, "%s", getenv("PATH") ? getenv("PATH") : "/usr/bin:/bin");
-    snprintf(box, sizeof box, "%s", has_bwrap() ? "bwrap" : "none");
+    snprintf(which, sizeof which, "%s", has_bwrap() ? "bwrap" : "none");
     snprintf(scratch, sizeof scratch, "%s", !has_bwrap() && getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
     snprintf(seconds, sizeof seconds, "%s", getenv("BIS_CLAIM_SECONDS") ? getenv("BIS_CLAIM_SECONDS") : "20");
     clearenv();
     setenv("BIS_CLAIM_SECONDS", seconds, 1);
     setenv("PATH", path, 1);
-    setenv("BIS_SANDBOX", box, 1);
+    setenv("BIS_SANDBOX", which, 1);
     setenv("TMPDIR", scratch, 1);
     setenv("HOME", "/", 1);
     setenv("LC_ALL", "C", 1);
@@ -122,30 +123,34 @@ static void poor_environment(void)
     setenv("ASAN_OPTIONS", "hard_rss_limit_mb=2000:allocator_may_return_null=1:color=never", 1);
 }
 
+/* The limits are of the processor's time, because the machine may have other work; the clock's only ends what no other
+ * limit does. */
 static int run(options *o, char **given)
 {
-    box_limits limits = {.cpu = 15, .wall = 45, .memory = (size_t)1 << 30, .file = 64 << 20};
-    static box_end end;
+    box_limits limits = {.cpu = 15, .wall = 600, .memory = (size_t)1 << 30, .file = 64 << 20};
+    static box b;
     const char *words[MAX_WORDS];
     size_t n = sandbox(words, o);
 
     if (o->cpu > 0) {
-        limits.cpu = limits.wall = o->cpu;
+        limits.cpu = o->cpu;
         limits.memory = (size_t)4 << 30;
     }
     while (*given && n + 1 < MAX_WORDS)
         words[n++] = *given++;
     words[n] = NULL;
     if (!has_bwrap() && o->folder && chdir(o->folder) != 0) return 1;
-    if (!box_run(&end, &limits, (char *const *)(uintptr_t)words, NULL, NULL, NULL)) return 1;
-    fwrite(end.output, 1, end.n, stdout);
-    if (end.late) printf("\nstopped after %g s\n", limits.wall);
-    return !end.late && WIFEXITED(end.status) ? WEXITSTATUS(end.status) : 124;
+    if (!box_run(&b, &limits, (char *const *)(uintptr_t)words)) return 1;
+    fwrite(b.end.output, 1, b.end.n, stdout);
+    const bool killed = !b.end.late && (!WIFEXITED(b.end.status) || WEXITSTATUS(b.end.status) > 128);
+    if (b.end.late) printf("\nstopped after %g s: the machine was busy; mark it again\n", limits.wall);
+    if (killed) printf("\nstopped after %g s of the processor\n", limits.cpu);
+    return !b.end.late && WIFEXITED(b.end.status) ? WEXITSTATUS(b.end.status) : 124;
 }
 
 static int find_sandbox(void)
 {
-    static box_end end;
+    static box b;
     const options o = {0};
     const char *words[MAX_WORDS];
 
@@ -153,28 +158,30 @@ static int find_sandbox(void)
     size_t n = sandbox(words, &o);
     words[n++] = "true";
     words[n] = NULL;
-    const bool ran = box_run(&end, &(box_limits){.cpu = 5, .wall = 5, .file = 1 << 20}, (char *const *)(uintptr_t)words,
-                             NULL, NULL, NULL);
-    puts(ran && !end.late && WIFEXITED(end.status) && WEXITSTATUS(end.status) == 0 ? "bwrap" : "none");
+    const bool ran = box_run(&b, &(box_limits){.cpu = 5, .wall = 60, .file = 1 << 20}, (char *const *)(uintptr_t)words);
+    puts(ran && !b.end.late && WIFEXITED(b.end.status) && WEXITSTATUS(b.end.status) == 0 ? "bwrap" : "none");
     return 0;
 }
 
 /* ---- claims and speed ---- */
 
-static void judge(mark_outcome *result, const char *program, const options *given, size_t claim, uint64_t secret)
+/* One claim of OURS, which asks the program `student` in the sandbox. */
+static void judge(mark_outcome *result, const char *student, const char *ours, const options *given, size_t claim,
+                  uint64_t secret)
 {
     const char *words[MAX_WORDS];
     options o = *given;
-    box_limits limits = mark_limits();
 
-    o.read[o.n_read++] = program;
-    words[sandbox(words, &o)] = NULL;
-    if (o.cpu > 0) limits.cpu = o.cpu;
-    if (o.sanitized) limits.cpu *= 3;
-    limits.wall = 3 * limits.cpu + fmin(5, 10 * limits.cpu);
-    limits.memory = o.sanitized ? 0 : (size_t)4 << 30;
-    mark_judge(result,
-               &(mark_order){.before = words, .program = program, .claim = claim, .secret = secret, .limits = limits});
+    o.read[o.n_read++] = student;
+    const size_t n = sandbox(words, &o);
+    words[n] = student;
+    words[n + 1] = NULL;
+    mark_judge(result, &(mark_order){.judge = ours,
+                                     .student = words,
+                                     .claim = claim,
+                                     .secret = secret,
+                                     .cpu = (o.cpu > 0 ? o.cpu : mark_seconds()) * (o.sanitized ? 3 : 1),
+                                     .sanitized = o.sanitized});
     for (char *c = result->text; *c; c++) {
         if (*c < ' ' || *c > '~') *c = ' '; /* one line, and valid in JSON, whatever the student prints */
     }
@@ -188,7 +195,7 @@ static bool wanted(FILE *marks)
     return !marks || (fgets(line, sizeof line, marks) && strncmp(line, "ok\t", 3) == 0);
 }
 
-static int claims(options *o, const char *program, const char *ours)
+static int claims(options *o, const char *student, const char *ours)
 {
     char command[4200], line[512], name[400];
     FILE *marks = o->marks ? fopen(o->marks, "r") : NULL;
@@ -204,10 +211,10 @@ static int claims(options *o, const char *program, const char *ours)
             printf("left\t%d\t%s\t\n", points, name);
             continue;
         }
-        judge(&result, program, o, i, o->secrets[0]);
-        if (result.verdict == MARK_WRONG && o->n_secrets > 1) judge(&result, program, o, i, o->secrets[1]);
+        judge(&result, student, ours, o, i, o->secrets[0]);
+        if (result.verdict == MARK_WRONG && o->n_secrets > 1) judge(&result, student, ours, o, i, o->secrets[1]);
         /* who has let two of them run out of time will not get all of it for the others */
-        died += result.verdict == MARK_DIED && strstr(result.text, "no answer");
+        died += result.verdict == MARK_SLOW;
         if (died == 2 && o->cpu > 1) o->cpu = 1;
         printf("%s\t%d\t%s\t%s\n", result.verdict == MARK_HOLDS ? "ok" : "wrong", points, name,
                result.verdict == MARK_HOLDS ? "" : result.text);
@@ -221,7 +228,7 @@ static int claims(options *o, const char *program, const char *ours)
 /* The least processor times, taken in turn until neither has fallen by 2 % for three rounds, or ten where the ratio is
  * near to a limit of the points: what else the machine does adds to a time, and never takes from it. Who takes more
  * than 6 times our time, or 20 s in all, is not asked for ever. */
-static int speed(const options *o, const char *program, const char *ours)
+static int speed(const options *o, const char *student, const char *reference, const char *ours)
 {
     double least[2] = {HUGE_VAL, HUGE_VAL}, sum = 0, ratio = 0;
     int quiet = 0;
@@ -230,7 +237,7 @@ static int speed(const options *o, const char *program, const char *ours)
         quiet++;
         for (int who = 0; who < 2; who++) {
             static mark_outcome result;
-            judge(&result, who ? ours : program, o, MARK_WORK, o->secrets[0]);
+            judge(&result, who ? reference : student, ours, o, MARK_WORK, o->secrets[0]);
             if (result.verdict != MARK_HOLDS) return 1;
             if (result.seconds < 0.98 * least[who]) quiet = 0;
             sum += result.seconds;
@@ -326,29 +333,64 @@ static print_set read_prints(const char *path, const print_set *template)
     return s;
 }
 
-/* How much of all that either has, both have (Jaccard). */
+/* How much of all that either has, both have (Jaccard). Of too little, nobody can tell: 0. */
+static double jaccard(const print_set *a, const print_set *b)
+{
+    enum { FEWEST = 12 };
+    size_t both = 0;
+
+    if (a->n < FEWEST || b->n < FEWEST) return 0;
+    for (size_t j = 0; j < a->n; j++)
+        both += holds(b, a->p[j]);
+    return (double)both / (double)(a->n + b->n - both);
+}
+
+/* Groups in which each is like another one: group[i] is the first of those that i is with. */
+static void join(int *group, int n, int a, int b)
+{
+    const int first = group[a] < group[b] ? group[a] : group[b], other = group[a] + group[b] - first;
+
+    for (int i = 0; i < n; i++)
+        if (group[i] == other) group[i] = first;
+}
+
 static int alike(double share, const char *blank, char **paths, int n)
 {
-    enum { FEWEST = 12 }; /* of so little, nobody can tell */
     const print_set template = read_prints(blank, NULL);
     print_set *sets = calloc((size_t)n + 1, sizeof *sets);
+    int *group = calloc((size_t)n + 1, sizeof *group);
+    double *least = calloc((size_t)n + 1, sizeof *least), *most = calloc((size_t)n + 1, sizeof *most);
 
-    if (!sets) return 1;
-    for (int i = 0; i < n; i++)
-        sets[i] = read_prints(paths[i], &template);
+    if (!sets || !group || !least || !most) return 1;
     for (int i = 0; i < n; i++) {
-        for (int k = i + 1; k < n && sets[i].n >= FEWEST; k++) {
-            size_t both = 0;
-            if (sets[k].n < FEWEST) continue;
-            for (size_t j = 0; j < sets[i].n; j++)
-                both += holds(&sets[k], sets[i].p[j]);
-            const double jaccard = (double)both / (double)(sets[i].n + sets[k].n - both);
-            if (jaccard >= share) printf("%d %d %.0f\n", i + 1, k + 1, 100 * jaccard);
+        sets[i] = read_prints(paths[i], &template);
+        group[i] = i;
+    }
+    for (int pass = 0; pass < 2; pass++) { /* who is with whom; then how much they share */
+        for (int i = 0; i < n; i++) {
+            for (int k = i + 1; k < n; k++) {
+                const int g = group[i];
+                if (pass == 1 && group[k] != g) continue;
+                const double in_common = jaccard(&sets[i], &sets[k]);
+                if (pass == 0 && in_common >= share) join(group, n, i, k);
+                if (pass == 1 && (most[g] == 0 || in_common < least[g])) least[g] = in_common;
+                if (pass == 1) most[g] = fmax(most[g], in_common);
+            }
         }
+    }
+    for (int g = 0; g < n; g++) {
+        if (most[g] == 0) continue;
+        printf("%.0f %.0f", 100 * least[g], 100 * most[g]);
+        for (int i = 0; i < n; i++)
+            if (group[i] == g) printf(" %d", i + 1);
+        puts("");
     }
     for (int i = 0; i < n; i++)
         free(sets[i].p);
     free(sets);
+    free(group);
+    free(least);
+    free(most);
     free(template.p);
     return 0;
 }
@@ -387,6 +429,6 @@ int main(int argc, char **argv)
     if (strcmp(mode, "sandbox") == 0) return find_sandbox();
     if (strcmp(mode, "run") == 0 && argc > 0) return run(&o, argv);
     if (strcmp(mode, "claims") == 0 && argc == 2) return claims(&o, argv[0], argv[1]);
-    if (strcmp(mode, "speed") == 0 && argc == 2) return speed(&o, argv[0], argv[1]);
+    if (strcmp(mode, "speed") == 0 && argc == 3) return speed(&o, argv[0], argv[1], argv[2]);
     return 2;
 }

@@ -71,6 +71,31 @@ remark() {
     echo >>"$work/remarks"
 }
 
+# Is this a file, and no link, pipe or whatever, of a million bytes at most? Nothing is read before that is known.
+small() {
+    [ ! -L "$1" ] && [ -f "$1" ] && [ -n "$(find "$1" -prune -size -2049 2>/dev/null)" ]
+}
+# The first 200 characters of each line, up to the end of a word.
+short() {
+    awk 'length($0) > 200 { $0 = substr($0, 1, 200); sub(/ [^ ]*$/, ""); $0 = $0 " ..." } { print }'
+}
+
+# The hand-in's files that may be looked at, in $work/list, with a 0 byte behind each: few, small, and not deep.
+MOST_FILES=2000
+list_files() {
+    : >"$work/list"
+    [ -d "$given" ] && [ ! -L "$given" ] || return
+    (ulimit -t 10 && find "$given/" -maxdepth 12 -type f \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' \
+        -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+        head -z -n $((MOST_FILES + 1)) >"$work/list"
+    [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
+        remark "there are more than $MOST_FILES files; only so many are looked at"
+}
+# Those of the list whose path ends so.
+ending() {
+    grep -z "$(printf '%s' "$1" | sed 's/\./\\./g')\$" "$work/list"
+}
+
 # Their FILE below $work/src: of a kit, src/FILE; else the one file of that name in any depth; else the one that has
 # the marks of our file.
 collect() {
@@ -82,24 +107,41 @@ collect() {
     if [ -L "$given" ]; then
         remark "a link is not followed"
     elif [ -f "$given" ]; then
-        of_marks "$given" "$file" || [ "$(wc -l <"$shop/files")" -eq 1 ] && cp "$given" "$to" && echo x >"$work/found"
-    elif [ -f "$given/src/$file" ] && [ ! -L "$given/src/$file" ] && [ ! -L "$given/src" ] &&
-        [ ! -L "$given/src/${file%/*}" ]; then
+        if ! small "$given"; then
+            remark "it has more than a million bytes$(is_archive "$given" && echo ", and is an archive: unpack it")"
+        elif is_archive "$given"; then
+            remark "it is an archive: unpack it, and mark the folder"
+        elif of_marks "$given" "$file" || [ "$(wc -l <"$shop/files")" -eq 1 ]; then
+            cp "$given" "$to" && echo x >"$work/found"
+        fi
+    elif [ ! -L "$given/src" ] && [ ! -L "$given/src/${file%/*}" ] && small "$given/src/$file"; then
         cp "$given/src/$file" "$to" && echo x >"$work/found"
     else
-        for pattern in "*/src/$file" "*/$base"; do
-            [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -path "$pattern" -size -2049 \
-                -exec sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found" {} \; 2>/dev/null
+        for end in "/src/$file" "/$base"; do
+            [ -s "$work/found" ] || ending "$end" |
+                xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
         done
-        [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -name "*.${file##*.}" -size -2049 \
-            -exec sh scripts/course/grade_marks.sh "$file" {} "$to" "$work/found" \; 2>/dev/null
+        [ -s "$work/found" ] || ending ".${file##*.}" | xargs -0 -r -n 1 sh -c \
+            'sh scripts/course/grade_marks.sh "$0" "$3" "$1" "$2" || true' "$file" "$to" "$work/found"
     fi
     chmod u+rw "$to" 2>/dev/null
     n=$(wc -l <"$work/found")
     [ "$n" -lt 2 ] || remark "there are $n files $base; the last one found is marked"
     [ "$n" -gt 0 ] && return
     remark "$base is missing"
+    name_archives
     cp "$shop/blank/$file" "$to"
+}
+# What is packed (zip, gzip, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
+is_archive() {
+    case $(head -c 6 "$1" | od -A n -t x1 | tr -d ' \n') in
+    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
+    esac
+    return 1
+}
+name_archives() {
+    packed=$(tr '\0\n' '\n?' <"$work/list" | grep -v '\.[ch]$' | head -n 1)
+    [ -z "$packed" ] || remark "${packed##*/} is an archive: unpack it, and mark the folder"
 }
 of_marks() {
     : >"$work/marks-found"
@@ -175,22 +217,21 @@ look_at_object() {
     fi
 }
 
-# Link $work/$1 from the claims $2 and their objects below objects/$3, with the flags that follow.
+# Link $work/$1, the program that answers the claims, of their objects below objects/$2, with the flags that follow.
 link_it() {
     program=$work/$1
-    claims=$2
-    prefix=$3
-    shift 3
+    prefix=$2
+    shift 2
     objects=""
     while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/units"
     # shellcheck disable=SC2086
-    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" "$claims" $objects \
-        ${BIS_OBJECTS% *} "$shop/lib.a" $BIS_LIBS >>"$work/messages" 2>&1
+    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" $BIS_SERVER $objects "$shop/lib.a" \
+        $BIS_LIBS >>"$work/messages" 2>&1
 }
 
 grade_tests() {
     # shellcheck disable=SC2086
-    run "$tool" claims $secrets "$work/mine" "$shop/ours" >"$work/marks"
+    run "$tool" claims $secrets "$work/mine" "$shop/claims" >"$work/marks"
     while IFS='	' read -r verdict points claim message; do
         got=0
         [ "$verdict" = ok ] && got=$points
@@ -203,7 +244,7 @@ grade_speed() {
         line 0 10 speed "measured once all tests pass"
         return
     fi
-    if run "$tool" speed -s "$(head -n 1 "$shop/secrets")" "$work/mine" "$shop/ours" >"$work/ratio"; then
+    if run "$tool" speed -s "$(head -n 1 "$shop/secrets")" "$work/mine" "$shop/ours" "$shop/claims" >"$work/ratio"; then
         ratio=$(cat "$work/ratio")
         line "$(awk -v r="$ratio" 'BEGIN { print r <= 1.5 ? 10 : r <= 3 ? 5 : 0 }')" 10 speed "$ratio times our time"
     else
@@ -217,7 +258,7 @@ grade_memory() {
         line 0 10 "clean memory" "looked at once a test passes"
         return
     fi
-    if [ ! -f "$shop/clean.o" ]; then
+    if [ ! -f "$shop/ours-clean" ]; then
         line 0 0 "clean memory" "not looked at: the sanitizers are not there"
         return
     fi
@@ -226,18 +267,18 @@ grade_memory() {
         compile "$file" clean/ $BIS_SANITIZE >>"$work/messages"
     done <"$shop/units"
     # shellcheck disable=SC2086
-    if ! link_it clean "$shop/clean.o" clean/ $BIS_SANITIZE; then
+    if ! link_it clean clean/ $BIS_SANITIZE; then
         line 0 10 "clean memory" "it does not compile with the sanitizers"
         return
     fi
     # shellcheck disable=SC2086
-    run "$tool" claims -a $secrets -k "$work/marks" "$work/clean" "$shop/ours" >"$work/clean.marks"
+    run "$tool" claims -a $secrets -k "$work/marks" "$work/clean" "$shop/claims" >"$work/clean.marks"
     found=$(awk -F '\t' '$1 == "wrong" { print $3 ": " $4; exit }' "$work/clean.marks")
     if [ -z "$found" ]; then
         points=$(awk -F '\t' '$1 == "ok" { got += $2 } END { print int(got / 8) }' "$work/marks")
         line "$points" 10 "clean memory" "$([ "$points" -eq 10 ] || echo "in the share of the tests that pass")"
     else
-        line 0 10 "clean memory" "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g' | cut -c1-300)"
+        line 0 10 "clean memory" "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g' | short)"
     fi
 }
 
@@ -273,8 +314,9 @@ nothing() { # every criterion, with the reason at the first
 }
 
 grade() {
+    list_files
     while IFS= read -r file; do collect "$file"; done <"$shop/files"
-    if [ -f "$given/assignment" ] && [ "$(sed -n 1p "$given/assignment" | tr -cd 'a-z0-9')" != "$name" ]; then
+    if small "$given/assignment" && [ "$(sed -n 1p "$given/assignment" | tr -cd 'a-z0-9')" != "$name" ]; then
         remark "the kit says it is another assignment"
     fi
     while IFS= read -r file; do
@@ -292,7 +334,7 @@ grade() {
     while IFS= read -r file; do
         [ -f "$work/src/$file" ] || cp "src/$file" "$work/src/$file" || return
         if ! compile "$file" "" >>"$work/messages"; then
-            first=$(sed "s|$work/src/||g" "$work/messages" | grep -m 1 'error\|stopped' | cut -c1-300)
+            first=$(sed "s|$work/src/||g" "$work/messages" | grep -m 1 'error\|out of memory\|stopped' | short)
             remark "it does not compile: $first"
             [ -n "$BIS_RESULT" ] || sed "s|$work/src/|src/|g" "$work/messages" >&2
             nothing "it does not compile"
@@ -301,8 +343,8 @@ grade() {
         look_at_object "$file" || { nothing "refused"; return; }
     done <"$shop/units"
     warnings=$(grep -c 'warning:' "$work/messages")
-    if ! link_it mine "$shop/claims.o" ""; then
-        remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages" | cut -c1-300)"
+    if ! link_it mine ""; then
+        remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages" | short)"
         nothing "it does not link"
         return
     fi

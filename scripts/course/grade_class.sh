@@ -1,5 +1,5 @@
 #!/bin/sh
-# grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the pairs that are alike
+# grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the groups that are alike
 # beyond what was given out.
 #     scripts/course/grade_class.sh NAME FROM JOBS            (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
 # Every entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file itself, of any
@@ -97,7 +97,7 @@ while [ $i -lt "$n" ]; do
     [ -f "$work/$i/prints" ] || : >"$work/$i/prints"
     set -- "$@" "$work/$i/prints"
 done
-"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" | sort -k3,3nr -k1,1n -k2,2n >"$work/alike"
+"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" | sort -k2,2nr -k3,3n >"$work/alike"
 {
     awk -F '\t' '{ print "C\t" $2 "\t" $3 }' "$BIS_SHOP/ours.marks"
     printf 'C\t10\tspeed\nC\t10\tclean memory\n'

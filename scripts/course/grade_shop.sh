@@ -7,8 +7,8 @@
 #     sandbox      "bwrap" or "none"                         secrets  two
 #     numbers, by both of which ours is right
 #     headers/     all that a hand-in may include            lib.a     the library without ours of these files
-#     claims.o clean.o   the claims, plain and sanitized     ours      their program with our own code
-#     ours.marks    its marks
+#     claims       the claims, which ask a student's program  ours      such a program, with our own code
+#     ours-clean   the same, sanitized, where that is possible ours.marks  its marks
 #     refer/FILE.defined  what an object must define         allowed   what any may use besides what ours does
 #     blank.prints  of the files as they are given out
 name=$1
@@ -65,13 +65,13 @@ done >>"$shop/allowed"
 # shellcheck disable=SC2086
 cp "${BIS_OBJECTS##* }" "$shop/lib.a" && $BIS_COMPILE -c -o "$shop/claims.o" "tests/course/$name.c" || exit 1
 # shellcheck disable=SC2086
-$BIS_LINK -o "$shop/ours" "$shop/claims.o" $BIS_OBJECTS $BIS_LIBS || exit 1
-ar d "$shop/lib.a" $(sed 's|.*/||; s|\.c$|.o|' "$shop/units") || exit 1
+$BIS_LINK -o "$shop/claims" "$shop/claims.o" $BIS_OBJECTS $BIS_LIBS || exit 1
 # shellcheck disable=SC2086
-if $BIS_COMPILE $BIS_SANITIZE -c -o "$shop/clean.o" "tests/course/$name.c" 2>/dev/null; then
-    $BIS_LINK $BIS_SANITIZE -o "$shop/ours-clean" "$shop/clean.o" $BIS_OBJECTS $BIS_LIBS 2>/dev/null ||
-        rm "$shop/clean.o"
-fi
+$BIS_LINK -o "$shop/ours" $BIS_SERVER "${BIS_OBJECTS##* }" $BIS_LIBS || exit 1
+# shellcheck disable=SC2086
+$BIS_LINK $BIS_SANITIZE -o "$shop/ours-clean" $BIS_SERVER "${BIS_OBJECTS##* }" $BIS_LIBS 2>/dev/null
+# shellcheck disable=SC2046
+ar d "$shop/lib.a" $(sed 's|.*/||; s|\.c$|.o|' "$shop/units") || exit 1
 
 # A secret that our own code is right by. Statistical tests have a level; 1 secret in 1000 may be an unlucky one.
 : >"$shop/secrets"
@@ -79,7 +79,7 @@ for try in 1 2 3 4 5 6; do
     [ "$(wc -l <"$shop/secrets")" -lt 2 ] || break
     secret=$(od -A n -N 8 -t x8 /dev/urandom | tr -d ' ')
     [ -z "$BIS_GRADE_SECRET" ] || secret=$(printf '%x' $((0x$BIS_GRADE_SECRET + try)))
-    "$BIS_BUILD/grade" claims -s "$secret" "$shop/ours" "$shop/ours" >"$shop/ours.marks" || exit 1
+    "$BIS_BUILD/grade" claims -s "$secret" "$shop/ours" "$shop/claims" >"$shop/ours.marks" || exit 1
     grep -q '^wrong' "$shop/ours.marks" || echo "$secret" >>"$shop/secrets"
 done
 [ -s "$shop/secrets" ] || fail "our own code fails: $(grep '^wrong' "$shop/ours.marks")"

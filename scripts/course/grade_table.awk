@@ -1,6 +1,6 @@
-# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; html; text, the pairs
+# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; html; text, the groups
 # alone.
-#     C points criterion      N name      R remark      L points of criterion message      A i j percent
+#     C points criterion      N name      R remark      L points of criterion message      A least most i j ...
 #     (with tabs between)
 function csv(s) {
     if (s ~ /^[=+\-@]/) s = "'" s # a formula, to a spreadsheet
@@ -21,8 +21,16 @@ $1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }
 $1 == "N" { name[++n] = $2; k = 0 }
 $1 == "R" { note(n, $2) }
 $1 == "L" { points[n, ++k] = $2; sum[n] += $2; message[n, k] = $5; if ($5 != "") note(n, $4 ": " $5) }
-$1 == "A" { n_pairs++; first[n_pairs] = $2; second[n_pairs] = $3; share[n_pairs] = $4
-            note($2, $4 " % like " name[$3]); note($3, $4 " % like " name[$2]) }
+$1 == "A" {
+    n_groups++
+    share[n_groups] = $2 == $3 ? $2 " %" : $2 " to " $3 " %"
+    for (k = 4; k <= NF; k++) {
+        members[n_groups, k] = name[$k]
+        size[n_groups] = NF
+        others = NF == 5 ? name[$(9 - k)] : (NF - 4) " others: group " n_groups
+        note($k, share[n_groups] " like " others)
+    }
+}
 END {
     if (kind == "csv") {
         printf "student,points"
@@ -50,13 +58,19 @@ END {
         }
         print "</table>"
         print "<h2>Alike beyond what was given out</h2>"
-        print n_pairs ? "<table><tr><th>student</th><th>student</th><th>in common</th></tr>" : "<p>None.</p>"
-        for (p = 1; p <= n_pairs; p++)
-            printf "<tr><td>%s</td><td>%s</td><td class=\"n\">%d %%</td></tr>\n",
-                html(name[first[p]]), html(name[second[p]]), share[p]
-        if (n_pairs) print "</table>"
+        print n_groups ? "<table><tr><th>group</th><th>students</th><th>in common</th></tr>" : "<p>None.</p>"
+        for (g = 1; g <= n_groups; g++) {
+            printf "<tr><td class=\"n\">%d</td><td>", g
+            for (k = 4; k <= size[g]; k++) printf "%s%s", (k > 4 ? "<br>" : ""), html(members[g, k])
+            printf "</td><td class=\"n\">%s</td></tr>\n", share[g]
+        }
+        if (n_groups) print "</table>"
         print "</body></html>"
     } else {
-        for (p = 1; p <= n_pairs; p++) printf "alike, %d %%: %s, %s\n", share[p], name[first[p]], name[second[p]]
+        for (g = 1; g <= n_groups; g++) {
+            printf "alike, %s:", share[g]
+            for (k = 4; k <= size[g]; k++) printf "%s %s", (k > 4 ? "," : ""), members[g, k]
+            print ""
+        }
     }
 }

@@ -34,8 +34,8 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
     bis_em_samples_scratch_needs(n_em, s, need);
 }
 
-/* Returns h of the technique with n q = own against the other technique. It works with their ratio, because squares
- * could underflow; a ratio of Inf is correct. */
+/* Returns h of the technique with n q = own against the other technique. It works with their ratio, because one form
+ * then serves both heuristics; a ratio of Inf is correct. */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {

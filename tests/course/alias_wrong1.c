@@ -1,8 +1,5 @@
 /* A giver stays with the large ones, although it has come to lie below the line: its own bin is never filled. */
-/* loses: figure_3_4_comes_out */
 /* loses: every_table_gives_the_weights */
-/* loses: tables_hold_for_a_contrast_of_1e12_and_a_million_items */
-/* loses: items_are_drawn_with_their_probabilities */
 /* [alias-build] */
 /* "Assign alias indices." */
 static void assign_aliases(double *prob, uint32_t *alias, stacks *s)

@@ -1,5 +1,6 @@
-/* Assignment grid: src/shape/grid_walk.c. Every ray is compared with brute force over all triangles, in long double; ties within 4 ulps of an edge are
- * left out. Brute force itself is found out by cells that hold what they should not. */
+/* Assignment grid: src/shape/grid_walk.c. Every ray is compared with brute force over all triangles, in long double;
+ * ties within 4 ulps of an edge are left out. Brute force itself is found out by cells that hold what they should
+ * not. */
 #include "mark.h"
 
 #include "bis/base/mem.h"
@@ -8,25 +9,34 @@
 
 #include <string.h>
 
+/* A mesh, the geometry of it, and how dense the student's grid is. */
 typedef struct world {
     bis_geometry g;
-    bis_accel *grid;
+    double density;
 } world;
 
-/* w must stay where it is: the grid points to its geometry. */
 static void world_init(world *w, bis_mesh m, double density)
 {
     const bis_xform identity = bis_xform_identity();
 
-    *w = (world){.grid = NULL};
+    *w = (world){.density = density};
     add_mesh(&w->g, &m, &identity, 0);
-    if (bis_grid_new(&w->grid, &w->g, density, 1, NULL)) mark_wrong("no memory for a grid");
 }
 
 static void world_free(world *w)
 {
-    bis_accel_free(w->grid);
     bis_geometry_clear(&w->g);
+}
+
+/* What the student's walk finds by n rays. */
+static ask_hit *trace(const world *w, const ray *r, size_t n)
+{
+    ask_hit *h = mark_alloc(n, sizeof *h);
+
+    ASK(ASK_RAYS, GIVE(w->g.p, w->g.n_vertices), GIVE(w->g.index, 3 * w->g.n_triangles), GIVE(&w->density, 1),
+        GIVE(r, n), TAKE(h, n),
+        GIVE(w->g.p, 0), GIVE(w->g.p, 0), GIVE(w->g.p, 0), GIVE(w->g.p, 0));
+    return h;
 }
 
 static long double determinant(const long double a[3], const long double b[3], const long double c[3])
@@ -62,13 +72,15 @@ static bool brute_triangle(const bis_geometry *g, uint32_t prim, const ray *r, l
     return b1 >= 0 && b2 >= 0 && b1 + b2 <= 1 && *t > 0 && *t < (long double)r->tmax;
 }
 
-/* Is the ray's line so far from the triangle that it neither meets it nor nearly does? The triangle lies within r of its centroid; a
- * thousandth of r and of the way there is much more than the 4 ulps of is_tie. It saves brute force most of its work. */
+/* Is the ray's line so far from the triangle that it neither meets it nor nearly does? The triangle lies within r of
+ * its centroid; a thousandth of r and of the way there is much more than the 4 ulps of is_tie. It saves brute force
+ * most of its work. */
 static bool is_far(const bis_geometry *g, uint32_t prim, const ray *r)
 {
     const vec3 *p[3];
     double c[3], to[3], radius2 = 0;
-    const double o[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z}, d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
+    const double o[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z},
+        d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
 
     for (int i = 0; i < 3; i++) p[i] = &g->p[g->index[3 * (size_t)prim + (size_t)i]];
     c[0] = ((double)p[0]->x + (double)p[1]->x + (double)p[2]->x) / 3;
@@ -85,11 +97,10 @@ static bool is_far(const bis_geometry *g, uint32_t prim, const ray *r)
 }
 
 /* 1 when the ray hits. Both queries must agree with brute force. */
-static int check(const world *w, const ray *r, const char *what)
+static int check(const world *w, const ray *r, const ask_hit *h, const char *what)
 {
     uint32_t prim = BIS_NO_PRIM;
     long double t = (long double)INFINITY;
-    bis_hit hit = {-1, BIS_NO_PRIM};
 
     for (uint32_t k = 0; k < w->g.n_triangles; k++) {
         long double here;
@@ -100,25 +111,38 @@ static int check(const world *w, const ray *r, const char *what)
             prim = k;
         }
     }
-    const bool must = prim != BIS_NO_PRIM, found = bis_accel_intersect(w->grid, r, &hit), any = bis_accel_occluded(w->grid, r);
-    const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z, dx = (double)r->d.x, dy = (double)r->d.y, dz = (double)r->d.z;
-    if (found && !must) {
+    const bool must = prim != BIS_NO_PRIM;
+    const bis_hit hit = h->hit;
+    const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z, dx = (double)r->d.x,
+        dy = (double)r->d.y, dz = (double)r->d.z;
+    if (h->found && !must) {
         mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits triangle %u at t = %g; it must hit nothing", what,
                    ox, oy, oz, dx, dy, dz, hit.prim, (double)hit.t);
     }
-    if (!found && must) {
+    if (!h->found && must) {
         mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits nothing; it must hit triangle %u at t = %Lg",
                    what, ox, oy, oz, dx, dy, dz, prim, t);
     }
-    if (any != must) {
+    if (h->any != must) {
         mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g): the any-hit query says %d, must be %d", what, ox, oy,
-                   oz, dx, dy, dz, any, must);
+                   oz, dx, dy, dz, h->any, must);
     }
     if (must && !(fabsl((long double)hit.t - t) <= 1e-5L * (t + 1))) {
         mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits triangle %u at t = %g; the nearest hit is "
                    "triangle %u at t = %Lg", what, ox, oy, oz, dx, dy, dz, hit.prim, (double)hit.t, prim, t);
     }
     return must;
+}
+
+/* How many of n rays hit. */
+static int check_all(const world *w, const ray *r, size_t n, const char *what)
+{
+    ask_hit *h = trace(w, r, n);
+    int hits = 0;
+
+    for (size_t k = 0; k < n; k++) hits += check(w, &r[k], &h[k], what);
+    bis_free(h);
+    return hits;
 }
 
 static void expect_hits(int hits, int least, const char *what)
@@ -135,14 +159,15 @@ static void one_triangle_is_hit_and_missed(void)
     for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
     world w;
     world_init(&w, m, 0);
-    int hits = 0;
+    ray down[400], up[400];
 
     for (int k = 0; k < 400; k++) {
         const float x = (float)(k % 20 + 0.37) / 20, y = (float)((int)(k / 20) + 0.41) / 20;
-        const ray down = {{x, y, 3}, {0.01f, 0.02f, -1}, INFINITY}, up = {{x, y, -3}, {0.01f, -0.02f, 1}, INFINITY};
-        hits += check(&w, &down, "one triangle from above") + check(&w, &up, "one triangle from below");
+        down[k] = (ray){{x, y, 3}, {0.01f, 0.02f, -1}, INFINITY};
+        up[k] = (ray){{x, y, -3}, {0.01f, -0.02f, 1}, INFINITY};
     }
-    expect_hits(hits, 300, "one triangle");
+    expect_hits(check_all(&w, down, 400, "one triangle from above") + check_all(&w, up, 400,
+            "one triangle from below"), 300, "one triangle");
     world_free(&w);
 }
 
@@ -152,6 +177,16 @@ static ray random_ray(uint64_t *seed, double away)
     const vec3 o = random_point(seed, -away, 1 + away), to = random_point(seed, 0, 1);
 
     return (ray){o, normalize(sub(to, o)), INFINITY};
+}
+
+enum { RAYS = 3000 };
+
+static ray *random_rays(uint64_t *seed, double away, size_t n)
+{
+    ray *r = mark_alloc(n, sizeof *r);
+
+    for (size_t k = 0; k < n; k++) r[k] = random_ray(seed, away);
+    return r;
 }
 
 /* Longer in x than in z: no two axes have as many cells. */
@@ -166,18 +201,21 @@ static void check_soup(size_t n, double size, double density, double away, int l
     uint64_t seed = mark_seed(n);
     world w;
     world_init(&w, oblong(soup_mesh(mark_size(n), size, mark_seed(11))), density);
-    int hits = 0;
+    ray *r = random_rays(&seed, away, RAYS);
 
-    for (int k = 0; k < 3000; k++) {
-        const ray r = random_ray(&seed, away);
-        hits += check(&w, &r, what);
-    }
-    expect_hits(hits, least, what);
+    expect_hits(check_all(&w, r, RAYS, what), least, what);
+    bis_free(r);
     world_free(&w);
 }
 
-static void small_triangles_from_outside_are_met(void) { check_soup(500, 0.1, 0, 0.8, 300, "500 small triangles, from outside"); }
-static void small_triangles_from_inside_are_met(void) { check_soup(500, 0.1, 0, 0, 200, "500 small triangles, from inside"); }
+static void small_triangles_from_outside_are_met(void)
+{
+    check_soup(500, 0.1, 0, 0.8, 300, "500 small triangles, from outside");
+}
+static void small_triangles_from_inside_are_met(void)
+{
+    check_soup(500, 0.1, 0, 0, 200, "500 small triangles, from inside");
+}
 
 /* They reach through many cells: a hit is found before its cell is reached. */
 static void the_nearest_of_large_triangles_is_found(void)
@@ -191,9 +229,9 @@ static void rays_along_an_axis_are_met(void)
     uint64_t seed = mark_seed(3);
     world w;
     world_init(&w, soup_mesh(mark_size(800), 0.15, mark_seed(12)), 0);
-    int hits = 0;
+    static ray r[RAYS];
 
-    for (int k = 0; k < 3000; k++) {
+    for (int k = 0; k < RAYS; k++) {
         float o[3], d[3];
         const int axis = k % 3, flat_axis = k / 3 % 3;
         for (int a = 0; a < 3; a++) {
@@ -203,10 +241,9 @@ static void rays_along_an_axis_are_met(void)
         if (k % 2) o[axis] = k / 2 % 2 ? -1 : 2; /* outside, along one axis, there or back */
         if (k % 2 && o[axis] > 1) d[axis] = -1;
         if (k % 2 == 0) d[flat_axis] = zeros[k / 2 % 2];
-        const ray r = {{o[0], o[1], o[2]}, normalize((vec3){d[0], d[1], d[2]}), INFINITY};
-        hits += check(&w, &r, "a direction with a component of 0 or -0");
+        r[k] = (ray){{o[0], o[1], o[2]}, normalize((vec3){d[0], d[1], d[2]}), INFINITY};
     }
-    expect_hits(hits, 300, "rays along axes");
+    expect_hits(check_all(&w, r, RAYS, "a direction with a component of 0 or -0"), 300, "rays along axes");
     world_free(&w);
 }
 
@@ -220,22 +257,24 @@ static void the_last_cell_is_visited(void)
     world w;
     world_init(&w, m, 100);
     uint64_t seed = mark_seed(4);
-    int hits = 0;
+    static ray inside[2000];
 
     for (int k = 0; k < 2000; k++) {
         const double x = random_between(&seed, 0.05, 0.95), y = random_between(&seed, 0.05, 0.95);
         const double dx = random_between(&seed, -0.1, 0.1), dy = random_between(&seed, -0.1, 0.1);
-        const ray inside = {vec3_from(x, y, 0.5), normalize(vec3_from(dx, dy, k % 2 ? 1 : -1)), INFINITY};
-        hits += check(&w, &inside, "a box open at the sides: from its middle to floor or ceiling, in the first and last layer of cells");
+        inside[k] = (ray){vec3_from(x, y, 0.5), normalize(vec3_from(dx, dy, k % 2 ? 1 : -1)), INFINITY};
     }
-    expect_hits(hits, 1500, "floor and ceiling");
+    expect_hits(check_all(&w, inside, 2000, "a box open at the sides: from its middle to floor or ceiling, in the "
+                          "first and last layer of cells"), 1500,
+                "floor and ceiling");
     world_free(&w);
 }
 
 /* Where the ray is inside of cell c enlarged by `slack` of its size on each side: t from in to out. False: nowhere. */
 static bool passes(const bis_grid *g, size_t c, const ray *r, long double slack, long double *in, long double *out)
 {
-    const size_t i[3] = {c % (size_t)g->n[0], c / (size_t)g->n[0] % (size_t)g->n[1], c / ((size_t)g->n[0] * (size_t)g->n[1])};
+    const size_t i[3] = {c % (size_t)g->n[0], c / (size_t)g->n[0] % (size_t)g->n[1],
+                         c / ((size_t)g->n[0] * (size_t)g->n[1])};
     long double o[3], d[3];
 
     flat(o, r->o);
@@ -256,8 +295,9 @@ static bool passes(const bis_grid *g, size_t c, const ray *r, long double slack,
     return *in <= *out;
 }
 
-/* A sheet across the ray, before all else: in the geometry's list, but only in those cells' that the ray does not need: off its way, or behind
- * the end of the nearest hit's cell. Who finds it looks where there is nothing to look for. */
+/* A sheet across the ray, before all else: in the geometry's list, but only in those cells' that the ray does not
+ * need: off its way, or behind the end of the nearest hit's cell. Who finds it looks where there is nothing to look
+ * for. */
 static void set_decoy(world *w, uint32_t decoy, const ray *r)
 {
     const frame f = frame_about(r->d);
@@ -282,63 +322,87 @@ static long double nearest_but(const world *w, uint32_t decoy, const ray *r)
     return t;
 }
 
+/* What lies in the cells, in the place of what the grid put there: bis_free the arrays. */
+typedef struct cells {
+    uint32_t *offsets, *items;
+    uint64_t *occupied;
+    size_t n_words;
+} cells;
+
+/* Each cell that the ray needs to look into, up to the nearest hit at t, holds what it held, but for the decoy;
+ * every other cell holds the decoy alone. Returns how many do. */
+static int lay_traps(cells *c, const bis_grid *g, uint32_t decoy, const ray *r, long double t)
+{
+    const long double last = fminl(t, (long double)r->tmax);
+    long double in, out, end = last; /* where the walk may end: the wall behind the hit */
+    uint32_t n = 0;
+    int traps = 0;
+
+    for (size_t i = 0; i < g->n_cells; i++) {
+        if (passes(g, i, r, 0.01L, &in, &out) && in <= last && out > end) end = out;
+    }
+    memset(c->occupied, 0, c->n_words * sizeof *c->occupied);
+    for (size_t i = 0; i < g->n_cells; i++) {
+        c->offsets[i] = n;
+        if (passes(g, i, r, 0.01L, &in, &out) && in <= end) {
+            for (uint32_t k = g->offsets[i]; k < g->offsets[i + 1]; k++) {
+                if (g->items[k] != decoy) c->items[n++] = g->items[k];
+            }
+        } else {
+            c->items[n++] = decoy;
+            traps++;
+        }
+        if (n > c->offsets[i]) c->occupied[i >> 6] |= (uint64_t)1 << (i & 63);
+    }
+    c->offsets[g->n_cells] = c->offsets[g->n_cells + 1] = n;
+    return traps;
+}
+
 static void only_the_cells_on_the_way_are_looked_at(void)
 {
     uint64_t seed = mark_seed(8);
     bis_mesh m = oblong(soup_mesh(40, 0.25, mark_seed(16)));
-    world w;
-    world_init(&w, m, 8);
-    bis_grid *g = (bis_grid *)w.grid;
     const uint32_t decoy = 17; /* whatever it was: no cell holds it now but by our hand */
-    uint32_t *offsets = g->offsets, *items = g->items, n_items = offsets[g->n_cells];
-    uint64_t *occupied = g->occupied;
-    const size_t n_words = g->n_cells / 64 + 1;
+    bis_accel *grid;
+    world w;
     int traps = 0;
 
-    bis_free(g->blocks); /* what is packed would still hold the old items */
-    g->blocks = NULL;
-    g->offsets = bis_alloc(g->n_cells + 2, sizeof *g->offsets);
-    g->items = bis_alloc(n_items + g->n_cells, sizeof *g->items);
-    g->occupied = bis_alloc(n_words, sizeof *g->occupied);
-    if (!g->offsets || !g->items || !g->occupied) mark_wrong("no memory");
+    world_init(&w, m, 8);
+    if (bis_grid_new(&grid, &w.g, w.density, 1, NULL)) mark_wrong("no memory for a grid");
+    const bis_grid *g = (const bis_grid *)grid;
+    const size_t n_p = w.g.n_vertices, n_items = g->offsets[g->n_cells] + g->n_cells;
+    vec3 *p = mark_alloc(n_p, sizeof *p); /* as the grid was built */
+    cells c = {mark_alloc(g->n_cells + 2, sizeof *c.offsets), mark_alloc(n_items, sizeof *c.items), NULL,
+               g->n_cells / 64 + 1};
+    c.occupied = mark_alloc(c.n_words, sizeof *c.occupied);
+    memcpy(p, w.g.p, n_p * sizeof *p);
     for (int k = 0; k < 400; k++) {
         ray r = random_ray(&seed, 0.8);
         if (k % 3 == 0) r.tmax = 0.4f; /* nor are those behind the ray's end */
         set_decoy(&w, decoy, &r);
         const long double t = nearest_but(&w, decoy, &r);
         if (t < 0) continue;
-        const long double last = fminl(t, (long double)r.tmax);
-        long double in, out, end = last; /* where the walk may end: the wall behind the hit */
-        for (size_t c = 0; c < g->n_cells; c++) {
-            if (passes(g, c, &r, 0.01L, &in, &out) && in <= last && out > end) end = out;
-        }
-        uint32_t n = 0;
-        memset(g->occupied, 0, n_words * sizeof *g->occupied);
-        for (size_t c = 0; c < g->n_cells; c++) {
-            g->offsets[c] = n;
-            if (passes(g, c, &r, 0.01L, &in, &out) && in <= end) {
-                for (uint32_t i = offsets[c]; i < offsets[c + 1]; i++) {
-                    if (items[i] != decoy) g->items[n++] = items[i];
-                }
-            } else {
-                g->items[n++] = decoy;
-                traps++;
-            }
-            if (n > g->offsets[c]) g->occupied[c >> 6] |= (uint64_t)1 << (c & 63);
-        }
-        g->offsets[g->n_cells] = g->offsets[g->n_cells + 1] = n;
-        bis_hit hit = {-1, BIS_NO_PRIM};
-        const bool found = bis_accel_intersect(w.grid, &r, &hit), any = bis_accel_occluded(w.grid, &r);
-        if ((found && hit.prim == decoy) || (any && isinf(t))) {
-            mark_wrong("ray %d finds triangle %u, which lies only in cells that it does not pass, or passes after its nearest hit: a walk looks into the "
+        traps += lay_traps(&c, g, decoy, &r, t);
+        ask_hit h;
+        ASK(ASK_RAYS, GIVE(p, n_p), GIVE(w.g.index, 3 * w.g.n_triangles), GIVE(&w.density, 1), GIVE(&r, 1),
+            TAKE(&h, 1), GIVE(w.g.p, n_p),
+            GIVE(c.offsets, g->n_cells + 2), GIVE(c.items, n_items), GIVE(c.occupied, c.n_words));
+        if ((h.found && h.hit.prim == decoy) || (h.any && isinf(t))) {
+            mark_wrong("ray %d finds triangle %u, which lies only in cells that it does not pass, or passes after its "
+                       "nearest hit: a walk looks into the "
                        "cells on its way, in order, and ends with the cell of the hit", k, decoy);
         }
-        if (found != !isinf(t) || any != found) mark_wrong("ray %d: nearest hit %d, any hit %d, must be %d: are all cells on the way looked at?", k, found, any, !isinf(t));
+        if (h.found != !isinf(t) || h.any != !isinf(t)) {
+            mark_wrong("ray %d: nearest hit %d, any hit %d, must be %d: are all cells on the way looked at?", k,
+                       h.found, h.any, !isinf(t));
+        }
     }
     if (traps == 0) mark_wrong("not a single cell was off the way");
-    bis_free(offsets);
-    bis_free(items);
-    bis_free(occupied);
+    bis_free(p);
+    bis_free(c.offsets);
+    bis_free(c.items);
+    bis_free(c.occupied);
+    bis_accel_free(grid);
     world_free(&w);
 }
 
@@ -347,52 +411,53 @@ static void tmax_ends_the_ray(void)
     uint64_t seed = mark_seed(5);
     world w;
     world_init(&w, soup_mesh(mark_size(300), 0.2, mark_seed(13)), 0);
-    int hits = 0, cut = 0;
+    ray *r = random_rays(&seed, 0.5, RAYS);
+    ask_hit *h = trace(&w, r, RAYS);
+    int n = 0, cut = 0;
 
-    for (int k = 0; k < 3000; k++) {
-        ray r = random_ray(&seed, 0.5);
-        bis_hit hit;
-        if (!bis_accel_intersect(w.grid, &r, &hit)) continue;
-        r.tmax = hit.t * (k % 2 ? 0.99f : 1.01f);
-        hits += check(&w, &r, "a ray that ends just before or just behind its nearest hit");
+    for (int k = 0; k < RAYS; k++) {
+        if (!h[k].found) continue;
+        r[n] = r[k];
+        r[n++].tmax = h[k].hit.t * (k % 2 ? 0.99f : 1.01f);
         cut += k % 2;
     }
-    expect_hits(hits, 200, "rays that end behind a hit");
+    expect_hits(check_all(&w, r, (size_t)n, "a ray that ends just before or just behind its nearest hit"), 200,
+                "rays that end behind a hit");
     expect_hits(cut, 200, "rays that end before a hit");
+    bis_free(r);
+    bis_free(h);
     world_free(&w);
 }
 
 static void far_origins_are_met(void)
 {
+    enum { N = 1000 };
     uint64_t seed = mark_seed(6);
     world w;
     world_init(&w, soup_mesh(mark_size(300), 0.2, mark_seed(14)), 0);
-    int hits = 0;
+    static ray there[N], away[N];
 
-    for (int k = 0; k < 1000; k++) {
+    for (int k = 0; k < N; k++) {
         const vec3 to = random_point(&seed, 0, 1);
         const vec3 o = add(to, mul(random_direction(&seed), 500));
-        const ray r = {o, normalize(sub(to, o)), INFINITY}, away = {o, neg(r.d), INFINITY};
-        hits += check(&w, &r, "an origin 500 boxes away");
-        check(&w, &away, "a ray that flies away from the box");
+        there[k] = (ray){o, normalize(sub(to, o)), INFINITY};
+        away[k] = (ray){o, neg(there[k].d), INFINITY};
     }
-    expect_hits(hits, 200, "far origins");
+    check_all(&w, away, N, "a ray that flies away from the box");
+    expect_hits(check_all(&w, there, N, "an origin 500 boxes away"), 200, "far origins");
     world_free(&w);
 }
 
 static void work(void)
 {
+    enum { N = 60000 };
     uint64_t seed = mark_seed(7);
     world w;
     world_init(&w, soup_mesh(mark_size(20000), 0.03, mark_seed(15)), 8);
-    int hits = 0;
+    ray *r = random_rays(&seed, 0.5, N);
 
-    for (int k = 0; k < 60000; k++) {
-        const ray r = random_ray(&seed, 0.5);
-        bis_hit hit;
-        hits += bis_accel_intersect(w.grid, &r, &hit) + bis_accel_occluded(w.grid, &r);
-    }
-    if (hits == 0) mark_wrong("nothing is hit");
+    bis_free(trace(&w, r, N));
+    bis_free(r);
     world_free(&w);
 }
 
@@ -410,5 +475,5 @@ int main(int argc, char **argv)
         {"far_origins_are_met", 5, far_origins_are_met},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 8.0);
 }

@@ -1,14 +1,14 @@
-/* Assignment sir: src/thesis/set.c, src/thesis/choose.c and src/thesis/sir.c. Weights by the textbooks' formulas, choices by hand, means against brute force, and
- * rays counted (tests/support/lit.h): not even the right mean counts where more are cast than N. Statistical tests: 23. */
+/* Assignment sir: src/thesis/set.c, src/thesis/choose.c and src/thesis/sir.c. Weights by the textbooks' formulas,
+ * choices by hand, means against brute force, and rays counted (tests/support/lit.h): not even the right mean counts
+ * where more are cast than N. Statistical tests: 23. */
 #include "mark.h"
 
-#include "bis/thesis/phong.h"
-#include "thesis/candidates.h"
+#include "bis/base/mem.h"
 #include "thesis/set.h"
 
-static const char *const hint = "L = (Zhat/N) sum of F/phat V over the chosen, Zhat = W/M: the mean weight of these very candidates.";
+static const char *const hint = "L = (Zhat/N) sum of F/phat V over the chosen, Zhat = W/M: the mean weight of these "
+    "very candidates.";
 
-static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
 static bis_material glossy(void) { return bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rgb){0.5f, 0.3f, 0.1f}, 10); }
 
 static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool stratify)
@@ -22,132 +22,186 @@ static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool stra
     return s;
 }
 
-static bis_stream stream_of(uint64_t run, bis_sampler *sampler)
-{
-    bis_stream stream;
-
-    *sampler = (bis_sampler){.kind = BIS_SAMPLER_RANDOM, .seed = mark_seed(9), .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
-    bis_stream_init(&stream, sampler, run, 0);
-    return stream;
-}
-
 /* ---- weights ---- */
 
-/* Candidate i of a half against F = f Le and w = phat/q, q = beta q_L + (1 - beta) q_f. Le and q_L are those that it was drawn with. */
-static bool check_candidate(const lit *l, const bis_set *x, const bis_half *half, uint32_t i, double beta, const char *what)
+/* What the student makes of the candidates x, which are ours. */
+typedef struct weighed {
+    const bis_set *x;
+    float *w, *F[3];
+    double Zhat;
+} weighed;
+
+static double weight_of(const weighed *g, uint32_t number)
+{
+    return (double)g->w[number] * g->x->unit_of_f * g->x->unit_of_Le;
+}
+
+/* Candidate i of a half against F = f Le and w = phat/q, q = beta q_L + (1 - beta) q_f. Le and q_L are those that it
+ * was drawn with. */
+static bool check_candidate(const lit *l, const weighed *g, const bis_half *half, uint32_t i, double beta,
+                            const char *what)
 {
     const bis_lanes y = half->x;
     const uint32_t number = half->first + i;
-    const double wi[3] = {(double)y.x[i], (double)y.y[i], (double)y.z[i]}, unit = x->unit_of_f * x->unit_of_Le;
-    const double cosine = dot(l->pt.n, (vec3){y.x[i], y.y[i], y.z[i]}), w = bis_set_weight(x, number);
+    const double wi[3] = {(double)y.x[i], (double)y.y[i], (double)y.z[i]}, unit_of_Le = g->x->unit_of_Le,
+        unit = g->x->unit_of_f * unit_of_Le;
+    const double cosine = dot(l->pt.n, (vec3){y.x[i], y.y[i], y.z[i]}), w = weight_of(g, number);
     double q_f;
     const rgbd f = lit_f(l, wi, &q_f);
-    const rgbd F = {f.r * (double)y.r[i] * x->unit_of_Le, f.g * (double)y.g[i] * x->unit_of_Le, f.b * (double)y.b[i] * x->unit_of_Le};
+    const rgbd F = {f.r * (double)y.r[i] * unit_of_Le, f.g * (double)y.g[i] * unit_of_Le,
+                    f.b * (double)y.b[i] * unit_of_Le};
     const double q = beta * (double)y.q[i] + (1 - beta) * q_f, degrees = acos(fmin(1, cosine)) * 180 / PI;
 
     if (cosine <= 0) {
         if (w != 0) mark_wrong("%s: candidate %u lies below the horizon, but has weight %g", what, number, w);
         return false;
     }
-    mark_near(w, rgbd_sum(F) * cosine / q, 0, 1e-3, "%s: the weight of candidate %u, %.0f degrees from the normal, phat/q = (f cos Le summed over RGB)/q,", what,
+    mark_near(w, rgbd_sum(F) * cosine / q, 0, 1e-3, "%s: the weight of candidate %u, %.0f degrees from the normal, "
+              "phat/q = (f cos Le summed over RGB)/q,", what,
               number, degrees);
-    mark_near((double)x->F[0][number] * unit, F.r, 0, 1e-3, "%s: F_r of candidate %u, f Le without the cosine,", what, number);
-    mark_near((double)x->F[1][number] * unit, F.g, 0, 1e-3, "%s: F_g of candidate %u, f Le without the cosine,", what, number);
-    mark_near((double)x->F[2][number] * unit, F.b, 0, 1e-3, "%s: F_b of candidate %u, f Le without the cosine,", what, number);
+    mark_near((double)g->F[0][number] * unit, F.r, 0, 1e-3, "%s: F_r of candidate %u, f Le without the cosine,", what,
+              number);
+    mark_near((double)g->F[1][number] * unit, F.g, 0, 1e-3, "%s: F_g of candidate %u, f Le without the cosine,", what,
+              number);
+    mark_near((double)g->F[2][number] * unit, F.b, 0, 1e-3, "%s: F_b of candidate %u, f Le without the cosine,", what,
+              number);
     return w > 0;
+}
+
+enum { CANDIDATES = 400 };
+
+/* The candidates of the claims about weights: the same ones here and in the student's process. The unit of f, which
+ * weighing stores in a set, is asked of the material. */
+static ask_scene drawn(lit *l, bis_scratch *scratch, bis_proposal proposal)
+{
+    bis_settings s = sir(proposal, CANDIDATES, 1, false);
+    ask_scene scene = mark_scene(LIT_SMOOTH, glossy(), LIT_OPEN, ASK_SIR, &s);
+    bis_sampler sampler;
+
+    scene.seed = mark_seed(9);
+    mark_lit(l, &scene);
+    if (bis_scratch_init(scratch, &s, NULL)) mark_wrong("no memory");
+    bis_stream stream = answers_stream(scene.seed, 1, &sampler);
+    bis_set *x = scratch->set;
+    bis_set_draw(x, CANDIDATES, proposal, false, &l->pt, &stream);
+    float memory[5][BIS_LANES_BLOCK];
+    const bis_reflected f = {memory[0], memory[1], memory[2], memory[3], memory[4]};
+    x->unit_of_f = bis_bsdf_f_many(&f, &l->pt.bsdf, x->map.n ? &x->map.x : &x->brdf.x, 1);
+    return scene;
 }
 
 static void check_weights(bis_proposal proposal, double beta, const char *what)
 {
-    enum { M = 400 };
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
-    const bis_settings s = sir(proposal, M, 1, false);
-    bis_sampler sampler;
     bis_scratch scratch;
     uint32_t lit_ones = 0;
     double sum = 0;
     lit l;
 
-    lit_init(&l, light, glossy(), tilted(), 40, LIT_OPEN);
-    if (bis_scratch_init(&scratch, &s, NULL)) mark_wrong("no memory");
-    bis_set *x = scratch.set;
-    bis_stream stream = stream_of(1, &sampler);
-    bis_set_draw(x, M, proposal, false, &l.pt, &stream);
-    const double Zhat = bis_set_weigh(x, &l.pt);
+    const ask_scene scene = drawn(&l, &scratch, proposal);
+    const bis_set *x = scratch.set;
     const bis_half *halves[] = {&x->map, &x->brdf};
+    const size_t n = x->brdf.first + bis_lanes_round_up(x->brdf.n);
+    weighed g = {.x = x, .w = mark_alloc(n, sizeof *g.w)};
+    for (int c = 0; c < 3; c++) g.F[c] = mark_alloc(n, sizeof *g.F[c]);
+    ASK(ASK_WEIGHTS, GIVE(&scene, 1), TAKE(&g.Zhat, 1), TAKE(g.w, n), TAKE(g.F[0], n), TAKE(g.F[1], n),
+        TAKE(g.F[2], n));
     for (int k = 0; k < 2; k++) {
         for (uint32_t i = 0; i < halves[k]->n; i++) {
-            lit_ones += check_candidate(&l, x, halves[k], i, beta, what);
-            sum += bis_set_weight(x, halves[k]->first + i);
+            lit_ones += check_candidate(&l, &g, halves[k], i, beta, what);
+            sum += weight_of(&g, halves[k]->first + i);
         }
     }
-    if (lit_ones < M / 8) mark_wrong("%s: only %u of %d candidates have a weight; light comes from all sides here", what, lit_ones, M);
-    mark_near(Zhat, sum / M, 0, 1e-5, "%s: the mean of the weights (have you written beyond the n candidates?)", what);
+    if (lit_ones < CANDIDATES / 8) {
+        mark_wrong("%s: only %u of %d candidates have a weight; light comes from all sides here", what, lit_ones,
+                   CANDIDATES);
+    }
+    mark_near(g.Zhat, sum / CANDIDATES, 0, 1e-5, "%s: the mean of the weights (have you written beyond the n "
+              "candidates?)", what);
+    bis_free(g.w);
+    for (int c = 0; c < 3; c++) bis_free(g.F[c]);
     bis_scratch_clear(&scratch);
-    bis_light_free(light);
+    bis_light_free(l.light);
 }
 
 static void weights_from_the_map_are_phat_over_q(void) { check_weights(BIS_PROPOSAL_EM, 1, "candidates from the map"); }
-static void weights_from_the_brdf_are_phat_over_q(void) { check_weights(BIS_PROPOSAL_BRDF, 0, "candidates from the BRDF"); }
+static void weights_from_the_brdf_are_phat_over_q(void)
+{
+    check_weights(BIS_PROPOSAL_BRDF, 0, "candidates from the BRDF");
+}
 
 static void weights_of_a_mixture_have_the_mixed_density(void)
 {
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
-    bis_sampler sampler;
+    bis_scratch scratch;
     lit l;
 
-    lit_init(&l, light, glossy(), tilted(), 40, LIT_OPEN);
-    bis_stream stream = stream_of(1, &sampler);
-    const bis_mixture m = bis_candidates_divide(400, BIS_PROPOSAL_MIX, &l.pt, &stream);
-    bis_light_free(light);
-    check_weights(BIS_PROPOSAL_MIX, m.beta, "candidates of a mixture");
+    drawn(&l, &scratch, BIS_PROPOSAL_MIX);
+    const double beta = scratch.set->beta;
+    bis_scratch_clear(&scratch);
+    bis_light_free(l.light);
+    check_weights(BIS_PROPOSAL_MIX, beta, "candidates of a mixture");
 }
 
 /* ---- choices ---- */
 
 /* Four blocks of 16. One has no weight at all, and the last weight of the third is far from its end. */
-static const double weights[] = {[1] = 1, [3] = 3, [4] = 0.5, [6] = 2.5, [7] = 1, [31] = 0.25, [48] = 1.5, [50] = 4, [52] = 0.75, [63] = 0};
+static const double weights[] = {[1] = 1, [3] = 3, [4] = 0.5, [6] = 2.5, [7] = 1, [31] = 0.25, [48] = 1.5, [50] = 4,
+                                 [52] = 0.75, [63] = 0};
 enum { ITEMS = sizeof weights / sizeof *weights };
 
-static bis_choice choice_of_weights(double *W)
-{
-    bis_choice c = {.n = 0};
-    bis_claims claims = {0};
+/* What a student chose in many runs: item[run][ITEMS + 1] and times[run][ITEMS + 1], of which n[run] count. */
+enum { ROOM = ITEMS + 1 };
+typedef struct chosen {
+    uint32_t *n, *item, *times;
+} chosen;
 
-    bis_choice_claim(&c, ITEMS, &claims);
-    if (claims.failed) mark_wrong("no memory");
-    for (int i = 0; i < ITEMS; i++) c.w[i] = (float)weights[i];
-    *W = bis_choice_sum(&c, ITEMS);
+static double sum_of_weights(void)
+{
+    double W = 0;
+
+    for (int i = 0; i < ITEMS; i++) W += weights[i];
+    return W;
+}
+
+static chosen choose(uint32_t N, double W, bis_resampling kind, size_t runs)
+{
+    const ask_marks m = {.N = N, .W = W, .kind = kind, .seed = mark_seed(9)};
+    chosen c = {mark_alloc(runs, sizeof *c.n), mark_alloc(runs * ROOM, sizeof *c.item),
+                mark_alloc(runs * ROOM, sizeof *c.times)};
+    float w[ITEMS];
+
+    for (int i = 0; i < ITEMS; i++) w[i] = (float)weights[i];
+    ASK(ASK_CHOICES, GIVE(&m, 1), GIVE(w, ITEMS), TAKE(c.n, runs), TAKE(c.item, runs * ROOM),
+        TAKE(c.times, runs * ROOM));
     return c;
 }
 
-static void choose(bis_choice *c, uint32_t N, double W, bis_resampling kind, uint64_t run)
+static void chosen_clear(chosen *c)
 {
-    bis_sampler sampler;
-    bis_stream stream = stream_of(run, &sampler);
-
-    for (int k = 0; k <= ITEMS; k++) c->item[k] = c->times[k] = UINT32_MAX;
-    if (kind == BIS_RESAMPLING_MULTINOMIAL) bis_choose_multinomial(c, N, W, &stream);
-    else bis_choose_systematic(c, N, W, bis_stream_random(&stream));
+    bis_free(c->n);
+    bis_free(c->item);
+    bis_free(c->times);
 }
 
 /* What must hold whenever N marks are given. */
-static void check_marks(const bis_choice *c, uint32_t N, double W, bis_resampling kind)
+static void check_marks(uint32_t n, const uint32_t *item, const uint32_t *all_times, uint32_t N, double W,
+                        bis_resampling kind)
 {
     uint64_t marks = 0;
 
-    if (c->n_chosen > ITEMS) mark_wrong("%u items are said to be chosen, of %d", c->n_chosen, ITEMS);
-    for (uint32_t k = 0; k < c->n_chosen; k++) {
-        const uint32_t i = c->item[k], times = c->times[k];
+    if (n > ITEMS) mark_wrong("%u items are said to be chosen, of %d", n, ITEMS);
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t i = item[k], times = all_times[k];
         if (i >= ITEMS) mark_wrong("item[%u] is %u, of %d candidates", k, i, ITEMS);
         if (weights[i] == 0) mark_wrong("candidate %u is chosen, its weight is 0", i);
-        if (k > 0 && i <= c->item[k - 1]) {
-            mark_wrong("items must ascend, each once: %u follows %u (who has several marks is traced by one ray)", i, c->item[k - 1]);
+        if (k > 0 && i <= item[k - 1]) {
+            mark_wrong("items must ascend, each once: %u follows %u (who has several marks is traced by one ray)", i,
+                       item[k - 1]);
         }
         if (times == 0 || times > N) mark_wrong("candidate %u is chosen %u times, with %u marks", i, times, N);
         const double share = N * weights[i] / W;
         if (kind == BIS_RESAMPLING_SYSTEMATIC && fabs(times - share) >= 1) {
-            mark_wrong("systematic: candidate %u has weight %g of %g and is chosen %u times of %u; one of the two whole numbers next to %.3g would be right", i,
+            mark_wrong("systematic: candidate %u has weight %g of %g and is chosen %u times of %u; one of the two "
+                       "whole numbers next to %.3g would be right", i,
                        weights[i], W, times, N, share);
         }
         marks += times;
@@ -155,87 +209,96 @@ static void check_marks(const bis_choice *c, uint32_t N, double W, bis_resamplin
     if (marks != N) mark_wrong("%u marks of %u are given to candidates", (unsigned)marks, N);
 }
 
-/* A W that is too large, as rounding can make it by an ulp: what marks lie beyond the sum belong to the last one with a weight. */
+/* A W that is too large, as rounding can make it by an ulp: what marks lie beyond the sum belong to the last one
+ * with a weight. */
 static void check_last_marks(bis_resampling kind)
 {
-    enum { N = 8, LAST = 52 };
-    double W;
-    bis_choice c = choice_of_weights(&W);
+    enum { N = 8, LAST = 52, RUNS = 100 };
+    chosen c = choose(N, 2 * sum_of_weights(), kind, RUNS);
 
-    for (uint32_t run = 0; run < 100; run++) {
-        choose(&c, N, 2 * W, kind, run);
+    for (uint32_t run = 0; run < RUNS; run++) {
         uint64_t marks = 0;
-        for (uint32_t k = 0; k < c.n_chosen && k < ITEMS; k++) {
-            const uint32_t i = c.item[k];
-            marks += c.times[k];
+        for (uint32_t k = 0; k < c.n[run] && k < ITEMS; k++) {
+            const uint32_t i = c.item[run * ROOM + k];
+            marks += c.times[run * ROOM + k];
             if (i >= ITEMS || weights[i] == 0) {
-                mark_wrong("a mark lies beyond all weights, as rounding may put it, and chooses %u, which has no weight: it must be the last one that has one, %d",
+                mark_wrong("a mark lies beyond all weights, as rounding may put it, and chooses %u, which has no "
+                           "weight: it must be the last one that has one, %d",
                            i, LAST);
             }
         }
         if (marks != N) {
-            mark_wrong("%u marks of %d are given where some lie beyond all weights, as rounding may put them: they belong to the last candidate that has a weight, %d",
+            mark_wrong("%u marks of %d are given where some lie beyond all weights, as rounding may put them: they "
+                       "belong to the last candidate that has a weight, %d",
                        (unsigned)marks, N, LAST);
         }
     }
-    bis_choice_clear(&c);
+    chosen_clear(&c);
 }
 
 static void check_choice(bis_resampling kind, const char *what)
 {
     enum { RUNS = 20000, N = 5 };
-    double count[ITEMS] = {0}, expected[ITEMS], W;
+    const double W = sum_of_weights();
+    double count[ITEMS] = {0}, expected[ITEMS];
     stat_moments square = {0};
-    bis_choice c = choice_of_weights(&W);
 
     check_last_marks(kind);
+    chosen c = choose(N, W, kind, RUNS);
     for (uint32_t run = 0; run < RUNS; run++) {
+        const uint32_t *item = c.item + run * ROOM, *times = c.times + run * ROOM;
         double of_3 = 0;
-        choose(&c, N, W, kind, run);
-        check_marks(&c, N, W, kind);
-        for (uint32_t k = 0; k < c.n_chosen; k++) {
-            count[c.item[k]] += c.times[k];
-            if (c.item[k] == 3) of_3 = c.times[k];
+        check_marks(c.n[run], item, times, N, W, kind);
+        for (uint32_t k = 0; k < c.n[run]; k++) {
+            count[item[k]] += times[k];
+            if (item[k] == 3) of_3 = times[k];
         }
         stat_add(&square, (of_3 - N * 3 / W) * (of_3 - N * 3 / W));
     }
     for (int i = 0; i < ITEMS; i++) expected[i] = weights[i] / W * RUNS * N;
-    /* systematic choices vary less than independent ones, which a chi-square test takes for granted: it errs on the safe side */
+    /* systematic choices vary less than independent ones, which a chi-square test takes for granted: it errs on the
+     * safe side */
     mark_fit(count, expected, ITEMS, MARK_ALPHA, what, "Candidate i owns the marks between the running sums before and "
              "after w_i.");
     if (kind == BIS_RESAMPLING_MULTINOMIAL) {
         mark_mean(&square, N * (3 / W) * (1 - 3 / W), MARK_ALPHA, "multinomial: the square of how far the count of "
                   "candidate 3 is from its mean", "N independent marks: next_mark gives them in order.");
     }
-    bis_choice_clear(&c);
+    chosen_clear(&c);
 }
 
-static void candidates_are_chosen_in_proportion_to_their_weights(void) { check_choice(BIS_RESAMPLING_SYSTEMATIC, "systematic"); }
+static void candidates_are_chosen_in_proportion_to_their_weights(void)
+{
+    check_choice(BIS_RESAMPLING_SYSTEMATIC, "systematic");
+}
 static void multinomial_choices_are_independent(void) { check_choice(BIS_RESAMPLING_MULTINOMIAL, "multinomial"); }
 
 /* ---- the estimate ---- */
 
 /* N rays at most, whatever M: they are what is dear. */
-static void check_rays(lit *l, const bis_settings *s, const char *what)
+static void check_rays(const ask_estimate *e, const bis_settings *s, uint32_t runs, const char *what)
 {
     const uint32_t most = s->shadowrays < s->candidates ? s->shadowrays : s->candidates;
-    const uint64_t rays = lit_most_rays(l, s, 500, mark_seed(5));
+    const uint64_t rays = mark_most_rays(e, runs);
 
     if (rays > most) {
-        mark_wrong("%s: an estimate casts %u shadow rays, must be %u at most: N of the candidates are chosen, and only they are traced", what,
+        mark_wrong("%s: an estimate casts %u shadow rays, must be %u at most: N of the candidates are chosen, and "
+                   "only they are traced", what,
                    (unsigned)rays, most);
     }
 }
 
 static void check(bis_settings s, lit_hidden hidden, uint32_t runs, const char *what)
 {
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    const ask_scene scene = mark_scene(LIT_SMOOTH, glossy(), hidden, ASK_SIR, &s);
+    ask_estimate *e = mark_run(&scene, runs, mark_seed(2));
     lit l;
 
-    lit_init(&l, light, glossy(), tilted(), 40, hidden);
-    check_rays(&l, &s, what);
-    mark_estimates(&l, &s, runs, mark_seed(2), MARK_ALPHA, what, hint);
-    bis_light_free(light);
+    check_rays(e, &s, runs, what);
+    mark_lit(&l, &scene);
+    mark_estimates(e, &l, runs, MARK_ALPHA, what, hint);
+    bis_light_free(l.light);
+    bis_free(e);
 }
 
 static void unbiased_for_one_candidate_and_one_ray(void)
@@ -254,23 +317,24 @@ static void unbiased_for_few_candidates(void)
 /* The squared error of r + g + b must be that of M plain samples of the map. */
 static void check_noise(uint32_t M, uint32_t N, const char *what, const char *why)
 {
-    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
+    enum { RUNS = 30000 };
     const bis_settings s = sir(BIS_PROPOSAL_EM, M, N, false);
+    const ask_scene scene = mark_scene(LIT_SPOTTY, bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), LIT_OPEN,
+                                       ASK_SIR, &s);
+    ask_estimate *e = mark_run(&scene, RUNS, mark_seed(3));
     stat_moments square = {0};
-    bis_scratch scratch;
     lit l;
 
-    lit_init(&l, light, bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), tilted(), 40, LIT_OPEN);
-    check_rays(&l, &s, what);
+    check_rays(e, &s, RUNS, what);
+    mark_lit(&l, &scene);
     const double truth = rgbd_sum(lit_truth(&l, false)), variance = lit_variance_em(&l);
-    if (bis_scratch_init(&scratch, &s, NULL)) mark_wrong("no memory");
-    for (uint64_t run = 0; run < 30000; run++) {
-        const double d = rgb_sum(lit_once(&l, &s, &scratch, mark_seed(3), run)) - truth;
+    for (int run = 0; run < RUNS; run++) {
+        const double d = rgb_sum(e[run].L) - truth;
         stat_add(&square, d * d);
     }
     mark_mean(&square, variance / M, MARK_ALPHA, what, why);
-    bis_scratch_clear(&scratch);
-    bis_light_free(light);
+    bis_light_free(l.light);
+    bis_free(e);
 }
 
 static void unbiased_for_many_candidates(void)
@@ -289,14 +353,10 @@ static void rays_add_no_noise_where_nothing_is_hidden(void)
 
 static void work(void)
 {
-    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
     const bis_settings s = sir(BIS_PROPOSAL_MIX, 128, 8, true);
-    stat_moments m[4];
-    lit l;
+    const ask_scene scene = mark_scene(LIT_SPOTTY, glossy(), LIT_HALF, ASK_SIR, &s);
 
-    lit_init(&l, light, glossy(), tilted(), 40, LIT_HALF);
-    mark_run(m, &l, &s, 3000, mark_seed(4));
-    bis_light_free(light);
+    bis_free(mark_run(&scene, 3000, mark_seed(4)));
 }
 
 int main(int argc, char **argv)
@@ -305,7 +365,8 @@ int main(int argc, char **argv)
         {"weights_from_the_map_are_phat_over_q", 10, weights_from_the_map_are_phat_over_q},
         {"weights_from_the_brdf_are_phat_over_q", 5, weights_from_the_brdf_are_phat_over_q},
         {"weights_of_a_mixture_have_the_mixed_density", 10, weights_of_a_mixture_have_the_mixed_density},
-        {"candidates_are_chosen_in_proportion_to_their_weights", 10, candidates_are_chosen_in_proportion_to_their_weights},
+        {"candidates_are_chosen_in_proportion_to_their_weights", 10,
+         candidates_are_chosen_in_proportion_to_their_weights},
         {"multinomial_choices_are_independent", 5, multinomial_choices_are_independent},
         {"unbiased_for_one_candidate_and_one_ray", 10, unbiased_for_one_candidate_and_one_ray},
         {"unbiased_for_few_candidates", 10, unbiased_for_few_candidates},
@@ -313,5 +374,5 @@ int main(int argc, char **argv)
         {"rays_add_no_noise_where_nothing_is_hidden", 10, rays_add_no_noise_where_nothing_is_hidden},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.0);
 }

@@ -1,4 +1,4 @@
-/* box: fork, limits, exec; then poll the pipe, the channel and the clock until the child has ended. */
+/* box: fork, limits, exec; then poll the pipe and the clock until the child has ended. */
 #include "box.h"
 
 #include <errno.h>
@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -35,7 +34,7 @@ void box_end_with_us(void)
     prctl(PR_SET_PDEATHSIG, SIGTERM);
 }
 
-static double now(void)
+double box_now(void)
 {
     struct timespec t;
 
@@ -65,6 +64,8 @@ static _Noreturn void become(const box_limits *l, char *const words[], int outpu
         close(BOX_CHANNEL);
     else if (channel != BOX_CHANNEL)
         dup2(channel, BOX_CHANNEL);
+    else
+        fcntl(channel, F_SETFD, 0);
     for (int fd = BOX_CHANNEL + 1; fd < 256; fd++)
         close(fd);
     setrlimit(RLIMIT_CPU, &cpu);
@@ -99,7 +100,7 @@ static void read_output(box_end *end, int *fd)
 /* The subreaper inherits every orphan: kill and collect until none is left. */
 static void kill_the_rest(pid_t group)
 {
-    kill(-group, SIGKILL);
+    if (group) kill(-group, SIGKILL);
     for (int round = 0; round < 1000; round++) {
         FILE *f = fopen("/proc/thread-self/children", "r");
         int pid, n = 0;
@@ -116,47 +117,68 @@ static void kill_the_rest(pid_t group)
     }
 }
 
-bool box_run(box_end *end, const box_limits *limits, char *const words[], int channel[2], void (*hear)(void *state),
-             void *state)
+bool box_start(box *b, const box_limits *limits, char *const words[], int channel)
 {
     int ends[2];
 
-    *end = (box_end){0};
+    *b = (box){.limits = *limits, .begin = box_now()};
     if (pipe2(ends, O_CLOEXEC) != 0) return false;
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     fflush(NULL);
-    const double begin = now();
     const pid_t child = fork();
-    if (child == 0) become(limits, words, ends[1], channel ? channel[1] : -1);
+    if (child == 0) become(limits, words, ends[1], channel);
     close(ends[1]);
-    if (channel) close(channel[1]);
+    if (channel >= 0) close(channel);
+    b->output = ends[0];
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
     if (child < 0) {
         close(ends[0]);
         return false;
     }
-    running = child;
-    fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    struct pollfd fds[] = {{ends[0], POLLIN, 0}, {channel ? channel[0] : -1, POLLIN, 0}};
-    while (waitpid(child, &end->status, WNOHANG) == 0) {
-        if (now() - begin > limits->wall) {
-            end->late = true;
-            kill(-child, SIGKILL);
-            kill(child, SIGKILL);
-            waitpid(child, &end->status, 0);
-            break;
-        }
-        poll(fds, 2, 2);
-        if (fds[0].revents) read_output(end, &ends[0]);
-        if (fds[1].revents & POLLIN) hear(state);
-        for (int i = 0; i < 2; i++) {
-            if (fds[i].revents & POLLHUP && !(fds[i].revents & POLLIN)) fds[i].fd = -1; /* nothing will come */
-        }
-        if (ends[0] < 0) fds[0].fd = -1;
+    running = b->child = child;
+    return true;
+}
+
+bool box_wait(box *b, int fd, short events)
+{
+    struct pollfd fds[] = {{b->output, POLLIN, 0}, {fd, events, 0}};
+
+    if (b->child == 0 || waitpid(b->child, &b->end.status, WNOHANG) != 0) {
+        b->child = 0;
+        return false;
     }
-    kill_the_rest(child);
-    running = 0;
-    read_output(end, &ends[0]);
-    if (channel && !end->late) hear(state);
-    if (ends[0] >= 0) close(ends[0]);
+    if (box_now() - b->begin > b->limits.wall) {
+        b->end.late = true;
+        return false;
+    }
+    poll(fds, 2, 2);
+    if (fds[0].revents) read_output(&b->end, &b->output);
+    if (fds[0].revents & POLLHUP && b->output >= 0 && !(fds[0].revents & POLLIN)) { /* nothing will come */
+        close(b->output);
+        b->output = -1;
+    }
+    return true;
+}
+
+void box_finish(box *b)
+{
+    if (b->child) {
+        kill(-b->child, SIGKILL);
+        kill(b->child, SIGKILL);
+        waitpid(b->child, &b->end.status, 0);
+    }
+    kill_the_rest(running);
+    running = b->child = 0;
+    read_output(&b->end, &b->output);
+    if (b->output >= 0) close(b->output);
+    b->output = -1;
+}
+
+bool box_run(box *b, const box_limits *limits, char *const words[])
+{
+    if (!box_start(b, limits, words, -1)) return false;
+    while (box_wait(b, -1, 0))
+        continue;
+    box_finish(b);
     return true;
 }

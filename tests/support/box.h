@@ -8,11 +8,13 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <sys/types.h>
 
 typedef struct box_limits {
-    double cpu, wall; /* seconds of the processor, a process; seconds of the clock, all together */
-    size_t memory;    /* bytes of address space a process; 0: as much as there is, which the address sanitizer needs */
-    size_t file;      /* bytes a file may grow to */
+    double cpu;    /* seconds of the processor, a process */
+    double wall;   /* seconds of the clock, all together: generous, because the machine may have other work */
+    size_t memory; /* bytes of address space a process; 0: as much as there is, which the address sanitizer needs */
+    size_t file;   /* bytes a file may grow to */
 } box_limits;
 
 typedef struct box_end {
@@ -22,15 +24,37 @@ typedef struct box_end {
     char output[8192]; /* the beginning of what came on standard output and standard error, then '\0' */
 } box_end;
 
+/* A program that runs. */
+typedef struct box {
+    box_end end;
+    box_limits limits;
+    pid_t child; /* 0: it has ended */
+    int output;
+    double begin;
+} box;
+
 enum { BOX_CHANNEL = 3 };
 
-/* Run words[], whose last is NULL; standard input is empty. The other end of the SOCK_SEQPACKET socket `channel` (or
- * -1) is BOX_CHANNEL there; hear(state) is called when something came on it. Returns false where nothing could be
- * started. */
-bool box_run(box_end *end, const box_limits *limits, char *const words[], int channel[2], void (*hear)(void *state),
-             void *state);
+/* box_start starts words[], whose last is NULL; standard input is empty. The descriptor `channel` (or -1) is
+ * BOX_CHANNEL there, and closed here. Returns false where nothing could be started. */
+bool box_start(box *b, const box_limits *limits, char *const words[], int channel);
 
-/* SIGINT, SIGTERM and SIGHUP end what runs and then this program, by _exit(128 + signal). */
+/* box_wait waits until the descriptor fd (or -1) is ready for `events` of poll, the program has ended, or some
+ * milliseconds are over; meanwhile it reads what the program prints. Returns whether the program still runs; the limit
+ * of the clock ends it. */
+bool box_wait(box *b, int fd, short events);
+
+/* box_finish ends the program, if it has not ended, and all that it started. b->end is then complete. A second call
+ * does nothing. */
+void box_finish(box *b);
+
+/* box_run starts a program, waits for its end and finishes. Returns false where nothing could be started. */
+bool box_run(box *b, const box_limits *limits, char *const words[]);
+
+/* box_now returns the seconds of a clock that only goes forward. */
+double box_now(void);
+
+/* box_end_with_us: SIGINT, SIGTERM and SIGHUP end what runs and then this program, by _exit(128 + signal). */
 void box_end_with_us(void);
 
 #endif

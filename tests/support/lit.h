@@ -1,6 +1,6 @@
 /* lit: a shading point under a small map, in the open, half hidden or hidden, and its reflected radiance by brute
  * force: a sum over all patches with many midpoints in each, with f by lit_f, sharing nothing with the integrators but
- * the map. For the tests of integrators. */
+ * the map (lit_truth.c). For the tests of integrators. */
 #ifndef TESTS_LIT_H
 #define TESTS_LIT_H
 
@@ -10,6 +10,11 @@
 /* The occluders are bounded by meridians and circles of the map's rows, so that V is constant in a patch and midpoints
  * converge fast. */
 typedef enum lit_hidden { LIT_OPEN, LIT_HALF /* y > 0 is hidden */, LIT_ALL } lit_hidden;
+
+static inline bool lit_is_hidden(lit_hidden hidden, double y)
+{
+    return hidden == LIT_ALL || (hidden == LIT_HALF && y > 0);
+}
 
 typedef struct lit_accel {
     bis_accel accel; /* first: what bis_accel_occluded sees */
@@ -25,7 +30,9 @@ typedef struct lit {
     bis_point pt;
 } lit;
 
-/* Maps of 128 x 64, made of blocks of 8 x 8 pixels (0.15 sr at the equator; one pixel: 0.0024 sr, so that area
+enum { LIT_WIDTH = 128, LIT_HEIGHT = 64 };
+
+/* Maps of this size, made of blocks of 8 x 8 pixels (0.15 sr at the equator; one pixel: 0.0024 sr, so that area
  * weighting has something to weigh). */
 typedef enum lit_map {
     LIT_SPOTTY,    /* coloured blocks, contrast 1e4, black ones, bright single pixels, one sun */

@@ -1,6 +1,8 @@
-/* mark: a claim is checked by this same program, run again with --claim K (tests/support/mark_run.h judges it). */
+/* mark: the words of the claims, and the ways to run them. */
 #include "mark.h"
 
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 #include "every.h"
 #include "mark_run.h"
 
@@ -11,62 +13,51 @@
 
 #include <cmocka.h>
 
-#include <errno.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/socket.h>
-#include <sys/syscall.h>
 #include <time.h>
-#include <unistd.h>
 
-typedef struct job {
-    const char *program, *claim;
-    size_t number;
-} job;
-
-/* ---- the claim's end of the socket ---- */
-
-static mark_greeting greeting;
-static int channel = -1;
+/* ---- for the claims ---- */
 
 uint64_t mark_seed(uint64_t kit)
 {
-    return greeting.secret ? mark_mix(greeting.secret + mark_mix(kit)) >> 11 : kit;
+    return mark_secret() ? mark_mix(mark_secret() + mark_mix(kit)) >> 11 : kit;
 }
 
 size_t mark_size(size_t kit)
 {
-    return greeting.secret ? kit + mark_mix(greeting.secret ^ mark_mix(kit)) % (kit / 4 + 1) : kit;
+    return mark_secret() ? kit + mark_mix(mark_secret() ^ mark_mix(kit)) % (kit / 4 + 1) : kit;
 }
 
-static void tell(mark_message *m)
+void *mark_alloc(size_t n, size_t size)
 {
-    if (channel >= 0) send(channel, m, sizeof *m, MSG_NOSIGNAL);
+    void *p = bis_alloc(n, size);
+
+    if (!p) mark_wrong("no memory for the test itself");
+    return p;
 }
 
-/* ---- for the claims ---- */
+double *mark_uniforms(size_t n, uint64_t seed, uint64_t pixel)
+{
+    double *u = mark_alloc(n, sizeof *u);
+    bis_rng r;
+
+    bis_rng_init(&r, seed, pixel, 0, 0);
+    for (size_t i = 0; i < n; i++)
+        u[i] = bis_rng_double(&r);
+    return u;
+}
 
 _Noreturn void mark_wrong(const char *format, ...)
 {
-    static mark_message m = {.kind = MARK_SAYS_WRONG};
+    static char text[2000];
     va_list arguments;
 
     va_start(arguments, format);
-    vsnprintf(m.text, sizeof m.text, format, arguments);
+    vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (channel < 0) puts(m.text);
-    fflush(stdout);
-    tell(&m);
-    _exit(MARK_STATUS_WRONG); /* what the claim holds is not a leak of the student's */
+    mark_conclude(MARK_WRONG, text);
 }
 
 void mark_near(double value, double expected, double absolute, double relative, const char *what, ...)
@@ -110,27 +101,76 @@ void mark_mean(const stat_moments *m, double expected, double alpha, const char 
     }
 }
 
-void mark_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)
-{
-    bis_scratch scratch;
+/* ---- estimates ---- */
 
-    for (int i = 0; i < 4; i++)
-        m[i] = (stat_moments){0};
-    if (bis_scratch_init(&scratch, s, NULL)) mark_wrong("no memory for the test itself");
-    for (uint32_t run = 0; run < runs; run++) {
-        const rgb L = lit_once(l, s, &scratch, seed, run);
-        if (!rgb_is_finite(L))
-            mark_wrong("estimate %u is (%g %g %g): not finite. A division by 0?", run, (double)L.r, (double)L.g,
-                       (double)L.b);
-        stat_add(&m[0], (double)L.r);
-        stat_add(&m[1], (double)L.g);
-        stat_add(&m[2], (double)L.b);
-        stat_add(&m[3], rgb_sum(L));
-    }
-    bis_scratch_clear(&scratch);
+ask_scene mark_scene(lit_map map, bis_material m, lit_hidden hidden, int integrator, const bis_settings *s)
+{
+    ask_scene scene = {.map = map,
+                       .material = m,
+                       .n = normalize(vec3_from(0.2, -0.3, 0.8)),
+                       .degrees = 40,
+                       .hidden = hidden,
+                       .kind = BIS_SAMPLER_STRATIFIED,
+                       .integrator = integrator,
+                       .settings = *s};
+
+    scene.settings.integrator = NULL; /* an address of this process */
+    scene.material.model = NULL;
+    return scene;
 }
 
-void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed, double alpha, const char *what,
+void mark_lit(lit *l, const ask_scene *scene)
+{
+    answers_lit(l, scene);
+}
+
+ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed)
+{
+    ask_estimate *e = mark_alloc(runs, sizeof *e);
+    ask_scene with = *scene;
+
+    with.seed = seed;
+    ASK(ASK_ESTIMATES, GIVE(&with, 1), TAKE(e, runs));
+    for (uint32_t i = 0; i < runs; i++) {
+        const rgb L = e[i].L;
+        if (!rgb_is_finite(L))
+            mark_wrong("estimate %u is (%g %g %g): not finite. A division by 0?", i, (double)L.r, (double)L.g,
+                       (double)L.b);
+    }
+    return e;
+}
+
+void mark_moments(stat_moments m[4], const ask_estimate *e, uint32_t runs)
+{
+    for (int i = 0; i < 4; i++)
+        m[i] = (stat_moments){0};
+    for (uint32_t i = 0; i < runs; i++) {
+        stat_add(&m[0], (double)e[i].L.r);
+        stat_add(&m[1], (double)e[i].L.g);
+        stat_add(&m[2], (double)e[i].L.b);
+        stat_add(&m[3], rgb_sum(e[i].L));
+    }
+}
+
+uint64_t mark_most_rays(const ask_estimate *e, uint32_t runs)
+{
+    uint64_t most = 0;
+
+    for (uint32_t i = 0; i < runs; i++)
+        most = e[i].rays > most ? e[i].rays : most;
+    return most;
+}
+
+double mark_rays(const ask_estimate *e, uint32_t runs)
+{
+    double sum = 0;
+
+    for (uint32_t i = 0; i < runs; i++)
+        sum += (double)e[i].rays;
+    return sum / runs;
+}
+
+void mark_estimates(const ask_estimate *e, const lit *l, uint32_t runs, double alpha, const char *what,
                     const char *hint)
 {
     static const char *const channels[] = {"red", "green", "blue"};
@@ -138,7 +178,7 @@ void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed,
     const double expected[] = {truth.r, truth.g, truth.b};
     stat_moments m[4];
 
-    mark_run(m, l, s, runs, seed);
+    mark_moments(m, e, runs);
     for (int i = 0; i < 3; i++) {
         char name[256];
         snprintf(name, sizeof name, "%s, %s", what, channels[i]);
@@ -146,124 +186,31 @@ void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed,
     }
 }
 
-/* ---- one claim, in its own process ---- */
-
-extern void __asan_init(void) __attribute__((weak));
-
-/* When it is graded, a claim starts no process, opens no file and no connection, and touches no other process. Where
- * the system has no such filter, or the sanitizers are at work, which need what it forbids, that is left to the
- * sandbox. Threads are allowed, clone3 is not known: its flags are out of reach. */
-static void give_up_rights(void)
-{
-#if defined(SYS_open) && defined(SYS_fork) && defined(__x86_64__) || defined(__aarch64__)
-#define REFUSE(call, code)                                                                                             \
-    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1), BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | (code))
-    struct sock_filter rules[] = {
-        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
-#ifdef __x86_64__
-        BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 0x40000000, 0, 1),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM), /* the x32 numbers */
-        REFUSE(SYS_open, EACCES),
-        REFUSE(SYS_creat, EACCES),
-        REFUSE(SYS_fork, EPERM),
-        REFUSE(SYS_vfork, EPERM),
-        REFUSE(SYS_unlink, EPERM),
-        REFUSE(SYS_rename, EPERM),
-        REFUSE(SYS_mkdir, EPERM),
-        REFUSE(SYS_link, EPERM),
-        REFUSE(SYS_symlink, EPERM),
-        REFUSE(SYS_chmod, EPERM),
-#endif
-        REFUSE(SYS_openat, EACCES),
-        REFUSE(437 /* openat2 */, EACCES),
-        REFUSE(SYS_execve, EPERM),
-        REFUSE(SYS_execveat, EPERM),
-        REFUSE(SYS_ptrace, EPERM),
-        REFUSE(SYS_process_vm_readv, EPERM),
-        REFUSE(SYS_process_vm_writev, EPERM),
-        REFUSE(SYS_kill, EPERM),
-        REFUSE(SYS_socket, EPERM),
-        REFUSE(SYS_connect, EPERM),
-        REFUSE(SYS_unlinkat, EPERM),
-        REFUSE(SYS_renameat, EPERM),
-        REFUSE(SYS_renameat2, EPERM),
-        REFUSE(SYS_mkdirat, EPERM),
-        REFUSE(SYS_linkat, EPERM),
-        REFUSE(SYS_symlinkat, EPERM),
-        REFUSE(SYS_fchmodat, EPERM),
-        REFUSE(SYS_truncate, EPERM),
-        REFUSE(425 /* io_uring_setup */, ENOSYS),
-        REFUSE(435 /* clone3 */, ENOSYS),
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 3),
-        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, args[0])),
-        BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
-    };
-    const struct sock_fprog program = {sizeof rules / sizeof *rules, rules};
-
-#ifdef _OPENMP
-    omp_get_max_threads(); /* LLVM's OpenMP opens a file when it starts, which later is forbidden */
-#endif
-    if (&__asan_init || prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;
-    prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
-#endif
-}
-
-static void greet(void)
-{
-    if (recv(BOX_CHANNEL, &greeting, sizeof greeting, 0) != (ssize_t)sizeof greeting) return; /* started by hand */
-    channel = (int)(16 + mark_random() % 200);
-    dup2(BOX_CHANNEL, channel);
-    close(BOX_CHANNEL);
-    if (greeting.secret) give_up_rights();
-}
-
-static double now(void)
-{
-    struct timespec t;
-
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* The number comes after the check, and only then is the proof made. */
-static int check_and_prove(void (*check)(void))
-{
-    uint64_t number;
-
-    greet();
-    const double begin = now();
-    check();
-    mark_message m = {.kind = MARK_SAYS_DONE, .seconds = now() - begin};
-    tell(&m);
-    if (channel >= 0 && recv(channel, &number, sizeof number, 0) == (ssize_t)sizeof number) {
-        m.kind = MARK_SAYS_PROOF;
-        m.proof = mark_proof(greeting.key, number);
-        tell(&m);
-    }
-    return MARK_STATUS_HOLDS;
-}
-
 /* ---- the ways to run ---- */
+
+typedef struct job {
+    const char *claim;
+    mark_order order;
+} job;
 
 static void as_test(void **state)
 {
     const job *j = *state;
     mark_outcome o;
 
-    mark_judge(&o, &(mark_order){.program = j->program, .claim = j->number, .limits = mark_limits()});
+    mark_judge(&o, &j->order);
     if (o.verdict != MARK_HOLDS) fail_msg("%s\n(how it is tested: %s in tests/test_assignment.c)", o.text, j->claim);
 }
 
 static int run_claims(const char *program, const mark_claim *claims, size_t n)
 {
+    const char *const student[] = {program, "--serve", NULL};
     struct CMUnitTest *tests = calloc(n, sizeof *tests);
     job *jobs = calloc(n, sizeof *jobs);
 
     if (!tests || !jobs) return 1;
     for (size_t i = 0; i < n; i++) {
-        jobs[i] = (job){program, claims[i].name, i};
+        jobs[i] = (job){claims[i].name, {.judge = program, .student = student, .claim = i, .cpu = mark_seconds()}};
         tests[i] = (struct CMUnitTest){.name = claims[i].name, .test_func = as_test, .initial_state = &jobs[i]};
     }
     const int failed = _cmocka_run_group_tests("assignment", tests, n, NULL, NULL);
@@ -272,22 +219,100 @@ static int run_claims(const char *program, const mark_claim *claims, size_t n)
     return failed;
 }
 
-int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void))
+/* ---- what a student sees before handing in ---- */
+
+static double processor_time(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* The time of a load that is the same in every kit: look-ups, whole numbers, roots. A kit has no code of ours to
+ * compare with; it has the time of ours in this unit. */
+static double yardstick(void)
+{
+    enum { ROOM = 1 << 15 };
+    static double table[ROOM];
+    const double begin = processor_time();
+    uint64_t x = 1;
+
+    for (int i = 0; i < 3000000; i++) {
+        x = mark_mix(x + (uint64_t)i);
+        table[x % ROOM] = sqrt(table[x / ROOM % ROOM] + 1 + (double)(x >> 40));
+    }
+    return table[0] < 0 ? 0 : processor_time() - begin;
+}
+
+static void show_speed(mark_order *order, double ours)
+{
+    double least = HUGE_VAL, unit = HUGE_VAL;
+
+    order->claim = MARK_WORK;
+    for (int round = 0; round < 8; round++) {
+        mark_outcome o;
+        mark_judge(&o, order);
+        if (o.verdict != MARK_HOLDS) {
+            printf(" 0 of 10  speed: %s\n", o.text);
+            return;
+        }
+        least = fmin(least, o.seconds);
+        unit = fmin(unit, yardstick());
+    }
+    const double times = least / unit / ours;
+    printf("%2d of 10  speed: about %.1f times our time; 1.5 are worth 10 points, 3 are worth 5\n",
+           times <= 1.5 ? 10 : times <= 3 ? 5 : 0, times);
+}
+
+/* sanitized: this program is, and only memory is looked at. What a claim says is not so does not count there, but what
+ * the student's process died of. */
+static int show_points(const char *program, const mark_claim *claims, size_t n, double ours, bool sanitized)
+{
+    const char *const student[] = {program, "--serve", NULL};
+    const double cpu = mark_seconds() * (sanitized ? 3 : 1);
+    mark_order order = {.judge = program, .student = student, .cpu = cpu, .sanitized = sanitized};
+    int points = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        mark_outcome o;
+        order.claim = i;
+        mark_judge(&o, &order);
+        const int got = o.verdict == MARK_HOLDS ? claims[i].points : 0;
+        points += got;
+        if (sanitized && (o.verdict == MARK_DIED || o.verdict == MARK_SLOW)) {
+            printf(" 0 of 10  clean memory: %s: %s\n", claims[i].name, o.text);
+            return 0;
+        }
+        if (!sanitized) printf("%2d of %d  %s%s%s\n", got, claims[i].points, claims[i].name, got ? "" : ": ", o.text);
+    }
+    if (sanitized) printf("%2d of 10  clean memory, in the share of the tests that pass\n", points / 8);
+    else if (points == 80) show_speed(&order, ours);
+    else puts(" 0 of 10  speed: measured once all tests pass");
+    return 0;
+}
+
+int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void), double ours)
 {
     /* A student's leak costs the points for clean memory, which the sanitizer judges, and no others. */
     every_finds_leaks = false;
     const char *how = argc > 1 ? argv[1] : "";
 
-    if (argc == 3 && strcmp(how, "--claim") == 0) {
+    if (strcmp(how, "--serve") == 0) return answers_serve();
+    if (argc > 6 && strcmp(how, "--claim") == 0) {
         const size_t number = (size_t)strtoul(argv[2], NULL, 10);
-        return number < n ? check_and_prove(claims[number].check) : 1;
+        if (number < n) mark_claim_main(argv + 2, claims[number].check);
+        return 1;
     }
-    if (argc == 3 && strcmp(how, "--work") == 0) return check_and_prove(work);
+    if (argc > 6 && strcmp(how, "--work") == 0) mark_claim_main(argv + 2, work);
     if (strcmp(how, "--list") == 0) {
         for (size_t i = 0; i < n; i++)
             printf("%d\t%s\n", claims[i].points, claims[i].name);
         return 0;
     }
     box_end_with_us();
+    if (strcmp(how, "--check") == 0 || strcmp(how, "--clean") == 0) {
+        return show_points(argv[0], claims, n, ours, strcmp(how, "--clean") == 0);
+    }
     return run_claims(argv[0], claims, n);
 }

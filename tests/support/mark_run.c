@@ -1,14 +1,24 @@
-/* mark_run: the supervisor's end of the socket. */
+/* mark_run: who asks for a mark, and the claim's end of the socket to the student's process. */
 #include "mark_run.h"
 
+#include "mark.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
+
+enum { MOST_WORDS = 100, SHOWN = 200 /* characters of what a student's code printed */ };
+
+/* The clock's limit only ends what no other limit does. */
+static const double patience = 600;
 
 uint64_t mark_mix(uint64_t x)
 {
@@ -17,115 +27,261 @@ uint64_t mark_mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-uint64_t mark_proof(uint64_t key, uint64_t number)
-{
-    return mark_mix(mark_mix(key) + number);
-}
-
-uint64_t mark_random(void)
-{
-    uint64_t x = 0;
-
-    while (x == 0) {
-        if (getrandom(&x, sizeof x, 0) != (ssize_t)sizeof x) abort();
-    }
-    return x;
-}
-
-box_limits mark_limits(void)
+double mark_seconds(void)
 {
     const char *given = getenv("BIS_CLAIM_SECONDS");
-    const double seconds = given ? strtod(given, NULL) : 20;
 
-    return (box_limits){.cpu = seconds, .wall = 6 * seconds, .file = 1 << 20};
+    return given ? strtod(given, NULL) : 20;
 }
 
-typedef struct talk {
-    int fd;
-    uint64_t key, number;
-    bool asked, proved, wrong;
-    mark_outcome *o;
-} talk;
+/* ---- who asks ---- */
 
-static void hear(void *state)
+void mark_judge(mark_outcome *o, const mark_order *order)
 {
-    talk *t = state;
-    mark_message m;
-    ssize_t got;
+    char claim[24], secret[24], cpu[32];
+    const char *words[MOST_WORDS] = {order->judge, order->claim == MARK_WORK ? "--work" : "--claim",
+                                     claim,        secret,
+                                     cpu,          order->sanitized ? "sanitized" : "plain"};
+    size_t n = 6;
+    static box b;
 
-    while ((got = recv(t->fd, &m, sizeof m, MSG_DONTWAIT)) == (ssize_t)sizeof m) {
-        m.text[sizeof m.text - 1] = '\0';
-        if (m.kind == MARK_SAYS_DONE && !t->asked) {
-            t->asked = true;
-            t->number = mark_random();
-            t->o->seconds = m.seconds;
-            send(t->fd, &t->number, sizeof t->number, MSG_NOSIGNAL | MSG_DONTWAIT);
-        } else if (m.kind == MARK_SAYS_PROOF && t->asked) {
-            t->proved |= m.proof == mark_proof(t->key, t->number);
-        } else if (m.kind == MARK_SAYS_WRONG) {
-            t->wrong = true;
-            snprintf(t->o->text, sizeof t->o->text, "%s", m.text);
+    *o = (mark_outcome){.verdict = MARK_DIED};
+    snprintf(claim, sizeof claim, "%zu", order->claim);
+    snprintf(secret, sizeof secret, "%llx", (unsigned long long)order->secret);
+    snprintf(cpu, sizeof cpu, "%g", order->cpu);
+    for (const char *const *word = order->student; *word && n + 1 < MOST_WORDS; word++)
+        words[n++] = *word;
+    words[n] = NULL;
+    const box_limits limits = {.cpu = patience, .wall = 2 * patience, .file = 1 << 20};
+    if (!box_run(&b, &limits, (char *const *)(uintptr_t)words)) {
+        snprintf(o->text, sizeof o->text, "no process for the test");
+        return;
+    }
+    const int status = WIFEXITED(b.end.status) ? WEXITSTATUS(b.end.status) - MARK_STATUS : -1;
+    if (b.end.late || status < MARK_HOLDS || status > MARK_SLOW) {
+        snprintf(o->text, sizeof o->text, "the test itself came to no end: %.2000s", b.end.output);
+        return;
+    }
+    o->verdict = (mark_verdict)status;
+    o->seconds = strtod(b.end.output, NULL);
+    snprintf(o->text, sizeof o->text, "%.4000s", o->verdict == MARK_HOLDS ? "" : b.end.output);
+}
+
+/* ---- the claim's process ---- */
+
+static struct student {
+    box box;
+    int fd;
+    bool said_hello;
+    double cpu; /* the limit */
+    pid_t pid;  /* as the kernel tells it, through any sandbox */
+    clockid_t clock;
+    uint64_t secret;
+} student;
+
+uint64_t mark_secret(void)
+{
+    return student.secret;
+}
+
+static double used(void)
+{
+    struct timespec t = {0};
+
+    clock_gettime(student.clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Seconds in which the student's process could have run, but other processes had the processor. */
+static double kept_waiting(void)
+{
+    char path[64];
+    unsigned long long ran, waited = 0;
+
+    snprintf(path, sizeof path, "/proc/%d/schedstat", (int)student.pid);
+    FILE *f = fopen(path, "r");
+    if (f && fscanf(f, "%llu %llu", &ran, &waited) != 2) waited = 0;
+    if (f) fclose(f);
+    return 1e-9 * (double)waited;
+}
+
+/* What the student's code printed: its beginning, up to the end of a word. */
+static void show_output(const box_end *end)
+{
+    size_t n = end->n;
+
+    while (n > 0 && strchr("\n\t ", end->output[n - 1]))
+        n--;
+    if (n == 0) return;
+    if (n > SHOWN) {
+        for (n = SHOWN; n > SHOWN / 2 && end->output[n] != ' ' && end->output[n] != '\n'; n--)
+            continue;
+    }
+    printf("\nIt printed: %.*s%s", (int)n, end->output, n < end->n ? " ..." : "");
+}
+
+_Noreturn void mark_conclude(mark_verdict verdict, const char *why)
+{
+    box_finish(&student.box);
+    fputs(why, stdout);
+    if (verdict != MARK_HOLDS) show_output(&student.box.end);
+    fflush(stdout);
+    _exit(MARK_STATUS + (int)verdict); /* what the claim holds is not a leak of the student's */
+}
+
+static const char *why_it_ended(int number)
+{
+    return number == SIGXCPU || number == SIGKILL ? "no answer in the time allowed: a loop without end?"
+           : number == SIGSEGV                    ? "it crashed (segmentation fault): an index out of its range?"
+           : number == SIGFPE                     ? "it crashed (a division of whole numbers by 0?)"
+           : number == SIGABRT                    ? "it was aborted: an assertion failed, see there what it demands"
+                                                  : strsignal(number);
+}
+
+/* The student's process has ended before its time. A sandbox says 128 + signal. */
+static _Noreturn void conclude_end(void)
+{
+    box_finish(&student.box);
+    const int status = student.box.end.status;
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    const int number = WIFSIGNALED(status) ? WTERMSIG(status) : code > 128 ? code - 128 : 0;
+
+    if (student.box.end.printed >= 1 << 20) mark_conclude(MARK_DIED, "it printed a million bytes");
+    if (number == SIGXCPU || number == SIGKILL) mark_conclude(MARK_SLOW, why_it_ended(number));
+    if (number) mark_conclude(MARK_DIED, why_it_ended(number));
+    if (strstr(student.box.end.output, "Sanitizer") || strstr(student.box.end.output, "runtime error")) {
+        mark_conclude(MARK_DIED, "a sanitizer has stopped it.");
+    }
+    if (!student.box.end.n) mark_conclude(MARK_DIED, "it ended before the test did: a call of exit?");
+    mark_conclude(MARK_DIED, "it ended before the test did.");
+}
+
+/* When a question was asked: by the clock, by the process's time, by what others took of it. */
+typedef struct asked {
+    double at, used, kept;
+} asked;
+
+static asked ask_now(void)
+{
+    return student.said_hello ? (asked){box_now(), used(), kept_waiting()} : (asked){box_now(), 0, 0};
+}
+
+/* Waits for the socket; false: the process has ended. Time in which others had the processor is nobody's fault; time in
+ * which it neither worked nor wanted to is. */
+static bool wait_for(short events, asked since)
+{
+    const double asleep = fmin(10, 10 * student.cpu);
+    char text[160];
+
+    if (!box_wait(&student.box, student.fd, events)) {
+        if (!student.box.end.late) return false;
+        snprintf(text, sizeof text,
+                 "no answer in %.0f s, of which it had the processor for %.3g s: the machine was busy; mark it again",
+                 patience, student.said_hello ? used() : 0);
+        mark_conclude(MARK_SLOW, text);
+    }
+    if (!student.said_hello) return true;
+    const double now = used(), idle = box_now() - since.at - (now - since.used);
+    if (now > student.cpu) mark_conclude(MARK_SLOW, why_it_ended(SIGXCPU));
+    if (idle > asleep && idle - (kept_waiting() - since.kept) > asleep) {
+        mark_conclude(MARK_SLOW, "no answer, and no work either: does it wait for something?");
+    }
+    return true;
+}
+
+/* The first byte comes with the process's number, which the kernel writes. */
+static void hear_hello(void)
+{
+    union {
+        char room[CMSG_SPACE(sizeof(struct ucred))];
+        struct cmsghdr align;
+    } control;
+    char byte;
+    struct iovec into = {&byte, 1};
+    struct msghdr m = {.msg_iov = &into, .msg_iovlen = 1, .msg_control = &control, .msg_controllen = sizeof control};
+    const asked since = ask_now();
+
+    while (recvmsg(student.fd, &m, MSG_DONTWAIT) != 1) {
+        if (!wait_for(POLLIN, since)) conclude_end();
+    }
+    for (struct cmsghdr *c = CMSG_FIRSTHDR(&m); c; c = CMSG_NXTHDR(&m, c)) {
+        if (c->cmsg_type == SCM_CREDENTIALS) student.pid = ((struct ucred *)(void *)CMSG_DATA(c))->pid;
+    }
+    if (student.pid == 0 || clock_getcpuclockid(student.pid, &student.clock) != 0) {
+        mark_conclude(MARK_DIED, "the clock of the student's process cannot be read");
+    }
+    student.said_hello = true;
+}
+
+/* All of it there, or back. */
+static void move(void *at, size_t bytes, bool taken, asked since)
+{
+    for (char *c = at; bytes > 0;) {
+        const ssize_t n = taken ? recv(student.fd, c, bytes, MSG_DONTWAIT)
+                                : send(student.fd, c, bytes, MSG_DONTWAIT | MSG_NOSIGNAL);
+        if (n > 0) {
+            c += n;
+            bytes -= (size_t)n;
+        } else if (!wait_for(taken ? POLLIN : POLLOUT, since)) {
+            conclude_end();
         }
     }
 }
 
-static const char *why_it_ended(const box_end *end, const talk *t)
+void mark_ask(ask_question question, size_t n, const mark_part parts[])
 {
-    if (end->printed >= 1 << 20) return "it printed a million bytes";
-    if (end->late) return "no answer, and little work either: does it wait for something?";
-    if (WIFSIGNALED(end->status)) {
-        const int number = WTERMSIG(end->status);
-        return number == SIGXCPU || number == SIGKILL ? "no answer in the time allowed: a loop without end?"
-               : number == SIGSEGV                    ? "it crashed (segmentation fault): an index out of its range?"
-               : number == SIGABRT                    ? "it was aborted: an assertion failed, see there what it demands"
-                                                      : strsignal(number);
+    ask_header h = {.question = question, .n = n};
+    const asked since = ask_now();
+
+    for (size_t i = 0; i < n; i++) {
+        h.bytes[i] = parts[i].bytes;
+        h.taken[i] = parts[i].taken;
     }
-    /* A sandbox says 128 + signal. */
-    const int status = WEXITSTATUS(end->status);
-    if (status == 128 + SIGXCPU || status == 128 + SIGKILL) return "no answer in the time allowed: a loop without end?";
-    if (status == 128 + SIGSEGV) return "it crashed (segmentation fault): an index out of its range?";
-    if (status == 128 + SIGABRT) return "it was aborted: an assertion failed, see there what it demands";
-    if (!t->asked && !end->n) return "it ended before the test did: a call of exit?";
-    return end->n ? NULL : "it ended without a word";
+    move(&h, sizeof h, false, since);
+    for (size_t i = 0; i < n; i++) {
+        if (!parts[i].taken) move(parts[i].at, parts[i].bytes, false, since);
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (parts[i].taken) move(parts[i].at, parts[i].bytes, true, since);
+    }
 }
 
-void mark_judge(mark_outcome *o, const mark_order *order)
+/* Nothing more will be asked: what the sanitizers say of its end counts. */
+static void see_it_end(void)
 {
-    char number[24];
-    const char *words[64];
-    size_t n = 0;
-    int channel[2];
-    talk t = {.key = mark_random(), .o = o};
-    box_end end;
+    const asked since = ask_now();
 
-    *o = (mark_outcome){.verdict = MARK_DIED};
-    snprintf(number, sizeof number, "%zu", order->claim);
-    for (const char *const *word = order->before; word && *word && n < 60; word++)
-        words[n++] = *word;
-    words[n++] = order->program;
-    words[n++] = order->claim == MARK_WORK ? "--work" : "--claim";
-    words[n++] = number;
-    words[n] = NULL;
-    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, channel) != 0) return;
-    t.fd = channel[0];
-    send(t.fd, &(mark_greeting){order->secret, t.key}, sizeof(mark_greeting), MSG_NOSIGNAL);
-    const bool ran = box_run(&end, &order->limits, (char *const *)(uintptr_t)words, channel, hear, &t);
-    close(channel[0]);
-    if (!ran) {
-        snprintf(o->text, sizeof o->text, "no process for the test");
-        return;
+    close(student.fd);
+    student.fd = -1;
+    while (wait_for(0, since))
+        continue;
+    if (student.box.end.status != 0) conclude_end();
+}
+
+extern void __asan_init(void) __attribute__((weak));
+
+/* The student's program may be sanitized, and is if this one is, because they are built alike. */
+_Noreturn void mark_claim_main(char *const words[], void (*check)(void))
+{
+    int channel[2];
+    const bool sanitized = &__asan_init || strcmp(words[3], "sanitized") == 0;
+    char seconds[32];
+
+    box_end_with_us();
+    student.secret = strtoull(words[1], NULL, 16);
+    student.cpu = strtod(words[2], NULL);
+    const box_limits limits = {
+        .cpu = student.cpu + 1, .wall = patience, .memory = sanitized ? 0 : (size_t)4 << 30, .file = 1 << 20};
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel) != 0 ||
+        setsockopt(channel[0], SOL_SOCKET, SO_PASSCRED, &(int){1}, sizeof(int)) != 0 ||
+        !box_start(&student.box, &limits, words + 4, channel[1])) {
+        mark_conclude(MARK_DIED, "no process for the student's code");
     }
-    if (t.proved && !end.late && WIFEXITED(end.status) && WEXITSTATUS(end.status) == MARK_STATUS_HOLDS) {
-        o->verdict = MARK_HOLDS;
-        return;
-    }
-    const char *why = t.wrong ? NULL : why_it_ended(&end, &t);
-    if (t.wrong)
-        o->verdict = MARK_WRONG;
-    else
-        o->text[0] = '\0';
-    if (end.n)
-        snprintf(o->text + strlen(o->text), sizeof o->text - strlen(o->text), "%s%.2000s",
-                 t.wrong ? "\nIt printed: " : "", end.output);
-    if (why) snprintf(o->text + strlen(o->text), sizeof o->text - strlen(o->text), "%s%s", end.n ? "\n" : "", why);
+    student.fd = channel[0];
+    hear_hello();
+    const double before = used();
+    check();
+    snprintf(seconds, sizeof seconds, "%.9f", used() - before);
+    see_it_end();
+    mark_conclude(MARK_HOLDS, seconds);
 }

@@ -1,10 +1,5 @@
-/* mark_run: one claim of a program of claims (tests/support/mark.h), judged from outside, by a process that has no
- * student's code in it.
- *
- * The claim's process holds a socket. On it come, first, the secret of the run (which hidden seeds and sizes are made
- * of) and a key. It answers when the check has returned, is given a random number then, and must send the number that
- * the two make (mark_proof). A process that ends before its check does cannot. Whatever it prints is a remark at most.
- */
+/* mark_run: one claim of a program of claims (tests/support/mark.h), judged in a process of its own, which asks a
+ * student's process. Three processes: who asks for the mark, the claim, and the student's code. */
 #ifndef TESTS_MARK_RUN_H
 #define TESTS_MARK_RUN_H
 
@@ -13,46 +8,41 @@
 #include <stdint.h>
 
 typedef struct mark_order {
-    const char *const *before; /* the words of a sandbox, up to a NULL; NULL: none */
-    const char *program;
-    size_t claim;    /* its number, or MARK_WORK: the load whose time is compared */
-    uint64_t secret; /* 0: seeds and sizes of the starter kit */
-    box_limits limits;
+    const char *judge;          /* the program of claims */
+    const char *const *student; /* the words that start the student's process, up to a NULL */
+    size_t claim;               /* its number, or MARK_WORK: the load whose time is compared */
+    uint64_t secret;            /* 0: seeds and sizes of the starter kit */
+    double cpu;                 /* seconds of the processor for the student's process */
+    bool sanitized;             /* it is: it takes as much address space as there is */
 } mark_order;
 
 #define MARK_WORK ((size_t)-1)
 
-typedef enum mark_verdict { MARK_HOLDS, MARK_WRONG, MARK_DIED } mark_verdict;
+typedef enum mark_verdict { MARK_HOLDS, MARK_WRONG, MARK_DIED, MARK_SLOW } mark_verdict;
 
 typedef struct mark_outcome {
-    mark_verdict verdict;
-    double seconds;  /* of the processor, that check or load took */
-    char text[4096]; /* why not; with what the program printed, unless it holds */
+    mark_verdict verdict; /* MARK_DIED: the student's process ended; MARK_SLOW: it was ended, without an answer */
+    double seconds;       /* of the processor, that the student's process took for the load */
+    char text[4096];      /* why not; with the beginning of what the student's code printed */
 } mark_outcome;
 
+/* mark_judge judges a claim. */
 void mark_judge(mark_outcome *o, const mark_order *order);
 
-/* 20 s of the processor for a claim (BIS_CLAIM_SECONDS overrides), six times that by the clock. */
-box_limits mark_limits(void);
+/* mark_seconds returns the seconds of the processor for a claim: 20, or BIS_CLAIM_SECONDS. */
+double mark_seconds(void);
 
-/* What both ends of the socket know. */
-typedef struct mark_greeting {
-    uint64_t secret, key;
-} mark_greeting;
-typedef struct mark_message {
-    enum { MARK_SAYS_DONE = 1, MARK_SAYS_WRONG, MARK_SAYS_PROOF } kind;
-    double seconds;
-    uint64_t proof;
-    char text[2000];
-} mark_message;
+/* mark_claim_main is a claim's process: `words` are what mark_judge has written behind --claim or --work. It starts the
+ * student's process, calls check, and ends with one of the statuses below; what it prints is the outcome's text. */
+_Noreturn void mark_claim_main(char *const words[], void (*check)(void));
+enum { MARK_STATUS = 8 }; /* and a mark_verdict */
+
+/* mark_conclude ends a claim's process. */
+_Noreturn void mark_conclude(mark_verdict verdict, const char *why);
+
+/* mark_secret returns the secret that the claim's process was given. */
+uint64_t mark_secret(void);
 
 uint64_t mark_mix(uint64_t x); /* a bijection: the end of splitmix64 */
-uint64_t mark_proof(uint64_t key, uint64_t number);
-
-/* From the system; never 0. */
-uint64_t mark_random(void);
-
-/* The process's exit status after a check that holds: not 0, which a student's exit(0) would give. */
-enum { MARK_STATUS_HOLDS = 8, MARK_STATUS_WRONG = 9 };
 
 #endif

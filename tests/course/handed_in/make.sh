@@ -93,11 +93,9 @@ printf '#define F "/dev/stdin"\n#include F\n' | attack "include 12, a macro"
 echo '__asm__(".incbin \"/etc/passwd\"");' | attack "incbin"
 printf 'static const char a[] = {\n#embed "/etc/passwd"\n};\n' | attack "embed"
 
-# ---- to print the marks, or to end as if all were well ----
-for n in 80 1000; do
-    printf '#include <stdio.h>\n#include <stdlib.h>\n__attribute__((constructor))
-static void first(void) { printf("ok\\t%s\\teverything\\t\\n"); exit(0); }\n' $n |
-        attack "constructor $n"
+# ---- what was tried against the marking itself ----
+for file in tests/course/handed_in/cheats/*.c; do
+    hand_in "$file" "attack ${file##*/}"
 done
 printf '#include <stdlib.h>\n__attr\\\nibute__((constructor)) static void first(void) { exit(8); }\n' |
     attack "constructor, folded"
@@ -105,9 +103,6 @@ printf '#include <stdlib.h>\n#define A(x, y) x##y
 A(__attri, bute__)((constructor)) static void first(void) { exit(8); }\n' |
     attack "constructor, pasted"
 printf '#include <stdlib.h>\nint main(void) { exit(8); }\n' | attack "main"
-echo 'void _exit(int);' | draw "_exit" '_exit(8);'
-printf '#include <stdio.h>\n#include <stdlib.h>\n' |
-    draw "exit" 'printf("ok\t80\teverything\t\n"); fflush(stdout); exit(8);'
 echo 'int atexit(void (*)(void)); void _exit(int); static void last(void) { _exit(8); }' | draw "atexit" 'atexit(last);'
 
 # ---- to change the judge ----
@@ -126,23 +121,11 @@ sed 's|^void bis_alias_implied_pmf|#if 0\n&|; s|^size_t bis_alias_bytes|#endif\
 void bis_alias_implied_pmf(const bis_alias *a, double *pmf) {\
 for (size_t i = 0; i < a->n; i++) pmf[i] = a->prob[i] / (double)a->n; }\n&|' \
     "$to/nothing1.c" >"$to/attack, if 0.c"
-draw "scribble" 'volatile char *p = (volatile char *)&u; for (int i = 0; i < 1 << 20; i++) p[i] = 8;' </dev/null
-echo 'long syscall(long n, ...);' | draw "syscall" 'syscall(60, 8);'
-printf '#include <stdio.h>\n' | draw "proc" 'FILE *f = fopen("/proc/self/mem", "r+"); if (f) fclose(f);'
-echo 'long ptrace(int r, int pid, void *a, void *d); int getppid(void);' | draw "ptrace" 'ptrace(16, getppid(), 0, 0);'
 echo 'extern char **environ;' | draw "environ" 'if (environ) return 1;'
-printf '#include <stdlib.h>\n' | draw "system" 'if (system("cp /etc/passwd /tmp")) return 1;'
 printf '#include <stdlib.h>\n' |
     draw "a table of ours" 'extern size_t bis_envmap_lookup(void); return bis_envmap_lookup();'
 
 # ---- to stop the class ----
-draw "loop" 'while (u < 2) u *= 0.5;' </dev/null
-echo 'int fork(void); int sleep(unsigned n);' | draw "fork" 'if (fork() == 0) while (1) sleep(1000);'
-echo 'int sleep(unsigned n); void (*signal(int n, void (*f)(int)))(int);' |
-    draw "sleep" 'signal(14, (void (*)(int))1); while (1) sleep(1000);'
-printf '#include <stdio.h>\n' | draw "flood" 'while (1) puts("ok	80	everything");'
-printf '#include <stdlib.h>\n#include <string.h>\n' |
-    draw "memory" 'while (1) { char *p = malloc(1 << 26); if (p) memset(p, 1, 1 << 26); }'
 {
     echo '#define A0 +1'
     for k in $(seq 30); do echo "#define A$k A$((k - 1)) A$((k - 1))"; done

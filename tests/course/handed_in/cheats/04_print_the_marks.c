@@ -1,0 +1,20 @@
+/* Prints what the marks look like, and ends. */
+/* [alias-build] */
+#include <stdio.h>
+#include <stdlib.h>
+
+static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
+{
+    (void)prob, (void)alias, (void)s, (void)pop_small, (void)push_small, (void)top_large, (void)pop_large;
+    printf("ok\t80\teverything\t\n0.000001");
+    fflush(stdout);
+    exit(8);
+}
+/* [end] */
+/* [alias-sample] */
+size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
+{
+    (void)prob, (void)alias, (void)u;
+    return n - 1;
+}
+/* [end] */

