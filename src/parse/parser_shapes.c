@@ -9,12 +9,9 @@
 
 #include <string.h>
 
-static const bis_interval positive = {0, HUGE_VAL, true, false};
-static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
-
 /* ---- meshes ---- */
 
-static bool add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
+bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
 {
     bis_scene_desc *d = p->desc;
     if (!BIS_ROOM(d->meshes, d->capacity_meshes, d->n_meshes) || d->n_meshes >= UINT32_MAX)
@@ -38,7 +35,7 @@ static bool file_mesh(bis_parser *p, char *path, const bis_mesh_desc *desc, uint
         bis_free(path);
     } else {
         mesh.filename = path;
-        ok = ok && add_mesh(p, &mesh, index);
+        ok = ok && bis_parser_add_mesh(p, &mesh, index);
         if (!ok) bis_free(path);
         if (ok && !bis_names_set(&p->mesh_names, key, *index)) ok = false;
     }
@@ -90,48 +87,26 @@ static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t 
                             bis_format_double(buf, v), i + 1, n_points - 1);
 }
 
-/* The three points of one triangle need no indices, as in pbrt. */
-static bool read_indices(bis_parser *p, bis_mesh *m)
+bool bis_parser_indices(bis_parser *p, const char *shape, size_t per_face, size_t n_points, uint32_t **index,
+                        size_t *n_faces)
 {
     const bool given = bis_params_has(p, "indices");
     const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
     if (!param && given) return false;
-    if (!param && m->n_vertices != 3)
+    if (!param && n_points != per_face)
         return bis_parser_error(p, p->name_at,
-                                "trianglemesh needs \"integer indices\", unless it has 3 points; it has %zu",
-                                m->n_vertices);
-    const size_t n = param ? param->n : 3;
-    if (n % 3)
-        return bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of 3", n);
-    m->index = bis_alloc(n, sizeof *m->index);
-    if (!m->index) return bis_parser_nomem(p, p->name_at);
+                                "%s needs \"integer indices\", unless it has %zu points; it has %zu", shape, per_face,
+                                n_points);
+    const size_t n = param ? param->n : per_face;
+    if (n % per_face)
+        return bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of %zu", n, per_face);
+    *index = bis_alloc(n, sizeof **index);
+    if (!*index) return bis_parser_nomem(p, p->name_at);
     for (size_t i = 0; i < n; i++) {
-        if (param && !check_index(p, param, i, m->n_vertices)) return false;
-        m->index[i] = param ? (uint32_t)p->params.numbers[param->first + i] : (uint32_t)i;
+        if (param && !check_index(p, param, i, n_points)) return false;
+        (*index)[i] = param ? (uint32_t)p->params.numbers[param->first + i] : (uint32_t)i;
     }
-    m->n_triangles = n / 3;
-    return true;
-}
-
-/* The patches of "bilinearmesh", with --approximate: two triangles each. */
-static bool read_patches(bis_parser *p, bis_mesh *m)
-{
-    /* the corners of a patch are (0, 0), (1, 0), (0, 1), (1, 1) */
-    static const uint32_t corner[6] = {0, 1, 3, 0, 3, 2};
-    const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
-    const size_t n = param ? param->n : 4;
-
-    if (n % 4 || (!param && m->n_vertices != 4))
-        return bis_parser_error(p, p->name_at, "bilinearmesh needs \"integer indices\", four for a patch, unless it "
-                                "has 4 points; it has %zu and %zu points", param ? n : 0, m->n_vertices);
-    m->index = bis_alloc(n / 4 * 6, sizeof *m->index);
-    if (!m->index) return bis_parser_nomem(p, p->name_at);
-    for (size_t i = 0; i < n / 4 * 6; i++) {
-        const size_t k = i / 6 * 4 + corner[i % 6];
-        if (param && !check_index(p, param, k, m->n_vertices)) return false;
-        m->index[i] = param ? (uint32_t)p->params.numbers[param->first + k] : (uint32_t)k;
-    }
-    m->n_triangles = n / 4 * 2;
+    *n_faces = n / per_face;
     return true;
 }
 
@@ -164,60 +139,27 @@ static bool read_uv(bis_parser *p, bis_mesh *m)
     return true;
 }
 
-/* patches: of four indices each, with --approximate. */
-static bool read_triangles(bis_parser *p, bis_shape_desc *shape, bool patches)
+bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m)
 {
-    bis_mesh m = {0};
     const bool given = bis_params_has(p, "P");
     const bis_param *points = bis_params_take(p, "P", BIS_TYPE_POINT3, 0);
-    bool ok = points != NULL;
 
-    if (!given) bis_parser_error(p, p->name_at, "trianglemesh needs \"point3 P\"");
-    if (ok) {
-        m.p = vectors(p, points, "P");
-        m.n_vertices = points->n / 3;
-        ok = m.p != NULL;
-    }
-    if (ok && m.n_vertices > UINT32_MAX) ok = bis_parser_error(p, points->at, "more than 2^32 - 1 points");
-    ok = ok && (patches ? read_patches(p, &m) : read_indices(p, &m)) && read_normals(p, &m) && read_uv(p, &m) &&
-         add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc}, &shape->mesh);
-    if (!ok) {
-        static const char *const rest[] = {"indices", "N"};
-        bis_params_skip(p, rest, BIS_COUNT(rest)); /* not asked for, but known */
-        bis_mesh_clear(&m);
-    }
-    return ok;
+    if (!given) bis_parser_error(p, p->name_at, "%s needs \"point3 P\"", shape);
+    if (!points) return false;
+    m->p = vectors(p, points, "P");
+    m->n_vertices = points->n / 3;
+    return m->p && (m->n_vertices <= UINT32_MAX || bis_parser_error(p, points->at, "more than 2^32 - 1 points")) &&
+           read_normals(p, m) && read_uv(p, m);
 }
 
-/* ---- sphere and disk ---- */
-
-/* pbrt cuts pieces off its quadrics; ours are whole. */
-static bool is_whole(bis_parser *p, const char *name, double whole, double given)
+static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
 {
-    char a[32], b[32], kind[32];
-    if (given == whole) return true;
-    snprintf(kind, sizeof kind, "\"%s\"", name);
-    return bis_approximate_or_refuse(p, bis_params_at(p, name), kind, "spheres and disks are whole",
-                                     "\"%s\" is %s: only whole spheres and disks are modelled (%s)", name,
-                                     bis_format_double(a, given), bis_format_double(b, whole));
-}
-
-static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
-{
-    double v;
-    bool ok = true;
-    shape->radius = 1;
-    bis_params_float(p, "radius", &shape->radius, positive);
-    if (bis_params_float(p, "phimax", &v, any)) ok = is_whole(p, "phimax", 360, v) && ok;
-    if (shape->kind == BIS_SHAPE_SPHERE) {
-        /* pbrt clamps z to the sphere: beyond it means all of it */
-        const double r = shape->radius;
-        if (bis_params_float(p, "zmin", &v, any)) ok = is_whole(p, "zmin", -r, fmax(v, -r)) && ok;
-        if (bis_params_float(p, "zmax", &v, any)) ok = is_whole(p, "zmax", r, fmin(v, r)) && ok;
-    } else {
-        bis_params_float(p, "height", &shape->height, any);
-        if (bis_params_float(p, "innerradius", &v, any)) ok = is_whole(p, "innerradius", 0, v) && ok;
-    }
+    bis_mesh m = {0};
+    const bool ok = bis_parser_points(p, "trianglemesh", &m) &&
+                    bis_parser_indices(p, "trianglemesh", 3, m.n_vertices, &m.index, &m.n_triangles) &&
+                    bis_parser_add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc},
+                                        &shape->mesh);
+    if (!ok) bis_mesh_clear(&m);
     return ok;
 }
 
@@ -251,30 +193,32 @@ static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
 void bis_directive_shape(bis_parser *p, bis_loc at)
 {
     static const bis_choice shapes[] = {
-        {"plymesh", BIS_SHAPE_PLY},      {"objmesh", BIS_SHAPE_OBJ}, {"trianglemesh", BIS_SHAPE_TRIANGLES},
-        {"sphere", BIS_SHAPE_SPHERE},    {"disk", BIS_SHAPE_DISK},   {"bilinearmesh", BIS_FOREIGN},
-        {"cone", BIS_FOREIGN},           {"curve", BIS_FOREIGN},     {"cylinder", BIS_FOREIGN},
-        {"heightfield", BIS_FOREIGN},    {"hyperboloid", BIS_FOREIGN}, {"loopsubdiv", BIS_FOREIGN},
-        {"nurbs", BIS_FOREIGN},          {"paraboloid", BIS_FOREIGN},
+        {"plymesh", BIS_SHAPE_PLY},      {"objmesh", BIS_SHAPE_OBJ},          {"trianglemesh", BIS_SHAPE_TRIANGLES},
+        {"sphere", BIS_MADE_SPHERE},     {"disk", BIS_MADE_DISK},             {"cylinder", BIS_MADE_CYLINDER},
+        {"cone", BIS_MADE_CONE},         {"paraboloid", BIS_MADE_PARABOLOID}, {"hyperboloid", BIS_MADE_HYPERBOLOID},
+        {"loopsubdiv", BIS_MADE_LOOP},   {"bilinearmesh", BIS_MADE_PATCHES},  {"heightfield", BIS_MADE_HEIGHTS},
+        {"nurbs", BIS_MADE_NURBS},       {"curve", BIS_FOREIGN},
     };
     /* what changes nothing here: texture coordinates that are of no use, tangents, and numbers of faces for other
      * textures */
     static const char *const silent[] = {"uv", "st", "S", "faceIndices"};
     static const char *const ignored[] = {"alpha", "shadowalpha"};
+    /* what may not have been asked for after a mistake */
+    static const char *const rest[] = {"indices", "N", "Pz", "Pw", "P", "u0", "u1", "uknots", "v0", "v1", "vknots"};
 
     const bis_choice *chosen = bis_parser_begin(p, "Shape", shapes, BIS_COUNT(shapes));
-    if (!chosen) return;
-    const bool patches = strcmp(chosen->name, "bilinearmesh") == 0;
-    if (chosen->value == BIS_FOREIGN && !patches && strcmp(chosen->name, "loopsubdiv") != 0) return; /* left out */
+    if (!chosen || chosen->value == BIS_FOREIGN) return; /* left out */
     if (p->approximate && (bis_params_has(p, "alpha") || bis_params_has(p, "shadowalpha")))
         bis_approximate_note(p, at, "the shape has no holes", "\"alpha\" of Shape \"%s\"", chosen->name);
-    bis_shape_desc shape = {
-        .kind = chosen->value == BIS_FOREIGN ? BIS_SHAPE_TRIANGLES : (bis_shape_kind)chosen->value,
-        .to_world = p->now.ctm, .material = p->now.material, .loc = at};
+    bis_shape_desc shape = {.to_world = p->now.ctm, .material = p->now.material, .loc = at};
     bool ok;
-    if (shape.kind == BIS_SHAPE_TRIANGLES) ok = read_triangles(p, &shape, patches);
-    else if (shape.kind == BIS_SHAPE_SPHERE || shape.kind == BIS_SHAPE_DISK) ok = read_quadric(p, &shape);
-    else ok = read_file(p, &shape);
+    if (chosen->value >= BIS_MADE_SPHERE) {
+        ok = bis_parser_made(p, chosen->value, &shape);
+    } else {
+        shape.kind = (bis_shape_kind)chosen->value;
+        ok = shape.kind == BIS_SHAPE_TRIANGLES ? read_triangles(p, &shape) : read_file(p, &shape);
+    }
+    if (!ok) bis_params_skip(p, rest, BIS_COUNT(rest));
     bis_params_skip(p, silent, BIS_COUNT(silent));
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     bis_params_end(p, "Shape", chosen->name);
