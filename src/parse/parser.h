@@ -380,14 +380,16 @@ bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index
 bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
 bis_directive bis_directive_texture;
 
-/* parser_shapes.c. bis_parser_add_mesh takes over what `mesh` owns. bis_parser_points reads P, N and uv of a shape into
+/* parser_points.c. bis_parser_add_mesh takes over what `mesh` owns. bis_parser_points reads P, N and uv of a shape into
  * m, bis_parser_indices its faces: index[n_faces][per_face] from bis_alloc, which is the caller's after a complaint, too.
  * Without "indices" the points are one face. False: complained. */
-bis_directive bis_directive_shape;
 bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index);
 bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m);
 bool bis_parser_indices(bis_parser *p, const char *shape, size_t per_face, size_t n_points, uint32_t **index,
                         size_t *n_faces);
+
+/* parser_shapes.c */
+bis_directive bis_directive_shape;
 
 /* parser_made.c. bis_parser_made reads a shape that is made by a formula or of a few points: a whole sphere or disk
  * becomes a quadric, all else a mesh. False: complained, or there is nothing of it. */

@@ -53,8 +53,9 @@ static void revolved_at(bis_grid_point *out, const void *surface, double s, doub
     out->uv = (bis_uv){(float)s, (float)v_of(r, out->p[2], t)};
     turn(out->p, cos(phi), sin(phi));
     turn(d, cos(phi), sin(phi));
-    /* the direction in which p turns; on the axis, in which its neighbours turn */
-    const double *arm = out->p[0] != 0 || out->p[1] != 0 ? out->p : d, round[3] = {-arm[1], arm[0], 0};
+    /* the direction in which p turns; on the axis, in which the points before or behind it turn */
+    const double side = t < 1 ? 1 : -1, axis[3] = {side * d[0], side * d[1], 0};
+    const double *arm = out->p[0] != 0 || out->p[1] != 0 ? out->p : axis, round[3] = {-arm[1], arm[0], 0};
     bis_grid_cross(out->n, round, d);
     if (r->profile == BIS_PROFILE_CIRCLE)
         for (int i = 0; i < 3; i++) out->n[i] = out->p[i]; /* at the poles d is no help */
