@@ -68,15 +68,8 @@ static const replaced table[] = {
     {"Film", "gbuffer", "an ordinary film: give the layers by --layers"},
     {"Film", "spectral", "an ordinary film"},
     {"Shape", "curve", SHAPE_MISSING},
-    {"Texture", "bilerp", MEAN},
     {"Texture", "directionmix", MEAN},
-    {"Texture", "dots", MEAN},
-    {"Texture", "fbm", HALF},
-    {"Texture", "marble", HALF},
     {"Texture", "ptex", "one value all over, 0.5; its file is not read"},
-    {"Texture", "uv", HALF},
-    {"Texture", "windy", HALF},
-    {"Texture", "wrinkled", HALF},
 };
 
 static const replaced *find(const char *directive, const char *name)
@@ -185,7 +178,6 @@ static const struct unknown {
 } unknowns[] = {
     {"Material", "matte", "matte, as in pbrt"},
     {"LightSource", "point", LIGHT_MISSING},
-    {"Texture", "fbm", HALF},
     {"Integrator", "path", NULL},
     {"Camera", "realistic", OTHER_CAMERA},
     {"Sampler", "sobol", "\"sobol\""},

@@ -97,7 +97,8 @@ static void read_material(bis_parser *p, const char *directive, const char *type
         p->desc->materials[index] = nearest;
         return;
     }
-    bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, at};
+    bis_material_textures t = BIS_NO_TEXTURES;
+    t.loc = at;
     const bis_material m = readers[chosen->value](p, &t);
     bis_params_end(p, directive, chosen->name);
     p->desc->materials[index] = m;

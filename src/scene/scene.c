@@ -161,9 +161,7 @@ static bis_status load_textures(bis_scene *s, const bis_scene_desc *desc, bis_di
         const bis_material_textures *m = bis_textures_of(t, material);
         if (!m || is_shown[material]) continue;
         is_shown[material] = true;
-        bis_textures_mark(is_used, t, m->Kd);
-        bis_textures_mark(is_used, t, m->Ks);
-        bis_textures_mark(is_used, t, m->width);
+        bis_textures_mark_all(is_used, t, m);
     }
     for (size_t i = 0; i < t->n_files && !status; i++)
         if (is_used[i]) status = bis_textures_load(&s->images[i], &t->files[i], diag);

@@ -228,7 +228,9 @@ static void print_colour(const char *name, rgb c, FILE *out)
 
 static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
 {
-    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated", "remapped"};
+    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated", "remapped",
+                                        "dots", "bilerp", "uv", "checkerboard in space", "fbm", "wrinkled", "windy",
+                                        "marble"}; /* bis_texture_kind */
     const bis_texture *x = &t->list[texture];
     const char *file = x->kind == BIS_TEXTURE_IMAGE ? t->files[x->image].filename : NULL;
     const char *slash = file ? strrchr(file, '/') : NULL;
@@ -243,9 +245,7 @@ static void print_textures(const bis_scene_desc *d, FILE *out)
     for (size_t i = 0; i < d->n_shapes && is_used; i++) {
         const bis_material_textures *m = bis_textures_of(t, d->shapes[i].material);
         if (!m) continue;
-        bis_textures_mark(is_used, t, m->Kd);
-        bis_textures_mark(is_used, t, m->Ks);
-        bis_textures_mark(is_used, t, m->width);
+        bis_textures_mark_all(is_used, t, m);
         any |= is_mesh(&d->shapes[i]) && bis_textures_want_uv(t, m);
     }
     for (size_t i = 0; i < t->n_files && is_used; i++) {
