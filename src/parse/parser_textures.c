@@ -363,8 +363,8 @@ typedef struct pattern {
 } pattern;
 
 static const pattern checkers = {{"tex1", "tex2"}, {1, 0}, {0.5, 0.5}};
-/* half of the cells of "dots" hold a disc of radius 0.35 */
-static const pattern dots = {{"inside", "outside"}, {1, 0}, {0.19, 0.81}};
+/* 0.402 of the cells of "dots" (tests/scene/test_procedural.c) hold a disc of radius 0.35 */
+static const pattern dots = {{"inside", "outside"}, {1, 0}, {0.155, 0.845}};
 static const pattern corners = {{"v00", "v01", "v10", "v11"}, {0, 1, 0, 1}, {0.25, 0.25, 0.25, 0.25}};
 static const pattern sides = {{"tex1", "tex2"}, {0, 1}, {0.5, 0.5}}; /* of "directionmix" */
 

@@ -1,8 +1,8 @@
 /* noise: Perlin's gradient noise and sums of it, as pbrt has them. For src/scene alone. */
 #pragma once
 
-/* No value of bis_noise exceeds this. tests/scene/test_procedural.c derives it: of all gradients that there are, the
- * worst give at most 1.04 anywhere. */
+/* No value of bis_noise exceeds this. tests/scene/test_procedural.c derives it: the worst gradients
+ * give 1.037. */
 #define BIS_NOISE_MOST 1.1
 
 /* bis_noise returns the noise at p, any finite numbers; 0 at whole ones. Period 256 along each axis. */

@@ -116,7 +116,7 @@ static double windy(const double q[3])
     return fabs(bis_noise_fbm(far, 0.5, 3)) * bis_noise_fbm(q, 0.5, 6);
 }
 
-/* Half of the cells, about whole numbers, hold a disc that noise moves. */
+/* Two fifths of the cells, about whole numbers, hold a disc that noise moves. */
 static bool is_in_dot(const double st[2])
 {
     const double s = floor(st[0] + 0.5), t = floor(st[1] + 0.5), radius = 0.35, most = 0.5 - radius;
