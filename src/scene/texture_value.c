@@ -36,7 +36,7 @@ static rgbd texel(const bis_image *image, double x, double y, bis_wrap wrap)
 static rgbd lerp(double w, rgbd a, rgbd b) { return rgbd_add(rgbd_scale(a, 1 - w), rgbd_scale(b, w)); }
 
 /* Texel i has its centre at (i + 1/2)/n. Row 0 is at the top, where t = 1. */
-static rgbd bilinear(const bis_image *image, double s, double t, bis_wrap wrap)
+rgbd bis_texture_bilinear(const bis_image *image, double s, double t, bis_wrap wrap)
 {
     const double x = s * image->width - 0.5, y = (1 - t) * image->height - 0.5, x0 = floor(x), y0 = floor(y);
     const rgbd top = lerp(x - x0, texel(image, x0, y0, wrap), texel(image, x0 + 1, y0, wrap));
@@ -47,7 +47,7 @@ static rgbd bilinear(const bis_image *image, double s, double t, bis_wrap wrap)
 
 static rgbd image_value(const bis_texture *x, const bis_image *image, double s, double t)
 {
-    rgbd v = bilinear(image, s, t, x->wrap);
+    rgbd v = bis_texture_bilinear(image, s, t, x->wrap);
 
     if (x->is_float) v.r = v.g = v.b = rgbd_sum(v) / 3;
     return (rgbd){bis_texture_of_image(x, v.r), bis_texture_of_image(x, v.g), bis_texture_of_image(x, v.b)};

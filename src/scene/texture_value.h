@@ -51,6 +51,9 @@ static inline bool bis_texture_maps_uv(const bis_texture *x)
             x->kind == BIS_TEXTURE_BILERP || x->kind == BIS_TEXTURE_UV_COLOUR) && x->mapping == BIS_TEXTURE_UV;
 }
 
+/* bis_texture_bilinear returns the value of an image between the centres of its texels. */
+rgbd bis_texture_bilinear(const bis_image *image, double s, double t, bis_wrap wrap);
+
 /* bis_texture_value returns what bis_textures_value does, at a point in double. */
 rgbd bis_texture_value(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2],
                        const double p[3]);

@@ -110,14 +110,19 @@ double bis_texture_alpha(double roughness);
 /* bis_textures_clear frees everything. *t is empty afterwards. */
 void bis_textures_clear(bis_textures *t);
 
+/* bis_textures_any returns whether a material has textures at all. */
+static inline bool bis_textures_any(const bis_material_textures *m)
+{
+    return m->Kd != BIS_NO_TEXTURE || m->Ks != BIS_NO_TEXTURE || m->width != BIS_NO_TEXTURE ||
+           m->bump != BIS_NO_TEXTURE || m->normals != BIS_NO_TEXTURE;
+}
+
 /* bis_textures_of returns the textures of a material, or NULL if it has none. */
 static inline const bis_material_textures *bis_textures_of(const bis_textures *t, uint32_t material)
 {
     if (material >= t->n_of_material) return NULL;
     const bis_material_textures *m = &t->of_material[material];
-    const bool any = m->Kd != BIS_NO_TEXTURE || m->Ks != BIS_NO_TEXTURE || m->width != BIS_NO_TEXTURE ||
-                     m->bump != BIS_NO_TEXTURE || m->normals != BIS_NO_TEXTURE;
-    return any ? m : NULL;
+    return bis_textures_any(m) ? m : NULL;
 }
 
 /* bis_textures_mark sets is_used[n_files] for the images that texture `texture` needs, bis_textures_mark_all for those
