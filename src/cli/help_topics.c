@@ -113,6 +113,7 @@ static const bis_help_entry lights[] = {
     {"levels", "of intensity, thesis 3.4 (8, in [1, 254])"},
     {"sampler", "alias, or cdf (the default with the samplers sobol and halton). Never changes the mean"},
     {"visible", "false: camera rays that hit nothing see black (true)"},
+    {"filter", "bilinear: camera rays see the map interpolated (point: its pixels). Surfaces receive the same light"},
     {NULL, "`bis envmap MAP` shows what is in a map."},
     {NULL, NULL},
 };

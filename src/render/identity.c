@@ -152,7 +152,7 @@ static void hash_map(bis_walk *w, const bis_light *light)
 static void hash_light(bis_walk *w, const bis_light_desc *l)
 {
     const uint64_t counts[] = {l->mapping, (uint64_t)l->width, (uint64_t)l->levels, l->has_table_kind,
-                               l->has_table_kind ? l->table_kind : 0, l->visible};
+                               l->has_table_kind ? l->table_kind : 0, l->visible, l->is_smooth};
     hash_rgb(w, l->L);
     hash_real(w, l->scale);
     hash_real(w, l->area_exponent);

@@ -443,7 +443,7 @@ static void the_words_of_parameters_are_these(void **state)
 static void the_version_has_six_lines(void **state)
 {
     (void)state;
-    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "threads: "};
+    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "libjpeg: ", "threads: "};
     program_run r;
     char line[128];
     const char *const embree = bis_accel_embree_version(), *at = r.output;
