@@ -155,17 +155,19 @@ static bool read_revolved(bis_parser *p, int made, bis_shape_desc *shape)
 static bool subdivide(bis_parser *p, bis_mesh *m, unsigned levels, bis_loc at)
 {
     bis_diag own = {0};
-    const bis_status status = bis_make_subdivided(m, levels, at, p->approximate ? &own : p->diag);
+    const bis_status status = bis_make_subdivided(m, levels, at, &own);
+    bool ok = !status;
 
-    bis_diag_clear(&own);
-    if (status == BIS_INPUT && p->approximate) {
-        bis_approximate_note(p, at, "its control mesh: coarser, and a little too large",
-                             "Shape \"loopsubdiv\" whose triangles do not form surfaces");
-        return true;
+    if (status == BIS_INPUT && own.n) { /* without its place, which is at */
+        const char *text = strstr(own.messages[0].text, "error: ");
+        ok = bis_approximate_or_refuse(p, at, "Shape \"loopsubdiv\" whose triangles do not form surfaces",
+                                       "its control mesh: coarser, and a little too large", "%s",
+                                       text ? text + strlen("error: ") : own.messages[0].text);
+    } else if (status) {
+        bis_parser_nomem(p, at);
     }
-    if (status == BIS_NOMEM && p->approximate) return bis_parser_nomem(p, at);
-    bis_parser_note(p, status);
-    return !status;
+    bis_diag_clear(&own);
+    return ok;
 }
 
 static bool read_loop(bis_parser *p, bis_shape_desc *shape)
@@ -271,6 +273,8 @@ static bool read_net(bis_parser *p, bis_nurbs *s, double (**list)[4])
     const size_t n = s->n[0] * s->n[1];
     const bool weighted = !bis_params_has(p, "P");
     const size_t per = weighted ? 4 : 3;
+    if (weighted && !bis_params_has(p, "Pw"))
+        return bis_parser_error(p, p->name_at, "nurbs needs \"point3 P\", or \"float Pw\" of x w, y w, z w and w");
     const double *v = need_numbers(p, "nurbs", weighted ? "Pw" : "P", weighted ? BIS_TYPE_FLOAT : BIS_TYPE_POINT3,
                                    per * n);
     *list = v ? bis_alloc(n, sizeof **list) : NULL;
