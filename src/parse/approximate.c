@@ -177,7 +177,9 @@ static const struct unknown {
     const char *directive, *instead, *consequence;
 } unknowns[] = {
     {"Material", "matte", "matte, as in pbrt"},
+    {"Shape", "curve", SHAPE_MISSING},
     {"LightSource", "point", LIGHT_MISSING},
+    {"Texture", "ptex", HALF},
     {"Integrator", "path", NULL},
     {"Camera", "realistic", OTHER_CAMERA},
     {"Sampler", "sobol", "\"sobol\""},

@@ -251,17 +251,6 @@ static void textures_of_pbrts_have_the_mean_of_their_parts(void **state)
         assert_int_equal(d->n_approximations, 1);
         bis_scene_desc_free(d);
     }
-    /* of textures that vary: half of both, at any point */
-    bis_scene_desc *d = approximated("WorldBegin Texture \"u\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6\n"
-        "Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 3 \"texture tex1\" \"u\" \"float tex2\" .4 Material \"diffuse\" \"texture Kd\" \"t\" "
-        "Shape \"sphere\"");
-    const uint32_t index = d->shapes[0].material;
-    for (int k = 0; k < 2; k++) {
-        const bis_material m = bis_textures_material(&d->textures, NULL, bis_textures_of(&d->textures, index), &d->materials[index],
-                                                     (double[]){.5 + k, .5}, (vec3){0, 0, 0});
-        assert_true(fabs((double)m.Kd.r - (k ? .5 : .3)) < 1e-6);
-    }
-    bis_scene_desc_free(d);
 }
 
 /* Brass is gold, titanium aluminium (published colours, see test_pbrt_materials.c); a coat that scatters is a clear one. */
