@@ -90,8 +90,8 @@ static bis_status override_light(bis_light_desc *light, const bis_override *o, b
 
     if (!o->light) {
         if (!o->has_light_rotate && !o->has_light_scale && !o->light_mapping) return BIS_OK;
-        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--light-rotate, --light-scale and --light-mapping are about the "
-                         "map that --light names: give --light MAP, too");
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--light-rotate, --light-scale and --light-mapping are about "
+                         "the map that --light names: give --light MAP, too");
     }
     light->filename = bis_strdup(o->light);
     if (!light->filename) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");

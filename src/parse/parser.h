@@ -381,8 +381,8 @@ bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, u
 bis_directive bis_directive_texture;
 
 /* parser_points.c. bis_parser_add_mesh takes over what `mesh` owns. bis_parser_points reads P, N and uv of a shape into
- * m, bis_parser_indices its faces: index[n_faces][per_face] from bis_alloc, which is the caller's after a complaint, too.
- * Without "indices" the points are one face. False: complained. */
+ * m, bis_parser_indices its faces: index[n_faces][per_face] from bis_alloc, which is the caller's after a complaint,
+ * too. Without "indices" the points are one face. False: complained. */
 bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index);
 bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m);
 bool bis_parser_indices(bis_parser *p, const char *shape, size_t per_face, size_t n_points, uint32_t **index,

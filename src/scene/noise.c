@@ -43,7 +43,8 @@ double bis_noise(const double p[3])
         w[i] = d[i] * d[i] * d[i] * (d[i] * (6 * d[i] - 15) + 10);
     }
     for (unsigned k = 0; k < 8; k++) {
-        const unsigned on[3] = {k & 1, k >> 1 & 1, k >> 2}, corner[3] = {cell[0] + on[0], cell[1] + on[1], cell[2] + on[2]};
+        const unsigned on[3] = {k & 1, k >> 1 & 1, k >> 2};
+        const unsigned corner[3] = {cell[0] + on[0], cell[1] + on[1], cell[2] + on[2]};
         const double way[3] = {d[0] - on[0], d[1] - on[1], d[2] - on[2]};
         double share = 1;
         for (int i = 0; i < 3; i++) share *= on[i] ? w[i] : 1 - w[i];

@@ -11,8 +11,8 @@ double bis_noise(const double p[3]);
 /* bis_noise_fbm returns the sum of roughness^i noise(1.99^i p), i = 0 ... octaves - 1. */
 double bis_noise_fbm(const double p[3], double roughness, unsigned octaves);
 
-/* bis_noise_turbulence returns the same sum of absolute values, and 0.2 roughness^octaves, which pbrt takes for the mean
- * of the next octave. */
+/* bis_noise_turbulence returns the same sum of absolute values, and 0.2 roughness^octaves, which pbrt takes for the
+ * mean of the next octave. */
 double bis_noise_turbulence(const double p[3], double roughness, unsigned octaves);
 
 /* bis_noise_weights returns the sum of roughness^i. */

@@ -18,8 +18,9 @@ typedef enum bis_texture_kind {
     BIS_TEXTURE_COAT,
     BIS_TEXTURE_ALPHA, /* pbrt-v3's alpha of a roughness of[0] (bis_texture_alpha), and 1 at most, as bis has it */
     /* pbrt's patterns. DOTS: of[0] inside of discs, else of[1]. BILERP: of[0], of[1], of[2], of[3] at (s, t) = (0,0),
-     * (0,1), (1,0), (1,1), and bilinear in s and t, also beyond. UV_COLOUR: (s, t, 0) less their whole parts. The others
-     * are functions of the point in the space of the texture; CHECKERBOARD_3D takes floor(x) + floor(y) + floor(z). */
+     * (0,1), (1,0), (1,1), and bilinear in s and t, also beyond. UV_COLOUR: (s, t, 0) less their whole parts. The
+     * others are functions of the point in the space of the texture; CHECKERBOARD_3D takes floor(x) + floor(y) +
+     * floor(z). */
     BIS_TEXTURE_DOTS,
     BIS_TEXTURE_BILERP,
     BIS_TEXTURE_UV_COLOUR,
@@ -82,8 +83,8 @@ typedef struct bis_material_textures {
 } bis_material_textures;
 
 /* What a material without textures has. */
-#define BIS_NO_TEXTURES                                                                                               \
-    ((bis_material_textures){.Kd = BIS_NO_TEXTURE, .Ks = BIS_NO_TEXTURE, .width = BIS_NO_TEXTURE, .power = 1,           \
+#define BIS_NO_TEXTURES \
+    ((bis_material_textures){.Kd = BIS_NO_TEXTURE, .Ks = BIS_NO_TEXTURE, .width = BIS_NO_TEXTURE, .power = 1, \
                              .bump = BIS_NO_TEXTURE, .normals = BIS_NO_TEXTURE})
 
 /* What the parser makes. It owns what its pointers point to. */

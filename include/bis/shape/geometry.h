@@ -134,14 +134,14 @@ void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double 
 /* How a surface lies where it is met. */
 typedef struct bis_tangents {
     double u[3], v[3]; /* the derivatives of the point by its texture coordinates, world space */
-    /* the unit normal of the side that pbrt calls outside without ReverseOrientation: that of the vertex normals, or, on
-     * a triangle without them, from where its vertices turn counterclockwise in a right-handed world */
+    /* the unit normal of the side that pbrt calls outside without ReverseOrientation: that of the vertex normals, or,
+     * on a triangle without them, from where its vertices turn counterclockwise in a right-handed world */
     double outside[3];
 } bis_tangents;
 
 /* bis_geometry_tangents stores in *t how primitive `prim` lies where r meets it, which an accelerator found. It is for
- * who bends the normal. Where the coordinates of a triangle give no derivatives, they are two unit vectors in its plane,
- * as in pbrt. */
+ * who bends the normal. Where the coordinates of a triangle give no derivatives, they are two unit vectors in its
+ * plane, as in pbrt. */
 void bis_geometry_tangents(const bis_geometry *g, uint32_t prim, const ray *r, bis_tangents *t);
 
 /* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of the primitives prim[n], of which
