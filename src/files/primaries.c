@@ -78,6 +78,7 @@ void bis_primaries_convert(bis_image *image, const double m[3][3], const image_i
         bis_image_remark(in, "its colours are converted from its own primaries to those of Rec. 709");
         return;
     }
+    const double share = (double)n_outside / (double)n;
     bis_image_remark(in, "its colours are converted from its own primaries to those of Rec. 709; %.3g%% of its pixels "
-                     "lie outside of these, and their negative parts are set to 0", 100 * (double)n_outside / (double)n);
+                     "lie outside of these, and their negative parts are set to 0", 100 * share);
 }
