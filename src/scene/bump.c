@@ -79,6 +79,8 @@ static void map_normal(double out[3], const bis_image *image, const double uv[2]
     const double size = sqrt(dot3(pu, pu));
     double y[3], x[3];
 
+    for (int i = 0; i < 3; i++) out[i] = n[i];
+    if (!(size > 0)) return; /* at a pole */
     for (int i = 0; i < 3; i++) x[i] = pu[i] / size;
     cross3(y, n, x);
     for (int i = 0; i < 3; i++) out[i] = (2 * c.r - 1) * x[i] + (2 * c.g - 1) * y[i] + (2 * c.b - 1) * n[i];
@@ -95,7 +97,7 @@ vec3 bis_bump_normal(const bis_textures *textures, const bis_texture_image *imag
     if (of->normals != BIS_NO_TEXTURE) map_normal(out, &images[of->normals].image, uv, pu, n);
     else bend(out, textures, images, of->bump, uv, at, pu, pv, n);
     const double side = dot3(out, n) < 0 ? -1 : 1, size = side * sqrt(dot3(out, out));
-    /* at a pole of a sphere p_u is 0, and so may be a normal of a map */
+    /* at a pole of a sphere p_u is 0; a normal of a map may be 0 */
     if (!(fabs(size) > 0) || !isfinite(size)) return vec3_from(n[0], n[1], n[2]);
     return vec3_from(out[0] / size, out[1] / size, out[2] / size);
 }

@@ -78,6 +78,7 @@ static size_t pieces(const bis_mesh *m, const uint32_t corner[4], double size)
     double v[4][3], twist[3];
     for (int k = 0; k < 4; k++) coordinates(v[k], m->p[corner[k]]);
     for (int c = 0; c < 3; c++) twist[c] = v[0][c] - v[1][c] - v[2][c] + v[3][c];
+    if (!(size > 0)) return 1; /* all is one point */
     const double share = hypot(hypot(twist[0], twist[1]), twist[2]) / size;
     return share > 0 && isfinite(share) ? (size_t)ceil(sqrt(share / (4 * BIS_MAKE_PATCH_ERROR))) : 1;
 }

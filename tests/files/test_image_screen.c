@@ -120,7 +120,8 @@ static void make_bmp(bytes *b, int bits, int height, int coding, int n_palette, 
     put_int(b, 1, 2);
     put_int(b, (uint64_t)bits, 2);
     put_int(b, (uint64_t)coding, 4);
-    put_int(b, 0, 12);
+    put_int(b, 0, 8);
+    put_int(b, 0, 4);
     put_int(b, (uint64_t)n_palette, 4);
     put_int(b, 0, 4);
     put(b, palette, 4 * (size_t)n_palette);
