@@ -70,6 +70,14 @@ static rgb medal(double u, double v)
     return rgb_from(value, 0.8 * value, 0.45 * value);
 }
 
+/* A normal map, (n + 1)/2: a round stud, whose height is cos^2 of the distance from its middle, on a flat plate. */
+static rgb stud(double u, double v)
+{
+    const double x = 2 * u - 1, y = 2 * v - 1, r = hypot(x, y), edge = 0.7;
+    const double fall = r > 0 && r < edge ? 0.45 * sin(PI * r / edge) / r : 0, size = sqrt(1 + fall * fall * r * r);
+    return rgb_from((fall * x / size + 1) / 2, (fall * y / size + 1) / 2, (1 / size + 1) / 2);
+}
+
 /* Row 0 is at the top, v = 1. The writer makes sRGB of linear values. */
 static bis_status write_image(const char *path, int side, rgb (*at)(double u, double v), bis_diag *diag)
 {
@@ -155,7 +163,8 @@ bis_status textures_make(const char *dir, bis_diag *diag)
         void (*print)(FILE *f);
     } files[] = {{"maps/tiles.png", 128, tile, NULL},        {"maps/polish.png", 128, polish, NULL},
                  {"maps/weave.pfm", 32, weave, NULL},        {"maps/rings.exr", 64, rings, NULL},
-                 {"maps/medal.hdr", 64, medal, NULL},        {"models/vase.ply", 0, NULL, print_vase},
+                 {"maps/medal.hdr", 64, medal, NULL},        {"maps/stud.pfm", 32, stud, NULL},
+                 {"models/vase.ply", 0, NULL, print_vase},
                  {"models/crates.obj", 0, NULL, print_crates}, {"models/crates.mtl", 0, NULL, print_library}};
     bis_status status = BIS_OK;
 

@@ -27,7 +27,7 @@ for name in "$@"; do
             "$build/bis" tests/fuzz/checkpoint.txt --spp $spp --checkpoint $seeds/$spp.checkpoint --outfile $work/made/checkpoint.exr --quiet || exit 1
         done ;;
     spd) printf '# a spectrum\n400 0.1, 500 0.2\n\n700\t0.3 # red\n' >$seeds/a.spd ;;
-    png) cp $work/made/*.png $work/made/*.jpg $work/made/*.tga $seeds 2>/dev/null ;;
+    png) cp $work/made/*.png $work/made/*.jpg $work/made/*.tga $work/made/*.bmp $seeds 2>/dev/null ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
     cp tests/data/regression/*."$name" $seeds 2>/dev/null

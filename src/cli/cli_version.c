@@ -2,6 +2,7 @@
  * (not those of the headers that it was compiled with: a bug report wants the former). */
 #include "bis/base/version.h"
 
+#include "bis/files/image_file.h"
 #include "bis/shape/accel.h"
 #include "cli.h"
 
@@ -19,6 +20,7 @@ void bis_cli_version(FILE *out)
     fprintf(out, "Embree: %s\n", embree ? embree : "not built in");
     fprintf(out, "OpenEXR: %d.%d.%d%s%s\n", major, minor, patch, extra && *extra ? "-" : "", extra ? extra : "");
     fprintf(out, "libpng: %s\n", png_get_libpng_ver(NULL));
+    fprintf(out, "libjpeg: %s\n", bis_image_reads_jpeg() ? "built in" : "not built in");
 #ifdef _OPENMP
     fprintf(out, "threads: OpenMP %d\n", _OPENMP);
 #else

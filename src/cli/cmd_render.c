@@ -340,6 +340,9 @@ int bis_cmd_render(int argc, char **argv)
         {.name = "light-rotate", .argument = "DEGREES", .help = "turn that map about its vertical axis",
          .kind = BIS_OPTION_REAL, .value = &o.over.light_rotate, .given = &o.over.has_light_rotate, .lo = -360,
          .hi = 360},
+        {.name = "light-mapping", .argument = "M", .help = "how that map covers the sphere (latlong; equalarea for a "
+         "square): see `bis help lights`", .kind = BIS_OPTION_NAME, .value = &o.over.light_mapping,
+         .names = bis_mapping_names},
         {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
          .value = &o.over.light_scale, .given = &o.over.has_light_scale, .above = true, .hi = 1e30},
         {.name = "integrator", .argument = "NAME",

@@ -44,7 +44,12 @@ static const bis_help_entry scene[] = {
     {"Material, MakeNamedMaterial, NamedMaterial", "see materials"},
     {"Texture", "see textures"},
     {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"objmesh\": materials (false: without its "
-              ".mtl); \"trianglemesh\": P, indices, N, uv; \"sphere\": radius (1); \"disk\": radius (1), height (0)"},
+              ".mtl); \"trianglemesh\": P, indices, N, uv; \"sphere\": radius (1), zmin, zmax, phimax; \"disk\": "
+              "radius (1), height (0), innerradius (0), phimax"},
+    {"Shape, as fine meshes",
+     "\"cylinder\": radius, zmin (-1), zmax; \"cone\": radius, height; \"paraboloid\": radius, zmin (0), zmax; "
+     "\"hyperboloid\": p1, p2; \"loopsubdiv\": levels (3), P, indices; \"bilinearmesh\": P, indices, N, uv; "
+     "\"heightfield\": nu, nv, Pz; \"nurbs\": nu, uorder, uknots, u0, u1, the same of v, P or Pw"},
     {"ObjectBegin, ObjectEnd, ObjectInstance", "shapes that are kept by a name, and shown by it"},
     {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd",
      "save and restore transformation and material; the transformation alone"},
@@ -78,6 +83,8 @@ static const bis_help_entry materials[] = {
     {"coateddiffuse", "pbrt's: reflectance (0.5), eta (1.5), thickness (0.01), roughness (0)"},
     {"plastic, uber, substrate", "pbrt's: Kd, Ks (0.25; substrate 0.5), roughness (0.1); uber: eta or index (1.5), "
                                  "no Kr, Kt or opacity"},
+    {"displacement, normalmap", "of every material: a texture of numbers, or an image of normals, that bends the "
+                                "normal (bumpmap is pbrt-v3's)"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
            "Each value may be a texture, see textures. --approximate replaces pbrt's other materials by the nearest of "
            "these."},
@@ -87,13 +94,16 @@ static const bis_help_entry materials[] = {
 static const bis_help_entry textures[] = {
     {NULL, "Texture \"NAME\" \"float\" or \"spectrum\" \"KIND\" ..., before its first use; then \"texture Kd\" "
            "\"NAME\" in a material. Values must stay in the range that constants have."},
-    {"imagemap", "filename (.png, .exr, .hdr, .pfm), wrap (repeat, clamp or black), scale (1), invert (false), "
-                 "encoding of a .png (sRGB, linear or \"gamma X\")"},
+    {"imagemap", "filename (.png, .jpg, .tga, .bmp, .exr, .hdr, .pfm), wrap (repeat, clamp or black), scale (1), "
+                 "invert (false), encoding of a .png (sRGB, linear or \"gamma X\")"},
     {"constant", "value (1)"},
     {"scale", "tex times scale (1, 1), or tex1 times tex2"},
     {"mix", "from tex1 (0) to tex2 (1) by amount (0.5)"},
-    {"checkerboard", "tex1 (1) and tex2 (0)"},
-    {"uscale, vscale, udelta, vdelta", "of imagemap and checkerboard: s = uscale u + udelta, t = vscale v + vdelta "
+    {"checkerboard", "tex1 (1) and tex2 (0); dimension (2, or 3: in space)"},
+    {"dots, bilerp, uv", "inside (1) and outside (0); v00, v01, v10, v11 (0 1 0 1); the coordinates as a colour"},
+    {"fbm, wrinkled, marble, windy", "noise in the space of the current transformation: octaves (8), roughness (0.5); "
+                                     "marble: scale (1), variation (0.2)"},
+    {"uscale, vscale, udelta, vdelta", "of those in the plane: s = uscale u + udelta, t = vscale v + vdelta "
                                        "(1 1 0 0). v = 0 is the bottom of an image"},
     {"mapping", "uv; or planar (v1, v2), spherical, cylindrical: by the point, in the space of the current "
                 "transformation"},
@@ -113,6 +123,7 @@ static const bis_help_entry lights[] = {
     {"levels", "of intensity, thesis 3.4 (8, in [1, 254])"},
     {"sampler", "alias, or cdf (the default with the samplers sobol and halton). Never changes the mean"},
     {"visible", "false: camera rays that hit nothing see black (true)"},
+    {"filter", "bilinear: camera rays see the map interpolated (point: its pixels). Surfaces receive the same light"},
     {NULL, "`bis envmap MAP` shows what is in a map."},
     {NULL, NULL},
 };

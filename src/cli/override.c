@@ -89,13 +89,15 @@ static bis_status override_light(bis_light_desc *light, const bis_override *o, b
     const bis_xform turn = bis_xform_rotate(o->light_rotate, 0, 0, 1);
 
     if (!o->light) {
-        if (!o->has_light_rotate && !o->has_light_scale) return BIS_OK;
-        return bis_error(diag, BIS_INPUT, bis_cli_loc,
-                         "--light-rotate and --light-scale change the map that --light names: give --light MAP, too");
+        if (!o->has_light_rotate && !o->has_light_scale && !o->light_mapping) return BIS_OK;
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--light-rotate, --light-scale and --light-mapping are about "
+                         "the map that --light names: give --light MAP, too");
     }
     light->filename = bis_strdup(o->light);
     if (!light->filename) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
     light->is_v4 = true; /* a square map is pbrt-v4's, with a warning */
+    light->has_mapping = o->light_mapping != NULL;
+    if (light->has_mapping) light->mapping = bis_mapping_find(o->light_mapping);
     light->scale = o->has_light_scale ? o->light_scale : 1;
     light->to_world = bis_xform_compose(&light->to_world, &turn);
     light->loc = bis_cli_loc;

@@ -8,7 +8,7 @@
 typedef struct bis_override {
     const char *integrator, *accelerator, *layers;
     bis_texts as_printed;
-    const char *light;
+    const char *light, *light_mapping;
     double light_rotate, light_scale;
     bool has_light_rotate, has_light_scale;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];

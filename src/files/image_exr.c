@@ -14,6 +14,7 @@
 
 #include "bis/base/mem.h"
 #include "image_exr_core.h"
+#include "primaries.h"
 
 #include <string.h>
 
@@ -184,23 +185,30 @@ static bis_status choose_part(exr_choice *c, exr_const_context_t file, const exr
                             names);
 }
 
-/* What the header says about the colours that we do not act upon. */
-static void remark_on_colours(exr_const_context_t file, int part, const image_input *in)
+/* Does the header name primaries that are not those of Rec. 709? Then *m takes them there. */
+static bool has_own_primaries(double m[3][3], exr_const_context_t file, int part, const image_input *in)
 {
-    const float rec709[8] = {.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
     const float half_digit = .0005f; /* of the third digit: some programs write no more */
     exr_attr_chromaticities_t c;
+    const exr_attribute_t *a;
+
+    if (exr_get_attribute_by_name(file, part, "chromaticities", &a) ||
+        exr_attr_get_chromaticities(file, part, "chromaticities", &c))
+        return false;
+    const float found[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
+    bool same = true;
+    for (int i = 0; i < 8; i++) same &= fabsf(found[i] - bis_rec709[i]) <= half_digit;
+    if (same) return false;
+    if (bis_primaries_matrix(m, found)) return true;
+    bis_image_remark(in, "its chromaticities are no three primaries and a white; the values are taken as they are");
+    return false;
+}
+
+static void remark_on_shape(exr_const_context_t file, int part, const image_input *in)
+{
     exr_envmap_t shape;
     const exr_attribute_t *a;
 
-    if (!exr_get_attribute_by_name(file, part, "chromaticities", &a) &&
-        !exr_attr_get_chromaticities(file, part, "chromaticities", &c)) {
-        const float found[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
-        bool same = true;
-        for (int i = 0; i < 8; i++) same &= fabsf(found[i] - rec709[i]) <= half_digit;
-        if (!same)
-            bis_image_remark(in, "its chromaticities are not those of Rec. 709; the values are taken as they are");
-    }
     if (!exr_get_attribute_by_name(file, part, "envmap", &a) && !exr_attr_get_envmap(file, part, "envmap", &shape) &&
         shape == EXR_ENVMAP_CUBE)
         bis_image_remark(in, "its envmap attribute says that it is a cube map, which we do not unfold");
@@ -449,8 +457,11 @@ bis_status bis_exr_read(bis_image *image, const image_input *in)
     if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
     bis_status status = code ? refuse(&source, code) : choose_part(&choice, file, &source);
     if (!status) status = make_image(image, &choice, file, &source);
-    if (!status) remark_on_colours(file, choice.part, in);
+    if (!status) remark_on_shape(file, choice.part, in);
     if (!status) status = read_pixels(image, &choice, file, &source);
+    double m[3][3];
+    if (!status && (choice.colour || choice.chroma) && has_own_primaries(m, file, choice.part, in))
+        bis_primaries_convert(image, m, in);
     exr_finish(&file);
     if (status) bis_image_clear(image);
     return status;

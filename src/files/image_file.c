@@ -41,6 +41,7 @@ typedef struct screen_reader {
 static const screen_reader screens[] = {
     {bis_png_is_mine, bis_png_read},
     {bis_jpeg_is_mine, bis_jpeg_read},
+    {bis_bmp_is_mine, bis_bmp_read},
     {bis_tga_is_mine, bis_tga_read}, /* the last, because its mark is weak */
 };
 
@@ -61,7 +62,7 @@ static bis_status refuse_unknown(const image_input *in, bool of_colours)
     const bool is_png = memcmp(d, "\x89PNG", 4) == 0, is_jpeg = memcmp(d, "\xff\xd8\xff", 3) == 0;
     if (of_colours)
         return bis_image_refuse(in, BIS_INPUT,
-                                "its format is unknown: a texture must be .png, .jpg, .tga, .exr, .hdr or .pfm");
+                                "its format is unknown: a texture must be .png, .jpg, .tga, .bmp, .exr, .hdr or .pfm");
     if (is_png || is_jpeg)
         return bis_image_refuse(in, BIS_INPUT, "it is a %s: 8 bits for a screen, no radiance; take an .exr, .pfm or "
                                 ".hdr (`bis SCENE --outfile NAME.exr` writes one)", is_png ? "PNG" : "JPEG");

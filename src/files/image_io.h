@@ -41,8 +41,10 @@ bis_status bis_pfm_read(bis_image *image, const image_input *in);
 
 /* The same for colours of a screen, as bis_image_read_colours says. A TGA has no mark of its own: what is asked last is
  * whether its header makes sense. */
+bool bis_bmp_is_mine(const unsigned char *data, size_t size);
 bool bis_jpeg_is_mine(const unsigned char *data, size_t size);
 bool bis_tga_is_mine(const unsigned char *data, size_t size);
+bis_status bis_bmp_read(bis_image *image, const image_input *in, double gamma);
 bis_status bis_jpeg_read(bis_image *image, const image_input *in, double gamma);
 bis_status bis_tga_read(bis_image *image, const image_input *in, double gamma);
 

@@ -14,6 +14,15 @@ bool bis_jpeg_is_mine(const unsigned char *data, size_t size)
     return size >= 3 && memcmp(data, "\xff\xd8\xff", 3) == 0;
 }
 
+bool bis_image_reads_jpeg(void)
+{
+#ifdef BIS_JPEG
+    return true;
+#else
+    return false;
+#endif
+}
+
 #ifdef BIS_JPEG
 
 #include "bis/base/mem.h"

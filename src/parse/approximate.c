@@ -68,23 +68,8 @@ static const replaced table[] = {
     {"Film", "gbuffer", "an ordinary film: give the layers by --layers"},
     {"Film", "spectral", "an ordinary film"},
     {"Shape", "curve", SHAPE_MISSING},
-    {"Shape", "cylinder", SHAPE_MISSING},
-    {"Shape", "cone", SHAPE_MISSING},
-    {"Shape", "paraboloid", SHAPE_MISSING},
-    {"Shape", "hyperboloid", SHAPE_MISSING},
-    {"Shape", "heightfield", SHAPE_MISSING},
-    {"Shape", "nurbs", SHAPE_MISSING},
-    {"Shape", "loopsubdiv", "its control mesh: coarser, and a little too large"},
-    {"Shape", "bilinearmesh", "two flat triangles a patch"},
-    {"Texture", "bilerp", MEAN},
     {"Texture", "directionmix", MEAN},
-    {"Texture", "dots", MEAN},
-    {"Texture", "fbm", HALF},
-    {"Texture", "marble", HALF},
     {"Texture", "ptex", "one value all over, 0.5; its file is not read"},
-    {"Texture", "uv", HALF},
-    {"Texture", "windy", HALF},
-    {"Texture", "wrinkled", HALF},
 };
 
 static const replaced *find(const char *directive, const char *name)
@@ -192,9 +177,9 @@ static const struct unknown {
     const char *directive, *instead, *consequence;
 } unknowns[] = {
     {"Material", "matte", "matte, as in pbrt"},
-    {"Shape", "nurbs", SHAPE_MISSING},
+    {"Shape", "curve", SHAPE_MISSING},
     {"LightSource", "point", LIGHT_MISSING},
-    {"Texture", "fbm", HALF},
+    {"Texture", "ptex", HALF},
     {"Integrator", "path", NULL},
     {"Camera", "realistic", OTHER_CAMERA},
     {"Sampler", "sobol", "\"sobol\""},

@@ -380,8 +380,32 @@ bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index
 bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
 bis_directive bis_directive_texture;
 
+/* parser_points.c. bis_parser_add_mesh takes over what `mesh` owns. bis_parser_points reads P, N and uv of a shape into
+ * m, bis_parser_indices its faces: index[n_faces][per_face] from bis_alloc, which is the caller's after a complaint,
+ * too. Without "indices" the points are one face. False: complained. */
+bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index);
+bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m);
+bool bis_parser_indices(bis_parser *p, const char *shape, size_t per_face, size_t n_points, uint32_t **index,
+                        size_t *n_faces);
+
 /* parser_shapes.c */
 bis_directive bis_directive_shape;
+
+/* parser_made.c. bis_parser_made reads a shape that is made by a formula or of a few points: a whole sphere or disk
+ * becomes a quadric, all else a mesh. False: complained, or there is nothing of it. */
+enum {
+    BIS_MADE_SPHERE = 100, /* behind all of bis_shape_kind */
+    BIS_MADE_DISK,
+    BIS_MADE_CYLINDER,
+    BIS_MADE_CONE,
+    BIS_MADE_PARABOLOID,
+    BIS_MADE_HYPERBOLOID,
+    BIS_MADE_LOOP,
+    BIS_MADE_PATCHES,
+    BIS_MADE_HEIGHTS,
+    BIS_MADE_NURBS
+};
+bool bis_parser_made(bis_parser *p, int made, bis_shape_desc *shape);
 /* parser_mtl.c: of an OBJ with materials, the shapes of its parts */
 void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape);
 void bis_parser_drop_uv(bis_parser *p); /* of meshes without textures */

@@ -84,6 +84,15 @@ static void light_map(bis_parser *p, bis_light_desc *light)
     if (light->has_table_kind) light->table_kind = table[i];
 }
 
+/* What the camera sees of a map: its pixels, or smooth. */
+static void light_filter(bis_parser *p, bis_light_desc *light)
+{
+    static const char *const filters[] = {"point", "bilinear"};
+    int i = 0;
+    bis_params_choice(p, "filter", &i, filters, BIS_COUNT(filters));
+    light->is_smooth = i == 1;
+}
+
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
@@ -167,6 +176,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light_map(p, &light);
     light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
+    light_filter(p, &light);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     bis_params_end(p, "LightSource", "infinite");
     p->desc->light = light;

@@ -240,7 +240,8 @@ static bool multiply(bis_parser *p, const mtl *m, uint32_t *texture)
 
 static bool make_material(bis_parser *p, const mtl *m, uint32_t *index)
 {
-    bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, m->at};
+    bis_material_textures t = BIS_NO_TEXTURES;
+    t.loc = m->at;
     if (!bis_parser_add_material(p, index)) return false;
     p->desc->materials[*index] = bis_phong(m->Kd, m->is_matte ? (rgb){0, 0, 0} : m->Ks, m->Ns);
     if (m->map == BIS_NO_TEXTURE) {

@@ -133,12 +133,14 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
     return ok && bis_parser_add_texture(p, &x, index);
 }
 
-/* From the world to the space of the texture, which is the current transformation's. */
-static bool take_space(bis_parser *p, bis_texture *x)
+/* From the world to the space of the texture, which is the current transformation's. (pbrt-v1 to v3 take the matrix
+ * itself for patterns in space, where v4 takes its inverse.) */
+static bool take_space(bis_parser *p, bis_texture *x, bool is_pattern)
 {
+    const double (*m)[4] = is_pattern && p->is_v2 ? p->now.ctm.m : p->now.ctm.inv;
     bool ok = true;
     for (int i = 0; i < 12; i++) {
-        x->from_world[i / 4][i % 4] = p->now.ctm.inv[i / 4][i % 4];
+        x->from_world[i / 4][i % 4] = m[i / 4][i % 4];
         ok &= fabs(x->from_world[i / 4][i % 4]) <= 1e30;
     }
     return ok || bis_parser_error(p, bis_params_at(p, "mapping"), "the current transformation shrinks this texture's "
@@ -174,7 +176,7 @@ static bool read_mapping(bis_parser *p, bis_texture *x)
         if (x->mapping == BIS_TEXTURE_UV || x->mapping == BIS_TEXTURE_PLANAR)
             bis_params_float(p, deltas[i], &x->offset[i], anything);
     }
-    if (x->mapping != BIS_TEXTURE_UV && !take_space(p, x)) return false;
+    if (x->mapping != BIS_TEXTURE_UV && !take_space(p, x, false)) return false;
     if (x->mapping == BIS_TEXTURE_PLANAR) read_plane(p, x);
     return ok;
 }
@@ -316,7 +318,7 @@ static rgbd mixed(rgbd a, rgbd b, double w) { return rgbd_add(rgbd_scale(a, 1 - 
 static void make_of(bis_parser *p, bis_texture *x, bis_texture_kind kind, int n)
 {
     rgbd a = value_of(p, x->of[0]), b = value_of(p, x->of[1]);
-    bool is_constant = kind != BIS_TEXTURE_CHECKERBOARD;
+    bool is_constant = true;
 
     for (int i = 0; i < n; i++) {
         const bis_texture *part = &p->desc->textures.list[x->of[i]];
@@ -328,8 +330,7 @@ static void make_of(bis_parser *p, bis_texture *x, bis_texture_kind kind, int n)
         b = (rgbd){fabs(b.r), fabs(b.g), fabs(b.b)};
     }
     x->value = kind == BIS_TEXTURE_SCALE ? (rgbd){a.r * b.r, a.g * b.g, a.b * b.b}
-               : kind == BIS_TEXTURE_MIX ? mixed(a, b, within(value_of(p, x->of[2]).r, unit))
-                                         : mixed(a, b, 0.5);
+                                         : mixed(a, b, within(value_of(p, x->of[2]).r, unit));
     x->kind = is_constant ? BIS_TEXTURE_CONSTANT : kind;
     if (is_constant) x->steps = 1;
 }
@@ -353,23 +354,87 @@ static bool read_mix(bis_parser *p, bis_texture *x, bool of_floats)
     return ok;
 }
 
+/* ---- patterns ---- */
+
+/* The parts of a pattern: their names, what each is if it is not given, and its share in the mean. */
+typedef struct pattern {
+    const char *part[4];
+    double usual[4], share[4];
+} pattern;
+
+static const pattern checkers = {{"tex1", "tex2"}, {1, 0}, {0.5, 0.5}};
+/* 0.402 of the cells of "dots" (tests/scene/test_procedural.c) hold a disc of radius 0.35 */
+static const pattern dots = {{"inside", "outside"}, {1, 0}, {0.155, 0.845}};
+static const pattern corners = {{"v00", "v01", "v10", "v11"}, {0, 1, 0, 1}, {0.25, 0.25, 0.25, 0.25}};
+static const pattern sides = {{"tex1", "tex2"}, {0, 1}, {0.5, 0.5}}; /* of "directionmix" */
+
+static bool read_pattern(bis_parser *p, bis_texture *x, const pattern *of, bool of_floats)
+{
+    bool ok = true;
+    x->value = (rgbd){0, 0, 0};
+    for (int k = 0; k < 4 && of->part[k]; k++) {
+        if (!read_part(p, of->part[k], of_floats, of->usual[k], anything, &x->of[k])) {
+            ok = false;
+            continue;
+        }
+        const bis_texture *part = &p->desc->textures.list[x->of[k]];
+        const rgbd v = {fabs(part->value.r), fabs(part->value.g), fabs(part->value.b)};
+        x->value = rgbd_add(x->value, rgbd_scale(v, of->share[k]));
+        x->steps += part->steps;
+    }
+    return ok;
+}
+
+static bool read_plane_pattern(bis_parser *p, bis_texture *x, bis_texture_kind kind, const pattern *of, bool of_floats)
+{
+    const bool ok = read_mapping(p, x);
+    x->kind = kind;
+    return read_pattern(p, x, of, of_floats) && ok;
+}
+
 static bool read_checkerboard(bis_parser *p, bis_texture *x, bool of_floats)
 {
-    static const bis_texture half = {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.5, 0.5}, .steps = 1};
-    uint64_t dimension = 2;
     static const char *const ignored[] = {"aamode"}; /* pbrt-v3: how it is filtered */
-    if (bis_params_integer(p, "dimension", &dimension, 2, 3) && dimension == 3 &&
-        !bis_approximate_or_refuse(p, bis_params_at(p, "dimension"), "\"dimension\" 3 of Texture \"checkerboard\"",
-                                   "its parts are mixed, one half each",
-                                   "a checkerboard in space is not modelled: \"dimension\" must be 2"))
-        return false;
+    uint64_t dimension = 2;
+    const bool given = bis_params_has(p, "dimension");
+    bool ok = bis_params_integer(p, "dimension", &dimension, 2, 3) || !given;
     bis_params_skip(p, ignored, 1);
-    bool ok = read_mapping(p, x);
-    ok = read_part(p, "tex1", of_floats, 1, anything, &x->of[0]) && ok;
-    ok = read_part(p, "tex2", of_floats, 0, anything, &x->of[1]) && ok;
-    if (ok && dimension == 3) ok = bis_parser_add_texture(p, &half, &x->of[2]);
-    if (ok) make_of(p, x, dimension == 3 ? BIS_TEXTURE_MIX : BIS_TEXTURE_CHECKERBOARD, dimension == 3 ? 3 : 2);
-    return ok;
+    if (dimension == 2) return read_plane_pattern(p, x, BIS_TEXTURE_CHECKERBOARD, &checkers, of_floats) && ok;
+    x->kind = BIS_TEXTURE_CHECKERBOARD_3D;
+    ok = take_space(p, x, true) && ok;
+    return read_pattern(p, x, &checkers, of_floats) && ok;
+}
+
+/* uv and marble are colours, as in pbrt. */
+static bool is_of_colours(bis_parser *p, bool of_floats, const char *name)
+{
+    return !of_floats || bis_parser_error(p, p->name_at, "Texture \"%s\" is one of colours: its type must be "
+                                          "\"spectrum\" (or \"color\")", name);
+}
+
+/* fbm, wrinkled, windy, marble: of pbrt's defaults. */
+static bool read_solid(bis_parser *p, bis_texture *x, bis_texture_kind kind, bool of_floats)
+{
+    uint32_t octaves = 8;
+    x->kind = kind;
+    x->roughness = 0.5;
+    if (kind != BIS_TEXTURE_WINDY) {
+        bis_params_uint32(p, "octaves", &octaves, 0, BIS_TEXTURE_MAX_OCTAVES);
+        bis_params_float(p, "roughness", &x->roughness, (bis_interval){0, 1e3, false, false});
+        x->octaves = octaves;
+    }
+    if (kind == BIS_TEXTURE_MARBLE) {
+        x->variation = 0.2;
+        bis_params_float(p, "scale", &x->scale, (bis_interval){-1e30, 1e30, false, false});
+        bis_params_float(p, "variation", &x->variation, (bis_interval){-1e30, 1e30, false, false});
+    }
+    return take_space(p, x, true) && (kind != BIS_TEXTURE_MARBLE || is_of_colours(p, of_floats, "marble"));
+}
+
+static bool read_uv_colour(bis_parser *p, bis_texture *x, bool of_floats)
+{
+    x->kind = BIS_TEXTURE_UV_COLOUR;
+    return read_mapping(p, x) && is_of_colours(p, of_floats, "uv");
 }
 
 static bool read_constant(bis_parser *p, bis_texture *x, bool of_floats)
@@ -380,37 +445,25 @@ static bool read_constant(bis_parser *p, bis_texture *x, bool of_floats)
     return ok;
 }
 
-/* --approximate: a texture of pbrt's whose parts are known is their mean by area; the initial 0.5 stays that of others.
- * Half of the cells of "dots" hold a disc of radius 0.35. */
+/* --approximate: a texture of pbrt's whose parts are known is their mean; the initial 0.5 stays that of others. */
 static bool read_mean(bis_parser *p, bis_texture *x, const char *name, bool of_floats)
 {
-    static const struct { const char *name, *part[4]; double usual[4], share[4]; } means[] = {
-        {"bilerp", {"v00", "v01", "v10", "v11"}, {0, 1, 0, 1}, {0.25, 0.25, 0.25, 0.25}},
-        {"directionmix", {"tex1", "tex2"}, {0, 1}, {0.5, 0.5}},
-        {"dots", {"inside", "outside"}, {1, 0}, {0.19, 0.81}},
-    };
-    bool ok = true;
-    for (size_t i = 0; i < BIS_COUNT(means); i++) {
-        if (strcmp(means[i].name, name) != 0) continue;
-        x->value = (rgbd){0, 0, 0};
-        for (int k = 0; k < 4 && means[i].part[k]; k++) {
-            uint32_t part;
-            ok = read_part(p, means[i].part[k], of_floats, means[i].usual[k], anything, &part) && ok;
-            if (ok) x->value = rgbd_add(x->value, rgbd_scale(value_of(p, part), means[i].share[k]));
-        }
-    }
+    const bool ok = strcmp(name, "directionmix") != 0 || read_pattern(p, x, &sides, of_floats);
+    x->steps = 1;
     for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true; /* of its pattern */
     return ok;
 }
 
 /* ---- Texture ---- */
 
-enum { CONSTANT, IMAGEMAP, SCALE, MIX, CHECKERBOARD };
 static const bis_choice kinds[] = {
-    {"constant", CONSTANT},   {"imagemap", IMAGEMAP}, {"scale", SCALE},        {"mix", MIX},
-    {"checkerboard", CHECKERBOARD}, {"bilerp", BIS_FOREIGN}, {"directionmix", BIS_FOREIGN}, {"dots", BIS_FOREIGN},
-    {"fbm", BIS_FOREIGN},     {"marble", BIS_FOREIGN},  {"ptex", BIS_FOREIGN},   {"uv", BIS_FOREIGN},
-    {"windy", BIS_FOREIGN},   {"wrinkled", BIS_FOREIGN},
+    {"constant", BIS_TEXTURE_CONSTANT}, {"imagemap", BIS_TEXTURE_IMAGE},
+    {"scale", BIS_TEXTURE_SCALE},       {"mix", BIS_TEXTURE_MIX},
+    {"checkerboard", BIS_TEXTURE_CHECKERBOARD}, {"bilerp", BIS_TEXTURE_BILERP},
+    {"dots", BIS_TEXTURE_DOTS},         {"fbm", BIS_TEXTURE_FBM},
+    {"marble", BIS_TEXTURE_MARBLE},     {"uv", BIS_TEXTURE_UV_COLOUR},
+    {"windy", BIS_TEXTURE_WINDY},       {"wrinkled", BIS_TEXTURE_WRINKLED},
+    {"directionmix", BIS_FOREIGN},      {"ptex", BIS_FOREIGN},
 };
 
 static bool read_kind(bis_parser *p, bis_texture *x, const bis_choice *chosen, bool of_floats)
@@ -418,14 +471,25 @@ static bool read_kind(bis_parser *p, bis_texture *x, const bis_choice *chosen, b
     switch (chosen->value) {
     case BIS_FOREIGN:
         return read_mean(p, x, chosen->name, of_floats);
-    case IMAGEMAP:
+    case BIS_TEXTURE_IMAGE:
         return read_imagemap(p, x);
-    case SCALE:
+    case BIS_TEXTURE_SCALE:
         return read_scale(p, x, of_floats);
-    case MIX:
+    case BIS_TEXTURE_MIX:
         return read_mix(p, x, of_floats);
-    case CHECKERBOARD:
+    case BIS_TEXTURE_CHECKERBOARD:
         return read_checkerboard(p, x, of_floats);
+    case BIS_TEXTURE_BILERP:
+        return read_plane_pattern(p, x, BIS_TEXTURE_BILERP, &corners, of_floats);
+    case BIS_TEXTURE_DOTS:
+        return read_plane_pattern(p, x, BIS_TEXTURE_DOTS, &dots, of_floats);
+    case BIS_TEXTURE_UV_COLOUR:
+        return read_uv_colour(p, x, of_floats);
+    case BIS_TEXTURE_FBM:
+    case BIS_TEXTURE_WRINKLED:
+    case BIS_TEXTURE_WINDY:
+    case BIS_TEXTURE_MARBLE:
+        return read_solid(p, x, (bis_texture_kind)chosen->value, of_floats);
     default:
         return read_constant(p, x, of_floats);
     }

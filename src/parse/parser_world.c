@@ -73,6 +73,21 @@ static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
     return bis_phong(Kd, (rgb){0, 0, 0}, 50);
 }
 
+/* pbrt-v4's displacement, which is v1's to v3's bumpmap, and its normal map. A constant displacement bends nothing. */
+static void read_bump(bis_parser *p, bis_material_textures *t)
+{
+    static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
+    const char *name;
+    double constant;
+
+    bis_params_number(p, bis_params_has(p, "displacement") ? "displacement" : "bumpmap", &constant, any, &t->bump);
+    if (!bis_params_string(p, "normalmap", &name)) return;
+    const bis_loc at = bis_params_at(p, "normalmap");
+    if (bis_parser_lacks(p, at, name, false))
+        bis_approximate_note(p, at, "the surface is as smooth as its shape", "a normal map that is not there");
+    else bis_parser_add_image(p, bis_parser_path(p, at, name), 1, at, &t->normals);
+}
+
 static bis_material_reader *const readers[] = {
     [PHONG] = read_phong,
     [MICROFACET] = read_microfacet,
@@ -92,17 +107,14 @@ static void read_material(bis_parser *p, const char *directive, const char *type
     if (!chosen) return;
     if (strcmp(chosen->name, type) != 0) /* pbrt's matte, of what it does not know, takes what it can use */
         for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true;
-    if (chosen->value == BIS_FOREIGN) {
-        const bis_material nearest = bis_approximate_material(p, chosen->name, index);
-        p->desc->materials[index] = nearest;
-        return;
-    }
-    bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, at};
-    const bis_material m = readers[chosen->value](p, &t);
-    bis_params_end(p, directive, chosen->name);
+    bis_material_textures t = BIS_NO_TEXTURES;
+    t.loc = at;
+    const bool foreign = chosen->value == BIS_FOREIGN;
+    const bis_material m = foreign ? bis_approximate_material(p, chosen->name, index) : readers[chosen->value](p, &t);
+    read_bump(p, &t);
+    if (!foreign) bis_params_end(p, directive, chosen->name);
     p->desc->materials[index] = m;
-    const bool textured = t.Kd != BIS_NO_TEXTURE || t.Ks != BIS_NO_TEXTURE || t.width != BIS_NO_TEXTURE;
-    if (textured && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
+    if (bis_textures_any(&t) && m.model && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
 }
 
 bool bis_parser_add_material(bis_parser *p, uint32_t *index)

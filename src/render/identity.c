@@ -112,10 +112,10 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
 
 static void hash_texture(bis_walk *w, const bis_texture *t)
 {
-    const uint64_t counts[] = {t->kind, t->of[0], t->of[1], t->of[2],   t->image,
-                               t->wrap, t->invert, t->is_float, t->mapping};
+    const uint64_t counts[] = {t->kind, t->of[0],  t->of[1],    t->of[2],   t->of[3],
+                               t->image, t->wrap, t->invert, t->is_float, t->mapping, t->octaves};
     const double numbers[] = {t->value.r, t->value.g, t->value.b, t->factor[0], t->factor[1], t->offset[0],
-                              t->offset[1], t->scale};
+                              t->offset[1], t->scale, t->roughness, t->variation};
 
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) hash_count(w, counts[i]);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) hash_real(w, numbers[i]);
@@ -127,8 +127,8 @@ static void hash_textures(bis_walk *w, const bis_textures *t, const bis_scene *s
 {
     for (size_t i = 0; i < t->n_of_material; i++) {
         const bis_material_textures *m = &t->of_material[i];
-        const uint64_t counts[] = {i, m->Kd, m->Ks, m->width};
-        for (int k = 0; k < 4; k++) hash_count(w, counts[k]);
+        const uint64_t counts[] = {i, m->Kd, m->Ks, m->width, m->bump, m->normals};
+        for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) hash_count(w, counts[k]);
         hash_real(w, m->power);
     }
     for (size_t i = 0; i < t->n; i++) hash_texture(w, &t->list[i]);
@@ -151,7 +151,7 @@ static void hash_map(bis_walk *w, const bis_light *light)
 static void hash_light(bis_walk *w, const bis_light_desc *l)
 {
     const uint64_t counts[] = {l->mapping, (uint64_t)l->width, (uint64_t)l->levels, l->has_table_kind,
-                               l->has_table_kind ? l->table_kind : 0, l->visible};
+                               l->has_table_kind ? l->table_kind : 0, l->visible, l->is_smooth};
     hash_rgb(w, l->L);
     hash_real(w, l->scale);
     hash_real(w, l->area_exponent);

@@ -109,7 +109,7 @@ static void add_light(bis_wave *w, sample *s)
 
     w->counters->camera_rays++;
     if (w->prim[i] == BIS_NO_PRIM) {
-        if (w->task.desc->light.visible) L = bis_light_Le(w->task.scene->light, w->eyes[i].d);
+        L = bis_light_seen(&w->task.desc->light, w->task.scene->light, w->eyes[i].d);
     } else if (!bis_bsdf_is_black(&s->pt.bsdf)) {
         bis_stream stream = s->stream;
         L = s->settings->integrator->Lo(s->settings, &s->pt, &stream, w->scratch);

@@ -49,6 +49,12 @@ bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc
                  desc->filename, width, height);
         *mapping = BIS_MAPPING_EQUALAREA;
     }
+    if (height > width && !desc->has_mapping) {
+        bis_warn(diag, desc->loc,
+                 "\"%s\" is %d x %d, higher than wide, and is taken for a lat-long map all the same: each of its rows "
+                 "goes all the way round. Give its mapping, as \"verticalcross\", or \"latlong\" if that is meant (%s)",
+                 desc->filename, width, height, desc->loc.line ? "string mapping" : "--light-mapping");
+    }
     return BIS_OK;
 }
 
@@ -148,6 +154,44 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
         bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", name_of(desc));
     return BIS_OK;
 }
+
+/* ---- what the camera sees ---- */
+
+/* Columns go round; beyond a pole a row goes on half a turn away. */
+static rgb pixel_at(const bis_envmap *em, long x, long y)
+{
+    const long width = em->width, height = em->height;
+    if (y < 0 || y >= height) {
+        x += width / 2;
+        y = y < 0 ? 0 : height - 1;
+    }
+    return em->pixels[(size_t)y * (size_t)width + (size_t)(((x % width) + width) % width)];
+}
+
+static rgb smooth_Le(const bis_light *light, vec3 d)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    vec3 axis[3];
+
+    bis_light_axes(light, axis);
+    const double x = (double)dot(d, axis[0]), y = (double)dot(d, axis[1]), z = (double)dot(d, axis[2]);
+    const double column = atan2(y, x) / (2 * PI) * em->width - 0.5;
+    const double row = atan2(hypot(x, y), z) / PI * em->height - 0.5;
+    const long i = (long)floor(column), j = (long)floor(row);
+    const double s = column - (double)i, t = row - (double)j;
+    const rgb above = rgb_add(rgb_scale(pixel_at(em, i, j), 1 - s), rgb_scale(pixel_at(em, i + 1, j), s));
+    const rgb below = rgb_add(rgb_scale(pixel_at(em, i, j + 1), 1 - s),
+                              rgb_scale(pixel_at(em, i + 1, j + 1), s));
+    return rgb_add(rgb_scale(above, 1 - t), rgb_scale(below, t));
+}
+
+rgb bis_light_seen(const bis_light_desc *desc, const bis_light *light, vec3 d)
+{
+    if (!desc->visible) return (rgb){0, 0, 0};
+    return desc->is_smooth && !bis_light_is_constant(light) ? smooth_Le(light, d) : bis_light_Le(light, d);
+}
+
+/* ---- from a description ---- */
 
 bis_light_desc bis_light_desc_default(void)
 {

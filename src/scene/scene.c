@@ -8,6 +8,7 @@
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 #include "bis/base/threads.h"
+#include "bump.h"
 #include "files/obj.h"
 #include "files/ply.h"
 
@@ -161,9 +162,7 @@ static bis_status load_textures(bis_scene *s, const bis_scene_desc *desc, bis_di
         const bis_material_textures *m = bis_textures_of(t, material);
         if (!m || is_shown[material]) continue;
         is_shown[material] = true;
-        bis_textures_mark(is_used, t, m->Kd);
-        bis_textures_mark(is_used, t, m->Ks);
-        bis_textures_mark(is_used, t, m->width);
+        bis_textures_mark_all(is_used, t, m);
     }
     for (size_t i = 0; i < t->n_files && !status; i++)
         if (is_used[i]) status = bis_textures_load(&s->images[i], &t->files[i], diag);
@@ -267,6 +266,17 @@ void bis_scene_free(bis_scene *s)
     bis_free(s);
 }
 
+/* The shading normal, on ng's side, of a material that bends it. */
+static vec3 bent_normal(const bis_scene *s, const bis_scene_desc *desc, const bis_material_textures *of,
+                        const bis_surface *at, uint32_t prim, const ray *eye, const double uv[2])
+{
+    bis_tangents t;
+
+    bis_geometry_tangents(&s->geometry, prim, eye, &t);
+    const vec3 n = bis_bump_normal(&desc->textures, s->images, of, &t, uv, at->p);
+    return dot(n, at->ng) < 0 ? neg(n) : n;
+}
+
 void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
                         uint32_t prim, bis_counters *counters)
 {
@@ -290,6 +300,8 @@ void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, 
         double uv[2];
         bis_geometry_uv(&s->geometry, prim, &eye, uv);
         m->own = bis_textures_material(&desc->textures, s->images, textures, base, uv, at.p);
+        if (textures->bump != BIS_NO_TEXTURE || textures->normals != BIS_NO_TEXTURE)
+            pt->n = bent_normal(s, desc, textures, &at, prim, &eye, uv);
     }
     bis_bsdf_init(&pt->bsdf, textures ? &m->own : base, pt->n, pt->wo);
 }

@@ -55,9 +55,7 @@ static bool mark_images(bool *own, bool *all, const bis_textures *t, const bis_m
     bool any = false;
 
     for (size_t k = 0; k < t->n_files; k++) own[k] = false;
-    bis_textures_mark(own, t, m->Kd);
-    bis_textures_mark(own, t, m->Ks);
-    bis_textures_mark(own, t, m->width);
+    bis_textures_mark_all(own, t, m);
     for (size_t k = 0; k < t->n_files; k++) {
         any |= own[k];
         all[k] |= own[k];

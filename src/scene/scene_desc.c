@@ -119,11 +119,10 @@ bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape)
 bool bis_scene_desc_set_textures(bis_scene_desc *d, uint32_t material, const bis_material_textures *textures)
 {
     bis_textures *t = &d->textures;
-    const bis_material_textures none = {.Kd = BIS_NO_TEXTURE, .Ks = BIS_NO_TEXTURE, .width = BIS_NO_TEXTURE};
 
     if (!bis_room(&t->of_material, &t->capacity_of_material, (size_t)material + 1, sizeof *t->of_material))
         return false;
-    while (t->n_of_material <= material) t->of_material[t->n_of_material++] = none;
+    while (t->n_of_material <= material) t->of_material[t->n_of_material++] = BIS_NO_TEXTURES;
     t->of_material[material] = *textures;
     return true;
 }

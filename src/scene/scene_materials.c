@@ -35,7 +35,9 @@ static int order_textures(const bis_material_textures *a, const bis_material_tex
     int c = order(a->Kd, b->Kd);
     if (!c) c = order(a->Ks, b->Ks);
     if (!c) c = order(a->width, b->width);
-    return c ? c : order(a->power, b->power);
+    if (!c) c = order(a->power, b->power);
+    if (!c) c = order(a->bump, b->bump);
+    return c ? c : order(a->normals, b->normals);
 }
 
 static int order_entries(const void *a, const void *b)

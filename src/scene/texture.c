@@ -1,7 +1,6 @@
-/* texture: values, their ranges, and the materials that they make.
+/* texture: the images of textures, the ranges of their values, and the materials that they make.
  *
- * A texture is a small tree; its leaves are constants and images. An image is interpolated bilinearly between the
- * centres of its texels, and never filtered: where texels are smaller than pixels, the camera samples average them.
+ * A texture is a small tree; its leaves are constants, images and patterns.
  * No value is cut off, but an alpha of pbrt-v3's: what leaves its range is refused when the images are known, with the
  * largest value in the message, because a picture that differs from what the scene says should not look as if it did
  * not. */
@@ -9,6 +8,9 @@
 
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+
+#include "noise.h"
+#include "texture_value.h"
 
 #include <float.h>
 #include <math.h>
@@ -24,35 +26,37 @@ void bis_textures_clear(bis_textures *t)
     *t = (bis_textures){0};
 }
 
-static int n_parts(const bis_texture *x)
-{
-    return x->kind == BIS_TEXTURE_MIX                                             ? 3
-           : x->kind == BIS_TEXTURE_SCALE || x->kind == BIS_TEXTURE_CHECKERBOARD ? 2
-           : x->kind == BIS_TEXTURE_COAT || x->kind == BIS_TEXTURE_ALPHA         ? 1
-                                                                                  : 0;
-}
-
 /* As deep as BIS_TEXTURE_MAX_STEPS at most, like all that follow the tree. */
 void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture)
 {
     if (texture == BIS_NO_TEXTURE) return;
     const bis_texture *x = &t->list[texture];
     if (x->kind == BIS_TEXTURE_IMAGE) is_used[x->image] = true;
-    for (int i = 0; i < n_parts(x); i++) bis_textures_mark(is_used, t, x->of[i]);
+    for (int i = 0; i < bis_texture_n_parts(x); i++) bis_textures_mark(is_used, t, x->of[i]);
 }
 
 static bool wants_uv(const bis_textures *t, uint32_t texture)
 {
     if (texture == BIS_NO_TEXTURE) return false;
     const bis_texture *x = &t->list[texture];
-    bool wants = (x->kind == BIS_TEXTURE_IMAGE || x->kind == BIS_TEXTURE_CHECKERBOARD) && x->mapping == BIS_TEXTURE_UV;
-    for (int i = 0; i < n_parts(x) && !wants; i++) wants = wants_uv(t, x->of[i]);
+    bool wants = bis_texture_maps_uv(x);
+    for (int i = 0; i < bis_texture_n_parts(x) && !wants; i++) wants = wants_uv(t, x->of[i]);
     return wants;
+}
+
+void bis_textures_mark_all(bool *is_used, const bis_textures *t, const bis_material_textures *of)
+{
+    bis_textures_mark(is_used, t, of->Kd);
+    bis_textures_mark(is_used, t, of->Ks);
+    bis_textures_mark(is_used, t, of->width);
+    bis_textures_mark(is_used, t, of->bump);
+    if (of->normals != BIS_NO_TEXTURE) is_used[of->normals] = true;
 }
 
 bool bis_textures_want_uv(const bis_textures *t, const bis_material_textures *of)
 {
-    return wants_uv(t, of->Kd) || wants_uv(t, of->Ks) || wants_uv(t, of->width);
+    return wants_uv(t, of->Kd) || wants_uv(t, of->Ks) || wants_uv(t, of->width) || wants_uv(t, of->bump) ||
+           of->normals != BIS_NO_TEXTURE;
 }
 
 /* ---- images ---- */
@@ -92,123 +96,10 @@ bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *f
     return status;
 }
 
-/* The texel, or one of the image's border, or of its repetition. False: it is black. i may be any whole number. */
-static bool wrap_index(double i, int n, bis_wrap wrap, size_t *index)
+rgbd bis_textures_value(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2],
+                        vec3 p)
 {
-    if (wrap == BIS_WRAP_REPEAT) i -= n * floor(i / n);
-    else if (wrap == BIS_WRAP_BLACK && (i < 0 || i >= n)) return false;
-    *index = i <= 0 ? 0 : i >= n - 1 ? (size_t)n - 1 : (size_t)i; /* also what rounding makes of a huge i */
-    return true;
-}
-
-static rgbd texel(const bis_image *image, double x, double y, bis_wrap wrap)
-{
-    size_t column, row;
-
-    if (!wrap_index(x, image->width, wrap, &column) || !wrap_index(y, image->height, wrap, &row))
-        return (rgbd){0, 0, 0};
-    const rgb c = image->pixels[row * (size_t)image->width + column];
-    return (rgbd){(double)c.r, (double)c.g, (double)c.b};
-}
-
-static rgbd lerp(double w, rgbd a, rgbd b) { return rgbd_add(rgbd_scale(a, 1 - w), rgbd_scale(b, w)); }
-
-/* Texel i has its centre at (i + 1/2)/n. Row 0 is at the top, where t = 1. */
-static rgbd bilinear(const bis_image *image, double s, double t, bis_wrap wrap)
-{
-    const double x = s * image->width - 0.5, y = (1 - t) * image->height - 0.5, x0 = floor(x), y0 = floor(y);
-    const rgbd top = lerp(x - x0, texel(image, x0, y0, wrap), texel(image, x0 + 1, y0, wrap));
-    const rgbd bottom = lerp(x - x0, texel(image, x0, y0 + 1, wrap), texel(image, x0 + 1, y0 + 1, wrap));
-
-    return lerp(y - y0, top, bottom);
-}
-
-static double of_image(const bis_texture *x, double v) { return x->invert ? 1 - x->scale * v : x->scale * v; }
-
-static rgbd image_value(const bis_texture *x, const bis_image *image, double s, double t)
-{
-    rgbd v = bilinear(image, s, t, x->wrap);
-
-    if (x->is_float) v.r = v.g = v.b = rgbd_sum(v) / 3;
-    return (rgbd){of_image(x, v.r), of_image(x, v.g), of_image(x, v.b)};
-}
-
-/* ---- values ---- */
-
-static rgbd mix(rgbd a, rgbd b, rgbd w)
-{
-    return (rgbd){(1 - w.r) * a.r + w.r * b.r, (1 - w.g) * a.g + w.g * b.g, (1 - w.b) * a.b + w.b * b.b};
-}
-
-/* Values above 1 pass only where they are cut off (cuts_off). */
-static double coated(const bis_texture *x, double v)
-{
-    v = fmin(v, 1);
-    return (1 - x->scale) * v / (1 - x->scale * v);
-}
-
-double bis_texture_alpha(double roughness)
-{
-    const double x = log(fmax(roughness, 1e-3));
-    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)));
-}
-
-static double own_alpha(double roughness) { return fmin(bis_texture_alpha(roughness), 1); }
-
-/* As in pbrt-v4, "Texture coordinate generation". */
-static void map_point(double st[2], const bis_texture *x, const double uv[2], vec3 p)
-{
-    double q[3];
-
-    if (x->mapping == BIS_TEXTURE_UV) {
-        for (int i = 0; i < 2; i++) st[i] = x->factor[i] * uv[i] + x->offset[i];
-        return;
-    }
-    for (int i = 0; i < 3; i++)
-        q[i] = x->from_world[i][0] * (double)p.x + x->from_world[i][1] * (double)p.y +
-               x->from_world[i][2] * (double)p.z + x->from_world[i][3];
-    const double phi = atan2(q[1], q[0]);
-    if (x->mapping == BIS_TEXTURE_SPHERICAL) {
-        st[0] = atan2(hypot(q[0], q[1]), q[2]) / PI;
-        st[1] = (phi < 0 ? phi + 2 * PI : phi) / (2 * PI);
-    } else if (x->mapping == BIS_TEXTURE_CYLINDRICAL) {
-        st[0] = (PI + phi) / (2 * PI);
-        st[1] = q[2];
-    } else {
-        st[0] = q[0];
-        st[1] = q[1];
-    }
-}
-
-rgbd bis_textures_value(const bis_textures *textures, const bis_texture_image *images, uint32_t texture,
-                        const double uv[2], vec3 p)
-{
-    const bis_texture *x = &textures->list[texture];
-    double st[2];
-    rgbd v[3];
-
-    switch (x->kind) {
-    case BIS_TEXTURE_IMAGE:
-        map_point(st, x, uv, p);
-        return image_value(x, &images[x->image].image, st[0], st[1]);
-    case BIS_TEXTURE_CHECKERBOARD:
-        map_point(st, x, uv, p);
-        return bis_textures_value(textures, images, x->of[fmod(floor(st[0]) + floor(st[1]), 2) != 0], uv, p);
-    case BIS_TEXTURE_SCALE:
-    case BIS_TEXTURE_MIX:
-        for (int i = 0; i < n_parts(x); i++) v[i] = bis_textures_value(textures, images, x->of[i], uv, p);
-        if (x->kind == BIS_TEXTURE_MIX) return mix(v[0], v[1], v[2]);
-        return (rgbd){v[0].r * v[1].r, v[0].g * v[1].g, v[0].b * v[1].b};
-    case BIS_TEXTURE_COAT:
-        v[0] = bis_textures_value(textures, images, x->of[0], uv, p);
-        return (rgbd){coated(x, v[0].r), coated(x, v[0].g), coated(x, v[0].b)};
-    case BIS_TEXTURE_ALPHA:
-        v[0] = bis_textures_value(textures, images, x->of[0], uv, p);
-        return (rgbd){own_alpha(v[0].r), own_alpha(v[0].g), own_alpha(v[0].b)};
-    case BIS_TEXTURE_CONSTANT:
-        break;
-    }
-    return x->value;
+    return bis_texture_value(t, images, texture, uv, (double[]){(double)p.x, (double)p.y, (double)p.z});
 }
 
 /* ---- ranges ---- */
@@ -224,7 +115,7 @@ static range image_range(const bis_texture *x, const bis_texture_image *image)
     for (int k = 0; k < 3; k++) {
         const int channel = x->is_float ? 3 : k;
         const double least = x->wrap == BIS_WRAP_BLACK ? 0 : image->lo[channel];
-        const double a = of_image(x, least), b = of_image(x, image->hi[channel]);
+        const double a = bis_texture_of_image(x, least), b = bis_texture_of_image(x, image->hi[channel]);
         r.lo[k] = fmin(a, b);
         r.hi[k] = fmax(a, b);
     }
@@ -233,7 +124,7 @@ static range image_range(const bis_texture *x, const bis_texture_image *image)
 
 /* Of a x b, or of (1 - w) a + w b: both are largest and least at corners, because they are linear in each of the
  * variables. */
-static void combine(double *lo, double *hi, const bis_texture *x, const range part[3], int k)
+static void combine(double *lo, double *hi, const bis_texture *x, const range part[4], int k)
 {
     *lo = (double)INFINITY;
     *hi = -(double)INFINITY;
@@ -247,26 +138,65 @@ static void combine(double *lo, double *hi, const bis_texture *x, const range pa
     }
 }
 
+static range around_0(double most) { return (range){{-most, -most, -most}, {most, most, most}}; }
+
+/* Of a texture without parts. */
+static range leaf_range(const bis_texture *x, const bis_texture_image *images)
+{
+    const double most = BIS_NOISE_MOST * bis_noise_weights(x->roughness, x->octaves);
+    range r = {{x->value.r, x->value.g, x->value.b}, {x->value.r, x->value.g, x->value.b}};
+
+    switch (x->kind) {
+    case BIS_TEXTURE_IMAGE:
+        return image_range(x, &images[x->image]);
+    case BIS_TEXTURE_UV_COLOUR:
+        return (range){{0, 0, 0}, {1, 1, 0}};
+    case BIS_TEXTURE_FBM:
+        return around_0(most);
+    case BIS_TEXTURE_WRINKLED: { /* the last part is always there */
+        const double rest = 0.2 * pow(x->roughness, x->octaves);
+        return (range){{rest, rest, rest}, {most + rest, most + rest, most + rest}};
+    }
+    case BIS_TEXTURE_WINDY:
+        return around_0(BIS_NOISE_MOST * bis_noise_weights(0.5, 3) * BIS_NOISE_MOST * bis_noise_weights(0.5, 6));
+    case BIS_TEXTURE_MARBLE: /* a Bezier curve stays among its points */
+        for (int k = 0; k < 3; k++) {
+            r.lo[k] = r.hi[k] = BIS_MARBLE_SCALE * bis_marble_colours[0][k];
+            for (int i = 1; i < BIS_MARBLE_COLOURS; i++) {
+                r.lo[k] = fmin(r.lo[k], BIS_MARBLE_SCALE * bis_marble_colours[i][k]);
+                r.hi[k] = fmax(r.hi[k], BIS_MARBLE_SCALE * bis_marble_colours[i][k]);
+            }
+        }
+        return r;
+    default:
+        return r;
+    }
+}
+
 static range range_of(const bis_textures *t, const bis_texture_image *images, uint32_t texture)
 {
     const bis_texture *x = &t->list[texture];
-    range r = {{x->value.r, x->value.g, x->value.b}, {x->value.r, x->value.g, x->value.b}}, part[3];
+    const int n = bis_texture_n_parts(x);
+    range r, part[4];
 
-    if (x->kind == BIS_TEXTURE_CONSTANT) return r;
-    if (x->kind == BIS_TEXTURE_IMAGE) return image_range(x, &images[x->image]);
-    for (int i = 0; i < n_parts(x); i++) part[i] = range_of(t, images, x->of[i]);
+    if (n == 0) return leaf_range(x, images);
+    for (int i = 0; i < n; i++) part[i] = range_of(t, images, x->of[i]);
     for (int k = 0; k < 3; k++) {
-        if (x->kind == BIS_TEXTURE_CHECKERBOARD) {
-            r.lo[k] = fmin(part[0].lo[k], part[1].lo[k]);
-            r.hi[k] = fmax(part[0].hi[k], part[1].hi[k]);
-        } else if (x->kind == BIS_TEXTURE_COAT) { /* it grows with what is below, as far as 1; beyond, that shows */
-            r.lo[k] = part[0].lo[k] <= 1 ? coated(x, part[0].lo[k]) : part[0].lo[k];
-            r.hi[k] = part[0].hi[k] <= 1 ? coated(x, part[0].hi[k]) : part[0].hi[k];
+        if (x->kind == BIS_TEXTURE_COAT) { /* it grows with what is below, as far as 1; beyond, that shows */
+            r.lo[k] = part[0].lo[k] <= 1 ? bis_texture_coated(x, part[0].lo[k]) : part[0].lo[k];
+            r.hi[k] = part[0].hi[k] <= 1 ? bis_texture_coated(x, part[0].hi[k]) : part[0].hi[k];
         } else if (x->kind == BIS_TEXTURE_ALPHA) {
-            r.lo[k] = own_alpha(part[0].lo[k]);
-            r.hi[k] = own_alpha(part[0].hi[k]);
-        } else {
+            r.lo[k] = bis_texture_own_alpha(part[0].lo[k]);
+            r.hi[k] = bis_texture_own_alpha(part[0].hi[k]);
+        } else if (x->kind == BIS_TEXTURE_SCALE || x->kind == BIS_TEXTURE_MIX) {
             combine(&r.lo[k], &r.hi[k], x, part, k);
+        } else { /* one of the parts, or between them */
+            r.lo[k] = part[0].lo[k];
+            r.hi[k] = part[0].hi[k];
+            for (int i = 1; i < n; i++) {
+                r.lo[k] = fmin(r.lo[k], part[i].lo[k]);
+                r.hi[k] = fmax(r.hi[k], part[i].hi[k]);
+            }
         }
     }
     return r;

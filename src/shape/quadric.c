@@ -207,3 +207,27 @@ void bis_quadric_uv(const bis_quadric *q, const ray *r, double uv[2])
     uv[0] = (phi < 0 ? phi + 2 * PI : phi) * (INV_PI / 2);
     uv[1] = q->kind == BIS_SPHERE ? 1 - atan2(across, p.z) * INV_PI : 1 - across / q->radius;
 }
+
+/* The derivatives by u = phi/2pi and v (bis_geometry_uv): v of a sphere rises from its lowest point by theta/pi, v of a
+ * disc falls from 1 in its middle. The normal is (to_world)^-T that of the object. At a pole and in a disc's middle phi
+ * is 0. */
+void bis_quadric_tangents(const bis_quadric *q, const ray *r, bis_tangents *t)
+{
+    point3 n;
+    const point3 p = object_hit(q, r, &n);
+    const double across = sqrt(p.x * p.x + p.y * p.y);
+    const double cosine = across > 0 ? p.x / across : 1, sine = across > 0 ? p.y / across : 0;
+    const double u[3] = {-2 * PI * p.y, 2 * PI * p.x, 0}, disc[3] = {-q->radius * cosine, -q->radius * sine, 0};
+    const double sphere[3] = {-PI * p.z * cosine, -PI * p.z * sine, PI * across};
+    const double *v = q->kind == BIS_SPHERE ? sphere : disc;
+    double size = 0;
+
+    for (int i = 0; i < 3; i++) {
+        const double *m = q->to_world.m[i];
+        t->u[i] = m[0] * u[0] + m[1] * u[1];
+        t->v[i] = m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
+        t->outside[i] = q->to_world.inv[0][i] * n.x + q->to_world.inv[1][i] * n.y + q->to_world.inv[2][i] * n.z;
+        size += t->outside[i] * t->outside[i];
+    }
+    for (int i = 0; i < 3; i++) t->outside[i] /= sqrt(size);
+}

@@ -146,9 +146,18 @@ void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bi
     }
 }
 
+/* The texture coordinates of a triangle's vertices. */
+static void corner_uv(bis_uv corner[3], const bis_geometry *g, const uint32_t index[3])
+{
+    static const bis_uv usual[3] = {{0, 0}, {1, 0}, {1, 1}}; /* pbrt's, of a triangle without any */
+    const bool has = g->uv && !isnan(g->uv[index[0]].u) && !isnan(g->uv[index[1]].u) && !isnan(g->uv[index[2]].u);
+
+    for (int i = 0; i < 3; i++) corner[i] = has ? g->uv[index[i]] : usual[i];
+}
+
 void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double uv[2])
 {
-    bis_uv corner[3] = {{0, 0}, {1, 0}, {1, 1}}; /* pbrt's, of a triangle without any */
+    bis_uv corner[3];
     double b[3];
 
     if (prim >= g->n_triangles) {
@@ -157,11 +166,62 @@ void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double 
     }
     const uint32_t *index = g->index + 3 * (size_t)prim;
     const vec3 v[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
-    if (g->uv && !isnan(g->uv[index[0]].u) && !isnan(g->uv[index[1]].u) && !isnan(g->uv[index[2]].u))
-        for (int i = 0; i < 3; i++) corner[i] = g->uv[index[i]];
+    corner_uv(corner, g, index);
     weights(v, r, b);
     uv[0] = b[0] * (double)corner[0].u + b[1] * (double)corner[1].u + b[2] * (double)corner[2].u;
     uv[1] = b[0] * (double)corner[0].v + b[1] * (double)corner[1].v + b[2] * (double)corner[2].v;
+}
+
+/* Two unit vectors that n completes. */
+static void any_tangents(bis_tangents *t, const double n[3])
+{
+    const int c = fabs(n[0]) > fabs(n[1]) ? 0 : 1, z = 2; /* the longer of the first two parts, and the third */
+    const double size = hypot(n[c], n[z]);
+
+    for (int i = 0; i < 3; i++) t->u[i] = 0;
+    t->u[c] = n[z] / size;
+    t->u[z] = -n[c] / size;
+    for (int i = 0; i < 3; i++) t->v[i] = n[(i + 1) % 3] * t->u[(i + 2) % 3] - n[(i + 2) % 3] * t->u[(i + 1) % 3];
+}
+
+/* p is linear in (u, v): its derivatives solve two equations for two edges. */
+static void triangle_tangents(const bis_geometry *g, const uint32_t index[3], const ray *r, bis_tangents *t)
+{
+    const vec3 p[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
+    bis_uv c[3];
+    double n[3], b[3], e[2][3], d[2][2];
+
+    corner_uv(c, g, index);
+    for (int k = 0; k < 2; k++) {
+        e[k][0] = (double)p[k + 1].x - (double)p[0].x;
+        e[k][1] = (double)p[k + 1].y - (double)p[0].y;
+        e[k][2] = (double)p[k + 1].z - (double)p[0].z;
+        d[k][0] = (double)c[k + 1].u - (double)c[0].u;
+        d[k][1] = (double)c[k + 1].v - (double)c[0].v;
+    }
+    area_vector(p, n);
+    const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), det = d[0][0] * d[1][1] - d[0][1] * d[1][0];
+    weights(p, r, b);
+    vec3 side = vec3_from(n[0] / size, n[1] / size, n[2] / size);
+    if (g->n) side = shading_normal(g, index, b, side);
+    t->outside[0] = (double)side.x;
+    t->outside[1] = (double)side.y;
+    t->outside[2] = (double)side.z;
+    const double scale = det != 0 ? 1 / det : HUGE_VAL;
+    if (!isfinite(scale)) {
+        any_tangents(t, t->outside);
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        t->u[i] = (d[1][1] * e[0][i] - d[0][1] * e[1][i]) * scale;
+        t->v[i] = (d[0][0] * e[1][i] - d[1][0] * e[0][i]) * scale;
+    }
+}
+
+void bis_geometry_tangents(const bis_geometry *g, uint32_t prim, const ray *r, bis_tangents *t)
+{
+    if (prim < g->n_triangles) triangle_tangents(g, g->index + 3 * (size_t)prim, r, t);
+    else bis_quadric_tangents(&g->quadrics[prim - g->n_triangles], r, t);
 }
 
 /* p + step, rounded away from p. */

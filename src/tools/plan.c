@@ -226,13 +226,21 @@ static void print_colour(const char *name, rgb c, FILE *out)
     if (c.g != c.r || c.b != c.r) fprintf(out, " %s %s", bis_format_float(g, c.g), bis_format_float(b, c.b));
 }
 
+/* The last part of an image's name. */
+static const char *last_name(const bis_textures *t, uint32_t image)
+{
+    const char *slash = strrchr(t->files[image].filename, '/');
+    return slash ? slash + 1 : t->files[image].filename;
+}
+
 static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
 {
-    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated", "remapped"};
+    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated", "remapped",
+                                        "dots", "bilerp", "uv", "checkerboard in space", "fbm", "wrinkled", "windy",
+                                        "marble"}; /* bis_texture_kind */
     const bis_texture *x = &t->list[texture];
-    const char *file = x->kind == BIS_TEXTURE_IMAGE ? t->files[x->image].filename : NULL;
-    const char *slash = file ? strrchr(file, '/') : NULL;
-    fprintf(out, ", %s texture (%s)", name, slash ? slash + 1 : file ? file : kinds[x->kind]);
+    const bool is_image = x->kind == BIS_TEXTURE_IMAGE;
+    fprintf(out, ", %s texture (%s)", name, is_image ? last_name(t, x->image) : kinds[x->kind]);
 }
 
 /* Every image, and the texture coordinates. */
@@ -243,9 +251,7 @@ static void print_textures(const bis_scene_desc *d, FILE *out)
     for (size_t i = 0; i < d->n_shapes && is_used; i++) {
         const bis_material_textures *m = bis_textures_of(t, d->shapes[i].material);
         if (!m) continue;
-        bis_textures_mark(is_used, t, m->Kd);
-        bis_textures_mark(is_used, t, m->Ks);
-        bis_textures_mark(is_used, t, m->width);
+        bis_textures_mark_all(is_used, t, m);
         any |= is_mesh(&d->shapes[i]) && bis_textures_want_uv(t, m);
     }
     for (size_t i = 0; i < t->n_files && is_used; i++) {
@@ -287,6 +293,8 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         if (!rgb_is_black(m->eta)) print_colour("eta", m->eta, out);
         if (t && t->width != BIS_NO_TEXTURE) print_texture(w.scene_name, &d->textures, t->width, out);
         else if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
+        if (t && t->bump != BIS_NO_TEXTURE) print_texture("bump", &d->textures, t->bump, out);
+        if (t && t->normals != BIS_NO_TEXTURE) fprintf(out, ", normal map (%s)", last_name(&d->textures, t->normals));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
         fputc('\n', out);
     }

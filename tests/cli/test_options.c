@@ -439,16 +439,16 @@ static void the_words_of_parameters_are_these(void **state)
                         "noise only inside patches");
 }
 
-/* Its six lines; one accelerator is the default. */
-static void the_version_has_six_lines(void **state)
+/* Its seven lines; one accelerator is the default. */
+static void the_version_has_seven_lines(void **state)
 {
     (void)state;
-    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "threads: "};
+    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "libjpeg: ", "threads: "};
     program_run r;
     char line[128];
     const char *const embree = bis_accel_embree_version(), *at = r.output;
     program_expect(&r, 0, "version");
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 7; i++) {
         assert_int_equal(strncmp(at, begins[i], strlen(begins[i])), 0);
         at += strcspn(at, "\n") + 1;
     }
@@ -616,7 +616,7 @@ int main(void)
         cmocka_unit_test(an_option_is_looked_up_with_its_dashes_and_whole),
         cmocka_unit_test(a_trade_ends_with_three_recommendations),
         cmocka_unit_test(the_words_of_parameters_are_these),
-        cmocka_unit_test(the_version_has_six_lines),
+        cmocka_unit_test(the_version_has_seven_lines),
         cmocka_unit_test(durations_change_their_unit_where_they_should),
         cmocka_unit_test(a_comparison_by_hand),
         cmocka_unit_test(the_line_at_the_end_has_each_figure),

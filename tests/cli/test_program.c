@@ -1196,7 +1196,14 @@ static void another_light_may_be_put_over_any_scene(void **state)
     program_expect(&r, 0, DIR "/other.txt --plan --light data/maps/outdoor.hdr");
     assert_non_null(strstr(r.output, "light        map data/maps/outdoor.hdr, latlong, "));
     program_expect(&r, 2, DIR "/named.txt --plan --light-scale 2");
-    assert_non_null(strstr(r.messages, "--light-rotate and --light-scale change the map that --light names: give --light MAP, too"));
+    assert_non_null(strstr(r.messages, "--light-rotate, --light-scale and --light-mapping are about the map that --light names: give --light MAP, too"));
+    program_expect(&r, 2, DIR "/named.txt --plan --light-mapping latlong");
+    /* another mapping, and a map that is higher than wide: a cross, which nothing says is one */
+    program_expect(&r, 0, DIR "/other.txt --spp 1 --light data/maps/clouds_verticalcross.hdr.gz --outfile " DIR "/other.pfm");
+    assert_non_null(strstr(r.messages, "higher than wide, and is taken for a lat-long map all the same"));
+    assert_non_null(strstr(r.messages, "(--light-mapping)"));
+    program_expect(&r, 0, DIR "/other.txt --spp 1 --light data/maps/clouds_verticalcross.hdr.gz --light-mapping verticalcross --outfile " DIR "/other.pfm");
+    assert_null(strstr(r.messages, "higher than wide"));
     program_expect(&r, 0, "--approximate " DIR "/other.txt --spp 1 --light data/maps/outdoor.hdr --outfile " DIR "/other.pfm");
     assert_null(strstr(r.messages, "approximated"));
 }

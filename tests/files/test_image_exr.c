@@ -266,9 +266,9 @@ static void half_float_and_uint_are_read_among_channels_that_nobody_wants(void *
             }
 }
 
-/* Rec. 709 to three digits is what is assumed; a third digit that is off, in any place, is remarked upon. So is a cube map,
- * but not a latlong one. */
-static void colours_and_shapes_that_are_not_acted_upon_are_remarked(void **state)
+/* Rec. 709 to three digits is what is assumed; a third digit that is off, in any place, is acted and remarked upon. A cube
+ * map is remarked upon, but not a latlong one. */
+static void other_colours_and_shapes_are_remarked(void **state)
 {
     (void)state;
     for (int k = -2; k < 8 + 2; k++) {
@@ -276,7 +276,7 @@ static void colours_and_shapes_that_are_not_acted_upon_are_remarked(void **state
         if (k >= 0 && k < 8) c[k] += 0.001f;
         const part_spec part = {.channels = plain, .n_channels = 3, .width = 3, .height = 2,
                                 .chromaticities = k == -2 ? NULL : c, .envmap = k < 8 ? 0 : k == 8 ? 1 : 2};
-        const char *const expected = k >= 0 && k < 8 ? "its chromaticities are not those of Rec. 709" :
+        const char *const expected = k >= 0 && k < 8 ? "its colours are converted from its own primaries to those of Rec. 709" :
                                      k == 9          ? "it is a cube map, which we do not unfold" : NULL;
         bytes file = {0};
         bis_image image;
@@ -289,6 +289,87 @@ static void colours_and_shapes_that_are_not_acted_upon_are_remarked(void **state
         bis_image_clear(&image);
         bis_diag_clear(&diag);
         bytes_clear(&file);
+    }
+}
+
+/* A pixel of the given values, of a file with these chromaticities; diag is the caller's. */
+static rgb one_pixel(const float c[8], rgb value, bis_diag *diag)
+{
+    const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    static const channel_spec floats[3] = {{"B", FLOAT, 1}, {"G", FLOAT, 1}, {"R", FLOAT, 1}};
+    const part_spec part = {.channels = floats, .n_channels = 3, .width = 1, .height = 1,
+                            .chromaticities = c ? c : rec709};
+    bytes file = {0};
+    bis_image image;
+    put_file(&file, &part, 1);
+    /* the last 12 bytes: B, G, R */
+    const float v[3] = {value.b, value.g, value.r};
+    memcpy(file.data + file.n - sizeof v, v, sizeof v);
+    store(scratch("primaries.exr"), file.data, file.n);
+    *diag = (bis_diag){0};
+    assert_int_equal(bis_image_read(&image, scratch("primaries.exr"), (bis_loc){0}, diag), BIS_OK);
+    const rgb out = image.pixels[0];
+    bis_image_clear(&image);
+    bytes_clear(&file);
+    return out;
+}
+
+static void assert_colour(rgb c, double r, double g, double b, double tolerance)
+{
+    if (fabs((double)c.r - r) > tolerance || fabs((double)c.g - g) > tolerance || fabs((double)c.b - b) > tolerance)
+        fail_msg("%g %g %g, not %g %g %g", (double)c.r, (double)c.g, (double)c.b, r, g, b);
+}
+
+/* The matrices are published: IEC 61966-2-1 has XYZ to sRGB to four digits, and Rec. ITU-R BT.2087 has BT.2020 to BT.709. */
+static void colours_of_other_primaries_become_those_of_rec_709(void **state)
+{
+    (void)state;
+    static const float bt2020[8] = {.708f, .292f, .17f, .797f, .131f, .046f, .3127f, .329f};
+    static const float xyz[8] = {1, 1e-9f, 1e-9f, 1, 1e-9f, 1e-9f, 1.f / 3, 1.f / 3}; /* nearly: X, Y, Z themselves */
+    static const float d50[8] = {.64f, .33f, .3f, .6f, .15f, .06f, .3457f, .3585f};
+    bis_diag diag;
+    /* inside of both: 0.1 red and 1 green of BT.2020, whose matrix has the rows 1.6605 -0.5876 -0.0728, -0.1246 1.1329
+     * -0.0083, -0.0182 -0.1006 1.1187 */
+    assert_colour(one_pixel(bt2020, (rgb){1, .5f, .25f}, &diag), 1.6605 - .2938 - .0182, -.1246 + .56645 - .0021,
+                  -.0182 - .0503 + .27968, 2e-4);
+    assert_int_equal(diag.n, 1);
+    assert_null(strstr(diag.messages[0].text, "outside"));
+    bis_diag_clear(&diag);
+    /* white stays white where both have D65 */
+    assert_colour(one_pixel(bt2020, (rgb){2, 2, 2}, &diag), 2, 2, 2, 1e-5);
+    bis_diag_clear(&diag);
+    /* pure red of BT.2020 is outside: green and blue become 0 and not negative */
+    assert_colour(one_pixel(bt2020, (rgb){1, 0, 0}, &diag), 1.6605, 0, 0, 2e-4);
+    assert_non_null(strstr(diag.messages[0].text, "100% of its pixels lie outside of these, and their negative parts are set to 0"));
+    bis_diag_clear(&diag);
+    /* what was negative before is passed on, for who reads it to judge */
+    assert_true(one_pixel(bt2020, (rgb){-1, 0, 0}, &diag).r < -1.6f);
+    bis_diag_clear(&diag);
+    /* XYZ itself: the matrix of sRGB, 3.2406 -1.5372 -0.4986 */
+    assert_colour(one_pixel(xyz, (rgb){.5f, .4f, .3f}, &diag), 1.6203 - .61488 - .14958, -.48445 + .75032 + .01245,
+                  .02785 - .0816 + .3171, 2e-4);
+    bis_diag_clear(&diag);
+    /* a white of D50 is not adapted: 1 1 1 has the XYZ (.3457 1 .2958)/.3585 */
+    const double X = .3457 / .3585, Z = (1 - .3457 - .3585) / .3585;
+    assert_colour(one_pixel(d50, (rgb){1, 1, 1}, &diag), 3.2406 * X - 1.5372 - .4986 * Z, -.9689 * X + 1.8758 + .0415 * Z,
+                  .0557 * X - .204 + 1.057 * Z, 3e-4);
+    bis_diag_clear(&diag);
+    /* twin: of Rec. 709 nothing is changed, and nothing said */
+    assert_colour(one_pixel(NULL, (rgb){.1f, .2f, .3f}, &diag), .1f, .2f, .3f, 0);
+    assert_int_equal(diag.n, 0);
+}
+
+static void chromaticities_that_span_nothing_are_remarked(void **state)
+{
+    (void)state;
+    static const float bad[][8] = {{.3f, .3f, .3f, .3f, .1f, .1f, .3f, .3f}, {.6f, 0, .3f, .6f, .1f, .1f, .3f, .3f},
+                                   {.64f, .33f, .3f, .6f, .15f, .06f, .3f, 0}, {NAN, .33f, .3f, .6f, .15f, .06f, .3f, .3f}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        bis_diag diag;
+        assert_colour(one_pixel(bad[i], (rgb){.1f, .2f, .3f}, &diag), .1f, .2f, .3f, 0);
+        assert_int_equal(diag.n, 1);
+        assert_non_null(strstr(diag.messages[0].text, "are no three primaries and a white; the values are taken as they are"));
+        bis_diag_clear(&diag);
     }
 }
 
@@ -969,7 +1050,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(half_float_and_uint_are_read_among_channels_that_nobody_wants),
-        cmocka_unit_test(colours_and_shapes_that_are_not_acted_upon_are_remarked),
+        cmocka_unit_test(other_colours_and_shapes_are_remarked),
+        cmocka_unit_test(colours_of_other_primaries_become_those_of_rec_709),
+        cmocka_unit_test(chromaticities_that_span_nothing_are_remarked),
         cmocka_unit_test(the_data_window_is_the_whole_map_wherever_it_lies),
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
         cmocka_unit_test(one_pixel_is_a_map),

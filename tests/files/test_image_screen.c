@@ -1,4 +1,4 @@
-/* image_screen: pictures of a screen as textures: JPEGs, which libjpeg writes here, and TGAs, which are written by hand. */
+/* image_screen: pictures of a screen as textures: JPEGs, which libjpeg writes here, and TGAs and BMPs, which are written by hand. */
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "image_help.h"
@@ -101,7 +101,95 @@ static void a_damaged_tga_is_refused(void **state)
     refuse("run.tga", d, 32, "a run goes beyond the last pixel");
     memcpy(d, tgas[0].bytes, sizeof d);
     d[16] = 23; /* no size of a colour: no TGA */
-    refuse("strange.tga", d, 30, "its format is unknown: a texture must be .png, .jpg, .tga, .exr, .hdr or .pfm");
+    refuse("strange.tga", d, 30, "its format is unknown: a texture must be .png, .jpg, .tga, .bmp, .exr, .hdr or .pfm");
+}
+
+/* ---- BMP ---- */
+
+/* The same four colours. palette: n colours, blue first; rows: padded to four bytes. masks: 12 bytes behind the header. */
+static void make_bmp(bytes *b, int bits, int height, int coding, int n_palette, const unsigned char *rest, size_t n_rest)
+{
+    static const unsigned char palette[16] = {0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 0, 51, 51, 51, 0};
+    *b = (bytes){0};
+    put_text(b, "BM");
+    put_int(b, 0, 8);
+    put_int(b, (uint64_t)(14 + 40 + 4 * n_palette + (coding == 3 ? 12 : 0)), 4);
+    put_int(b, 40, 4);
+    put_int(b, 2, 4);
+    put_int(b, (uint32_t)height, 4);
+    put_int(b, 1, 2);
+    put_int(b, (uint64_t)bits, 2);
+    put_int(b, (uint64_t)coding, 4);
+    put_int(b, 0, 8);
+    put_int(b, 0, 4);
+    put_int(b, (uint64_t)n_palette, 4);
+    put_int(b, 0, 4);
+    put(b, palette, 4 * (size_t)n_palette);
+    put(b, rest, n_rest);
+}
+
+static const struct {
+    const char *what;
+    int bits, height, coding, n_palette;
+    size_t n;
+    unsigned char rest[32];
+} bmps[] = {
+    {"24 bits, upwards", 24, 2, 0, 0, 16, {255, 0, 0, 51, 51, 51, 0, 0, 0, 0, 255, 0, 255, 0, 0, 0}},
+    {"32 bits, from the top", 32, -2, 0, 0, 16, {0, 0, 255, 9, 0, 255, 0, 9, 255, 0, 0, 9, 51, 51, 51, 9}},
+    {"32 bits with masks", 32, -2, 3, 0, 28,
+     {0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 0, 0, 0, 255, 9, 0, 255, 0, 9, 255, 0, 0, 9, 51, 51, 51, 9}},
+    {"8 bits", 8, -2, 0, 4, 8, {0, 1, 0, 0, 2, 3, 0, 0}},
+    {"4 bits", 4, -2, 0, 4, 8, {0x01, 0, 0, 0, 0x23, 0, 0, 0}},
+};
+
+static void each_kind_of_bmp_has_its_colours(void **state)
+{
+    static const int expected[4][3] = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {51, 51, 51}};
+    char said[512];
+    (void)state;
+    for (size_t i = 0; i < sizeof bmps / sizeof *bmps; i++) {
+        bis_image image;
+        bytes b;
+        make_bmp(&b, bmps[i].bits, bmps[i].height, bmps[i].coding, bmps[i].n_palette, bmps[i].rest, bmps[i].n);
+        if (read_bytes_as(&image, "a.bmp", b.data, b.n, said)) fail_msg("%s: %s", bmps[i].what, said);
+        assert_true(image.width == 2 && image.height == 2);
+        for (int k = 0; k < 12; k++)
+            assert_true(fabs((double)(&image.pixels->r)[k] - linear(expected[k / 3][k % 3] / 255.)) < 1e-6);
+        bis_image_clear(&image);
+        for (size_t n = 4; n < b.n; n++) /* cut off anywhere */
+            assert_int_equal(read_bytes_as(&image, "cut.bmp", b.data, n, said), BIS_INPUT);
+        bytes_clear(&b);
+    }
+    /* black and white, a bit each: the highest is the first */
+    bis_image image;
+    bytes b;
+    make_bmp(&b, 1, -2, 0, 2, (const unsigned char[]){0x40, 0, 0, 0, 0x80, 0, 0, 0}, 8);
+    assert_int_equal(read_bytes_as(&image, "a.bmp", b.data, b.n, said), BIS_OK);
+    assert_true(image.pixels[0].r == 1 && image.pixels[1].g == 1 && image.pixels[2].g == 1 && image.pixels[3].r == 1);
+    bis_image_clear(&image);
+    bytes_clear(&b);
+}
+
+static void a_damaged_or_rare_bmp_is_refused(void **state)
+{
+    bytes b;
+    (void)state;
+    make_bmp(&b, 8, 2, 1, 4, bmps[3].rest, 8);
+    refuse("coded.bmp", b.data, b.n, "only plain files of 1, 4, 8, 24 and 32 bits are read: save it as PNG");
+    bytes_clear(&b);
+    make_bmp(&b, 32, 2, 3, 0, (const unsigned char[28]){255}, 28);
+    refuse("masks.bmp", b.data, b.n, "only plain files");
+    bytes_clear(&b);
+    make_bmp(&b, 8, 2, 0, 4, (const unsigned char[8]){4}, 8);
+    refuse("palette.bmp", b.data, b.n, "a pixel has a colour that is not in the palette");
+    b.data[14] = 12; /* OS/2's header */
+    refuse("old.bmp", b.data, b.n, "its header is damaged, or older than Windows 3");
+    b.data[14] = 40;
+    b.data[25] = 0x80; /* the height is -2^31 + 2 */
+    refuse("high.bmp", b.data, b.n, "the file is cut off");
+    b.data[22] = b.data[25] = 0;
+    refuse("flat.bmp", b.data, b.n, "it has no pixels");
+    bytes_clear(&b);
 }
 
 /* ---- JPEG ---- */
@@ -225,6 +313,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind_of_tga_has_its_colours),
         cmocka_unit_test(a_damaged_tga_is_refused),
+        cmocka_unit_test(each_kind_of_bmp_has_its_colours),
+        cmocka_unit_test(a_damaged_or_rare_bmp_is_refused),
 #ifdef BIS_JPEG
         cmocka_unit_test(each_kind_of_jpeg_has_its_colours),
         cmocka_unit_test(a_damaged_jpeg_is_refused),

@@ -1,4 +1,4 @@
-/* fuzz_png: the colours of textures: PNG, JPEG, TGA. The reader goes by the first bytes, so maps' formats are within
+/* fuzz_png: the colours of textures: PNG, JPEG, TGA, BMP. The reader goes by the first bytes, so maps' formats are within
  * reach, too. */
 #include "bis/files/image_file.h"
 #include "input.h"

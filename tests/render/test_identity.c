@@ -307,10 +307,12 @@ static void each_field_of_materials_and_textures_counts(void **state)
         EXPECT(of->Ks, MATERIALS);
         EXPECT(of->width, MATERIALS);
         EXPECT(of->power, MATERIALS);
+        EXPECT(of->bump, MATERIALS);
+        EXPECT(of->normals, MATERIALS);
 
         bis_texture *t = &k->list[i];
         EXPECT(t->kind, MATERIALS);
-        EXPECT_ALL(t->of, 3, MATERIALS);
+        EXPECT_ALL(t->of, 4, MATERIALS);
         EXPECT(t->value.r, MATERIALS);
         EXPECT(t->value.g, MATERIALS);
         EXPECT(t->value.b, MATERIALS);
@@ -321,6 +323,9 @@ static void each_field_of_materials_and_textures_counts(void **state)
         EXPECT(t->image, MATERIALS);
         EXPECT(t->wrap, MATERIALS);
         EXPECT(t->scale, MATERIALS);
+        EXPECT(t->octaves, MATERIALS);
+        EXPECT(t->roughness, MATERIALS);
+        EXPECT(t->variation, MATERIALS);
         EXPECT(t->invert, MATERIALS);
         EXPECT(t->is_float, MATERIALS);
         EXPECT(t->steps, NONE); /* it follows from the rest */
@@ -352,6 +357,7 @@ static void each_field_of_the_light_counts(void **state)
     EXPECT(l->has_table_kind, LIGHT);
     EXPECT(l->table_kind, LIGHT);
     EXPECT(l->visible, LIGHT);
+    EXPECT(l->is_smooth, LIGHT);
     expect_xform(k, &l->to_world, LIGHT, "light");
     EXPECT(k->w.desc.accel.density, ACCELERATOR);
     EXPECT(k->w.desc.accel.n_threads, NONE);

@@ -386,17 +386,17 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
 #define MATTE "Material \"matte\" \"texture Kd\" \"t\" "
 #define IMAGE(name) "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"" name "\" "
     static const struct { const char *scene, *message; } cases[] = {
-        {LIT IMAGE("two.bmp") MATTE "Shape \"sphere\"", "its format is unknown"},
-        {LIT IMAGE("two.bmp") "Shape \"sphere\" " MATTE, NULL},
+        {LIT IMAGE("two.gif") MATTE "Shape \"sphere\"", "its format is unknown"},
+        {LIT IMAGE("two.gif") "Shape \"sphere\" " MATTE, NULL},
         {"WorldBegin LightSource \"infinite\" \"string mapname\" \"square.pfm\"", "is square, 2 x 2: give its mapping"},
-        {"WorldBegin LightSource \"infinite\" \"string filename\" \"two.bmp\"", "it begins with the bytes 42 4d"},
-        {LIT "Shape \"plymesh\" \"string filename\" \"two.bmp\"", "not a PLY file"},
-        {LIT "ObjectBegin \"o\" Shape \"plymesh\" \"string filename\" \"two.bmp\" ObjectEnd", NULL},
+        {"WorldBegin LightSource \"infinite\" \"string filename\" \"two.gif\"", "it begins with the bytes 47 49"},
+        {LIT "Shape \"plymesh\" \"string filename\" \"two.gif\"", "not a PLY file"},
+        {LIT "ObjectBegin \"o\" Shape \"plymesh\" \"string filename\" \"two.gif\" ObjectEnd", NULL},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE "Shape \"sphere\"", "has values up to 2, must be in [0, 1]"},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE, NULL},
     };
     (void)state;
-    write_file("two.bmp", "BM, a picture of Windows");
+    write_file("two.gif", "GIF89a, a picture of the web");
     static const char square[] = "PF\n2 2\n-1.0\n012345678901234567890123456789012345678901234567";
     write_file("square.pfm", square);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

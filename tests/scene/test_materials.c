@@ -96,7 +96,7 @@ static void each_value_of_a_material_tells_it_from_others(void **state)
     /* 12 to 15: the same values with textures */
     bis_material_textures of[2 * N];
     for (int i = 0; i < 2 * N; i++) {
-        of[i] = (bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}};
+        of[i] = BIS_NO_TEXTURES;
         if (i % N == 12) of[i].Kd = 3;
         if (i % N == 13) of[i].Ks = 3;
         if (i % N == 14) of[i].width = 3;
@@ -110,12 +110,14 @@ static void each_value_of_a_material_tells_it_from_others(void **state)
     for (int i = 0; i < 2 * N; i++) assert_int_equal(number[i], N - 1 - i % N); /* the shapes name the last one first */
     bis_free(number);
     /* one texture and another */
-    for (int i = 0; i < 2 * N; i++) of[i] = (bis_material_textures){(uint32_t)i % 2, (uint32_t)i % 3, (uint32_t)i % 5, i % 7 ? 1 : 0.5, {0}};
+    for (int i = 0; i < 2 * N; i++)
+        of[i] = (bis_material_textures){(uint32_t)i % 2, (uint32_t)i % 3, (uint32_t)i % 5, i % 7 ? 1 : 0.5, {0}, i < 9, i < 20};
     for (int i = 0; i < 2 * N; i++) materials[i] = bis_phong(a, b, 7);
     assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
     for (int i = 0; i < 2 * N; i++)
         for (int k = 0; k < 2 * N; k++)
-            assert_true((number[i] == number[k]) == (i % 2 == k % 2 && i % 3 == k % 3 && i % 5 == k % 5 && (i % 7 == 0) == (k % 7 == 0)));
+            assert_true((number[i] == number[k]) == (i % 2 == k % 2 && i % 3 == k % 3 && i % 5 == k % 5 && (i % 7 == 0) == (k % 7 == 0) && (i < 9) == (k < 9) &&
+                                                     (i < 20) == (k < 20)));
     bis_free(number);
 }
 

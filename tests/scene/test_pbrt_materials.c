@@ -714,7 +714,7 @@ static void names_of_textures_are_those_of_their_kind(void **state)
         {"Texture \"t\" \"float\" \"scale\" \"texture tex1\" \"t\"", "3:29: error: texture \"t\" would be made of itself: name one that is defined before"},
         {"Texture \"t\" \"vector\" \"scale\"", "3:13: error: a Texture is of type \"float\" or \"spectrum\" (or \"color\", \"rgb\"), not \"vector\""},
         {"Texture \"t\" \"float\" \"imagemap\"", "3:9: error: Texture \"imagemap\" needs \"string filename\""},
-        {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 3", "3:36: error: a checkerboard in space is not modelled: \"dimension\" must be 2; with --approximate: its parts are mixed, one half each"},
+        {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 4", "3:36: error: \"dimension\" is 4, must be in [2, 3]"},
         {"Texture \"t\" \"float\" \"constant\" \"float value\" 2 Material \"diffuse\" \"texture reflectance\" \"t\"", "\"reflectance\" is 2, must be in [0, 1]"},
         {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 2 0] Material \"diffuse\" \"texture reflectance\" \"t\"", "\"reflectance\" is 2, must be in [0, 1]"},
         {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 0 3] Material \"diffuse\" \"texture reflectance\" \"t\"", "\"reflectance\" is 3, must be in [0, 1]"},

@@ -495,11 +495,96 @@ static void strangers_are_known_by_their_bytes_or_their_names(void **state)
     assert_null(bis_scene_peek_stranger("build/no-such-file.obj", &kind));
 }
 
+/* ---- what the camera sees of the map ---- */
+
+/* 4 x 2 pixels: 1 2 3 4 above, 5 6 7 8 below, in red; a PFM's first row is the bottom. */
+static const char *eight(int width, int height)
+{
+    bytes b = {0};
+    char head[40];
+    snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n", width, height);
+    put_text(&b, head);
+    for (int i = 0; i < width * height; i++) {
+        const int row = height - 1 - i / width;
+        put_float(&b, (float)(row * width + i % width + 1));
+        put_float(&b, 0);
+        put_float(&b, 0);
+    }
+    store(scratch("eight.pfm"), b.data, b.n);
+    bytes_clear(&b);
+    return strrchr(scratch("eight.pfm"), '/') + 1;
+}
+
+/* phi and theta in parts of a turn and of half a turn */
+static double seen(const built *b, double turn, double fall)
+{
+    const vec3 d = vec3_from(sin(PI * fall) * cos(2 * PI * turn), sin(PI * fall) * sin(2 * PI * turn), cos(PI * fall));
+    return (double)bis_light_seen(&b->desc->light, b->scene->light, d).r;
+}
+
+static void assert_seen(const built *b, double turn, double fall, double expected)
+{
+    if (!(fabs(seen(b, turn, fall) - expected) < 1e-5))
+        fail_msg("at %g %g: %g, not %g", turn, fall, seen(b, turn, fall), expected);
+}
+
+/* Bilinear between the centres of pixels: columns at (i + 1/2)/4 of a turn, rows at 1/4 and 3/4 of the fall. */
+static void a_map_is_seen_smooth_if_the_scene_says_so(void **state)
+{
+    (void)state;
+    char light[200];
+    snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\"\n" SQUARE, eight(4, 2));
+    built b = build("", light);
+    for (int i = 0; i < 8; i++) assert_seen(&b, (i % 4 + .5) / 4, (i / 4 + .5) / 2, i + 1);
+    assert_seen(&b, .25, .25, 1.5);
+    assert_seen(&b, .3, .25, .7 * 2 + .3 * 1);     /* 0.2 of a column behind the middle between: 0.7 of the second */
+    assert_seen(&b, 0, .25, 2.5);                  /* over the seam: 4 and 1 */
+    assert_seen(&b, .125, .5, 3);                  /* 1 and 5 */
+    assert_seen(&b, .25, .5, (1 + 2 + 5 + 6) / 4.);
+    assert_seen(&b, .125, 1e-9, (1 + 3) / 2.);     /* the pole lies between a column and that half a turn away */
+    assert_seen(&b, .375, 1 - 1e-9, (6 + 8) / 2.);
+    /* what surfaces receive is made of pixels all the same */
+    const rgb Le = bis_light_Le(b.scene->light, vec3_from(sin(PI / 4) * cos(PI * .49), sin(PI / 4) * sin(PI * .49), cos(PI / 4)));
+    assert_true(Le.r == 1);
+    clear(&b);
+    /* twins: as it is otherwise, and not at all */
+    snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"point\"\n" SQUARE, eight(4, 2));
+    b = build("", light);
+    assert_seen(&b, .24, .25, 1);
+    clear(&b);
+    snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\" \"bool visible\" false\n" SQUARE, eight(4, 2));
+    b = build("", light);
+    assert_seen(&b, .24, .25, 0);
+    clear(&b);
+    b = build("", "LightSource \"infinite\" \"rgb L\" [3 1 1] \"string filter\" \"bilinear\"\n" SQUARE);
+    assert_seen(&b, .24, .25, 3);
+    clear(&b);
+}
+
+static void a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        char light[200];
+        snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" %s\n" SQUARE,
+                 i < 2 ? eight(2, 4) : eight(4, 2), i == 1 ? "\"string mapping\" \"latlong\"" : "");
+        built b = build("", light);
+        assert_int_equal(b.diag.n, i == 0);
+        if (i == 0) {
+            assert_non_null(strstr(b.diag.messages[0].text, "is 2 x 4, higher than wide, and is taken for a lat-long map all the same"));
+            assert_non_null(strstr(b.diag.messages[0].text, "if that is meant (string mapping)"));
+        }
+        clear(&b);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strangers_are_known_by_their_bytes_or_their_names),
         cmocka_unit_test(every_kind_of_shape_is_built),
+        cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
+        cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
         cmocka_unit_test(an_object_without_instance_is_not_built),
         cmocka_unit_test(the_description_survives_the_build),

@@ -1268,7 +1268,7 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
         const rgb Kd = {0.1875f, 0.125f, 0.0625f}, Ks = {0.25f, 0.1875f, 0.125f};
         const bis_material base = cases[i].facets ? bis_microfacet(Kd, Ks, 0.5) : bis_phong(Kd, Ks, 1);
         const bis_material_textures of = {cases[i].Kd < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Kd, cases[i].Ks < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Ks,
-                                          cases[i].width < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].width, cases[i].power, {"x", 7, 0}};
+                                          cases[i].width < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].width, cases[i].power, {"x", 7, 0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
         bis_diag diag = {0};
         const bis_status status = bis_textures_check(&t, NULL, &of, &base, &diag);
         if (status != (cases[i].said && !cases[i].is_warning ? BIS_INPUT : BIS_OK) || diag.n != (cases[i].said ? 1 : 0))
@@ -1279,7 +1279,7 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
     /* floats: 0.6 + 0.4 is 1 + 3e-8 there, and that is no warning */
     list[0] = constant_of((double)0.6f, (double)0.6f, (double)0.6f);
     const bis_material base = bis_phong((rgb){0, 0, 0}, (rgb){0.4f, 0.4f, 0.4f}, 1);
-    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}};
+    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
     bis_diag diag = {0};
     assert_int_equal(bis_textures_check(&t, NULL, &of, &base, &diag), BIS_OK);
     assert_int_equal(diag.n, 0);
@@ -1296,21 +1296,21 @@ static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **st
     bis_material base = bis_phong(Kd, Ks, 7), m;
     const double uv[2] = {0, 0};
     const vec3 p = {0, 0, 0};
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_true(m.model == base.model && m.Kd.r == 0.5f && m.Kd.g == 0.25f && m.Kd.b == 0.125f && m.Ks.r == 0.3f && m.Ks.g == 0.2f && m.Ks.b == 0.1f && m.exponent == 7);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, 2, 1, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, 2, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_true(m.model == base.model && m.Ks.r == 0.25f && m.Ks.g == 0.5f && m.Ks.b == 0.75f && m.Kd.r == 0.1f && m.Kd.b == 0.3f && m.exponent == 0.16);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 5, 1, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 5, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_true(m.exponent == 0);
     base = bis_microfacet_metal(Ks, (rgb){1, 2, 3}, 0.5);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, BIS_NO_TEXTURE, 1, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_true(m.model == base.model && m.Ks.g == 0.5f && m.alpha == 0.25 && m.eta.r == 1 && m.eta.g == 2 && m.eta.b == 3);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 2, 0.5, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 2, 0.5, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_near(m.alpha, 0.16); /* roughness 0.16^0.5 = 0.4 */
     assert_true(m.Ks.r == 0.3f && m.eta.b == 3);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 3, 1, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 3, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_true(m.alpha == 1);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 4, 1, {0}}, &base, uv, p);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 4, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
     assert_true(m.alpha == 0.01 * 0.01);
 }
 
@@ -1338,14 +1338,14 @@ static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
         bis_textures_mark(used, &t, i);
         assert_memory_equal(used, expected[i].image, sizeof used);
         for (int role = 0; role < 3; role++) {
-            const bis_material_textures of = {role == 0 ? i : BIS_NO_TEXTURE, role == 1 ? i : BIS_NO_TEXTURE, role == 2 ? i : BIS_NO_TEXTURE, 1, {0}};
+            const bis_material_textures of = {role == 0 ? i : BIS_NO_TEXTURE, role == 1 ? i : BIS_NO_TEXTURE, role == 2 ? i : BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
             assert_int_equal(bis_textures_want_uv(&t, &of), expected[i].uv);
         }
     }
     bool used[3] = {false, false, false};
     bis_textures_mark(used, &t, BIS_NO_TEXTURE);
     assert_true(!used[0] && !used[1] && !used[2]);
-    assert_false(bis_textures_want_uv(&t, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}}));
+    assert_false(bis_textures_want_uv(&t, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}));
 }
 
 /* A bad channel of any texel is found, and its place is told. */

@@ -43,10 +43,10 @@ static const struct {
     {"clouds_verticalcross.hdr.gz", "overcast.hdr", BIS_MAPPING_VERTICAL_CROSS},
     {"clouds_horizontalcross.pfm", "overcast.hdr", BIS_MAPPING_HORIZONTAL_CROSS},
 };
-/* vase.ply, vase.ply.gz, crates.obj, crates.obj.gz, crates.mtl, tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr:
+/* vase.ply, vase.ply.gz, crates.obj, crates.obj.gz, crates.mtl, tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr, stud.pfm:
  * tests/scene/test_textures.c renders them */
 enum { N_MODELS = sizeof models / sizeof models[0], N_MAPS = sizeof maps / sizeof maps[0],
-       N_MAPPED = sizeof mapped / sizeof mapped[0], N_TEXTURES = 10 };
+       N_MAPPED = sizeof mapped / sizeof mapped[0], N_TEXTURES = 11 };
 
 /* --- running programs --- */
 

@@ -339,7 +339,7 @@ static void a_texture_of_a_model_without_remake_is_an_error(void **state)
     bis_bsdf_model model = bis_phong_model;
     bis_texture white = {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.5, 0.5}};
     const bis_textures t = {.list = &white, .n = 1};
-    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {"s.txt", 1, 1}};
+    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {"s.txt", 1, 1}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
     bis_material m = bis_phong(grey(0.5), grey(0.25), 8);
     bis_diag diag = {0};
     m.model = &model;

@@ -15,6 +15,9 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
  * are linear, and gamma does not count. Transparency is dropped. Errors: those of bis_image_read. */
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
 
+/* bis_image_reads_jpeg returns whether bis is built with libjpeg. */
+bool bis_image_reads_jpeg(void);
+
 /* bis_image_check_head looks at the first bytes of a file, and tells whether bis_image_read, or with of_colours
  * bis_image_read_colours, knows its format. It is for a plan, which reads no file whole. Errors: theirs. */
 bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag);

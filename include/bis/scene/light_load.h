@@ -31,6 +31,7 @@ typedef struct bis_light_desc {
     bis_table_kind table_kind;
     unsigned as_printed; /* BIS_E* of the importance; the scene copies them from its settings */
     bool visible;        /* camera rays see the light */
+    bool is_smooth;      /* they see a map interpolated; what surfaces receive is made of its pixels all the same */
     bis_distant *distants; /* --approximate: discs in the map, which a constant light then becomes; owned */
     size_t n_distants, capacity_distants;
     bis_xform to_world;  /* a rotation or reflection */
@@ -50,9 +51,13 @@ bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, 
 static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
 
 /* bis_light_check_size tells whether a map of width x height pixels fits the description, and with which mapping. It
- * warns of a square map that is taken for pbrt-v4's. Errors: BIS_INPUT. */
+ * warns of a square map that is taken for pbrt-v4's, and of one that is higher than wide. Errors: BIS_INPUT. */
 bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
                                 bis_diag *diag);
+
+/* bis_light_seen returns the radiance that a camera ray of direction d sees which meets no surface: that of the pixel
+ * there, or with is_smooth bilinear between the centres of pixels; black if the light is not visible. */
+rgb bis_light_seen(const bis_light_desc *desc, const bis_light *light, vec3 d);
 
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may
  * be NULL) receives the time for reading in [0] and for building in [1]. Warnings: bad values with their share of

@@ -16,7 +16,19 @@ typedef enum bis_texture_kind {
     BIS_TEXTURE_CHECKERBOARD, /* of[0] where floor(s) + floor(t) is even, else of[1] */
     /* (1 - scale) x / (1 - scale x) of x = of[0] <= 1: what leaves a base below a coat */
     BIS_TEXTURE_COAT,
-    BIS_TEXTURE_ALPHA /* pbrt-v3's alpha of a roughness of[0] (bis_texture_alpha), and 1 at most, as bis has it */
+    BIS_TEXTURE_ALPHA, /* pbrt-v3's alpha of a roughness of[0] (bis_texture_alpha), and 1 at most, as bis has it */
+    /* pbrt's patterns. DOTS: of[0] inside of discs, else of[1]. BILERP: of[0], of[1], of[2], of[3] at (s, t) = (0,0),
+     * (0,1), (1,0), (1,1), and bilinear in s and t, also beyond. UV_COLOUR: (s, t, 0) less their whole parts. The
+     * others are functions of the point in the space of the texture; CHECKERBOARD_3D takes floor(x) + floor(y) +
+     * floor(z). */
+    BIS_TEXTURE_DOTS,
+    BIS_TEXTURE_BILERP,
+    BIS_TEXTURE_UV_COLOUR,
+    BIS_TEXTURE_CHECKERBOARD_3D,
+    BIS_TEXTURE_FBM,
+    BIS_TEXTURE_WRINKLED,
+    BIS_TEXTURE_WINDY,
+    BIS_TEXTURE_MARBLE
 } bis_texture_kind;
 
 /* What an image is outside [0,1]: it goes on, its border goes on, or it is 0. */
@@ -32,22 +44,25 @@ typedef enum bis_texture_mapping {
 
 typedef struct bis_texture {
     bis_texture_kind kind;
-    /* SCALE, MIX, CHECKERBOARD, COAT, ALPHA: textures of the list, all before this one, so that there are no cycles */
-    uint32_t of[3];
+    /* the parts: textures of the list, all before this one, so that there are no cycles */
+    uint32_t of[4];
     /* CONSTANT: its value. Else: a typical value, for those who plan. It is 0 only if the texture is 0 everywhere */
     rgbd value;
-    bis_texture_mapping mapping; /* IMAGE, CHECKERBOARD */
+    bis_texture_mapping mapping; /* IMAGE, CHECKERBOARD, DOTS, BILERP, UV_COLOUR */
     double factor[2], offset[2];
     double from_world[3][4];     /* rows of an affine matrix, all below 1e100 */
     uint32_t image;  /* IMAGE: index into images */
     bis_wrap wrap;
-    double scale;    /* COAT: the share that is reflected back inside. IMAGE: multiplies, */
+    uint32_t octaves; /* FBM, WRINKLED, MARBLE: at most BIS_TEXTURE_MAX_OCTAVES, each `roughness` times the last */
+    double roughness, variation; /* MARBLE: how far the noise bends the layers */
+    double scale;    /* COAT: the share that is reflected back inside. MARBLE: of the point. IMAGE: multiplies, */
     bool invert;     /* and then 1 - it is taken */
     bool is_float;   /* IMAGE: the mean of its three channels */
     uint32_t steps;  /* textures that one value asks, this one included: at most BIS_TEXTURE_MAX_STEPS */
 } bis_texture;
 
 #define BIS_TEXTURE_MAX_STEPS 256
+#define BIS_TEXTURE_MAX_OCTAVES 64 /* 1.99^64 = 1.3e19, beyond the digits of any point */
 #define BIS_NO_TEXTURE UINT32_MAX
 
 /* An image of the list. Textures of the same file and gamma share it. */
@@ -63,7 +78,14 @@ typedef struct bis_material_textures {
     uint32_t width; /* of what the model calls scene_name (bis_bsdf_width): an exponent, a roughness; */
     double power;   /* it is the texture's value to this power */
     bis_loc loc;
+    uint32_t bump;    /* of numbers: the surface is displaced by so much along its normal */
+    uint32_t normals; /* a normal map: an image of bis_textures.files */
 } bis_material_textures;
+
+/* What a material without textures has. */
+#define BIS_NO_TEXTURES \
+    ((bis_material_textures){.Kd = BIS_NO_TEXTURE, .Ks = BIS_NO_TEXTURE, .width = BIS_NO_TEXTURE, .power = 1, \
+                             .bump = BIS_NO_TEXTURE, .normals = BIS_NO_TEXTURE})
 
 /* What the parser makes. It owns what its pointers point to. */
 typedef struct bis_textures {
@@ -89,16 +111,25 @@ double bis_texture_alpha(double roughness);
 /* bis_textures_clear frees everything. *t is empty afterwards. */
 void bis_textures_clear(bis_textures *t);
 
+/* bis_textures_any returns whether a material has textures at all. */
+static inline bool bis_textures_any(const bis_material_textures *m)
+{
+    return m->Kd != BIS_NO_TEXTURE || m->Ks != BIS_NO_TEXTURE || m->width != BIS_NO_TEXTURE ||
+           m->bump != BIS_NO_TEXTURE || m->normals != BIS_NO_TEXTURE;
+}
+
 /* bis_textures_of returns the textures of a material, or NULL if it has none. */
 static inline const bis_material_textures *bis_textures_of(const bis_textures *t, uint32_t material)
 {
     if (material >= t->n_of_material) return NULL;
     const bis_material_textures *m = &t->of_material[material];
-    return m->Kd == BIS_NO_TEXTURE && m->Ks == BIS_NO_TEXTURE && m->width == BIS_NO_TEXTURE ? NULL : m;
+    return bis_textures_any(m) ? m : NULL;
 }
 
-/* bis_textures_mark sets is_used[n_files] for the images that texture `texture` needs. */
+/* bis_textures_mark sets is_used[n_files] for the images that texture `texture` needs, bis_textures_mark_all for those
+ * that a material needs. */
 void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture);
+void bis_textures_mark_all(bool *is_used, const bis_textures *t, const bis_material_textures *of);
 
 /* bis_textures_load reads the image of a file of the list. Errors: those of bis_image_read_colours; BIS_INPUT (a value
  * that is negative or not finite). */

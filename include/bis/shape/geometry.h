@@ -131,6 +131,19 @@ void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bi
  * sphere (phi/2pi, 1 - theta/pi), on a disc (phi/2pi, 1 - r/radius), with phi in [0, 2pi) about z from x. */
 void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double uv[2]);
 
+/* How a surface lies where it is met. */
+typedef struct bis_tangents {
+    double u[3], v[3]; /* the derivatives of the point by its texture coordinates, world space */
+    /* the unit normal of the side that pbrt calls outside without ReverseOrientation: that of the vertex normals, or,
+     * on a triangle without them, from where its vertices turn counterclockwise in a right-handed world */
+    double outside[3];
+} bis_tangents;
+
+/* bis_geometry_tangents stores in *t how primitive `prim` lies where r meets it, which an accelerator found. It is for
+ * who bends the normal. Where the coordinates of a triangle give no derivatives, they are two unit vectors in its
+ * plane, as in pbrt. */
+void bis_geometry_tangents(const bis_geometry *g, uint32_t prim, const ray *r, bis_tangents *t);
+
 /* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of the primitives prim[n], of which
  * BIS_NO_PRIM are left out. It asks for the indices of all vertices before it reads any of them, and does not wait for
  * the vertices and normals. It is for a caller with many hits at once.

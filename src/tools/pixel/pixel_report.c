@@ -39,7 +39,7 @@ static bool is_mesh(const bis_pixel_report *r)
 /* What the camera sees where there is no surface. */
 static rgb background(const bis_pixel_report *r)
 {
-    return r->desc->light.visible ? bis_light_Le(r->scene->light, r->eye.d) : (rgb){0, 0, 0};
+    return bis_light_seen(&r->desc->light, r->scene->light, r->eye.d);
 }
 
 static bool has_samples(const bis_settings *s)

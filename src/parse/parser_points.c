@@ -1,0 +1,104 @@
+/* parser_points: points, normals, texture coordinates and faces that a Shape lists. Their numbers are checked against
+ * one another here, where the place is known. */
+#include "bis/base/file.h"
+#include "base/grow.h"
+#include "parser.h"
+
+bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
+{
+    bis_scene_desc *d = p->desc;
+    if (!BIS_ROOM(d->meshes, d->capacity_meshes, d->n_meshes) || d->n_meshes >= UINT32_MAX)
+        return bis_parser_nomem(p, mesh->loc);
+    *index = (uint32_t)d->n_meshes;
+    d->meshes[d->n_meshes++] = *mesh;
+    return true;
+}
+
+/* numbers as vectors, three each; NULL: complained. */
+static vec3 *vectors(bis_parser *p, const bis_param *param, const char *name)
+{
+    const double *v = p->params.numbers + param->first;
+    const size_t n = param->n / 3;
+    if (param->n % 3) {
+        bis_parser_error(p, param->at, "\"%s\" has %zu values, must have a multiple of 3", name, param->n);
+        return NULL;
+    }
+    vec3 *out = bis_alloc(n, sizeof *out);
+    if (!out) bis_parser_nomem(p, param->at);
+    for (size_t i = 0; out && i < n; i++) out[i] = vec3_from(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+    return out;
+}
+
+static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t n_points)
+{
+    char buf[32];
+    const double v = p->params.numbers[param->first + i];
+    if (v >= 0 && v < (double)n_points && v == floor(v)) return true;
+    return bis_parser_error(p, param->at, "\"indices\" holds %s as its value %zu, must be a whole number in [0, %zu]",
+                            bis_format_double(buf, v), i + 1, n_points - 1);
+}
+
+bool bis_parser_indices(bis_parser *p, const char *shape, size_t per_face, size_t n_points, uint32_t **index,
+                        size_t *n_faces)
+{
+    const bool given = bis_params_has(p, "indices");
+    const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
+    if (!param && given) return false;
+    if (!param && n_points != per_face)
+        return bis_parser_error(p, p->name_at,
+                                "%s needs \"integer indices\", unless it has %zu points; it has %zu", shape, per_face,
+                                n_points);
+    const size_t n = param ? param->n : per_face;
+    if (n % per_face)
+        return bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of %zu", n, per_face);
+    *index = bis_alloc(n, sizeof **index);
+    if (!*index) return bis_parser_nomem(p, p->name_at);
+    for (size_t i = 0; i < n; i++) {
+        if (param && !check_index(p, param, i, n_points)) return false;
+        (*index)[i] = param ? (uint32_t)p->params.numbers[param->first + i] : (uint32_t)i;
+    }
+    *n_faces = n / per_face;
+    return true;
+}
+
+static bool read_normals(bis_parser *p, bis_mesh *m)
+{
+    const bool given = bis_params_has(p, "N");
+    const bis_param *param = bis_params_take(p, "N", BIS_TYPE_NORMAL, 0);
+    if (!param) return !given;
+    if (param->n != 3 * m->n_vertices)
+        return bis_parser_error(p, param->at, "\"N\" has %zu values, must have 3 for each of the %zu points", param->n,
+                                m->n_vertices);
+    m->n = vectors(p, param, "N");
+    return m->n != NULL;
+}
+
+/* pbrt-v4's point2 uv, pbrt-v3's float uv or st. */
+static bool read_uv(bis_parser *p, bis_mesh *m)
+{
+    const char *name = bis_params_has(p, "uv") ? "uv" : "st";
+    const bool given = bis_params_has(p, name);
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_POINT2 | BIS_TYPE_FLOAT, 0);
+    if (!param) return !given;
+    if (param->n != 2 * m->n_vertices)
+        return bis_parser_error(p, param->at, "\"%s\" has %zu values, must have 2 for each of the %zu points", name,
+                                param->n, m->n_vertices);
+    m->uv = bis_alloc(m->n_vertices, sizeof *m->uv);
+    if (!m->uv) return bis_parser_nomem(p, param->at);
+    const double *v = p->params.numbers + param->first;
+    for (size_t i = 0; i < m->n_vertices; i++) m->uv[i] = (bis_uv){(float)v[2 * i], (float)v[2 * i + 1]};
+    return true;
+}
+
+bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m)
+{
+    const bool given = bis_params_has(p, "P");
+    const bis_param *points = bis_params_take(p, "P", BIS_TYPE_POINT3, 0);
+
+    if (!given) bis_parser_error(p, p->name_at, "%s needs \"point3 P\"", shape);
+    if (!points) return false;
+    m->p = vectors(p, points, "P");
+    m->n_vertices = points->n / 3;
+    return m->p && (m->n_vertices <= UINT32_MAX || bis_parser_error(p, points->at, "more than 2^32 - 1 points")) &&
+           read_normals(p, m) && read_uv(p, m);
+}

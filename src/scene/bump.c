@@ -1,0 +1,103 @@
+/* bump: normals that textures bend.
+ *
+ * A displacement d moves a point along its normal n, and is so small that only its slopes count: the tangents p_u and
+ * p_v become p_u + d_u n and p_v + d_v n (Blinn 1978; pbrt, "Bump mapping"), and their cross product is the normal.
+ * d_u is the difference over one texel of the finest image that d asks, half of it to each side. So the slope of an
+ * image, which is bilinear, is continuous. For what has no texels, the whole is pbrt's step, 0.0005.
+ * A normal map holds (n + 1)/2 in the frame of p_u, n x p_u and n (pbrt-v4).
+ * On a smooth mesh p_u and p_v are first made perpendicular to the interpolated normal. */
+#include "bump.h"
+
+#include "texture_value.h"
+
+#include <math.h>
+
+static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross3(double out[3], const double a[3], const double b[3])
+{
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* a without its part along the unit vector n. */
+static void beside(double out[3], const double a[3], const double n[3])
+{
+    const double along = dot3(a, n);
+    for (int i = 0; i < 3; i++) out[i] = a[i] - along * n[i];
+}
+
+/* One texel of the finest image, in u and in v. */
+static void find_steps(double step[2], const bis_textures *t, const bis_texture_image *images, uint32_t texture)
+{
+    const bis_texture *x = &t->list[texture];
+
+    if (x->kind == BIS_TEXTURE_IMAGE && x->mapping == BIS_TEXTURE_UV) {
+        const bis_image *im = &images[x->image].image;
+        const double texel[2] = {1 / (double)im->width, 1 / (double)im->height};
+        for (int i = 0; i < 2; i++) /* a factor of 0 gives no slope, however long the step */
+            if (x->factor[i] != 0) step[i] = fmin(step[i], texel[i] / fabs(x->factor[i]));
+    }
+    for (int i = 0; i < bis_texture_n_parts(x); i++) find_steps(step, t, images, x->of[i]);
+}
+
+static double displaced(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2],
+                        const double p[3], int axis, double step, const double along[3])
+{
+    double at[2] = {uv[0], uv[1]}, q[3];
+
+    at[axis] += step;
+    for (int i = 0; i < 3; i++) q[i] = p[i] + step * along[i];
+    return bis_texture_value(t, images, texture, at, q).r;
+}
+
+/* tangent + slope n */
+static void tilt(double tangent[3], const bis_textures *t, const bis_texture_image *images, uint32_t texture,
+                 const double uv[2], const double p[3], int axis, double step, const double n[3])
+{
+    const double slope = (displaced(t, images, texture, uv, p, axis, step / 2, tangent) -
+                          displaced(t, images, texture, uv, p, axis, -step / 2, tangent)) / step;
+    for (int i = 0; i < 3; i++) tangent[i] += slope * n[i];
+}
+
+static void bend(double out[3], const bis_textures *t, const bis_texture_image *images, uint32_t texture,
+                 const double uv[2], const double p[3], double pu[3], double pv[3], const double n[3])
+{
+    const double most = INFINITY, pbrts = 0.0005;
+    double step[2] = {most, most};
+
+    find_steps(step, t, images, texture);
+    for (int i = 0; i < 2; i++)
+        if (isinf(step[i])) step[i] = pbrts;
+    tilt(pu, t, images, texture, uv, p, 0, step[0], n);
+    tilt(pv, t, images, texture, uv, p, 1, step[1], n);
+    cross3(out, pu, pv);
+}
+
+static void map_normal(double out[3], const bis_image *image, const double uv[2], const double pu[3], const double n[3])
+{
+    const rgbd c = bis_texture_bilinear(image, uv[0], uv[1], BIS_WRAP_REPEAT);
+    const double size = sqrt(dot3(pu, pu));
+    double y[3], x[3];
+
+    for (int i = 0; i < 3; i++) out[i] = n[i];
+    if (!(size > 0)) return; /* at a pole */
+    for (int i = 0; i < 3; i++) x[i] = pu[i] / size;
+    cross3(y, n, x);
+    for (int i = 0; i < 3; i++) out[i] = (2 * c.r - 1) * x[i] + (2 * c.g - 1) * y[i] + (2 * c.b - 1) * n[i];
+}
+
+vec3 bis_bump_normal(const bis_textures *textures, const bis_texture_image *images, const bis_material_textures *of,
+                     const bis_tangents *t, const double uv[2], vec3 p)
+{
+    const double *n = t->outside, at[3] = {(double)p.x, (double)p.y, (double)p.z};
+    double pu[3], pv[3], out[3];
+
+    beside(pu, t->u, n);
+    beside(pv, t->v, n);
+    if (of->normals != BIS_NO_TEXTURE) map_normal(out, &images[of->normals].image, uv, pu, n);
+    else bend(out, textures, images, of->bump, uv, at, pu, pv, n);
+    const double side = dot3(out, n) < 0 ? -1 : 1, size = side * sqrt(dot3(out, out));
+    /* at a pole of a sphere p_u is 0; a normal of a map may be 0 */
+    if (!(fabs(size) > 0) || !isfinite(size)) return vec3_from(n[0], n[1], n[2]);
+    return vec3_from(out[0] / size, out[1] / size, out[2] / size);
+}

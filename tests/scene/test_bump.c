@@ -1,0 +1,314 @@
+/* Bump and normal maps: against the normals of surfaces that are really displaced, by formula or as fine meshes, and
+ * against frames worked out by hand. */
+#include "bis/base/mem.h"
+#include "bis/scene/scene.h"
+#include "image_help.h"
+#include "mesh_help.h"
+#include "scene/bump.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct built {
+    bis_scene_desc *desc;
+    bis_scene *scene;
+} built;
+
+static built build(const char *fmt, ...) BIS_PRINTF(1, 2);
+static built build(const char *fmt, ...)
+{
+    char text[8192];
+    built b = {0};
+    bis_diag diag = {0};
+    va_list args;
+    const int n = snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\" ");
+    va_start(args, fmt);
+    vsnprintf(text + n, sizeof text - (size_t)n, fmt, args);
+    va_end(args);
+    store(scratch("scene.txt"), text, strlen(text));
+    bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &diag);
+    if (!status) status = bis_scene_build(&b.scene, b.desc, &diag);
+    for (size_t i = 0; i < diag.n && status; i++) print_error("%s\n", diag.messages[i].text);
+    bis_diag_clear(&diag);
+    assert_int_equal(status, BIS_OK);
+    return b;
+}
+
+static void clear(built *b)
+{
+    bis_scene_free(b->scene);
+    bis_scene_desc_free(b->desc);
+}
+
+/* The shading normal where a ray from `from` towards `to` hits. */
+static bool normal_at(double n[3], const built *b, vec3 from, vec3 to)
+{
+    bis_point pt;
+    bis_own_material own;
+    bis_counters counters = {0};
+    const ray eye = {from, normalize(sub(to, from)), INFINITY};
+    if (!bis_scene_point(&pt, &own, b->scene, b->desc, eye, &counters, NULL)) return false;
+    n[0] = (double)pt.n.x;
+    n[1] = (double)pt.n.y;
+    n[2] = (double)pt.n.z;
+    assert_true(fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-6 && dot(pt.n, pt.ng) >= 0);
+    return true;
+}
+
+static double degrees(const double a[3], const double b[3])
+{
+    const double c[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    return atan2(sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * 180 / PI;
+}
+
+static void assert_normal(const double n[3], double x, double y, double z, double tolerance_deg)
+{
+    if (!(degrees(n, (double[]){x, y, z}) <= tolerance_deg))
+        fail_msg("%g %g %g, not along %g %g %g: %g degrees", n[0], n[1], n[2], x, y, z, degrees(n, (double[]){x, y, z}));
+}
+
+#define PLANE "Shape \"trianglemesh\" \"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 1 2 0 2 3] " \
+              "\"point2 uv\" [0 0 1 0 1 1 0 1] "
+#define SLOPE "Texture \"d\" \"float\" \"bilerp\" \"float v00\" 0 \"float v01\" 0.6 \"float v10\" 0.4 \"float v11\" 1 "
+
+/* z = 0.4 u + 0.6 v = 0.1 x + 0.3 y: the normal is (-0.1, -0.3, 1) from above and from below, and the other way round
+ * for a plane whose corners turn the other way. */
+static void a_slope_tilts_a_plane(void **state)
+{
+    double n[3];
+    (void)state;
+    built b = build(SLOPE "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
+    assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
+    assert_normal(n, -.1, -.3, 1, 1e-4);
+    assert_true(normal_at(n, &b, (vec3){1, 1, -5}, (vec3){1.1f, 0.9f, 0}));
+    assert_normal(n, .1, .3, -1, 1e-4);
+    clear(&b);
+    /* pbrt-v3's name; (u, v) are mirrored, the corners turn as before: the same slope in x and y needs another texture */
+    b = build("Texture \"d\" \"float\" \"bilerp\" \"float v00\" 0.4 \"float v01\" 1 \"float v10\" 0 \"float v11\" 0.6 "
+              "Material \"matte\" \"texture bumpmap\" \"d\" Shape \"trianglemesh\" \"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] "
+              "\"integer indices\" [0 1 2 0 2 3] \"point2 uv\" [1 0 0 0 0 1 1 1]");
+    assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
+    assert_normal(n, -.1, -.3, 1, 1e-4);
+    clear(&b);
+    b = build(SLOPE "Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" \"point3 P\" "
+              "[0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 2 1 0 3 2] \"point2 uv\" [0 0 1 0 1 1 0 1]");
+    assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
+    assert_normal(n, .1, .3, 1, 1e-4); /* displaced down */
+    clear(&b);
+}
+
+/* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s. */
+static void an_images_slope_is_taken_over_a_texel(void **state)
+{
+    (void)state;
+    bytes file = {0};
+    double n[3];
+    put_text(&file, "PF\n4 1\n-1.0\n");
+    for (int i = 0; i < 12; i++) put_float(&file, (float)(i / 3) / 4);
+    store(scratch("ramp.pfm"), file.data, file.n);
+    const char *name = strrchr(scratch("ramp.pfm"), '/') + 1;
+    built b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" "
+                    "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE, name);
+    assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2, 1, 0}));
+    assert_normal(n, -.25, 0, 1, 1e-4); /* du = dx/4 */
+    /* over the border's texel, half of the slope at u = 1/8: from -> u = 0 and 1/4: 0 and 0.125 */
+    assert_true(normal_at(n, &b, (vec3){.5f, 1, 5}, (vec3){.5f, 1, 0}));
+    assert_normal(n, -.125, 0, 1, 1e-4);
+    clear(&b);
+    /* twice as often: uscale; a texel is half as wide */
+    b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" \"float uscale\" 2 "
+              "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE, name);
+    assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1, 1, 0}));
+    assert_normal(n, -.5, 0, 1, 1e-4);
+    clear(&b);
+    bytes_clear(&file);
+}
+
+/* d = g . p on a sphere of radius r about c, really displaced: p + d n. Its normal by differences; the formula leaves out
+ * d itself, so that only the slopes count: amplitude 1e-3 of r makes them differ by about 1e-3 of the tilt. */
+static void a_displaced_sphere_has_that_normal(void **state)
+{
+    (void)state;
+    /* planar mapping makes s = 40 x; wrap repeats are avoided by bilerp, which goes on linearly: d = 0.001 s */
+    built b = build("Texture \"d\" \"float\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [40 0 0] "
+                    "\"float v00\" 0 \"float v01\" 0 \"float v10\" 0.001 \"float v11\" 0.001 "
+                    "Material \"diffuse\" \"texture displacement\" \"d\" Translate 0 1 0 Scale 1 1.5 1 Shape \"sphere\"");
+    for (int i = 0; i < 200; i++) {
+        uint64_t random = (uint64_t)i;
+        const vec3 d = random_direction(&random), from = {3 * d.x, 1 + 3 * d.y, 3 * d.z};
+        double n[3], dp[2][3], expected[3];
+        assert_true(normal_at(n, &b, from, (vec3){0, 1, 0}));
+        /* the point: on (x, (y - 1)/1.5, z) = e */
+        const double e0[3] = {(double)d.x, (double)d.y / 1.5, (double)d.z};
+        const double size = sqrt(e0[0] * e0[0] + e0[1] * e0[1] + e0[2] * e0[2]);
+        const double theta = acos(e0[2] / size), phi = atan2(e0[1], e0[0]), h = 1e-4;
+        for (int k = 0; k < 2; k++)
+            for (int c = 0; c < 3; c++) dp[k][c] = 0;
+        for (int k = 0; k < 2; k++)
+            for (int side = -1; side <= 1; side += 2) {
+                const double t = theta + (k == 0) * side * h, f = phi + (k == 1) * side * h;
+                const double e[3] = {sin(t) * cos(f), sin(t) * sin(f), cos(t)};
+                double m[3] = {e[0], e[1] / 1.5, e[2]};
+                const double length_m = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+                const double p[3] = {e[0], 1 + 1.5 * e[1], e[2]}, displaced = .04 * p[0];
+                for (int c = 0; c < 3; c++) dp[k][c] += side * (p[c] + displaced * m[c] / length_m);
+            }
+        for (int c = 0; c < 3; c++)
+            expected[c] = dp[0][(c + 1) % 3] * dp[1][(c + 2) % 3] - dp[0][(c + 2) % 3] * dp[1][(c + 1) % 3];
+        /* the tilt is up to 2.3 degrees; |d| = 0.04 of the radius of curvature, at least 1/1.5: 6 % of it */
+        assert_normal(n, expected[0], expected[1], expected[2], .15);
+        double plain[3] = {e0[0], e0[1] / 1.5, e0[2]};
+        plain[0] = e0[0] / size, plain[1] = e0[1] / size / 1.5, plain[2] = e0[2] / size;
+        if (fabs(e0[0] / size) < .5) assert_true(degrees(expected, plain) > 1); /* twin: without the bump it is seen */
+    }
+    clear(&b);
+}
+
+/* What depends on the place alone bends the same, whatever the coordinates of the mesh, and without any. */
+static void noise_in_space_does_not_ask_for_coordinates(void **state)
+{
+    (void)state;
+    static const char *const uvs[] = {"\"point2 uv\" [0 0 1 0 1 1 0 1]", "\"point2 uv\" [5 1 2 1 2 3 5 3]", "",
+                                      "\"point2 uv\" [1 1 1 1 1 1 1 1]", "\"normal N\" [0 0 1 0 0 1 0 0 1 0 0 1]"};
+    double first[3];
+    for (size_t i = 0; i < sizeof uvs / sizeof *uvs; i++) {
+        double n[3];
+        built b = build("Texture \"f\" \"float\" \"fbm\" \"integer octaves\" 2 Texture \"d\" \"float\" \"scale\" \"texture tex1\" "
+                        "\"f\" \"float tex2\" 0.4 Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" "
+                        "\"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 1 2 0 2 3] %s", uvs[i]);
+        assert_true(normal_at(n, &b, (vec3){1.3f, .8f, 5}, (vec3){1.3f, .8f, 0}));
+        if (i == 0) memcpy(first, n, sizeof n);
+        /* steps of 0.0005 to 0.002 over octaves of size 1/2: their curvature, below 40, times half a step */
+        assert_normal(n, first[0], first[1], first[2], .05);
+        assert_true(degrees(n, (double[]){0, 0, 1}) > 1);
+        clear(&b);
+    }
+}
+
+/* One colour all over: (2c - 1) in the frame of dp/du, n x dp/du, n. */
+static void store_colour(const char *path, float r, float g, float b)
+{
+    bytes file = {0};
+    put_text(&file, "PF\n1 1\n-1.0\n");
+    put_float(&file, r);
+    put_float(&file, g);
+    put_float(&file, b);
+    store(path, file.data, file.n);
+    bytes_clear(&file);
+}
+
+static void a_normal_map_turns_with_the_surface(void **state)
+{
+    (void)state;
+    double n[3];
+    store_colour(scratch("n.pfm"), .75f, .6f, .9f); /* (0.5, 0.2, 0.8) */
+    const char *name = strrchr(scratch("n.pfm"), '/') + 1;
+    built b = build("Material \"diffuse\" \"string normalmap\" \"%s\" " PLANE, name);
+    assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
+    assert_normal(n, .5, .2, .8, 1e-4);
+    assert_true(normal_at(n, &b, (vec3){1, 1, -5}, (vec3){1.1f, 0.9f, 0}));
+    assert_normal(n, -.5, -.2, -.8, 1e-4);
+    clear(&b);
+    /* on a sphere dp/du points along phi: at (1, 0, 0) it is y; n x y = z */
+    b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Shape \"sphere\"", name);
+    assert_true(normal_at(n, &b, (vec3){5, 0, 0}, (vec3){0, 0, 0}));
+    assert_normal(n, .8, .5, .2, 1e-4);
+    /* at a pole phi is 0, and dp/du is 0: the normal stays */
+    assert_true(normal_at(n, &b, (vec3){0, 0, 5}, (vec3){0, 0, 0}));
+    assert_normal(n, 0, 0, 1, 1e-4);
+    clear(&b);
+    /* a disk's v falls outwards, its frame is phi, -r, z: at (0, -0.5): phi is x, n x phi is y */
+    b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Shape \"disk\"", name);
+    assert_true(normal_at(n, &b, (vec3){0, -.5f, 5}, (vec3){0, -.5f, 0}));
+    assert_normal(n, .5, .2, .8, 1e-4);
+    clear(&b);
+    /* no normal at all: the surface's own; the mesh turned and stretched */
+    store_colour(scratch("n.pfm"), .5f, .5f, .5f);
+    b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Rotate 90 1 0 0 " PLANE, name);
+    assert_true(normal_at(n, &b, (vec3){1, 5, 1}, (vec3){1, 0, 1}));
+    assert_normal(n, 0, 1, 0, 1e-4);
+    clear(&b);
+}
+
+/* The tangents of quadrics are the differences of their coordinates: a point that moves by p_u du has u + du. */
+static void tangents_are_the_derivatives_of_the_point(void **state)
+{
+    (void)state;
+    bis_xform t = bis_xform_rotate(40, 1, 2, 3), s = bis_xform_scale(1, 2, .5);
+    t = bis_xform_compose(&t, &s);
+    for (int kind = 0; kind < 2; kind++) {
+        bis_geometry g = {0};
+        const bis_quadric q = {.kind = kind ? BIS_DISK : BIS_SPHERE, .radius = 1.5, .to_world = t};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        for (int i = 0; i < 100; i++) {
+            uint64_t random = (uint64_t)i;
+            const vec3 d = random_direction(&random);
+            const double r = .3 + .01 * i, phi = .06 * i;
+            const vec3 aim = kind ? vec3_from(r * cos(phi), r * sin(phi), 0) : (vec3){0, 0, 0};
+            const vec3 to = bis_xform_point(&t, aim), off = {9 * d.x, 9 * d.y, 9 * d.z}, from = add(to, off);
+            const ray eye = {from, normalize(sub(to, from)), INFINITY};
+            bis_tangents tangents;
+            bis_surface at;
+            double uv[2];
+            bis_geometry_surface(&g, 0, &eye, &at);
+            bis_geometry_uv(&g, 0, &eye, uv);
+            bis_geometry_tangents(&g, 0, &eye, &tangents);
+            for (int k = 0; k < 2; k++) {
+                const double *e = k ? tangents.v : tangents.u, h = 1e-3;
+                double moved[2];
+                const vec3 next = vec3_from((double)at.p.x + h * e[0], (double)at.p.y + h * e[1], (double)at.p.z + h * e[2]);
+                const ray other = {add(next, mul(at.ng, 3)), neg(at.ng), INFINITY};
+                bis_geometry_uv(&g, 0, &other, moved);
+                if (fabs(moved[0] - uv[0]) > .5) continue; /* over the seam */
+                /* second order: the curvature, times h */
+                assert_true(fabs(moved[k] - uv[k] - h) < .05 * h && fabs(moved[1 - k] - uv[1 - k]) < .05 * h);
+            }
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
+static void a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump(void **state)
+{
+    (void)state;
+    built b = build("Texture \"d\" \"float\" \"constant\" Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
+    assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
+    clear(&b);
+    static const char *const bad[][2] = {
+        {"Texture \"d\" \"spectrum\" \"uv\" Material \"diffuse\" \"texture displacement\" \"d\"", "one of colours"},
+        {"Material \"diffuse\" \"texture bumpmap\" \"no\"", "\"no\" is not defined"},
+        {"Material \"diffuse\" \"string normalmap\" \"no.png\"", "cannot read"},
+    };
+    for (size_t i = 0; i < 3; i++) {
+        char text[400];
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\" %s Shape \"sphere\"", bad[i][0]);
+        store(scratch("scene.txt"), text, strlen(text));
+        assert_int_equal(bis_scene_parse(&d, scratch("scene.txt"), &diag) != BIS_OK, 1);
+        if (!strstr(diag.messages[0].text, bad[i][1])) fail_msg("%s", diag.messages[0].text);
+        bis_diag_clear(&diag);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_slope_tilts_a_plane),
+        cmocka_unit_test(an_images_slope_is_taken_over_a_texel),
+        cmocka_unit_test(a_displaced_sphere_has_that_normal),
+        cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
+        cmocka_unit_test(a_normal_map_turns_with_the_surface),
+        cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
+        cmocka_unit_test(a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
