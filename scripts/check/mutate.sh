@@ -590,8 +590,8 @@ exit
 # + deviation * deviation;
 #
 # * film_error test_budgets : strata gain nothing
-# - return whole / halves;
-# + return 1;
+# - {whole / halves, halves / passes};
+# + {1, 1};
 #
 # * render test_render : passes grow too fast
 # - if (r->work.view->adaptive) n =

@@ -15,7 +15,7 @@
  * 3/2 for an edge through the pixel (Owen 1997); a picture has both, and its p hardly shows in few samples. With p =
  * 5/4 the figure is right within 16 % for all p between: sqrt((2^1 - 1)/(2^1.25 - 1)) = 0.85, sqrt((2^1.5 -
  * 1)/(2^1.25 - 1)) = 1.15. (Over 12 scenes the last doubling of 4 to 32 samples had p between 1.08 and 1.53.) n need
- * not be a power of two: the first "half" is then the part up to the last doubling (see left_of_halves).
+ * not be a power of two: the first "half" is then the part up to the last doubling (see expect).
  *
  * The truth. In place of b^2 stand two: mean^2, which holds the variance as well, so that a lone bright sample hides
  * behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth 0.70); and mean^2 less the variance, right
@@ -27,6 +27,8 @@
 
 #include <assert.h>
 #include <math.h>
+
+static const double normal_95 = 1.645; /* the 95% point of a normal */
 
 /* The variance of the mean of value i if the n > 1 passes are independent (eq. 3.9). A pass of weight w is the mean
  * of w camera samples: its variance is v/w, sum w (L - mean)^2 over n - 1 estimates v, and the mean over a weight W
@@ -45,18 +47,24 @@ static double half_variance(const bis_film *f, size_t i)
     return d * d * (P / (f->weight - P));
 }
 
-/* How much of the variance by the halves is left in the mean of all, if the mean over a block of n camera samples has
- * the variance n^-p. W samples are a block of P and one of m = W - P <= P, which lies in the block that follows the
- * first. Their covariance is that of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence
- * treats all parts of a half alike. All is in units of P^-p. Independent samples, p = 1, leave all; m = P leaves
- * 1/(2^p - 1). */
-static double left_of_halves(const bis_film *f)
+/* What is expected if the mean over a block of n camera samples has the variance n^-p, p = 5/4. With independent
+ * samples, p = 1, both are 1. */
+typedef struct expected {
+    double left;  /* in the mean of all, of the variance by the halves; 1/(2^p - 1) if the halves have equal sizes */
+    double ratio; /* of the variance by the halves to that by the passes */
+} expected;
+
+/* W samples are a block of P and one of m = W - P <= P, which lies in the block that follows the first. Their
+ * covariance is that of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence treats all
+ * parts of a half alike. A pass counts as a block of W/passes, the mean size. All is in units of P^-p. */
+static expected expect(const bis_film *f)
 {
     const double p = 1.25, P = f->half_weight, W = f->weight, m = W - P;
-    const double of_rest = pow(m / P, -p), cov = exp2(1 - p) - 1;
-    const double whole = P * P + 2 * P * m * cov + m * m * of_rest, halves = (1 + of_rest - 2 * cov) * P * m;
+    const double of_rest = pow(m / P, -p), of_pass = pow(W / f->passes / P, -p), cov = exp2(1 - p) - 1;
+    const double whole = (P * P + 2 * P * m * cov + m * m * of_rest) / (W * W);
+    const double halves = (1 + of_rest - 2 * cov) * P * m / (W * W), passes = (of_pass - whole) / (f->passes - 1.0);
 
-    return whole / halves;
+    return f->independent ? (expected){1, 1} : (expected){whole / halves, halves / passes};
 }
 
 /* A pixel's expected (a-b)^2 / (b^2 + m^2/100), the mean over its channels: with the variance by the passes, and with
@@ -112,7 +120,7 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
 
 /* Sums over pixels of their pixel_error. */
 typedef struct sums {
-    double passes, passes_squared, best, best_squared;
+    double passes, passes_squared, best, best_squared, product;
 } sums;
 
 /* Threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits. */
@@ -133,39 +141,54 @@ static sums sums_over(const bis_film *f, double floor, double left)
             s.passes_squared += e[i].passes * e[i].passes;
             s.best += e[i].best;
             s.best_squared += e[i].best * e[i].best;
+            s.product += e[i].passes * e[i].best;
         }
     }
     return s;
 }
 
+/* How much of the gain from p = 1 to 5/4 the picture proves, from 0 to 1. The ratio of the variance by the halves to
+ * that by the passes falls from 1 to what is expected. Its upper 95% bound counts; the standard error of a ratio of
+ * sums is sqrt(sum (best - r passes)^2) / sum passes (Cochran 1977, section 6.4). */
+static double proven(const sums *s, expected e)
+{
+    const double r = s->best / s->passes, residuals = s->best_squared - 2 * r * s->product + r * r * s->passes_squared;
+    const double most = (r + normal_95 * sqrt(fmax(0, residuals)) / s->passes) / e.left; /* fmax: rounding */
+
+    return e.ratio < 1 ? fmax(0, fmin(1, (1 - most) / (1 - e.ratio))) : 0;
+}
+
 /* Let X_i be the error of pixel i, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent
  * random numbers, so two things part R from the error that this very picture has:
  * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true
- * variances, too;
+ *   variances, too;
  * - the error is one draw: a pixel's squared error of expectation Y_i has variance 2 Y_i^2 (normal, its channels
- * alike), that of their mean 2 sum Y_i^2 / P^2. Y is the error by the passes, scaled to the mean R: it has more
- * degrees of freedom than the difference of two halves. The bound is R, as it is if all is noise and strata gain
- * nothing, plus 1.645 (the 95% point of a normal) times the root of the sum. But with few samples R is too low where
- * noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with 1/n;
- * R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound in
- * 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c).
+ *   alike), that of their mean 2 sum Y_i^2 / P^2. Y is the error by the passes, scaled to the mean R: it has more
+ *   degrees of freedom than the difference of two halves.
+ *
+ * The bound is R, without the part of what strata gain that the picture does not prove, plus 1.645 times the root of
+ * the sum. But with few samples R is too low where noise is skewed: pixels whose mean came out low show little scatter,
+ * and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every
+ * third pixel: true errors above the bound in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at
+ * 4 (tests/render/test_film.c).
  *
  * If the root is more than R/2, the error of this picture is within a quarter of the figure in two of three renders
  * at best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the figure is
  * unknown. */
 bis_film_error bis_film_estimate_error(const bis_film *f)
 {
-    const double n = (double)f->width * f->height, nan = (double)NAN, normal_95 = 1.645, skew = 1.5, most_doubt = 0.5;
+    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_doubt = 0.5;
 
     if (f->passes < 2) return (bis_film_error){nan, nan, false};
     const double floor = floor_of(f);
     if (floor == 0) return (bis_film_error){0, 0, true}; /* black, hence without scatter */
-    const double left = f->independent ? 1 : left_of_halves(f);
-    const sums s = sums_over(f, floor, left);
-    if (s.best == 0) return (bis_film_error){0, 0, true};
+    const expected e = expect(f);
+    const sums s = sums_over(f, floor, e.left);
+    if (s.passes == 0 || s.best == 0) return (bis_film_error){0, 0, true};
     const double R = s.best / n, scatter = fmax(0, s.best_squared / (s.best * s.best) - 1 / n); /* fmax: rounding */
     const double draw = 2 * s.passes_squared / (s.passes * s.passes), doubt = sqrt(scatter + draw);
+    const double most = R * (1 + (1 - proven(&s, e)) * (1 / e.left - 1));
     return (bis_film_error){.relative_rmse = sqrt(R),
-                            .upper = sqrt(R / left * (1 + skew / f->weight + normal_95 * doubt)),
+                            .upper = sqrt(most * (1 + skew / f->weight + normal_95 * doubt)),
                             .is_known = doubt <= most_doubt};
 }
