@@ -73,8 +73,8 @@ uint64_t bis_workspace_edge_rays(const bis_workspace *w);
 /* bis_workspace_own returns the i-th of the n_own tiles that are rendered. */
 static inline int bis_workspace_own(const bis_workspace *w, int i) { return w->own ? w->own[i] : i; }
 
-/* bis_workspace_interrupted returns true once the flag of the options is set. The read is atomic, because another thread
- * may set it as well as a signal. */
+/* bis_workspace_interrupted returns true once the flag of the options is set. The read is atomic, because another
+ * thread may set it as well as a signal. */
 static inline bool bis_workspace_interrupted(const bis_workspace *w)
 {
     return w->options->interrupted && __atomic_load_n(w->options->interrupted, __ATOMIC_RELAXED);
