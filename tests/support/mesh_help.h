@@ -28,8 +28,8 @@ void try_mesh_memory(mesh_reader *read, const bytes *b, const char *name);
 void assert_sound(const bis_mesh *m);
 void assert_triangle(const bis_mesh *m, size_t i, uint32_t a, uint32_t b, uint32_t c);
 
-/* [0, 1), [lo, hi), a point of the cube [lo, hi)^3, x first, and a unit vector. splitmix64. In the arguments of one call
- * gcc draws the last number first, and clang the first. */
+/* [0, 1), [lo, hi), a point of the cube [lo, hi)^3, x first, and a unit vector. splitmix64. In the arguments of one
+ * call gcc draws the last number first, and clang the first. */
 double random_double(uint64_t *state);
 double random_between(uint64_t *state, double lo, double hi);
 vec3 random_point(uint64_t *state, double lo, double hi);

@@ -29,8 +29,8 @@ static void write_program(const char *path, const char *body)
 static int set_up(const char *path, const char *options)
 {
     char command[1024];
-    snprintf(command, sizeof command, "rm -f " DIR "/told && PATH=%s /bin/sh scripts/setup.sh %s > " DIR "/out 2>&1", path,
-             options);
+    snprintf(command, sizeof command, "rm -f " DIR "/told && PATH=%s /bin/sh scripts/setup.sh %s > " DIR "/out 2>&1",
+             path, options);
     fflush(stdout);
     const int status = system(command);
     FILE *f = fopen(DIR "/told", "r");
