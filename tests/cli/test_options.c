@@ -552,7 +552,7 @@ static void the_line_at_the_end_has_each_figure(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;
-        char expected[64] = ", error unknown (one pass)\n";
+        char expected[64] = ", error unknown: one pass is too few\n";
         program_expect(&r, 0, SCENE " %s --stats -", cases[i].options);
         assert_int_equal(strncmp(r.messages, cases[i].begins, strlen(cases[i].begins)), 0);
         assert_true(strchr(r.messages, '\n') == r.messages + strlen(r.messages) - 1);
