@@ -59,7 +59,7 @@ static void print_forecast(const bis_forecast *f, void *user)
 {
     const render_options *o = user;
     const double late = 600;
-    char time[32];
+    char time[32], error[BIS_PERCENT];
     const char *end = "Ctrl-C ends it earlier and writes what is done";
 
     if (o->seconds > 0 && f->seconds > o->seconds) end = "--time ends it before";
@@ -67,9 +67,9 @@ static void print_forecast(const bis_forecast *f, void *user)
     else if (!(f->seconds > late)) return;
     fprintf(stderr,
             "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most "
-            "%.2g so far)\n",
+            "%s so far)\n",
             isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_duration(time, f->seconds), f->spp, end,
-            f->error);
+            bis_percent(error, f->error));
 }
 
 static void warn_of_checkpoint(const char *message)
@@ -127,14 +127,15 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
     bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
+    char text[BIS_PERCENT];
     if (!status && leads && o->error > 0 && !(result->error.is_known && result->error.upper <= o->error)) {
         if (!result->error.is_known)
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown after %u pass%s, because %s",
                      o->error, result->passes, result->passes == 1 ? "" : "es",
                      bis_render_files_why_unknown(&result->error));
         else
-            bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes",
-                     o->error, result->error.upper, result->passes);
+            bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %s after %u passes",
+                     o->error, bis_percent(text, result->error.upper), result->passes);
     }
     if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
     return status;

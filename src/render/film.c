@@ -137,8 +137,12 @@ bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t)
 
 /* ---- passes ---- */
 
-/* Before a pass: have the camera samples doubled since the mean was last kept? */
-static bool has_doubled(const bis_film *f) { return f->passes && f->weight >= 2 * f->half_weight; }
+/* Before a pass: have the camera samples doubled since the mean was last kept, and are half as many still to come? A
+ * difference of many samples and a few would say little of the many. */
+static bool has_doubled(const bis_film *f)
+{
+    return f->passes && f->weight >= 2 * f->half_weight && !(f->most > 0 && f->most < 1.5 * f->weight);
+}
 
 void bis_film_end_pass(bis_film *f, double weight)
 {

@@ -48,7 +48,7 @@ static double student_975(double dof)
 /* Value k of a layer in pixel i. factor: of the standard error. */
 static double value(const bis_film *f, bis_layer layer, size_t i, size_t k, double factor)
 {
-    if (layer == BIS_LAYER_STDERR || layer == BIS_LAYER_INTERVAL) 
+    if (layer == BIS_LAYER_STDERR || layer == BIS_LAYER_INTERVAL)
         return factor * sqrt(bis_film_variance(f, 3 * i + k));
 
     const double *sum = f->layers.sum + i * (size_t)f->layers.n_values + f->layers.first[layer];

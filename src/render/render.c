@@ -150,6 +150,20 @@ static bool budget_left(render *r)
     return !(b->error > 0 && done->rmse_upper <= b->error); /* also where a checkpoint says so */
 }
 
+/* Camera samples that are expected in all, as far as the budgets tell; 0: unknown. With an error to reach it is unknown,
+ * because the error decides, and must not depend on what earlier processes were asked for. */
+static double expected_spp(const render *r)
+{
+    const bis_budget *b = &r->budget;
+    const double done = (double)r->done.spp;
+    double most = r->most ? (double)r->most : HUGE_VAL;
+
+    if (b->seconds > 0 && done > 0)
+        most = fmin(most, done + (b->seconds - (bis_clock_now() - r->start)) / seconds_a_sample(r));
+    if (b->error > 0) return 0;
+    return isfinite(most) ? fmax(most, done + r->size) : 0;
+}
+
 static bool render_pass(render *r)
 {
     const bis_pass pass = {.number = r->work.film->passes,
@@ -157,6 +171,7 @@ static bool render_pass(render *r)
                            .first = r->done.spp,
                            .weight = r->work.view->adaptive ? 1 : (double)r->size};
 
+    r->work.film->most = r->work.view->adaptive ? 0 : expected_spp(r);
     if (r->work.team) bis_team_call(r->work.team, &pass, BIS_OK);
     if (!bis_pass_render(&r->work, &pass, report_tile, r)) return false;
     bis_pass_keep(&r->work, &pass, &r->done.counters);

@@ -62,7 +62,7 @@ static void tilt(double tangent[3], const bis_textures *t, const bis_texture_ima
 static void bend(double out[3], const bis_textures *t, const bis_texture_image *images, uint32_t texture,
                  const double uv[2], const double p[3], double pu[3], double pv[3], const double n[3])
 {
-    const double most = INFINITY, pbrts = 0.0005;
+    const double most = (double)INFINITY, pbrts = 0.0005;
     double step[2] = {most, most};
 
     find_steps(step, t, images, texture);

@@ -427,9 +427,9 @@ static void spp_is_the_number_of_camera_rays_in_growing_passes(void **state)
     static const struct {
         uint32_t asked, pass_size;
         int passes;
-        double half; /* samples up to the last doubling before the last pass */
-    } cases[] = {{1, 0, 1, 0}, {2, 0, 2, 1}, {3, 0, 3, 2},  {4, 0, 3, 2}, {5, 0, 4, 4}, {7, 0, 4, 4},
-                 {8, 0, 4, 4}, {9, 0, 5, 8}, {16, 0, 6, 8}, {7, 1, 7, 4}, {7, 3, 3, 6}, {0, 0, 6, 8}};
+        double half; /* samples up to the last doubling, after which half as many still come */
+    } cases[] = {{1, 0, 1, 0}, {2, 0, 2, 1}, {3, 0, 3, 2},  {4, 0, 3, 2}, {5, 0, 4, 2}, {7, 0, 4, 4},
+                 {8, 0, 4, 4}, {9, 0, 5, 4}, {16, 0, 6, 8}, {7, 1, 7, 4}, {7, 3, 3, 3}, {0, 0, 6, 8}};
     world w;
     make_world(&w, &noise);
     bis_sampler_set_spp(&w.desc.view.sampler, 16); /* no budget at all: the scene's */
