@@ -35,6 +35,10 @@ for option; do
     --web) needed="$needed $web" ;;
     --python) needed="$needed $python" ;;
     --all) needed="$needed $mpi $web $python" ;;
+    -h | --help)
+        sed -n '2,6s/^# \{0,1\}//p' "$0"
+        exit
+        ;;
     *)
         echo "setup: there is no option \"$option\"; there are --mpi, --web, --python and --all" >&2
         exit 2

@@ -12,11 +12,11 @@
  *     E (A - B)^2 / 4 = (V(n/2) - cov(A, B))/2 = V(n/2) - V(n).
  * (The same holds for one sample in each of n cells whose halves interleave as sampler.c has it: V(n/2) is then that
  * of one sample in each pair of cells.) If V(n) falls as n^-p, this is (2^p - 1) V(n). p is 1 where all is noise, and
- * 3/2 for an edge through the pixel (Owen 1997); a picture has both, and its p hardly shows in few samples. With p =
- * 5/4 the figure of two equal halves is right within 16 % for all p between: sqrt((2^1 - 1)/(2^1.25 - 1)) = 0.85, sqrt((2^1.5 -
- * 1)/(2^1.25 - 1)) = 1.15. Patterns that a pixel averages
- * may have a larger p: the figure is then too large. n need
- * not be a power of two: the film chooses a half that is a third to two thirds (see expect).
+ * 3/2 for an edge through the pixel (Owen 1997); a picture has both, and its p hardly shows in few samples. With
+ * p = 5/4 the figure of two equal halves is right within 16 % for all p between: sqrt((2^1 - 1)/(2^1.25 - 1)) = 0.85,
+ * sqrt((2^1.5 - 1)/(2^1.25 - 1)) = 1.15. Patterns that a pixel averages may have a larger p: the figure is then too
+ * large. n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see
+ * expect).
  *
  * The truth. In place of b^2 stand two: mean^2, which holds the variance as well, so that a lone bright sample hides
  * behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth 0.70); and mean^2 less the variance, right
@@ -55,10 +55,10 @@ typedef struct expected {
     double ratio; /* of the variance by the halves to that by the passes */
 } expected;
 
-/* W samples are a block of P and m = W - P others, about as many. Those of them that lie in the block of P that follows
- * have with the first the covariance of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence
- * treats all parts of a half alike; later ones that of the halves of 4P, 2^-p times as much. A pass counts as a block of
- * W/passes, the mean size. All is divided by P^-p, the variance of the first block. */
+/* W samples are a block of P and m = W - P others, about as many. Those of them that lie in the block of P that
+ * follows have with the first the covariance of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled
+ * sequence treats all parts of a half alike; later ones that of the halves of 4P, 2^-p times as much. A pass counts as
+ * a block of W/passes, the mean size. All is divided by P^-p, the variance of the first block. */
 static expected expect(const bis_film *f)
 {
     const double p = 1.25, P = f->half_weight, W = f->weight, m = W - P;

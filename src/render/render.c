@@ -150,8 +150,8 @@ static bool budget_left(render *r)
     return !(b->error > 0 && done->rmse_upper <= b->error); /* also where a checkpoint says so */
 }
 
-/* Camera samples that are expected in all, as far as the budgets tell; 0: unknown. With an error to reach it is unknown,
- * because the error decides, and must not depend on what earlier processes were asked for. */
+/* Camera samples that are expected in all, as far as the budgets tell; 0: unknown. With an error to reach it is
+ * unknown, because the error decides, and must not depend on what earlier processes were asked for. */
 static double expected_spp(const render *r)
 {
     const bis_budget *b = &r->budget;
