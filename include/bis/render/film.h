@@ -27,8 +27,8 @@ typedef struct bis_film {
     float *hits;
     uint32_t passes;           /* complete passes */
     double weight;             /* the sum of the weights of the passes, the same in every pixel */
-    double half_weight;        /* of the first passes whose mean is kept: about half of `most`; 0 before the second pass */
-    double most;               /* the weight that is expected at the end, so that the halves come out alike; 0: unknown */
+    double half_weight;        /* of the first passes whose mean is kept, about half; 0 before the second pass */
+    double most;               /* the weight expected at the end, so that the halves come out alike; 0: unknown */
     bool independent;          /* no sequence spreads the camera samples of a pixel; set before the first pass */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
 } bis_film;
