@@ -377,6 +377,10 @@ static void warn(const bis_display *d, const char *why, bis_diag *diag)
     bis_warn(diag, bis_cli_loc, "--display %s:%s: %s; the render went on without", d->host, d->port, why);
 }
 
+static bool is_left; /* by the main thread for the main thread */
+
+bool bis_display_is_left(void) { return is_left; }
+
 /* Waits CONNECT_MS at most for the connection. False: there is none yet, and d is the thread's from now on. */
 static bool wait_until_met(bis_display *d, bis_diag *diag)
 {
@@ -391,7 +395,7 @@ static bool wait_until_met(bis_display *d, bis_diag *diag)
     if (!met) {
         warn(d, "no answer from the name server or the viewer", diag);
         pthread_detach(d->thread);
-        d->alone = true;
+        d->alone = is_left = true;
     }
     pthread_mutex_unlock(&d->lock);
     return met;

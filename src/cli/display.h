@@ -19,6 +19,10 @@ bool bis_display_is_address(const char *text);
 bis_status bis_display_open(bis_display **out, const char *where, const char *name, const bis_film *film,
                             bis_diag *diag);
 
+/* bis_display_is_left returns true if a thread was left to wait for a name server when its display was closed. The
+ * thread keeps its memory until the process ends. */
+bool bis_display_is_left(void);
+
 /* bis_display_offer sends the film's complete passes, if there are new ones, the thread has sent the last ones, and the
  * time allows it. It may be called by any one thread while no pass is being added to the film. */
 void bis_display_offer(bis_display *d, const bis_film *film);

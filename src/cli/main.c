@@ -1,4 +1,5 @@
 /* main: which command? `bis SCENE` renders. */
+#include "display.h"
 #include "help.h"
 
 #include "bis/base/mem.h"
@@ -51,7 +52,7 @@ int main(int argc, char **argv)
     bis_cli_crew_close();
 
     /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
-    if (bis_mem_live() != 0)
+    if (bis_mem_live() != 0 && !bis_display_is_left())
         fprintf(stderr, "bis: error in bis itself: %ld blocks of memory were not freed; please report it\n",
                 bis_mem_live());
     return status;

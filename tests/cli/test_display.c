@@ -324,6 +324,7 @@ static void a_name_server_that_is_silent_is_not_waited_for(void **state)
         bis_display_close(d, &f, &diag);
         assert_true(resolver.has_answered == !hangs); /* the twin is answered, and shows its picture */
         assert_int_equal(diag.n, hangs);
+        assert_int_equal(bis_display_is_left(), hangs); /* bis then says nothing of the memory of the thread */
         if (hangs) assert_non_null(strstr(diag.messages[0].text, "no answer from the name server or the viewer; the render went on without"));
         resolver.hangs = false;
         for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
