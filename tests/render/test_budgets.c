@@ -200,7 +200,7 @@ static void the_pilot_forecasts_what_an_error_will_take(void **state)
     }
 }
 
-/* A render that ends by its error is the same as one of so many samples. */
+/* A render that ends by its error is the same as one of so many samples; where its halves part may differ. */
 static void a_render_by_error_can_be_repeated_by_its_number_of_samples(void **state)
 {
     (void)state;

@@ -34,8 +34,9 @@ bis_status try_render(bis_film *f, bis_render_result *result, const world *w, co
 
 void assert_same_film(const bis_film *a, const bis_film *b)
 {
-    const size_t n = (size_t)a->width * (size_t)a->height * (size_t)a->layers.n_values;
+    const size_t n_pixels = (size_t)a->width * (size_t)a->height, n = n_pixels * (size_t)a->layers.n_values;
     assert_same_bits(a, b);
+    assert_memory_equal(a->half, b->half, 3 * n_pixels * sizeof *a->half);
     assert_int_equal(a->layers.asked, b->layers.asked);
     assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
     assert_true(a->weight == b->weight && a->half_weight == b->half_weight && a->passes == b->passes);

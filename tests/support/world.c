@@ -128,7 +128,6 @@ void assert_same_bits(const bis_film *a, const bis_film *b)
     assert_int_equal(a->passes, b->passes);
     assert_memory_equal(a->sum, b->sum, 3 * n * sizeof *a->sum);
     assert_memory_equal(a->deviation, b->deviation, 3 * n * sizeof *a->deviation);
-    assert_memory_equal(a->half, b->half, 3 * n * sizeof *a->half);
     assert_memory_equal(a->hits, b->hits, n * sizeof *a->hits);
 }
 
