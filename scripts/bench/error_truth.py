@@ -58,7 +58,7 @@ def variant(scene, name):
     return copy
 
 
-def reference(scene, name):
+def reference(scene):
     path = os.path.join(a.out, '%s-%s-%d.npy' % (os.path.basename(scene), a.size, a.reference))
     if not os.path.exists(path):
         two = [render(scene, seed, '--spp', str(a.reference)) for seed in (100001, 100002)]
@@ -73,7 +73,7 @@ def reference(scene, name):
 
 def row(scene, name):
     path = variant(scene, name)
-    truth = reference(path, name)
+    truth = reference(path)
     if truth is None:
         return None
     mean, scale, noise = truth

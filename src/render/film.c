@@ -1,8 +1,8 @@
 /* film: sums and deviations. film_error.c says what they tell about the error, film_layers.c makes channels.
  *
  * A picture is the mean over passes; a pass adds one value to every pixel, so one weight serves all pixels: the pass's
- * number of camera samples, settled before it is rendered. Sums of light are
- * double: a million passes of float radiance add up without loss (2^-53 a step).
+ * number of camera samples, settled before it is rendered. Sums of light are double: a million passes of float radiance
+ * add up without loss (2^-53 a step).
  *
  * The scatter of the passes is kept as its root mean square, which is updated pass by pass (Welford 1962): no
  * difference of large sums cancels, and float is enough: a step rounds by 2^-25, and the value settles.
@@ -156,14 +156,15 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight)
     assert(x >= f->x0 && x < f->x0 + f->width && y >= f->y0 && y < f->y0 + f->height);
     assert(rgb_is_finite(L));
     size_t i = (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0);
-    const double c[3] = {(double)L.r, (double)L.g, (double)L.b};
+    const double c[3] = {(double)L.r, (double)L.g, (double)L.b}, share = weight / (f->weight + weight);
+    const bool keeps = has_doubled(f);
 
     for (size_t k = 3 * i; k < 3 * i + 3; k++) {
         const double mean = f->passes ? f->sum[k] / f->weight : 0, d = c[k - 3 * i] - mean;
-        const double old = (double)f->deviation[k], share = weight / (f->weight + weight);
+        const double old = (double)f->deviation[k];
         /* the mean of the squares of two groups, and what their means are apart */
         f->deviation[k] = f->passes ? (float)sqrt((1 - share) * (old * old + share * d * d)) : 0;
-        if (has_doubled(f)) f->half[k] = (float)mean;
+        if (keeps) f->half[k] = (float)mean;
         f->sum[k] += weight * c[k - 3 * i];
     }
     f->hits[i] = (float)((double)f->hits[i] + weight * hit);

@@ -123,6 +123,12 @@ static double seconds_a_sample(const render *r)
     return own ? (now - r->first_pass) / (double)own : (now - r->start) / (double)r->done.spp;
 }
 
+/* Camera samples of all pixels that the rest of the time has room for, after the first pass. */
+static double samples_that_fit(const render *r)
+{
+    return (r->budget.seconds - (bis_clock_now() - r->start)) / seconds_a_sample(r);
+}
+
 /* May another pass begin? Its size is r->size. */
 static bool budget_left(render *r)
 {
@@ -135,7 +141,7 @@ static bool budget_left(render *r)
     if (passes == UINT32_MAX) return false;
     const uint32_t size = r->size = pass_size(r, done->spp);
     if (b->seconds > 0 && passes) {
-        const double fits = (b->seconds - (bis_clock_now() - r->start)) / seconds_a_sample(r);
+        const double fits = samples_that_fit(r);
         if (fits < (r->work.view->adaptive ? size : 1)) return false;
         r->is_last = fits < size;
         if (r->is_last) r->size = (uint32_t)fits;
@@ -151,16 +157,15 @@ static bool budget_left(render *r)
 }
 
 /* Camera samples that are expected in all, as far as the budgets tell; 0: unknown. With an error to reach it is
- * unknown, because the error decides, and must not depend on what earlier processes were asked for. */
+ * unknown, because the error decides, and must not depend on what earlier processes were asked for. Adaptive passes
+ * weigh 1 each, and their halves are not used. */
 static double expected_spp(const render *r)
 {
-    const bis_budget *b = &r->budget;
     const double done = (double)r->done.spp;
     double most = r->most ? (double)r->most : HUGE_VAL;
 
-    if (b->seconds > 0 && done > 0)
-        most = fmin(most, done + (b->seconds - (bis_clock_now() - r->start)) / seconds_a_sample(r));
-    if (b->error > 0) return 0;
+    if (r->work.view->adaptive || r->budget.error > 0) return 0;
+    if (r->budget.seconds > 0 && done > 0) most = fmin(most, done + samples_that_fit(r));
     return isfinite(most) ? fmax(most, done + r->size) : 0;
 }
 
@@ -171,7 +176,7 @@ static bool render_pass(render *r)
                            .first = r->done.spp,
                            .weight = r->work.view->adaptive ? 1 : (double)r->size};
 
-    r->work.film->most = r->work.view->adaptive ? 0 : expected_spp(r);
+    r->work.film->most = expected_spp(r);
     if (r->work.team) bis_team_call(r->work.team, &pass, BIS_OK);
     if (!bis_pass_render(&r->work, &pass, report_tile, r)) return false;
     bis_pass_keep(&r->work, &pass, &r->done.counters);
