@@ -11,12 +11,18 @@
  * has V(n) = (V(n/2) + cov(A, B))/2. Therefore
  *     E (A - B)^2 / 4 = (V(n/2) - cov(A, B))/2 = V(n/2) - V(n).
  * (The same holds for one sample in each of n cells whose halves interleave as sampler.c has it: V(n/2) is then that
- * of one sample in each pair of cells.) If V(n) falls as n^-p, this is (2^p - 1) V(n). p is 1 where all is noise, and
- * 3/2 for an edge through the pixel (Owen 1997); a picture has both, and its p hardly shows in few samples. With
- * p = 5/4 the figure of two equal halves is right within 16 % for all p between: sqrt((2^1 - 1)/(2^1.25 - 1)) = 0.85,
- * sqrt((2^1.5 - 1)/(2^1.25 - 1)) = 1.15. Patterns that a pixel averages may have a larger p: the figure is then too
- * large. n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see
- * expect).
+ * of one sample in each pair of cells.) If V(n) falls as n^-p, this is (2^p - 1) V(n).
+ *
+ * The power. p is 1 where all is noise and 3/2 for an edge through the pixel (Owen 1997). A picture has both. The film
+ * keeps its mean at a quarter of the samples, too. The quarters of the first half tell V(n/4) - V(n/2) in the same way,
+ * and the ratio of the two sums over the picture is 2^p. A small picture's ratio is noisy. Before it is seen, p is
+ * taken for 5/4, give or take 1/4; the ratio changes this as far as its own noise lets it (see fit). Smooth radiance
+ * falls faster, up to n^-3, and soon leaves the error to edges and noise: the ratio may then be more than 2^(3/2), but p
+ * is not. Some nets are better than others for an edge that lies just so: in a picture of few edges V falls in steps.
+ *
+ * n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see expect).
+ * Where it is not known (--error), the second part may be a few samples, whose difference says little. The quarters then
+ * say most, and an earlier estimate remembers what the quarters of the quarters said.
  *
  * The truth. In place of b^2 stand two: mean^2, which holds the variance as well, so that a lone bright sample hides
  * behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth 0.70); and mean^2 less the variance, right
@@ -40,55 +46,55 @@ double bis_film_variance(const bis_film *f, size_t i)
     return deviation * deviation / (f->passes - 1.0);
 }
 
-/* The same variance by the difference of A, the mean of the first passes of weight P, and B, the mean of the rest:
- * (A - B)^2 P (W - P) / W^2, where A - B = (A - mean) W / (W - P). */
-static double half_variance(const bis_film *f, size_t i)
+/* The variance by the difference of A, the mean of samples of weight P, and B, the mean of those that follow, W in all:
+ * (A - B)^2 P (W - P) / W^2, where A - B = (A - both) W / (W - P). */
+static double variance_of_halves(double A, double both, double P, double W)
 {
-    const double P = f->half_weight, d = (double)f->half[i] - f->sum[i] / f->weight;
-    return d * d * (P / (f->weight - P));
+    return (A - both) * (A - both) * (P / (W - P));
 }
 
-/* What is expected if the mean over a block of n camera samples has the variance n^-p, p = 5/4. With independent
- * samples, p = 1, both are 1. */
+/* What is expected if the mean over a block of n camera samples has the variance n^-p. */
 typedef struct expected {
-    double left;  /* in the mean of all, of the variance by the halves; 1/(2^p - 1) if the halves have equal sizes */
-    double ratio; /* of the variance by the halves to that by the passes */
+    double whole;  /* of the mean of all W samples */
+    double halves; /* of the variance by the halves; (2^p - 1) whole if they have equal sizes */
 } expected;
 
 /* W samples are a block of P and m = W - P others, about as many. Those of them that lie in the block of P that
  * follows have with the first the covariance of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled
- * sequence treats all parts of a half alike; later ones that of the halves of 4P, 2^-p times as much. A pass counts as
- * a block of W/passes, the mean size. All is divided by P^-p, the variance of the first block. */
-static expected expect(const bis_film *f)
+ * sequence treats all parts of a half alike; later ones that of the halves of 4P, 2^-p times as much. */
+static expected expect(double P, double W, double p)
 {
-    const double p = 1.25, P = f->half_weight, W = f->weight, m = W - P;
-    const double of_rest = pow(m / P, -p), of_pass = pow(W / f->passes / P, -p), next = fmin(m, P);
-    const double cov = (exp2(1 - p) - 1) * (next + (m - next) * exp2(-p)) / m;
-    const double whole = (P * P + 2 * P * m * cov + m * m * of_rest) / (W * W);
-    const double halves = (1 + of_rest - 2 * cov) * P * m / (W * W), passes = (of_pass - whole) / (f->passes - 1.0);
+    const double m = W - P, first = pow(P, -p), rest = pow(m, -p), next = fmin(m, P);
+    const double cov = (exp2(1 - p) - 1) * first * (next + (m - next) * exp2(-p)) / m;
 
-    return f->independent ? (expected){1, 1} : (expected){whole / halves, halves / passes};
+    return (expected){.whole = (P * P * first + 2 * P * m * cov + m * m * rest) / (W * W),
+                      .halves = (first + rest - 2 * cov) * P * m / (W * W)};
 }
 
-/* A pixel's expected (a-b)^2 / (b^2 + m^2/100), the mean over its channels: with the variance by the passes, and with
- * the one that stands for it. */
+/* A pixel's expected (a-b)^2 / (b^2 + m^2/100), the mean over its channels, with one variance after another in place of
+ * (a-b)^2. */
+enum { QUARTERS, HALVES, PASSES, N_VARIANCES };
+
 typedef struct pixel_error {
-    double passes, best;
+    double by[N_VARIANCES];
 } pixel_error;
 
-static pixel_error error_of_pixel(const bis_film *f, size_t i, double floor, double left)
+static pixel_error error_of_pixel(const bis_film *f, size_t i, double floor)
 {
     pixel_error e = {0};
 
     for (size_t k = 3 * i; k < 3 * i + 3; k++) {
-        const double mean = f->sum[k] / f->weight, variance = bis_film_variance(f, k);
+        const double mean = f->sum[k] / f->weight, variance = bis_film_variance(f, k), half = (double)f->half[k];
         /* Where estimates are not negative, variance <= mean^2. A control variate may leave some that are. */
         const double square = mean * mean, less = fmax(0, square - variance);
-        const double scale = sqrt(square + floor) * sqrt(less + floor); /* the product of the squares may underflow */
-        e.passes += variance / scale;
-        e.best += (f->independent ? variance : half_variance(f, k) * left) / scale;
+        const double scale = 3 * sqrt(square + floor) * sqrt(less + floor); /* the product of squares may underflow */
+        e.by[PASSES] += variance / scale;
+        if (f->independent) continue;
+        e.by[HALVES] += variance_of_halves(half, mean, f->half_weight, f->weight) / scale;
+        if (f->quarter_weight > 0)
+            e.by[QUARTERS] += variance_of_halves((double)f->quarter[k], half, f->quarter_weight, f->half_weight) / scale;
     }
-    return (pixel_error){e.passes / 3, e.best / 3};
+    return e;
 }
 
 /* m^2/100 of relMSE, m the mean of the picture; 0 where it is black. */
@@ -116,82 +122,159 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
         for (int y = r.y0; floor > 0 && y < r.y1; y++)
             for (int x = r.x0; x < r.x1; x++) {
                 const size_t i = (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0);
-                errors[t] += error_of_pixel(f, i, floor, 1).passes;
+                errors[t] += error_of_pixel(f, i, floor).by[PASSES];
             }
     }
 }
 
-/* Sums over pixels of their pixel_error. */
-typedef struct sums {
-    double passes, passes_squared, best, best_squared, product;
-} sums;
+/* A sum over pixels of one of their errors, and what its own noise is. */
+typedef struct total {
+    double sum;
+    double doubt; /* relative variance of the sum, if the samples of a pixel are normal and its channels alike */
+} total;
+
+/* An error X of a pixel with `dof` degrees of freedom has E X^2 = (1 + 2/dof) Y^2 and the variance 2 Y^2/dof, where Y
+ * is its expectation. Pixels have independent random numbers, so the variance of the sum is 2/(dof + 2) times the sum
+ * of X^2. Where the samples are not normal, X^2 holds more and the doubt grows, too. */
+static void add_up(total t[N_VARIANCES], double dof_of_passes, const double squares[N_VARIANCES])
+{
+    for (int v = 0; v < N_VARIANCES; v++) {
+        const double dof = v == PASSES ? dof_of_passes : 1;
+        t[v].doubt = t[v].sum > 0 ? squares[v] / t[v].sum / t[v].sum * (2 / (dof + 2)) : 0;
+    }
+}
 
 /* Threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits. */
-static sums sums_over(const bis_film *f, double floor, double left)
+static void sum_over(const bis_film *f, double floor, total t[N_VARIANCES])
 {
     enum { BLOCK = 1024 };
     const size_t n = (size_t)f->width * (size_t)f->height;
-    sums s = {0};
+    double squares[N_VARIANCES] = {0};
 
+    for (int v = 0; v < N_VARIANCES; v++) t[v] = (total){0};
 #pragma omp parallel for ordered schedule(dynamic)
     for (size_t first = 0; first < n; first += BLOCK) {
         const size_t end = first + BLOCK < n ? first + BLOCK : n;
         pixel_error e[BLOCK];
-        for (size_t i = first; i < end; i++) e[i - first] = error_of_pixel(f, i, floor, left);
+        for (size_t i = first; i < end; i++) e[i - first] = error_of_pixel(f, i, floor);
 #pragma omp ordered
         for (size_t i = 0; i < end - first; i++) {
-            s.passes += e[i].passes;
-            s.passes_squared += e[i].passes * e[i].passes;
-            s.best += e[i].best;
-            s.best_squared += e[i].best * e[i].best;
-            s.product += e[i].passes * e[i].best;
+            for (int v = 0; v < N_VARIANCES; v++) {
+                t[v].sum += e[i].by[v];
+                squares[v] += e[i].by[v] * e[i].by[v];
+            }
         }
     }
-    return s;
+    add_up(t, f->passes - 1.0, squares);
 }
 
-/* How much of the gain from p = 1 to 5/4 the picture proves, from 0 to 1. The ratio of the variance by the halves to
- * that by the passes falls from 1 to what is expected. Its upper 95% bound counts; the standard error of a ratio of
- * sums is sqrt(sum (best - r passes)^2) / sum passes (Cochran 1977, section 6.4). */
-static double proven(const sums *s, expected e)
+enum { MOST_PAIRS = 3 };
+
+/* A pair as the fit takes it: log(c) is taken for `level` - `slope` (p - from), which is exact if P
+ * and W are powers of 2, and nearly so if not. weight: 1 / doubt. */
+typedef struct datum {
+    double level, slope, weight;
+} datum;
+
+static datum datum_of(const bis_film_pair *pair, double from, double spread)
 {
-    const double r = s->best / s->passes, residuals = s->best_squared - 2 * r * s->product + r * r * s->passes_squared;
-    const double most = (r + normal_95 * sqrt(fmax(0, residuals)) / s->passes) / e.left; /* fmax: rounding */
+    const double here = log(expect(pair->P, pair->W, from).halves);
+    const double beside = log(expect(pair->P, pair->W, from + spread).halves);
 
-    return e.ratio < 1 ? fmax(0, fmin(1, (1 - most) / (1 - e.ratio))) : 0;
+    return (datum){log(pair->sum) - here, (beside - here) / spread, 1 / pair->doubt};
 }
 
-/* Let X_i be the error of pixel i, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent
- * random numbers, so two things part R from the error that this very picture has:
- * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true
- *   variances, too;
- * - the error is one draw: a pixel's squared error of expectation Y_i has variance 2 Y_i^2 (normal, its channels
- *   alike), that of their mean 2 sum Y_i^2 / P^2. Y is the error by the passes, scaled to the mean R: it has more
- *   degrees of freedom than the difference of two halves.
+/* What the film tells of the sum over pixels of V(n): its logarithm, and the variance of that. */
+typedef struct verdict {
+    double log_sum, doubt;
+} verdict;
+
+/* Least squares: log(c) and p minimize
+ *     sum over pairs of (log(sum) - log(c) - log(expect(P, W, p).halves))^2 / doubt + (p - from)^2 / spread^2.
+ * With the data centred at their weighted means, the two have errors that do not depend on each other. p stays between
+ * noise and edges. */
+static verdict fit(const bis_film *f, const bis_film_pair *pairs, int n, double from)
+{
+    const double spread = 0.25, noise = 1, edges = 1.5;
+    const double here = log(expect(f->half_weight, f->weight, from).whole);
+    const double beside = log(expect(f->half_weight, f->weight, from + spread).whole);
+    double weight = 0, level = 0, slope = 0, precision = 1 / (spread * spread), pull = 0;
+    datum d[MOST_PAIRS];
+
+    for (int k = 0; k < n; k++) {
+        d[k] = datum_of(&pairs[k], from, spread);
+        weight += d[k].weight;
+        level += d[k].weight * d[k].level;
+        slope += d[k].weight * d[k].slope;
+    }
+    level /= weight;
+    slope /= weight;
+    for (int k = 0; k < n; k++) {
+        const double lever = d[k].slope - slope;
+        precision += d[k].weight * lever * lever;
+        pull += d[k].weight * lever * (d[k].level - level);
+    }
+    const double change = fmax(noise - from, fmin(edges - from, pull / precision));
+    const double of_change = (beside - here) / spread - slope; /* of log(V) */
+    return (verdict){level + here + of_change * change, 1 / weight + of_change * of_change / precision};
+}
+
+/* Stores the pairs that the film and the memory have in pairs[MOST_PAIRS], returns their number, and remembers the
+ * quarters. Quarters of a single sample are left out because V(1) - V(2) is no measure: the first two samples of a pixel
+ * mirror each other. */
+static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair pairs[MOST_PAIRS],
+                    bis_film_memory *memory)
+{
+    const double two_samples = 2;
+
+    pairs[0] = (bis_film_pair){f->half_weight, f->weight, t[HALVES].sum, t[HALVES].doubt};
+    if (f->quarter_weight < two_samples || t[QUARTERS].sum == 0) return 1;
+    pairs[1] = (bis_film_pair){f->quarter_weight, f->half_weight, t[QUARTERS].sum, t[QUARTERS].doubt};
+    if (!memory) return 2;
+    if (memory->now.W != f->half_weight) memory->before = memory->now;
+    memory->now = pairs[1];
+    if (memory->before.W != f->quarter_weight) return 2;
+    pairs[2] = memory->before;
+    return 3;
+}
+
+/* Let R be the mean of the pixels' errors: the estimate of relMSE. Two things part R from the error that this very
+ * picture has: R is itself an estimate, and the error is one draw. A pixel's squared error of expectation Y has the
+ * variance 2 Y^2 (normal, its channels alike). An error of one degree of freedom has the same, so the draw has the doubt
+ * of such a sum. The bound is e to 1.645 standard deviations of both times R, where p is taken for 1, as if all were
+ * noise, before the picture says otherwise.
  *
- * The bound is R, without the part of what strata gain that the picture does not prove, plus 1.645 times the root of
- * the sum. But with few samples R is too low where noise is skewed: pixels whose mean came out low show little scatter,
+ * But with few samples R is too low where noise is skewed: pixels whose mean came out low show little scatter,
  * and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every
- * third pixel: true errors above the bound in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at
- * 4 (tests/render/test_film.c).
+ * third pixel (tests/render/test_film_error.c).
  *
- * If the root is more than R/2, the error of this picture is within a quarter of the figure in two of three renders
- * at best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the figure is
- * unknown. */
-bis_film_error bis_film_estimate_error(const bis_film *f)
+ * If the standard deviation is more than a half, the error of this picture is within a quarter of the figure in two of
+ * three renders at best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the
+ * figure is unknown. It is unknown, too, where R is more than (1/2)^2: pixels that have not yet found their light look
+ * black and exact, so that the means of the pixels cannot stand for the truth (a room with a small window under a sun
+ * seemed to have 80% where it had 150%). */
+bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory)
 {
-    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_doubt = 0.5;
+    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_doubt = 0.5, most_rmse = 0.5;
+    total t[N_VARIANCES];
 
     if (f->passes < 2) return (bis_film_error){nan, nan, false};
     const double floor = floor_of(f);
     if (floor == 0) return (bis_film_error){0, 0, true}; /* black, hence without scatter */
-    const expected e = expect(f);
-    const sums s = sums_over(f, floor, e.left);
-    if (s.passes == 0 || s.best == 0) return (bis_film_error){0, 0, true};
-    const double R = s.best / n, scatter = fmax(0, s.best_squared / (s.best * s.best) - 1 / n); /* fmax: rounding */
-    const double draw = 2 * s.passes_squared / (s.passes * s.passes), doubt = sqrt(scatter + draw);
-    const double most = R * (1 + (1 - proven(&s, e)) * (1 / e.left - 1));
-    return (bis_film_error){.relative_rmse = sqrt(R),
-                            .upper = sqrt(most * (1 + skew / f->weight + normal_95 * doubt)),
-                            .is_known = doubt <= most_doubt};
+    sum_over(f, floor, t);
+    const total *seen = &t[f->independent ? PASSES : HALVES];
+    if (seen->sum == 0) return (bis_film_error){0, 0, true};
+    verdict middle = {log(seen->sum), seen->doubt}, high = middle;
+    if (!f->independent) {
+        bis_film_pair pairs[MOST_PAIRS];
+        const int n_pairs = pairs_of(f, t, pairs, memory);
+        middle = fit(f, pairs, n_pairs, 1.25);
+        high = fit(f, pairs, n_pairs, 1);
+    }
+    const double draw = seen->doubt * (f->independent ? f->passes - 1.0 : 1), bias = 1 + skew / f->weight;
+    const double rmse = sqrt(exp(middle.log_sum) / n);
+    return (bis_film_error){
+        .relative_rmse = rmse,
+        .upper = sqrt(exp(high.log_sum) / n * bias * exp(normal_95 * sqrt(high.doubt + draw))),
+        .is_known = sqrt(middle.doubt + draw) <= most_doubt && rmse <= most_rmse};
 }

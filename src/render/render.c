@@ -148,7 +148,7 @@ static bool budget_left(render *r)
     }
     if (b->error > 0 && passes >= done->next_check) {
         const bool was_unknown = !isfinite(done->rmse_upper);
-        const bis_film_error error = bis_film_estimate_error(r->work.film);
+        const bis_film_error error = bis_film_estimate_error(r->work.film, &r->done.memory);
         done->rmse_upper = error.is_known ? error.upper : HUGE_VAL;
         done->next_check = passes + 1 + passes / 20;
         if (was_unknown && error.is_known && error.upper > b->error) forecast(r);
@@ -295,7 +295,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
     if (!status && leads) {
         result->counters = r.done.counters;
-        if (!options->part.n) result->error = bis_film_estimate_error(film);
+        if (!options->part.n) result->error = bis_film_estimate_error(film, &r.done.memory);
         result->passes = film->passes;
         result->spp = r.done.spp;
         result->bytes = bis_workspace_bytes(&r.work) + (r.work.team ? bis_team_bytes(r.work.team) : 0);

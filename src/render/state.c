@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { FORMAT = 6, MAGIC = 8 };
+enum { FORMAT = 7, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -121,17 +121,28 @@ static void walk_counters(bis_walk *w, bis_counters *c)
     bis_walk_u64(w, &c->nonfinite);
 }
 
+static void walk_pair(bis_walk *w, bis_film_pair *p)
+{
+    bis_walk_f64(w, &p->P);
+    bis_walk_f64(w, &p->W);
+    bis_walk_f64(w, &p->sum);
+    bis_walk_f64(w, &p->doubt);
+}
+
 void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)
 {
     bis_walk_u64(w, &d->spp);
     bis_walk_f64(w, &d->seconds);
     bis_walk_u32(w, &d->next_check);
     bis_walk_f64(w, &d->rmse_upper);
+    walk_pair(w, &d->memory.now);
+    walk_pair(w, &d->memory.before);
     walk_counters(w, &d->counters);
     bis_walk_u32(w, &f->passes);
     bis_walk_f64(w, &f->weight);
     uint32_t independent = f->independent;
     bis_walk_f64(w, &f->half_weight);
+    bis_walk_f64(w, &f->quarter_weight);
     bis_walk_u32(w, &independent);
     f->independent = independent == 1;
     w->bad |= independent > 1;
@@ -206,7 +217,7 @@ uint64_t bis_state_sums_bytes(const bis_workspace *of)
 {
     const uint64_t n_learn = of->visibility.n_tiles ? (uint64_t)of->n_own : 0;
 
-    return pixels_of(of) * (3 * 8 + 7 * 4 + 8 * (uint64_t)of->film->layers.n_values) +
+    return pixels_of(of) * (BIS_FILM_BYTES + 8 * (uint64_t)of->film->layers.n_values) +
            (uint64_t)of->adapt.n_tiles * 20 + n_learn * of->visibility.cells * sizeof(bis_seen);
 }
 
@@ -217,6 +228,7 @@ void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
     walk_pixels(w, of, (values){.doubles = f->sum, .each = 3});
     walk_pixels(w, of, (values){.floats = f->deviation, .each = 3});
     walk_pixels(w, of, (values){.floats = f->half, .each = 3});
+    walk_pixels(w, of, (values){.floats = f->quarter, .each = 3});
     walk_pixels(w, of, (values){.floats = f->hits, .each = 1});
     walk_pixels(w, of, (values){.doubles = f->layers.sum, .each = (size_t)f->layers.n_values});
     walk_adapt(w, &of->adapt);

@@ -118,16 +118,17 @@ static void judge(double *figure, double *twin, world *w, const bis_film *refere
         squares[0] += pow(true_error(&f, reference), 2);
         squares[1] += pow(result.error.relative_rmse, 2);
         f.independent = true;
-        squares[2] += pow(bis_film_estimate_error(&f).relative_rmse, 2);
+        squares[2] += pow(bis_film_estimate_error(&f, NULL).relative_rmse, 2);
         bis_film_clear(&f);
     }
     *figure = sqrt(squares[1] / squares[0]);
     *twin = sqrt(squares[2] / squares[0]);
 }
 
-/* `place` has no noise, so that all error is at edges and slopes within a pixel: strata gain most, p is 3/2, and the
- * figure is 15 % too large (film_error.c). With independent samples it is right,
- * and so is its twin. 99 pixels and 40 renders: the standard error of the ratio is 3 %, of which three are added to 16 % on either side. */
+/* `place` has no noise, so that all error is at edges and slopes within a pixel, and strata gain most. The picture has few
+ * edges, for which 32 and 64 samples are hardly better than 16 (film_error.c): so the figure is judged in the
+ * geometric mean over four doublings, in which such steps cancel but for the first and last. What is left is p between 1 and 3/2, 16 % on either side. With independent samples the figure is
+ * right, and so is its twin. 99 pixels and 4 x 40 renders: the standard error of the ratio is 2 %, of which three are added. */
 static void the_figure_sees_what_strata_gain(void **state)
 {
     (void)state;
@@ -137,11 +138,16 @@ static void the_figure_sees_what_strata_gain(void **state)
     make_world(&w, &place);
     reference_of(&reference, &w, 4096);
     for (int k = 0; k < 3; k++) {
-        double figure, twin;
+        double figure = 1, twin = 1;
         w.desc.view.sampler.kind = kinds[k];
-        judge(&figure, &twin, &w, &reference, 64);
+        for (uint32_t spp = 16; spp <= 128; spp *= 2) {
+            double one, other;
+            judge(&one, &other, &w, &reference, spp);
+            figure *= pow(one, 0.25);
+            twin *= pow(other, 0.25);
+        }
         const bool is_right = kinds[k] == BIS_SAMPLER_RANDOM ? fabs(twin - 1) < 0.1 : twin > 1.5;
-        if (!(fabs(figure - 1) < 0.16 + 0.09 && is_right))
+        if (!(fabs(figure - 1) < 0.16 + 0.06 && is_right))
             fail_msg("%s: estimate over truth %g, the twin's %g", bis_sampler_name(kinds[k]), figure, twin);
     }
     bis_film_clear(&reference);

@@ -568,13 +568,13 @@ static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **stat
     const double error = 0.02;
     double upper, upper_shorter;
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = error}});
-    upper = bis_film_estimate_error(&film).upper;
+    upper = bis_film_estimate_error(&film, NULL).upper;
     assert_true(upper <= error);
     assert_true(result.passes > 20);
     /* Checks grow apart by a twentieth: with 10% fewer passes the bound did not hold. */
     const uint32_t fewer = (uint32_t)result.spp - 4 * (result.passes / 10 + 1);
     render(&shorter, &other, &w, whole, &(bis_render_options){.budget = {.spp = fewer}}); /* the same passes */
-    upper_shorter = bis_film_estimate_error(&shorter).upper;
+    upper_shorter = bis_film_estimate_error(&shorter, NULL).upper;
     assert_true(upper_shorter > error);
     bis_film_clear(&film);
     bis_film_clear(&shorter);

@@ -22,12 +22,14 @@ typedef struct bis_film {
     double *sum;               /* sum[height][width][3] of weight x radiance over passes */
     float *deviation;          /* the same shape: root of the weighted mean of (radiance of a pass - mean)^2 */
     float *half;               /* half[height][width][3]: the mean of the first passes, those of weight half_weight */
+    float *quarter;            /* the same of the first passes of weight quarter_weight, which was half before */
     /* hits[height][width]: sum over passes of weight x the share of the pass's camera samples that hit geometry. How
      * exact it is: src/render/film.c. */
     float *hits;
     uint32_t passes;           /* complete passes */
     double weight;             /* the sum of the weights of the passes, the same in every pixel */
     double half_weight;        /* of the first passes whose mean is kept, about half; 0 before the second pass */
+    double quarter_weight;     /* of the passes whose mean was kept before; 0 before the third pass */
     double most;               /* the weight expected at the end, so that the halves come out alike; 0: unknown */
     bool independent;          /* no sequence spreads the camera samples of a pixel; set before the first pass */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
@@ -95,10 +97,23 @@ typedef struct bis_film_error {
     bool is_known;        /* false: few pixels carry the error, and the figure may be wrong by a quarter or more */
 } bis_film_error;
 
+/* The sum over pixels of the relative squared error, as the difference of the first samples, of weight P, from the
+ * W - P that follow tells it, and the relative variance of this sum. */
+typedef struct bis_film_pair {
+    double P, W, sum, doubt;
+} bis_film_pair;
+
+/* What earlier estimates of a growing film found; all 0 before the first one. */
+typedef struct bis_film_memory {
+    bis_film_pair now, before; /* by the quarters, and by what were the quarters before the last doubling */
+} bis_film_memory;
+
 /* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
  * docs/budgets.md, "Error", which defines it. The means of the pixels stand in for the reference values. What strata
- * gain is estimated, too, unless the film is told that its passes are independent. */
-bis_film_error bis_film_estimate_error(const bis_film *f);
+ * gain is estimated, too, unless the film is told that its passes are independent. *memory is what earlier calls for
+ * this film found, and receives what this one finds; NULL: there is none. It makes the bound tighter where the end of
+ * the render is not known. */
+bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory);
 
 /* bis_film_variance estimates the variance of value i of the picture [height][width][3] from the scatter of the passes,
  * at least 2, as if they were independent. Where strata gain something, it is too large. */
@@ -123,7 +138,7 @@ enum { BIS_FILM_MAX_CHANNELS = 24 };
 int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNELS], float *planes);
 
 /* The bytes of a pixel's sums, without layers. */
-enum { BIS_FILM_BYTES = 3 * sizeof(double) + 7 * sizeof(float) };
+enum { BIS_FILM_BYTES = 3 * sizeof(double) + 10 * sizeof(float) };
 
 /* bis_film_bytes returns the bytes that the sums take. */
 size_t bis_film_bytes(const bis_film *f);

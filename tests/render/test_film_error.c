@@ -1,0 +1,400 @@
+/* film_error: what a film says about its own error, beside errors that are known. Each statistical test has a level of
+ * 0.01 and says how. */
+#include "bis/render/film.h"
+#include "bis/thesis/rng.h"
+#include "threads.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+static const double whole[4] = {0, 1, 0, 1};
+
+/* A film whose passes are independent. */
+static void init(bis_film *f, int width, int height)
+{
+    assert_int_equal(bis_film_init(f, width, height, whole, (bis_loc){0}, NULL), BIS_OK);
+    f->independent = true;
+}
+
+/* Two passes with values a and b in each channel: mean (a + b)/2, its variance (a - b)^2/4, the mean's square less that a b. A
+ * crop of 6 x 5 pixels, from (3, 2) on, in tiles of 4: 1, 4 and 1 columns, 2 and 3 rows. All tiles together are the picture's
+ * relMSE. Dark pictures have small floors. */
+static void a_tiles_error_is_the_sum_over_its_pixels(void **state)
+{
+    (void)state;
+    for (int dark = 0; dark < 2; dark++) {
+        const double scale = dark ? 0x1p-10 : 4, crop[4] = {0.25, 0.75, 0.25, 0.875};
+        double mean = 0, errors[6], expected[6] = {0}, all = 0;
+        bis_film f;
+        assert_int_equal(bis_film_init(&f, 12, 8, crop, (bis_loc){0}, NULL), BIS_OK);
+        f.independent = true;
+        assert_true(f.x0 == 3 && f.y0 == 2 && f.width == 6 && f.height == 5);
+        for (int pass = 0; pass < 2; pass++) {
+            for (int y = 2; y < 7; y++)
+                for (int x = 3; x < 9; x++) {
+                    const float v = (float)(scale * (pass ? x + 2 * y : 3 + x * y % 5));
+                    bis_film_add(&f, x, y, (rgb){v, v, v}, 1, 1);
+                }
+            bis_film_end_pass(&f, 1);
+        }
+        for (int k = 0; k < 2; k++) /* the mean, then what is weighed by it */
+            for (int y = 2; y < 7; y++)
+                for (int x = 3; x < 9; x++) {
+                    const double a = scale * (x + 2 * y), b = scale * (3 + x * y % 5), m = (a + b) / 2, floor = mean * mean / 100;
+                    if (k == 0) mean += m / 30;
+                    else expected[y / 4 * 3 + x / 4] += (a - b) * (a - b) / 4 / sqrt((m * m + floor) * (a * b + floor));
+                }
+        bis_film_tile_errors(&f, 4, errors);
+        for (int t = 0; t < 6; t++) {
+            if (!(fabs(errors[t] - expected[t]) <= 1e-9 * expected[t])) fail_msg("tile %d: %g, not %g", t, errors[t], expected[t]);
+            all += expected[t];
+        }
+        assert_true(fabs(bis_film_estimate_error(&f, NULL).relative_rmse / sqrt(all / 30) - 1) < 1e-9);
+        bis_film_clear(&f);
+    }
+}
+
+/* Two grey pixels: the passes of the first are given, those of the second are all 4. */
+static double rmse_of(const float *first, int passes, double *upper)
+{
+    bis_film f;
+    init(&f, 2, 1);
+    for (int pass = 0; pass < passes; pass++) {
+        const float v = first[pass];
+        bis_film_add(&f, 0, 0, (rgb){v, v, v}, true, 1);
+        bis_film_add(&f, 1, 0, (rgb){4, 4, 4}, true, 1);
+        bis_film_end_pass(&f, 1);
+    }
+    const bis_film_error error = bis_film_estimate_error(&f, NULL);
+    if (upper) *upper = error.upper;
+    bis_film_clear(&f);
+    return error.relative_rmse;
+}
+
+/* Passes {1, 3}: means 2 and 4, m = 3, variance of the first mean 2/2 = 1. In place of the truth's square stand 2^2 and
+ * 2^2 - 1. */
+static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
+{
+    (void)state;
+    double upper;
+    const double expected = sqrt(0.5 / sqrt(4.09 * 3.09));
+    assert_true(fabs(rmse_of((float[]){1, 3}, 2, &upper) - expected) < 1e-14);
+    assert_true(upper > expected);
+}
+
+/* Passes {0, 0, 0, 8}: mean 2, of variance 16/4 = 4. The twin, 4/(2^2 + m^2/100), calls it an error of 70%, however bright
+ * the sample. */
+static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
+{
+    (void)state;
+    const double rmse = rmse_of((float[]){0, 0, 0, 8}, 4, NULL), twin = sqrt(0.5 * 4 / 4.09);
+    /* the deviation is float: 2^-24 of the variance, which the difference 2^2 - 4 makes 4 * 2^-24 / 0.09 / 2 of the square */
+    assert_true(fabs(rmse - sqrt(0.5 * 4 / sqrt(4.09 * 0.09))) < 3e-6);
+    assert_true(rmse > 2.5 * twin);
+}
+
+static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(void **state)
+{
+    (void)state;
+    const float values[] = {0, 1, 0.1f, 3.4e38f, 1e-38f};
+    for (size_t i = 0; i < 2 * (sizeof values / sizeof *values); i++) {
+        bis_film f;
+        const float value = values[i / 2];
+        init(&f, 1, 1);
+        f.independent = i % 2;
+        for (int pass = 0; pass < 7; pass++) {
+            const bis_film_error e = bis_film_estimate_error(&f, NULL);
+            assert_true(pass < 2 ? isnan(e.relative_rmse) && isnan(e.upper) : e.relative_rmse < 1e-7 && e.upper < 1e-7);
+            assert_true(pass >= 2 || !e.is_known);
+            bis_film_add(&f, 0, 0, (rgb){value, value, value}, true, 1);
+            bis_film_end_pass(&f, 1);
+        }
+        bis_film_clear(&f);
+    }
+}
+
+/* 5300 pixels, noise: the threads' shares meet in other orders each time. All pixels as tiles of one make the sum. */
+static void any_number_of_threads_finds_the_same_errors(void **state)
+{
+    (void)state;
+    enum { W = 100, H = 53, TIMES = 100 };
+    static double alone[W * H], together[W * H];
+    static float rgba[2][4 * W * H];
+    const int before = use_threads(1);
+    double sum = 0;
+    bis_film f;
+    bis_rng rng;
+
+    bis_rng_init(&rng, 8, 0, 0, 0);
+    init(&f, W, H);
+    for (int pass = 0; pass < 3; pass++) {
+        for (int i = 0; i < W * H; i++) {
+            const float v = (float)bis_rng_double(&rng), w = (float)bis_rng_double(&rng);
+            bis_film_add(&f, i % W, i / W, (rgb){v, w, v * w}, (double)w, 1);
+        }
+        bis_film_end_pass(&f, 1);
+    }
+    const bis_film_error error = bis_film_estimate_error(&f, NULL);
+    bis_film_tile_errors(&f, 1, alone);
+    bis_film_resolve(&f, rgba[0]);
+    for (int i = 0; i < W * H; i++) sum += alone[i];
+    assert_true(fabs(error.relative_rmse / sqrt(sum / (W * H)) - 1) < 1e-12);
+    for (int i = 0; i < TIMES; i++) {
+        use_threads(2 + i % 7);
+        const bis_film_error again = bis_film_estimate_error(&f, NULL);
+        assert_true(again.relative_rmse == error.relative_rmse && again.upper == error.upper);
+        bis_film_tile_errors(&f, 1, together);
+        assert_memory_equal(together, alone, sizeof alone);
+        bis_film_resolve(&f, rgba[1]);
+        assert_memory_equal(rgba[1], rgba[0], sizeof rgba[0]);
+    }
+    use_threads(before);
+    bis_film_clear(&f);
+}
+
+static void exposure_does_not_change_the_relative_rmse(void **state)
+{
+    (void)state;
+    double rmse[3], smaller;
+    const double scale[3] = {1, 1e-20, 1e20};
+    for (int s = 0; s < 3; s++) {
+        bis_film f;
+        bis_rng rng;
+        bis_rng_init(&rng, 1, 0, 0, 0);
+        init(&f, 8, 8);
+        for (int pass = 0; pass < 5; pass++) {
+            for (int i = 0; i < 64; i++) {
+                double v = scale[s] * bis_rng_double(&rng);
+                bis_film_add(&f, i % 8, i / 8, rgb_from(v, v / 2, v / 3), true, 1);
+            }
+            bis_film_end_pass(&f, 1);
+        }
+        rmse[s] = bis_film_estimate_error(&f, NULL).relative_rmse;
+        for (int k = 0; k < 3 * 64; k++) f.sum[k] *= 0x1p-40, f.deviation[k] *= 0x1p-40f, f.half[k] *= 0x1p-40f;
+        smaller = bis_film_estimate_error(&f, NULL).relative_rmse; /* a power of 2 rounds nothing */
+        assert_true(fabs(smaller / rmse[s] - 1) < 1e-15);
+        bis_film_clear(&f);
+    }
+    /* The samples are rounded to float after scaling: 2^-24 each. */
+    for (int s = 1; s < 3; s++) assert_true(fabs(rmse[s] - rmse[0]) < 1e-6 * rmse[0]);
+}
+
+/* A film of 12 x 12 pixels whose means are known and whose noise is uniform, triangular or (heavy) exponential; returns
+ * the true relative RMSE of this very picture. */
+static double noisy_film(bis_film *f, uint64_t seed, int passes)
+{
+    bis_rng rng;
+    double truth[144], m = 0, total = 0;
+
+    bis_rng_init(&rng, seed, 0, 0, 0);
+    init(f, 12, 12);
+    for (int i = 0; i < 144; i++) truth[i] = 0.5 + (i % 7);
+    for (int pass = 0; pass < passes; pass++) {
+        for (int i = 0; i < 144; i++) {
+            double u = bis_rng_double(&rng), v = bis_rng_double(&rng);
+            double noise = i % 3 == 0 ? u - 0.5 : i % 3 == 1 ? u - v : -log1p(-u) - 1;
+            double L = truth[i] * (1 + 0.4 * noise);
+            bis_film_add(f, i % 12, i / 12, rgb_from(L, L, L), true, 1);
+        }
+        bis_film_end_pass(f, 1);
+    }
+    for (int i = 0; i < 144; i++) m += truth[i] / 144;
+    for (int i = 0; i < 144; i++) {
+        double d = f->sum[3 * i] / passes - truth[i];
+        total += d * d / (truth[i] * truth[i] + m * m / 100) / 144;
+    }
+    return sqrt(total);
+}
+
+/* Misses in n renders, when at most 5% of them may miss: mean 0.05 n, 2.33 standard deviations are passed once in a
+ * hundred. */
+static bool too_many_misses(int misses, int n) { return misses > 0.05 * n + 2.33 * sqrt(n * 0.05 * 0.95); }
+
+static void upper_bound_holds_in_95_renders_of_100(void **state)
+{
+    (void)state;
+    enum { N = 2000 };
+    for (int passes = 4; passes <= 64; passes *= 4) {
+        int misses = 0, twin_misses = 0;
+        double mean_upper = 0, mean_truth = 0;
+        for (int i = 0; i < N; i++) {
+            bis_film f;
+            const double truth = noisy_film(&f, 100 + (uint64_t)i, passes);
+            const bis_film_error e = bis_film_estimate_error(&f, NULL);
+            misses += truth > e.upper;
+            twin_misses += truth > e.relative_rmse; /* the estimate alone is a bound every other time */
+            mean_upper += e.upper / N;
+            mean_truth += truth / N;
+            bis_film_clear(&f);
+        }
+        assert_false(too_many_misses(misses, N));
+        assert_true(too_many_misses(twin_misses, N));
+        /* A bound of twice the error would make --error waste four times the work. */
+        assert_true(mean_upper < 1.3 * mean_truth);
+    }
+}
+/* ---- strata ---- */
+
+enum { SIDE = 64, PIXELS = SIDE * SIDE, MOST = 64 };
+
+static const double amount = 0.05, pi = 3.14159265358979323846;
+
+static double normal(bis_rng *rng)
+{
+    const double radius = sqrt(-2 * log1p(-bis_rng_double(rng)));
+    return radius * cos(2 * pi * bis_rng_double(rng));
+}
+
+/* n values with this mean, n a power of two: the means of their halves lie as far to both sides as a variance n^-p of
+ * the mean of n values asks for, and so on down to single values. */
+static void make_samples(double *values, int n, double mean, double p, bis_rng *rng)
+{
+    if (n == 1) {
+        values[0] = mean;
+        return;
+    }
+    const double apart = sqrt(pow(n / 2, -p) - pow(n, -p)) * normal(rng);
+    make_samples(values, n / 2, mean + apart, p, rng);
+    make_samples(values + n / 2, n / 2, mean - apart, p, rng);
+}
+
+/* A film of radiance 1 and W passes, whose mean over n samples has the variance amount^2 n^-p. With `most` it knows its
+ * end. memory may be NULL; it sees the film after each pass from the fourth on. Returns the error of this very picture. */
+static double stratified_film(bis_film *f, double p, int W, bool most, bis_film_memory *memory, uint64_t seed)
+{
+    static double values[PIXELS][MOST];
+    double squares = 0;
+    bis_rng rng;
+
+    bis_rng_init(&rng, seed, 0, 0, 0);
+    assert_int_equal(bis_film_init(f, SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
+    if (most) f->most = W;
+    for (int i = 0; i < PIXELS; i++) make_samples(values[i], MOST, pow(MOST, -p / 2) * normal(&rng), p, &rng);
+    for (int pass = 0; pass < W; pass++) {
+        for (int i = 0; i < PIXELS; i++) {
+            const double L = 1 + amount * values[i][pass];
+            bis_film_add(f, i % SIDE, i / SIDE, rgb_from(L, L, L), 1, 1);
+        }
+        bis_film_end_pass(f, 1);
+        if (memory && pass >= 3 && pass < W - 1) bis_film_estimate_error(f, memory);
+    }
+    for (int i = 0; i < PIXELS; i++) squares += pow(f->sum[3 * i] / W - 1, 2) / PIXELS / 1.01;
+    return sqrt(squares);
+}
+
+/* The figure of a p that is always 5/4, from two equal halves. */
+static double figure_of_one_power(const bis_film *f)
+{
+    double sum = 0;
+    for (int i = 0; i < PIXELS; i++) sum += pow((double)f->half[3 * i] - f->sum[3 * i] / f->weight, 2) / PIXELS / 1.01;
+    return sqrt(sum / (exp2(1.25) - 1));
+}
+
+/* Means over 20 films of the figure over the truth. One figure's standard deviation is 4%: the sums have 2.2% each
+ * (sqrt(2/4096)), their ratio tells p within 0.045, p changes log(V) by up to 1.4 times as much, and the error is the
+ * root. Of 20: 0.9%, of which 3 are allowed for 9 cases. The bounds of p and what is assumed beforehand add up to 2% (0.4
+ * standard deviations of p where it lies at a bound). The twins: one power for all, where it is off by 15%, and the
+ * scatter of the passes. */
+static void the_figure_finds_how_fast_the_error_falls(void **state)
+{
+    (void)state;
+    const double powers[] = {1, 1.25, 1.5};
+    const int sizes[] = {8, 16, 64};
+    for (int k = 0; k < 9; k++) {
+        const double p = powers[k / 3];
+        double ratio = 0, one_power = 0, scatter = 0;
+        for (uint64_t seed = 1; seed <= 20; seed++) {
+            bis_film f;
+            const double truth = stratified_film(&f, p, sizes[k % 3], true, NULL, seed);
+            const bis_film_error error = bis_film_estimate_error(&f, NULL);
+            assert_true(error.is_known && error.upper > error.relative_rmse);
+            ratio += error.relative_rmse / truth / 20;
+            one_power += figure_of_one_power(&f) / truth / 20;
+            f.independent = true;
+            scatter += bis_film_estimate_error(&f, NULL).relative_rmse / truth / 20;
+            bis_film_clear(&f);
+        }
+        if (!(fabs(ratio - 1) < 0.047)) fail_msg("p %g, %d samples: %g of the truth", p, sizes[k % 3], ratio);
+        assert_true(p == 1.25 || fabs(one_power - 1) > 0.1);
+        assert_true(p == 1 ? fabs(scatter - 1) < 0.047 : scatter > 1.2);
+    }
+}
+
+/* Where the end is not known, 20 samples are a half of 16 and 4 more, whose difference says little. An estimate that
+ * saw 8 and 16 samples before has a smaller bound, which holds. At 16 samples the memory says nothing that the film does
+ * not. Of 100 bounds more than 10.1 fail once in a hundred times if 5 may (see too_many_misses); the figure alone fails
+ * every other time. */
+static void an_earlier_estimate_makes_the_bound_smaller(void **state)
+{
+    (void)state;
+    enum { N = 100 };
+    double smaller = 0;
+    int misses = 0, twin_misses = 0;
+    for (uint64_t seed = 1; seed <= N; seed++) {
+        bis_film f;
+        bis_film_memory memory = {0};
+        const double truth = stratified_film(&f, 1.25, 20, false, &memory, seed);
+        const bis_film_error with = bis_film_estimate_error(&f, &memory), without = bis_film_estimate_error(&f, NULL);
+        assert_true(f.half_weight == 16 && f.quarter_weight == 8);
+        smaller += with.upper / without.upper / N;
+        misses += truth > with.upper;
+        twin_misses += truth > with.relative_rmse;
+        bis_film_clear(&f);
+    }
+    if (!(smaller < 0.9)) fail_msg("the bound with a memory is %g of the one without", smaller);
+    assert_false(too_many_misses(misses, N));
+    assert_true(too_many_misses(twin_misses, N));
+}
+
+/* 300 pixels of 1, whose passes differ in `noisy` of them by as much as their mean, in both directions. */
+static bis_film_error error_of_pixels(int noisy, double noise)
+{
+    bis_film f;
+    init(&f, 300, 1);
+    for (int pass = 0; pass < 4; pass++) {
+        for (int x = 0; x < 300; x++) {
+            const float L = x < noisy ? (float)(1 + (pass % 2 ? noise : -noise)) : 1;
+            bis_film_add(&f, x, 0, (rgb){L, L, L}, 1, 1);
+        }
+        bis_film_end_pass(&f, 1);
+    }
+    const bis_film_error e = bis_film_estimate_error(&f, NULL);
+    bis_film_clear(&f);
+    return e;
+}
+
+/* n noisy pixels have the same error X, so the sum of X^2 is 1/n of the square of the sum. Four passes have three degrees
+ * of freedom: the sum's doubt is 2/(3 + 2) of that, and the draw's is three times as much. Together 1.6/n must be at most
+ * (1/2)^2: 7 pixels. The mean of four passes has the variance noise^2/3: a half at noise 0.87. */
+static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
+{
+    (void)state;
+    assert_false(error_of_pixels(6, 0.1).is_known);
+    assert_true(error_of_pixels(7, 0.1).is_known);
+    assert_true(error_of_pixels(300, 0.8).is_known);
+    assert_false(error_of_pixels(300, 0.9).is_known);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_tiles_error_is_the_sum_over_its_pixels),
+        cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
+        cmocka_unit_test(a_lone_bright_sample_does_not_hide_behind_its_own_brightness),
+        cmocka_unit_test(relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter),
+        cmocka_unit_test(any_number_of_threads_finds_the_same_errors),
+        cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
+        cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
+        cmocka_unit_test(the_figure_finds_how_fast_the_error_falls),
+        cmocka_unit_test(an_earlier_estimate_makes_the_bound_smaller),
+        cmocka_unit_test(an_error_of_few_pixels_or_above_a_half_is_unknown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
