@@ -1,27 +1,29 @@
-"""error_truth: is the error that `bis` prints the true one, and does --error keep its word? Prints the tables of docs/budgets.md, "Error".
+"""error_truth: is the error that `bis` prints the true one, and does --error keep its word? Prints the table of docs/budgets.md, "Error".
 
-    error_truth.py BIS [--seeds 8] [--size 96x72] [--only NAME,...] [--out FOLDER] SCENE...
+    error_truth.py BIS [--seeds 8] [--size 96x72] [--only NAME,...] [--out FOLDER] [--own] [SCENE...]
 
-Needs numpy. Each scene is rendered twice over: as it stands, and by default, without its Sampler and Integrator lines. The truth is the mean of two long renders with seeds of
-their own; half their difference tells its noise, which is taken off. true(n) is the root of the mean over seeds of relMSE with n camera samples.
-Columns: true(8); for n = 4, 8, 16 and 64 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many say "unknown", and the
-median of printed / true; with E = true(20): how many renders by --error E have a true error of at most E, and how many camera samples they take, over 20. References are kept in FOLDER.
+Needs numpy. Each scene is rendered by default, without its Sampler and Integrator lines, and with --only default,named also as it stands. --own adds scenes that are made here: maps of few
+pixels, a room with a window, checkerboards, small spheres under a sun. The truth is the mean of two long renders by default with seeds of their own; half their difference tells its noise,
+which is taken off. Columns: the true error at 8 samples; for n = 4, 8 and 32 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many say
+"unknown", and the median of printed / true. E is the largest true error that a seed has at 20 samples, so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by
+--error E have a true error of at most E, and how many camera samples they take, over 20. References are kept in FOLDER.
 """
 import argparse, concurrent.futures as cf, json, os, re, subprocess, sys, tempfile
 import numpy as np
 
 ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 ap.add_argument('bis')
-ap.add_argument('scenes', nargs='+')
+ap.add_argument('scenes', nargs='*')
+ap.add_argument('--own', action='store_true')
 ap.add_argument('--seeds', type=int, default=8)
 ap.add_argument('--size', default='96x72')
-ap.add_argument('--only', default='default,named')
+ap.add_argument('--only', default='default')
 ap.add_argument('--out', default=os.path.join(tempfile.gettempdir(), 'error-truth'))
-ap.add_argument('--reference', type=int, default=512, help='camera samples of each of the two references')
+ap.add_argument('--reference', type=int, default=256, help='camera samples of each of the two references')
 ap.add_argument('--jobs', type=int, default=2)
 a = ap.parse_args()
 os.makedirs(a.out, exist_ok=True)
-SPP = (4, 8, 16, 64)
+SPP = (4, 8, 32)
 
 
 def pixels(path):
@@ -58,6 +60,53 @@ def variant(scene, name):
     return copy
 
 
+def own_scenes(folder):
+    """Writes the scenes of --own and returns their paths."""
+    os.makedirs(folder, exist_ok=True)
+    rng = np.random.default_rng(1)
+
+    def write_map(name, picture):
+        with open(os.path.join(folder, name), 'wb') as f:
+            f.write(b'PF\n%d %d\n-1.0\n' % (picture.shape[1], picture.shape[0]) + picture[::-1].astype('<f4').tobytes())
+
+    def sky(height, sun):
+        elevation = (np.arange(height) + .5) / height
+        turn = np.arange(2 * height) / (2 * height)
+        m = (.2 + np.maximum(0, .5 - elevation))[:, None, None] * np.array([.8, .9, 1.2]) * (1 + .5 * np.cos(2 * np.pi * turn))[None, :, None]
+        m[height // 4:height // 4 + height // 32, height // 2:height // 2 + height // 32] += sun
+        return m
+
+    sizes = ((1, 1), (2, 1), (4, 2), (8, 4))
+    write_map('sky.pfm', sky(64, 200))
+    write_map('sun.pfm', sky(256, 2e4))
+    for w, h in sizes:
+        write_map('map%dx%d.pfm' % (w, h), rng.uniform(.1, 2, (h, w, 3)))
+    head = ('Film "rgb" "integer xresolution" 240 "integer yresolution" 180\nScale -1 1 1\nLookAt %s\nCamera "perspective" "float fov" %g\nWorldBegin\n'
+            'LightSource "infinite" "string filename" "%s" "bool visible" false\n')
+    dull = 'Material "phong" "rgb Kd" [.6 .6 .6] "rgb Ks" [0 0 0]\n'
+    glossy = 'Material "phong" "rgb Kd" [.4 .2 .1] "rgb Ks" [.3 .3 .3] "float exponent" 60\n'
+    checks = ('Texture "t" "spectrum" "checkerboard" "rgb tex1" [.8 .3 .2] "rgb tex2" [.2 .3 .6] "float uscale" %d "float vscale" %d\n'
+              'Material "phong" "texture Kd" "t" "float Ks" 0.2 "float exponent" 60\n')
+    walls = [[(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], [(-2, -2, 3), (2, -2, 3), (2, 2, 3), (-2, 2, 3)], [(-2, -2, 0), (-2, 2, 0), (-2, 2, 3), (-2, -2, 3)],
+             [(-2, -2, 0), (2, -2, 0), (2, -2, 3), (-2, -2, 3)], [(-2, 2, 0), (2, 2, 0), (2, 2, 3), (-2, 2, 3)]]
+    walls += [[(2, p, r), (2, q, r), (2, q, s), (2, p, s)] for p, q, r, s in ((-2, 2, 0, 1), (-2, 2, 2, 3), (-2, -.5, 1, 2), (.5, 2, 1, 2))]
+    room = ''.join('Shape "trianglemesh" "point3 P" [%s] "integer indices" [0 1 2 0 2 3]\n' % ' '.join('%g' % c for p in q for c in p) for q in walls)
+    ball = 'AttributeBegin\nTranslate %g %g %g\nShape "sphere" "float radius" %g\nAttributeEnd\n'
+    floor = 'Shape "disk" "float radius" 30\n'
+    inside, over = '-1.7 -1.7 1.6  1 0.6 0.9  0 0 1', '0 -9 4  0 0 0.2  0 0 1'
+    row = ''.join(ball % (x, 0, .8, .8) for x in (-2, 0, 2))
+    beads = ''.join(ball % (*rng.uniform(-3, 3, 2), rng.uniform(.1, 1), rng.uniform(.05, .2)) for _ in range(300))
+    scenes = {'room-sky': head % (inside, 70, 'sky.pfm') + dull + room + glossy + ball % (.4, .2, .5, .5), 'room-sun': head % (inside, 70, 'sun.pfm') + dull + room + glossy + ball % (.4, .2, .5, .5),
+              'checks-coarse': head % (over, 40, 'sky.pfm') + checks % (16, 16) + floor + glossy + row, 'checks-fine': head % (over, 40, 'sky.pfm') + checks % (200, 200) + floor + glossy + row,
+              'beads': head % (over, 40, 'sun.pfm') + dull + floor + glossy + beads}
+    for w, h in sizes:
+        scenes['map-%dx%d' % (w, h)] = head % (over, 40, 'map%dx%d.pfm' % (w, h)) + dull + floor + glossy + row
+    for name, text in scenes.items():
+        with open(os.path.join(folder, name + '.txt'), 'w') as f:
+            f.write(text)
+    return [os.path.join(folder, name + '.txt') for name in scenes]
+
+
 def reference(scene):
     path = os.path.join(a.out, '%s-%s-%d.npy' % (os.path.basename(scene), a.size, a.reference))
     if not os.path.exists(path):
@@ -73,7 +122,7 @@ def reference(scene):
 
 def row(scene, name):
     path = variant(scene, name)
-    truth = reference(path)
+    truth = reference(variant(scene, 'default'))
     if truth is None:
         return None
     mean, scale, noise = truth
@@ -89,8 +138,7 @@ def row(scene, name):
         within = int((np.abs(ratio - 1) <= (.35 if n == 4 else .2)).sum())
         good[n] = (within, int(known.sum()), a.seeds, list(np.round(ratio, 2)))
         cells.append('%d of %d%s, %s' % (within, known.sum(), ', %d unknown' % (~known).sum() if not known.all() else '', '%.2f' % np.median(ratio) if known.any() else '-'))
-    slope = np.log(curve[16] / curve[64]) / np.log(4)
-    E = curve[16] * (16 / 20) ** slope
+    E = max(error(render(path, seed, '--spp', '20')[0]) for seed in range(1, a.seeds + 1))
     kept, samples = 0, []
     for seed in range(1, a.seeds + 1):
         p, s = render(path, seed, '--error', '%.6g' % E)
@@ -103,10 +151,11 @@ def row(scene, name):
     return good, kept, np.mean(samples) / 20
 
 
-print('| scene | true(8) | 4 | 8 | 16 | 64 | E kept | samples / 20 |\n| --- | --- | --- | --- | --- | --- | --- | --- |')
+scenes = a.scenes + (own_scenes(os.path.join(a.out, 'own')) if a.own else [])
+print('| scene | true(8) | 4 | 8 | 32 | E kept | samples / 20 |\n| --- | --- | --- | --- | --- | --- | --- |')
 with cf.ThreadPoolExecutor(a.jobs) as pool:
-    rows = [r for r in pool.map(lambda t: row(*t), [(s, v) for s in a.scenes for v in a.only.split(',')]) if r]
+    rows = [r for r in pool.map(lambda t: row(*t), [(s, v) for s in scenes for v in a.only.split(',')]) if r]
 for n in SPP:
     within, known, runs = (sum(r[0][n][i] for r in rows) for i in range(3))
     print('%d samples: %d of %d figures within %d %% (%.1f %%), %d of %d unknown' % (n, within, known, 35 if n == 4 else 20, 100 * within / max(known, 1), runs - known, runs))
-print('--error: kept in %d of %d; samples over 20: median %.2f, largest %.2f' % (sum(r[1] for r in rows), a.seeds * len(rows), np.median([r[2] for r in rows]), max(r[2] for r in rows)))
+print('--error: kept in %d of %d; samples over 20: median %.2f, mean %.2f, largest %.2f' % (sum(r[1] for r in rows), a.seeds * len(rows), np.median([r[2] for r in rows]), np.mean([r[2] for r in rows]), max(r[2] for r in rows)))

@@ -10,6 +10,7 @@
 #include "bis/base/version.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 enum { FORMAT = 7, MAGIC = 8 };
@@ -121,12 +122,13 @@ static void walk_counters(bis_walk *w, bis_counters *c)
     bis_walk_u64(w, &c->nonfinite);
 }
 
-static void walk_pair(bis_walk *w, bis_film_pair *p)
+static void walk_pair(bis_walk *w, bis_film_pair *pair)
 {
-    bis_walk_f64(w, &p->P);
-    bis_walk_f64(w, &p->W);
-    bis_walk_f64(w, &p->sum);
-    bis_walk_f64(w, &p->doubt);
+    double *const values[] = {&pair->P, &pair->W, &pair->sum, &pair->doubt};
+    for (int i = 0; i < 4; i++) {
+        bis_walk_f64(w, values[i]);
+        w->bad |= !(isfinite(*values[i]) && *values[i] >= 0);
+    }
 }
 
 void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)

@@ -393,6 +393,7 @@ static void every_field_of_the_format_counts(void **state)
         {"seconds", 8, 7, 0x80, "damaged"},
         {"next look at the error", 4, 0, 1, NULL},
         {"bound of the error", 8, 0, 1, NULL},
+        {"remembered", 64, 0, 1, NULL},
         {"camera rays", 8, 0, 1, NULL},
         {"shadow rays", 8, 0, 1, NULL},
         {"candidates", 8, 0, 1, NULL},
@@ -402,10 +403,12 @@ static void every_field_of_the_format_counts(void **state)
         {"passes", 4, 0, 1, "damaged"},
         {"weight", 8, 5, 1, "damaged"},
         {"weight of the half", 8, 5, 1, "damaged"},
+        {"weight of the quarter", 8, 5, 1, "damaged"},
         {"independent", 4, 0, 2, "damaged"}, /* 0 or 1 */
         {"sum", PIXELS * 24, 6, 1, NULL},
         {"deviation", PIXELS * 12, 2, 1, NULL},
         {"half", PIXELS * 12, 2, 1, NULL},
+        {"quarter", PIXELS * 12, 2, 1, NULL},
         {"hits", PIXELS * 4, PIXELS * 4 - 2, 1, NULL},
         {"depth", PIXELS * 8, PIXELS * 8 - 2, 1, NULL},
         {"checksum", 8, 0, 1, "its checksum is wrong"},
@@ -434,7 +437,8 @@ static void every_field_of_the_format_counts(void **state)
         bis_film_clear(&m->film);
         assert_int_equal(merge_paths(m, paths, 2, NULL), BIS_OK);
         /* what the next pass would need is no part of the picture */
-        const bool is_idle = strcmp(f->name, "next look at the error") == 0 || strcmp(f->name, "bound of the error") == 0;
+        const bool is_idle = strcmp(f->name, "next look at the error") == 0 || strcmp(f->name, "bound of the error") == 0 ||
+                             strcmp(f->name, "remembered") == 0;
         const bool same = memcmp(&m->head.parts, &right->head.parts, sizeof m->head.parts) == 0 &&
                           m->head.pilot_seconds == right->head.pilot_seconds &&
                           m->head.settings.as_printed == right->head.settings.as_printed &&
@@ -448,6 +452,7 @@ static void every_field_of_the_format_counts(void **state)
                           memcmp(m->film.sum, right->film.sum, 24 * n) == 0 &&
                           memcmp(m->film.deviation, right->film.deviation, 12 * n) == 0 &&
                           memcmp(m->film.half, right->film.half, 12 * n) == 0 &&
+                          memcmp(m->film.quarter, right->film.quarter, 12 * n) == 0 &&
                           memcmp(m->film.hits, right->film.hits, 4 * n) == 0 &&
                           memcmp(m->film.layers.sum, right->film.layers.sum, 8 * n) == 0;
         if (same != is_idle) fail_msg("%s: %s", f->name, same ? "nothing changes" : "something changes");
@@ -658,8 +663,8 @@ static uint64_t bits_of(double v)
 static void numbers_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 100, DEVIATIONS = SUMS + 24 * PIXELS, HALF = DEVIATIONS + 12 * PIXELS,
-           HITS = HALF + 12 * PIXELS,
+    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 172, DEVIATIONS = SUMS + 24 * PIXELS, HALF = DEVIATIONS + 12 * PIXELS,
+           QUARTER = HALF + 12 * PIXELS, HITS = QUARTER + 12 * PIXELS,
            DEPTHS = HITS + 4 * PIXELS, END = DEPTHS + 8 * PIXELS };
     const double inf = (double)INFINITY, nan = (double)NAN;
     static const char bad[] = BAD ": error: this part is damaged\n",
@@ -676,15 +681,18 @@ static void numbers_that_make_no_sense_are_refused(void **state)
         {20, 14, 4, bad}, {20, 16, 4, bad},
         {DONE, 0, 8, bad}, {DONE, UINT32_MAX, 8, ""}, {DONE, (uint64_t)UINT32_MAX + 1, 8, bad},
         {DONE + 8, bits_of(0), 8, ""}, {DONE + 8, bits_of(-1e-300), 8, bad}, {DONE + 8, bits_of(inf), 8, bad},
-        {DONE + 8, bits_of(nan), 8, bad}, {DONE + 76, 0, 4, bad}, {DONE + 76, 1, 4, ""},
-        {DONE + 80, bits_of(0), 8, bad}, {DONE + 80, bits_of(inf), 8, bad}, {DONE + 80, bits_of(nan), 8, bad},
-        {DONE + 88, bits_of(-1), 8, bad}, {DONE + 88, bits_of(inf), 8, bad}, {DONE + 88, bits_of(nan), 8, bad},
+        {DONE + 8, bits_of(nan), 8, bad}, {DONE + 140, 0, 4, bad}, {DONE + 140, 1, 4, ""},
+        {DONE + 144, bits_of(0), 8, bad}, {DONE + 144, bits_of(inf), 8, bad}, {DONE + 144, bits_of(nan), 8, bad},
+        {DONE + 152, bits_of(-1), 8, bad}, {DONE + 152, bits_of(inf), 8, bad}, {DONE + 152, bits_of(nan), 8, bad},
+        {DONE + 160, bits_of(-1), 8, bad}, {DONE + 160, bits_of(inf), 8, bad}, {DONE + 160, bits_of(nan), 8, bad},
+        {DONE + 28, bits_of(1), 8, ""}, {DONE + 28, bits_of(-1), 8, bad}, {DONE + 84, bits_of(inf), 8, bad},
         {-80, bits_of(0), 8, ""}, {-80, bits_of(inf), 8, bad}, {-72, bits_of(nan), 8, bad}, {-64, bits_of(inf), 8, bad},
         {-56, bits_of(-1), 8, bad}, {-92, INT32_MAX, 4, ""}, {-92, (uint64_t)INT32_MAX + 1, 4, bad},
         {-100, bits_of(0), 8, ""}, {-100, bits_of(1), 8, ""}, {-100, bits_of(1 + 0x1p-52), 8, bad},
         {-100, bits_of(nan), 8, bad},
         {SUMS, bits_of(nan), 8, sum}, {DEVIATIONS - 8, bits_of(inf), 8, sum}, {DEVIATIONS, 0x7f800000, 4, sum},
-        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {HITS - 4, 0x7fc00000, 4, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
+        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {QUARTER - 4, 0x7fc00000, 4, sum}, {QUARTER, 0x7f800000, 4, sum},
+        {HITS - 4, 0x7fc00000, 4, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
         {DEPTHS, bits_of(nan), 8, sum}, {END - 8, bits_of(inf), 8, sum},
     };
     static const char *const path[] = {BAD};
@@ -722,7 +730,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
                       cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 6, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 7, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;
