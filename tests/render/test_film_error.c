@@ -381,12 +381,12 @@ static bis_film_error error_of_pixels(int noisy, double noise)
 
 /* n noisy pixels have the same error X, so the sum of X^2 is 1/n of the square of the sum. Four passes have three degrees
  * of freedom: the sum's doubt is 2/(3 + 2) of that, and the draw's is three times as much. Together 1.6/n must be at most
- * (1/2)^2: 7 pixels. The mean of four passes has the variance noise^2/3: a half at noise 0.87. */
+ * 0.4^2: 10 pixels. The mean of four passes has the variance noise^2/3: a half at noise 0.87. */
 static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
 {
     (void)state;
-    assert_false(error_of_pixels(6, 0.1).is_known);
-    assert_true(error_of_pixels(7, 0.1).is_known);
+    assert_false(error_of_pixels(9, 0.1).is_known);
+    assert_true(error_of_pixels(11, 0.1).is_known);
     assert_true(error_of_pixels(300, 0.8).is_known);
     assert_false(error_of_pixels(300, 0.9).is_known);
 }

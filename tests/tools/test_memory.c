@@ -139,12 +139,12 @@ static void what_does_not_fit_is_told_before(void **state)
     need_no_sanitizer();
     program_run run;
     write_scene("\"rgb L\" [1 1 1]", "\"sphere\"", 32768, 32768);
-    assert_true(fabs(megabytes_foretold("--integrator brdf") / (32768.0 * 32768 * 68.25 / 1e6) - 1) < 0.01);
+    assert_true(fabs(megabytes_foretold("--integrator brdf") / (32768.0 * 32768 * 80.25 / 1e6) - 1) < 0.01);
     program_expect(&run, 0, "--plan --integrator brdf " DIR "/scene.txt");
-    assert_non_null(strstr(run.messages, "warning: this render takes about 73.3 GB, but "));
+    assert_non_null(strstr(run.messages, "warning: this render takes about 86.2 GB, but "));
     assert_true(system("ulimit -v 8000000; ${BIS_PROGRAM:-build/release/bis} --integrator brdf --spp 1 --outfile " DIR "/out.pfm "
                        DIR "/scene.txt 2>" DIR "/messages") != 0);
-    assert_int_equal(system("grep -q 'warning: this render takes about 73.3 GB, but .* GB of memory are free: it will be slow, or the system will end it. Less is taken by crops, as --cropwindow 0,1,0,0.*, .* parts, as --part 1/.* (.* GB; bis merge takes 73.. GB)$' " DIR "/messages"), 0);
+    assert_int_equal(system("grep -q 'warning: this render takes about 86.2 GB, but .* GB of memory are free: it will be slow, or the system will end it. Less is taken by crops, as --cropwindow 0,1,0,0.*, .* parts, as --part 1/.* (.* GB; bis merge takes 85.. GB)$' " DIR "/messages"), 0);
     assert_int_equal(system("grep -q 'error: no memory' " DIR "/messages"), 0);
     program_expect(&run, 0, "--integrator brdf --samples 1 --spp 1 --resolution 60x60 --outfile " DIR "/out.pfm " DIR "/scene.txt");
     assert_null(strstr(run.messages, "this render takes"));
@@ -402,7 +402,7 @@ static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
     }
 }
 
-/* 2^30 pixels of 68.25 bytes, 14 MB of program; while it is written 68 bytes, and for one thread three times 16 rows of
+/* 2^30 pixels of 80.25 bytes, 14 MB of program; while it is written 80 bytes, and for one thread three times 16 rows of
  * 32768 pixels of 16 bytes. A row of n crops has 1/n of the pixels, one of n parts 8/n + 0.06 of the film. */
 static void advice_names_what_takes_less_and_how_much(void **state)
 {
@@ -412,24 +412,24 @@ static void advice_names_what_takes_less_and_how_much(void **state)
 #define MAP "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" "
     static const struct { const char *before, *world; double room; const char *expected; bool needs_embree; } cases[] = {
         {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 20e9,
-         "crops, as --cropwindow 0,1,0,0.25 (18.3 GB), 64 parts, as --part 1/64 (13.6 GB; bis merge takes 73.1 GB)", false},
+         "crops, as --cropwindow 0,1,0,0.125 (10.8 GB), 64 parts, as --part 1/64 (16.0 GB; bis merge takes 85.9 GB)", false},
         {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 50e9,
-         "crops, as --cropwindow 0,1,0,0.5 (36.7 GB), 16 parts, as --part 1/16 (41.1 GB; bis merge takes 73.1 GB)", false},
+         "crops, as --cropwindow 0,1,0,0.5 (43.1 GB), 16 parts, as --part 1/16 (48.3 GB; bis merge takes 85.9 GB)", false},
         {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 1,
-         "crops, as --cropwindow 0,1,0,0.015625 (1.2 GB), 1024 parts, as --part 1/1024 (5.0 GB; bis merge takes 73.1 GB)", false},
+         "crops, as --cropwindow 0,1,0,0.015625 (1.4 GB), 1024 parts, as --part 1/1024 (5.9 GB; bis merge takes 85.9 GB)", false},
         /* four values of 12 bytes */
         {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 \"float cropwindow\" [0 1 0.5 1] \"string layers\" [\"albedo\" \"depth\"] Integrator \"brdf\"",
          CONSTANT_LIGHT "Shape \"sphere\"", 40e9,
-         "--layers none (36.7 GB), crops, as --cropwindow 0,1,0.5,0.75 (31.2 GB), 16 parts, as --part 1/16 (35.0 GB; bis merge takes 62.3 GB)", false},
+         "--layers none (43.1 GB), crops, as --cropwindow 0,1,0.5,0.75 (34.4 GB), 16 parts, as --part 1/16 (38.6 GB; bis merge takes 68.8 GB)", false},
         /* 2^23 pixels learn 64 bytes each */
         {LARGE "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", MAP, 1e9,
-         "--learn off (0.6 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.6 GB; bis merge takes 0.6 GB)", false},
+         "--learn off (0.7 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.7 GB; bis merge takes 0.7 GB)", false},
         /* 10^7 triangles: 12 bytes, and 82 of a grid or 40 of Embree; the film is nothing beside them */
         {SMALL "Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9, "--accelerator embree (0.5 GB)", true},
         {SMALL "Accelerator \"embree\"", CONSTANT_LIGHT PLY("many"), 1, "", true},
-        /* a picture of 0.57 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
+        /* a picture of 0.67 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
         {LARGE "Integrator \"brdf\" Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9,
-         "--accelerator embree (1.1 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part 1/1024 (1.1 GB; bis merge takes 0.6 GB)", true},
+         "--accelerator embree (1.2 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part 1/1024 (1.1 GB; bis merge takes 0.7 GB)", true},
     };
     const int before = use_threads(1);
     write_pfm_head(DIR "/map.pfm", 64, 32);
