@@ -31,6 +31,21 @@ static void fill_contrasty(double *w, size_t n, uint64_t seed)
     for (size_t i = 0; i < n; i++) w[i] = i % 5 == 1 ? 0 : exp(27 * bis_rng_double(&r));
 }
 
+/* Against sums in long double; a plain sum in double is 10 times nearer than this. */
+static void check_sums(const double *c, const double *w, size_t n)
+{
+    long double sum = 0, all = 0;
+
+    for (size_t i = 0; i < n; i++) all += (long double)w[i];
+    for (size_t i = 0; i < n; i++) {
+        sum += (long double)w[i];
+        if (!(c[i + 1] >= c[i])) {
+            mark_wrong("%zu random weights: C[%zu] is less than C[%zu]; C never falls", n, i + 1, i);
+        }
+        mark_near(c[i + 1], (double)(sum / all), 1e-12, 0, "%zu random weights: C[%zu]", n, i + 1);
+    }
+}
+
 /* What is returned and what stands in c[n] must be one number: the division makes 1 of it, to the last bit. */
 static void check_ends(size_t n)
 {
@@ -43,16 +58,7 @@ static void check_ends(size_t n)
                    "returned c[n]?", n, c[0],
                    c[n]);
     }
-    long double sum = 0, all = 0;
-    for (size_t i = 0; i < n; i++) all += (long double)w[i];
-    for (size_t i = 0; i < n; i++) {
-        sum += (long double)w[i];
-        if (!(c[i + 1] >= c[i])) {
-            mark_wrong("%zu random weights: C[%zu] is less than C[%zu]; C never falls", n, i + 1, i);
-        }
-        /* a plain sum in double is 10 times nearer */
-        mark_near(c[i + 1], (double)(sum / all), 1e-12, 0, "%zu random weights: C[%zu]", n, i + 1);
-    }
+    check_sums(c, w, n);
     bis_free(c);
     bis_free(w);
 }
@@ -106,6 +112,18 @@ static void items_of_weight_0_are_never_drawn(void)
 }
 
 /* C[i] <= u < C[i + 1] holds for one i alone. */
+static void check_items(const double *c, const size_t *item, size_t n, const double *u, size_t n_u)
+{
+    for (size_t k = 0; k < n_u; k++) {
+        const size_t i = item[k];
+        if (i >= n) mark_wrong("%zu items, u = %.17g: item %zu", n, u[k], i);
+        if (!(c[i] <= u[k] && u[k] < c[i + 1])) {
+            mark_wrong("%zu items, u = %.17g: item %zu, whose interval is from C = %.17g to %.17g. Is the guide only "
+                       "where the search starts?", n, u[k], i, c[i], c[i + 1]);
+        }
+    }
+}
+
 static void a_large_table_is_searched_as_by_hand(void)
 {
     enum { DRAWS = 50000 };
@@ -121,15 +139,7 @@ static void a_large_table_is_searched_as_by_hand(void)
         if (k % 5 == 1) u[k] = fmax(0, nextafter(step, 0));
     }
     draw(c, item, NULL, w, n, u, DRAWS);
-    for (int k = 0; k < DRAWS; k++) {
-        const size_t i = item[k];
-        if (i >= n) mark_wrong("%zu items, u = %.17g: item %zu", n, u[k], i);
-        if (!(c[i] <= u[k] && u[k] < c[i + 1])) {
-            mark_wrong("%zu items, u = %.17g: item %zu, whose interval is from C = %.17g to %.17g. Is the guide only "
-                       "where the search "
-                       "starts?", n, u[k], i, c[i], c[i + 1]);
-        }
-    }
+    check_items(c, item, n, u, DRAWS);
     bis_free(w);
     bis_free(c);
     bis_free(u);
@@ -226,12 +236,15 @@ static void many_small_items_after_a_large_one_do_not_vanish(void)
 
 static void work(void)
 {
-    enum { N = 100000, DRAWS = 1000000 };
-    double *w = mark_alloc(N, sizeof *w), *c = mark_alloc(N + 1, sizeof *c), *u = mark_uniforms(DRAWS, mark_seed(4), 0);
+    enum { DRAWS = 1000000 };
+    const size_t n = mark_size(100000);
+    double *w = mark_alloc(n, sizeof *w), *c = mark_alloc(n + 1, sizeof *c), *u = mark_uniforms(DRAWS, mark_seed(4), 0);
     size_t *item = mark_alloc(DRAWS, sizeof *item);
 
-    fill_contrasty(w, N, 5);
-    draw(c, item, NULL, w, N, u, DRAWS);
+    fill_contrasty(w, n, 5);
+    draw(c, item, NULL, w, n, u, DRAWS);
+    check_sums(c, w, n);
+    check_items(c, item, n, u, DRAWS);
     bis_free(w);
     bis_free(c);
     bis_free(u);

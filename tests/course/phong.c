@@ -253,6 +253,17 @@ static void the_density_is_q_and_integrates_to_1(void)
 }
 
 /* u0 alone chooses: below p_s the direction is eq. 3.16 about the lobe's axis, else the cosine about the normal. */
+static void check_direction(const bis_bsdf *b, const double u[3], vec3 wi)
+{
+    const bool lobe = u[0] < b->p_specular;
+    const double cosine =
+        lobe ? pow(1 - u[1], 1 / (b->material->exponent + 1)) : (double)bis_warp_cosine(u[1], u[2]).z;
+
+    mark_near(dot(wi, lobe ? b->r : b->local.z), cosine, 1e-5, 0,
+              "u0 = %.3f, p_s = %.3f, u1 = %.3f: the cosine about the %s", u[0], b->p_specular, u[1],
+              lobe ? "lobe's axis" : "normal");
+}
+
 static void check_choice_of_a_lobe(void)
 {
     enum { N = 1000 };
@@ -266,14 +277,7 @@ static void check_choice_of_a_lobe(void)
     vec3 wi[N];
 
     sample(&s, u, N, wi);
-    for (int k = 0; k < N; k++) {
-        const double u0 = u[3 * k], u1 = u[3 * k + 1], u2 = u[3 * k + 2];
-        const bool lobe = u0 < b.p_specular;
-        const double cosine = lobe ? pow(1 - u1, 1 / (m.exponent + 1)) : (double)bis_warp_cosine(u1, u2).z;
-        mark_near(dot(wi[k], lobe ? b.r : b.local.z), cosine, 1e-5, 0,
-                  "u0 = %.3f, p_s = %.3f, u1 = %.3f: the cosine about the %s", u0,
-                  b.p_specular, u1, lobe ? "lobe's axis" : "normal");
-    }
+    for (int k = 0; k < N; k++) check_direction(&b, &u[3 * k], wi[k]);
     sample(&only_lobe, half, 1, wi);
     ASK(ASK_SAMPLE, GIVE(&none, 1), GIVE(half, 3), TAKE(wi, 1), TAKE(&drawn, 1));
     if (drawn) mark_wrong("a black material: the result must be false, nothing is drawn");
@@ -355,16 +359,25 @@ static void the_albedo_comes_out_of_the_samples(void)
 
 static void work(void)
 {
-    enum { DRAWS = 500000 };
-    const bis_material m = bis_phong((rgb){0.4f, 0.3f, 0.2f}, (rgb){0.5f, 0.6f, 0.7f}, 50);
+    enum { LOOKED_AT = 1000 }; /* who leaves out a share p of the work gets by with probability (1 - p)^1000 */
+    const bis_material m = bis_phong((rgb){0.4f, 0.3f, 0.2f}, (rgb){0.5f, 0.6f, 0.7f}, (double)mark_size(50));
     bis_bsdf b;
-    const ask_surface s = seen(&b, &m, 40);
-    double *u = mark_uniforms(3 * DRAWS, mark_seed(6), 0), *pdf = mark_alloc(DRAWS, sizeof *pdf);
-    vec3 *wi = mark_alloc(DRAWS, sizeof *wi);
-    rgb *f = mark_alloc(DRAWS, sizeof *f);
+    const ask_surface s = seen(&b, &m, (double)mark_size(40));
+    const size_t n = mark_size(500000);
+    double *u = mark_uniforms(3 * n, mark_seed(6), 0), *pdf = mark_alloc(n, sizeof *pdf), q;
+    vec3 *wi = mark_alloc(n, sizeof *wi);
+    rgb *f = mark_alloc(n, sizeof *f);
 
-    sample(&s, u, DRAWS, wi);
-    ASK(ASK_F, GIVE(&s, 1), GIVE(wi, DRAWS), TAKE(f, DRAWS), TAKE(pdf, DRAWS), TAKE(pdf, 0));
+    sample(&s, u, n, wi);
+    ASK(ASK_F, GIVE(&s, 1), GIVE(wi, n), TAKE(f, n), TAKE(pdf, n), TAKE(pdf, 0));
+    for (size_t i = 0; i < LOOKED_AT; i++) {
+        const size_t k = (size_t)(u[i] * (double)n);
+        check_direction(&b, &u[3 * k], wi[k]);
+        if (fabs(bis_bsdf_cos(&b, wi[k])) < 1e-6) continue; /* floats may put it on the other side */
+        const rgb must = f_by_hand(&b, wi[k], &q);
+        mark_near((double)f[k].g, (double)must.g, 1e-6, 5e-5, "the load that is timed: f");
+        mark_near(pdf[k], q, 1e-6, 5e-5, "the load that is timed: the density");
+    }
     bis_free(u);
     bis_free(pdf);
     bis_free(wi);

@@ -262,17 +262,18 @@ static void answer_estimates(void *const part[], const size_t bytes[])
 {
     const ask_scene *scene = part[0];
     const bis_settings s = settings_of(scene);
-    ask_estimate *e = part[1];
+    const uint64_t *run = part[1];
+    ask_estimate *e = part[2];
     bis_scratch scratch;
     lit l;
 
     answers_lit(&l, scene);
     need(bis_scratch_init(&scratch, &s, NULL) == BIS_OK);
-    for (size_t run = 0; run < bytes[1] / sizeof *e; run++) {
+    for (size_t k = 0; k < bytes[1] / sizeof *run; k++) {
         l.counters = (bis_counters){0};
-        e[run].L = lit_once(&l, &s, &scratch, scene->seed, run);
-        e[run].rays = l.counters.shadow_rays;
-        e[run].accepted = l.counters.accepted;
+        e[k].L = lit_once(&l, &s, &scratch, scene->seed, run[k]);
+        e[k].rays = l.counters.shadow_rays;
+        e[k].accepted = l.counters.accepted;
     }
     bis_scratch_clear(&scratch);
     bis_light_free(l.light);

@@ -43,7 +43,7 @@ typedef enum ask_question {
     ASK_DRAW,
     /* ask_surface[m]; taken: max_ratio[m] */
     ASK_BOUND,
-    /* ask_scene[1]; taken: ask_estimate[m], of pixels 0, 1 ... */
+    /* ask_scene[1], uint64_t run[m], which are pixels; taken: ask_estimate[m] */
     ASK_ESTIMATES,
     /* ask_scene[1]; taken: Zhat[1], w[n], F_r[n], F_g[n], F_b[n], as they lie in the set */
     ASK_WEIGHTS,
