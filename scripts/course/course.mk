@@ -2,20 +2,20 @@
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it
 #   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
-#   make check                                            in a kit: points, speed and memory, before it is handed in
+#   make check                                            in a kit: what make grade refuses, points, speed, memory
 .PHONY: assignment grade grade-class check check-clean
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
-test grade grade-class: export BIS_BUILD = $B
-test grade grade-class: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
+test assignment grade grade-class check: export BIS_BUILD = $B
+test grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
 test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
 test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
 test grade grade-class: export BIS_SERVER = $(SERVER)
 test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
 test grade grade-class: export BIS_SANITIZE = $(ASAN)
 
-assignment:
+assignment: $(LIB)
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
 
 # What answers the claims' questions with a student's functions, in a process of its own.
@@ -37,8 +37,9 @@ grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
 # The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the
 # second one is not built, if it is not.
 CHECKED := $(if $(wildcard tests/test_assignment.c),$B/tests/test_assignment)
-check: $(CHECKED)
+check: $(CHECKED) $B/grade
 	@$(if $(CHECKED),,echo "make check: this is the project; a starter kit has a hand-in to check"; exit 1)
+	@sh scripts/course/check.sh
 	@$(CHECKED) --check
 	@$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" check-clean >build/check.log 2>&1; \
 	 sed -n '/of 10  clean memory/,$$p' build/check.log | sed '/^make/d' | grep . || \

@@ -60,12 +60,15 @@ static void need_a_compiler(void)
     skip();
 }
 
-/* All at once, two at a time; the tests below read what it found. */
+/* All at once, two at a time; the tests below read what it found. BIS_TEST may name one of the others. */
 static int prove(void **state)
 {
+    const char *chosen = getenv("BIS_TEST");
+
     (void)state;
     if (getenv("BIS_COMPILE")) {
-        shell("rm -rf \"$BIS_BUILD/assignments\"; sh scripts/course/check_assignments.sh > /dev/null 2>&1");
+        if (!chosen || strncmp(chosen, "blank", 5) == 0)
+            shell("rm -rf \"$BIS_BUILD/assignments\"; sh scripts/course/check_assignments.sh > /dev/null 2>&1");
         shell("rm -rf " SHOP "; sh scripts/course/grade_shop.sh alias \"$PWD/" SHOP "\"");
     }
     return 0;
@@ -216,7 +219,23 @@ static void a_right_solution_that_leaks_loses_the_points_for_memory_alone(void *
     assert_true(json_is_valid(contents(DIR "/kit/grade.json")));
 }
 
-/* A loop, a crash and an exit, each in one claim; a test and a header of the student's own, which nobody asked for. */
+/* Ours, but for tables of the size that is timed, which are left as they come. */
+static void a_load_that_is_skipped_is_worth_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
+                           "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 100000 \\&\\& s->n <= "
+                           "125000) s->n_large = 0;\\n&|' "
+                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && " GRADE " " DIR "/kit > " DIR
+                           "/out"),
+                     0);
+    assert_has(contents(DIR "/out"), " 10 of  10  tables_hold_for_a_contrast_of_1e12_and_a_million_items\n");
+    assert_has(contents(DIR "/out"), "  0 of  10  speed: bin 0 of ");
+}
+
+/* A loop, a call of abort, an assertion and an exit, each in one claim; a test and a header of the student's own, which nobody asked for. */
 static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing(void **state)
 {
     (void)state;
@@ -228,7 +247,7 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
             "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 17 \\&\\& s->n <= 21) "
                 "exit(0);\\n&|' "
             "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) "
-            "abort();|' "
+            "abort();\\n    assert(n != 50);|' "
             "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
             "echo 'int main(void) { return 0; }' > " DIR "/kit/tests/test_assignment.c && mkdir " DIR "/kit/src/bis && "
             "echo '#error not ours' > " DIR "/kit/src/bis/alias.h && BIS_CLAIM_SECONDS=1 " GRADE " " DIR "/kit > " DIR
@@ -240,9 +259,24 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
         contents(DIR "/out"),
         "  0 of  15  the_bin_and_the_coin_come_from_one_u: no answer in the time allowed: a loop without end?\n");
     assert_has(contents(DIR "/out"),
-               "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted");
-    assert_has(contents(DIR "/out"), "\n 39 of 100  alias\n");
-    assert_has(contents(DIR "/out"), "  4 of  10  clean memory: in the share of the tests that pass\n");
+               "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted: a call of abort?");
+    assert_has(contents(DIR "/out"), "  0 of  10  items_are_drawn_with_their_probabilities: it was aborted: an assertion "
+                                     "failed, see there what it demands It printed: ");
+    assert_has(contents(DIR "/out"), "\n 28 of 100  alias\n");
+    assert_has(contents(DIR "/out"), "  3 of  10  clean memory: in the share of the tests that pass\n");
+}
+
+/* The compiler's own end, too, has its words. */
+static void what_the_compiler_has_no_memory_for_is_said(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh tests/course/handed_in/make.sh " DIR "/all && " GRADE " " DIR "/all/*macro?bomb.c > " DIR
+                           "/out 2> /dev/null"),
+                     0);
+    assert_has(contents(DIR "/out"), "remark: it does not compile: ");
+    assert_has(contents(DIR "/out"), " memory");
 }
 
 static void what_does_not_compile_is_worth_nothing(void **state)
@@ -377,6 +411,30 @@ static void points_can_be_seen_before_handing_in(void **state)
     assert_has(contents(DIR "/out"), "10 of 10  clean memory");
 }
 
+/* In a kit: a cheat, a file of a link, a file that is too large, nothing, ours. */
+static void what_make_grade_refuses_make_check_tells(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(
+        shell("set -e; root=$PWD; sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null; "
+              "sh scripts/course/splice.sh tests/course/handed_in/cheats/21_*.c " DIR " > /dev/null; "
+              "case $BIS_BUILD in /*) ;; *) BIS_BUILD=$root/$BIS_BUILD ;; esac; cd " DIR "/kit; f=src/thesis/alias.c; "
+              "look() { echo \"== $1\"; sh scripts/course/check.sh || true; }; "
+              "{ look nothing; cp ../thesis/alias.c $f; look cheat; ln -sf $root/$f $f; look link; rm $f; "
+              "truncate -s 3M $f; look size; cp $root/$f $f; look ours; } > ../check 2>&1; cd $root; "
+              "cp " DIR "/thesis/alias.c " DIR "/kit/src/thesis; " GRADE " " DIR "/kit > " DIR "/out; "
+              "grep '^remark' " DIR "/out > " DIR "/refused; grep -c . " DIR "/refused"),
+        0);
+    assert_int_equal(shell("sed -n '/== cheat/,/== link/p' " DIR "/check | grep '^remark' | diff " DIR "/refused -"), 0);
+    assert_has(contents(DIR "/check"), "== nothing\nmake grade will give no points: nothing is written\n");
+    assert_has(contents(DIR "/check"), "== link\nremark: alias.c is missing (or a link");
+    assert_has(contents(DIR "/check"), "== size\nremark: alias.c is missing (or a link");
+    assert_has(contents(DIR "/check"), "== ours\n");
+    assert_null(strstr(strstr(contents(DIR "/check"), "== ours\n"), "remark"));
+}
+
 static void what_is_left_behind_is_ended(void **state)
 {
     (void)state;
@@ -452,7 +510,7 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
 }
 
 /* Nine right solutions, of which no two are alike, though four are the obvious one; and a copy of each, with its
- * letters changed and its functions in another order. */
+ * letters changed, its functions in another order, and twenty functions that nobody calls in front. */
 static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
 {
     (void)state;
@@ -466,13 +524,15 @@ static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
             "cp tests/course/handed_in/right$k.c $f; fi; "
             "awk '/alias-sample/ { later = 1 } { if (later) print; else first = first $0 \"\\n\" } END { printf "
             "\"%s\", first }' $f | "
-            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy$k.c; "
+            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy; { sed -n 1p " DIR "/copy; for n in $(seq ${k}001 ${k}020); do "
+            "echo \"static int pad$n(int x) { for (int i = $n; i < x; i++) x -= i / $n; return x * x % $n; }\"; done; "
+            "sed 1d " DIR "/copy; } > " DIR "/copy$k.c; "
             "for who in $k copy$k; do mkdir " DIR "/$who && sh scripts/course/splice.sh " DIR "/$who.c " DIR
             "/$who > /dev/null && "
             "\"$BIS_BUILD/grade\" look src/thesis/alias.c " DIR "/$who/thesis/alias.c " DIR
             "/$who.prints || exit 1; done; done; cd " DIR " && "
             "P=\"[1-9].prints copy[1-9].prints\" && case $BIS_BUILD in /*) ;; *) BIS_BUILD=../../$BIS_BUILD ;; esac && "
-            "\"$BIS_BUILD/grade\" alike 0.3 ../../" SHOP "/blank.prints $P > pairs && cat pairs >&2 && awk 'NF != 4 "
+            "\"$BIS_BUILD/grade\" alike 0.4 ../../" SHOP "/blank.prints $P > pairs && cat pairs >&2 && awk 'NF != 4 "
                 "|| $4 != $3 + "
                                                          "9 || $1 < 60 { exit 1 } END { exit NR != 9 }' pairs"),
         0);
@@ -499,7 +559,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 17];
+    struct CMUnitTest tests[N_NAMES + 20];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -515,13 +575,16 @@ int main(void)
         cmocka_unit_test(what_cannot_be_made_is_refused_with_the_way_out),
         cmocka_unit_test(an_untouched_kit_is_worth_nothing),
         cmocka_unit_test(a_right_solution_that_leaks_loses_the_points_for_memory_alone),
+        cmocka_unit_test(a_load_that_is_skipped_is_worth_nothing),
         cmocka_unit_test(what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing),
+        cmocka_unit_test(what_the_compiler_has_no_memory_for_is_said),
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
+        cmocka_unit_test(what_make_grade_refuses_make_check_tells),
         cmocka_unit_test(what_is_left_behind_is_ended),
         cmocka_unit_test(a_class_is_marked_whatever_is_handed_in),
         cmocka_unit_test(a_copy_is_found_and_who_wrote_alone_is_not),
