@@ -374,5 +374,5 @@ int main(int argc, char **argv)
         {"rays_add_no_noise_where_nothing_is_hidden", 10, rays_add_no_noise_where_nothing_is_hidden},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.0);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 5.4);
 }
