@@ -1,9 +1,11 @@
 # The course's assignments: docs/assignments/README.md. Included by the Makefile.
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it
-#   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
+#   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class; FOR=moodle: and a table that Moodle imports
+#   make kit A=alias FOR=gradescope DEST=alias.zip        what Gradescope marks by; FOR=classroom50 DEST=folder: what
+#                                                         Classroom 50 does (docs/teaching.md)
 #   make check                                            in a kit: what make grade refuses, points, speed, memory
-.PHONY: assignment grade grade-class check check-clean
+.PHONY: assignment kit grader grade grade-class check check-clean
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
@@ -27,12 +29,16 @@ $B/grade: $(GRADER)
 	$(LINK) -lm
 $(if $(wildcard tests/course),test: $B/grade $(SERVER))
 
-grade: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
-	@sh scripts/course/grade.sh "$(A)" "$(DEST)"
+grader: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
+grade: grader
+	@sh scripts/course/grade.sh "$(A)" "$(DEST)" "$(FOR)" "$(REPORT)"
 
 JOBS ?= 2
-grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
-	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"
+grade-class: grader
+	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)" "$(FOR)"
+
+kit: $(if $(filter moodle,$(FOR)),grade-class,$(if $(FOR),,assignment))
+	@$(if $(filter-out moodle,$(FOR)),sh scripts/course/kit.sh "$(A)" "$(FOR)" "$(DEST)",:)
 
 # The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the
 # second one is not built, if it is not.

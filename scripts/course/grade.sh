@@ -1,6 +1,7 @@
 #!/bin/sh
-# grade: the points of a handed-in assignment, one line a criterion, and as JSON in FOLDER/grade.json.
-#     scripts/course/grade.sh NAME FOLDER             (make grade A=NAME DEST=FOLDER)
+# grade: the points of a handed-in assignment, one line a criterion, and as JSON in FOLDER/grade.json, or in REPORT as
+# KIND (gradescope, classroom50: scripts/course/report.awk).
+#     scripts/course/grade.sh NAME FOLDER [KIND REPORT]       (make grade A=NAME DEST=FOLDER [FOR=KIND REPORT=FILE])
 # FOLDER is a starter kit, or has the files under study in any depth. Nothing else is taken from it. 100 points: 80
 # for the tests; 10 for speed, once all
 # tests pass: at most 1.5 times our time (5: at most 3 times); the same share of 10 as of the 80, where what passes
@@ -11,6 +12,8 @@
 # criterion, remark) and "prints" go.
 name=$1
 given=$2
+kind=${3:-grade}
+report=$4
 fail() {
     echo "make grade: $*" >&2
     exit 1
@@ -22,6 +25,7 @@ if [ -z "$name" ] || [ -z "$given" ]; then fail "say which, and whose: make grad
 case $name in *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
 [ -f "tests/course/${name}_blank.c" ] || fail "there is no assignment \"$name\""
 [ -e "$given" ] || fail "$given is not there"
+case $kind in grade | gradescope | classroom50) ;; *) fail "there is no report for \"$kind\"" ;; esac
 
 . scripts/course/accept.sh
 work=$(mktemp -d "${TMPDIR:-/tmp}/grade.XXXXXX") || exit 1
@@ -176,23 +180,14 @@ awk -F '\t' -v name="$name" '
     END { printf "%3d of %3d  %s\n", got, all, name; exit bad || got > 100 || all > 100 }' "$result/lines" ||
     fail "the points do not add up"
 sed '/^$/d; s/^/remark: /' "$work/remarks"
-if [ -n "$BIS_RESULT" ] || [ ! -d "$given" ]; then exit 0; fi
-awk -F '\t' -v name="$name" -v warnings="$warnings" '
-    function quoted(s) {
-        gsub(/\\/, "\\\\", s)
-        gsub(/"/, "\\\"", s)
-        gsub(/[\001-\037\177-\377]/, " ", s)
-        return "\"" s "\""
-    }
-    FILENAME == ARGV[2] { if ($0 != "") remarks = remarks (remarks == "" ? "" : ", ") quoted($0); next }
-    { got += $1; all += $2
-      criteria = criteria sprintf("%s\n    {\"criterion\": %s, \"points\": %d, \"of\": %d, \"remark\": %s}",
-                                  FNR > 1 ? "," : "", quoted($3), $1, $2, quoted($4)) }
-    END {
-        printf "{\n  \"assignment\": %s,\n  \"points\": %d,\n  \"of\": %d,\n", quoted(name), got, all
-        printf "  \"warnings\": %d,\n  \"remarks\": [%s],\n  \"criteria\": [%s\n  ]\n}\n", warnings, remarks, criteria
-    }' "$result/lines" "$work/remarks" >"$work/grade.json" &&
-    rm -rf "$given/grade.json" && cp "$work/grade.json" "$given/grade.json" || exit 1
-echo "as JSON: $given/grade.json"
-trade_pages
+[ -z "$BIS_RESULT" ] || exit 0
+if [ -z "$report" ]; then
+    [ -d "$given" ] || exit 0
+    report=$given/grade.json
+fi
+awk -v kind="$kind" -v name="$name" -v warnings="$warnings" -v now="$(date -u +%Y-%m-%dT%H:%M:%SZ)" \
+    -f scripts/course/report.awk "$work/remarks" "$result/lines" >"$work/report" &&
+    rm -rf "$report" && cp "$work/report" "$report" || exit 1
+echo "as JSON: $report"
+[ "$kind" != grade ] || trade_pages
 exit 0

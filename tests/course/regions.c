@@ -59,14 +59,29 @@ static void expect_labels(int width, int height, const char *rows, const uint32_
     bis_envmap_clear(&em);
 }
 
-/* Labels as a drawing: 'a' is region 0. */
+/* Pixels of one letter are one region, and those of two are two. What has no letter is dim, not black, and of no
+ * interest, so that a mistake with black, or with the numbers of regions, costs other claims. */
 static void expect(int width, int height, const char *rows, const char *letters, const char *what)
 {
-    uint32_t labels[100];
+    bis_envmap em = drawn(width, height, rows);
+    for (int i = 0; i < width * height; i++) {
+        if (rows[i] == '.') em.pixels[i] = rgb_from(0, 0.1, 0);
+    }
+    bis_regions r = regions_of(&em, 16);
 
-    for (int i = 0; i < width * height; i++)
-        labels[i] = letters[i] == '.' ? BIS_REGION_NONE : (uint32_t)(letters[i] - 'a');
-    expect_labels(width, height, rows, labels, what);
+    for (int i = 0; i < width * height; i++) {
+        if (letters[i] == '.') continue;
+        if (r.label[i] == BIS_REGION_NONE)
+            mark_wrong("%s: pixel (%d, %d) has no label", what, i % width, i / width);
+        for (int k = 0; k < i; k++) {
+            if (letters[k] == '.' || (letters[k] == letters[i]) == (r.label[k] == r.label[i])) continue;
+            mark_wrong("%s: pixels (%d, %d) and (%d, %d) are %s", what, k % width, k / width, i % width,
+                       i / width, letters[k] == letters[i] ? "in two regions, must be in one" :
+                       "in one region, must be in two");
+        }
+    }
+    bis_regions_clear(&r);
+    bis_envmap_clear(&em);
 }
 
 /* Any least and largest intensity, any number of levels; away from the edges of a level, where rounding decides. */

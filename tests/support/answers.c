@@ -33,19 +33,28 @@ static void need(bool ok)
 
 static void answer_cdf(void *const part[], const size_t bytes[])
 {
-    const double *u = part[1];
-    double *total = part[3], *remainder = part[5];
-    size_t *item = part[4];
-    const size_t n = bytes[0] / sizeof(double);
+    double *total = part[2];
     bis_cdf c;
 
-    need(bis_cdf_init(&c, part[0], n, NULL) == BIS_OK);
-    memcpy(part[2], c.c, bytes[2]);
+    need(bis_cdf_init(&c, part[0], bytes[0] / sizeof(double), NULL) == BIS_OK);
+    memcpy(part[1], c.c, bytes[1]);
     *total = c.total;
-    for (size_t k = 0; k < bytes[1] / sizeof *u; k++) {
-        item[k] = bis_cdf_sample(&c, u[k], bytes[5] ? &remainder[k] : NULL);
-    }
     bis_cdf_clear(&c);
+}
+
+static void answer_search(void *const part[], const size_t bytes[])
+{
+    const double *u = part[2];
+    double *remainder = part[4];
+    size_t *item = part[3];
+    const bis_cdf c = {.c = part[0],
+                       .n = bytes[0] / sizeof(double) - 1,
+                       .total = 1,
+                       .guide = part[1],
+                       .n_guide = bytes[1] / sizeof(uint32_t) - 1};
+
+    for (size_t k = 0; k < bytes[2] / sizeof *u; k++)
+        item[k] = bis_cdf_sample(&c, u[k], bytes[4] ? &remainder[k] : NULL);
 }
 
 static void answer_alias(void *const part[], const size_t bytes[])
@@ -391,6 +400,7 @@ static void answer_rays(void *const part[], const size_t bytes[])
 
 static answer *const answers[ASK_QUESTIONS] = {
     [ASK_CDF] = answer_cdf,
+    [ASK_SEARCH] = answer_search,
     [ASK_ALIAS] = answer_alias,
     [ASK_PICK] = answer_pick,
     [ASK_LEVELS] = answer_levels,

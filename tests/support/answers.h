@@ -15,8 +15,10 @@
 #include "bis/thesis/phong.h"
 
 typedef enum ask_question {
-    /* w[n], u[m]; taken: C[n + 1], total[1], item[m], remainder[m] (left out: NULL is passed) */
+    /* w[n]; taken: C[n + 1], total[1] */
     ASK_CDF,
+    /* C[n + 1], guide[g + 1], u[m]; taken: item[m], remainder[m] (left out: NULL is passed) */
+    ASK_SEARCH,
     /* w[n]; taken: prob[n], alias[n] */
     ASK_ALIAS,
     /* prob[n], alias[n], u[m]; taken: item[m] */
