@@ -538,6 +538,104 @@ static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
         0);
 }
 
+/* A hand-in that fails, prints what JSON, HTML and spreadsheets take for their own, and is not ours outside of the marks,
+ * as DIR/kit. */
+static void make_hostile_kit(void)
+{
+    program_write_file(DIR "/hostile.sed",
+                       "s|^    while (s->n_large > 0 \\&\\& s->n_small > 0) {|    fputs(\"=1+1,\\\\\"<b>\\\\\\\\;\\\\001\\\\303\\\\n"
+                       "{\\\\t</script>'\", stderr);\\\n    abort();\\\n&|\n"
+                       "s|^/\\* \\[alias-build\\] \\*/|&\\\n#include <stdio.h>\\\n#include <stdlib.h>|\n"
+                       "s/pairwise_sum/sum_by_halves/g\n");
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && sed -f " DIR "/hostile.sed "
+                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c"), 0);
+}
+
+/* The sum of the points in report DIR/report, which stand behind `score`, and the marks of DIR/out, are `total`. */
+static void assert_scores(const char *score, const char *total)
+{
+    char command[400];
+
+    assert_true(json_is_valid(contents(DIR "/report")));
+    snprintf(command, sizeof command,
+             "awk -v s='\"%s\": ' -v t='\"%s\": ' '{ i = index($0, s); if (/name/) sum += substr($0, i + length(s)); "
+             "else if (index($0, t)) all = substr($0, index($0, t) + length(t)) + 0 } END { print all; exit !(sum == all "
+             "&& all > 0) }' " DIR "/report > " DIR "/sum && grep -q \"^ *$(cat " DIR "/sum) of 100  alias$\" " DIR "/out",
+             score, total);
+    assert_int_equal(shell(command), 0);
+}
+
+static void gradescope_and_classroom_50_get_the_same_marks(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    make_hostile_kit();
+    assert_int_equal(shell(GRADE " " DIR "/kit gradescope " DIR "/report > " DIR "/out"), 0);
+    assert_scores("score", "score");
+    const char *report = contents(DIR "/report");
+    assert_has(report, "\"output\": \"alias.c: what is line ");
+    assert_has(report, "\"max_score\": 20, \"output\": \"it was aborted: a call of abort?");
+    assert_has(report, "It printed: =1+1,\\\"<b>\\\\;");
+    assert_has(report, "\"visibility\": \"visible\"");
+    assert_false(program_exists(DIR "/kit/grade.json"));
+
+    assert_int_equal(shell("CLASSROOM='a \"b\"' ASSIGNMENT=alias SUBMISSION_TAG=submit/1 COMMIT_URL=https://c RELEASE_URL=https://r "
+                           "REVIEW_URL=https://v " GRADE " " DIR "/kit classroom50 " DIR "/report > " DIR "/out"), 0);
+    assert_scores("score", "score");
+    report = contents(DIR "/report");
+    const char *must[] = {"\"schema\": \"classroom50/result/v1\"", "\"classroom\": \"a \\\"b\\\"\"",
+                          "\"assignment\": \"alias\"", "\"submission\": \"submit/1\"", "\"commit\": \"https://c\"",
+                          "\"release\": \"https://r\"", "\"review\": \"https://v\"", "\"datetime\": \"20",
+                          "\"max-score\": 100,", "\"passed\": false", "\"passed\": true"};
+    for (size_t i = 0; i < sizeof must / sizeof *must; i++) assert_has(report, must[i]);
+    assert_int_equal(shell(GRADE " " DIR "/kit quux " DIR "/report 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "there is no report for \"quux\"");
+}
+
+/* What its grading worksheet needs, and no other text than that of the marks. */
+static void moodle_gets_the_same_marks(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    make_hostile_kit();
+    assert_int_equal(shell("mkdir " DIR "/in && mv " DIR "/kit '" DIR "/in/A, B_4711_assignsubmission_file' && "
+                           "cp src/thesis/alias.c '" DIR "/in/=me@example.org' && "
+                           "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR "/in 2 moodle > " DIR "/out"),
+                     0);
+    const char *table = contents(DIR "/in.alias.moodle.csv");
+    assert_has(table, "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n\"'=me@example.org\",");
+    assert_has(table, "\r\n\"Participant 4711\",");
+    assert_has(table, "0 of 20  every_table_gives_the_weights<br>");
+    assert_null(strstr(table, "like")); /* who else wrote so is for the teacher alone */
+    assert_has(contents(DIR "/in.alias.csv"), " % like ");
+    table = contents(DIR "/in.alias.moodle.csv");
+    assert_has(table, "It printed: =1+1,&quot;&lt;b&gt;\\;");
+    assert_null(strstr(table, "<b>"));
+    assert_int_equal(shell("for kind in moodle. ''; do sed 's/^\"[^\"]*\",\\([0-9]*\\),.*/\\1/' " DIR "/in.alias.${kind}csv | sed 1d > " DIR
+                           "/points.$kind; done; cmp " DIR "/points.moodle. " DIR "/points. && test -s " DIR "/points."), 0);
+}
+
+/* All that Gradescope unpacks and calls is in the archive, and no other assignment's solution test. */
+static void what_a_service_needs_is_in_its_kit(void **state)
+{
+    (void)state;
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/kit.sh alias quux " DIR "/x 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "FOR is gradescope, classroom50 or moodle");
+    assert_int_equal(shell("sh scripts/course/kit.sh alias classroom50 " DIR "/box > /dev/null && cd " DIR "/box && "
+                           "test -f autograder.py -a -f setup.sh -a -f bis/tests/course/alias.c -a ! -e bis/tests/course/cdf.c && "
+                           "make -n -C bis grader A=alias > /dev/null"), 0);
+    if (shell("command -v zip > /dev/null && command -v unzip > /dev/null") != 0) {
+        print_message("no zip\n");
+        skip();
+    }
+    assert_int_equal(shell("sh scripts/course/kit.sh alias gradescope " DIR "/box.zip > /dev/null && mkdir " DIR "/zip && "
+                           "cd " DIR "/zip && unzip -q ../box.zip && test -x run_autograder -a -x setup.sh && diff -r bis ../box/bis"),
+                     0);
+}
+
 static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 {
     (void)state;
@@ -559,7 +657,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 20];
+    struct CMUnitTest tests[N_NAMES + 23];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -588,6 +686,9 @@ int main(void)
         cmocka_unit_test(what_is_left_behind_is_ended),
         cmocka_unit_test(a_class_is_marked_whatever_is_handed_in),
         cmocka_unit_test(a_copy_is_found_and_who_wrote_alone_is_not),
+        cmocka_unit_test(gradescope_and_classroom_50_get_the_same_marks),
+        cmocka_unit_test(moodle_gets_the_same_marks),
+        cmocka_unit_test(what_a_service_needs_is_in_its_kit),
         cmocka_unit_test(a_class_that_is_stopped_leaves_nothing_behind),
     };
     memcpy(tests + N_NAMES, others, sizeof others);
