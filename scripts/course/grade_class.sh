@@ -1,6 +1,6 @@
 #!/bin/sh
 # grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the groups that are alike
-# beyond what was given out.
+# beyond what was given out, with our own solution, which is public, as one more.
 #     scripts/course/grade_class.sh NAME FROM JOBS [moodle]   (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
 # moodle: FROM.NAME.moodle.csv, too.
 # Every entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file itself, of any
@@ -100,7 +100,7 @@ while [ $i -lt "$n" ]; do
     [ -f "$work/$i/prints" ] || : >"$work/$i/prints"
     set -- "$@" "$work/$i/prints"
 done
-"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" | sort -k2,2nr -k3,3n >"$work/alike"
+"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" "$BIS_SHOP/ours.prints" | sort -k2,2nr -k3,3n >"$work/alike"
 {
     awk -F '\t' '{ print "C\t" $2 "\t" $3 }' "$BIS_SHOP/ours.marks"
     printf 'C\t10\tspeed\nC\t10\tclean memory\n'

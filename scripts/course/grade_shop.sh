@@ -8,7 +8,7 @@
 #     headers/      all that a hand-in may include             lib.a       the library without ours of these files
 #     claims        the claims, which ask a student's program  ours        such a program, with our own code
 #     ours-clean    the same, sanitized, where possible        ours.marks  its marks
-#     blank.prints  of the files as they are given out
+#     blank.prints, ours.prints  of the files as they are given out, and as we have them
 name=$1
 shop=$2
 fail() {
@@ -37,6 +37,8 @@ while IFS= read -r file; do
     "$BIS_BUILD/grade" look "$shop/blank/$file" "$shop/blank/$file" "$shop/prints" >/dev/null ||
         fail "what is blank in src/$file would be refused"
     cat "$shop/prints" >>"$shop/blank.prints"
+    "$BIS_BUILD/grade" look "$shop/blank/$file" "$shop/ours-src/$file" "$shop/prints" >/dev/null
+    cat "$shop/prints" >>"$shop/ours.prints"
 done <"$shop/files"
 while IFS= read -r file; do
     folder=${file%/*}

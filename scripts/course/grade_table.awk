@@ -30,6 +30,7 @@ $1 == "N" { name[++n] = $2; k = 0 }
 $1 == "R" { note(n, $2) }
 $1 == "L" { points[n, ++k] = $2; sum[n] += $2; message[n, k] = $5; if ($5 != "") note(n, $4 ": " $5) }
 $1 == "A" {
+    name[n + 1] = "our own solution"
     n_groups++
     share[n_groups] = $2 == $3 ? $2 " %" : $2 " to " $3 " %"
     for (k = 4; k <= NF; k++) {
