@@ -504,7 +504,7 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
     assert_int_equal(points_of("odd3,\\ntwo lines.txt"), 0);
     assert_has(contents(DIR "/out"), "100 %: copy of right2.c, right2.c\n");
     assert_null(strstr(contents(DIR "/out"), ": right2.c, right6")); /* written by two */
-    assert_has(contents(DIR "/out"), " %: right6, with a helper and an include outside of the marks.c, our own solution\n");
+    assert_has(contents(DIR "/out"), " %: right6, with a helper and an include outside of the marks.c, wrong1.c, our own solution\n");
     const char *page = contents(DIR "/in.alias.html");
     assert_has(page, "odd2, &quot;quoted&quot; &amp; &lt;b&gt;it&#39;s; $(touch x) `touch x`.c");
     assert_null(strstr(page, "<b>"));
