@@ -34,8 +34,9 @@ MOST_FILES=2000
 list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
-    (ulimit -t 10 && find "$given/" -maxdepth 12 -path '*/tests/given' -prune -o -type f \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' \
-        -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+    (ulimit -t 10 && find "$given/" -maxdepth 12 -path '*/tests/given' -prune -o -type f \
+        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' \
+        -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
     [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
         remark "there are more than $MOST_FILES files; only so many are looked at"

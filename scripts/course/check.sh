@@ -1,6 +1,6 @@
 #!/bin/sh
-# check: what `make grade` would refuse or remark of this starter kit, by the same code (make check). Exit status 1 if it
-# gives no points at all.
+# check: what `make grade` would refuse or remark of this starter kit, by the same code (make check). Exit status 1
+# if it gives no points at all.
 #     scripts/course/check.sh
 # From the kit's root, with what scripts/course/course.mk exports.
 . scripts/course/accept.sh

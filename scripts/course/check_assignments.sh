@@ -38,7 +38,8 @@ mark() {
     "$BIS_BUILD/grade" claims "$PWD/$folder/$1/student" "$folder/claims" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
 }
 
-# The load that is timed, with this secret: status 8 where the answers are right, 9 where they are not (tests/support/mark_run.h).
+# The load that is timed, with this secret: status 8 where the answers are right, 9 where they are not
+# (tests/support/mark_run.h).
 load() { # VARIANT SECRET STATUS
     said=$("$folder/claims" --work load "$2" 20 plain "$PWD/$folder/$1/student")
     [ $? -eq "$3" ] || say "the load of the $1 one: $said"
@@ -76,7 +77,8 @@ prove() {
 
 # Ours holds by hidden seeds and sizes, too: those of one secret, always the same.
 prove_hidden() {
-    "$BIS_BUILD/grade" claims -s 1d5e1f "$PWD/$folder/original/student" "$folder/claims" >"$folder/hidden.marks" && ! grep '^wrong' "$folder/hidden.marks" && load original 1d5e1f 8
+    "$BIS_BUILD/grade" claims -s 1d5e1f "$PWD/$folder/original/student" "$folder/claims" >"$folder/hidden.marks" &&
+        ! grep '^wrong' "$folder/hidden.marks" && load original 1d5e1f 8
 }
 
 (prove && prove_hidden && echo "$name: as it should be") >"$folder/verdict" 2>&1

@@ -45,7 +45,8 @@ END {
         printf "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n"
         for (i = 1; i <= n; i++) {
             feedback = ""
-            for (c = 1; c <= n_criteria; c++) feedback = feedback points[i, c] + 0 " of " of[c] "  " html(criterion[c]) "<br>"
+            for (c = 1; c <= n_criteria; c++)
+                feedback = feedback points[i, c] + 0 " of " of[c] "  " html(criterion[c]) "<br>"
             printf "%s,%d,%d,,%s\r\n", csv(identifier(name[i])), sum[i], all, csv(feedback html(remarks[i]))
         }
     } else if (kind == "csv") {

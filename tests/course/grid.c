@@ -181,8 +181,8 @@ static ray random_ray(uint64_t *seed, double away)
 
 enum { RAYS = 3000 };
 
-/* Towards larger x, y and z, so that a mistake in the other directions costs the claims that look at all of them, and no
- * others. */
+/* Towards larger x, y and z, so that a mistake in the other directions costs the claims that look at all of them,
+ * and no others. */
 static ray upwards(ray r)
 {
     r.d = (vec3){fabsf(r.d.x), fabsf(r.d.y), fabsf(r.d.z)};

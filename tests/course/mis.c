@@ -168,9 +168,11 @@ static void check_variance(bis_material material, bis_heuristic heuristic, uint3
     mark_lit(&l, &scene);
     mark_moments(m, e, runs);
     const double expected = variance(&l, n, heuristic == BIS_HEURISTIC_POWER ? 2 : 1);
-    /* About the truth, so that a wrong mean is no gain. The kurtosis of an estimate is 2.9 to 3.1 here, so that the variance of n values has a standard error of at
-     * most sqrt(2.1/n); MARK_ALPHA is 5.2 of them, 4.4 % where n = 30000. The rest is room for the quadrature. */
-    const double off = m[3].mean - rgbd_sum(lit_truth(&l, false)), times = (stat_variance(&m[3]) + off * off) / expected;
+    /* About the truth, so that a wrong mean is no gain. The kurtosis of an estimate is 2.9 to 3.1 here, so that the
+     * variance of n values has a standard error of at most sqrt(2.1/n); MARK_ALPHA is 5.2 of them, 4.4 % where
+     * n = 30000. The rest is room for the quadrature. */
+    const double off = m[3].mean - rgbd_sum(lit_truth(&l, false));
+    const double times = (stat_variance(&m[3]) + off * off) / expected;
     if (!(fabs(times - 1) <= 5.2 * sqrt(2.1 / runs) + 0.036)) {
         mark_wrong("%s: the estimates have %.2f times the squared error (the noise) that the weights of this "
                    "heuristic give. Does the "
@@ -187,14 +189,15 @@ static void check_variance(bis_material material, bis_heuristic heuristic, uint3
 static void the_noise_is_that_of_the_balance_heuristic(void)
 {
     check_variance(glossy(), BIS_HEURISTIC_BALANCE, 8, 0.5, 40, 30000, "balance, 4 and 4");
-    check_variance(glossy(), BIS_HEURISTIC_BALANCE, 20, 0.1, 40, 30000, "balance, 2 samples of the map and 18 of the BRDF");
+    check_variance(glossy(), BIS_HEURISTIC_BALANCE, 20, 0.1, 40, 30000,
+                   "balance, 2 samples of the map and 18 of the BRDF");
 }
 
 static void the_noise_is_that_of_the_power_heuristic(void)
 {
     check_variance(glossy(), BIS_HEURISTIC_POWER, 8, 0.5, 40, 30000, "power, 4 and 4");
-    check_variance(diffuse(), BIS_HEURISTIC_POWER, 20, 0.2, 40, 30000, "power, a diffuse surface, 4 samples of the map and 16 of "
-                   "the BRDF");
+    check_variance(diffuse(), BIS_HEURISTIC_POWER, 20, 0.2, 40, 30000,
+                   "power, a diffuse surface, 4 samples of the map and 16 of the BRDF");
 }
 
 /* A window that few samples of the BRDF see: the others have no light to bring. The spread of a sum of so many is

@@ -225,17 +225,18 @@ static void a_load_that_is_skipped_is_worth_nothing(void **state)
     (void)state;
     need_a_compiler();
     clean_folder();
-    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
-                           "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 100000 \\&\\& s->n <= "
-                           "125000) s->n_large = 0;\\n&|' "
-                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && " GRADE " " DIR "/kit > " DIR
-                           "/out"),
-                     0);
+    assert_int_equal(
+        shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
+              "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 100000 \\&\\& s->n <= "
+              "125000) s->n_large = 0;\\n&|' "
+              "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && " GRADE " " DIR "/kit > " DIR "/out"),
+        0);
     assert_has(contents(DIR "/out"), " 10 of  10  tables_hold_for_a_contrast_of_1e12_and_a_million_items\n");
     assert_has(contents(DIR "/out"), "  0 of  10  speed: bin 0 of ");
 }
 
-/* A loop, a call of abort, an assertion and an exit, each in one claim; a test and a header of the student's own, which nobody asked for. */
+/* A loop, a call of abort, an assertion and an exit, each in one claim; a test and a header of the student's own, which
+ * nobody asked for. */
 static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing(void **state)
 {
     (void)state;
@@ -245,7 +246,7 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
         shell(
             "sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
             "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 17 \\&\\& s->n <= 21) "
-                "exit(0);\\n&|' "
+            "exit(0);\\n&|' "
             "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) "
             "abort();\\n    assert(n != 50);|' "
             "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
@@ -258,10 +259,12 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
     assert_has(
         contents(DIR "/out"),
         "  0 of  15  the_bin_and_the_coin_come_from_one_u: no answer in the time allowed: a loop without end?\n");
+    assert_has(
+        contents(DIR "/out"),
+        "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted: a call of abort?");
     assert_has(contents(DIR "/out"),
-               "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted: a call of abort?");
-    assert_has(contents(DIR "/out"), "  0 of  10  items_are_drawn_with_their_probabilities: it was aborted: an assertion "
-                                     "failed, see there what it demands It printed: ");
+               "  0 of  10  items_are_drawn_with_their_probabilities: it was aborted: an assertion "
+               "failed, see there what it demands It printed: ");
     assert_has(contents(DIR "/out"), "\n 28 of 100  alias\n");
     assert_has(contents(DIR "/out"), "  3 of  10  clean memory: in the share of the tests that pass\n");
 }
@@ -417,17 +420,18 @@ static void what_make_grade_refuses_make_check_tells(void **state)
     (void)state;
     need_a_compiler();
     clean_folder();
-    assert_int_equal(
-        shell("set -e; root=$PWD; sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null; "
-              "sh scripts/course/splice.sh tests/course/handed_in/cheats/21_*.c " DIR " > /dev/null; "
-              "case $BIS_BUILD in /*) ;; *) BIS_BUILD=$root/$BIS_BUILD ;; esac; cd " DIR "/kit; f=src/thesis/alias.c; "
-              "look() { echo \"== $1\"; sh scripts/course/check.sh || true; }; "
-              "{ look nothing; cp ../thesis/alias.c $f; look cheat; ln -sf $root/$f $f; look link; rm $f; "
-              "truncate -s 3M $f; look size; cp $root/$f $f; look ours; } > ../check 2>&1; cd $root; "
-              "cp " DIR "/thesis/alias.c " DIR "/kit/src/thesis; " GRADE " " DIR "/kit > " DIR "/out; "
-              "grep '^remark' " DIR "/out > " DIR "/refused; grep -c . " DIR "/refused"),
-        0);
-    assert_int_equal(shell("sed -n '/== cheat/,/== link/p' " DIR "/check | grep '^remark' | diff " DIR "/refused -"), 0);
+    assert_int_equal(shell("set -e; root=$PWD; sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null; "
+                           "sh scripts/course/splice.sh tests/course/handed_in/cheats/21_*.c " DIR " > /dev/null; "
+                           "case $BIS_BUILD in /*) ;; *) BIS_BUILD=$root/$BIS_BUILD ;; esac; cd " DIR
+                           "/kit; f=src/thesis/alias.c; "
+                           "look() { echo \"== $1\"; sh scripts/course/check.sh || true; }; "
+                           "{ look nothing; cp ../thesis/alias.c $f; look cheat; ln -sf $root/$f $f; look link; rm $f; "
+                           "truncate -s 3M $f; look size; cp $root/$f $f; look ours; } > ../check 2>&1; cd $root; "
+                           "cp " DIR "/thesis/alias.c " DIR "/kit/src/thesis; " GRADE " " DIR "/kit > " DIR "/out; "
+                           "grep '^remark' " DIR "/out > " DIR "/refused; grep -c . " DIR "/refused"),
+                     0);
+    assert_int_equal(shell("sed -n '/== cheat/,/== link/p' " DIR "/check | grep '^remark' | diff " DIR "/refused -"),
+                     0);
     assert_has(contents(DIR "/check"), "== nothing\nmake grade will give no points: nothing is written\n");
     assert_has(contents(DIR "/check"), "== link\nremark: alias.c is missing (or a link");
     assert_has(contents(DIR "/check"), "== size\nremark: alias.c is missing (or a link");
@@ -504,7 +508,9 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
     assert_int_equal(points_of("odd3,\\ntwo lines.txt"), 0);
     assert_has(contents(DIR "/out"), "100 %: copy of right2.c, right2.c\n");
     assert_null(strstr(contents(DIR "/out"), ": right2.c, right6")); /* written by two */
-    assert_has(contents(DIR "/out"), " %: right6, with a helper and an include outside of the marks.c, wrong1.c, our own solution\n");
+    assert_has(contents(DIR "/out"),
+               " %: nothing8, does not compile.c, right6, with a helper and an include outside of "
+               "the marks.c, wrong1.c, our own solution\n");
     const char *page = contents(DIR "/in.alias.html");
     assert_has(page, "odd2, &quot;quoted&quot; &amp; &lt;b&gt;it&#39;s; $(touch x) `touch x`.c");
     assert_null(strstr(page, "<b>"));
@@ -525,7 +531,8 @@ static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
             "cp tests/course/handed_in/right$k.c $f; fi; "
             "awk '/alias-sample/ { later = 1 } { if (later) print; else first = first $0 \"\\n\" } END { printf "
             "\"%s\", first }' $f | "
-            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy; { sed -n 1p " DIR "/copy; for n in $(seq ${k}001 ${k}020); do "
+            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy; { sed -n 1p " DIR
+            "/copy; for n in $(seq ${k}001 ${k}020); do "
             "echo \"static int pad$n(int x) { for (int i = $n; i < x; i++) x -= i / $n; return x * x % $n; }\"; done; "
             "sed 1d " DIR "/copy; } > " DIR "/copy$k.c; "
             "for who in $k copy$k; do mkdir " DIR "/$who && sh scripts/course/splice.sh " DIR "/$who.c " DIR
@@ -534,22 +541,25 @@ static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
             "/$who.prints || exit 1; done; done; cd " DIR " && "
             "P=\"[1-9].prints copy[1-9].prints\" && case $BIS_BUILD in /*) ;; *) BIS_BUILD=../../$BIS_BUILD ;; esac && "
             "\"$BIS_BUILD/grade\" alike 0.4 ../../" SHOP "/blank.prints $P > pairs && cat pairs >&2 && awk 'NF != 4 "
-                "|| $4 != $3 + "
-                                                         "9 || $1 < 60 { exit 1 } END { exit NR != 9 }' pairs"),
+            "|| $4 != $3 + "
+            "9 || $1 < 60 { exit 1 } END { exit NR != 9 }' pairs"),
         0);
 }
 
-/* A hand-in that fails, prints what JSON, HTML and spreadsheets take for their own, and is not ours outside of the marks,
- * as DIR/kit. */
+/* A hand-in that fails, prints what JSON, HTML and spreadsheets take for their own, and is not ours outside of the
+ * marks, as DIR/kit. */
 static void make_hostile_kit(void)
 {
-    program_write_file(DIR "/hostile.sed",
-                       "s|^    while (s->n_large > 0 \\&\\& s->n_small > 0) {|    fputs(\"=1+1,\\\\\"<b>\\\\\\\\;\\\\001\\\\303\\\\n"
-                       "{\\\\t</script>'\", stderr);\\\n    abort();\\\n&|\n"
-                       "s|^/\\* \\[alias-build\\] \\*/|&\\\n#include <stdio.h>\\\n#include <stdlib.h>|\n"
-                       "s/pairwise_sum/sum_by_halves/g\n");
-    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && sed -f " DIR "/hostile.sed "
-                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c"), 0);
+    program_write_file(
+        DIR "/hostile.sed",
+        "s|^    while (s->n_large > 0 \\&\\& s->n_small > 0) {|    fputs(\"=1+1,\\\\\"<b>\\\\\\\\;\\\\001\\\\303\\\\n"
+        "{\\\\t</script>'\", stderr);\\\n    abort();\\\n&|\n"
+        "s|^/\\* \\[alias-build\\] \\*/|&\\\n#include <stdio.h>\\\n#include <stdlib.h>|\n"
+        "s/pairwise_sum/sum_by_halves/g\n");
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && sed -f " DIR
+                           "/hostile.sed "
+                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c"),
+                     0);
 }
 
 /* The sum of the points in report DIR/report, which stand behind `score`, and the marks of DIR/out, are `total`. */
@@ -558,11 +568,12 @@ static void assert_scores(const char *score, const char *total)
     char command[400];
 
     assert_true(json_is_valid(contents(DIR "/report")));
-    snprintf(command, sizeof command,
-             "awk -v s='\"%s\": ' -v t='\"%s\": ' '{ i = index($0, s); if (/name/) sum += substr($0, i + length(s)); "
-             "else if (index($0, t)) all = substr($0, index($0, t) + length(t)) + 0 } END { print all; exit !(sum == all "
-             "&& all > 0) }' " DIR "/report > " DIR "/sum && grep -q \"^ *$(cat " DIR "/sum) of 100  alias$\" " DIR "/out",
-             score, total);
+    snprintf(
+        command, sizeof command,
+        "awk -v s='\"%s\": ' -v t='\"%s\": ' '{ i = index($0, s); if (/name/) sum += substr($0, i + length(s)); "
+        "else if (index($0, t)) all = substr($0, index($0, t) + length(t)) + 0 } END { print all; exit !(sum == all "
+        "&& all > 0) }' " DIR "/report > " DIR "/sum && grep -q \"^ *$(cat " DIR "/sum) of 100  alias$\" " DIR "/out",
+        score, total);
     assert_int_equal(shell(command), 0);
 }
 
@@ -581,15 +592,25 @@ static void gradescope_and_classroom_50_get_the_same_marks(void **state)
     assert_has(report, "\"visibility\": \"visible\"");
     assert_false(program_exists(DIR "/kit/grade.json"));
 
-    assert_int_equal(shell("CLASSROOM='a \"b\"' ASSIGNMENT=alias SUBMISSION_TAG=submit/1 COMMIT_URL=https://c RELEASE_URL=https://r "
-                           "REVIEW_URL=https://v " GRADE " " DIR "/kit classroom50 " DIR "/report > " DIR "/out"), 0);
+    assert_int_equal(
+        shell("CLASSROOM='a \"b\"' ASSIGNMENT=alias SUBMISSION_TAG=submit/1 COMMIT_URL=https://c RELEASE_URL=https://r "
+              "REVIEW_URL=https://v " GRADE " " DIR "/kit classroom50 " DIR "/report > " DIR "/out"),
+        0);
     assert_scores("score", "score");
     report = contents(DIR "/report");
-    const char *must[] = {"\"schema\": \"classroom50/result/v1\"", "\"classroom\": \"a \\\"b\\\"\"",
-                          "\"assignment\": \"alias\"", "\"submission\": \"submit/1\"", "\"commit\": \"https://c\"",
-                          "\"release\": \"https://r\"", "\"review\": \"https://v\"", "\"datetime\": \"20",
-                          "\"max-score\": 100,", "\"passed\": false", "\"passed\": true"};
-    for (size_t i = 0; i < sizeof must / sizeof *must; i++) assert_has(report, must[i]);
+    const char *must[] = {"\"schema\": \"classroom50/result/v1\"",
+                          "\"classroom\": \"a \\\"b\\\"\"",
+                          "\"assignment\": \"alias\"",
+                          "\"submission\": \"submit/1\"",
+                          "\"commit\": \"https://c\"",
+                          "\"release\": \"https://r\"",
+                          "\"review\": \"https://v\"",
+                          "\"datetime\": \"20",
+                          "\"max-score\": 100,",
+                          "\"passed\": false",
+                          "\"passed\": true"};
+    for (size_t i = 0; i < sizeof must / sizeof *must; i++)
+        assert_has(report, must[i]);
     assert_int_equal(shell(GRADE " " DIR "/kit quux " DIR "/report 2> " DIR "/err"), 1);
     assert_has(contents(DIR "/err"), "there is no report for \"quux\"");
 }
@@ -603,10 +624,12 @@ static void moodle_gets_the_same_marks(void **state)
     make_hostile_kit();
     assert_int_equal(shell("mkdir " DIR "/in && mv " DIR "/kit '" DIR "/in/A, B_4711_assignsubmission_file' && "
                            "cp src/thesis/alias.c '" DIR "/in/=me@example.org' && "
-                           "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR "/in 2 moodle > " DIR "/out"),
+                           "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR
+                           "/in 2 moodle > " DIR "/out"),
                      0);
     const char *table = contents(DIR "/in.alias.moodle.csv");
-    assert_has(table, "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n\"'=me@example.org\",");
+    assert_has(table,
+               "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n\"'=me@example.org\",");
     assert_has(table, "\r\n\"Participant 4711\",");
     assert_has(table, "0 of 20  every_table_gives_the_weights<br>");
     assert_null(strstr(table, "like")); /* who else wrote so is for the teacher alone */
@@ -614,8 +637,10 @@ static void moodle_gets_the_same_marks(void **state)
     table = contents(DIR "/in.alias.moodle.csv");
     assert_has(table, "It printed: =1+1,&quot;&lt;b&gt;\\;");
     assert_null(strstr(table, "<b>"));
-    assert_int_equal(shell("for kind in moodle. ''; do sed 's/^\"[^\"]*\",\\([0-9]*\\),.*/\\1/' " DIR "/in.alias.${kind}csv | sed 1d > " DIR
-                           "/points.$kind; done; cmp " DIR "/points.moodle. " DIR "/points. && test -s " DIR "/points."), 0);
+    assert_int_equal(shell("for kind in moodle. ''; do sed 's/^\"[^\"]*\",\\([0-9]*\\),.*/\\1/' " DIR
+                           "/in.alias.${kind}csv | sed 1d > " DIR "/points.$kind; done; cmp " DIR "/points.moodle. " DIR
+                           "/points. && test -s " DIR "/points."),
+                     0);
 }
 
 /* All that Gradescope unpacks and calls is in the archive, and no other assignment's solution test. */
@@ -625,16 +650,20 @@ static void what_a_service_needs_is_in_its_kit(void **state)
     clean_folder();
     assert_int_equal(shell("sh scripts/course/kit.sh alias quux " DIR "/x 2> " DIR "/err"), 1);
     assert_has(contents(DIR "/err"), "FOR is gradescope, classroom50 or moodle");
-    assert_int_equal(shell("sh scripts/course/kit.sh alias classroom50 " DIR "/box > /dev/null && cd " DIR "/box && "
-                           "test -f autograder.py -a -f setup.sh -a -f bis/tests/course/alias.c -a ! -e bis/tests/course/cdf.c && "
-                           "make -n -C bis grader A=alias > /dev/null"), 0);
+    assert_int_equal(
+        shell("sh scripts/course/kit.sh alias classroom50 " DIR "/box > /dev/null && cd " DIR "/box && "
+              "test -f autograder.py -a -f setup.sh -a -f bis/tests/course/alias.c -a ! -e bis/tests/course/cdf.c && "
+              "make -n -C bis grader A=alias > /dev/null"),
+        0);
     if (shell("command -v zip > /dev/null && command -v unzip > /dev/null") != 0) {
         print_message("no zip\n");
         skip();
     }
-    assert_int_equal(shell("sh scripts/course/kit.sh alias gradescope " DIR "/box.zip > /dev/null && mkdir " DIR "/zip && "
-                           "cd " DIR "/zip && unzip -q ../box.zip && test -x run_autograder -a -x setup.sh && diff -r bis ../box/bis"),
-                     0);
+    assert_int_equal(
+        shell("sh scripts/course/kit.sh alias gradescope " DIR "/box.zip > /dev/null && mkdir " DIR "/zip && "
+              "cd " DIR
+              "/zip && unzip -q ../box.zip && test -x run_autograder -a -x setup.sh && diff -r bis ../box/bis"),
+        0);
 }
 
 static void a_class_that_is_stopped_leaves_nothing_behind(void **state)

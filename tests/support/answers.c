@@ -399,24 +399,15 @@ static void answer_rays(void *const part[], const size_t bytes[])
 /* ---- the socket ---- */
 
 static answer *const answers[ASK_QUESTIONS] = {
-    [ASK_CDF] = answer_cdf,
-    [ASK_SEARCH] = answer_search,
-    [ASK_ALIAS] = answer_alias,
-    [ASK_PICK] = answer_pick,
-    [ASK_LEVELS] = answer_levels,
-    [ASK_REGIONS] = answer_regions,
-    [ASK_MAP] = answer_map,
-    [ASK_DIRECTIONS] = answer_directions,
-    [ASK_PIXELS] = answer_pixels,
-    [ASK_IMPORTANCE] = answer_importance,
-    [ASK_LOBE] = answer_lobe,
-    [ASK_F] = answer_f,
-    [ASK_SAMPLE] = answer_sample,
-    [ASK_DRAW] = answer_draw,
-    [ASK_BOUND] = answer_bound,
-    [ASK_ESTIMATES] = answer_estimates,
-    [ASK_WEIGHTS] = answer_weights,
-    [ASK_CHOICES] = answer_choices,
+    [ASK_CDF] = answer_cdf,         [ASK_SEARCH] = answer_search,
+    [ASK_ALIAS] = answer_alias,     [ASK_PICK] = answer_pick,
+    [ASK_LEVELS] = answer_levels,   [ASK_REGIONS] = answer_regions,
+    [ASK_MAP] = answer_map,         [ASK_DIRECTIONS] = answer_directions,
+    [ASK_PIXELS] = answer_pixels,   [ASK_IMPORTANCE] = answer_importance,
+    [ASK_LOBE] = answer_lobe,       [ASK_F] = answer_f,
+    [ASK_SAMPLE] = answer_sample,   [ASK_DRAW] = answer_draw,
+    [ASK_BOUND] = answer_bound,     [ASK_ESTIMATES] = answer_estimates,
+    [ASK_WEIGHTS] = answer_weights, [ASK_CHOICES] = answer_choices,
     [ASK_RAYS] = answer_rays,
 };
 
