@@ -1,8 +1,8 @@
 #!/bin/sh
 # setup: installs what bis needs to build, to render and to test itself, and nothing when all of it is there.
-#     scripts/setup.sh [--mpi] [--web] [--python] [--all]
+#     scripts/setup.sh [--mpi] [--web] [--python] [--marking] [--all]
 # Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs` and `make test-browser`, --python `make test-python`;
-# --all is all three. As root, or by sudo. For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both).
+# --marking the sandbox of `make grade`; --all is all four. As root, or by sudo. For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both).
 # UNTRIED: Fedora and Arch, whose names of packages come from documentation.
 set -eu
 
@@ -12,17 +12,17 @@ if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
     system=debian
     needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch"
     light="libembree-dev libjpeg-dev"
-    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium" python="python3-numpy"
+    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium" python="python3-numpy" marking="bubblewrap binutils"
 elif command -v dnf > /dev/null; then
     system=fedora
     needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch"
     light="embree-devel libjpeg-turbo-devel"
-    mpi="openmpi-devel" web="pandoc chromium" python="python3-numpy"
+    mpi="openmpi-devel" web="pandoc chromium" python="python3-numpy" marking="bubblewrap binutils"
 elif command -v pacman > /dev/null; then
     system=arch
     needed="gcc make pkgconf openexr libpng zlib cmocka patch"
     light="embree libjpeg-turbo"
-    mpi="openmpi" web="pandoc chromium" python="python-numpy"
+    mpi="openmpi" web="pandoc chromium" python="python-numpy" marking="bubblewrap binutils"
 else
     echo "setup: this system has none of apt-get, dnf and pacman; please install: a C11 compiler, make, pkg-config," >&2
     echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4, libjpeg" >&2
@@ -34,13 +34,14 @@ for option; do
     --mpi) needed="$needed $mpi" ;;
     --web) needed="$needed $web" ;;
     --python) needed="$needed $python" ;;
-    --all) needed="$needed $mpi $web $python" ;;
+    --marking) needed="$needed $marking" ;;
+    --all) needed="$needed $mpi $web $python $marking" ;;
     -h | --help)
         sed -n '2,6s/^# \{0,1\}//p' "$0"
         exit
         ;;
     *)
-        echo "setup: there is no option \"$option\"; there are --mpi, --web, --python and --all" >&2
+        echo "setup: there is no option \"$option\"; there are --mpi, --web, --python, --marking and --all" >&2
         exit 2
         ;;
     esac

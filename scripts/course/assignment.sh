@@ -20,15 +20,15 @@ mkdir -p "$kit/tests" "$kit/data" || exit 1
 cp -Rp Makefile LICENSE README.md scene.txt include src scripts docs "$kit" || exit 1
 cp -Rp data/scenes data/generate "$kit/data" && cp -Rp tests/support "$kit/tests" || exit 1
 rm -f "$kit"/scripts/check/mutate.sh "$kit"/scripts/*/*errata* # they quote what is blank, or have it right beside the wrong
+sh scripts/course/given.sh "$name" "$kit/tests/given" || exit 1
 cp "tests/course/$name.c" "$kit/tests/test_assignment.c" && cp "docs/assignments/$name.md" "$kit/ASSIGNMENT.md" || exit 1
 
 blanks=$(mktemp -d) || exit 1
 trap 'rm -rf "$blanks"' EXIT
-files=$(sh scripts/course/splice.sh "tests/course/${name}_blank.c" "$blanks") || exit 1
 echo "$name" >"$kit/assignment"
-for file in $files; do
-    cp "$blanks/$file" "$kit/src/$file" && echo "src/$file" >>"$kit/assignment" || exit 1
-done
+while IFS= read -r file; do
+    cp "$kit/tests/given/blank/$file" "$kit/src/$file" && echo "src/$file" >>"$kit/assignment" || exit 1
+done <"$kit/tests/given/files"
 # What would show the answer in another form: tests/course/NAME_hidden.c holds harmless fragments in the place of such code, and names
 # files that the kit does without. None of that is handed in.
 hidden=$(pwd)/tests/course/${name}_hidden.c

@@ -1,21 +1,23 @@
 # The course's assignments: docs/assignments/README.md. Included by the Makefile.
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it
-#   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
-#   make check                                            in a kit: points, speed and memory, before it is handed in
-.PHONY: assignment grade grade-class check check-clean
+#   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class; FOR=moodle: and a table that Moodle imports
+#   make kit A=alias FOR=gradescope DEST=alias.zip        what Gradescope marks by; FOR=classroom50 DEST=folder: what
+#                                                         Classroom 50 does (docs/teaching.md)
+#   make check                                            in a kit: what make grade refuses, points, speed, memory
+.PHONY: assignment kit grader grade grade-class check check-clean
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
-test grade grade-class: export BIS_BUILD = $B
-test grade grade-class: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
+test assignment grade grade-class check: export BIS_BUILD = $B
+test grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
 test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
 test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
 test grade grade-class: export BIS_SERVER = $(SERVER)
 test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
 test grade grade-class: export BIS_SANITIZE = $(ASAN)
 
-assignment:
+assignment: $(LIB)
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
 
 # What answers the claims' questions with a student's functions, in a process of its own.
@@ -27,18 +29,23 @@ $B/grade: $(GRADER)
 	$(LINK) -lm
 $(if $(wildcard tests/course),test: $B/grade $(SERVER))
 
-grade: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
-	@sh scripts/course/grade.sh "$(A)" "$(DEST)"
+grader: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
+grade: grader
+	@sh scripts/course/grade.sh "$(A)" "$(DEST)" "$(FOR)" "$(REPORT)"
 
 JOBS ?= 2
-grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
-	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"
+grade-class: grader
+	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)" "$(FOR)"
+
+kit: $(if $(filter moodle,$(FOR)),grade-class,$(if $(FOR),,assignment))
+	@$(if $(filter-out moodle,$(FOR)),sh scripts/course/kit.sh "$(A)" "$(FOR)" "$(DEST)",:)
 
 # The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the
 # second one is not built, if it is not.
 CHECKED := $(if $(wildcard tests/test_assignment.c),$B/tests/test_assignment)
-check: $(CHECKED)
+check: $(CHECKED) $B/grade
 	@$(if $(CHECKED),,echo "make check: this is the project; a starter kit has a hand-in to check"; exit 1)
+	@sh scripts/course/check.sh
 	@$(CHECKED) --check
 	@$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" check-clean >build/check.log 2>&1; \
 	 sed -n '/of 10  clean memory/,$$p' build/check.log | sed '/^make/d' | grep . || \

@@ -8,13 +8,13 @@
  *         a line a claim of CLAIMS, which asks STUDENT: "ok" or "wrong", points, name, message, with tabs between.
  *         -a: STUDENT is sanitized; -k: only what MARKS, such lines, has as ok. A second secret is tried where a claim
  *         is wrong by the first
- *     grade speed [-s SECRET] STUDENT OURS CLAIMS
- *         how many times OURS's time STUDENT takes for the load of CLAIMS
+ *     grade speed [-s SECRET]... STUDENT OURS CLAIMS
+ *         how many times OURS's time STUDENT takes for the load of CLAIMS; status 1 and why: its answers are wrong
  *     grade look TEMPLATE FILE [PRINTS]
  *         status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
  *     grade alike SHARE BLANK FILE...
  *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what
- *         BLANK has not with another one: the least and the most percent that two of them share
+ *         BLANK has not with another one: the least and the most percent of the shorter one that two of them share
  * BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty environment, no
  * terminal, and limits of time, memory and files. */
 #include "mark_run.h"
@@ -227,18 +227,24 @@ static int claims(options *o, const char *student, const char *ours)
 
 /* The least processor times, taken in turn until neither has fallen by 2 % for three rounds, or ten where the ratio is
  * near to a limit of the points: what else the machine does adds to a time, and never takes from it. Who takes more
- * than 6 times our time, or 20 s in all, is not asked for ever. */
+ * than 6 times our time, or 20 s in all, is not asked for ever. What the load gives is looked at each time. */
 static int speed(const options *o, const char *student, const char *reference, const char *ours)
 {
+    static mark_outcome result;
     double least[2] = {HUGE_VAL, HUGE_VAL}, sum = 0, ratio = 0;
+    uint64_t secret = o->secrets[0];
     int quiet = 0;
 
+    judge(&result, student, ours, o, MARK_WORK, secret);
+    if (result.verdict == MARK_WRONG && o->n_secrets > 1) secret = o->secrets[1];
     for (int round = 0; round < 60; round++) {
         quiet++;
         for (int who = 0; who < 2; who++) {
-            static mark_outcome result;
-            judge(&result, who ? reference : student, ours, o, MARK_WORK, o->secrets[0]);
-            if (result.verdict != MARK_HOLDS) return 1;
+            judge(&result, who ? reference : student, ours, o, MARK_WORK, secret);
+            if (result.verdict != MARK_HOLDS) {
+                puts(result.text);
+                return 1;
+            }
             if (result.seconds < 0.98 * least[who]) quiet = 0;
             sum += result.seconds;
             least[who] = fmin(least[who], result.seconds);
@@ -333,8 +339,8 @@ static print_set read_prints(const char *path, const print_set *template)
     return s;
 }
 
-/* How much of all that either has, both have (Jaccard). Of too little, nobody can tell: 0. */
-static double jaccard(const print_set *a, const print_set *b)
+/* How much of the shorter one both have: what a copyist adds changes nothing. Of too little, nobody can tell: 0. */
+static double in_common(const print_set *a, const print_set *b)
 {
     enum { FEWEST = 12 };
     size_t both = 0;
@@ -342,7 +348,7 @@ static double jaccard(const print_set *a, const print_set *b)
     if (a->n < FEWEST || b->n < FEWEST) return 0;
     for (size_t j = 0; j < a->n; j++)
         both += holds(b, a->p[j]);
-    return (double)both / (double)(a->n + b->n - both);
+    return (double)both / (double)(a->n < b->n ? a->n : b->n);
 }
 
 /* Groups in which each is like another one: group[i] is the first of those that i is with. */
@@ -371,10 +377,10 @@ static int alike(double share, const char *blank, char **paths, int n)
             for (int k = i + 1; k < n; k++) {
                 const int g = group[i];
                 if (pass == 1 && group[k] != g) continue;
-                const double in_common = jaccard(&sets[i], &sets[k]);
-                if (pass == 0 && in_common >= share) join(group, n, i, k);
-                if (pass == 1 && (most[g] == 0 || in_common < least[g])) least[g] = in_common;
-                if (pass == 1) most[g] = fmax(most[g], in_common);
+                const double both = in_common(&sets[i], &sets[k]);
+                if (pass == 0 && both >= share) join(group, n, i, k);
+                if (pass == 1 && (most[g] == 0 || both < least[g])) least[g] = both;
+                if (pass == 1) most[g] = fmax(most[g], both);
             }
         }
     }

@@ -1,13 +1,15 @@
 #!/bin/sh
 # grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the groups that are alike
-# beyond what was given out.
-#     scripts/course/grade_class.sh NAME FROM JOBS            (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
+# beyond what was given out, with our own solution, which is public, as one more.
+#     scripts/course/grade_class.sh NAME FROM JOBS [moodle]   (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
+# moodle: FROM.NAME.moodle.csv, too.
 # Every entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file itself, of any
 # name. What goes wrong with one is a
 # remark in the table, and the next is marked.
 name=$1
 from=${2%/}
 jobs=${3:-2}
+kind=$4
 fail() {
     echo "make grade-class: $*" >&2
     exit 1
@@ -20,6 +22,7 @@ fi
 case $name in *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
 [ -f "tests/course/${name}_blank.c" ] || fail "there is no assignment \"$name\""
 [ -d "$from" ] || fail "$from is no folder"
+case $kind in "" | moodle) ;; *) fail "there is no table for \"$kind\"" ;; esac
 case $jobs in "" | *[!0-9]* | 0) fail "JOBS is a number from 1 on" ;; esac
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/grade-class.XXXXXX") || exit 1
@@ -97,7 +100,7 @@ while [ $i -lt "$n" ]; do
     [ -f "$work/$i/prints" ] || : >"$work/$i/prints"
     set -- "$@" "$work/$i/prints"
 done
-"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" | sort -k2,2nr -k3,3n >"$work/alike"
+"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" "$BIS_SHOP/ours.prints" | sort -k2,2nr -k3,3n >"$work/alike"
 {
     awk -F '\t' '{ print "C\t" $2 "\t" $3 }' "$BIS_SHOP/ours.marks"
     printf 'C\t10\tspeed\nC\t10\tclean memory\n'
@@ -110,9 +113,9 @@ done
     done
     tr ' ' '\t' <"$work/alike" | sed 's/^/A\t/'
 } >"$work/all"
-for kind in csv html; do
-    awk -v assignment="$name" -v kind=$kind -f scripts/course/grade_table.awk "$work/all" >"$work/table.$kind" &&
-        cp "$work/table.$kind" "$from.$name.$kind" || exit 1
+for table in csv html ${kind:+$kind.csv}; do
+    awk -v assignment="$name" -v kind="${table%.csv}" -f scripts/course/grade_table.awk "$work/all" >"$work/table" &&
+        cp "$work/table" "$from.$name.$table" || exit 1
 done
 awk -v kind=text -f scripts/course/grade_table.awk "$work/all"
 echo "$n marked: $from.$name.csv, $from.$name.html"

@@ -3,14 +3,12 @@
 # a class (scripts/course/grade.sh).
 #     scripts/course/grade_shop.sh NAME FOLDER
 # From the root, with what scripts/course/course.mk exports. In FOLDER, which is an absolute path:
-#     files        the files under study, below src/         units     what is compiled of src/ with them
-#     sandbox      "bwrap" or "none"                         secrets  two
-#     numbers, by both of which ours is right
-#     headers/     all that a hand-in may include            lib.a     the library without ours of these files
-#     claims       the claims, which ask a student's program  ours      such a program, with our own code
-#     ours-clean   the same, sanitized, where that is possible ours.marks  its marks
-#     refer/FILE.defined  what an object must define         allowed   what any may use besides what ours does
-#     blank.prints  of the files as they are given out
+#     what scripts/course/given.sh says
+#     sandbox       "bwrap" or "none"                          secrets     two numbers, by both of which ours is right
+#     headers/      all that a hand-in may include             lib.a       the library without ours of these files
+#     claims        the claims, which ask a student's program  ours        such a program, with our own code
+#     ours-clean    the same, sanitized, where possible        ours.marks  its marks
+#     blank.prints, ours.prints  of the files as they are given out, and as we have them
 name=$1
 shop=$2
 fail() {
@@ -18,10 +16,8 @@ fail() {
     exit 1
 }
 
-mkdir -p "$shop/blank" "$shop/ours-src" "$shop/refer" || exit 1
-sh scripts/course/splice.sh "tests/course/${name}_blank.c" "$shop/blank" >"$shop/files" || exit 1
-# shellcheck disable=SC2046
-sh scripts/course/units.sh $(cat "$shop/files") >"$shop/units" || exit 1
+mkdir -p "$shop/ours-src" "$shop/objects" || exit 1
+sh scripts/course/given.sh "$name" "$shop" || exit 1
 sh scripts/course/headers.sh "$shop/headers" || exit 1
 
 sandbox=${BIS_SANDBOX:-$("$BIS_BUILD/grade" sandbox)}
@@ -35,32 +31,28 @@ compile() { # SOURCE OBJECT FLAGS...: as a hand-in is
 }
 while IFS= read -r file; do
     folder=${file%/*}
-    mkdir -p "$shop/ours-src/$folder" "$shop/refer/$folder"
+    mkdir -p "$shop/ours-src/$folder"
     cp "src/$file" "$shop/ours-src/$file" || exit 1
     case $file in *.h) cp "$shop/blank/$file" "$shop/headers/src/$file" || exit 1 ;; esac # ours is the answer
-    "$BIS_BUILD/grade" look "$shop/ours-src/$file" "$shop/blank/$file" "$shop/prints" >/dev/null ||
+    "$BIS_BUILD/grade" look "$shop/blank/$file" "$shop/blank/$file" "$shop/prints" >/dev/null ||
         fail "what is blank in src/$file would be refused"
     cat "$shop/prints" >>"$shop/blank.prints"
+    "$BIS_BUILD/grade" look "$shop/blank/$file" "$shop/ours-src/$file" "$shop/prints" >/dev/null
+    cat "$shop/prints" >>"$shop/ours.prints"
 done <"$shop/files"
 while IFS= read -r file; do
     folder=${file%/*}
     [ -f "$shop/ours-src/$file" ] || cp "src/$file" "$shop/ours-src/$file" || exit 1
-    if ! compile "$shop/ours-src/$file" "$shop/refer/$file.o" >"$shop/messages"; then
+    mkdir -p "$shop/objects/$folder"
+    if ! compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages"; then
         [ "$sandbox" = none ] && fail "our own src/$file does not compile: $(cat "$shop/messages")"
         sandbox=none # a compiler that the sandbox does not hold
-        compile "$shop/ours-src/$file" "$shop/refer/$file.o" >"$shop/messages" ||
+        compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages" ||
             fail "our own src/$file does not compile: $(cat "$shop/messages")"
     fi
-    nm -P -g "$shop/refer/$file.o" | awk '$2 != "U" && $2 != "w" { print $1 }' | sort >"$shop/refer/$file.defined"
-    nm -P -g "$shop/refer/$file.o" | awk '$2 == "U" { print $1 }' >>"$shop/allowed"
 done <"$shop/units"
 echo "$sandbox" >"$shop/sandbox"
 export BIS_SANDBOX="$sandbox"
-
-# What of the library may be used: memory, messages, random numbers, warps.
-for object in "$BIS_BUILD"/src/base/*.o "$BIS_BUILD/src/thesis/rng.o" "$BIS_BUILD/src/thesis/warp.o"; do
-    nm -P -g "$object" | awk '$2 != "U" && $2 != "w" { print $1 }'
-done >>"$shop/allowed"
 
 # shellcheck disable=SC2086
 cp "${BIS_OBJECTS##* }" "$shop/lib.a" && $BIS_COMPILE -c -o "$shop/claims.o" "tests/course/$name.c" || exit 1

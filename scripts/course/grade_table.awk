@@ -1,11 +1,18 @@
-# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; html; text, the groups
-# alone.
+# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; moodle, that of its
+# grading worksheet; html; text, the groups alone.
 #     C points criterion      N name      R remark      L points of criterion message      A least most i j ...
 #     (with tabs between)
 function csv(s) {
     if (s ~ /^[=+\-@]/) s = "'" s # a formula, to a spreadsheet
     gsub(/"/, "\"\"", s)
     return "\"" s "\""
+}
+# Moodle names the folder of a submission NAME_NUMBER_assignsubmission_..., and the student "Participant NUMBER". It
+# takes the feedback as HTML.
+function identifier(s) {
+    if (!match(s, /_[0-9]+_assignsubmission/)) return s
+    s = substr(s, RSTART + 1)
+    return "Participant " substr(s, 1, index(s, "_") - 1)
 }
 function html(s) {
     gsub(/&/, "\\&amp;", s)
@@ -16,23 +23,33 @@ function html(s) {
     return s
 }
 function note(i, s) { remarks[i] = remarks[i] (remarks[i] == "" ? "" : "; ") s }
+function note_likeness(i, s) { if (kind != "moodle") note(i, s) } # the student reads Moodle's
 BEGIN { FS = "\t" }
 $1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }
 $1 == "N" { name[++n] = $2; k = 0 }
 $1 == "R" { note(n, $2) }
 $1 == "L" { points[n, ++k] = $2; sum[n] += $2; message[n, k] = $5; if ($5 != "") note(n, $4 ": " $5) }
 $1 == "A" {
+    name[n + 1] = "our own solution"
     n_groups++
     share[n_groups] = $2 == $3 ? $2 " %" : $2 " to " $3 " %"
     for (k = 4; k <= NF; k++) {
         members[n_groups, k] = name[$k]
         size[n_groups] = NF
         others = NF == 5 ? name[$(9 - k)] : (NF - 4) " others: group " n_groups
-        note($k, share[n_groups] " like " others)
+        note_likeness($k, share[n_groups] " like " others)
     }
 }
 END {
-    if (kind == "csv") {
+    if (kind == "moodle") {
+        printf "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n"
+        for (i = 1; i <= n; i++) {
+            feedback = ""
+            for (c = 1; c <= n_criteria; c++)
+                feedback = feedback points[i, c] + 0 " of " of[c] "  " html(criterion[c]) "<br>"
+            printf "%s,%d,%d,,%s\r\n", csv(identifier(name[i])), sum[i], all, csv(feedback html(remarks[i]))
+        }
+    } else if (kind == "csv") {
         printf "student,points"
         for (c = 1; c <= n_criteria; c++) printf ",%s", csv(criterion[c] " (" of[c] ")")
         printf ",remarks\r\n"

@@ -60,24 +60,23 @@ static void fill_contrasty(double *w, size_t n, uint64_t seed, double decades)
     for (size_t i = 0; i < n; i++) w[i] = i % 7 == 3 ? 0 : pow(10, decades * (bis_rng_double(&r) - 0.5));
 }
 
-/* The first item whose probability is not its weight's share; n: there is none. */
-static size_t first_wrong(double *pmf, double *sum, const double *w, size_t n)
+/* The first item whose probability in a table is not its weight's share; n: there is none. */
+static size_t first_wrong(double *pmf, double *sum, const bis_alias *a, const double *w)
 {
-    bis_alias a = alias_of(w, n);
     size_t i = 0;
 
     *sum = 0;
-    for (size_t j = 0; j < n; j++) *sum += w[j];
-    bis_alias_implied_pmf(&a, pmf);
-    while (i < n && (w[i] > 0 || pmf[i] == 0) && fabs(pmf[i] - w[i] / *sum) <= 1e-8 * w[i] / *sum) i++;
-    bis_alias_clear(&a);
+    for (size_t j = 0; j < a->n; j++) *sum += w[j];
+    bis_alias_implied_pmf(a, pmf);
+    while (i < a->n && (w[i] > 0 || pmf[i] == 0) && fabs(pmf[i] - w[i] / *sum) <= 1e-8 * w[i] / *sum) i++;
     return i;
 }
 
-static void check_pmf(const double *w, size_t n)
+static void check_table(const bis_alias *a, const double *w)
 {
+    const size_t n = a->n;
     double *pmf = mark_alloc(n, sizeof *pmf), sum;
-    const size_t i = first_wrong(pmf, &sum, w, n);
+    const size_t i = first_wrong(pmf, &sum, a, w);
 
     if (i < n && w[i] == 0) mark_wrong("item %zu of %zu has weight 0, but the table gives it %.3g", i, n, pmf[i]);
     if (i < n) {
@@ -86,6 +85,14 @@ static void check_pmf(const double *w, size_t n)
                    "give it as their alias)", i, n, pmf[i], w[i] / sum);
     }
     bis_free(pmf);
+}
+
+static void check_pmf(const double *w, size_t n)
+{
+    bis_alias a = alias_of(w, n);
+
+    check_table(&a, w);
+    bis_alias_clear(&a);
 }
 
 /* What holds of any right table, and of most that are not: the bin of an item that lacks something holds the item
@@ -146,7 +153,9 @@ static void tables_hold_for_a_contrast_of_1e12_and_a_million_items(void)
     double *w = mark_alloc(many, sizeof *w), pmf[64], sum;
 
     fill_contrasty(w, 64, 3, 2);
-    const bool right = first_wrong(pmf, &sum, w, 64) == 64;
+    bis_alias a = alias_of(w, 64);
+    const bool right = first_wrong(pmf, &sum, &a, w) == 64;
+    bis_alias_clear(&a);
     fill_contrasty(w, n, 1, 12);
     check_large(w, n, right);
     for (size_t i = 0; i < n; i++) w[i] = i == 77 ? 1e12 : 1; /* one giver for all */
@@ -268,16 +277,31 @@ static void items_are_drawn_with_their_probabilities(void)
     bis_free(item);
 }
 
+/* But where the coin is as near to prob as rounding may bring it. */
+static void check_items(const size_t *item, const bis_alias *a, const double *u, size_t n_u)
+{
+    for (size_t k = 0; k < n_u; k++) {
+        const double at = u[k] * (double)a->n, coin = at - floor(at);
+        const size_t bin = (size_t)at, must = coin < a->prob[bin] ? bin : a->alias[bin];
+        if (fabs(coin - a->prob[bin]) > 1e-9 && item[k] != must) {
+            mark_wrong("%zu bins, u = %.17g: item %zu, must be %zu", a->n, u[k], item[k], must);
+        }
+    }
+}
+
 static void work(void)
 {
-    enum { N = 100000, DRAWS = 300000 };
-    double *w = mark_alloc(N, sizeof *w), *u = mark_uniforms(DRAWS, mark_seed(4), 0);
+    enum { DRAWS = 300000 };
+    const size_t n = mark_size(100000);
+    double *w = mark_alloc(n, sizeof *w), *u = mark_uniforms(DRAWS, mark_seed(4), 0);
     size_t *item = mark_alloc(DRAWS, sizeof *item);
 
     for (uint64_t k = 0; k < 5; k++) { /* other weights each time: what is kept of the last table is of no use */
-        fill_contrasty(w, N, 50 + k, 6);
-        bis_alias a = alias_of(w, N);
+        fill_contrasty(w, n, 50 + k, 6);
+        bis_alias a = alias_of(w, n);
         pick(item, &a, u, DRAWS);
+        check_table(&a, w);
+        check_items(item, &a, u, DRAWS);
         bis_alias_clear(&a);
     }
     bis_free(w);

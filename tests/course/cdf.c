@@ -7,19 +7,43 @@
 
 #include <float.h>
 
-/* The student's sum c[n + 1] of these weights, and what is drawn from it. remainder may be NULL. */
-static double draw(double *c, size_t *item, double *remainder, const double *w, size_t n, const double *u, size_t n_u)
+/* The student's sum c[n + 1] of these weights; returns their total. */
+static double sum_of(double *c, const double *w, size_t n)
 {
     double total;
 
-    ASK(ASK_CDF, GIVE(w, n), GIVE(u, n_u), TAKE(c, n + 1), TAKE(&total, 1), TAKE(item, n_u),
-        TAKE(remainder, remainder ? n_u : 0));
+    ASK(ASK_CDF, GIVE(w, n), TAKE(c, n + 1), TAKE(&total, 1));
     return total;
 }
 
-static double sum_of(double *c, const double *w, size_t n)
+/* The right sum, so that a wrong one costs the claims about it, and no others. */
+static void right_sum_of(double *c, const double *w, size_t n)
 {
-    return draw(c, NULL, NULL, w, n, NULL, 0);
+    long double sum = 0, all = 0;
+
+    for (size_t i = 0; i < n; i++) all += (long double)w[i];
+    for (size_t i = 0; i < n; i++) {
+        c[i] = (double)(sum / all);
+        sum += (long double)w[i];
+    }
+    c[n] = 1;
+}
+
+/* What the student draws from c[n + 1], with the guide that our own code makes. remainder may be NULL. */
+static void draw(size_t *item, double *remainder, const double *c, size_t n, const double *u, size_t n_u)
+{
+    size_t n_guide = 1, i = 0, last = n - 1;
+    while (4 * n_guide <= n) n_guide *= 2;
+    uint32_t *guide = mark_alloc(n_guide + 1, sizeof *guide);
+
+    while (c[last] >= 1) last--; /* the last item of a weight above 0 */
+    for (size_t g = 0; g <= n_guide; g++) {
+        while (i < last && c[i + 1] <= (double)g / (double)n_guide) i++;
+        guide[g] = (uint32_t)i;
+    }
+    ASK(ASK_SEARCH, GIVE(c, n + 1), GIVE(guide, n_guide + 1), GIVE(u, n_u), TAKE(item, n_u),
+        TAKE(remainder, remainder ? n_u : 0));
+    bis_free(guide);
 }
 
 /* Every fifth weight is 0; the others run over 12 decades. */
@@ -29,6 +53,21 @@ static void fill_contrasty(double *w, size_t n, uint64_t seed)
 
     bis_rng_init(&r, mark_seed(seed), 0, 0, 0);
     for (size_t i = 0; i < n; i++) w[i] = i % 5 == 1 ? 0 : exp(27 * bis_rng_double(&r));
+}
+
+/* Against sums in long double; a plain sum in double is 10 times nearer than this. */
+static void check_sums(const double *c, const double *w, size_t n)
+{
+    long double sum = 0, all = 0;
+
+    for (size_t i = 0; i < n; i++) all += (long double)w[i];
+    for (size_t i = 0; i < n; i++) {
+        sum += (long double)w[i];
+        if (!(c[i + 1] >= c[i])) {
+            mark_wrong("%zu random weights: C[%zu] is less than C[%zu]; C never falls", n, i + 1, i);
+        }
+        mark_near(c[i + 1], (double)(sum / all), 1e-12, 0, "%zu random weights: C[%zu]", n, i + 1);
+    }
 }
 
 /* What is returned and what stands in c[n] must be one number: the division makes 1 of it, to the last bit. */
@@ -43,16 +82,7 @@ static void check_ends(size_t n)
                    "returned c[n]?", n, c[0],
                    c[n]);
     }
-    long double sum = 0, all = 0;
-    for (size_t i = 0; i < n; i++) all += (long double)w[i];
-    for (size_t i = 0; i < n; i++) {
-        sum += (long double)w[i];
-        if (!(c[i + 1] >= c[i])) {
-            mark_wrong("%zu random weights: C[%zu] is less than C[%zu]; C never falls", n, i + 1, i);
-        }
-        /* a plain sum in double is 10 times nearer */
-        mark_near(c[i + 1], (double)(sum / all), 1e-12, 0, "%zu random weights: C[%zu]", n, i + 1);
-    }
+    check_sums(c, w, n);
     bis_free(c);
     bis_free(w);
 }
@@ -77,7 +107,8 @@ static void each_u_gives_the_item_whose_interval_holds_it(void)
     size_t item[N];
     double c[5];
 
-    draw(c, item, NULL, w, 4, u, N);
+    right_sum_of(c, w, 4);
+    draw(item, NULL, c, 4, u, N);
     for (size_t k = 0; k < N; k++) {
         if (item[k] != must[k]) {
             mark_wrong("weights 1 2 4 3, u = %g: item %zu, must be %zu, since C is 0 0.1 0.3 0.7 1", u[k], item[k],
@@ -93,10 +124,10 @@ static void items_of_weight_0_are_never_drawn(void)
     double c[9], u[N];
     size_t item[N];
 
-    sum_of(c, w, 8);
+    right_sum_of(c, w, 8);
     /* on the steps of C and between */
     for (int k = 0; k < N; k++) u[k] = k < 8 ? fmax(0, fmin(c[k], last)) : fmin((k - 8) / 3990.0, last);
-    draw(c, item, NULL, w, 8, u, N);
+    draw(item, NULL, c, 8, u, N);
     for (int k = 0; k < N; k++) {
         if (item[k] >= 8 || w[item[k]] == 0) {
             mark_wrong("weights 0 0 3 0 1 2 0 0, u = %.17g: item %zu, which has weight 0. What if u lies exactly on "
@@ -106,6 +137,18 @@ static void items_of_weight_0_are_never_drawn(void)
 }
 
 /* C[i] <= u < C[i + 1] holds for one i alone. */
+static void check_items(const double *c, const size_t *item, size_t n, const double *u, size_t n_u)
+{
+    for (size_t k = 0; k < n_u; k++) {
+        const size_t i = item[k];
+        if (i >= n) mark_wrong("%zu items, u = %.17g: item %zu", n, u[k], i);
+        if (!(c[i] <= u[k] && u[k] < c[i + 1])) {
+            mark_wrong("%zu items, u = %.17g: item %zu, whose interval is from C = %.17g to %.17g. Is the guide only "
+                       "where the search starts?", n, u[k], i, c[i], c[i + 1]);
+        }
+    }
+}
+
 static void a_large_table_is_searched_as_by_hand(void)
 {
     enum { DRAWS = 50000 };
@@ -114,22 +157,14 @@ static void a_large_table_is_searched_as_by_hand(void)
     size_t *item = mark_alloc(DRAWS, sizeof *item);
 
     fill_contrasty(w, n, 1);
-    sum_of(c, w, n);
+    right_sum_of(c, w, n);
     for (int k = 0; k < DRAWS; k++) { /* anywhere; on a step of C; the last u before it */
         const double step = fmax(0, fmin(c[(size_t)(u[k] * (double)n)], 1 - DBL_EPSILON / 2));
         if (k % 5 == 0) u[k] = step;
         if (k % 5 == 1) u[k] = fmax(0, nextafter(step, 0));
     }
-    draw(c, item, NULL, w, n, u, DRAWS);
-    for (int k = 0; k < DRAWS; k++) {
-        const size_t i = item[k];
-        if (i >= n) mark_wrong("%zu items, u = %.17g: item %zu", n, u[k], i);
-        if (!(c[i] <= u[k] && u[k] < c[i + 1])) {
-            mark_wrong("%zu items, u = %.17g: item %zu, whose interval is from C = %.17g to %.17g. Is the guide only "
-                       "where the search "
-                       "starts?", n, u[k], i, c[i], c[i + 1]);
-        }
-    }
+    draw(item, NULL, c, n, u, DRAWS);
+    check_items(c, item, n, u, DRAWS);
     bis_free(w);
     bis_free(c);
     bis_free(u);
@@ -143,7 +178,8 @@ static void items_are_drawn_with_their_probabilities(void)
     size_t *item = mark_alloc(DRAWS, sizeof *item);
 
     for (int i = 0; i < N; i++) sum += w[i] = i % 2 ? 1 : 0.1;
-    draw(c, item, NULL, w, N, u, DRAWS);
+    right_sum_of(c, w, N);
+    draw(item, NULL, c, N, u, DRAWS);
     for (int k = 0; k < DRAWS; k++) {
         if (item[k] >= N) mark_wrong("item %zu of 64", item[k]);
         observed[item[k]]++;
@@ -167,10 +203,9 @@ static void check_last_remainders(void)
         const double w[] = {1, 1 + 6 * bis_rng_double(&r)};
         double c[3], u[2] = {1 - DBL_EPSILON / 2, 0}, remainder[2];
         size_t item[2];
-        sum_of(c, w, 2);
+        right_sum_of(c, w, 2);
         u[1] = c[1];
-        if (!(u[1] >= 0 && u[1] < 1)) mark_wrong("weights 1 and %.17g: C[1] is %.17g", w[1], c[1]);
-        draw(c, item, remainder, w, 2, u, 2);
+        draw(item, remainder, c, 2, u, 2);
         if (!(remainder[0] >= 0.5 && remainder[0] < 1)) {
             mark_wrong("weights 1 and %.17g, the last u below 1: the remainder is %.17g, must be near 1 and below it",
                        w[1], remainder[0]);
@@ -188,10 +223,10 @@ static void the_remainder_tells_where_u_lies_in_the_interval(void)
     double c[5], u[N], remainder[N];
     size_t item[N];
 
-    sum_of(c, w, 4);
+    right_sum_of(c, w, 4);
     for (int k = 0; k < 99; k++) u[k] = (k + 1) / 100.0 + 0.003;
     for (int i = 0; i < 4; i++) u[99 + i] = fmax(0, fmin(nextafter(c[i + 1], 0), 1 - DBL_EPSILON / 2));
-    draw(c, item, remainder, w, 4, u, N);
+    draw(item, remainder, c, 4, u, N);
     for (int k = 0; k < 99; k++) {
         const size_t i = item[k];
         if (i >= 4) mark_wrong("item %zu of 4", i);
@@ -226,12 +261,16 @@ static void many_small_items_after_a_large_one_do_not_vanish(void)
 
 static void work(void)
 {
-    enum { N = 100000, DRAWS = 1000000 };
-    double *w = mark_alloc(N, sizeof *w), *c = mark_alloc(N + 1, sizeof *c), *u = mark_uniforms(DRAWS, mark_seed(4), 0);
+    enum { DRAWS = 1000000 };
+    const size_t n = mark_size(100000);
+    double *w = mark_alloc(n, sizeof *w), *c = mark_alloc(n + 1, sizeof *c), *u = mark_uniforms(DRAWS, mark_seed(4), 0);
     size_t *item = mark_alloc(DRAWS, sizeof *item);
 
-    fill_contrasty(w, N, 5);
-    draw(c, item, NULL, w, N, u, DRAWS);
+    fill_contrasty(w, n, 5);
+    sum_of(c, w, n);
+    check_sums(c, w, n);
+    draw(item, NULL, c, n, u, DRAWS);
+    check_items(c, item, n, u, DRAWS);
     bis_free(w);
     bis_free(c);
     bis_free(u);

@@ -1,6 +1,6 @@
 /* Assignment envmap: src/thesis/envmap.c, src/thesis/importance.c, src/thesis/importance_table.c: solid angles,
  * directions, pixels, and a draw in two passes. Expected values by closed forms and by lat-long geometry in long
- * double. Statistical tests: 6. */
+ * double. Statistical tests: 7. */
 #include "mark.h"
 
 #include "bis/thesis/regions.h"
@@ -245,24 +245,56 @@ static void check_weighted_density(void)
     drawing_clear(&d);
 }
 
+static void check_density(const drawing *d)
+{
+    const size_t width = (size_t)d->em.width;
+    double power = 0, sum = 0;
+
+    for (size_t i = 0; i < d->n; i++) power += power_of(d, i);
+    for (size_t i = 0; i < d->n; i++) {
+        mark_near(d->pdf_pixel[i], map_intensity(&d->em, i) / power, 0, 1e-6,
+                  "the density per steradian of pixel (%zu, %zu), "
+                  "whose intensity is %.4g,", i % width, i / width, map_intensity(&d->em, i));
+        sum += d->pdf_pixel[i] * angle_of(d, i);
+    }
+    mark_near(sum, 1, 1e-6, 0, "the integral of the density over the sphere");
+}
+
 static void the_density_is_the_intensity_over_the_power(void)
 {
     drawing d = draw_from(map_random(16, 8, 3, 0.2, mark_seed(5)), &by_alias, NULL, 0, false);
-    double power = 0, sum = 0;
 
-    for (size_t i = 0; i < d.n; i++) power += power_of(&d, i);
-    for (size_t i = 0; i < d.n; i++) {
-        mark_near(d.pdf_pixel[i], map_intensity(&d.em, i) / power, 0, 1e-6,
-                  "the density per steradian of pixel (%zu, %zu), "
-                  "whose intensity is %.4g,", i % 16, i / 16, map_intensity(&d.em, i));
-        sum += d.pdf_pixel[i] * angle_of(&d, i);
-    }
-    mark_near(sum, 1, 1e-6, 0, "the integral of the density over the sphere");
+    check_density(&d);
     drawing_clear(&d);
     check_weighted_density();
 }
 
-/* Of a table: the pixels, and with `inside` quarters of each. */
+/* A sample lies in its pixel and has its density. Returns in which quarter of the pixel it lies. */
+static size_t check_sample(const drawing *d, const ask_drawn *drawn, const char *what)
+{
+    const bis_map_sample s = drawn->s;
+    const size_t width = (size_t)d->em.width;
+    const double height = d->em.height;
+
+    if (!drawn->drawn) mark_wrong("%s: nothing is drawn from a map that has light", what);
+    if (s.pixel >= d->n) mark_wrong("%s: pixel %zu of %zu", what, s.pixel, d->n);
+    const double phi = atan2((double)s.w_local.y, (double)s.w_local.x),
+        x = (phi < 0 ? phi / (2 * PI) + 1 : phi / (2 * PI)) * (double)width;
+    const double row = (double)(s.pixel / width), column = (double)(s.pixel % width);
+    const double c0 = cos(PI * row / height), c1 = cos(PI * (row + 1) / height),
+        down = (c0 - (double)s.w_local.z) / (c0 - c1);
+    /* floats: a direction's z is good to 1e-7, and its phi to 1e-7 over the sine */
+    const double room = 2e-7 / (c0 - c1) + 1e-5, aside = 1e-5 + 1e-7 * (double)width / sqrt(1 - c0 * c0 + 1e-9);
+    const bool inside = down > -room && down < 1 + room && x > column - aside && x < column + 1 + aside;
+    if (!inside && s.pixel % width != width - 1 && s.pixel % width != 0) {
+        mark_wrong("%s: the direction drawn does not lie in the pixel that is told, %zu", what, s.pixel);
+    }
+    if (!(fabs(s.pdf - d->pdf_pixel[s.pixel]) <= 1e-9 * s.pdf)) {
+        mark_wrong("%s: the sample's density is %g, its pixel's %g", what, s.pdf, d->pdf_pixel[s.pixel]);
+    }
+    return (down > 0.5 ? 2u : 0u) + (x - floor(x) > 0.5 ? 1u : 0u);
+}
+
 static void draw(const bis_importance_options *options, const char *what)
 {
     enum { W = 8, H = 4, CELLS = W * H * 4, DRAWS = 200000 };
@@ -270,23 +302,8 @@ static void draw(const bis_importance_options *options, const char *what)
     drawing d = draw_from(map_random(W, H, 2, 0.2, mark_seed(6)), options, u, DRAWS, false);
 
     for (int k = 0; k < DRAWS; k++) {
-        const bis_map_sample s = d.drawn[k].s;
-        if (!d.drawn[k].drawn) mark_wrong("%s: nothing is drawn from a map that has light", what);
-        if (s.pixel >= W * H) mark_wrong("%s: pixel %zu of %d", what, s.pixel, W * H);
-        const double phi = atan2((double)s.w_local.y, (double)s.w_local.x),
-            x = (phi < 0 ? phi / (2 * PI) + 1 : phi / (2 * PI)) * W;
-        const size_t row = s.pixel / W;
-        const double c0 = cos(PI * (double)row / H), c1 = cos(PI * (double)(row + 1) / H),
-            down = (c0 - (double)s.w_local.z) / (c0 - c1);
-        const bool inside = down > -1e-5 && down < 1 + 1e-5 && x > (double)(s.pixel % W) - 1e-5 &&
-            x < (double)(s.pixel % W) + 1 + 1e-5;
-        if (!inside && s.pixel % W != W - 1 && s.pixel % W != 0) {
-            mark_wrong("%s: the direction drawn does not lie in the pixel that is told, %zu", what, s.pixel);
-        }
-        if (!(fabs(s.pdf - d.pdf_pixel[s.pixel]) <= 1e-9 * s.pdf)) {
-            mark_wrong("%s: the sample's density is %g, its pixel's %g", what, s.pdf, d.pdf_pixel[s.pixel]);
-        }
-        observed[4 * s.pixel + (down > 0.5 ? 2u : 0u) + (x - floor(x) > 0.5 ? 1u : 0u)]++;
+        const size_t quarter = check_sample(&d, &d.drawn[k], what);
+        observed[4 * d.drawn[k].s.pixel + quarter]++;
     }
     for (size_t i = 0; i < W * H; i++) power += power_of(&d, i);
     for (size_t i = 0; i < CELLS; i++) expected[i] = DRAWS * power_of(&d, i / 4) / power / 4;
@@ -372,10 +389,28 @@ static void irradiance_of_a_constant_map_is_pi_on_every_side(void)
 
 static void work(void)
 {
-    enum { DRAWS = 400000 };
-    double *u = mark_uniforms(4 * DRAWS, mark_seed(4), 0);
-    drawing d = draw_from(map_random(256, 128, 3, 0.2, mark_seed(7)), &by_alias, u, DRAWS, true);
+    static const char what[] = "the load that is timed";
+    const size_t n = mark_size(400000);
+    double *u = mark_uniforms(4 * n, mark_seed(4), 0);
+    drawing d = draw_from(map_random((int)mark_size(256), (int)mark_size(128), 3, 0.2, mark_seed(7)), &by_alias, u, n,
+                          true);
+    const size_t width = (size_t)d.em.width, height = (size_t)d.em.height;
+    double *observed = mark_alloc(height, sizeof *observed), *expected = mark_alloc(height, sizeof *expected);
+    size_t elsewhere = 0;
 
+    check_density(&d);
+    for (size_t k = 0; k < n; k++) {
+        check_sample(&d, &d.drawn[k], what);
+        observed[d.drawn[k].s.pixel / width]++;
+        if (!(fabs(d.pdf[k] - d.drawn[k].s.pdf) <= 1e-9 * d.pdf[k])) elsewhere++;
+    }
+    for (size_t i = 0; i < d.n; i++) expected[i / width] += (double)n * d.pdf_pixel[i] * angle_of(&d, i);
+    mark_fit(observed, expected, height, MARK_ALPHA, what, "A cell is a row.");
+    /* rounding may carry a direction over the edge of its pixel */
+    if (elsewhere > n / 1000) mark_wrong("%s: %zu of %zu directions have another density than was drawn by", what,
+                                         elsewhere, n);
+    bis_free(observed);
+    bis_free(expected);
     bis_free(u);
     drawing_clear(&d);
 }

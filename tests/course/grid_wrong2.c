@@ -1,6 +1,7 @@
 /* Nothing guards a component of 0, and a walk upwards ends one cell early. */
 /* loses: small_triangles_from_outside_are_met */
 /* loses: small_triangles_from_inside_are_met */
+/* loses: the_nearest_of_large_triangles_is_found */
 /* loses: only_the_cells_on_the_way_are_looked_at */
 /* loses: rays_along_an_axis_are_met */
 /* loses: the_last_cell_is_visited */

@@ -1,8 +1,6 @@
 /* n where eq. 3.16 has n + 1, and a sine from the rounded cosine. */
 /* loses: the_lobe_is_drawn_by_eq_3_16 */
 /* loses: narrow_lobes_keep_their_precision */
-/* loses: samples_have_the_density */
-/* loses: the_albedo_comes_out_of_the_samples */
 /* [phong-lobe] */
 FORMULA OF(direction) OF(lobe)(REAL inverse_n1, REAL u1, REAL u2)
 {

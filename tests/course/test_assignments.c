@@ -60,12 +60,15 @@ static void need_a_compiler(void)
     skip();
 }
 
-/* All at once, two at a time; the tests below read what it found. */
+/* All at once, two at a time; the tests below read what it found. BIS_TEST may name one of the others. */
 static int prove(void **state)
 {
+    const char *chosen = getenv("BIS_TEST");
+
     (void)state;
     if (getenv("BIS_COMPILE")) {
-        shell("rm -rf \"$BIS_BUILD/assignments\"; sh scripts/course/check_assignments.sh > /dev/null 2>&1");
+        if (!chosen || strncmp(chosen, "blank", 5) == 0)
+            shell("rm -rf \"$BIS_BUILD/assignments\"; sh scripts/course/check_assignments.sh > /dev/null 2>&1");
         shell("rm -rf " SHOP "; sh scripts/course/grade_shop.sh alias \"$PWD/" SHOP "\"");
     }
     return 0;
@@ -216,7 +219,24 @@ static void a_right_solution_that_leaks_loses_the_points_for_memory_alone(void *
     assert_true(json_is_valid(contents(DIR "/kit/grade.json")));
 }
 
-/* A loop, a crash and an exit, each in one claim; a test and a header of the student's own, which nobody asked for. */
+/* Ours, but for tables of the size that is timed, which are left as they come. */
+static void a_load_that_is_skipped_is_worth_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(
+        shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
+              "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 100000 \\&\\& s->n <= "
+              "125000) s->n_large = 0;\\n&|' "
+              "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && " GRADE " " DIR "/kit > " DIR "/out"),
+        0);
+    assert_has(contents(DIR "/out"), " 10 of  10  tables_hold_for_a_contrast_of_1e12_and_a_million_items\n");
+    assert_has(contents(DIR "/out"), "  0 of  10  speed: bin 0 of ");
+}
+
+/* A loop, a call of abort, an assertion and an exit, each in one claim; a test and a header of the student's own, which
+ * nobody asked for. */
 static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing(void **state)
 {
     (void)state;
@@ -226,9 +246,9 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
         shell(
             "sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
             "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 17 \\&\\& s->n <= 21) "
-                "exit(0);\\n&|' "
+            "exit(0);\\n&|' "
             "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) "
-            "abort();|' "
+            "abort();\\n    assert(n != 50);|' "
             "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
             "echo 'int main(void) { return 0; }' > " DIR "/kit/tests/test_assignment.c && mkdir " DIR "/kit/src/bis && "
             "echo '#error not ours' > " DIR "/kit/src/bis/alias.h && BIS_CLAIM_SECONDS=1 " GRADE " " DIR "/kit > " DIR
@@ -239,10 +259,27 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
     assert_has(
         contents(DIR "/out"),
         "  0 of  15  the_bin_and_the_coin_come_from_one_u: no answer in the time allowed: a loop without end?\n");
+    assert_has(
+        contents(DIR "/out"),
+        "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted: a call of abort?");
     assert_has(contents(DIR "/out"),
-               "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted");
-    assert_has(contents(DIR "/out"), "\n 39 of 100  alias\n");
-    assert_has(contents(DIR "/out"), "  4 of  10  clean memory: in the share of the tests that pass\n");
+               "  0 of  10  items_are_drawn_with_their_probabilities: it was aborted: an assertion "
+               "failed, see there what it demands It printed: ");
+    assert_has(contents(DIR "/out"), "\n 28 of 100  alias\n");
+    assert_has(contents(DIR "/out"), "  3 of  10  clean memory: in the share of the tests that pass\n");
+}
+
+/* The compiler's own end, too, has its words. */
+static void what_the_compiler_has_no_memory_for_is_said(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh tests/course/handed_in/make.sh " DIR "/all && " GRADE " " DIR "/all/*macro?bomb.c > " DIR
+                           "/out 2> /dev/null"),
+                     0);
+    assert_has(contents(DIR "/out"), "remark: it does not compile: ");
+    assert_has(contents(DIR "/out"), " memory");
 }
 
 static void what_does_not_compile_is_worth_nothing(void **state)
@@ -377,6 +414,31 @@ static void points_can_be_seen_before_handing_in(void **state)
     assert_has(contents(DIR "/out"), "10 of 10  clean memory");
 }
 
+/* In a kit: a cheat, a file of a link, a file that is too large, nothing, ours. */
+static void what_make_grade_refuses_make_check_tells(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("set -e; root=$PWD; sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null; "
+                           "sh scripts/course/splice.sh tests/course/handed_in/cheats/21_*.c " DIR " > /dev/null; "
+                           "case $BIS_BUILD in /*) ;; *) BIS_BUILD=$root/$BIS_BUILD ;; esac; cd " DIR
+                           "/kit; f=src/thesis/alias.c; "
+                           "look() { echo \"== $1\"; sh scripts/course/check.sh || true; }; "
+                           "{ look nothing; cp ../thesis/alias.c $f; look cheat; ln -sf $root/$f $f; look link; rm $f; "
+                           "truncate -s 3M $f; look size; cp $root/$f $f; look ours; } > ../check 2>&1; cd $root; "
+                           "cp " DIR "/thesis/alias.c " DIR "/kit/src/thesis; " GRADE " " DIR "/kit > " DIR "/out; "
+                           "grep '^remark' " DIR "/out > " DIR "/refused; grep -c . " DIR "/refused"),
+                     0);
+    assert_int_equal(shell("sed -n '/== cheat/,/== link/p' " DIR "/check | grep '^remark' | diff " DIR "/refused -"),
+                     0);
+    assert_has(contents(DIR "/check"), "== nothing\nmake grade will give no points: nothing is written\n");
+    assert_has(contents(DIR "/check"), "== link\nremark: alias.c is missing (or a link");
+    assert_has(contents(DIR "/check"), "== size\nremark: alias.c is missing (or a link");
+    assert_has(contents(DIR "/check"), "== ours\n");
+    assert_null(strstr(strstr(contents(DIR "/check"), "== ours\n"), "remark"));
+}
+
 static void what_is_left_behind_is_ended(void **state)
 {
     (void)state;
@@ -446,13 +508,16 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
     assert_int_equal(points_of("odd3,\\ntwo lines.txt"), 0);
     assert_has(contents(DIR "/out"), "100 %: copy of right2.c, right2.c\n");
     assert_null(strstr(contents(DIR "/out"), ": right2.c, right6")); /* written by two */
+    assert_has(contents(DIR "/out"),
+               " %: nothing8, does not compile.c, right6, with a helper and an include outside of "
+               "the marks.c, wrong1.c, our own solution\n");
     const char *page = contents(DIR "/in.alias.html");
     assert_has(page, "odd2, &quot;quoted&quot; &amp; &lt;b&gt;it&#39;s; $(touch x) `touch x`.c");
     assert_null(strstr(page, "<b>"));
 }
 
 /* Nine right solutions, of which no two are alike, though four are the obvious one; and a copy of each, with its
- * letters changed and its functions in another order. */
+ * letters changed, its functions in another order, and twenty functions that nobody calls in front. */
 static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
 {
     (void)state;
@@ -466,15 +531,138 @@ static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
             "cp tests/course/handed_in/right$k.c $f; fi; "
             "awk '/alias-sample/ { later = 1 } { if (later) print; else first = first $0 \"\\n\" } END { printf "
             "\"%s\", first }' $f | "
-            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy$k.c; "
+            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy; { sed -n 1p " DIR
+            "/copy; for n in $(seq ${k}001 ${k}020); do "
+            "echo \"static int pad$n(int x) { for (int i = $n; i < x; i++) x -= i / $n; return x * x % $n; }\"; done; "
+            "sed 1d " DIR "/copy; } > " DIR "/copy$k.c; "
             "for who in $k copy$k; do mkdir " DIR "/$who && sh scripts/course/splice.sh " DIR "/$who.c " DIR
             "/$who > /dev/null && "
             "\"$BIS_BUILD/grade\" look src/thesis/alias.c " DIR "/$who/thesis/alias.c " DIR
             "/$who.prints || exit 1; done; done; cd " DIR " && "
             "P=\"[1-9].prints copy[1-9].prints\" && case $BIS_BUILD in /*) ;; *) BIS_BUILD=../../$BIS_BUILD ;; esac && "
-            "\"$BIS_BUILD/grade\" alike 0.3 ../../" SHOP "/blank.prints $P > pairs && cat pairs >&2 && awk 'NF != 4 "
-                "|| $4 != $3 + "
-                                                         "9 || $1 < 60 { exit 1 } END { exit NR != 9 }' pairs"),
+            "\"$BIS_BUILD/grade\" alike 0.4 ../../" SHOP "/blank.prints $P > pairs && cat pairs >&2 && awk 'NF != 4 "
+            "|| $4 != $3 + "
+            "9 || $1 < 60 { exit 1 } END { exit NR != 9 }' pairs"),
+        0);
+}
+
+/* A hand-in that fails, prints what JSON, HTML and spreadsheets take for their own, and is not ours outside of the
+ * marks, as DIR/kit. */
+static void make_hostile_kit(void)
+{
+    program_write_file(
+        DIR "/hostile.sed",
+        "s|^    while (s->n_large > 0 \\&\\& s->n_small > 0) {|    fputs(\"=1+1,\\\\\"<b>\\\\\\\\;\\\\001\\\\303\\\\n"
+        "{\\\\t</script>'\", stderr);\\\n    abort();\\\n&|\n"
+        "s|^/\\* \\[alias-build\\] \\*/|&\\\n#include <stdio.h>\\\n#include <stdlib.h>|\n"
+        "s/pairwise_sum/sum_by_halves/g\n");
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && sed -f " DIR
+                           "/hostile.sed "
+                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c"),
+                     0);
+}
+
+/* The sum of the points in report DIR/report, which stand behind `score`, and the marks of DIR/out, are `total`. */
+static void assert_scores(const char *score, const char *total)
+{
+    char command[400];
+
+    assert_true(json_is_valid(contents(DIR "/report")));
+    snprintf(
+        command, sizeof command,
+        "awk -v s='\"%s\": ' -v t='\"%s\": ' '{ i = index($0, s); if (/name/) sum += substr($0, i + length(s)); "
+        "else if (index($0, t)) all = substr($0, index($0, t) + length(t)) + 0 } END { print all; exit !(sum == all "
+        "&& all > 0) }' " DIR "/report > " DIR "/sum && grep -q \"^ *$(cat " DIR "/sum) of 100  alias$\" " DIR "/out",
+        score, total);
+    assert_int_equal(shell(command), 0);
+}
+
+static void gradescope_and_classroom_50_get_the_same_marks(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    make_hostile_kit();
+    assert_int_equal(shell(GRADE " " DIR "/kit gradescope " DIR "/report > " DIR "/out"), 0);
+    assert_scores("score", "score");
+    const char *report = contents(DIR "/report");
+    assert_has(report, "\"output\": \"alias.c: what is line ");
+    assert_has(report, "\"max_score\": 20, \"output\": \"it was aborted: a call of abort?");
+    assert_has(report, "It printed: =1+1,\\\"<b>\\\\;");
+    assert_has(report, "\"visibility\": \"visible\"");
+    assert_false(program_exists(DIR "/kit/grade.json"));
+
+    assert_int_equal(
+        shell("CLASSROOM='a \"b\"' ASSIGNMENT=alias SUBMISSION_TAG=submit/1 COMMIT_URL=https://c RELEASE_URL=https://r "
+              "REVIEW_URL=https://v " GRADE " " DIR "/kit classroom50 " DIR "/report > " DIR "/out"),
+        0);
+    assert_scores("score", "score");
+    report = contents(DIR "/report");
+    const char *must[] = {"\"schema\": \"classroom50/result/v1\"",
+                          "\"classroom\": \"a \\\"b\\\"\"",
+                          "\"assignment\": \"alias\"",
+                          "\"submission\": \"submit/1\"",
+                          "\"commit\": \"https://c\"",
+                          "\"release\": \"https://r\"",
+                          "\"review\": \"https://v\"",
+                          "\"datetime\": \"20",
+                          "\"max-score\": 100,",
+                          "\"passed\": false",
+                          "\"passed\": true"};
+    for (size_t i = 0; i < sizeof must / sizeof *must; i++)
+        assert_has(report, must[i]);
+    assert_int_equal(shell(GRADE " " DIR "/kit quux " DIR "/report 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "there is no report for \"quux\"");
+}
+
+/* What its grading worksheet needs, and no other text than that of the marks. */
+static void moodle_gets_the_same_marks(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    make_hostile_kit();
+    assert_int_equal(shell("mkdir " DIR "/in && mv " DIR "/kit '" DIR "/in/A, B_4711_assignsubmission_file' && "
+                           "cp src/thesis/alias.c '" DIR "/in/=me@example.org' && "
+                           "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR
+                           "/in 2 moodle > " DIR "/out"),
+                     0);
+    const char *table = contents(DIR "/in.alias.moodle.csv");
+    assert_has(table,
+               "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n\"'=me@example.org\",");
+    assert_has(table, "\r\n\"Participant 4711\",");
+    assert_has(table, "0 of 20  every_table_gives_the_weights<br>");
+    assert_null(strstr(table, "like")); /* who else wrote so is for the teacher alone */
+    assert_has(contents(DIR "/in.alias.csv"), " % like ");
+    table = contents(DIR "/in.alias.moodle.csv");
+    assert_has(table, "It printed: =1+1,&quot;&lt;b&gt;\\;");
+    assert_null(strstr(table, "<b>"));
+    assert_int_equal(shell("for kind in moodle. ''; do sed 's/^\"[^\"]*\",\\([0-9]*\\),.*/\\1/' " DIR
+                           "/in.alias.${kind}csv | sed 1d > " DIR "/points.$kind; done; cmp " DIR "/points.moodle. " DIR
+                           "/points. && test -s " DIR "/points."),
+                     0);
+}
+
+/* All that Gradescope unpacks and calls is in the archive, and no other assignment's solution test. */
+static void what_a_service_needs_is_in_its_kit(void **state)
+{
+    (void)state;
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/kit.sh alias quux " DIR "/x 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "FOR is gradescope, classroom50 or moodle");
+    assert_int_equal(
+        shell("sh scripts/course/kit.sh alias classroom50 " DIR "/box > /dev/null && cd " DIR "/box && "
+              "test -f autograder.py -a -f setup.sh -a -f bis/tests/course/alias.c -a ! -e bis/tests/course/cdf.c && "
+              "make -n -C bis grader A=alias > /dev/null"),
+        0);
+    if (shell("command -v zip > /dev/null && command -v unzip > /dev/null") != 0) {
+        print_message("no zip\n");
+        skip();
+    }
+    assert_int_equal(
+        shell("sh scripts/course/kit.sh alias gradescope " DIR "/box.zip > /dev/null && mkdir " DIR "/zip && "
+              "cd " DIR
+              "/zip && unzip -q ../box.zip && test -x run_autograder -a -x setup.sh && diff -r bis ../box/bis"),
         0);
 }
 
@@ -499,7 +687,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 17];
+    struct CMUnitTest tests[N_NAMES + 23];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -515,16 +703,22 @@ int main(void)
         cmocka_unit_test(what_cannot_be_made_is_refused_with_the_way_out),
         cmocka_unit_test(an_untouched_kit_is_worth_nothing),
         cmocka_unit_test(a_right_solution_that_leaks_loses_the_points_for_memory_alone),
+        cmocka_unit_test(a_load_that_is_skipped_is_worth_nothing),
         cmocka_unit_test(what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing),
+        cmocka_unit_test(what_the_compiler_has_no_memory_for_is_said),
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
+        cmocka_unit_test(what_make_grade_refuses_make_check_tells),
         cmocka_unit_test(what_is_left_behind_is_ended),
         cmocka_unit_test(a_class_is_marked_whatever_is_handed_in),
         cmocka_unit_test(a_copy_is_found_and_who_wrote_alone_is_not),
+        cmocka_unit_test(gradescope_and_classroom_50_get_the_same_marks),
+        cmocka_unit_test(moodle_gets_the_same_marks),
+        cmocka_unit_test(what_a_service_needs_is_in_its_kit),
         cmocka_unit_test(a_class_that_is_stopped_leaves_nothing_behind),
     };
     memcpy(tests + N_NAMES, others, sizeof others);

@@ -33,19 +33,28 @@ static void need(bool ok)
 
 static void answer_cdf(void *const part[], const size_t bytes[])
 {
-    const double *u = part[1];
-    double *total = part[3], *remainder = part[5];
-    size_t *item = part[4];
-    const size_t n = bytes[0] / sizeof(double);
+    double *total = part[2];
     bis_cdf c;
 
-    need(bis_cdf_init(&c, part[0], n, NULL) == BIS_OK);
-    memcpy(part[2], c.c, bytes[2]);
+    need(bis_cdf_init(&c, part[0], bytes[0] / sizeof(double), NULL) == BIS_OK);
+    memcpy(part[1], c.c, bytes[1]);
     *total = c.total;
-    for (size_t k = 0; k < bytes[1] / sizeof *u; k++) {
-        item[k] = bis_cdf_sample(&c, u[k], bytes[5] ? &remainder[k] : NULL);
-    }
     bis_cdf_clear(&c);
+}
+
+static void answer_search(void *const part[], const size_t bytes[])
+{
+    const double *u = part[2];
+    double *remainder = part[4];
+    size_t *item = part[3];
+    const bis_cdf c = {.c = part[0],
+                       .n = bytes[0] / sizeof(double) - 1,
+                       .total = 1,
+                       .guide = part[1],
+                       .n_guide = bytes[1] / sizeof(uint32_t) - 1};
+
+    for (size_t k = 0; k < bytes[2] / sizeof *u; k++)
+        item[k] = bis_cdf_sample(&c, u[k], bytes[4] ? &remainder[k] : NULL);
 }
 
 static void answer_alias(void *const part[], const size_t bytes[])
@@ -262,17 +271,18 @@ static void answer_estimates(void *const part[], const size_t bytes[])
 {
     const ask_scene *scene = part[0];
     const bis_settings s = settings_of(scene);
-    ask_estimate *e = part[1];
+    const uint64_t *run = part[1];
+    ask_estimate *e = part[2];
     bis_scratch scratch;
     lit l;
 
     answers_lit(&l, scene);
     need(bis_scratch_init(&scratch, &s, NULL) == BIS_OK);
-    for (size_t run = 0; run < bytes[1] / sizeof *e; run++) {
+    for (size_t k = 0; k < bytes[1] / sizeof *run; k++) {
         l.counters = (bis_counters){0};
-        e[run].L = lit_once(&l, &s, &scratch, scene->seed, run);
-        e[run].rays = l.counters.shadow_rays;
-        e[run].accepted = l.counters.accepted;
+        e[k].L = lit_once(&l, &s, &scratch, scene->seed, run[k]);
+        e[k].rays = l.counters.shadow_rays;
+        e[k].accepted = l.counters.accepted;
     }
     bis_scratch_clear(&scratch);
     bis_light_free(l.light);
@@ -389,23 +399,15 @@ static void answer_rays(void *const part[], const size_t bytes[])
 /* ---- the socket ---- */
 
 static answer *const answers[ASK_QUESTIONS] = {
-    [ASK_CDF] = answer_cdf,
-    [ASK_ALIAS] = answer_alias,
-    [ASK_PICK] = answer_pick,
-    [ASK_LEVELS] = answer_levels,
-    [ASK_REGIONS] = answer_regions,
-    [ASK_MAP] = answer_map,
-    [ASK_DIRECTIONS] = answer_directions,
-    [ASK_PIXELS] = answer_pixels,
-    [ASK_IMPORTANCE] = answer_importance,
-    [ASK_LOBE] = answer_lobe,
-    [ASK_F] = answer_f,
-    [ASK_SAMPLE] = answer_sample,
-    [ASK_DRAW] = answer_draw,
-    [ASK_BOUND] = answer_bound,
-    [ASK_ESTIMATES] = answer_estimates,
-    [ASK_WEIGHTS] = answer_weights,
-    [ASK_CHOICES] = answer_choices,
+    [ASK_CDF] = answer_cdf,         [ASK_SEARCH] = answer_search,
+    [ASK_ALIAS] = answer_alias,     [ASK_PICK] = answer_pick,
+    [ASK_LEVELS] = answer_levels,   [ASK_REGIONS] = answer_regions,
+    [ASK_MAP] = answer_map,         [ASK_DIRECTIONS] = answer_directions,
+    [ASK_PIXELS] = answer_pixels,   [ASK_IMPORTANCE] = answer_importance,
+    [ASK_LOBE] = answer_lobe,       [ASK_F] = answer_f,
+    [ASK_SAMPLE] = answer_sample,   [ASK_DRAW] = answer_draw,
+    [ASK_BOUND] = answer_bound,     [ASK_ESTIMATES] = answer_estimates,
+    [ASK_WEIGHTS] = answer_weights, [ASK_CHOICES] = answer_choices,
     [ASK_RAYS] = answer_rays,
 };
 

@@ -15,8 +15,10 @@
 #include "bis/thesis/phong.h"
 
 typedef enum ask_question {
-    /* w[n], u[m]; taken: C[n + 1], total[1], item[m], remainder[m] (left out: NULL is passed) */
+    /* w[n]; taken: C[n + 1], total[1] */
     ASK_CDF,
+    /* C[n + 1], guide[g + 1], u[m]; taken: item[m], remainder[m] (left out: NULL is passed) */
+    ASK_SEARCH,
     /* w[n]; taken: prob[n], alias[n] */
     ASK_ALIAS,
     /* prob[n], alias[n], u[m]; taken: item[m] */
@@ -43,7 +45,7 @@ typedef enum ask_question {
     ASK_DRAW,
     /* ask_surface[m]; taken: max_ratio[m] */
     ASK_BOUND,
-    /* ask_scene[1]; taken: ask_estimate[m], of pixels 0, 1 ... */
+    /* ask_scene[1], uint64_t run[m], which are pixels; taken: ask_estimate[m] */
     ASK_ESTIMATES,
     /* ask_scene[1]; taken: Zhat[1], w[n], F_r[n], F_g[n], F_b[n], as they lie in the set */
     ASK_WEIGHTS,

@@ -127,10 +127,14 @@ void mark_lit(lit *l, const ask_scene *scene)
 ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed)
 {
     ask_estimate *e = mark_alloc(runs, sizeof *e);
+    uint64_t *run = mark_alloc(runs, sizeof *run);
     ask_scene with = *scene;
 
     with.seed = seed;
-    ASK(ASK_ESTIMATES, GIVE(&with, 1), TAKE(e, runs));
+    for (uint32_t i = 0; i < runs; i++)
+        run[i] = i;
+    ASK(ASK_ESTIMATES, GIVE(&with, 1), GIVE(run, runs), TAKE(e, runs));
+    bis_free(run);
     for (uint32_t i = 0; i < runs; i++) {
         const rgb L = e[i].L;
         if (!rgb_is_finite(L))
@@ -138,6 +142,29 @@ ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed)
                        (double)L.b);
     }
     return e;
+}
+
+void mark_repeats(const ask_scene *scene, const ask_estimate *e, uint32_t runs, uint64_t seed)
+{
+    enum { PROBES = 256 };
+    ask_estimate again[PROBES];
+    uint64_t run[PROBES];
+    ask_scene with = *scene;
+
+    with.seed = seed;
+    for (uint64_t k = 0; k < PROBES; k++)
+        run[k] = mark_mix(mark_secret() ^ mark_mix(seed + k)) % runs;
+    mark_restart();
+    ASK(ASK_ESTIMATES, GIVE(&with, 1), GIVE(run, PROBES), TAKE(again, PROBES));
+    for (int k = 0; k < PROBES; k++) {
+        const rgb a = e[run[k]].L, b = again[k].L;
+        if (a.r == b.r && a.g == b.g && a.b == b.b) continue;
+        mark_wrong("estimate %u of %u is (%g %g %g), and (%g %g %g) where it is asked of a new process: it must depend "
+                   "on its own random numbers alone. Is there a static variable, a call of rand, or memory that "
+                   "nothing was written to?",
+                   (unsigned)run[k], runs, (double)a.r, (double)a.g, (double)a.b, (double)b.r, (double)b.g,
+                   (double)b.b);
+    }
 }
 
 void mark_moments(stat_moments m[4], const ask_estimate *e, uint32_t runs)

@@ -74,6 +74,9 @@ static struct student {
     int fd;
     bool said_hello;
     double cpu; /* the limit */
+    char *const *words; /* that start it */
+    bool sanitized;
+    double before, spent; /* of its time: before the first question; of processes that have ended */
     pid_t pid;  /* as the kernel tells it, through any sandbox */
     clockid_t clock;
     uint64_t secret;
@@ -134,8 +137,10 @@ static const char *why_it_ended(int number)
     return number == SIGXCPU || number == SIGKILL ? "no answer in the time allowed: a loop without end?"
            : number == SIGSEGV                    ? "it crashed (segmentation fault): an index out of its range?"
            : number == SIGFPE                     ? "it crashed (a division of whole numbers by 0?)"
-           : number == SIGABRT                    ? "it was aborted: an assertion failed, see there what it demands"
-                                                  : strsignal(number);
+           : number != SIGABRT                    ? strsignal(number)
+           : strstr(student.box.end.output, "Assertion")
+               ? "it was aborted: an assertion failed, see there what it demands"
+               : "it was aborted: a call of abort? Or memory was spoilt, and the C library says so";
 }
 
 /* The student's process has ended before its time. A sandbox says 128 + signal. */
@@ -256,6 +261,32 @@ static void see_it_end(void)
     while (wait_for(0, since))
         continue;
     if (student.box.end.status != 0) conclude_end();
+    box_finish(&student.box);
+}
+
+static void start(void)
+{
+    int channel[2];
+    const box_limits limits = {
+        .cpu = student.cpu + 1, .wall = patience, .memory = student.sanitized ? 0 : (size_t)4 << 30, .file = 1 << 20};
+
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel) != 0 ||
+        setsockopt(channel[0], SOL_SOCKET, SO_PASSCRED, &(int){1}, sizeof(int)) != 0 ||
+        !box_start(&student.box, &limits, student.words, channel[1])) {
+        mark_conclude(MARK_DIED, "no process for the student's code");
+    }
+    student.fd = channel[0];
+    student.said_hello = false;
+    student.pid = 0;
+    hear_hello();
+    student.before = used();
+}
+
+void mark_restart(void)
+{
+    student.spent += used() - student.before;
+    see_it_end();
+    start();
 }
 
 extern void __asan_init(void) __attribute__((weak));
@@ -263,25 +294,16 @@ extern void __asan_init(void) __attribute__((weak));
 /* The student's program may be sanitized, and is if this one is, because they are built alike. */
 _Noreturn void mark_claim_main(char *const words[], void (*check)(void))
 {
-    int channel[2];
-    const bool sanitized = &__asan_init || strcmp(words[3], "sanitized") == 0;
     char seconds[32];
 
     box_end_with_us();
     student.secret = strtoull(words[1], NULL, 16);
     student.cpu = strtod(words[2], NULL);
-    const box_limits limits = {
-        .cpu = student.cpu + 1, .wall = patience, .memory = sanitized ? 0 : (size_t)4 << 30, .file = 1 << 20};
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel) != 0 ||
-        setsockopt(channel[0], SOL_SOCKET, SO_PASSCRED, &(int){1}, sizeof(int)) != 0 ||
-        !box_start(&student.box, &limits, words + 4, channel[1])) {
-        mark_conclude(MARK_DIED, "no process for the student's code");
-    }
-    student.fd = channel[0];
-    hear_hello();
-    const double before = used();
+    student.sanitized = &__asan_init || strcmp(words[3], "sanitized") == 0;
+    student.words = words + 4;
+    start();
     check();
-    snprintf(seconds, sizeof seconds, "%.9f", used() - before);
+    snprintf(seconds, sizeof seconds, "%.9f", student.spent + used() - student.before);
     see_it_end();
     mark_conclude(MARK_HOLDS, seconds);
 }

@@ -1,0 +1,206 @@
+# accept: is a hand-in such that it may be judged? For scripts/course/grade.sh, and for scripts/course/check.sh in a
+# starter kit, which read this file in: what the one refuses, the other tells before.
+#     in:   name, given (the hand-in: a file or a folder), shop (scripts/course/given.sh; headers/ in it), work (a new
+#           folder), tool (the program grade)
+#     out:  accept returns 0, or 1 and $reason; in $work: remarks, messages of the compiler, prints, src/, objects/
+
+child=""
+# In the background, so that a signal is answered at once.
+run() {
+    "$@" &
+    child=$!
+    wait "$child"
+    status=$?
+    child=""
+    return $status
+}
+
+remark() {
+    printf '%s' "$*" | tr '\t\n' '  ' >>"$work/remarks"
+    echo >>"$work/remarks"
+}
+
+# Is this a file, and no link, pipe or whatever, of a million bytes at most? Nothing is read before that is known.
+small() {
+    [ ! -L "$1" ] && [ -f "$1" ] && [ -n "$(find "$1" -prune -size -2049 2>/dev/null)" ]
+}
+# The first 200 characters of each line, up to the end of a word.
+short() {
+    awk 'length($0) > 200 { $0 = substr($0, 1, 200); sub(/ [^ ]*$/, ""); $0 = $0 " ..." } { print }'
+}
+
+# The hand-in's files that may be looked at, in $work/list, with a 0 byte behind each: few, small, and not deep.
+MOST_FILES=2000
+list_files() {
+    : >"$work/list"
+    [ -d "$given" ] && [ ! -L "$given" ] || return
+    (ulimit -t 10 && find "$given/" -maxdepth 12 -path '*/tests/given' -prune -o -type f \
+        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' \
+        -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+        head -z -n $((MOST_FILES + 1)) >"$work/list"
+    [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
+        remark "there are more than $MOST_FILES files; only so many are looked at"
+}
+# Those of the list whose path ends so.
+ending() {
+    grep -z "$(printf '%s' "$1" | sed 's/\./\\./g')\$" "$work/list"
+}
+
+# Their FILE below $work/src: of a kit, src/FILE; else the one file of that name in any depth; else the one that has
+# the marks of our file.
+collect() {
+    file=$1
+    base=${file##*/}
+    to=$work/src/$file
+    mkdir -p "${to%/*}" "$work/kept/${file%/*}"
+    : >"$work/found"
+    if [ -L "$given" ]; then
+        remark "a link is not followed"
+    elif [ -f "$given" ]; then
+        if ! small "$given"; then
+            remark "it has more than a million bytes$(is_archive "$given" && echo ", and is an archive: unpack it")"
+        elif is_archive "$given"; then
+            remark "it is an archive: unpack it, and mark the folder"
+        elif of_marks "$given" "$file" || [ "$(wc -l <"$shop/files")" -eq 1 ]; then
+            cp "$given" "$to" && echo x >"$work/found"
+        fi
+    elif [ ! -L "$given/src" ] && [ ! -L "$given/src/${file%/*}" ] && small "$given/src/$file"; then
+        cp "$given/src/$file" "$to" && echo x >"$work/found"
+    else
+        for end in "/src/$file" "/$base"; do
+            [ -s "$work/found" ] || ending "$end" |
+                xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
+        done
+        [ -s "$work/found" ] || ending ".${file##*.}" | xargs -0 -r -n 1 sh -c \
+            'sh scripts/course/grade_marks.sh "$0" "$3" "$1" "$2" || true' "$shop/blank/$file" "$to" "$work/found"
+    fi
+    chmod u+rw "$to" 2>/dev/null
+    n=$(wc -l <"$work/found")
+    [ "$n" -lt 2 ] || remark "there are $n files $base; the last one found is marked"
+    [ "$n" -gt 0 ] && return
+    remark "$base is missing (or a link, or of more than a million bytes)"
+    name_archives
+    cp "$shop/blank/$file" "$to"
+}
+# What is packed (zip, gzip, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
+is_archive() {
+    case $(head -c 6 "$1" | od -A n -t x1 | tr -d ' \n') in
+    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
+    esac
+    return 1
+}
+name_archives() {
+    packed=$(tr '\0\n' '\n?' <"$work/list" | grep -v '\.[ch]$' | head -n 1)
+    [ -z "$packed" ] || remark "${packed##*/} is an archive: unpack it, and mark the folder"
+}
+of_marks() {
+    : >"$work/marks-found"
+    sh scripts/course/grade_marks.sh "$shop/blank/$2" "$1" "$work/of-marks" "$work/marks-found"
+    [ -s "$work/marks-found" ]
+}
+
+# Is FILE such that it may be compiled? What is ours in it stays ours: else what stands between the marks is put
+# into our own file.
+read_it() {
+    file=$1
+    said=$("$tool" look "$shop/blank/$file" "$work/src/$file" "$work/kept/$file.prints")
+    case $? in
+    0) return 0 ;;
+    3) ;;
+    *)
+        remark "${file##*/}: $said"
+        return 1
+        ;;
+    esac
+    tr -d '\r' <"$work/src/$file" >"$work/kept/$file"
+    awk -f scripts/course/splice.awk "$work/kept/$file" "$shop/blank/$file" >"$work/src/$file" || return 1
+    remark "${file##*/}: $said; marked is what stands between the marks /* [...] */ alone"
+    said=$("$tool" look "$shop/blank/$file" "$work/src/$file" "$work/kept/$file.prints") && return 0
+    remark "${file##*/}: $said"
+    return 1
+}
+
+# Compile FILE to objects/$2FILE.o with the flags that follow.
+compile() {
+    file=$1
+    object=$work/objects/$2$file.o
+    shift 2
+    mkdir -p "${object%/*}"
+    # shellcheck disable=SC2086
+    run "$tool" run -d "$shop/headers" -r "$shop/headers" -r "$work/src" -w "$work/objects" -- \
+        $BIS_COMPILE -iquote "$work/src" -iquote "src/${file%/*}" "$@" -c -o "$object" "$work/src/$file"
+}
+
+# An object defines what ours does, and nothing else; uses what ours does, the plain part of the C library, and
+# helpers; runs nothing by itself.
+look_at_object() {
+    file=$1
+    object=$work/objects/$file.o
+    nm -P -g "$object" | awk '$2 != "U" && $2 != "w" { print $1 }' | sort >"$work/defined"
+    other=$(comm -3 "$shop/refer/$file.defined" "$work/defined" | sed 's/^\t/+/; s/^[^+]/-&/' | tr '\n' ' ')
+    if [ -n "$other" ]; then
+        remark "$file: other functions than ours are global: $other"
+        return 1
+    fi
+    used=$(nm -P -g "$object" | awk '
+        NR == FNR { ok[$1]; next }
+        $2 != "U" && $2 != "w" || $1 in ok { next }
+        { name = $1; sub(/^__/, "", name); sub(/_chk$/, "", name) }
+        name ~ /^(mem(cpy|move|set|cmp)|str(len|n?cmp|n?cpy|n?cat|chr))$/ { next }
+        name ~ /^(malloc|calloc|realloc|free|aligned_alloc)$/ { next }
+        name ~ /^(qsort|bsearch|l?l?abs|abort|exit|rand|srand|errno_location|assert_fail|bcmp|stack_chk_fail)$/ { next }
+        name ~ /^(v?f?printf|v?snprintf|puts|putchar|f?putc|fputs|fwrite|fflush|stdout|stderr|perror)$/ { next }
+        name ~ /^_?(GLOBAL_OFFSET_TABLE_|mulsc3|muldc3|divsc3|divdc3)$/ { next }
+        name ~ /^(a?(cos|sin|tan)h?|sincos|atan2|exp|exp2|expm1|exp10|log|log2|log10|log1p|logb|ilogb)[fl]?$/ { next }
+        name ~ /^(pow|sqrt|cbrt|hypot|erfc?|[tl]gamma|ceil|floor|trunc|(l?l)?r(ound|int)|nearbyint)[fl]?$/ { next }
+        name ~ /^(fmod|remainder|remquo|fabs|fmax|fmin|fdim|fma|frexp|ldexp|modf|scalbl?n|copysign)[fl]?$/ { next }
+        name ~ /^(nan|nextafter|nexttoward)[fl]?$/ { next }
+        { print $1 }' "$shop/allowed" -)
+    for word in $used; do
+        where=$(grep -nw -m 1 -e "$word" "$work/src/$file" | cut -d: -f1)
+        remark "$file${where:+, line $where}: \"$word\" is refused"
+    done
+    [ -z "$used" ] || return 1
+    if readelf -SW "$object" 2>/dev/null | grep -q 'init_array\|fini_array\|\.ctors\|\.dtors'; then
+        remark "$file: what runs before or after the tests is refused"
+        return 1
+    fi
+}
+
+
+# Everything before a test is run.
+accept() {
+    changed=""
+    reason=""
+    : >"$work/remarks"
+    : >"$work/prints"
+    mkdir -p "$work/src" "$work/objects" "$work/kept"
+    list_files
+    while IFS= read -r file; do collect "$file"; done <"$shop/files"
+    if small "$given/assignment" && [ "$(sed -n 1p "$given/assignment" | tr -cd 'a-z0-9')" != "$name" ]; then
+        remark "the kit says it is another assignment"
+    fi
+    while IFS= read -r file; do
+        read_it "$file" || { reason="refused"; return 1; }
+    done <"$shop/files"
+    while IFS= read -r file; do
+        cat "$work/kept/$file.prints" >>"$work/prints" 2>/dev/null
+        cmp -s "$work/src/$file" "$shop/blank/$file" || changed=yes
+    done <"$shop/files"
+    if [ -z "$changed" ]; then
+        reason="nothing is written"
+        return 1
+    fi
+    : >"$work/messages"
+    while IFS= read -r file; do
+        [ -f "$work/src/$file" ] || cp "src/$file" "$work/src/$file" || return 1
+        if ! compile "$file" "" >>"$work/messages"; then
+            first=$(sed "s|$work/src/||g" "$work/messages" | grep -m 1 'error\|memory\|stopped' | short)
+            remark "it does not compile: ${first:-the compiler says nothing}"
+            [ -n "$BIS_RESULT" ] || sed "s|$work/src/|src/|g" "$work/messages" >&2
+            reason="it does not compile"
+            return 1
+        fi
+        look_at_object "$file" || { reason="refused"; return 1; }
+    done <"$shop/units"
+}
