@@ -1,4 +1,4 @@
-"""What scripts/bis.py promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
+"""What the package bis of scripts/python promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
 
 Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each has a twin."""
 import copy
@@ -15,7 +15,7 @@ import warnings
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
 
 MAP = os.path.join(ROOT, "data/maps/interior.hdr")
@@ -134,21 +134,64 @@ def table(**changes):
     return t
 
 
-class Copies(unittest.TestCase):
-    def test_a_copy_outlives_its_original(self):
-        """Two objects with one handle would free it twice, and this process would end here."""
-        for make in (lambda: bis.Envmap(MAP), lambda: bis.Material(0.5, 0.5, exponent=5)):
-            for copied in (copy.copy, copy.deepcopy):
-                first = make()
-                expected = first.sample(5, seed=1)[0]
-                second = copied(first)
-                del first
-                gc.collect()
-                others = [make() for _ in range(3)]  # what was freed would be taken by these
-                self.assertTrue((second.sample(5, seed=1)[0] == expected).all())
-                del second, others
-        with self.assertRaises(ValueError):  # ctypes: pointers
-            pickle.dumps(bis.Envmap(MAP))
+class Objects(unittest.TestCase):
+    """What Python can do with any object, and what must not be done with one that the library holds."""
+
+    def test_a_handle_is_neither_copied_nor_pickled(self):
+        """Two objects with one handle would free it twice, and a pickled address would be read in another process."""
+        for made in (bis.Envmap(MAP), bis.Material(0.5, 0.5, exponent=5)):
+            expected = made.sample(5, seed=1)[0]
+            for do in (copy.copy, copy.deepcopy, *(lambda x, p=p: pickle.dumps(x, p) for p in range(6))):
+                with self.assertRaises(TypeError) as e:
+                    do(made)
+                self.assertIn("bis.%s cannot be copied or pickled" % type(made).__name__, str(e.exception))
+            gc.collect()
+            self.assertTrue((made.sample(5, seed=1)[0] == expected).all())
+
+    def test_a_table_is_copied_and_pickled_because_it_is_arrays(self):
+        first = bis.AliasTable([1, 2, 3])
+        for second in (copy.copy(first), copy.deepcopy(first), pickle.loads(pickle.dumps(first))):
+            self.assertTrue((second.sample(50, seed=1) == first.sample(50, seed=1)).all())
+            self.assertEqual(second.total, 6)
+
+    def test_an_object_that_was_never_made_says_so(self):
+        for kind, uses in (
+            (bis.AliasTable, (lambda t: t.sample(1), lambda t: t.prob, lambda t: t.total)),
+            (bis.Envmap, (lambda t: t.sample(1), lambda t: t.shape, lambda t: t.pixels, lambda t: t.power)),
+            (bis.Material, (lambda t: t.sample(1), lambda t: t.look([[0, 0, 1]]))),
+        ):
+            for use in uses:
+                with self.assertRaises(TypeError) as e:
+                    use(kind.__new__(kind))
+                self.assertIn("this %s was never made" % kind.__name__, str(e.exception))
+        with self.assertRaises(AttributeError):  # twin: a name that no object has
+            bis.AliasTable([1]).probability
+
+    def test_a_truth_value_is_no_number(self):
+        em = bis.Envmap(MAP)
+        for what, text in (
+            (lambda: em.sample(True), "n is True: give an integer"),
+            (lambda: em.sample(np.bool_(True)), "give an integer"),
+            (lambda: em.sample(1, seed=False), "seed is False: give an integer"),
+            (lambda: em.sample(u=[[False, False, False, False]]), "u holds values of the type bool"),
+            (lambda: em.look([[True, False, False]]), "w holds values of the type bool"),
+            (lambda: bis.AliasTable([True, True]), "weights holds values of the type bool"),
+            (lambda: bis.AliasTable(["1"]), "weights holds values of the type <U1"),
+            (lambda: bis.Envmap(MAP, area_exponent=True), "area_exponent is True: give a number"),
+            (lambda: bis.Material(True, 0, exponent=1), "Kd is True: give a number or three"),
+            (lambda: bis.Material(0.5, 0, exponent=True), "exponent is True: give a number"),
+            (lambda: bis.Material(0.5, 0, roughness="1"), "roughness is '1': give a number"),
+        ):
+            with self.subTest(text), self.assertRaises(TypeError) as e:
+                what()
+            self.assertIn(text, str(e.exception))
+        self.assertEqual(len(em.sample(np.int64(1))[0]), 1)  # twin
+
+    def test_an_error_names_its_status(self):
+        for path, status in (("nothing.hdr", bis.Status.IO), (__file__, bis.Status.INPUT)):
+            with self.assertRaises(bis.Error) as e:
+                bis.Envmap(path)
+            self.assertIs(e.exception.status, status)
 
 
 class Mistakes(unittest.TestCase):

@@ -1,4 +1,4 @@
-/* flat: bis for other languages, by numbers, arrays and text alone. scripts/bis.py is its Python face.
+/* flat: bis for other languages, by numbers, arrays and text alone. scripts/python/bis is its Python face.
  *
  * A language that calls C by hand-written declarations (ctypes in Python, ccall in Julia) would have to repeat the
  * layout of every struct, and a field that is out of place is read as rubbish without a message. So no struct crosses
