@@ -18,7 +18,7 @@ import bis
 assert os.path.realpath(bis.__file__).startswith(os.path.realpath(sys.prefix)), bis.__file__
 em = bis.Envmap(sys.argv[1])
 print(b"".join(a.tobytes() for a in em.sample(1000, seed=1)).hex())
-print(bis.render(sys.argv[2], accelerator="grid")[0].tobytes().hex())
+print(bis.render(sys.argv[2], accelerator="grid").rgb.tobytes().hex())
 assert any(p for p in open("/proc/self/maps") if "site-packages/bis/libbis.so" in p)
 """
 
@@ -76,7 +76,7 @@ class Wheel(unittest.TestCase):
         import bis
 
         self.assertEqual(samples, b"".join(a.tobytes() for a in bis.Envmap(MAP).sample(1000, seed=1)).hex())
-        self.assertEqual(picture, bis.render(self.scene, accelerator="grid")[0].tobytes().hex())
+        self.assertEqual(picture, bis.render(self.scene, accelerator="grid").rgb.tobytes().hex())
 
     def test_it_is_the_program_too(self):
         r = self.run_in_venv("-m", "bis", self.scene, "--outfile", "out.pfm", "--quiet")

@@ -134,7 +134,7 @@ def measure():
             path = write(random_scene(i), folder)
             for name, (settings, _) in METHODS.items():
                 for k in range(N_SEEDS):
-                    means[name][i, k] = bis.render(path, seed=1000 * i + k, threads=1, **settings)[0].mean(dtype=np.float64)
+                    means[name][i, k] = bis.render(path, seed=1000 * i + k, threads=1, **settings).rgb.mean(dtype=np.float64)
     return means
 
 

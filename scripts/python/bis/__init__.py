@@ -10,8 +10,10 @@ library's own message; warnings of the library become Python's. `python -m bis` 
 explains the functions.
 """
 from ._library import Error, Status, WrongType, version
-from ._render import render
+from ._render import LAYERS, Picture, Progress, render
 from ._sampling import AliasTable, Envmap, Material
+from ._scene import Camera, Mesh
 
-__all__ = ["AliasTable", "Envmap", "Error", "Material", "Status", "WrongType", "render", "version"]
+__all__ = ["AliasTable", "Camera", "Envmap", "Error", "LAYERS", "Material", "Mesh", "Picture", "Progress",
+           "Status", "WrongType", "render", "version"]
 __version__ = version()

@@ -44,11 +44,11 @@ class WrongType(Error, TypeError):
 def _candidates() -> list[str]:
     """The places of the library, the first one first."""
     here = os.path.dirname(os.path.abspath(__file__))
-    built = os.path.join(here, "..", "..", "..", "build", "release*", "library", "libbis.so.*")
+    build = os.path.join(here, "..", "..", "..", "build")
     if os.environ.get("BIS_LIBRARY"):
         return [os.environ["BIS_LIBRARY"]]
-    return (sorted(glob.glob(os.path.join(here, "libbis.so*"))) + sorted(glob.glob(built))
-            + [ctypes.util.find_library("bis") or "libbis.so"])
+    return (glob.glob(os.path.join(here, "libbis.so")) + glob.glob(build + "/release/library/libbis.so.*")
+            + glob.glob(build + "/release-*/library/libbis.so.*") + [ctypes.util.find_library("bis") or "libbis.so"])
 
 
 def _load() -> ctypes.CDLL:

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ._library import D, INT, N, P, SAY, TEXT, Error, Handle, Made, WrongType, array, call, declare, numbers, real
 from ._library import shape, text_bytes
 
-_light_open = declare("light_open", P, TEXT, TEXT, D, *SAY)
+_light_open = declare("light_open", P, TEXT, TEXT, D, TEXT, *SAY)
+_light_make = declare("light_make", P, INT, INT, P, TEXT, D, TEXT, *SAY)
 _light_close = declare("light_close", P, result=None)
 _light_shape = declare("light_shape", P, P, result=None)
 _light_pixels = declare("light_pixels", P, P, result=None)
@@ -21,6 +22,7 @@ _light_look = declare("light_look", P, N, P, P, P, *SAY)
 _alias_build = declare("alias_build", N, P, P, P, P, *SAY)
 _alias_sample = declare("alias_sample", N, P, P, N, P, P, *SAY)
 _bsdf_open = declare("bsdf_open", P, TEXT, P, P, D, P, P, *SAY)
+_bsdf_metal = declare("bsdf_metal", P, P, P, D, P, P, *SAY)
 _bsdf_close = declare("bsdf_close", P, result=None)
 _bsdf_sample = declare("bsdf_sample", P, N, P, P, P, *SAY)
 _bsdf_look = declare("bsdf_look", P, N, P, P, P, *SAY)
@@ -29,17 +31,31 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 
 
+def _picture(name: str, a: ArrayLike) -> Floats:
+    """An array (h, w, 3). The library looks at the sides, but they must fit into its int."""
+    raw = np.asarray(a)
+    if raw.dtype.kind not in "iuf":
+        raise WrongType("%s is %.60r: give a path, or an array of numbers" % (name, a))
+    if raw.ndim != 3 or raw.shape[2] != 3 or max(raw.shape) >= 1 << 31:
+        raise Error("%s has the shape %s: give (h, w, 3)" % (name, raw.shape))
+    with np.errstate(over="ignore"):  # a double beyond all floats becomes infinite, of which the library tells
+        return np.ascontiguousarray(raw, np.float32)
+
+
 class Envmap(Handle):
     """An environment map, in its own frame with z up.
 
     Parameters
     ----------
-    path : str or path
-        An HDR, EXR or PFM file.
+    map : str, path or array (h, w, 3)
+        An HDR, EXR or PFM file, or radiance with row 0 at the top.
     table : {"alias", "cdf"}
         How directions are drawn: by alias tables (thesis 3.2.2) or by CDFs.
     area_exponent : float
         b of thesis 3.4; 0 is the plain importance.
+    mapping : str, optional
+        How the map covers the sphere: "latlong", "angular", "equalarea", "mirrorball", "verticalcross",
+        "horizontalcross", "cubestrip". A map that is not "latlong" is resampled to one.
 
     Attributes
     ----------
@@ -55,10 +71,16 @@ class Envmap(Handle):
     _close = staticmethod(_light_close)
     _made = ("_handle", "shape")
 
-    def __init__(self, path: Union[str, os.PathLike[str]], table: str = "alias", area_exponent: float = 0.15) -> None:
+    def __init__(self, map: Union[str, os.PathLike[str], ArrayLike], table: str = "alias", area_exponent: float = 0.15,
+                 mapping: Optional[str] = None) -> None:
         handle = P()
-        call(_light_open, ctypes.byref(handle), text_bytes("path", path), text_bytes("table", table),
-             real("area_exponent", area_exponent))
+        how = (text_bytes("table", table), real("area_exponent", area_exponent),
+               None if mapping is None else text_bytes("mapping", mapping))
+        if isinstance(map, (str, bytes, os.PathLike)):
+            call(_light_open, ctypes.byref(handle), text_bytes("map", map), *how)
+        else:
+            a = _picture("map", map)
+            call(_light_make, ctypes.byref(handle), a.shape[1], a.shape[0], a.ctypes.data, *how)
         self._handle = handle
         self.shape = shape(_light_shape, handle)
 
@@ -180,39 +202,54 @@ def _three(name: str, value: ArrayLike) -> Doubles:
     """Three numbers of a colour; one number is grey."""
     raw = np.asarray(value)
     if raw.shape not in ((), (3,)) or raw.dtype.kind not in "iuf":
-        raise WrongType("%s is %r: give a number or three" % (name, value))
+        raise WrongType("%s is %s: give a number or three" % (name, raw))
     return np.ascontiguousarray(np.broadcast_to(raw.astype(np.float64), 3))
 
 
 class Material(Handle):
     """A material at a point, seen from wo.
 
+    Give Kd and Ks with an exponent or a roughness, or a metal's eta and k with a roughness.
+
     Parameters
     ----------
     Kd, Ks : float or array (3,)
         The diffuse and the specular colour, in [0, 1].
     exponent : float, optional
-        Of Phong's model. Give it, or roughness.
+        Of Phong's model.
     roughness : float, optional
-        Of microfacets (GGX).
+        Of microfacets (GGX), in [0.01, 1].
     normal, wo : array (3,)
         The normal, and the direction to the eye, of any length but 0.
+    eta, k : float or array (3,), optional
+        Of a metal: refractive index (> 0) and absorption (>= 0) of R, G and B. Facets then reflect by Fresnel's
+        equations.
     """
 
     _close = staticmethod(_bsdf_close)
     _made = ("_handle",)
 
-    def __init__(self, Kd: ArrayLike, Ks: ArrayLike, exponent: Optional[float] = None,
-                 roughness: Optional[float] = None, normal: ArrayLike = (0, 0, 1), wo: ArrayLike = (0, 0, 1)) -> None:
-        if (exponent is None) == (roughness is None):
-            raise Error("give exponent (Phong) or roughness (microfacets), one of both")
-        model, width = ("phong", exponent) if roughness is None else ("microfacet", roughness)
-        colours = [_three(name, k) for name, k in (("Kd", Kd), ("Ks", Ks))]
+    def __init__(self, Kd: Optional[ArrayLike] = None, Ks: Optional[ArrayLike] = None,
+                 exponent: Optional[float] = None, roughness: Optional[float] = None,
+                 normal: ArrayLike = (0, 0, 1), wo: ArrayLike = (0, 0, 1),
+                 eta: Optional[ArrayLike] = None, k: Optional[ArrayLike] = None) -> None:
+        is_metal = eta is not None or k is not None
+        if (exponent is None) == (roughness is None) or is_metal and roughness is None:
+            raise Error("give exponent (Phong) or roughness (microfacets, a metal), one of both")
+        names = ("eta", "k") if is_metal else ("Kd", "Ks")
+        given = {"Kd": Kd, "Ks": Ks, "eta": eta, "k": k}
+        if [name for name in given if given[name] is not None] != list(names):
+            raise Error("give Kd and Ks, or of a metal eta and k")
+        colours = [_three(name, np.asarray(given[name])) for name in names]
         vectors = [array(np.asarray(v)[None], 3, np.float64, name) for name, v in (("normal", normal), ("wo", wo))]
+        arrays = [a.ctypes.data for a in colours + vectors]
+        width = real("exponent", exponent) if roughness is None else real("roughness", roughness)
         handle = P()
-        call(_bsdf_open, ctypes.byref(handle), model.encode(), colours[0].ctypes.data, colours[1].ctypes.data,
-             real("exponent" if roughness is None else "roughness", width), vectors[0].ctypes.data,
-             vectors[1].ctypes.data)
+        if is_metal:
+            call(_bsdf_metal, ctypes.byref(handle), *arrays[:2], width, *arrays[2:])
+        else:
+            call(_bsdf_open, ctypes.byref(handle), b"phong" if roughness is None else b"microfacet", *arrays[:2],
+                 width, *arrays[2:])
         self._handle = handle
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
