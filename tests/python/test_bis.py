@@ -3,6 +3,9 @@
 Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each has a twin."""
 import copy
 import gc
+import glob
+import importlib.util
+import io
 import json
 import os
 import pickle
@@ -11,6 +14,8 @@ import sys
 import tempfile
 import unittest
 import warnings
+from contextlib import redirect_stdout
+from unittest import mock
 
 import numpy as np
 
@@ -404,29 +409,95 @@ class Mistakes(unittest.TestCase):
                 self.assertIn(text, str(e.exception))
 
 
-class Notebook(unittest.TestCase):
-    def test_the_cells_run_and_their_claims_hold(self):
-        try:
-            import matplotlib
-        except ImportError:
-            self.skipTest("matplotlib is not installed")
-        matplotlib.use("Agg")
-        with open(os.path.join(ROOT, "docs/figures.ipynb")) as f:
-            book = json.load(f)
-        space, old = {}, os.getcwd()
-        os.chdir(os.path.join(ROOT, "docs"))
-        try:
-            for cell in book["cells"]:
+def run_notebook(path):
+    """The variables that the cells leave. Where matplotlib is missing, they draw into nothing."""
+    with open(path) as f:
+        cells = json.load(f)["cells"]
+    drawing = {}
+    if importlib.util.find_spec("matplotlib") is None:
+        drawing = {name: mock.MagicMock() for name in ("matplotlib", "matplotlib.pyplot")}
+    space, old = {}, (os.getcwd(), list(sys.path), os.environ.get("MPLBACKEND"))
+    os.environ["MPLBACKEND"] = "Agg"
+    os.chdir(os.path.dirname(path))
+    try:
+        with mock.patch.dict(sys.modules, drawing), warnings.catch_warnings(), redirect_stdout(io.StringIO()):
+            warnings.simplefilter("ignore")
+            for i, cell in enumerate(cells):
                 if cell["cell_type"] == "code":
-                    self.assertEqual(cell["outputs"], [])
-                    exec("".join(cell["source"]), space)
+                    exec(compile("".join(cell["source"]), "%s, cell %d" % (path, i), "exec"), space)
+    finally:
+        os.chdir(old[0])
+        sys.path[:] = old[1]
+        os.environ.pop("MPLBACKEND") if old[2] is None else os.environ.update(MPLBACKEND=old[2])
+    return cells, space
+
+
+class Page(unittest.TestCase):
+    def test_the_example_of_the_page_runs(self):
+        with open(os.path.join(ROOT, "docs/library.md")) as f:
+            example = f.read().split("```python\n")[1].split("```")[0]
+        space, old = {}, os.getcwd()
+        os.chdir(ROOT)
+        try:
+            with redirect_stdout(io.StringIO()):
+                exec(compile(example, "docs/library.md", "exec"), space)
         finally:
             os.chdir(old)
+        self.assertEqual(space["picture"].layers["albedo"].shape, (30, 80, 3))
+        # And each name of the package stands in the example or in a sentence of the page.
+        with open(os.path.join(ROOT, "docs/library.md")) as f:
+            page = f.read()
+        for name in set(bis.__all__) - {"version", "Picture", "Progress"}:
+            self.assertIn("bis." + name, page)
+
+
+class Notebooks(unittest.TestCase):
+    def test_the_figures_run_and_their_claims_hold(self):
+        cells, space = run_notebook(os.path.join(ROOT, "docs/figures.ipynb"))
+        self.assertEqual([c["outputs"] for c in cells if c["cell_type"] == "code" and c["outputs"]], [])
         # Figure 3.9 of docs/results.md: about as many of each term; 300 draws with p = 1/2 lie within 5 x 8.7 of 150.
         self.assertLess(abs(int(space["lobe"].sum()) - 150), 44)
         # Each density of figure 4.1 integrates to 1 (the BRDF's lobe is wide: n = 50), within the grid's error.
         for density in space["densities"]:
             self.assertAlmostEqual(float((density * space["solid_angle"]).sum()), 1, delta=0.01)
+        self.assertEqual(space["middle"].rgb.shape, (40, 60, 3))
+        self.assertTrue(space["heard"])
+        self.assertIs(space["refused"].status, bis.Status.INPUT)
+        self.assertIn("dielectric", str(space["said"][-1].message))
+
+    def test_each_notebook_asks_and_runs(self):
+        """Its last cell asserts what its text claims; its first cell of text says for whom it is."""
+        books = sorted(glob.glob(os.path.join(ROOT, "docs/notebooks/*.ipynb")))
+        self.assertEqual(len(books), 5)
+        for path in books:
+            with self.subTest(os.path.basename(path)):
+                cells, _ = run_notebook(path)
+                text = ["".join(c["source"]) for c in cells if c["cell_type"] == "markdown"]
+                code = [c for c in cells if c["cell_type"] == "code"]
+                self.assertTrue(8 <= len(cells) <= 15)
+                self.assertEqual([c["outputs"] for c in code if c["outputs"]], [])
+                self.assertIn("*For students", text[0])
+                self.assertGreaterEqual("".join(text).count("**Question "), 5)
+                self.assertGreaterEqual("".join(code[-1]["source"]).count("assert "), 4)
+
+    def test_a_notebook_with_a_wrong_formula_is_found(self):
+        """The twins: in each, one formula is wrong by a factor or a sign."""
+        for name, right, wrong in (
+            ("uniform", "return to_xyz(1 - 2 * u[:, 0]", "return to_xyz(1 - 2 * u[:, 0] ** 1.1"),
+            ("cdf-alias", "< prob[bin], bin, alias[bin]", "< prob[bin], alias[bin], bin"),
+            ("mis", "return h1 * F1 / m1 + h2", "return 1.1 * h1 * F1 / m1 + h2"),
+            ("sir", "return W / M * is_seen", "return W / (M + 1) * is_seen"),
+            ("visibility", "* (seen - g[k])", "* (seen - 0.9 * g[k])"),
+        ):
+            with open(os.path.join(ROOT, "docs/notebooks", name + ".ipynb")) as f:
+                book = f.read()
+            self.assertEqual(book.count(right), 1, name)
+            with tempfile.TemporaryDirectory(dir=os.path.join(ROOT, "build")) as folder:
+                path = os.path.join(folder, name + ".ipynb")
+                with open(path, "w") as f:
+                    f.write(book.replace(right, wrong))
+                with self.subTest(name), self.assertRaises(AssertionError):
+                    run_notebook(path)
 
 
 if __name__ == "__main__":
