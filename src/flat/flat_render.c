@@ -131,9 +131,9 @@ static bis_status set_camera(bis_camera *camera, const char *text, bis_diag *dia
     return status;
 }
 
-/* The settings that are read before the scene is; it was looked whether they are true or false. */
-static const char *const before[] = {"text", "approximate"};
-enum { TEXT, APPROXIMATE, N_BEFORE };
+/* The settings that say how the scene is read. */
+static const char *const of_parse[] = {"text", "approximate"};
+enum { TEXT, APPROXIMATE, N_OF_PARSE };
 
 /* The value of the last setting of this name, or NULL. */
 static const char *value_of(const char *const *settings, const char *name)
@@ -149,13 +149,13 @@ static const char *value_of(const char *const *settings, const char *name)
 static bis_status parse(bis_scene_desc **d, const char *path, const char *const *settings, const bis_light *light,
                         bis_diag *diag)
 {
-    const char *approximate = value_of(settings, before[APPROXIMATE]);
+    const char *approximate = value_of(settings, of_parse[APPROXIMATE]);
 
     if (approximate && strcmp(approximate, "true") != 0 && strcmp(approximate, "false") != 0)
         return bis_error(diag, BIS_INPUT, nowhere, "approximate is \"%.40s\": give true or false", approximate);
     const unsigned how = (approximate && *approximate == 't' ? BIS_PARSE_APPROXIMATE : 0) |
                          (light ? BIS_PARSE_OTHER_LIGHT : 0);
-    return bis_scene_parse_text(d, path, value_of(settings, before[TEXT]), how, diag);
+    return bis_scene_parse_text(d, path, value_of(settings, of_parse[TEXT]), how, diag);
 }
 
 static bis_status set(bis_scene_desc *d, wishes *w, const char *name, const char *text, bis_diag *diag)
@@ -174,8 +174,8 @@ static bis_status set(bis_scene_desc *d, wishes *w, const char *name, const char
     double v;
 
     if (strcmp(name, "integrator") == 0) return BIS_OK; /* was set first */
-    for (int k = 0; k < N_BEFORE; k++)
-        if (strcmp(name, before[k]) == 0) return BIS_OK;
+    for (int k = 0; k < N_OF_PARSE; k++)
+        if (strcmp(name, of_parse[k]) == 0) return BIS_OK;
     if (strcmp(name, "accelerator") == 0) return set_accelerator(d, text, diag);
     if (strcmp(name, "camera") == 0) return set_camera(&d->view.camera, text, diag);
     if (strcmp(name, "crop") == 0) return set_crop(&d->view.film, text, diag);

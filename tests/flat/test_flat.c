@@ -5,6 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "bis/flat/flat.h"
+#include "bis/scene/layers.h"
 #include "bis/thesis/rng.h"
 #include "json_check.h"
 #include "program.h"

@@ -68,7 +68,13 @@ SAY = (TEXT, N)  # the buffer of messages and its size
 
 
 def version() -> str:
-    """The version of the library, as "0.1.0"."""
+    """Return the version of the library.
+
+    Returns
+    -------
+    str
+        As "0.1.0".
+    """
     return str(_library.bis_flat_version(), "ascii")
 
 

@@ -93,9 +93,8 @@ def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any
         if not isinstance(camera, (str, Camera)):
             raise WrongType("camera is %r: give a bis.Camera, or the text of one" % (camera,))
         said["camera"] = camera
-    names = {name: "scene" if name == "text" else name for name in said}
-    return text_bytes("scene", scene), [text_bytes(names[n] if n == "text" else "a setting", "%s=%s" % (n, _text(v)))
-                                        for n, v in said.items()]
+    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
+                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
 
 
 def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
