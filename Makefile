@@ -78,7 +78,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data test test-python test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
+.PHONY: FORCE all data test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -223,7 +223,11 @@ bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
 
-# scripts/bis.py over the shared library, the notebook of docs/, and 100 scenes by a renderer in numpy; no part of `make test`, because it needs numpy.
+# What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py calls it.
+python-parts: $B/bis $(SHARED_LIB)
+	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
+
+# The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer in numpy; no part of `make test`, because it needs numpy.
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
 	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \

@@ -5,22 +5,11 @@
 #include "base/text.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/render/film.h"
 
 #include <string.h>
 
-bool bis_override_read_crop(void *value, const char *text)
-{
-    double crop[4];
-    for (int i = 0; i < 4; i++) {
-        const char *end;
-        crop[i] = bis_parse_double(text, &end);
-        if (end == text || !(crop[i] >= 0 && crop[i] <= 1) || *end != (i < 3 ? ',' : '\0')) return false;
-        text = end + 1;
-    }
-    if (crop[0] >= crop[1] || crop[2] >= crop[3]) return false;
-    memcpy(value, crop, sizeof crop);
-    return true;
-}
+bool bis_override_read_crop(void *value, const char *text) { return bis_film_read_crop(value, text); }
 
 /* The errata to render as printed: those of the scene and of the command line. */
 static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_diag *diag)
@@ -66,23 +55,6 @@ static bis_status override_settings(bis_scene_desc *d, const bis_override *o, bi
     return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }
 
-/* "albedo,normal", "all" or "none". */
-static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
-{
-    *set = 0;
-    if (strcmp(list, "none") == 0) return BIS_OK;
-    for (const char *end; *list; list = *end ? end + 1 : end) {
-        char name[64], hint[BIS_HINT];
-        size_t n = strcspn(list, ",");
-        end = list + n;
-        snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
-        if (bis_layers_include(set, name)) continue;
-        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--layers: there is no layer \"%s\"%s; `bis --help` lists them",
-                         name, bis_hint(hint, bis_layer_nearest(name)));
-    }
-    return BIS_OK;
-}
-
 /* --light MAP: the description has a constant in its place, whose frame stands upright (BIS_PARSE_OTHER_LIGHT). */
 static bis_status override_light(bis_light_desc *light, const bis_override *o, bis_diag *diag)
 {
@@ -108,7 +80,7 @@ bis_status bis_override_scene(bis_scene_desc *d, const bis_override *o, bis_diag
 {
     bis_status status = override_settings(d, o, diag);
     if (!status) status = override_light(&d->light, o, diag);
-    if (!status && o->layers) status = read_layers(&d->view.film.layers, o->layers, diag);
+    if (!status && o->layers) status = bis_layers_read(&d->view.film.layers, o->layers, "--layers", bis_cli_loc, diag);
     if (status) return status;
 
     if (o->has_spp) bis_sampler_set_spp(&d->view.sampler, (uint32_t)o->spp);

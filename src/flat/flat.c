@@ -2,6 +2,7 @@
 #include "bis/flat/flat.h"
 
 #include "base/text.h"
+#include "bis/base/fresnel.h"
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
 #include "bis/beyond/microfacet.h"
@@ -91,25 +92,56 @@ static int look(rgb (*value_of)(const void *self, vec3 w, double *pdf), const vo
 
 /* ---- maps ---- */
 
-int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent, char *say,
-                        size_t size)
+/* What the arguments say of a map. */
+static bis_status describe(bis_light_desc *desc, const char *name, const char *kind, double area_exponent,
+                           const char *mapping, bis_diag *diag)
+{
+    *desc = bis_light_desc_default();
+    desc->filename = (char *)(uintptr_t)name; /* only read */
+    desc->has_table_kind = true;
+    desc->table_kind = strcmp(kind, "cdf") == 0 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    desc->area_exponent = area_exponent;
+    desc->has_mapping = mapping != NULL;
+    if (mapping) desc->mapping = bis_mapping_find(mapping);
+    if (strcmp(kind, "cdf") != 0 && strcmp(kind, "alias") != 0)
+        return bis_error(diag, BIS_INPUT, nowhere, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", kind);
+    if (!(area_exponent >= 0 && area_exponent <= BIS_AREA_EXPONENT_MAX))
+        return bis_error(diag, BIS_INPUT, nowhere, "area_exponent is %g: give a number in [0, %g]", area_exponent,
+                         BIS_AREA_EXPONENT_MAX);
+    if (mapping && desc->mapping == BIS_N_MAPPINGS)
+        return bis_error(diag, BIS_INPUT, nowhere,
+                         "there is no mapping \"%.40s\"; `bis help lights` lists them, as \"latlong\"", mapping);
+    return BIS_OK;
+}
+
+int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent,
+                        const char *mapping, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_light_desc desc = bis_light_desc_default();
+    bis_light_desc desc;
     bis_status status = BIS_FLAT_GIVEN(&diag, light, path, kind);
 
     if (light) *light = NULL;
-    if (status) return bis_flat_end(status, &diag, say, size);
-    desc.filename = (char *)(uintptr_t)path; /* only read */
-    desc.has_table_kind = true;
-    desc.table_kind = strcmp(kind, "cdf") == 0 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
-    desc.area_exponent = area_exponent;
-    if (strcmp(kind, "cdf") != 0 && strcmp(kind, "alias") != 0)
-        status = bis_error(&diag, BIS_INPUT, nowhere, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", kind);
-    else if (!(area_exponent >= 0 && area_exponent <= BIS_AREA_EXPONENT_MAX))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "area_exponent is %g: give a number in [0, %g]", area_exponent,
-                           BIS_AREA_EXPONENT_MAX);
+    if (!status) status = describe(&desc, path, kind, area_exponent, mapping, &diag);
     if (!status) status = bis_light_load(light, &desc, BIS_NEED_TABLE, NULL, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_light_make(bis_light **light, int width, int height, const float *pixels, const char *kind,
+                        double area_exponent, const char *mapping, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_light_desc desc;
+    bis_image image = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, pixels, kind);
+
+    if (light) *light = NULL;
+    if (!status) status = describe(&desc, "the array", kind, area_exponent, mapping, &diag);
+    if (!status) status = bis_image_init(&image, width, height, &diag);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const size_t n = (size_t)width * (size_t)height;
+    for (size_t i = 0; i < n; i++) image.pixels[i] = (rgb){pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]};
+    status = bis_light_from_image(light, &image, &desc, BIS_NEED_TABLE, &diag);
     return bis_flat_end(status, &diag, say, size);
 }
 
@@ -254,11 +286,36 @@ static bis_status unit(vec3 *w, const char *name, const double *v, bis_diag *dia
     return BIS_OK;
 }
 
+/* A material, whose values are known to be right, at a point. */
+static bis_status place(bis_bsdf **bsdf, bis_material material, const double *normal, const double *wo,
+                        bis_diag *diag)
+{
+    vec3 n, out;
+    bis_status status = unit(&n, "normal", normal, diag);
+
+    if (!status) status = unit(&out, "wo", wo, diag);
+    if (status) return status;
+    owned *o = bis_alloc(1, sizeof *o);
+    if (!o) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for a material");
+    o->material = material;
+    bis_bsdf_init(&o->bsdf, &o->material, n, out);
+    *bsdf = &o->bsdf;
+    return BIS_OK;
+}
+
+static bis_status check_roughness(double roughness, bis_diag *diag)
+{
+    if (roughness >= BIS_MICROFACET_MIN_ROUGHNESS && roughness <= 1) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "the roughness is %g: give a number in [%g, 1]", roughness,
+                     BIS_MICROFACET_MIN_ROUGHNESS);
+}
+
+static rgb colour(const double *c) { return rgb_from(c[0], c[1], c[2]); }
+
 int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, const double *Ks, double width,
                        const double *normal, const double *wo, char *say, size_t size)
 {
     bis_diag diag = {0};
-    vec3 n = {0, 0, 1}, out = {0, 0, 1};
     bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, model, Kd, Ks, normal, wo);
 
     if (bsdf) *bsdf = NULL;
@@ -269,22 +326,35 @@ int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, con
                            model);
     else if (is_phong && !(width >= 0 && isfinite(width)))
         status = bis_error(&diag, BIS_INPUT, nowhere, "the exponent is %g: give a finite number >= 0", width);
-    else if (is_facet && !(width >= BIS_MICROFACET_MIN_ROUGHNESS && width <= 1))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "the roughness is %g: give a number in [%g, 1]", width,
-                           BIS_MICROFACET_MIN_ROUGHNESS);
+    else if (is_facet)
+        status = check_roughness(width, &diag);
     if (!status) status = check_colour("Kd", Kd, &diag);
     if (!status) status = check_colour("Ks", Ks, &diag);
-    if (!status) status = unit(&n, "normal", normal, &diag);
-    if (!status) status = unit(&out, "wo", wo, &diag);
-    if (status) return bis_flat_end(status, &diag, say, size);
+    if (!status)
+        status = place(bsdf, is_phong ? bis_phong(colour(Kd), colour(Ks), width)
+                                      : bis_microfacet(colour(Kd), colour(Ks), width), normal, wo, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
 
-    owned *o = bis_alloc(1, sizeof *o);
-    if (!o) return bis_flat_end(bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a material"), &diag, say, size);
-    const rgb d = rgb_from(Kd[0], Kd[1], Kd[2]), s = rgb_from(Ks[0], Ks[1], Ks[2]);
-    o->material = is_phong ? bis_phong(d, s, width) : bis_microfacet(d, s, width);
-    bis_bsdf_init(&o->bsdf, &o->material, n, out);
-    *bsdf = &o->bsdf;
-    return bis_flat_end(BIS_OK, &diag, say, size);
+int bis_flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, double roughness, const double *normal,
+                        const double *wo, char *say, size_t size)
+{
+    const double most = 1e15; /* bis_fresnel wants squares below 1e30 */
+    double Ks[3];
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, eta, k, normal, wo);
+
+    if (bsdf) *bsdf = NULL;
+    if (!status) status = check_roughness(roughness, &diag);
+    for (int i = 0; !status && i < 3; i++) {
+        if (!(eta[i] > 0 && eta[i] <= most && k[i] >= 0 && k[i] <= most))
+            status = bis_error(&diag, BIS_INPUT, nowhere,
+                               "eta and k of channel %d are %g and %g: give eta in (0, %g] and k in [0, %g]", i, eta[i],
+                               k[i], most, most);
+        else Ks[i] = bis_fresnel(eta[i], k[i] * k[i], 1);
+    }
+    if (!status) status = place(bsdf, bis_microfacet_metal(colour(Ks), colour(eta), roughness), normal, wo, &diag);
+    return bis_flat_end(status, &diag, say, size);
 }
 
 void bis_flat_bsdf_close(bis_bsdf *bsdf) { bis_free(bsdf); }

@@ -228,6 +228,27 @@ static bis_status check_cycle(const bis_lexer *l, const struct stat *st, const c
     return BIS_OK;
 }
 
+/* Read data[size], which becomes the lexer's. */
+static void begin(bis_lexer *l, const char *name, unsigned char *data, size_t size, const struct stat *st)
+{
+    bis_source *s = &l->sources[l->n_sources++];
+
+    *s = (bis_source){.name = name, .data = data, .line = 1, .device = st->st_dev, .inode = st->st_ino};
+    s->next = (const char *)data;
+    s->end = s->next + size;
+    if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) s->next += 3; /* a byte order mark */
+    s->line_start = s->next;
+}
+
+bis_status bis_lexer_push_text(bis_lexer *l, const char *name, const char *text)
+{
+    unsigned char *data = (unsigned char *)bis_strdup(text);
+
+    if (!data) return bis_error(l->diag, BIS_NOMEM, (bis_loc){name, 0, 0}, "no memory for the scene's text");
+    begin(l, name, data, strlen(text), &(struct stat){0}); /* no file has device and number 0 */
+    return BIS_OK;
+}
+
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at)
 {
     struct stat st = {0};
@@ -235,17 +256,11 @@ bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at)
     bis_status status = known ? check_cycle(l, &st, name, at) : BIS_OK;
     if (status) return status;
 
-    bis_source *s = &l->sources[l->n_sources];
     size_t size;
     unsigned char *data;
     status = bis_scene_peek_text(&data, &size, name, at, l->diag);
     if (status) return status;
-    *s = (bis_source){.name = name, .data = data, .line = 1, .device = st.st_dev, .inode = st.st_ino};
-    s->next = (const char *)data;
-    s->end = s->next + size;
-    if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) s->next += 3; /* a byte order mark */
-    s->line_start = s->next;
-    l->n_sources++;
+    begin(l, name, data, size, &st);
     return BIS_OK;
 }
 

@@ -48,6 +48,9 @@ typedef struct bis_lexer {
  * Errors: those of bis_scene_peek_text; BIS_INPUT: a cycle, too deep. */
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at);
 
+/* The same with text of the caller, which is copied, in the place of a file. Errors: BIS_NOMEM. */
+bis_status bis_lexer_push_text(bis_lexer *l, const char *name, const char *text);
+
 /* Back to the including file. False: there is none. */
 bool bis_lexer_pop(bis_lexer *l);
 void bis_lexer_clear(bis_lexer *l);

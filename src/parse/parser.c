@@ -304,6 +304,12 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
 
 bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned how, bis_diag *diag)
 {
+    return bis_scene_parse_text(out, path, NULL, how, diag);
+}
+
+bis_status bis_scene_parse_text(bis_scene_desc **out, const char *path, const char *text, unsigned how,
+                                bis_diag *diag)
+{
     bis_status status = BIS_NOMEM;
     bis_scene_desc *desc = bis_scene_desc_new(path);
     bis_parser *p = bis_alloc(1, sizeof *p); /* 10 kB: the include stack and the parameters' list */
@@ -322,8 +328,10 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
     p->approximate = how & BIS_PARSE_APPROXIMATE;
     p->lists_missing = how & BIS_PARSE_LIST_MISSING;
     p->now.ctm = bis_xform_identity();
-    is_stranger(p, desc->files[0], (bis_loc){0});
-    status = p->status ? p->status : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
+    if (!text) is_stranger(p, desc->files[0], (bis_loc){0});
+    status = p->status ? p->status
+             : text    ? bis_lexer_push_text(&p->lexer, desc->files[0], text)
+                       : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
     if (status) goto done;
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);

@@ -20,10 +20,12 @@
  * mean does not matter to an error. 64 bytes a pixel. */
 #include "bis/render/film.h"
 
+#include "bis/base/file.h"
 #include "bis/base/mem.h"
 
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
 /* How many pixels of a thin film lie before pixel `at` of the picture: ceil((at - k/2) / k), none below 0. */
 static int thin(int at, int step) { return at <= step / 2 ? 0 : (at - step / 2 + step - 1) / step; }
@@ -33,6 +35,20 @@ static void crop_side(int full, double lo, double hi, int step, int *first, int 
 {
     *first = thin((int)ceil(full * lo), step);
     *n = thin((int)ceil(full * hi), step) - *first;
+}
+
+bool bis_film_read_crop(double crop[4], const char *text)
+{
+    double read[4];
+    for (int i = 0; i < 4; i++) {
+        const char *end;
+        read[i] = bis_parse_double(text, &end);
+        if (end == text || !(read[i] >= 0 && read[i] <= 1) || *end != (i < 3 ? ',' : '\0')) return false;
+        text = end + 1;
+    }
+    if (read[0] >= read[1] || read[2] >= read[3]) return false;
+    memcpy(crop, read, sizeof read);
+    return true;
 }
 
 bis_film bis_film_place(int width, int height, const double crop[4], int step)

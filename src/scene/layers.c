@@ -5,10 +5,12 @@
  * and intervals come from the film alone. */
 #include "bis/scene/layers.h"
 
+#include "base/text.h"
 #include "bis/base/mem.h"
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const struct {
@@ -45,6 +47,22 @@ const char *bis_layer_nearest(const char *name)
     const char *names[BIS_N_LAYERS + 1] = {"all"};
     for (int i = 0; i < BIS_N_LAYERS; i++) names[i + 1] = layers[i].name;
     return bis_nearest_name(name, names, BIS_N_LAYERS + 1);
+}
+
+bis_status bis_layers_read(unsigned *set, const char *list, const char *what, bis_loc at, bis_diag *diag)
+{
+    *set = 0;
+    if (strcmp(list, "none") == 0) return BIS_OK;
+    for (const char *end; *list; list = *end ? end + 1 : end) {
+        char name[64], hint[BIS_HINT];
+        size_t n = strcspn(list, ",");
+        end = list + n;
+        snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
+        if (bis_layers_include(set, name)) continue;
+        return bis_error(diag, BIS_INPUT, at, "%s: there is no layer \"%s\"%s; `bis --help` lists them", what, name,
+                         bis_hint(hint, bis_layer_nearest(name)));
+    }
+    return BIS_OK;
 }
 
 bis_status bis_layers_init(bis_layers *l, unsigned asked, size_t n_pixels, bis_diag *diag)

@@ -7,6 +7,7 @@
 #include "distant.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* One warning for all bad values of a map (E7). */
 static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_loc at, bis_diag *diag)
@@ -205,6 +206,14 @@ bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, 
     return needs & BIS_NEED_SPREAD && bis_sampler_is_low_discrepancy(sampler) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
 }
 
+static bis_status copy_image(bis_image *image, const bis_image *of, bis_diag *diag)
+{
+    const bis_status status = bis_image_init(image, of->width, of->height, diag);
+    if (!status)
+        memcpy(image->pixels, of->pixels, (size_t)of->width * (size_t)of->height * sizeof *of->pixels);
+    return status;
+}
+
 bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2],
                           bis_diag *diag)
 {
@@ -212,7 +221,8 @@ bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned 
     bis_image image = {0};
 
     *out = NULL;
-    bis_status status = desc->filename     ? bis_image_read(&image, desc->filename, desc->loc, diag)
+    bis_status status = desc->image        ? copy_image(&image, desc->image, diag)
+                        : desc->filename   ? bis_image_read(&image, desc->filename, desc->loc, diag)
                         : desc->n_distants ? make_white(&image, diag)
                                            : BIS_OK;
     const double read = bis_clock_now();

@@ -5,6 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "bis/flat/flat.h"
+#include "bis/scene/layers.h"
 #include "bis/thesis/rng.h"
 #include "json_check.h"
 #include "program.h"
@@ -41,6 +42,20 @@ static void refuses(int status, const char *text)
     if (!strstr(say, text)) fail_msg("no \"%s\" in: %s", text, say);
 }
 
+static void write_pfm(const char *path, int width, int height, const float *rgb_bottom_up)
+{
+    FILE *out = fopen(path, "wb");
+    assert_non_null(out);
+    fprintf(out, "PF\n%d %d\n-1.0\n", width, height);
+    fwrite(rgb_bottom_up, sizeof *rgb_bottom_up, 3 * (size_t)width * (size_t)height, out);
+    fclose(out);
+}
+
+static void assert_about(double a, double b, double tolerance)
+{
+    if (!(fabs(a - b) <= tolerance)) fail_msg("%.12g is not %.12g", a, b);
+}
+
 /* The mean of Le/pdf is the integral. */
 static void a_map_gives_directions_and_their_densities(void **state)
 {
@@ -53,7 +68,7 @@ static void a_map_gives_directions_and_their_densities(void **state)
     double sum = 0, squares = 0;
 
     (void)state;
-    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "cdf", 0.15, SAY), 0);
+    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "cdf", 0.15, NULL, SAY), 0);
     bis_flat_light_shape(light, shape);
     assert_int_equal(shape[0], 8);
     assert_int_equal(shape[1], 4);
@@ -76,9 +91,9 @@ static void a_map_gives_directions_and_their_densities(void **state)
     refuses(bis_flat_light_look(light, 1, (float[]){0, NAN, 1}, L[0], pdf, SAY), "direction 0");
     refuses(bis_flat_light_look(light, 1, (float[]){0, 0, 0}, L[0], pdf, SAY), "direction 0");
     bis_flat_light_close(light);
-    refuses(bis_flat_light_open(&light, DIR "/map.pfm", "walker", 0, SAY), "no table \"walker\"");
-    refuses(bis_flat_light_open(&light, DIR "/map.pfm", "cdf", -1, SAY), "area_exponent is -1");
-    assert_int_equal(bis_flat_light_open(&light, DIR "/none.hdr", "cdf", 0, SAY), BIS_IO);
+    refuses(bis_flat_light_open(&light, DIR "/map.pfm", "walker", 0, NULL, SAY), "no table \"walker\"");
+    refuses(bis_flat_light_open(&light, DIR "/map.pfm", "cdf", -1, NULL, SAY), "area_exponent is -1");
+    assert_int_equal(bis_flat_light_open(&light, DIR "/none.hdr", "cdf", 0, NULL, SAY), BIS_IO);
     assert_null(light);
     bis_flat_light_close(NULL);
 }
@@ -95,7 +110,7 @@ static void a_black_map_has_no_directions(void **state)
     assert_non_null(out);
     fwrite(black, 1, sizeof black - 1, out);
     fclose(out);
-    assert_int_equal(bis_flat_light_open(&light, DIR "/black.pfm", "alias", 0.15, SAY), 0);
+    assert_int_equal(bis_flat_light_open(&light, DIR "/black.pfm", "alias", 0.15, NULL, SAY), 0);
     assert_true(bis_flat_light_power(light) == 0);
     refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, 0, 0}, w, L, &pdf, SAY), "the map is black: it has no directions to draw");
     assert_int_equal(bis_flat_light_sample(light, 0, NULL, w, L, &pdf, SAY), 0);
@@ -153,11 +168,11 @@ static void null_is_an_error_wherever_something_is_due(void **state)
     int shape[2] = {7, 7};
 
     (void)state;
-    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, 99), 0); /* say may be NULL */
+    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, NULL, 99), 0); /* say may be NULL */
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
-    refuses(bis_flat_light_open(NULL, "m.hdr", "cdf", 0, SAY), "light is NULL");
-    refuses(bis_flat_light_open(&(bis_light *){NULL}, NULL, "cdf", 0, SAY), "path is NULL");
-    refuses(bis_flat_light_open(&(bis_light *){NULL}, "m.hdr", NULL, 0, SAY), "kind is NULL");
+    refuses(bis_flat_light_open(NULL, "m.hdr", "cdf", 0, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_open(&(bis_light *){NULL}, NULL, "cdf", 0, NULL, SAY), "path is NULL");
+    refuses(bis_flat_light_open(&(bis_light *){NULL}, "m.hdr", NULL, 0, NULL, SAY), "kind is NULL");
     refuses(bis_flat_light_sample(NULL, 1, u, w, v, &pdf, SAY), "light is NULL");
     refuses(bis_flat_light_sample(NULL, 0, NULL, NULL, NULL, NULL, SAY), "light is NULL");
     refuses(bis_flat_light_sample(light, 1, NULL, w, v, &pdf, SAY), "u is NULL");
@@ -168,6 +183,9 @@ static void null_is_an_error_wherever_something_is_due(void **state)
     refuses(bis_flat_light_look(light, 1, NULL, v, &pdf, SAY), "w is NULL");
     refuses(bis_flat_light_look(light, 1, w, NULL, &pdf, SAY), "value is NULL");
     refuses(bis_flat_light_look(light, 1, w, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_light_make(NULL, 1, 1, v, "cdf", 0, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_make(&(bis_light *){NULL}, 1, 1, NULL, "cdf", 0, NULL, SAY), "pixels is NULL");
+    refuses(bis_flat_light_make(&(bis_light *){NULL}, 1, 1, v, NULL, 0, NULL, SAY), "kind is NULL");
     refuses(bis_flat_alias_build(1, NULL, prob, alias, &total, SAY), "w is NULL");
     refuses(bis_flat_alias_build(1, up + 2, NULL, alias, &total, SAY), "prob is NULL");
     refuses(bis_flat_alias_build(1, up + 2, prob, NULL, &total, SAY), "alias is NULL");
@@ -183,6 +201,11 @@ static void null_is_an_error_wherever_something_is_due(void **state)
     refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, NULL, 9, up, up, SAY), "Ks is NULL");
     refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, half, 9, NULL, up, SAY), "normal is NULL");
     refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, half, 9, up, NULL, SAY), "wo is NULL");
+    refuses(bis_flat_bsdf_metal(NULL, half, half, 1, up, up, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, NULL, half, 1, up, up, SAY), "eta is NULL");
+    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, half, NULL, 1, up, up, SAY), "k is NULL");
+    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, half, half, 1, NULL, up, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, half, half, 1, up, NULL, SAY), "wo is NULL");
     refuses(bis_flat_bsdf_sample(NULL, 1, u, w, &lobe, SAY), "bsdf is NULL");
     refuses(bis_flat_bsdf_sample(b, 1, NULL, w, &lobe, SAY), "u is NULL");
     refuses(bis_flat_bsdf_sample(b, 1, u, NULL, &lobe, SAY), "wi is NULL");
@@ -201,6 +224,10 @@ static void null_is_an_error_wherever_something_is_due(void **state)
     bis_flat_picture_pixels(NULL, v);
     assert_true(isnan(bis_flat_light_power(NULL)));
     assert_null(bis_flat_picture_stats(NULL));
+    assert_int_equal(bis_flat_picture_layer(NULL, "depth", v), 0);
+    refuses(bis_flat_render_with(NULL, SCENE, none, light, NULL, NULL, NULL, SAY), "picture is NULL");
+    refuses(bis_flat_render_with(&p, NULL, none, light, NULL, NULL, NULL, SAY), "scene is NULL");
+    refuses(bis_flat_render_with(&p, SCENE, NULL, light, NULL, NULL, NULL, SAY), "settings is NULL");
     bis_flat_picture_close(NULL);
     bis_flat_light_close(light);
     bis_flat_bsdf_close(b);
@@ -235,6 +262,44 @@ static void a_material_gives_f_and_density(void **state)
     bis_flat_bsdf_close(NULL);
 }
 
+/* Head on, a metal is the facets of that reflectance; in the mirror direction of 60 degrees, the ratio to them is
+ * Fresnel's reflectance over Schlick's. With k = 0 these are the equations of glass, as in textbooks. */
+static void a_metal_reflects_by_fresnels_equations(void **state)
+{
+    const double up[3] = {0, 0, 1}, black[3] = {0, 0, 0}, aside[3] = {sqrt(0.75), 0, 0.5};
+    const double eta[3] = {1.5, 2, 0.2}, k[3] = {0, 0, 3}, none[3] = {0, 0, 0}, bad[3] = {1, 1, (double)NAN};
+    const double Ks[3] = {0.04, 1.0 / 9, (0.64 + 9) / (1.44 + 9)};
+    float mirror[2][3] = {{0, 0, 1}, {(float)-sqrt(0.75), 0, 0.5F}}, f[2][3];
+    double pdf;
+
+    (void)state;
+    for (int oblique = 0; oblique < 2; oblique++) {
+        bis_bsdf *metal, *facets;
+        const double *wo = oblique ? aside : up;
+        assert_int_equal(bis_flat_bsdf_metal(&metal, eta, k, 0.5, up, wo, SAY), 0);
+        assert_int_equal(bis_flat_bsdf_open(&facets, "microfacet", black, Ks, 0.5, up, wo, SAY), 0);
+        assert_int_equal(bis_flat_bsdf_look(metal, 1, mirror[oblique], f[0], &pdf, SAY), 0);
+        assert_int_equal(bis_flat_bsdf_look(facets, 1, mirror[oblique], f[1], &pdf, SAY), 0);
+        for (int i = 0; i < (oblique ? 2 : 3); i++) {
+            const double c = 0.5, ct = sqrt(1 - 0.75 / (eta[i] * eta[i]));
+            const double rs = (c - eta[i] * ct) / (c + eta[i] * ct), rp = (eta[i] * c - ct) / (eta[i] * c + ct);
+            const double schlick = Ks[i] + (1 - Ks[i]) * pow(0.5, 5), fresnel = (rs * rs + rp * rp) / 2;
+            assert_about((double)f[0][i] / (double)f[1][i], oblique ? fresnel / schlick : 1, 1e-5);
+        }
+        bis_flat_bsdf_close(metal);
+        bis_flat_bsdf_close(facets);
+    }
+    bis_bsdf *b;
+    refuses(bis_flat_bsdf_metal(&b, none, k, 0.5, up, up, SAY), "eta and k of channel 0 are 0 and 0");
+    refuses(bis_flat_bsdf_metal(&b, bad, k, 0.5, up, up, SAY), "eta and k of channel 2 are nan and 3");
+    refuses(bis_flat_bsdf_metal(&b, eta, bad, 0.5, up, up, SAY), "eta and k of channel 2 are 0.2 and nan");
+    refuses(bis_flat_bsdf_metal(&b, (double[]){1, 1, 2e15}, k, 0.5, up, up, SAY), "eta and k of channel 2");
+    refuses(bis_flat_bsdf_metal(&b, eta, (double[]){0, -1, 0}, 0.5, up, up, SAY), "eta and k of channel 1 are 2 and -1");
+    refuses(bis_flat_bsdf_metal(&b, eta, k, 0.001, up, up, SAY), "the roughness is 0.001");
+    refuses(bis_flat_bsdf_metal(&b, eta, k, 0.5, black, up, SAY), "normal is (0, 0, 0)");
+    assert_null(b);
+}
+
 /* Whatever is said by settings is said to the program by options. */
 static void a_picture_has_the_bits_of_the_program(void **state)
 {
@@ -248,6 +313,9 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         {{"proposal=product", "learn=false", "spp=9", NULL}, "--proposal product --learn off --spp 9", "\"sir\""},
         {{"width=9", "height=5", "threads=2", "spp=3", NULL}, "--resolution 9x5 --nthreads 2 --spp 3", "\"sir\""},
         {{"error=0.4", "spp=64", "threads=1", NULL}, "--error 0.4 --spp 64 --nthreads 1", "\"sir\""},
+        {{"crop=0.25,0.75,0,0.5", "spp=2", NULL}, "--cropwindow 0.25,0.75,0,0.5 --spp 2", "\"sir\""},
+        {{"approximate=false", "layers=none", "spp=2", NULL}, "--spp 2", "\"sir\""},
+        {{"approximate=true", "layers=albedo,stderr", "spp=2", NULL}, "--spp 2", "\"sir\""},
     };
 
     (void)state;
@@ -288,6 +356,167 @@ static void a_picture_has_the_bits_of_the_program(void **state)
     bis_flat_picture_close(NULL);
 }
 
+static float *pixels_of(const char *scene, const char *const *settings, const bis_light *light, int *n)
+{
+    bis_flat_picture *p;
+    int shape[2];
+
+    if (bis_flat_render_with(&p, scene, settings, light, NULL, NULL, NULL, SAY)) fail_msg("%s", say);
+    bis_flat_picture_shape(p, shape);
+    *n = 4 * shape[0] * shape[1];
+    float *rgba = malloc((size_t)*n * sizeof *rgba);
+    assert_non_null(rgba);
+    bis_flat_picture_pixels(p, rgba);
+    bis_flat_picture_close(p);
+    return rgba;
+}
+
+/* The scene as text with another camera is the scene whose file has both. */
+static void a_scene_is_text_and_a_camera_is_replaced(void **state)
+{
+#define CAMERA "LookAt 1 2 -3  0 0 4  0 1 0 Camera \"perspective\" \"float fov\" 50"
+#define WORLD "\nWorldBegin LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" \"float radius\" 2\n"
+#define FILM "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 9\n"
+    const char *const as_text[] = {"text=" FILM "Camera \"orthographic\"" WORLD, "camera=" CAMERA, NULL};
+    const char *const twin[] = {"text=" FILM "Camera \"orthographic\"" WORLD, NULL};
+    int n[3];
+
+    (void)state;
+    program_write_file(DIR "/whole.txt", FILM CAMERA WORLD);
+    float *expected = pixels_of(DIR "/whole.txt", (const char *const[]){NULL}, NULL, &n[0]);
+    float *got = pixels_of(DIR "/a scene", as_text, NULL, &n[1]), *other = pixels_of(DIR "/a scene", twin, NULL, &n[2]);
+    assert_true(n[0] == 4 * 12 * 9 && n[1] == n[0] && n[2] == n[0]);
+    assert_memory_equal(got, expected, (size_t)n[0] * sizeof *got);
+    assert_memory_not_equal(other, expected, (size_t)n[0] * sizeof *got);
+    free(expected);
+    free(got);
+    free(other);
+}
+
+/* A map from an array is that map from its file, and over a scene it is --light. */
+static void a_light_of_an_array_is_that_of_its_file(void **state)
+{
+    static const char *const none[] = {NULL};
+    bis_light *made, *read;
+    bis_image image;
+    program_run r;
+    float w[40][3], L[2][40][3];
+    double u[40][4], pdf[2][40];
+    bis_rng rng;
+    int n;
+
+    (void)state;
+    assert_int_equal(bis_image_read(&image, DIR "/map.pfm", (bis_loc){0}, NULL), BIS_OK);
+    image.pixels[3] = (rgb){5, 6, 7};
+    assert_int_equal(bis_image_save(&image, DIR "/other.pfm", NULL), BIS_OK);
+    assert_int_equal(bis_flat_light_make(&made, image.width, image.height, &image.pixels[0].r, "cdf", 0.5, NULL, SAY), 0);
+    assert_int_equal(bis_flat_light_open(&read, DIR "/other.pfm", "cdf", 0.5, "latlong", SAY), 0);
+    bis_image_clear(&image);
+    bis_rng_init(&rng, 2, 0, 0, 0);
+    for (int i = 0; i < 40; i++)
+        for (int k = 0; k < 4; k++) u[i][k] = bis_rng_double(&rng);
+    assert_int_equal(bis_flat_light_sample(made, 40, u[0], w[0], L[0][0], pdf[0], SAY), 0);
+    assert_int_equal(bis_flat_light_sample(read, 40, u[0], w[0], L[1][0], pdf[1], SAY), 0);
+    assert_memory_equal(L[0], L[1], sizeof L[0]);
+    assert_memory_equal(pdf[0], pdf[1], sizeof pdf[0]);
+    float *got = pixels_of(SCENE, none, made, &n);
+    program_expect(&r, 0, SCENE " --outfile " DIR "/out.pfm --light " DIR "/other.pfm");
+    assert_int_equal(bis_image_read(&image, DIR "/out.pfm", (bis_loc){0}, NULL), BIS_OK);
+    for (int i = 0; i < n / 4; i++) assert_memory_equal(got + 4 * i, &image.pixels[i], sizeof image.pixels[i]);
+    bis_image_clear(&image);
+    free(got);
+    bis_flat_light_close(made);
+    bis_flat_light_close(read);
+    /* what no map can be */
+    const float grey[12] = {0};
+    refuses(bis_flat_light_make(&made, 0, 2, grey, "cdf", 0, NULL, SAY), "0 x 2");
+    refuses(bis_flat_light_make(&made, 40000, 1, grey, "cdf", 0, NULL, SAY), "40000 x 1");
+    refuses(bis_flat_light_make(&made, 2, 2, grey, "cdf", 0, NULL, SAY), "\"the array\" is square");
+    refuses(bis_flat_light_make(&made, 2, 1, grey, "cdf", 0, "cube", SAY), "no mapping \"cube\"");
+    refuses(bis_flat_light_make(&made, 2, 1, grey, "cdf", 0, "equalarea", SAY), "must be");
+    assert_null(made);
+    const float holes[6] = {1, NAN, 1, -1, 1, HUGE_VALF};
+    assert_int_equal(bis_flat_light_make(&made, 2, 1, holes, "cdf", 0, NULL, SAY), 0);
+    assert_non_null(strstr(say, "bad channel values set to 0: 1 NaN, 1 infinite, 1 negative"));
+    bis_flat_light_close(made);
+}
+
+/* The floor of the scene is the plane y = -1 and its camera looks along z: where the floor is seen (and no sphere above
+ * it), normal and albedo are known, and 1/depth is linear in the row. The layers of the film itself have tests of their
+ * own. */
+static void layers_are_given_by_name(void **state)
+{
+    static const char *const settings[] = {"layers=albedo,depth,normal,samples,stderr", "spp=8", NULL};
+    static float albedo[16][24][3], normal[16][24][3], depth[16][24], samples[16][24];
+    bis_flat_picture *p;
+
+    (void)state;
+    assert_int_equal(bis_flat_render(&p, SCENE, settings, NULL, SAY), 0);
+    assert_int_equal(bis_flat_picture_layer(p, "albedo", albedo[0][0]), 3);
+    assert_int_equal(bis_flat_picture_layer(p, "normal", normal[0][0]), 3);
+    assert_int_equal(bis_flat_picture_layer(p, "depth", depth[0]), 1);
+    assert_int_equal(bis_flat_picture_layer(p, "samples", samples[0]), 1);
+    assert_int_equal(bis_flat_picture_layer(p, "stderr", NULL), 3);
+    assert_int_equal(bis_flat_picture_layer(p, "visibility", depth[0]), 0); /* not asked for */
+    assert_string_equal(bis_flat_layer_name(0), "stderr");
+    assert_string_equal(bis_flat_layer_name(BIS_N_LAYERS - 1), "depth");
+    assert_true(!bis_flat_layer_name(-1) && !bis_flat_layer_name(BIS_N_LAYERS));
+    assert_int_equal(bis_flat_picture_layer(p, "Albedo", depth[0]), 0);
+    assert_int_equal(bis_flat_picture_layer(p, NULL, depth[0]), 0);
+    for (int x = 0; x < 24; x++) {
+        for (int k = 0; k < 3; k++) {
+            assert_about((double)albedo[15][x][k], (const double[]){0.7, 0.6, 0.5}[k], 1e-6);
+            assert_about((double)normal[15][x][k], k == 1, 1e-6);
+            assert_true(albedo[0][x][k] == 0); /* the sky */
+        }
+        /* the last row of 16 is seen between the tangents 14/16 and 1 of 30 degrees */
+        const double t = tan(30 * PI / 180);
+        assert_true((double)depth[15][x] > 1 / t && (double)depth[15][x] < 16 / (14 * t));
+        assert_true(samples[15][x] >= 8);
+    }
+    bis_flat_picture_close(p);
+    assert_int_equal(bis_flat_render(&p, SCENE, (const char *const[]){"layers=stderr", "spp=1", NULL}, NULL, SAY), 0);
+    assert_int_equal(bis_flat_picture_layer(p, "stderr", NULL), 0); /* one pass has no scatter */
+    bis_flat_picture_close(p);
+}
+
+static void what_is_not_modelled_is_replaced_when_that_is_asked_for(void **state)
+{
+#define GLASS "text=WorldBegin LightSource \"infinite\" Material \"dielectric\" Shape \"sphere\""
+    bis_flat_picture *p;
+
+    (void)state;
+    refuses(bis_flat_render(&p, "scene", (const char *const[]){GLASS, "spp=1", NULL}, NULL, SAY), "scene:1:44: error: Material \"dielectric\"");
+    assert_int_equal(bis_flat_render(&p, "scene", (const char *const[]){GLASS, "width=4", "height=3", "approximate=true", NULL}, NULL, SAY), 0);
+    assert_non_null(strstr(say, "dielectric"));
+    bis_flat_picture_close(p);
+}
+
+typedef struct watched {
+    int n;
+    double share;
+    bool falls;
+} watched;
+
+static void look_on(double share, double seconds, double left, void *user)
+{
+    watched *w = user;
+    w->falls |= share < w->share || !(share >= 0 && share <= 1) || !(seconds >= 0) || left < 0;
+    w->share = share;
+    w->n++;
+}
+
+static void a_watcher_hears_of_the_render(void **state)
+{
+    watched w = {0};
+    bis_flat_picture *p;
+
+    (void)state;
+    assert_int_equal(bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=1", NULL}, NULL, look_on, &w, NULL, SAY), 0);
+    assert_true(w.n > 0 && !w.falls && w.share > 0);
+    bis_flat_picture_close(p);
+}
+
 static void wrong_settings_are_refused(void **state)
 {
     const struct {
@@ -305,6 +534,14 @@ static void wrong_settings_are_refused(void **state)
         {"learn=yes", "learn is \"yes\": give true or false"},
         {"proposal=best", "proposal is \"best\": integrator \"sir\" takes"},
         {"accelerator=bvh", "accelerator \"bvh\" is not there"},
+        {"approximate=1", "approximate is \"1\": give true or false"},
+        {"crop=0.5,0.25,0,1", "crop is \"0.5,0.25,0,1\": give x0,x1,y0,y1 in [0, 1]"},
+        {"crop=0,1,0", "crop is \"0,1,0\""},
+        {"crop=0,1,0,nan", "crop is"},
+        {"layers=deth", "layers: there is no layer \"deth\" (did you mean \"depth\"?)"},
+        {"camera=Camera \"fisheye\"", "camera:1:8: error"},
+        {"camera=Shape \"sphere\"", "camera:1:1: error"},
+        {"text=WorldBegin Shape \"cube\"", DIR "/scene.txt:1:18: error"},
     };
     bis_flat_picture *p;
 
@@ -323,20 +560,6 @@ static void wrong_settings_are_refused(void **state)
 
 /* ---- tiny cases by hand ---- */
 
-static void write_pfm(const char *path, int width, int height, const float *rgb_bottom_up)
-{
-    FILE *out = fopen(path, "wb");
-    assert_non_null(out);
-    fprintf(out, "PF\n%d %d\n-1.0\n", width, height);
-    fwrite(rgb_bottom_up, sizeof *rgb_bottom_up, 3 * (size_t)width * (size_t)height, out);
-    fclose(out);
-}
-
-static void assert_about(double a, double b, double tolerance)
-{
-    if (!(fabs(a - b) <= tolerance)) fail_msg("%.12g is not %.12g", a, b);
-}
-
 /* 4 x 2 pixels, each of pi/2 sr; pixel i has the radiance (i+1) (1, 10, 100). */
 static void a_map_of_eight_pixels_by_hand(void **state)
 {
@@ -350,7 +573,7 @@ static void a_map_of_eight_pixels_by_hand(void **state)
         for (int x = 0; x < 4; x++)
             for (int k = 0; k < 3; k++) file[1 - y][x][k] = (float)((4 * y + x + 1) * (k == 0 ? 1 : k == 1 ? 10 : 100));
     write_pfm(DIR "/eight.pfm", 4, 2, file[0][0]);
-    assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "alias", 0, SAY), 0);
+    assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "alias", 0, NULL, SAY), 0);
     assert_string_equal(say, "");
     bis_flat_light_shape(light, shape);
     assert_true(shape[0] == 4 && shape[1] == 2);
@@ -389,10 +612,10 @@ static void a_map_of_eight_pixels_by_hand(void **state)
     }
     bis_flat_light_close(light);
     /* the exponent is used, and its limits are in its range */
-    assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10, SAY), 0);
+    assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10, NULL, SAY), 0);
     bis_flat_light_close(light);
-    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10.000001, SAY), "area_exponent is 10: give a number in [0, 10]");
-    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", (double)NAN, SAY), "area_exponent is nan: give a number in [0, 10]");
+    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10.000001, NULL, SAY), "area_exponent is 10: give a number in [0, 10]");
+    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", (double)NAN, NULL, SAY), "area_exponent is nan: give a number in [0, 10]");
 }
 
 /* Shares of 0.1, 0.2, 0.4, 0.3 in one row: by the inverted cdf 0.35 lies in [0.3, 0.7), pixel 2; in the alias table of
@@ -409,7 +632,7 @@ static void the_kind_of_a_table_is_the_one_asked_for(void **state)
     write_pfm(DIR "/row.pfm", 4, 1, row[0]);
     for (int i = 0; i < 2; i++) {
         bis_light *light;
-        assert_int_equal(bis_flat_light_open(&light, DIR "/row.pfm", kinds[i], 0, SAY), 0);
+        assert_int_equal(bis_flat_light_open(&light, DIR "/row.pfm", kinds[i], 0, NULL, SAY), 0);
         assert_int_equal(bis_flat_light_sample(light, 1, (double[]){0.35, 0.35, 0.35, 0.35}, w, L, &pdf, SAY), 0);
         assert_about((double)L[0], expected[i], 0);
         assert_about(pdf, expected[i] / 10 / PI, 1e-6); /* a pixel of a row alone has pi sr */
@@ -435,7 +658,7 @@ static void an_area_exponent_draws_large_regions_more_often(void **state)
         float L[3];
         double pdf;
         bis_light *light;
-        assert_int_equal(bis_flat_light_open(&light, DIR "/lamp.pfm", b ? "cdf" : "alias", b, SAY), 0);
+        assert_int_equal(bis_flat_light_open(&light, DIR "/lamp.pfm", b ? "cdf" : "alias", b, NULL, SAY), 0);
         assert_int_equal(bis_flat_light_look(light, 1, at_lamp, L, &pdf, SAY), 0);
         bis_flat_light_close(light);
         assert_about((double)L[0], 1000, 0);
@@ -665,14 +888,18 @@ static void each_message_has_a_line(void **state)
 
 static void when_the_kth_allocation_fails_there_is_no_picture(void **state)
 {
+    const float grey[6] = {1, 1, 1, 1, 1, 1};
+    bis_light *light;
     bool ended = false;
 
     (void)state;
+    assert_int_equal(bis_flat_light_make(&light, 2, 1, grey, "cdf", 0, NULL, SAY), 0);
     for (long k = 1; !ended; k++) {
-        static const char *const settings[] = {"width=2", "height=2", "spp=1", "threads=1", "accelerator=grid", NULL};
+        static const char *const settings[] = {"width=2", "height=2", "spp=1", "threads=1", "accelerator=grid", "layers=albedo",
+                                               "camera=Camera \"orthographic\"", "text=WorldBegin Shape \"sphere\"", NULL};
         bis_flat_picture *p;
         bis_mem_fail_at(k);
-        const int status = bis_flat_render(&p, SCENE, settings, NULL, SAY);
+        const int status = bis_flat_render_with(&p, SCENE, settings, light, NULL, NULL, NULL, SAY);
         ended = bis_mem_count() < k;
         bis_mem_fail_at(0);
         if (status != (ended ? BIS_OK : BIS_NOMEM)) fail_msg("allocation %ld: status %d, %s", k, status, say);
@@ -683,8 +910,14 @@ static void when_the_kth_allocation_fails_there_is_no_picture(void **state)
     bis_bsdf *b;
     bis_mem_fail_at(1);
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", one, one, 1, one, one, SAY), BIS_NOMEM);
-    bis_mem_fail_at(0);
     assert_null(b);
+    bis_mem_fail_at(1);
+    assert_int_equal(bis_flat_bsdf_metal(&b, one, one, 1, one, one, SAY), BIS_NOMEM);
+    bis_flat_light_close(light);
+    bis_mem_fail_at(1);
+    assert_int_equal(bis_flat_light_make(&light, 2, 1, grey, "cdf", 0, NULL, SAY), BIS_NOMEM);
+    bis_mem_fail_at(0);
+    assert_true(!b && !light);
 }
 
 int main(void)
@@ -697,6 +930,12 @@ int main(void)
         cmocka_unit_test(null_is_an_error_wherever_something_is_due),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
+        cmocka_unit_test(a_metal_reflects_by_fresnels_equations),
+        cmocka_unit_test(a_scene_is_text_and_a_camera_is_replaced),
+        cmocka_unit_test(a_light_of_an_array_is_that_of_its_file),
+        cmocka_unit_test(layers_are_given_by_name),
+        cmocka_unit_test(what_is_not_modelled_is_replaced_when_that_is_asked_for),
+        cmocka_unit_test(a_watcher_hears_of_the_render),
         cmocka_unit_test(wrong_settings_are_refused),
         cmocka_unit_test(a_map_of_eight_pixels_by_hand),
         cmocka_unit_test(the_kind_of_a_table_is_the_one_asked_for),

@@ -1,8 +1,11 @@
-"""What scripts/bis.py promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
+"""What the package bis of scripts/python promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
 
 Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each has a twin."""
 import copy
 import gc
+import glob
+import importlib.util
+import io
 import json
 import os
 import pickle
@@ -11,11 +14,13 @@ import sys
 import tempfile
 import unittest
 import warnings
+from contextlib import redirect_stdout
+from unittest import mock
 
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, os.path.join(ROOT, "scripts"))
+sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
 
 MAP = os.path.join(ROOT, "data/maps/interior.hdr")
@@ -64,6 +69,37 @@ class Maps(unittest.TestCase):
         self.assertFalse((em.sample(10, seed=5)[0] == em.sample(10, seed=6)[0]).all())
 
 
+    def test_an_array_is_a_map(self):
+        em = bis.Envmap(MAP, table="cdf")
+        made = bis.Envmap(em.pixels, table="cdf")
+        for a, b in zip(em.sample(500, seed=2), made.sample(500, seed=2)):
+            self.assertTrue((a == b).all())
+        self.assertTrue((made.pixels == em.pixels).all())
+        view = bis.Envmap(em.pixels.astype(np.float64)[:, ::-1])  # neither dense nor float
+        self.assertTrue((view.pixels == em.pixels[:, ::-1]).all())
+        # All pixels of an equal-area square have one solid angle: its integral is 4 pi times its mean.
+        square = np.random.default_rng(3).random((8, 8, 3))
+        self.assertAlmostEqual(bis.Envmap(square, mapping="equalarea").power / (4 * np.pi * square.sum() / 64), 1, places=5)
+        self.assertNotAlmostEqual(bis.Envmap(square, mapping="latlong").power / (4 * np.pi * square.sum() / 64), 1, places=3)
+
+    def test_what_is_no_map(self):
+        for a, text in (
+            (np.ones((2, 4)), "map has the shape (2, 4): give (h, w, 3)"),
+            (np.ones((0, 4, 3)), "4 x 0"),
+            (np.ones((4, 4, 3)), '"the array" is square'),
+            (np.ones((2, 4, 3), bool), "map is"),
+            ([["a"]], "map is"),
+        ):
+            with self.assertRaises(bis.Error) as e:
+                bis.Envmap(a)
+            self.assertIn(text, str(e.exception))
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            holes = bis.Envmap(np.array([[[1, np.nan, 1], [-1, 1, 1e300]]]))
+        self.assertIn("1 NaN, 1 infinite, 1 negative", str(said[0].message))
+        self.assertEqual(holes.pixels.ravel().tolist(), [1, 0, 1, 0, 1, 0])
+
+
 class Tables(unittest.TestCase):
     def test_the_tables_of_the_thesis(self):
         t = bis.AliasTable([0.1, 0.2, 0.4, 0.3])  # figure 3.4
@@ -90,6 +126,17 @@ class Materials(unittest.TestCase):
         f, _ = m.look([[0, 0, 1], [0, 3, 4], [0, 0, -1]])
         np.testing.assert_allclose(f[:2], np.array([[0.5, 0.2, 0.1]] * 2) / np.pi, rtol=1e-6)
         self.assertEqual(f[2].sum(), 0)
+
+
+    def test_a_metal_of_eta_and_k(self):
+        """Copper's red, head on: ((eta - 1)^2 + k^2)/((eta + 1)^2 + k^2), where Schlick's facets of that colour are the same."""
+        eta, k = np.array([0.2, 0.92, 1.1]), np.array([3.9, 2.45, 2.14])
+        Ks = ((eta - 1) ** 2 + k**2) / ((eta + 1) ** 2 + k**2)
+        for wo, is_same in (((0, 0, 1), True), ((-0.97, 0, 0.25), False)):  # the second is the twin
+            metal = bis.Material(eta=eta, k=k, roughness=0.4, wo=wo)
+            facets = bis.Material(0, Ks, roughness=0.4, wo=wo)
+            wi = [[-wo[0], 0, wo[2]]]
+            self.assertEqual(np.allclose(metal.look(wi)[0], facets.look(wi)[0], rtol=1e-5), is_same)
 
 
 class Pictures(unittest.TestCase):
@@ -120,11 +167,99 @@ class Pictures(unittest.TestCase):
             self.assertTrue((picture == expected).all())
             for key in ("integrator", "samples", "candidates", "spp", "seed", "triangles", "rays"):
                 self.assertEqual(stats[key], figures[key])
-        self.assertFalse((bis.render(self.scene, seed=2)[0] == expected).all())  # twin
+        self.assertFalse((bis.render(self.scene, seed=2).rgb == expected).all())  # twin
 
     def test_size_and_switches(self):
         picture, _ = bis.render(self.scene, width=12, height=8, threads=1, accelerator="grid", stratify=False, spp=1)
         self.assertEqual(picture.shape, (8, 12, 3))
+
+
+    def test_the_text_of_a_scene_is_the_scene(self):
+        expected = bis.render(self.scene).rgb
+        self.assertTrue((bis.render(SCENE).rgb == expected).all())
+        with self.assertRaises(bis.Error) as e:
+            bis.render(SCENE + 'Shape "cube"')
+        self.assertIn("scene:10:7: error", str(e.exception))
+        eye = bis.Camera((0, -5, 1), (0, 0, 0))
+        self.assertTrue((bis.render(SCENE, camera=eye).rgb == expected).all())
+        other = bis.render(SCENE, camera=eye._replace(fov=50)).rgb
+        self.assertTrue((bis.render(SCENE.replace("fov\" 40", "fov\" 50")).rgb == other).all())
+        self.assertFalse((other == expected).all())  # twin
+        self.assertTrue((bis.render(SCENE, camera=str(eye)).rgb == expected).all())
+
+    def test_layers_alpha_and_crop(self):
+        p = bis.render(SCENE, layers=["albedo", "depth", "stderr"], spp=8)
+        self.assertEqual({k: v.shape for k, v in p.layers.items()},
+                         {"stderr": (16, 24, 3), "albedo": (16, 24, 3), "depth": (16, 24)})
+        # In the middle the sphere of radius 1 is sqrt(26) - 1 away, at its nearest point.
+        np.testing.assert_allclose(p.layers["albedo"][8, 12], [0.7, 0.6, 0.5], atol=1e-6)
+        self.assertTrue(np.sqrt(26) - 1 <= p.layers["depth"][8, 12] < 4.2)
+        self.assertEqual((p.alpha[8, 12], p.alpha[0, 0]), (1, 0))
+        rgb, stats = p
+        self.assertTrue(rgb is p.rgb and stats is p.stats)
+        self.assertEqual(set(bis.render(SCENE, layers="all", spp=4).layers), set(bis.LAYERS))
+        self.assertEqual(set(bis.render(SCENE, layers="all", spp=1).layers), set(bis.LAYERS) - {"stderr", "interval"})
+        self.assertEqual(bis.render(SCENE).layers, {})
+        cut = bis.render(SCENE, crop=(0.25, 0.75, 0, 0.5), spp=8)
+        self.assertTrue((cut.rgb == p.rgb[:8, 6:18]).all())
+
+    def test_another_light(self):
+        expected, _ = self.by_program("--light", MAP)
+        em = bis.Envmap(MAP)
+        for light in (MAP, em, em.pixels):
+            self.assertTrue((bis.render(self.scene, light=light).rgb == expected).all())
+        # A white furnace: a diffuse sphere of Kd = 1/2 under radiance 1 has the radiance 1/2.
+        white = SCENE.replace('"rgb Kd" [.5 .4 .3] "rgb Ks" [.2 .2 .2]', '"rgb Kd" [.5 .5 .5] "rgb Ks" [0 0 0]')
+        p = bis.render(white, light=np.ones((4, 8, 3)), integrator="exact", spp=16)
+        inside = p.alpha == 1
+        self.assertLess(off(p.rgb[inside].mean(1, dtype=np.float64), 0.5), 5)
+        self.assertGreater(off(1.1 * p.rgb[inside].mean(1, dtype=np.float64), 0.5), 5)  # twin
+
+    def test_a_mesh_of_arrays_is_the_mesh_of_a_file(self):
+        rng = np.random.default_rng(1)
+        points = rng.normal(size=(30, 3)).astype(np.float32)
+        faces, normals, uv = rng.permutation(30).reshape(10, 3), points + np.float32(0.1), rng.random((30, 2))
+        mesh = bis.Mesh(points, faces, normals, uv)
+        with open(os.path.join(self.folder.name, "mesh.ply"), "wb") as f:
+            f.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 30\n")
+            f.write(b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"nx", b"ny", b"nz", b"u", b"v")))
+            f.write(b"element face 10\nproperty list uchar int vertex_indices\nend_header\n")
+            f.write(np.hstack([points, normals, uv]).astype("<f4").tobytes())
+            for face in faces:
+                f.write(b"\3" + face.astype("<i4").tobytes())
+        texture = 'Texture "t" "spectrum" "checkerboard" Material "phong" "texture Kd" "t" "rgb Ks" [0 0 0] '
+        begin = SCENE[:SCENE.index("Material")] + texture
+        with open(self.scene, "w") as f:
+            f.write(begin + 'Shape "plymesh" "string filename" "mesh.ply"')
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that the last one has no texture coordinates
+            pictures = [bis.render(s, layers="all")
+                        for s in (self.scene, begin + str(mesh), begin + str(bis.Mesh(points, faces)))]
+        for name in ("normal", "albedo", "depth"):
+            self.assertTrue((pictures[0].layers[name] == pictures[1].layers[name]).all())
+        self.assertTrue((pictures[0].rgb == pictures[1].rgb).all())
+        self.assertFalse((pictures[0].rgb == pictures[2].rgb).all())  # twin: without normals and uv
+
+    def test_approximate_replaces_and_warns(self):
+        glass = SCENE[:SCENE.index("Material")] + 'Material "dielectric" Shape "sphere"'
+        with self.assertRaises(bis.Error):
+            bis.render(glass)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            bis.render(glass, approximate=True)
+        self.assertIn("dielectric", str(said[0].message))
+
+    def test_progress_is_told_and_may_end_the_render(self):
+        seen = []
+        bis.render(SCENE, seconds=0.8, progress=seen.append)
+        self.assertTrue(seen)
+        self.assertTrue(all(a.share <= b.share <= 1 for a, b in zip(seen, seen[1:])))
+
+        def stop(p):
+            raise KeyError(p.share)
+
+        with self.assertRaises(KeyError):
+            bis.render(SCENE, seconds=60, progress=stop)
 
 
 def table(**changes):
@@ -134,21 +269,64 @@ def table(**changes):
     return t
 
 
-class Copies(unittest.TestCase):
-    def test_a_copy_outlives_its_original(self):
-        """Two objects with one handle would free it twice, and this process would end here."""
-        for make in (lambda: bis.Envmap(MAP), lambda: bis.Material(0.5, 0.5, exponent=5)):
-            for copied in (copy.copy, copy.deepcopy):
-                first = make()
-                expected = first.sample(5, seed=1)[0]
-                second = copied(first)
-                del first
-                gc.collect()
-                others = [make() for _ in range(3)]  # what was freed would be taken by these
-                self.assertTrue((second.sample(5, seed=1)[0] == expected).all())
-                del second, others
-        with self.assertRaises(ValueError):  # ctypes: pointers
-            pickle.dumps(bis.Envmap(MAP))
+class Objects(unittest.TestCase):
+    """What Python can do with any object, and what must not be done with one that the library holds."""
+
+    def test_a_handle_is_neither_copied_nor_pickled(self):
+        """Two objects with one handle would free it twice, and a pickled address would be read in another process."""
+        for made in (bis.Envmap(MAP), bis.Material(0.5, 0.5, exponent=5)):
+            expected = made.sample(5, seed=1)[0]
+            for do in (copy.copy, copy.deepcopy, *(lambda x, p=p: pickle.dumps(x, p) for p in range(6))):
+                with self.assertRaises(TypeError) as e:
+                    do(made)
+                self.assertIn("bis.%s cannot be copied or pickled" % type(made).__name__, str(e.exception))
+            gc.collect()
+            self.assertTrue((made.sample(5, seed=1)[0] == expected).all())
+
+    def test_a_table_is_copied_and_pickled_because_it_is_arrays(self):
+        first = bis.AliasTable([1, 2, 3])
+        for second in (copy.copy(first), copy.deepcopy(first), pickle.loads(pickle.dumps(first))):
+            self.assertTrue((second.sample(50, seed=1) == first.sample(50, seed=1)).all())
+            self.assertEqual(second.total, 6)
+
+    def test_an_object_that_was_never_made_says_so(self):
+        for kind, uses in (
+            (bis.AliasTable, (lambda t: t.sample(1), lambda t: t.prob, lambda t: t.total)),
+            (bis.Envmap, (lambda t: t.sample(1), lambda t: t.shape, lambda t: t.pixels, lambda t: t.power)),
+            (bis.Material, (lambda t: t.sample(1), lambda t: t.look([[0, 0, 1]]))),
+        ):
+            for use in uses:
+                with self.assertRaises(TypeError) as e:
+                    use(kind.__new__(kind))
+                self.assertIn("this %s was never made" % kind.__name__, str(e.exception))
+        with self.assertRaises(AttributeError):  # twin: a name that no object has
+            bis.AliasTable([1]).probability
+
+    def test_a_truth_value_is_no_number(self):
+        em = bis.Envmap(MAP)
+        for what, text in (
+            (lambda: em.sample(True), "n is True: give an integer"),
+            (lambda: em.sample(np.bool_(True)), "give an integer"),
+            (lambda: em.sample(1, seed=False), "seed is False: give an integer"),
+            (lambda: em.sample(u=[[False, False, False, False]]), "u holds values of the type bool"),
+            (lambda: em.look([[True, False, False]]), "w holds values of the type bool"),
+            (lambda: bis.AliasTable([True, True]), "weights holds values of the type bool"),
+            (lambda: bis.AliasTable(["1"]), "weights holds values of the type <U1"),
+            (lambda: bis.Envmap(MAP, area_exponent=True), "area_exponent is True: give a number"),
+            (lambda: bis.Material(True, 0, exponent=1), "Kd is True: give a number or three"),
+            (lambda: bis.Material(0.5, 0, exponent=True), "exponent is True: give a number"),
+            (lambda: bis.Material(0.5, 0, roughness="1"), "roughness is '1': give a number"),
+        ):
+            with self.subTest(text), self.assertRaises(TypeError) as e:
+                what()
+            self.assertIn(text, str(e.exception))
+        self.assertEqual(len(em.sample(np.int64(1))[0]), 1)  # twin
+
+    def test_an_error_names_its_status(self):
+        for path, status in (("nothing.hdr", bis.Status.IO), (__file__, bis.Status.INPUT)):
+            with self.assertRaises(bis.Error) as e:
+                bis.Envmap(path)
+            self.assertIs(e.exception.status, status)
 
 
 class Mistakes(unittest.TestCase):
@@ -172,9 +350,9 @@ class Mistakes(unittest.TestCase):
                 (lambda: em.sample(1, seed=0.5), "seed is 0.5"),
                 (lambda: em.sample(1, seed=None), "seed is None"),
                 (lambda: em.sample(1, seed=2**53), "seed is 9007199254740992"),
-                (lambda: bis.Envmap(MAP + "\0.txt"), "path holds a NUL"),
+                (lambda: bis.Envmap(MAP + "\0.txt"), "map holds a NUL"),
                 (lambda: bis.Envmap(MAP, table="cdf\0x"), "table holds a NUL"),
-                (lambda: bis.Envmap(None), "path is None"),
+                (lambda: bis.Envmap(None), "map is None"),
                 (lambda: bis.render(None), "scene is None"),
                 (lambda: bis.render(scene + "\0"), "scene holds a NUL"),
                 (lambda: bis.render(scene, integrator="em\0x"), "a setting holds a NUL"),
@@ -201,6 +379,29 @@ class Mistakes(unittest.TestCase):
                 (lambda: bis.render(scene, seed=2**53), "seed is"),
                 (lambda: bis.render(scene, seed=2**53 + 1), "seed is"),
                 (lambda: bis.render(scene, integrator="mis", samples=1), "needs at least 2"),
+                (lambda: bis.Envmap(MAP, mapping="cube"), 'no mapping "cube"'),
+                (lambda: bis.Material(eta=0, k=1, roughness=1), "eta and k of channel 0 are 0 and 1"),
+                (lambda: bis.Material(eta=1, k=nan, roughness=1), "eta and k of channel 0 are 1 and nan"),
+                (lambda: bis.Material(eta=1, roughness=1), "of a metal eta and k"),
+                (lambda: bis.Material(0, 0, eta=1, k=1, roughness=1), "of a metal eta and k"),
+                (lambda: bis.Material(eta=1, k=1, exponent=1), "one of both"),
+                (lambda: bis.Material(0.5, roughness=1), "give Kd and Ks"),
+                (lambda: bis.render(scene, layers="deth"), 'did you mean "depth"'),
+                (lambda: bis.render(scene, layers=["albedo", "x"]), 'no layer "x"'),
+                (lambda: bis.render(scene, crop=(0, 1)), 'crop is "0.0,1.0"'),
+                (lambda: bis.render(scene, crop=(0, 1, nan, 1)), "crop is"),
+                (lambda: bis.render(scene, crop="0,1,0,1"), "crop is '0': give a number"),
+                (lambda: bis.render(scene, camera=(1, 2)), "camera is (1, 2): give a bis.Camera"),
+                (lambda: bis.render(scene, camera=bis.Camera((0, 0, 0), (0, 0, 0))), "camera:1:1"),
+                (lambda: bis.render(scene, approximate=1), 'approximate is "1"'),
+                (lambda: bis.render(scene, light=np.ones((2, 2))), "give (h, w, 3)"),
+                (lambda: bis.render(SCENE + "\0"), "scene holds a NUL"),
+                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 1]]), "of vertices 0 to 0"),
+                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, -1]]), "of vertices 0 to 0"),
+                (lambda: bis.Mesh([[0, 0, 0]], np.empty((0, 3), int)), "faces has 0 rows"),
+                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 0.5]]), "faces holds values of the type float64"),
+                (lambda: bis.Mesh([[0, 0, nan]], [[0, 0, 0]]), "vertices holds a value that is not finite"),
+                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 0]], uv=[[0, 0], [1, 1]]), "uv has 2 rows, and vertices has 1"),
             ]:
                 with self.subTest(text), warnings.catch_warnings(), self.assertRaises(bis.Error) as e:
                     warnings.simplefilter("ignore")
@@ -208,29 +409,95 @@ class Mistakes(unittest.TestCase):
                 self.assertIn(text, str(e.exception))
 
 
-class Notebook(unittest.TestCase):
-    def test_the_cells_run_and_their_claims_hold(self):
-        try:
-            import matplotlib
-        except ImportError:
-            self.skipTest("matplotlib is not installed")
-        matplotlib.use("Agg")
-        with open(os.path.join(ROOT, "docs/figures.ipynb")) as f:
-            book = json.load(f)
-        space, old = {}, os.getcwd()
-        os.chdir(os.path.join(ROOT, "docs"))
-        try:
-            for cell in book["cells"]:
+def run_notebook(path):
+    """The variables that the cells leave. Where matplotlib is missing, they draw into nothing."""
+    with open(path) as f:
+        cells = json.load(f)["cells"]
+    drawing = {}
+    if importlib.util.find_spec("matplotlib") is None:
+        drawing = {name: mock.MagicMock() for name in ("matplotlib", "matplotlib.pyplot")}
+    space, old = {}, (os.getcwd(), list(sys.path), os.environ.get("MPLBACKEND"))
+    os.environ["MPLBACKEND"] = "Agg"
+    os.chdir(os.path.dirname(path))
+    try:
+        with mock.patch.dict(sys.modules, drawing), warnings.catch_warnings(), redirect_stdout(io.StringIO()):
+            warnings.simplefilter("ignore")
+            for i, cell in enumerate(cells):
                 if cell["cell_type"] == "code":
-                    self.assertEqual(cell["outputs"], [])
-                    exec("".join(cell["source"]), space)
+                    exec(compile("".join(cell["source"]), "%s, cell %d" % (path, i), "exec"), space)
+    finally:
+        os.chdir(old[0])
+        sys.path[:] = old[1]
+        os.environ.pop("MPLBACKEND") if old[2] is None else os.environ.update(MPLBACKEND=old[2])
+    return cells, space
+
+
+class Page(unittest.TestCase):
+    def test_the_example_of_the_page_runs(self):
+        with open(os.path.join(ROOT, "docs/library.md")) as f:
+            example = f.read().split("```python\n")[1].split("```")[0]
+        space, old = {}, os.getcwd()
+        os.chdir(ROOT)
+        try:
+            with redirect_stdout(io.StringIO()):
+                exec(compile(example, "docs/library.md", "exec"), space)
         finally:
             os.chdir(old)
+        self.assertEqual(space["picture"].layers["albedo"].shape, (30, 80, 3))
+        # And each name of the package stands in the example or in a sentence of the page.
+        with open(os.path.join(ROOT, "docs/library.md")) as f:
+            page = f.read()
+        for name in set(bis.__all__) - {"version", "Picture", "Progress"}:
+            self.assertIn("bis." + name, page)
+
+
+class Notebooks(unittest.TestCase):
+    def test_the_figures_run_and_their_claims_hold(self):
+        cells, space = run_notebook(os.path.join(ROOT, "docs/figures.ipynb"))
+        self.assertEqual([c["outputs"] for c in cells if c["cell_type"] == "code" and c["outputs"]], [])
         # Figure 3.9 of docs/results.md: about as many of each term; 300 draws with p = 1/2 lie within 5 x 8.7 of 150.
         self.assertLess(abs(int(space["lobe"].sum()) - 150), 44)
         # Each density of figure 4.1 integrates to 1 (the BRDF's lobe is wide: n = 50), within the grid's error.
         for density in space["densities"]:
             self.assertAlmostEqual(float((density * space["solid_angle"]).sum()), 1, delta=0.01)
+        self.assertEqual(space["middle"].rgb.shape, (40, 60, 3))
+        self.assertTrue(space["heard"])
+        self.assertIs(space["refused"].status, bis.Status.INPUT)
+        self.assertIn("dielectric", str(space["said"][-1].message))
+
+    def test_each_notebook_asks_and_runs(self):
+        """Its last cell asserts what its text claims; its first cell of text says for whom it is."""
+        books = sorted(glob.glob(os.path.join(ROOT, "docs/notebooks/*.ipynb")))
+        self.assertEqual(len(books), 5)
+        for path in books:
+            with self.subTest(os.path.basename(path)):
+                cells, _ = run_notebook(path)
+                text = ["".join(c["source"]) for c in cells if c["cell_type"] == "markdown"]
+                code = [c for c in cells if c["cell_type"] == "code"]
+                self.assertTrue(8 <= len(cells) <= 15)
+                self.assertEqual([c["outputs"] for c in code if c["outputs"]], [])
+                self.assertIn("*For students", text[0])
+                self.assertGreaterEqual("".join(text).count("**Question "), 5)
+                self.assertGreaterEqual("".join(code[-1]["source"]).count("assert "), 4)
+
+    def test_a_notebook_with_a_wrong_formula_is_found(self):
+        """The twins: in each, one formula is wrong by a factor or a sign."""
+        for name, right, wrong in (
+            ("uniform", "return to_xyz(1 - 2 * u[:, 0]", "return to_xyz(1 - 2 * u[:, 0] ** 1.1"),
+            ("cdf-alias", "< prob[bin], bin, alias[bin]", "< prob[bin], alias[bin], bin"),
+            ("mis", "return h1 * F1 / m1 + h2", "return 1.1 * h1 * F1 / m1 + h2"),
+            ("sir", "return W / M * is_seen", "return W / (M + 1) * is_seen"),
+            ("visibility", "* (seen - g[k])", "* (seen - 0.9 * g[k])"),
+        ):
+            with open(os.path.join(ROOT, "docs/notebooks", name + ".ipynb")) as f:
+                book = f.read()
+            self.assertEqual(book.count(right), 1, name)
+            with tempfile.TemporaryDirectory(dir=os.path.join(ROOT, "build")) as folder:
+                path = os.path.join(folder, name + ".ipynb")
+                with open(path, "w") as f:
+                    f.write(book.replace(right, wrong))
+                with self.subTest(name), self.assertRaises(AssertionError):
+                    run_notebook(path)
 
 
 if __name__ == "__main__":

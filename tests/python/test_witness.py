@@ -14,7 +14,7 @@ import unittest.mock
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts", "python"))
 import bis  # noqa: E402
 import witness  # noqa: E402
 
@@ -134,7 +134,7 @@ def measure():
             path = write(random_scene(i), folder)
             for name, (settings, _) in METHODS.items():
                 for k in range(N_SEEDS):
-                    means[name][i, k] = bis.render(path, seed=1000 * i + k, threads=1, **settings)[0].mean(dtype=np.float64)
+                    means[name][i, k] = bis.render(path, seed=1000 * i + k, threads=1, **settings).rgb.mean(dtype=np.float64)
     return means
 
 

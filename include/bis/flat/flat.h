@@ -1,4 +1,4 @@
-/* flat: bis for other languages, by numbers, arrays and text alone. scripts/bis.py is its Python face.
+/* flat: bis for other languages, by numbers, arrays and text alone. scripts/python/bis is its Python face.
  *
  * A language that calls C by hand-written declarations (ctypes in Python, ccall in Julia) would have to repeat the
  * layout of every struct, and a field that is out of place is read as rubbish without a message. So no struct crosses
@@ -26,10 +26,17 @@ const char *bis_flat_version(void);
 /* ---- maps ---- */
 
 /* bis_flat_light_open reads a map for drawing directions by its importance. kind is "alias" or "cdf"; area_exponent
- * is b of thesis 3.4, in [0, BIS_AREA_EXPONENT_MAX]. The frame is the map's own, z up. Errors: those of
- * bis_light_load, BIS_INPUT (kind, area_exponent). */
-int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent, char *say,
-                        size_t size);
+ * is b of thesis 3.4, in [0, BIS_AREA_EXPONENT_MAX]. mapping says how the picture covers the sphere ("latlong",
+ * "angular" and the others of bis_mapping_names); NULL: as in a scene that does not say it. The frame is the map's own,
+ * z up. Errors: those of bis_light_load, BIS_INPUT (kind, area_exponent, mapping). */
+int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent,
+                        const char *mapping, char *say, size_t size);
+
+/* bis_flat_light_make does the same with radiance in pixels[height][width][3], row 0 at the top, which is copied.
+ * Values that a file may hold are accepted as there: NaN, infinite and negative ones become 0, with a warning. Errors:
+ * BIS_INPUT (a side below 1 or above BIS_IMAGE_MAX_SIDE), too. */
+int bis_flat_light_make(bis_light **light, int width, int height, const float *pixels, const char *kind,
+                        double area_exponent, const char *mapping, char *say, size_t size);
 
 /* bis_flat_light_close frees the map; NULL is allowed. */
 void bis_flat_light_close(bis_light *light);
@@ -74,6 +81,12 @@ int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, s
 int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, const double *Ks, double width,
                        const double *normal, const double *wo, char *say, size_t size);
 
+/* bis_flat_bsdf_metal makes a metal: facets that reflect by Fresnel's equations with the index eta[3] + i k[3] of R, G
+ * and B, eta in (0, 1e15], k in [0, 1e15]. roughness and the vectors are as those of bis_flat_bsdf_open. Errors:
+ * BIS_INPUT (a value out of range), BIS_NOMEM. */
+int bis_flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, double roughness, const double *normal,
+                        const double *wo, char *say, size_t size);
+
 /* bis_flat_bsdf_close frees the material; NULL is allowed. */
 void bis_flat_bsdf_close(bis_bsdf *bsdf);
 
@@ -93,11 +106,30 @@ typedef struct bis_flat_picture bis_flat_picture;
 
 /* bis_flat_render renders a scene into memory. settings is a list of "name=value" that ends with NULL; what it does not
  * name is as the scene says. The names are integrator, accelerator (grid, embree), spp, seed, seconds, error, threads,
- * width, height, and the parameters of the integrator (`bis help integrators`). *stop (may be NULL), an int, is set
- * from another thread to end the render soon; the picture then has the passes that were complete. Errors: those of
- * bis_scene_parse, bis_scene_build and bis_render, BIS_INPUT (a name or value of the settings). */
+ * width, height, the parameters of the integrator (`bis help integrators`), and
+ *
+ *   text         the scene itself: scene then only names it in messages, and its files are looked for in scene's folder
+ *   camera       a camera in the place of the scene's, in the scene's words: LookAt 0 -5 1 0 0 0 0 0 1 Camera "..."
+ *   approximate  true: what of pbrt bis does not model is replaced by the nearest that it does (docs/scene-format.md)
+ *   crop         x0,x1,y0,y1 in shares of the picture, as --cropwindow
+ *   layers       albedo,normal,... or all, as --layers: bis_flat_picture_layer gives them
+ *
+ * *stop (may be NULL), an int, is set from another thread to end the render soon; the picture then has the passes that
+ * were complete. Errors: those of bis_scene_parse, bis_scene_build and bis_render, BIS_INPUT (a name or value of the
+ * settings). */
 int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
                     const volatile sig_atomic_t *stop, char *say, size_t size);
+
+/* bis_flat_watcher hears of a render under way, a few times a second, from a thread of the library: the share of the
+ * budget that is used, in [0,1], the seconds of rendering, and the seconds that are left (NaN: unknown). */
+typedef void bis_flat_watcher(double share, double seconds, double seconds_left, void *user);
+
+/* bis_flat_render_with does the same under another light, and tells how far it is. The radiance of light (NULL: the
+ * scene's own) takes the place of all lights of the scene, upright as with --light; how directions are drawn from it is
+ * as the scene says. watcher (may be NULL) is given user. Errors: those of bis_flat_render. */
+int bis_flat_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                         const bis_light *light, bis_flat_watcher *watcher, void *user,
+                         const volatile sig_atomic_t *stop, char *say, size_t size);
 
 /* bis_flat_picture_close frees the picture; NULL is allowed. */
 void bis_flat_picture_close(bis_flat_picture *picture);
@@ -107,6 +139,14 @@ void bis_flat_picture_shape(const bis_flat_picture *picture, int shape[2]);
 
 /* bis_flat_picture_pixels stores the radiance and the share of samples that hit a surface in rgba[height][width][4]. */
 void bis_flat_picture_pixels(const bis_flat_picture *picture, float *rgba);
+
+/* bis_flat_layer_name returns the name of the i-th layer, counted from 0, or NULL if there are fewer. */
+const char *bis_flat_layer_name(int i);
+
+/* bis_flat_picture_layer stores the layer of this name (docs/budgets.md, "Layers") in values[height][width][n] and
+ * returns n, 1 or 3. values may be NULL, to learn n. It returns 0 if the picture does not have the layer: it was not
+ * asked for, or a standard error would need more passes. */
+int bis_flat_picture_layer(const bis_flat_picture *picture, const char *name, float *values);
 
 /* bis_flat_picture_stats returns what `bis --stats` writes, as JSON. It belongs to the picture. */
 const char *bis_flat_picture_stats(const bis_flat_picture *picture);

@@ -45,6 +45,10 @@ typedef struct bis_rect {
  * height is <= 0 if the crop holds no pixel. */
 bis_film bis_film_place(int width, int height, const double crop[4], int step);
 
+/* bis_film_read_crop reads "0.25,0.75,0,1" into crop[4]: x0 < x1 and y0 < y1, all in [0,1]. Returns false if the text
+ * is something else. */
+bool bis_film_read_crop(double crop[4], const char *text);
+
 /* bis_film_init allocates a film of full_width x full_height pixels and a crop of them, all sums 0. `at` is the place
  * that messages name. Errors: BIS_INPUT (a crop outside [0,1], or empty), BIS_NOMEM. */
 bis_status bis_film_init(bis_film *f, int full_width, int full_height, const double crop[4], bis_loc at,

@@ -28,6 +28,10 @@ const char *bis_layer_name(bis_layer layer);
  * such name. */
 bool bis_layers_include(unsigned *set, const char *name);
 
+/* bis_layers_read makes a set of "albedo,normal", "all" or "none". Messages begin with `what`, the name of the option.
+ * Errors: BIS_INPUT (there is no such layer). */
+bis_status bis_layers_read(unsigned *set, const char *list, const char *what, bis_loc at, bis_diag *diag);
+
 /* bis_layer_nearest returns the name that is most like the misspelt `name`, or NULL. */
 const char *bis_layer_nearest(const char *name);
 

@@ -19,6 +19,7 @@ typedef struct bis_distant {
 /* A light as LightSource "infinite" describes it (docs/scene-format.md). */
 typedef struct bis_light_desc {
     char *filename;      /* NULL: constant; resolved path, owned */
+    const bis_image *image; /* what the file would hold, borrowed; filename then only names it. NULL: it is read */
     rgb L;               /* radiance of a constant; factor of a map */
     double scale;
     bis_mapping mapping; /* default: latlong */

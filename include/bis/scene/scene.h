@@ -142,6 +142,11 @@ enum {
 /* bis_scene_parse_as does what bis_scene_parse does, in the way that `how` says. */
 bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned how, bis_diag *diag);
 
+/* bis_scene_parse_text does the same with text in the place of the file, where text is not NULL. path then is what
+ * messages call it, and files are looked for in its folder: "scene" is in the working directory. */
+bis_status bis_scene_parse_text(bis_scene_desc **out, const char *path, const char *text, unsigned how,
+                                bis_diag *diag);
+
 /* bis_scene_check_files looks at the head of each map, mesh and image that a render of the scene would read, and at the
  * textures that need no image. diag receives all that would stop the render, as far as it can be known without reading
  * the files whole. Files that are not there are left to the parser. It returns the status of the first error. */

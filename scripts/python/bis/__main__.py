@@ -1,0 +1,16 @@
+"""python -m bis: the program `bis` with the same arguments: the one beside this file, else the installed one."""
+import os
+import shutil
+import sys
+
+
+def main() -> None:
+    """Become the program. Its exit status is that of the process."""
+    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "program", "bis")
+    program = beside if os.path.exists(beside) else shutil.which("bis")
+    if not program:
+        sys.exit("python -m bis: the program `bis` is not installed: run `make install`, or install the wheel of bis")
+    os.execv(program, ["bis"] + sys.argv[1:])
+
+
+main()

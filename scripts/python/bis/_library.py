@@ -1,0 +1,203 @@
+"""The library itself: where it is, how its functions are called, and how a mistake becomes an exception."""
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import enum
+import glob
+import operator
+import os
+import warnings
+from typing import Any, Callable, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class Status(enum.IntEnum):
+    """What a function of the library returns: a bis_status of bis/base/status.h."""
+
+    OK = 0
+    IO = 1  #: a failure of the disk
+    NOMEM = 2  #: no memory
+    INPUT = 3  #: a mistake in the input
+
+
+class Error(Exception):
+    """A message of the library.
+
+    Attributes
+    ----------
+    status : Status
+        What kind of mistake it is.
+    """
+
+    def __init__(self, message: str, status: int = Status.INPUT) -> None:
+        super().__init__(message)
+        self.status = Status(status)
+
+
+class WrongType(Error, TypeError):
+    """An argument, or an object, of a kind that cannot be used. It is a TypeError, too."""
+
+
+def _candidates() -> list[str]:
+    """The places of the library, the first one first."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    build = os.path.join(here, "..", "..", "..", "build")
+    if os.environ.get("BIS_LIBRARY"):
+        return [os.environ["BIS_LIBRARY"]]
+    return (glob.glob(os.path.join(here, "libbis.so")) + glob.glob(build + "/release/library/libbis.so.*")
+            + glob.glob(build + "/release-*/library/libbis.so.*") + [ctypes.util.find_library("bis") or "libbis.so"])
+
+
+def _load() -> ctypes.CDLL:
+    found = _candidates()[0]
+    try:
+        library = ctypes.CDLL(found)
+        library.bis_flat_version.restype = ctypes.c_char_p
+        return library
+    except (OSError, AttributeError) as e:
+        raise ImportError("the package bis finds no usable libbis.so (%s): run `make install`, or set BIS_LIBRARY to "
+                          "its path" % e) from None
+
+
+_library = _load()
+P, N, D, INT, TEXT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_int, ctypes.c_char_p
+SAY = (TEXT, N)  # the buffer of messages and its size
+
+
+def version() -> str:
+    """Return the version of the library.
+
+    Returns
+    -------
+    str
+        As "0.1.0".
+    """
+    return str(_library.bis_flat_version(), "ascii")
+
+
+def declare(name: str, *arguments: Any, result: Any = INT) -> Any:
+    """The function bis_flat_NAME of the library, with the types of its arguments."""
+    try:
+        f = getattr(_library, "bis_flat_" + name)
+    except AttributeError:
+        raise ImportError("the package bis needs another libbis.so than %s (version %s), which has no bis_flat_%s: "
+                          "install both from one source" % (_library._name, version(), name)) from None
+    f.argtypes, f.restype = list(arguments), result
+    return f
+
+
+def run(f: Callable[..., int], *arguments: Any) -> tuple[int, str]:
+    """Status and messages of a call."""
+    say = ctypes.create_string_buffer(1 << 14)
+    status = f(*arguments, say, len(say))
+    return status, say.value.decode("utf-8", "replace")
+
+
+def judge(status: int, text: str) -> None:
+    """Raise the messages of a call that failed. Those of one that succeeded are warnings."""
+    if status:
+        raise Error(text, status)
+    if text:
+        warnings.warn(text, stacklevel=4)
+
+
+def call(f: Callable[..., int], *arguments: Any) -> None:
+    """Call a function that returns a status."""
+    judge(*run(f, *arguments))
+
+
+def array(a: ArrayLike, columns: int, dtype: Any, name: str = "an array") -> NDArray[Any]:
+    """a as a dense array (n, columns), or (n,) for columns = 0. The sizes are checked here: C cannot see them."""
+    raw = np.asarray(a)
+    if raw.dtype.kind not in "iuf" and raw.size:
+        raise WrongType("%s holds values of the type %s: give numbers" % (name, raw.dtype))
+    a = np.ascontiguousarray(raw, dtype)
+    if columns and (a.ndim != 2 or a.shape[1] != columns):
+        raise Error("%s has the shape %s: give (n, %d)" % (name, a.shape, columns))
+    if not columns and a.ndim != 1:
+        raise Error("%s has the shape %s: give (n,)" % (name, a.shape))
+    return a
+
+
+def text_bytes(name: str, text: Any) -> bytes:
+    """A path or a name as bytes. A NUL would end it in C, so that another file would be opened than the one given."""
+    try:
+        encoded = os.fsencode(text)
+    except TypeError:
+        raise WrongType("%s is %r: give a text" % (name, text)) from None
+    if b"\0" in encoded:
+        raise Error("%s holds a NUL: give a text without" % name)
+    return encoded
+
+
+def whole(name: str, value: Any) -> int:
+    """An integer. True is none, although Python counts with it, because it is most likely a slip."""
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        return operator.index(value)
+    except TypeError:
+        raise WrongType("%s is %r: give an integer" % (name, value)) from None
+
+
+def real(name: str, value: Any) -> float:
+    """A number. True is none."""
+    try:
+        if isinstance(value, (bool, np.bool_, str, bytes)):
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError):
+        raise WrongType("%s is %r: give a number" % (name, value)) from None
+
+
+def numbers(n: Optional[int], columns: int, seed: int, u: Optional[ArrayLike]) -> NDArray[np.float64]:
+    """Random numbers (n, columns): those that the caller gives, or numpy's."""
+    if (n is None) == (u is None):
+        raise Error("give n (how many) or u (random numbers), one of both")
+    if u is not None:
+        return array(u, columns, np.float64, "u")
+    count, seed = whole("n", n), whole("seed", seed)
+    if not 0 <= count < 1 << 40:
+        raise Error("n is %s: give a count >= 0" % n)
+    if not 0 <= seed < 1 << 53:
+        raise Error("seed is %s: give an integer in [0, 9007199254740991]" % seed)
+    return np.random.default_rng(seed).random((count, columns) if columns else count)
+
+
+def shape(f: Callable[..., None], handle: Any) -> tuple[int, int]:
+    """Height and width of what the library has made."""
+    size = (ctypes.c_int * 2)()
+    f(handle, size)
+    return size[1], size[0]
+
+
+class Made:
+    """An object whose values __init__ makes. One that was born without it says so, where it would have no attribute."""
+
+    _made: tuple[str, ...] = ()
+
+    def __getattr__(self, name: str) -> Any:
+        kind = type(self).__name__
+        if name in type(self)._made:
+            raise WrongType("this %s was never made: call bis.%s(...)" % (kind, kind))
+        raise AttributeError("%r object has no attribute %r" % (kind, name))
+
+
+class Handle(Made):
+    """What the library has made, and frees with the object. There is one object for each."""
+
+    _close: Callable[[Any], None]
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        # copy.copy, copy.deepcopy and pickle all ask here. A second object with the same handle would free it again.
+        kind = type(self).__name__
+        raise WrongType("a bis.%s cannot be copied or pickled, because it lives in the library: use the object itself, "
+                        "or make another one of the same arguments" % kind)
+
+    def __del__(self) -> None:
+        handle = self.__dict__.pop("_handle", None)
+        if handle:
+            type(self)._close(handle)

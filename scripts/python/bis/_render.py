@@ -1,0 +1,190 @@
+"""Pictures of scenes."""
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import Any, Callable, NamedTuple, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._library import D, INT, P, SAY, TEXT, WrongType, declare, judge, real, run, shape
+from ._library import text_bytes
+from ._sampling import Envmap
+from ._scene import Camera
+
+_WATCHER = ctypes.CFUNCTYPE(None, D, D, D, P)
+_render = declare("render_with", P, TEXT, P, P, _WATCHER, P, P, *SAY)
+_picture_close = declare("picture_close", P, result=None)
+_picture_shape = declare("picture_shape", P, P, result=None)
+_picture_pixels = declare("picture_pixels", P, P, result=None)
+_picture_layer = declare("picture_layer", P, TEXT, P)
+_layer_name = declare("layer_name", INT, result=TEXT)
+_picture_stats = declare("picture_stats", P, result=TEXT)
+
+Floats = NDArray[np.float32]
+
+
+class Progress(NamedTuple):
+    """How far a render is.
+
+    Parameters
+    ----------
+    share : float
+        Of the budget that is used, in [0, 1].
+    seconds : float
+        Of rendering.
+    seconds_left : float
+        NaN while it is unknown.
+    """
+
+    share: float
+    seconds: float
+    seconds_left: float
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What `render` returns. ``picture, stats = render(...)`` takes rgb and stats of it.
+
+    Attributes
+    ----------
+    rgb : array (h, w, 3)
+        Radiance, row 0 at the top.
+    alpha : array (h, w)
+        The share of samples that hit a surface.
+    layers : dict of arrays
+        The layers that were asked for, by their names: (h, w, 3), or (h, w) of one value.
+    stats : dict
+        The figures of `bis --stats`.
+    """
+
+    rgb: Floats
+    alpha: Floats
+    layers: dict[str, Floats]
+    stats: dict[str, Any]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.rgb, self.stats))
+
+
+def _text(value: Any) -> str:
+    return str(value).lower() if isinstance(value, (bool, np.bool_)) else str(value)
+
+
+def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any,
+              settings: dict[str, Any]) -> tuple[bytes, list[bytes]]:
+    """The name of the scene, and what is said of it."""
+    said = dict(settings)
+    if isinstance(scene, str) and "WorldBegin" in scene:
+        said["text"], scene = scene, "scene"
+    if approximate is not False:
+        said["approximate"] = approximate
+    if layers is not None:
+        said["layers"] = layers if isinstance(layers, str) else ",".join(layers)
+    if crop is not None:
+        said["crop"] = ",".join(repr(real("crop", x)) for x in crop)
+    if camera is not None:
+        if not isinstance(camera, (str, Camera)):
+            raise WrongType("camera is %r: give a bis.Camera, or the text of one" % (camera,))
+        said["camera"] = camera
+    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
+                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
+
+
+def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
+          progress: Optional[Callable[[Progress], Any]]) -> None:
+    """Wait for a thread in small steps, because Python hears of Ctrl-C only between calls.
+
+    The library tells of its progress in a thread of its own, where an exception would be lost: here it ends the render.
+    """
+    worker.start()
+    try:
+        while worker.is_alive():
+            worker.join(0.1)
+            if progress and seen:
+                progress(seen.pop())
+    except BaseException:
+        stop.value = 1
+        worker.join()
+        raise
+
+
+def _layers(handle: Any, size: tuple[int, int], names: Sequence[str]) -> dict[str, Floats]:
+    found = {}
+    for name in names:
+        n = _picture_layer(handle, name.encode(), None)
+        if n:
+            found[name] = np.empty(size + (n,) if n > 1 else size, np.float32)
+            _picture_layer(handle, name.encode(), found[name].ctypes.data)
+    return found
+
+
+LAYERS: tuple[str, ...] = tuple(name.decode() for name in iter(map(_layer_name, count()).__next__, None))
+
+
+def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequence[str]] = None,
+           approximate: bool = False, light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None,
+           crop: Optional[Sequence[float]] = None, camera: Union[None, Camera, str] = None,
+           progress: Optional[Callable[[Progress], Any]] = None, **settings: Any) -> Picture:
+    """Render a scene, to the bits of the program `bis` with the same settings. Ctrl-C ends the render.
+
+    Parameters
+    ----------
+    scene : str or path
+        The file of the scene, or its text: a str with the word WorldBegin. Files that a text names are looked for in
+        the working directory.
+    layers : str or list of str, optional
+        What to keep beside the colours: names of `bis.LAYERS`, or "all". A standard error needs two passes, and is left
+        out of the result where there is one.
+    approximate : bool
+        Replace what of pbrt bis does not model; warnings list what was replaced.
+    light : Envmap, path or array (h, w, 3), optional
+        A map in the place of all lights of the scene, upright as with `--light`.
+    crop : four floats, optional
+        x0, x1, y0, y1 of the part to render, in shares of the picture.
+    camera : Camera or str, optional
+        A camera in the place of the scene's.
+    progress : callable, optional
+        It is given a `Progress` a few times a second, in the thread of the caller. What it raises ends the render.
+    **settings
+        integrator, accelerator, spp, seed, seconds, error, threads, width, height, and the parameters of the
+        integrator (`bis help integrators`), as in ``integrator="sir", candidates=256, spp=16``.
+
+    Returns
+    -------
+    Picture
+        rgb, alpha, layers and stats; it unpacks as (rgb, stats).
+
+    Raises
+    ------
+    Error
+        A mistake in the scene or in a setting; the message names file, line and column.
+    """
+    path, texts = _settings(scene, layers, approximate, crop, camera, settings)
+    if light is not None and not isinstance(light, Envmap):
+        light = Envmap(light)
+    wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
+    handle, stop, said, seen = P(), ctypes.c_int(0), [], []  # type: ignore[var-annotated]
+
+    def look_on(share: float, seconds: float, left: float, user: Any) -> None:
+        seen[:] = [Progress(share, seconds, left)]
+
+    watcher = _WATCHER(look_on) if progress else _WATCHER()
+    try:
+        _wait(threading.Thread(target=lambda: said.append(run(
+            _render, ctypes.byref(handle), path, wanted, light._handle if light is not None else None, watcher, None,
+            ctypes.byref(stop)))), stop, seen, progress)
+        judge(*said[0])
+        size = shape(_picture_shape, handle)
+        rgba = np.empty(size + (4,), np.float32)
+        _picture_pixels(handle, rgba.ctypes.data)
+        return Picture(np.ascontiguousarray(rgba[:, :, :3]), np.ascontiguousarray(rgba[:, :, 3]),
+                       _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()))
+    finally:
+        _picture_close(handle)
