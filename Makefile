@@ -16,6 +16,8 @@ probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return
 embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
 JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
 OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
+# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps there.
+SSE := $(if $(call probe,\043include <float.h>\n_Static_assert(FLT_EVAL_METHOD == 2\054 "");),-msse2 -mfpmath=sse)
 ifneq ($(EMBREE),0)
 EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
 endif
@@ -30,7 +32,7 @@ endif
 
 # Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
 # leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
 # clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
