@@ -36,7 +36,7 @@ for option; do
     --python) needed="$needed $python" ;;
     --all) needed="$needed $mpi $web $python" ;;
     -h | --help)
-        sed -n '2,6s/^# \{0,1\}//p' "$0"
+        sed -n '2,/^# UNTRIED/{/SPDX/d; /^# UNTRIED/d; s/^# \{0,1\}//p;}' "$0"
         exit
         ;;
     *)
