@@ -22,7 +22,7 @@ elif command -v pacman > /dev/null; then
     system=arch
     needed="gcc make pkgconf openexr libpng zlib cmocka patch"
     light="embree libjpeg-turbo"
-    mpi="openmpi" web="pandoc chromium" python="python-numpy"
+    mpi="openmpi" web="pandoc-cli chromium" python="python-numpy"
 else
     echo "setup: this system has none of apt-get, dnf and pacman; please install: a C11 compiler, make, pkg-config," >&2
     echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4, libjpeg" >&2
