@@ -10,7 +10,7 @@ cd "${1:-.}" || exit 1
 id=SPDX-License-Identifier:
 licence="$id BSD-2-Clause"
 status=0
-for file in $(find Makefile .ci include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
+for file in $(find Makefile include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
     case $file in
     *.[ch]) line="/* $licence */" ;;
     *.lua) line="-- $licence" ;;
