@@ -16,7 +16,8 @@ say() {
 git rev-parse HEAD >/dev/null 2>&1 || say "a tarball is made of a git commit, and here is none"
 [ -z "$(git status --porcelain)" ] || echo "release: what is not committed is left out" >&2
 mkdir -p "$dist"
-git archive --format=tar --prefix="$name/" HEAD | gzip -9n >"$dist/$name.tar.gz"
+git archive --format=tar --prefix="$name/" HEAD | gzip -9n >"$dist/$name.$$.tmp"
+mv "$dist/$name.$$.tmp" "$dist/$name.tar.gz" # whole or not at all, because make deb may read it now
 (cd "$dist" && sha256sum "$name.tar.gz" >"$name.tar.gz.sha256" && cat "$name.tar.gz.sha256")
 [ "$1" = release ] || exit 0
 

@@ -1,8 +1,8 @@
 #!/bin/sh
 # check_release: do all files that name the version name the same one?
 #     scripts/check/check_release.sh [ROOT]
-# The one place where it is set is include/bis/base/version.h; the tools that read the others want a number of their own. Exit status 1 and the
-# files that differ.
+# The one place where it is set is include/bis/base/version.h; the tools that read the others want a number of their
+# own. Exit status 1 and the files that differ.
 cd "${1:-.}" || exit 1
 version=$(sed -n 's/^#define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 bad=0
@@ -19,6 +19,7 @@ says CITATION.cff '^version:'
 says codemeta.json '"version":'
 says CHANGELOG.md '^## '
 says scripts/debian/changelog '^bis ('
-grep -q "^Package: libbis${version%.*}\$" scripts/debian/control || { echo "scripts/debian/control: no package libbis${version%.*}, which the soname asks for" && bad=1; }
+grep -q "^Package: libbis${version%.*}\$" scripts/debian/control ||
+    { echo "scripts/debian/control: no package libbis${version%.*}, which the soname asks for" && bad=1; }
 [ ! -f pyproject.toml ] || ! grep -q '^version *=' pyproject.toml || says pyproject.toml '^version *='
 exit $bad
