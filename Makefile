@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall, make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
 #   make MPI=1           bis-mpi, too, for several machines (docs/many-machines.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
@@ -16,6 +16,8 @@ probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return
 embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
 JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
 OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
+# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps there.
+SSE := $(if $(call probe,\043include <float.h>\n_Static_assert(FLT_EVAL_METHOD == 2\054 "");),-msse2 -mfpmath=sse)
 ifneq ($(EMBREE),0)
 EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
 endif
@@ -30,7 +32,7 @@ endif
 
 # Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
 # leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
 # clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
@@ -78,7 +80,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
+.PHONY: FORCE all data test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -233,12 +235,20 @@ test-python: $B/bis $(SHARED_LIB) $(STAMP)
 	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
 	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it, PYTHON=program names another"; fi
 
-# The program, its man page, and what other programs need of the library: docs/library.md.
+# The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them only.
+installed: $(INSTALLED)
 install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)
-	@MPI=$(MPI) DESTDIR='$(DESTDIR)' sh scripts/install.sh $B '$(PREFIX)'
+	@MPI=$(MPI) DESTDIR='$(DESTDIR)' sh scripts/install.sh $B '$(PREFIX)' '$(LIBDIR)'
 
 uninstall:
-	@DESTDIR='$(DESTDIR)' sh scripts/install.sh --remove '$(PREFIX)'
+	@DESTDIR='$(DESTDIR)' sh scripts/install.sh --remove '$(PREFIX)' '$(LIBDIR)'
+
+# What is committed, as build/dist/bis-VERSION.tar.gz with its hash: the same bytes whoever makes it. `make release` also builds, tests, installs and
+# uninstalls it, from the tarball alone. `make deb` makes Debian packages of it in chroots (as root).
+tarball release:
+	@sh scripts/release.sh $@
+deb:
+	@sh scripts/deb.sh
 
 clean:
 	rm -rf build bis bis-mpi compile_commands.json data/models data/maps

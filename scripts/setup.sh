@@ -2,8 +2,8 @@
 # setup: installs what bis needs to build, to render and to test itself, and nothing when all of it is there.
 #     scripts/setup.sh [--mpi] [--web] [--python] [--marking] [--all]
 # Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs` and `make test-browser`, --python `make test-python`;
-# --marking the sandbox of `make grade`; --all is all four. As root, or by sudo. For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both).
-# UNTRIED: Fedora and Arch, whose names of packages come from documentation.
+# --marking the sandbox of `make grade`; --all is all four. As root, or by sudo. For Debian 12 and 13 (there libembree-dev is Embree 4; the source takes both).
+# UNTRIED: Ubuntu 24.04, which has packages of the same names; Fedora and Arch, whose names come from documentation.
 set -eu
 
 # needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka and patch for the tests. light: Embree (rays), which exists for some processors
@@ -22,7 +22,7 @@ elif command -v pacman > /dev/null; then
     system=arch
     needed="gcc make pkgconf openexr libpng zlib cmocka patch"
     light="embree libjpeg-turbo"
-    mpi="openmpi" web="pandoc chromium" python="python-numpy" marking="bubblewrap binutils"
+    mpi="openmpi" web="pandoc-cli chromium" python="python-numpy" marking="bubblewrap binutils"
 else
     echo "setup: this system has none of apt-get, dnf and pacman; please install: a C11 compiler, make, pkg-config," >&2
     echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4, libjpeg" >&2
@@ -37,7 +37,7 @@ for option; do
     --marking) needed="$needed $marking" ;;
     --all) needed="$needed $mpi $web $python $marking" ;;
     -h | --help)
-        sed -n '2,6s/^# \{0,1\}//p' "$0"
+        sed -n '2,/^# UNTRIED/{/SPDX/d; /^# UNTRIED/d; s/^# \{0,1\}//p;}' "$0"
         exit
         ;;
     *)

@@ -23,7 +23,8 @@ page() {
         printf '<nav><a href="%sindex.html">bis</a>' "$up"
         for name in guide theory errata results; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
         printf ' · <a href="%sdocs/assignments/index.html">assignments</a></nav>\n\n' "$up"
-        cat "$1"
+        # without the head that docs/paper.md has for its journal
+        awk 'NR == 1 && /^---$/ { head = 1; next } head && /^---$/ { head = 0; next } !head' "$1"
     } |
         pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site/site.lua \
             -c "${up}site.css" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
@@ -43,8 +44,9 @@ for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>
 for picture in bis.png $(find docs -name '*.png' -o -name '*.svg'); do
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
-sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb')
-for file in LICENSE CITATION.cff Makefile scene.txt $sources; do
+sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |
+    grep -v '^tests/data/bad/') # some are not UTF-8
+for file in LICENSE CITATION.cff codemeta.json docs/paper.bib Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"
 done
 echo "make docs: $out/index.html"

@@ -372,7 +372,7 @@ int bis_cli_finish(int status)
 
 int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, void *options)
 {
-    const char *operands[BIS_CLI_MAX_OPERANDS];
+    const char *operands[BIS_CLI_MAX_OPERANDS] = {NULL};
     int n, exit_status;
     bis_diag diag = {0};
 

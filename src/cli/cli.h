@@ -88,7 +88,7 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
                    int *exit_status);
 
 /* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish.
- * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
+ * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands; NULL: it is not given. */
 enum { BIS_CLI_MAX_OPERANDS = 3 };
 typedef int bis_cli_body(void *options, const char *const *operands, bis_diag *diag);
 int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, void *options);

@@ -1,5 +1,5 @@
 /* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as
- * JSON. */
+ * JSON. `bis verify --bits`: are the bits of this build those of every build? */
 #include "tools/auto/auto.h"
 #include "tools/describe.h"
 #include "tools/verify/verify.h"
@@ -15,10 +15,12 @@
 #include <strings.h>
 #include <unistd.h>
 
+#define USAGE "verify [options] SCENE | MAP | --bits"
+
 typedef struct verify_options {
     const char *mapping;
     uint64_t seed;
-    bool json, approximate;
+    bool json, approximate, bits;
 } verify_options;
 
 /* ---- the report ---- */
@@ -81,6 +83,24 @@ static void print_json(const bis_verify *v, const char *path)
     }
     bis_json_close(&j);
     bis_json_close(&j);
+}
+
+static void print_bits(const bis_bits rows[BIS_N_BITS], int n_different)
+{
+    printf("%-30s %-16s  of every build\n", "", "this build");
+    for (int i = 0; i < BIS_N_BITS; i++) {
+        const bis_bits *r = &rows[i];
+        printf("%-30s %016llx", r->name, (unsigned long long)r->hash);
+        if (r->hash == r->expected) printf("  the same\n");
+        else
+            printf("  %016llx DIFFERS: sum %.17g, off by %.2g of it\n", (unsigned long long)r->expected, r->sum,
+                   r->departs);
+    }
+    if (!n_different) printf("\nall %d are the same\n", BIS_N_BITS);
+    else
+        printf("\n%d of %d differ. Each row rests on those above it: look at the first.\n"
+               "docs/proof.md, \"The same bits\", says what is promised.\n",
+               n_different, BIS_N_BITS);
 }
 
 /* ---- what is verified ---- */
@@ -147,10 +167,27 @@ static void print_progress(const char *what, void *user)
     fprintf(stderr, "\r%s ...\033[K", what);
 }
 
+static int verify_bits(bis_diag *diag)
+{
+    bis_bits rows[BIS_N_BITS];
+    int n_different = 0;
+    const bis_status status = bis_verify_bits(rows, diag);
+
+    if (status) return bis_cli_exit_status(status);
+    for (int i = 0; i < BIS_N_BITS; i++) n_different += rows[i].hash != rows[i].expected;
+    print_bits(rows, n_different);
+    return n_different ? BIS_EXIT_FAILED : BIS_EXIT_DONE;
+}
+
 static int verify(void *options, const char *const *operands, bis_diag *diag)
 {
     const verify_options *o = options;
     const char *path = operands[0];
+
+    if (o->bits == (path != NULL))
+        return bis_cli_exit_status(bis_error(diag, BIS_INPUT, bis_cli_loc, "%s; usage: bis %s",
+                                             path ? "--bits takes no file" : "too few operands: 0 given", USAGE));
+    if (o->bits) return verify_bits(diag);
     const bool show = isatty(STDERR_FILENO);
     bis_verify v = {.seed = o->seed, .progress = show ? print_progress : NULL};
     int exit_status = is_map(path) ? verify_map(&v, o, path, diag) : verify_scene(&v, o, path, diag);
@@ -181,16 +218,19 @@ int bis_cmd_verify(int argc, char **argv)
          .kind = BIS_OPTION_FLAG, .value = &o.approximate},
         {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT,
          .value = &o.seed, .hi = BIS_SEED_MAX},
+        {.name = "bits",
+         .help = "no file: are twelve small tables and pictures, bit for bit, those of every build?",
+         .kind = BIS_OPTION_FLAG, .value = &o.bits},
         {.help = "what to write"},
         {.name = "json", .help = "print JSON instead of a table", .kind = BIS_OPTION_FLAG, .value = &o.json},
     };
     /* clang-format on */
     const bis_command command = {
         .name = "verify",
-        .usage = "verify [options] SCENE | MAP",
+        .usage = USAGE,
         .summary = "are samplers, materials and integrators right for this scene, or this map (.hdr, .exr, .pfm)?",
         .options = options, .n_options = sizeof options / sizeof *options,
-        .min_operands = 1, .max_operands = 1,
+        .min_operands = 0, .max_operands = 1,
         .notes = "A scene's own integrator is tested by what `bis SCENE` renders, all others at\n"
                  "single points.\n"
                  "\n"

@@ -166,7 +166,8 @@ static void links_of_the_pages_lead_to_files(void **state)
     const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
                            "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
                            "docs/guide.md", "docs/theory.md", "docs/many-machines.md", "docs/library.md",
-                           "docs/teaching.md", "docs/assignments/README.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
+                           "docs/teaching.md", "docs/assignments/README.md", "docs/paper.md", "docs/SECURITY.md",
+                           "docs/CODE_OF_CONDUCT.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
         FILE *f = fopen(pages[i], "r");

@@ -215,3 +215,18 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
 /* src/tools/verify/verify_scene.c. Whatever applies of the above. */
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,
                             const bis_settings *settings, bis_diag *diag);
+
+/* ---- the same bits: src/tools/verify/verify_bits.c ---- */
+
+/* A small table or picture, as this build computes it. */
+enum { BIS_N_BITS = 12 };
+typedef struct bis_bits {
+    const char *name;
+    uint64_t hash, expected; /* FNV-1a of all values; other values than every build has if they differ */
+    double sum;              /* of all values */
+    double departs;          /* |sum - the expected sum| as a share of the latter */
+} bis_bits;
+
+/* bis_verify_bits computes all rows, each from those above it, so that the first one that differs says where a build
+ * departs. Needs no file; takes a second. Errors: BIS_NOMEM. */
+bis_status bis_verify_bits(bis_bits rows[BIS_N_BITS], bis_diag *diag);

@@ -1,0 +1,30 @@
+#!/bin/sh
+# spdx: every source file names its licence in the form that tools read (https://spdx.dev/learn/handling-license-info).
+#     scripts/check/spdx.sh [ROOT]             writes the line where it is missing, behind #! or at the top
+#     scripts/check/spdx.sh --check [ROOT]     names the files without it; exit status 1; part of `make test`
+# C, shell, awk, make, Python and Lua. Not the hand-ins among the tests, which stand for files of strangers, nor what is no
+# program: pages, scenes, the page that is put into bis trade.
+check=no
+[ "$1" = --check ] && check=yes && shift
+cd "${1:-.}" || exit 1
+id=SPDX-License-Identifier:
+licence="$id BSD-2-Clause"
+status=0
+for file in $(find Makefile include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
+    case $file in
+    *.[ch]) line="/* $licence */" ;;
+    *.lua) line="-- $licence" ;;
+    *.sh | *.awk | *.mk | *.py | */Makefile | Makefile | */Dockerfile) line="# $licence" ;;
+    *) case $(head -c 2 "$file" | tr -d '\0') in '#!') line="# $licence" ;; *) continue ;; esac ;;
+    esac
+    head -n 3 "$file" | grep -qF -e "$line" && continue
+    if [ $check = yes ]; then
+        echo "$file: no line \"$line\"; sh scripts/check/spdx.sh writes it"
+        status=1
+        continue
+    fi
+    awk -v line="$line" 'NR == 1 && !/^#!/ { print line } { print } NR == 1 && /^#!/ { print line }' "$file" >"$file.spdx.tmp" &&
+        cat "$file.spdx.tmp" >"$file" # cat keeps the mode
+    rm -f "$file.spdx.tmp"
+done
+exit $status
