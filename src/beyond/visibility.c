@@ -77,19 +77,22 @@ static void expect(float *mean, const seen_sums *tile, uint32_t n_parts)
 
 /* g, the mean of V, for each part, and the best h.
  *
- * The mean of V in the tile is worth as much as two rays of the cell.
+ * The mean of V in the tile is worth as much as two rays of the cell. For g it is the mean of the part's own rays, if
+ * there are any: where all came through g is 1, where none did it is 0, and there the control leaves no noise.
  *
- * With the control, what is left of V has variance g (1 - g), and the best h is its root. Without it the best h is the
- * root of the second moment, g. Points of both kinds share one h between the two: h^2 = g (1 - 0.8 g). 0.8 lies nearer
+ * With the control, what is left of V has variance v (1 - v), and the best h is its root. Without it the best h is the
+ * root of the second moment, v. Points of both kinds share one h between the two: h^2 = v (1 - 0.8 v). 0.8 lies nearer
  * to 1, because diffuse points lose more by a smaller number than narrow lobes gain. */
 BIS_LANES
-static void foresee(float *restrict g, float *restrict h, const seen_sums *restrict cell, const float *restrict mean)
+static void foresee(float *restrict g, float *restrict h, const seen_sums *restrict cell,
+                    const seen_sums *restrict tile, const float *restrict mean)
 {
 #pragma omp simd
     for (int i = 0; i < PARTS; i++) {
+        const float R = (float)(int32_t)tile->rays[i], S = (float)(int32_t)tile->seen[i];
         const float r = (float)(int32_t)cell->rays[i], s = (float)(int32_t)cell->seen[i];
-        const float v = (s + 2 * mean[i]) / (r + 2);
-        g[i] = v;
+        const float none = R > 0 ? 0.0f : 1.0f, known = (S + none * mean[i]) / (R + none), v = (s + 2 * mean[i]) / (r + 2);
+        g[i] = (s + 2 * known) / (r + 2);
         h[i] = sqrtf(v * (1 - 0.8f * v));
     }
 }
@@ -138,7 +141,7 @@ void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, s
     for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
     expect(mean, &tile, n_parts);
     add_cell(&own, &v->known[cell]);
-    foresee(g, h, &own, mean);
+    foresee(g, h, &own, &tile, mean);
     doubt(h, n_parts);
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t part = bis_visibility_part(k, n);

@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { FORMAT = 6, MAGIC = 8 };
+enum { FORMAT = 7, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];

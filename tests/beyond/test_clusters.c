@@ -485,8 +485,9 @@ static void assert_foresees(const bis_foresight *f, uint32_t n, const int rays[1
     double g[128], h[128], sum = 0;
 
     for (int i = 0; i < 128; i++) {
-        g[i] = (own_seen[i] + 2 * expected_mean(rays, seen, i)) / (own[i] + 2);
-        h[i] = sqrt(g[i] * (1 - 0.8 * g[i]));
+        const double mean = expected_mean(rays, seen, i), v = (own_seen[i] + 2 * mean) / (own[i] + 2);
+        g[i] = (own_seen[i] + 2 * (rays[i] > 0 ? (double)seen[i] / rays[i] : mean)) / (own[i] + 2);
+        h[i] = sqrt(v * (1 - 0.8 * v));
         sum += h[i];
     }
     for (uint32_t k = 0; k < n; k++) {
@@ -538,7 +539,7 @@ static void foresight_follows_what_was_seen_before(void **state)
     /* twin: one ray more of 2002 would be found */
     assert_true(fabs((3 + 2 * expected_mean(rays, seen, 2)) - (4 + 2 * expected_mean(rays, wrong, 2))) / 8 > 1e-2);
     /* dark parts are left a fifth of the rays at most, and light ones are known as such */
-    assert_true(f.h[0] < 0.15f && f.h[0] > 0.05f && f.control[4] * f.h[4] > 0.999f);
+    assert_true(f.h[0] < 0.15f && f.h[0] > 0.05f && f.control[0] == 0 && f.control[4] * f.h[4] > 0.999f);
     /* another cell of the tile knows what the tile knows; another tile knows nothing */
     bis_foresight_look(&f, N, &v, 16 + 3);
     assert_foresees(&f, N, rays, seen, none, none);
