@@ -91,7 +91,8 @@ static void foresee(float *restrict g, float *restrict h, const seen_sums *restr
     for (int i = 0; i < PARTS; i++) {
         const float R = (float)(int32_t)tile->rays[i], S = (float)(int32_t)tile->seen[i];
         const float r = (float)(int32_t)cell->rays[i], s = (float)(int32_t)cell->seen[i];
-        const float none = R > 0 ? 0.0f : 1.0f, known = (S + none * mean[i]) / (R + none), v = (s + 2 * mean[i]) / (r + 2);
+        const float none = R > 0 ? 0.0f : 1.0f, known = (S + none * mean[i]) / (R + none);
+        const float v = (s + 2 * mean[i]) / (r + 2);
         g[i] = (s + 2 * known) / (r + 2);
         h[i] = sqrtf(v * (1 - 0.8f * v));
     }

@@ -10,9 +10,10 @@
  * from the same clusters, but these decide neither the marks nor the mean). The weight of a pass does not depend on
  * what it found.
  *
- * Nothing is known before the first rays. So each tile is looked around in before its first samples (src/render/pass.c):
- * that costs a 64th of a pass where light arrives, and up to a quarter where it is hard to find. What is known for a
- * part comes from its own rays, from those of the parts around it on the map, and from the tile around the cell.
+ * Nothing is known before the first rays. So each tile is looked around in before its first samples
+ * (src/render/pass.c): that costs a 64th of a pass where light arrives, and up to a quarter where it is hard to find.
+ * What is known of a part comes from its own rays, from those of the parts around it on the map, and from the tile
+ * around the cell.
  *
  * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A cell is a square of 4 x 4 pixels, or, in
  * pictures of more than 2^23 pixels, a whole tile. A cell takes 1 KB in memory. */
