@@ -29,13 +29,13 @@ size_t bis_visibility_bytes(const bis_visibility *v) { return 2 * v->n_tiles * v
 
 /* ---- what a cell knows ---- */
 
-/* The sums over the cells of a tile. */
-typedef struct tile_sums {
+/* Sums over cells. */
+typedef struct seen_sums {
     uint32_t rays[PARTS], seen[PARTS];
-} tile_sums;
+} seen_sums;
 
 BIS_LANES
-static void add_cell(tile_sums *restrict sum, const bis_seen *restrict cell)
+static void add_cell(seen_sums *restrict sum, const bis_seen *restrict cell)
 {
 #pragma omp simd
     for (int i = 0; i < PARTS; i++) sum->rays[i] += cell->rays[i];
@@ -43,29 +43,71 @@ static void add_cell(tile_sums *restrict sum, const bis_seen *restrict cell)
     for (int i = 0; i < PARTS; i++) sum->seen[i] += cell->seen[i];
 }
 
-/* For each part, h and g/h.
+/* The parts that n clusters have. */
+static uint32_t parts_of(uint32_t n) { return n < PARTS ? n : PARTS; }
+
+/* The mean of V in each part of a tile.
  *
- * The mean of V in the tile is worth as much as two rays of the cell. While the tile has few counts, its mean for h is
- * drawn towards 3/4 by two rays. g is not: where all rays of a tile came through g is 1, where none did it is 0, and
- * there the control leaves no noise.
+ * The parts are the leaves of a binary tree over the map's curve, so a node is a compact piece of the map. A node's
+ * mean is that of its rays, drawn towards the mean of the node above by three rays for each part below it: what the
+ * rays of a few parts say about all others is weak, what a part's own rays say is strong. So a part without rays
+ * expects what was found around it. The root stands for all rays of the tile: if S of R came through, (S + 1)/(R + 2)
+ * is expected of the next (Laplace's rule of succession). */
+static void expect(float *mean, const seen_sums *tile, uint32_t n_parts)
+{
+    float rays[2 * PARTS], seen[2 * PARTS], m[2 * PARTS]; /* node i is above 2 i and 2 i + 1; 1 is the root */
+    uint32_t leaves = 1;
+
+    while (leaves < n_parts) leaves *= 2;
+    for (uint32_t i = 0; i < leaves; i++) {
+        rays[leaves + i] = (float)tile->rays[i];
+        seen[leaves + i] = (float)tile->seen[i];
+    }
+    for (uint32_t i = leaves - 1; i > 0; i--) {
+        rays[i] = rays[2 * i] + rays[2 * i + 1];
+        seen[i] = seen[2 * i] + seen[2 * i + 1];
+    }
+    m[1] = (seen[1] + 1) / (rays[1] + 2);
+    for (uint32_t first = 2; first <= leaves; first *= 2) {
+        const float a = 3 * (float)(leaves / first);
+        for (uint32_t i = first; i < 2 * first; i++) m[i] = (seen[i] + a * m[i / 2]) / (rays[i] + a);
+    }
+    for (uint32_t i = 0; i < PARTS; i++) mean[i] = i < leaves ? m[leaves + i] : 0;
+}
+
+/* g, the mean of V, for each part, and the best h.
+ *
+ * The mean of V in the tile is worth as much as two rays of the cell. For g it is the mean of the part's own rays, if
+ * there are any: where all came through g is 1, where none did it is 0, and there the control leaves no noise.
  *
  * With the control, what is left of V has variance v (1 - v), and the best h is its root. Without it the best h is the
- * root of the second moment, v. Points of both kinds share one h between the two: h^2 = v (1 - 0.8 v) + 0.01. 0.8
- * lies nearer to 1, because diffuse points lose more by a smaller number than narrow lobes gain. h is never 0, because
- * a part that no ray has seen may still be visible. */
+ * root of the second moment, v. Points of both kinds share one h between the two: h^2 = v (1 - 0.8 v). 0.8 lies nearer
+ * to 1, because diffuse points lose more by a smaller number than narrow lobes gain. */
 BIS_LANES
-static void foresee(float *restrict h, float *restrict control, const bis_seen *restrict cell,
-                    const tile_sums *restrict tile)
+static void foresee(float *restrict g, float *restrict h, const seen_sums *restrict cell,
+                    const seen_sums *restrict tile, const float *restrict mean)
 {
 #pragma omp simd
     for (int i = 0; i < PARTS; i++) {
-        const float rays = (float)(int32_t)tile->rays[i], seen = (float)(int32_t)tile->seen[i];
-        const float r = cell->rays[i], s = cell->seen[i];
-        const float mean = (seen + 1.5f) / (rays + 2), known = seen / (rays > 0 ? rays : 1);
-        const float v = (s + 2 * mean) / (r + 2), g = (s + 2 * known) / (r + 2);
-        h[i] = sqrtf(v * (1 - 0.8f * v) + 0.01f);
-        control[i] = g / h[i];
+        const float R = (float)(int32_t)tile->rays[i], S = (float)(int32_t)tile->seen[i];
+        const float r = (float)(int32_t)cell->rays[i], s = (float)(int32_t)cell->seen[i];
+        const float none = R > 0 ? 0.0f : 1.0f, known = (S + none * mean[i]) / (R + none);
+        const float v = (s + 2 * mean[i]) / (r + 2);
+        g[i] = (s + 2 * known) / (r + 2);
+        h[i] = sqrtf(v * (1 - 0.8f * v));
     }
+}
+
+/* A quarter of the mean of h is added to every h: about a fifth of the candidates and rays then go where they would go
+ * if nothing were known (defensive sampling: Hesterberg 1995; Owen and Zhou 2000). So a part that is wrongly held for
+ * dark makes a weight at most some five times as large, and the price of what is known is a fifth of the rays at
+ * most. */
+static void doubt(float *h, uint32_t n_parts)
+{
+    float sum = 0;
+
+    for (uint32_t i = 0; i < n_parts; i++) sum += h[i];
+    for (uint32_t i = 0; i < n_parts; i++) h[i] += sum / (4 * (float)n_parts);
 }
 
 size_t bis_foresight_bytes(uint32_t n) { return 2 * (size_t)bis_lanes_round_up(n) * sizeof(float); }
@@ -92,16 +134,20 @@ void bis_foresight_clear(bis_foresight *f)
 void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell)
 {
     const size_t first = cell / v->cells * v->cells;
-    tile_sums tile = {{0}, {0}};
-    float h[PARTS], control[PARTS];
+    const uint32_t n_parts = parts_of(n);
+    seen_sums tile = {{0}, {0}}, own = tile;
+    float mean[PARTS], g[PARTS], h[PARTS];
 
     for (size_t i = first; i < first + v->cells; i++) add_cell(&tile, &v->known[i]);
     for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
-    foresee(h, control, &v->known[cell], &tile);
+    expect(mean, &tile, n_parts);
+    add_cell(&own, &v->known[cell]);
+    foresee(g, h, &own, &tile, mean);
+    doubt(h, n_parts);
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t part = bis_visibility_part(k, n);
         f->h[k] = h[part];
-        f->control[k] = control[part];
+        f->control[k] = g[part] / h[part];
     }
     f->knows = false;
     for (int i = 0; i < PARTS; i++) f->knows |= tile.rays[i] > 0;
@@ -136,9 +182,22 @@ static void learn_cell(bis_seen *known, bis_seen *counted)
     *counted = (bis_seen){{0}, {0}};
 }
 
+void bis_visibility_counted(uint32_t *rays, uint32_t *seen, const bis_visibility *v, int tile)
+{
+    const size_t first = (size_t)tile * v->cells;
+
+    *rays = *seen = 0;
+    for (size_t k = first; k < first + v->cells; k++) {
+        for (int i = 0; i < PARTS; i++) {
+            *rays += v->counted[k].rays[i];
+            *seen += v->counted[k].seen[i];
+        }
+    }
+}
+
 /* In a large picture a cell that has counted nothing, as where the background is seen, is not written to: it then takes
  * no memory. */
-void bis_visibility_learn(bis_visibility *v, const int *tiles, size_t n, int n_threads)
+void bis_visibility_learn(const bis_visibility *v, const int *tiles, size_t n, int n_threads)
 {
     (void)n_threads;
     if (!v->n_tiles) return;

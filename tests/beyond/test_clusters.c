@@ -463,10 +463,46 @@ static void count(bis_foresight *f, bis_visibility *v, uint32_t k, uint32_t n, i
     }
 }
 
-/* h^2 = v (1 - 0.8 v) + 0.01 and g by hand. k = 0, 1, 2 of 300 are of part 0, k = 3, 4 of part 1, k = 5, 6, 7 of part 2. */
+/* What a tile expects of a part of 128, from the top of the map down: each half of a piece is drawn towards the whole by
+ * three rays a part. In double, by intervals. */
+static double expected_mean(const int rays[128], const int seen[128], int part)
+{
+    double m = 0;
+
+    for (int size = 128, lo = 0; size > 0; size /= 2) {
+        double R = 0, S = 0;
+        lo = part / size * size;
+        for (int i = lo; i < lo + size; i++) R += rays[i], S += seen[i];
+        m = size == 128 ? (S + 1) / (R + 2) : (S + 3 * size * m) / (R + 3 * size);
+    }
+    return m;
+}
+
+/* All h and g of a cell that has counted own and own_seen of the rays of its tile. */
+static void assert_foresees(const bis_foresight *f, uint32_t n, const int rays[128], const int seen[128],
+                            const int own[128], const int own_seen[128])
+{
+    double g[128], h[128], sum = 0;
+
+    for (int i = 0; i < 128; i++) {
+        const double mean = expected_mean(rays, seen, i), v = (own_seen[i] + 2 * mean) / (own[i] + 2);
+        g[i] = (own_seen[i] + 2 * (rays[i] > 0 ? (double)seen[i] / rays[i] : mean)) / (own[i] + 2);
+        h[i] = sqrt(v * (1 - 0.8 * v));
+        sum += h[i];
+    }
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t part = bis_visibility_part(k, n);
+        const double share = h[part] + sum / 128 / 4;
+        assert_true(fabs((double)f->h[k] - share) <= 1e-6);
+        assert_true(fabs((double)(f->control[k] * f->h[k]) - g[part]) <= 1e-6);
+    }
+}
+
+/* k = 0, 1, 2 of 300 are of part 0, k = 3, 4 of part 1, k = 5, 6, 7 of part 2. */
 static void foresight_follows_what_was_seen_before(void **state)
 {
     enum { N = 300 };
+    static const int none[128], rays[128] = {998, 998, 6}, seen[128] = {0, 998, 3}, wrong[128] = {0, 998, 4};
     bis_visibility v;
     bis_foresight f;
 
@@ -477,20 +513,20 @@ static void foresight_follows_what_was_seen_before(void **state)
     count(&f, &v, 0, N, 998, 0);
     count(&f, &v, 3, N, 998, 998);
     count(&f, &v, 7, N, 6, 3);
-    for (size_t cell = 16; cell <= 16 + 2; cell++) { /* of this pass a cell knows only what came before it: v = 3/4 */
+    uint32_t all, through;
+    bis_visibility_counted(&all, &through, &v, 1);
+    assert_true(all == 2002 && through == 1001);
+    bis_visibility_counted(&all, &through, &v, 0);
+    assert_true(all == 0 && through == 0);
+    for (size_t cell = 16; cell <= 16 + 2; cell++) { /* of this pass a cell knows only what came before it */
         bis_foresight_look(&f, N, &v, cell);
-        for (int k = 0; k < N; k++) {
-            assert_true(fabs((double)f.h[k] - sqrt(0.75 * (1 - 0.6) + 0.01)) <= 1e-6);
-            assert_true(f.control[k] == 0);
-        }
+        assert_foresees(&f, N, none, none, none, none);
         assert_false(f.knows);
     }
-    for (size_t cell = 16 + 3; cell < 32; cell++) { /* the cells that follow in the tile know them: (3 + 1.5)/(6 + 2) */
+    for (size_t cell = 16 + 3; cell < 32; cell++) { /* the cells that follow in the tile know them */
         bis_foresight_look(&f, N, &v, cell);
         assert_true(f.knows);
-        assert_true(fabs((double)f.h[5] - sqrt(0.5625 * (1 - 0.8 * 0.5625) + 0.01)) <= 1e-6);
-        assert_true(fabs((double)(f.control[5] * f.h[5]) - 0.5) <= 1e-6);
-        assert_true(f.control[0] == 0 && f.control[N - 1] == 0);
+        assert_foresees(&f, N, rays, seen, none, none);
     }
     for (size_t cell = 0; cell < 16; cell++) {
         bis_foresight_look(&f, N, &v, cell);
@@ -499,21 +535,16 @@ static void foresight_follows_what_was_seen_before(void **state)
     bis_visibility_learn(&v, NULL, v.n_tiles, 1);
     bis_foresight_look(&f, N, &v, 16 + 2);
     assert_true(f.knows);
-    assert_true(fabs((double)f.h[2] - 0.1) <= 1e-4); /* v = 3e-6 */
-    assert_true(f.control[2] == 0);
-    assert_true(fabs((double)f.h[4] - sqrt(0.2 + 0.01)) <= 1e-4); /* v = 1 */
-    assert_true(fabs((double)(f.control[4] * f.h[4]) - 1) <= 1e-6);
-    /* the tile: (3 + 1.5)/(6 + 2); the cell: (3 + 2 x 0.5625)/(6 + 2) = 0.515625, and g = (3 + 2 x 0.5)/8 */
-    assert_true(fabs((double)f.h[5] - sqrt(0.515625 * (1 - 0.8 * 0.515625) + 0.01)) <= 1e-6);
-    assert_true(fabs((double)(f.control[5] * f.h[5]) - 0.5) <= 1e-6);
-    assert_true(fabs((double)f.h[N - 1] - sqrt(0.75 * (1 - 0.6) + 0.01)) <= 1e-6);
+    assert_foresees(&f, N, rays, seen, rays, seen);
+    /* twin: one ray more of 2002 would be found */
+    assert_true(fabs((3 + 2 * expected_mean(rays, seen, 2)) - (4 + 2 * expected_mean(rays, wrong, 2))) / 8 > 1e-2);
+    /* dark parts are left a fifth of the rays at most, and light ones are known as such */
+    assert_true(f.h[0] < 0.15f && f.h[0] > 0.05f && f.control[0] == 0 && f.control[4] * f.h[4] > 0.999f);
     /* another cell of the tile knows what the tile knows; another tile knows nothing */
     bis_foresight_look(&f, N, &v, 16 + 3);
-    assert_true(fabs((double)f.h[5] - sqrt(0.5625 * (1 - 0.8 * 0.5625) + 0.01)) <= 1e-6);
-    assert_true(fabs((double)(f.control[4] * f.h[4]) - 1) <= 1e-6);
+    assert_foresees(&f, N, rays, seen, none, none);
     bis_foresight_look(&f, N, &v, 2);
-    assert_true(fabs((double)f.h[5] - sqrt(0.75 * (1 - 0.6) + 0.01)) <= 1e-6);
-    assert_true(f.control[4] == 0);
+    assert_foresees(&f, N, none, none, none, none);
     bis_foresight_clear(&f);
     bis_visibility_clear(&v);
 }

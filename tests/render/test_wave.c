@@ -52,11 +52,44 @@ static rgb radiance(const world *w, bis_workspace *work, const bis_sampler *samp
     return s->integrator->Lo(s, &pt, &stream, &work->workers[0].scratch);
 }
 
+/* The look around before the first pass: a sample in a cell of each quarter of a tile, with random numbers of its own,
+ * until a quarter of the rays of a round came through, 16 times at most. */
+static void look_one_by_one(const world *w, bis_workspace *work, int t)
+{
+    bis_sampler sampler = w->desc.view.sampler;
+    bis_rng rng;
+
+    bis_rng_init(&rng, sampler.seed, UINT64_MAX, 0, (uint64_t)4 << 32);
+    sampler.seed = bis_rng_u64(&rng);
+    bis_sampler_set_spp(&sampler, 1);
+    for (int round = 0; round < 16; round++) {
+        uint64_t rays = 0, seen = 0;
+        for (int quarter = 0; quarter < 4; quarter++) {
+            const int c = 4 * quarter + round % 4, p = (7 * round + 5) % 16, bits[] = {p & 1, p >> 1 & 1, p >> 2 & 1, p >> 3};
+            const int x = t % ACROSS * TILE + 8 * (quarter % 2) + 4 * (c % 2) + bits[0] + 2 * bits[2],
+                      y = t / ACROSS * TILE + 8 * (quarter / 2) + 4 * (c / 2 % 2) + bits[1] + 2 * bits[3];
+            bool hit;
+            if (x >= WIDTH || y >= HEIGHT) continue;
+            bis_foresight_look(&work->workers[0].guide.foresight, work->clusters.n, &work->visibility, (size_t)(16 * t + c));
+            radiance(w, work, &sampler, false, x, y, 0, &hit);
+        }
+        for (int c = 16 * t; c < 16 * (t + 1); c++) {
+            for (int k = 0; k < BIS_VISIBILITY_PARTS; k++) {
+                rays += work->visibility.counted[c].rays[k];
+                seen += work->visibility.counted[c].seen[k];
+            }
+        }
+        bis_visibility_learn(&work->visibility, &t, 1, 1);
+        if (rays > 0 && 4 * seen >= rays) return;
+    }
+}
+
 static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work, uint32_t number, uint32_t n, uint64_t before)
 {
     if (work->clusters.n) bis_clusters_fill(&work->clusters, w->scene.light, w->desc.view.sampler.seed, number, 1);
     if (work->pool.M) bis_pool_fill(&work->pool, w->scene.light, w->desc.view.sampler.seed, number, 1);
     for (int t = TILES - 1; t >= 0; t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
+        if (number == 0 && work->visibility.n_tiles) look_one_by_one(w, work, t);
         for (int at = 0; at < TILE * TILE; at++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
             const int c = at / 16, x = t % ACROSS * TILE + 8 * (c / 4 % 2) + 4 * (c % 2) + 3 - at % 4,

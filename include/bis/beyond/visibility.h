@@ -10,6 +10,11 @@
  * from the same clusters, but these decide neither the marks nor the mean). The weight of a pass does not depend on
  * what it found.
  *
+ * Nothing is known before the first rays. So each tile is looked around in before its first samples
+ * (src/render/pass.c): that costs a 64th of a pass where light arrives, and up to a quarter where it is hard to find.
+ * What is known of a part comes from its own rays, from those of the parts around it on the map, and from the tile
+ * around the cell.
+ *
  * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A cell is a square of 4 x 4 pixels, or, in
  * pictures of more than 2^23 pixels, a whole tile. A cell takes 1 KB in memory. */
 #pragma once
@@ -32,8 +37,8 @@ typedef struct bis_visibility {
 
 /* What a cell knows of each cluster. Arrays are as long as the clusters, in whole blocks of lanes. */
 typedef struct bis_foresight {
-    float *h;          /* in [0.1, 0.57]: what the weights of candidates are multiplied by */
-    float *control;    /* g/h, where g in [0,1] is the mean of V; 0 where nothing was counted */
+    float *h;          /* > 0, below 0.71: what the weights of candidates are multiplied by */
+    float *control;    /* g/h, where g in [0,1] is the mean of V */
     bool knows;        /* something was counted */
     float *memory;     /* what holds both arrays */
     bis_seen *counted; /* borrowed: of the cell; NULL: do not count */
@@ -51,7 +56,7 @@ size_t bis_visibility_bytes(const bis_visibility *v);
 /* bis_visibility_part returns the part that cluster k of n belongs to. */
 static inline uint32_t bis_visibility_part(uint32_t k, uint32_t n)
 {
-    return (uint32_t)((uint64_t)k * BIS_VISIBILITY_PARTS / n);
+    return n <= BIS_VISIBILITY_PARTS ? k : (uint32_t)((uint64_t)k * BIS_VISIBILITY_PARTS / n);
 }
 
 /* bis_foresight_init allocates the arrays for n clusters; all h are equal, and no g is known. Errors: BIS_NOMEM. */
@@ -72,6 +77,9 @@ void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, s
  * or NULL if nothing is to be counted. */
 uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n);
 
+/* bis_visibility_counted stores how many rays this pass counted in a tile, and how many of them came through. */
+void bis_visibility_counted(uint32_t *rays, uint32_t *seen, const bis_visibility *v, int tile);
+
 /* bis_visibility_learn ends a pass: what the pass counted in tiles[n] is added to what is known. tiles is NULL: in the
  * first n. Without visibility it does nothing. */
-void bis_visibility_learn(bis_visibility *v, const int *tiles, size_t n, int n_threads);
+void bis_visibility_learn(const bis_visibility *v, const int *tiles, size_t n, int n_threads);
