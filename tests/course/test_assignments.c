@@ -232,7 +232,7 @@ static void a_load_that_is_skipped_is_worth_nothing(void **state)
               "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && " GRADE " " DIR "/kit > " DIR "/out"),
         0);
     assert_has(contents(DIR "/out"), " 10 of  10  tables_hold_for_a_contrast_of_1e12_and_a_million_items\n");
-    assert_has(contents(DIR "/out"), "  0 of  10  speed: bin 0 of ");
+    assert_has(contents(DIR "/out"), "  0 of  10  speed: bin "); /* which one, depends on the secret weights */
 }
 
 /* A loop, a call of abort, an assertion and an exit, each in one claim; a test and a header of the student's own, which

@@ -356,7 +356,7 @@ static const claim claims[] = {
     {"points, half of the light hidden, 4/8: h in the choice of clusters", 400, points_of,
      {.lack = NOTHING}, {.lack = STEERED_CLUSTERS}},
     {"points, half of the light hidden, 4/8: h", 400, points_of, {.lack = NOTHING}, {.lack = STEERING}},
-    {"points, half of the light hidden, 4/8: control variate", 400, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
+    {"points, half of the light hidden, 4/8: control variate", 2400, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
     {"2 passes, dull: 8 samples of a quarter on outlines", 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
      PICTURE(TWO LEARN, HALL(DULL))},
     {"2 passes, n = 50: 8 samples on outlines, 4 where the lobe turns", 24, pictures_of,
