@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # deb: Debian packages of what is committed, in build/deb, with every check that they need (`make deb`).
 #     scripts/deb.sh [SUITE]       SUITE: bookworm (Debian 12), trixie (13), ...; default: that of this system
 # As root, because it works in chroots of SUITE, which debootstrap makes anew below DEB_FOLDER (default: a temporary

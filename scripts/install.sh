@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # install: puts the program, its man page and the library below a prefix (make install calls it), or removes them again.
 #     [MPI=1] [DESTDIR=folder] scripts/install.sh BUILD PREFIX [LIBDIR]   BUILD holds what make has made; MPI=1: bis-mpi, too
 #     [DESTDIR=folder] scripts/install.sh --remove PREFIX [LIBDIR]

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # release: the tarball of what is committed, and the proof that it needs nothing else.
 #     scripts/release.sh tarball           build/dist/bis-VERSION.tar.gz and its hash beside it (`make tarball`)
 #     scripts/release.sh release           the same, then build, test, install and uninstall from the tarball alone (`make release`)

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # setup: installs what bis needs to build, to render and to test itself, and nothing when all of it is there.
 #     scripts/setup.sh [--mpi] [--web] [--python] [--marking] [--all]
 # Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs` and `make test-browser`, --python `make test-python`;

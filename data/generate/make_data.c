@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make_data: makes what the repository does not carry, the models and maps that scene.txt and data/scenes use.
  *
  *     bis-data DIR                     writes DIR/models/NAME.ply and DIR/maps/NAME.hdr or .exr, what textures.c has

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map: the environment maps of data/maps, drawn by formulas. Lat-long, z up, row 0 towards +z, linear radiance (a lit
  * white wall is about 0.1 to 1). For data/generate/make_data.c alone. */
 #ifndef MAP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map_interior: a vaulted hall, seen from where its visitor stands: in the manner of the thesis's cathedrals tiny
  * lamps, coloured windows, and corners ten million times darker than a lamp.
  *

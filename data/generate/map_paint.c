@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map_paint: from a radiance of directions to a map's pixels, and the noise that stone, clouds and grass are made
  * of. */
 #include "map.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map_plain: maps that are all idea: what they should do to a picture can be said in a sentence. */
 #include "map.h"
 

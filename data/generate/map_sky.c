@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map_sky: out of doors, under the sun and under clouds.
  *
  * Clear sky: the CIE's clear sky (CIE S 003, 1996): luminance depends on the height above the horizon and on the angle

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map_studio: a photographer's studio, for glossy things: each light gives a highlight of its own shape.
  *
  * A dark room with a pale sweep; in it rectangular lights, each a quadrilateral somewhere about the eye, brightest in

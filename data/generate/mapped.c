@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapped: maps that are not lat-long, and compressed files, for data/scenes/pbrt.
  *
  * Every pixel is the mean of N x N directions through it, each looked up in a lat-long map of data/maps. The directions

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapped: maps that are not lat-long, and compressed files, for data/scenes/pbrt.
  * For data/generate/make_data.c alone. */
 #ifndef MAPPED_H

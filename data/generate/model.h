@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model: the shapes of data/models, drawn by formulas. All are closed surfaces, counter-clockwise seen from outside, z
  * up, with vertex normals; a mesh is closed in its indices, too, unless its docstring says that it has several closed
  * parts.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model_carve: a block cut along an outline, its edges rounded, with grooves: the knight's head, the king's cross.
  *
  * The block is the set F < 0 of

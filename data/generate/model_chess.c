@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model_chess: a set of turned chess pieces after Staunton's pattern, on squares of side 1.
  *
  * All but the knight's head and the king's cross come from the lathe: a drawing of corners, each more or less rounded,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model_knot: a trefoil whose tube is carved as a braid of ropes; the figure that stands in for the thesis's statue,
  * and the mesh of 1e4 to 1e7 triangles of the scaling benchmark.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model_mesh: from a drawing to a closed mesh, and to a PLY file.
  *
  * A turned piece is a profile and the rings it makes, closed by a fan of triangles at each pole; a tube is a grid that

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model_stage: what the figures stand on, and the plain shapes: board, pedestal, paving, louvres, sphere.
  *
  * A block with mouldings is turned, too: its profile's radius is taken as half the side of a square with rounded

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* textures: a vase with texture coordinates, two crates with a library of materials, and the images on them, for
  * data/scenes/pbrt. */
 #include "textures.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* textures: models with texture coordinates and images to lie on them. For data/generate/make_data.c alone. */
 #ifndef TEXTURES_H
 #define TEXTURES_H

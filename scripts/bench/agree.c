@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* agree: do all integrators give the same picture?
  *
  *     agree [--replicates R] [--reference exact|mis] [--reference-replicates Q] [--resolution WxH] [--alpha A] SCENE...

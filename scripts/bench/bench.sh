@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # bench: speed and error as ratios, each with its spread, all on one core. docs/bench.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
 # Sections: references light cost threads accel equal resample reach steps rival table, all by default. Each writes

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_accel: the voxel grid against Embree on one mesh. usage: bench_accel MESH [RAYS [DENSITY...]]
  *
  * Rays, one thread, in the order of the pixels of one view (`spread`: of 16 views, few pixels each, so that caches are

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_auto: is what Integrator "auto" chooses as good as the best of a sweep? For scripts/bench/bench_auto.sh.
  *
  *     bench_auto PIXELS SCENE [SPP]

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # bench_auto: Integrator "auto" against the best of a sweep and against stratified mis, scene by scene
 # (scripts/bench/bench_auto.c).
 #     scripts/bench/bench_auto.sh BUILD_DIR [SCENE...]        default: data/scenes' main ones, scene.txt, and real meshes and

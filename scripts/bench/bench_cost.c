@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_cost: where the time of SIR goes, one thread, and what a second thread is worth.
  *
  *     bench_cost cost|threads SCENE           a template (measure.h)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_error: what error at what time? One thread, in this process, against a reference (scripts/bench/measure.h).
  *
  *     bench_error reference SECONDS SCENE      make the four materials' references, so that nothing else has to wait for them

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # bench_plot: lines `WHAT ACCELERATOR X VALUE` of scripts/bench/bench_scale.c whose WHAT begins with `what`: an SVG,
 # both axes logarithmic, into `svg`, and a table of slopes: over all points, and between the last two, where fixed costs
 # no longer hide the growth. axis: the name of X. Bytes are in the table alone.

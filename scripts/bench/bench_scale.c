@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_scale: how time and memory grow with the work. One thread, processor seconds of the render phase, the smaller
  * of two where it is short; loading and building by the clock on the wall.
  *

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # bench_scale: time against M, N, camera samples, pixels, triangles and map size on both backends; the largest mesh and
 # map within 8 GiB.
 #     scripts/bench/bench_scale.sh BUILD_DIR [SECTION...]        (make bench-scale calls it)

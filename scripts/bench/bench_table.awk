@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # bench_table: the tables of `make bench` from what its sections have written: build/bench/SECTION.txt. The columns of
 # each are in the head comments of bench_error.c and bench_cost.c.
 BEGIN {

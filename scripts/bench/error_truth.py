@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """error_truth: is the error that `bis` prints the true one, and does --error keep its word? Prints the table of docs/budgets.md, "Error".
 
     error_truth.py BIS [--seeds 8] [--size 96x72] [--only NAME,...] [--out FOLDER] [--own] [SCENE...]

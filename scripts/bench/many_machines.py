@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """many_machines: how long bis-mpi takes on more ranks than anybody here has, by simulation. docs/many-machines.md has the
 table.
 

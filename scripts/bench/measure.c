@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* measure: scenes from templates, renders, references and their cache, relMSE. */
 #include "measure.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* measure: what the benchmarks of error and cost share: pictures rendered in this process, references, relMSE.
  *
  * A scene is a template: a scene file in which `@integrator` stands for a line of the caller's table of settings and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_truth: what relative error have renders that should be alike? For scripts/bench/trade_truth.sh.
  *
  *     trade_truth N REFERENCE n PICTURE...

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # trade_truth: the table of docs/command-line.md: does the error that `bis trade` promises come out? Each of its three
 # advices for each of ten scenes is rendered as a whole picture, with eight seeds; the median of their errors
 # (trade_truth.c), relative to a render of twice the final passes, 100 at least, is what comes out. (By a render of 16,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_alarms: how often does `bis verify` accuse what is right? Runs all its checks on a scene with many seeds, each with
  * fewer draws (bis_verify.halvings), and counts the runs in which a test failed. For scripts/bench/verify_alarms.sh.
  *

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of eleven
 # scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has them.
 # About twenty minutes of one processor for 200.

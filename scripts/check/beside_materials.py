@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """beside_materials: balls of pbrt's materials by bis, beside the same by pbrt's own formulas in Mitsuba 3.
 
     python3 scripts/check/beside_materials.py BIS OUT [WORD]      OUT is a folder for what is made on the way

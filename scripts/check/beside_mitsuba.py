@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """beside_mitsuba: the means of pictures of bis beside those of Mitsuba 3, for scenes inside what both model.
 
     python3 scripts/check/beside_mitsuba.py BIS OUT [SCENE...]      OUT is a folder for what is made on the way

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_32_bits: would the sources compile without warnings where size_t has 32 bits? A shift of a size_t by 40 is undefined there,
 # and no test on this machine sees it. Nothing is linked: 32-bit libraries are not needed, nor the header that lists them.
 #     scripts/check/check_32_bits.sh [FILE...]          default: all of src/ but what needs MPI

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_circles: no two files of src/ need each other, not even by way of others. The symbols of their objects tell.
 #     scripts/check/check_circles.sh BUILD          BUILD/src holds the objects
 # Prints each circle and exits with 1.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_docstrings: what a reader may expect of a source file.
 #   - Each function of a public header (include/bis) has a comment above it that begins with the function's name. One comment
 #     may serve several functions that follow one another without an empty line, if it names the first of them.

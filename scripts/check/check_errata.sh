@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_errata: each item of docs/errata.md has its test, named after it, and one that its wrong variant does not pass.
 #     scripts/check/check_errata.sh [ROOT]          ROOT holds docs/errata.md and tests; default: here
 # The page tells items by headings ("**E17. ...") and tests by a table: | E17 | `test` | `twin` | what the twin is |.

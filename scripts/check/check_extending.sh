@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the page: the
 # file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a copy of the
 # sources; only what changed is compiled, and linked before the present library; then the program has one integrator more.

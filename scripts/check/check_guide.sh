@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation
 # says "eq. N" in a comment, and has the functions named after it; and none of the thesis's equations, 3.1 to 3.17 and
 # 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with "*Do:*",

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_layers: which folder may include which. The folder is the row: a new file needs no entry, a new folder one line.
 #     scripts/check/check_layers.sh [ROOT]          ROOT holds include/bis and src; default: here
 cd "${1:-.}" || exit 1

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_library: is what `make install` installs enough for other programs? Installed below a scratch prefix, the example of
 # docs/library.md is compiled with pkg-config, with the shared library and with the archive, and run.
 #     scripts/check/check_library.sh SCENE MEAN          MEAN: what the example must print for the scene

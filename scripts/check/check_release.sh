@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_release: do all files that name the version name the same one?
 #     scripts/check/check_release.sh [ROOT]
 # The one place where it is set is include/bis/base/version.h; the tools that read the others want a number of their

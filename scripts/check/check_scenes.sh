@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_scenes: every word that a scene may hold stands in at least one scene of ours, so that each has been read and
 # rendered by somebody.
 #     scripts/check/check_scenes.sh [ROOT]    ROOT holds docs/scene-format.md, src/parse, data/scenes and scene.txt

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_site: is the static site whole in a real browser? No link of a page leads nowhere, no picture is missing,
 # nothing is wider than a screen of 360 pixels, mathematics is typeset.
 #     scripts/check/check_site.sh BROWSER SITE

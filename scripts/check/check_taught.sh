@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_taught: what is taught is what runs. Each method's picture must run the files of src/thesis that teach it.
 #     scripts/check/check_taught.sh BUILD                        BUILD/libbis.a and BUILD/src/cli/main.o are there
 #     scripts/check/check_taught.sh BUILD NAME OPTIONS FILES     one claim alone, by the program that the first form has made

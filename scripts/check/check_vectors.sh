@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_vectors: the loops over lanes are vectors. gcc leaves a loop scalar without a word, which is three times as slow, if
 # its body has a local array, a result through a pointer, or a branch. Each loop below a plain `#pragma omp simd` must become
 # vectors of 16, 32 and 64 bytes (include/bis/base/clones.h) in all its copies; gcc's own report tells.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # compile_commands: how each source file is compiled, as the JSON that editors and clang's tools read.
 #     scripts/check/compile_commands.sh "COMPILER AND FLAGS" FILE...      (make compile_commands.json)
 quoted() { printf '%s' "$1" | sed 's/\\/\\\\/g; s/"/\\"/g'; }

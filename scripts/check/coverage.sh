@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # coverage: lines and branches of src/ that the tests of a build with --coverage have reached (make coverage calls it).
 #     scripts/check/coverage.sh BUILD
 # Prints a table, one row a file, the least covered first; the lines that were never run go to BUILD/uncovered.txt.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # envelope: writes docs/envelope.md anew (make envelope calls it): what stands above the line `<!-- tables -->` is kept,
 # the tables come from the tests.
 #     scripts/check/envelope.sh PROGRAM...

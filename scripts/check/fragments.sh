@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # fragments: code on the pages is pasted in by reference. A page says
 #     <!-- src/thesis/alias.c [alias-sample] -->
 # and what stands in the block of code below it is what stands between /* [alias-sample] */ and the next /* [end] */

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
 #     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part checkpoint; default: all
 # What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """mitsuba_materials: pbrt's materials, the thesis's Phong, colours and spectra for Mitsuba 3, by other roads than bis's.
 
 A material is (base, gloss): base(uv, c_i, c_o) is the diffuse part of f, gloss a lobe or None. Formulas are those of

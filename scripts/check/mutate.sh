@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
 #     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
 #     scripts/check/mutate.sh -a              tells which no longer apply; changes and runs nothing

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # power.sh: what our statistical tests would have found. Each test program of the last `make test` left a line for each
 # assertion in build/power/PROGRAM.txt (tests/support/stat.c); this joins them in build/power.txt and prints the table
 # of docs/proof.md.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # run_tests: runs test programs (make test calls it), shows what they say and how long they took, and closes with one
 # line that counts.
 #     scripts/check/run_tests.sh PROGRAM...

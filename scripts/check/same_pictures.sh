@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # same_pictures: do two programs, say of two compilers, make the same bits of every shipped scene?
 #     scripts/check/same_pictures.sh BIS OTHER_BIS
 # From the root. Small renders of scene.txt and data/scenes, as they are and by each integrator over the grid; a scene whose bits differ is named

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # slips: every small slip that a file of C can have, one a line. scripts/check/mutants draws from them.
 #     awk -v file=NAME -f slips.awk FILE
 # Prints, separated by tabs: NAME, line, offset in bytes, bytes that go, "in" a function or "out", what comes instead.

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # spdx: every source file names its licence in the form that tools read (https://spdx.dev/learn/handling-license-info).
 #     scripts/check/spdx.sh [ROOT]             writes the line where it is missing, behind #! or at the top
 #     scripts/check/spdx.sh --check [ROOT]     names the files without it; exit status 1; part of `make test`

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # test_browser: do the page of `bis trade` and the site of `make docs` work in a real browser? `make test-browser` calls it; no part of `make
 # test`.
 #     scripts/check/test_browser.sh BIS FOLDER

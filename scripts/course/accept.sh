@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # accept: is a hand-in such that it may be judged? For scripts/course/grade.sh, and for scripts/course/check.sh in a
 # starter kit, which read this file in: what the one refuses, the other tells before.
 #     in:   name, given (the hand-in: a file or a folder), shop (scripts/course/given.sh; headers/ in it), work (a new

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # assignment: the starter kit of an assignment (docs/assignments/README.md): a copy of the project in which the bodies under study are blank, the
 # handout, and the tests that mark it, in the place of all others.
 #     scripts/course/assignment.sh NAME FOLDER        (make assignment A=NAME DEST=FOLDER)

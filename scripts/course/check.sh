@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check: what `make grade` would refuse or remark of this starter kit, by the same code (make check). Exit status 1
 # if it gives no points at all.
 #     scripts/course/check.sh

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies, every one holds; each of the
 # typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points, and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the present library.
 #     scripts/course/check_assignments.sh [NAME...]        (default: all)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # The course's assignments: docs/assignments/README.md. Included by the Makefile.
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # given: what a hand-in is compared with, in FOLDER: of the marking (scripts/course/grade_shop.sh), and of a starter
 # kit, so that `make check` there refuses what `make grade` does (scripts/course/accept.sh).
 #     scripts/course/given.sh NAME FOLDER

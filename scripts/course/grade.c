@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grade: what scripts/course/grade.sh has done by a program without a student's code in it: compile in a sandbox, judge
  * the claims, compare speeds, read hand-ins.
  *     grade sandbox

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # grade: the points of a handed-in assignment, one line a criterion, and as JSON in FOLDER/grade.json, or in REPORT as
 # KIND (gradescope, classroom50: scripts/course/report.awk).
 #     scripts/course/grade.sh NAME FOLDER [KIND REPORT]       (make grade A=NAME DEST=FOLDER [FOR=KIND REPORT=FILE])

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the groups that are alike
 # beyond what was given out, with our own solution, which is public, as one more.
 #     scripts/course/grade_class.sh NAME FROM JOBS [moodle]   (make grade-class A=NAME FROM=handed-in/ [JOBS=2])

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # grade_shop: all that the marking of an assignment needs and that no hand-in changes, made once for one student or
 # a class (scripts/course/grade.sh).
 #     scripts/course/grade_shop.sh NAME FOLDER

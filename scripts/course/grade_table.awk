@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; moodle, that of its
 # grading worksheet; html; text, the groups alone.
 #     C points criterion      N name      R remark      L points of criterion message      A least most i j ...

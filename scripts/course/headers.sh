@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # headers: what a hand-in may include: include/ and the headers of src/, in FOLDER.
 #     scripts/course/headers.sh FOLDER
 mkdir -p "$1" || exit 1

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # kit: what a service for teaching marks an assignment by (docs/teaching.md): this project, as far as marking needs it,
 # and the files that the service calls.
 #     scripts/course/kit.sh NAME gradescope TO.zip            (make kit A=NAME FOR=gradescope DEST=TO.zip)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* tokens: lexer, comparison of items, refusal, prints. */
 #include "tokens.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* tokens: a hand-in as C tokens: what in it is not ours, whether that may be run, and how alike two hand-ins are.
  *
  * Our file, with the fragments under study blank (the template), is cut into items: functions, declarations and

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
 #     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, pbrt, map, pixel, thesis, errata, plots,
 #                                                          results, machines (default: all)

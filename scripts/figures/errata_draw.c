@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_draw: axes, lines and words of a drawing, for the pictures of docs/errata.md. */
 #include "errata_plots.h"
 

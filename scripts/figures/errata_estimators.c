@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_estimators: pictures of the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E24, E25, E26,
  * E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
 #include "errata_plots.h"

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # errata_figures: the pairs of pictures of docs/errata.md, as printed and right, with one exposure for both:
 # docs/figures/errata-E3-printed.png, -right.png, ...
 #     scripts/figures/errata_figures.sh BIS [E3...]        (default: all; from the root, some minutes)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_maps: pictures of the errata of the map (thesis 3.1, 3.3) and of area weighting (3.4): E1, E2, E4, E5, E17,
  * E18, E19. */
 #include "errata_plots.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_plots: pictures of docs/errata.md for the items that have no switch: FOLDER/errata-E1.svg, ...
  *
  *     errata_plots FOLDER [E1...]        (default: all, some ten seconds)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_plots: the parts of the program that draws, for items of docs/errata.md without a switch, what is printed
  * beside what is right. "Right" comes from the library's own functions; "as printed" is a few lines beside them.
  * Nothing here returns an error: what cannot go on prints why and exits with 1. */

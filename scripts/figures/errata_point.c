@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_point: a point under a painted map, in the open or half hidden, and what an integrator says of it. */
 #include "errata_plots.h"
 

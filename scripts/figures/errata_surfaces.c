@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_surfaces: pictures of the errata of the BRDF (thesis 3.5) and of normals: E33, E35, E36, E37. */
 #include "errata_plots.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_tables: pictures of the errata of discrete sampling (thesis 3.2.2, 3.3, appendix A): E8, E10, E11, E12, E14,
  * E15. */
 #include "errata_plots.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # figures: the lines of scripts/figures/figures.c as tables for people. relMSE is without the reference's own error. The
 # last column: seconds to equal error, by error x time, relative to the row's first method.
 $1 == "price" {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* figures: chapter 5 of the thesis, rendered and measured again; its other figures are in figures_plots.c. For
  * scripts/figures/figures.sh (make figures).
  *

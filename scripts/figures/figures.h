@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* figures: the parts of the program that draws the thesis's figures again (scripts/figures/figures.c, figures_plots.c).
  * Nothing here returns an error: what cannot go on prints why and exits with 1. */
 #ifndef FIGURES_H

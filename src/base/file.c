@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* file: whole files in, whole files out, numbers without a locale.
  *
  * Reading: the size that the system reports is only a first guess (it is 0 for files of /proc, and a file may grow), so

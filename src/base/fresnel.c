@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fresnel: Fresnel's equations without differences of equals.
  *
  * (a + i b)^2 = (eta + i k)^2 - sin^2 theta. The larger of a and b is the root of a sum; the other is eta k over it.

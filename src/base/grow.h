@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grow: room for one more item at the end of an array, in amortised constant time. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image: pixels in memory. */
 #include "bis/base/image.h"
 

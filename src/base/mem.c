@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mem: the one door to the heap.
  *
  * Layout of a block, base being what the C library gave:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* names: a hash table with open addressing and linear probing over an array of names that keeps the order of adding.
  *
  * At most half of the slots are taken, so a free one always ends the search. Nothing is ever removed. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* names: from a name to a number, in constant time. For the parser's named materials, objects, coordinate systems and
  * files: a scene may instance ten thousand objects a million times. Included by the parser alone. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* stats: the incomplete gamma function, of which the chi-square tail is a special case.
  *
  * Both of its classical expansions share the factor x^a e^-x / Gamma(a), and each converges where the other does not:

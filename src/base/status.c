@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* status: a growing list of finished lines.
  *
  * A message is formatted when it is made, because the words it is made of (a token, a file's name) may be gone when it

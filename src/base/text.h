@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* text: what strings are asked that is not about one file format: UTF-8, appending, a hash. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* threads: all threads that were started wait at one mutex, so that they live at the same time. */
 #include "bis/base/threads.h"
 

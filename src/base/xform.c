@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* xform: every transformation carries its inverse, made beside it in closed form where there is one, so that none is
  * ever inverted twice and (A B)^-1 = B^-1 A^-1 costs a product.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clusters: cutting the curve, drawing from the pieces, and cones around what was drawn. Cost: once, O(tiles); for each
  * pass, 80 ns a direction, some 30,000 of them. */
 #include "bis/beyond/clusters.h"

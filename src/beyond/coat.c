@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* coat: means over POINTS directions and visible facets (microfacet.c draws them in the same way). A facet h that a
  * direction w meets lets 1 - F through, of which G2/G1 is not shadowed. Points are Hammersley's: the error is 1e-3. */
 #include "bis/beyond/coat.h"

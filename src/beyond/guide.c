@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* guide: the steps of a set where more is known than the thesis says.
  *
  * draw: candidates come from where the product can be large (product.c), which pays where the lobe is narrow and the

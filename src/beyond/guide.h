@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* guide: proposal "product" and learned visibility as the steps of a set (src/thesis/set.h), and what a render can make
  * use of beyond the thesis. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapping: resamples a picture of one mapping to another.
  *
  * Each pixel becomes the mean of k x k directions that are spread over it, weighted by solid angle; each direction is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapping_models: the mappings, each by three functions (docs/scene-format.md, "LightSource").
  *
  * angular: the pixel at polar position (r, a) of the disc (r = 1 at the rim, a from image right, counter-clockwise) is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapping_models: a mapping as functions of pixels and directions. For src/beyond/mapping*.c alone. */
 #pragma once
 

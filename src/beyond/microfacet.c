@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* microfacet: GGX, of which only the facets that the eye sees are drawn.
  *
  * Facets with normal h about n: D(h) = a^2 / (pi cos^4 (a^2 + tan^2)^2), a = alpha. Of these the eye sees

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pool: sets of stratified directions, drawn in parallel: their directions number i by a stream of their own, (seed, i,
  * pass, purpose "pool"). */
 #include "bis/beyond/pool.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* product: proposal "product", q_P(wi) = q_L(wi) s_k for wi in cluster k, s_k = (w_k/W)/share_k.
  *
  * The w_k bound the integral of f cos Le over cluster k: its energy times the largest f cos over a cone around it

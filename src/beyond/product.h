@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* product: candidates from the map where the product of light and BRDF can be large: proposal "product". */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* visibility: counts, and what they say. */
 #include "bis/beyond/visibility.h"
 

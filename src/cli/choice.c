@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* choice: integrator "auto" under `bis render`: a pilot renders a little, and chooses. */
 #include "choice.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* choice: what integrator "auto" becomes in `bis render`. */
 #pragma once
 

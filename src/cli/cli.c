@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cli: options from a table, docs/command-line.md.
  *
  * One table per command says everything about an option once: its name, its argument, its range, its help. Reading,

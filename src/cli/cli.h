@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cli: what the commands share: options from a table, `--help` made from the same table, diagnostics out, exit
  * statuses.
  * For src/cli/main.c and src/cli/cmd_*.c alone; with json.h the only part of bis that prints.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cli_version: what `bis --version` prints: the program, the accelerators built in, the libraries that it runs with
  * (not those of the headers that it was compiled with: a bug report wants the former). */
 #include "bis/base/version.h"

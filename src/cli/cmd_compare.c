@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_compare: `bis compare A B`: the figures of bis/compare.h as lines of "key value" or as JSON. */
 #include "bis/tools/compare.h"
 #include "bis/base/file.h"

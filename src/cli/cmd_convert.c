@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_convert: `bis convert A B`: a picture from one format to another, with exposure and a tone curve. */
 #include "bis/base/file.h"
 #include "bis/files/image_file.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text or JSON, and its levels, regions and
  * importance as pictures (thesis figures 3.5 and 3.6). */
 #include "bis/base/file.h"

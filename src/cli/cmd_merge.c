@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_merge: `bis merge PART... --outfile F`: the picture of the parts that `bis render --part` has made. */
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_render: `bis [render] [options] SCENE`: parse, override, plan or build, render, write, report.
  *
  * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_trade: `bis trade SCENE`: measure error against time for several estimators, into a folder with tables and a page
  * (trade.h).
  *

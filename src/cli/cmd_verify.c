@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as
  * JSON. `bis verify --bits`: are the bits of this build those of every build? */
 #include "tools/auto/auto.h"

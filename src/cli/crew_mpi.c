@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* crew_mpi: the crew of bis-mpi, by MPI 3.1. The only file that knows MPI; `make MPI=1` compiles it, and links it in
  * the place of crew_none.c.
  *

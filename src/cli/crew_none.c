@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* crew_none: this program is one process. bis-mpi has crew_mpi.c in its place. */
 #include "cli.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* display: a client of tev's protocol.
  *
  * A message is its length in bytes (4 bytes, the low one first, counting themselves), its kind (1 byte) and what

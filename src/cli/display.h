@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* display: shows a render in tev (https://github.com/Tom94/tev) while it is made, by tev's protocol over TCP.
  *
  * A thread of its own sends, so that a viewer that is slow, stuck or gone never holds up the render. The picture is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* help: `bis help`: the commands and topics, one of them, a name that a topic explains, or the whole as a man page.
  *
  * A command's options live in a table on the stack of the command itself, beside the variables that they set. So this

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* help: what `bis help`, `bis help TOPIC` and the man page say. The commands tell their options themselves (cli.h);
  * topics are tables of terms and texts. Both are written once, and printed as text of 80 columns or as troff. For
  * main.c and help*.c. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* help_man: the tables of help as a page for man(1).
  *
  * No text here is the page's own but the headings. The date of .TH is left empty: the same source makes the same page.

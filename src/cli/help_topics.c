@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* help_topics: what a user wants to look up without a browser. The pages in docs/ explain; this reminds of names,
  * defaults and ranges.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* main: which command? `bis SCENE` renders. */
 #include "display.h"
 #include "help.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* man: a command's options as a part of the page for man(1), in the few requests of man(7) that every formatter knows:
  * TH, SH, SS, TP, PP, nf. Whatever troff reads as its own is escaped, hyphens too, so that an option can be copied from
  * the page into a shell. */

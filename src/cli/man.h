@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* man: text in the language of man(7). For src/cli/cli.c, which prints a command's part of the page, and help_man.c. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* override: what the command line of `bis render` says of the integrator, the sampler, the film and the accelerator is
  * put in place of what the scene file says. */
 #include "override.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* override: what the command line of `bis render` changes in a scene. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parameters: the table of bis/thesis/settings.h as options and as help. No parameter is known here by its name. */
 #include "parameters.h"
 

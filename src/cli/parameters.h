@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parameters: what the command line says of the integrators' parameters, from the table of bis/thesis/settings.h: the
  * options of `bis render`, and the words of --help and `bis help`. */
 #pragma once

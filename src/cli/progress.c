@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* progress: the words of the line that `bis render` keeps writing anew on a terminal. */
 #include "progress.h"
 

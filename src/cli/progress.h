@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* progress: how far a render is, in words. */
 #pragma once
 

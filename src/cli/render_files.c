@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render_files: the files that `bis render` writes. Whatever can be known to fail is found before the render: the
  * endings and folders of the outputs, an output that would replace what is read. */
 #include "base/text.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render_files: the files that `bis render` writes: checked before the render, written after it. */
 #pragma once
 

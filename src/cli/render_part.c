@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render_part: `bis render --part K/N`: a share of the picture's tiles into a file, of which `bis merge` makes the
  * picture. */
 #include "render_part.h"

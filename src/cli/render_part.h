@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render_part: `bis render --part K/N`: which commands may have it, and the file that it writes in place of a picture.
  */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* gzip: expands .gz files in memory, by zlib (RFC 1952).
  *
  * The size that a gzip file claims for itself stands at its end, modulo 2^32, and is not read: the buffer grows with

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* gzip: whole files, expanded if they are compressed by gzip. For the readers of maps and meshes, and for a look at
  * their first bytes. */
 #pragma once

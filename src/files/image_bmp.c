@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_bmp: the colours of a Windows bitmap, for textures: palettes of 1, 4 and 8 bits, and 24 and 32 bits, plain.
  *
  * Rows are padded to four bytes, and run upwards unless the height is negative. The fourth byte of 32 bits is dropped.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_exr_core: how we meet OpenEXRCore: its memory comes from bis/mem.h, so that a test can make the k-th allocation
  * fail, and its complaints, which it would print to standard error, end here unless the caller takes them.
  * Only the reader may: a context for writing holds its lock while it complains, and every question to it from there

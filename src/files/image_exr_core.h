@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_exr_core: what the reader and the writer of OpenEXR share of OpenEXRCore. For src/files/image_exr*.c alone. */
 #pragma once
 

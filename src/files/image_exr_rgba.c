@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_exr_rgba: the two kinds of OpenEXR files that OpenEXRCore 3.1.5 cannot turn into R, G, B: DWAA and DWAB
  * compression, and luminance with chroma at a quarter of the resolution (Y, RY, BY). OpenEXR's older C interface can,
  * with half precision: both kinds are lossy codings of halves in the first place.

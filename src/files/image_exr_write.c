@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_exr_write: write OpenEXR through OpenEXRCore's C interface: float32, ZIP, scanlines from the top, any channels,
  * text and numbers as attributes.
  *

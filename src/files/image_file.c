@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_file: which format, and the rules that hold for all of them.
  *
  * Reading goes by a file's first bytes, because names lie; writing by the name's ending, because there is nothing else.

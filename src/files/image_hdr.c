@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_hdr: Radiance .hdr pictures (RGBE: three mantissas and one exponent, a byte each).
  *
  * Layout: a line "#?NAME", lines VARIABLE=value, an empty line, the resolution line ("-Y 512 +X 1024": scanlines from

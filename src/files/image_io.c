@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_io: what the readers of .hdr, .exr and .pfm share: messages that name the file, the one allocation whose
  * size comes from a file, and the curve of a screen. */
 #include "image_io.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_io: what the readers of .hdr, .exr and .pfm share, and the functions of the formats. For src/files/image*.c
  * alone. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_jpeg: the colours of a JPEG, for textures. Read by libjpeg, if bis is built with it (BIS_JPEG). Maps are never
  * read from it, because 8 bits of a screen are no radiance.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_pfm: portable float maps: a line "PF" (colour) or "Pf" (grey), one with width and height, one with the scale,
  * then the rows from the bottom up as raw floats.
  *

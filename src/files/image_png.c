@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_png: 8 bit sRGB, to look at, never to measure by. Written by libpng.
  *
  * Exposure: radiance times 2^EV, or, when none is given, times 0.18 / L, where L is the log-average of the luminance:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_png: 8 bit sRGB pictures to look at, written by libpng, and colours for textures, read by it. For
  * src/files/image_file.c, and src/tools/trade/trade_strips.c and src/out/markup.c, whose pictures stand in a page. */
 #pragma once

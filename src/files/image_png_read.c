@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_png_read: the colours of a PNG, for textures. Read by libpng; maps are never read from it, because 8 bits of a
  * screen are no radiance.
  *

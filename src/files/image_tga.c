@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_tga: the colours of a Truevision TGA, for textures: grey, true colour and palettes, plain or run-length coded.
  *
  * The format has no mark: bis_tga_is_mine believes a header all of whose fields make sense. Rows run upwards unless bit

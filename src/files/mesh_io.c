@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mesh_io: messages with the mesh's own line in them, and a growing list of triangles. */
 #include "mesh_io.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mesh_io: what the readers of .ply and .obj share. For src/files/ply*.c and src/files/obj.c alone. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* obj: two passes over the lines. The first counts v, vt and vn, so that arrays are allocated once and a face may name
  * a vertex that comes later; the second reads.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* obj: meshes in Wavefront's text format. For scene.c and tests. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* ply: the body of a PLY file, element by element, as the header describes it.
  *
  * One road for everything: a row is a sequence of numbers, each taken as a double (which holds every type exactly), in

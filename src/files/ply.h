@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* ply: meshes in Greg Turk's polygon file format, as scans come in. For scene.c and tests. */
 #pragma once
 

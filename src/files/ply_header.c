@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* ply_header: lines of words. "ply", "format F 1.0", then elements ("element NAME COUNT"), each followed by its
  * properties ("property TYPE NAME" or "property list COUNT-TYPE TYPE NAME"), comments anywhere, "end_header".
  *

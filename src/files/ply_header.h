@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* ply_header: the self-description at the head of a PLY file. For ply.c alone. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* png_failure: how libpng gives up, for those who write PNGs (image_png.c) and read them (image_png_read.c): it leaves
  * by longjmp, and what it said stays here. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* primaries: to XYZ and back. The columns of the matrix to XYZ are the primaries' (x, y, 1 - x - y)/y, each scaled by
  * its luminance, and these luminances are what makes R = G = B = 1 the white of luminance 1. */
 #include "primaries.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* primaries: colours of other primaries as those of Rec. 709. For src/files alone. */
 #pragma once
 

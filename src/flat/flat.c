@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* flat: maps, alias tables and materials on arrays. Every loop checks its own values, so a caller's NaN ends here. */
 #include "bis/flat/flat.h"
 

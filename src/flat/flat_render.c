@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* flat_render: a scene into memory, with settings as text. */
 #include "base/text.h"
 #include "bis/base/clock.h"

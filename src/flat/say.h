@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* say: what the functions of flat share: messages into the caller's buffer. */
 #pragma once
 

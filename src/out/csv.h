@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* csv: numbers as fields of a table (RFC 4180), each behind a comma. They read back as the same doubles; what is not
  * known, NaN or infinite, is an empty field. */
 #pragma once

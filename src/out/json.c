@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* json: a writer that keeps the commas and braces (RFC 8259), so that every --stats and --json is valid whatever a file
  * is called. */
 #include "base/text.h"

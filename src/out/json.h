@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* json: a small writer that cannot produce anything but valid JSON: it keeps the commas and braces, escapes strings,
  * prints numbers independent of the locale, and null for NaN and infinity. For the cli alone.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* markup: entities (HTML 4, XML 1.0) and base64 (RFC 4648). */
 #include "markup.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* markup: what a page (template.h) and a drawing (svg.h) share: text and pictures inside HTML and SVG. */
 #pragma once
 

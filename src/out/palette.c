@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* palette: sRGB's transfer function (IEC 61966-2-1) and a scale of heat, linear between seven stops. */
 #include "palette.h"
 

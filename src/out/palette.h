@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* palette: colours that a lecture hall can tell apart, for pictures of numbers. Chosen as they appear (sRGB), returned
  * as what images here hold (linear light). */
 #pragma once

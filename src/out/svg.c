@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* svg: each shape is one element. Numbers have two decimals at most: a hundredth of a pixel. */
 #include "svg.h"
 

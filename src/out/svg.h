@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* svg: a drawing as SVG 1.1 (and `href` of SVG 2): boxes, lines, discs, text, and pictures of pixels inside it. A
  * browser shows it and scales it; text is text, in the reader's own font.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* template: the page is copied up to the next mark; a mark looks its name up in the JSON text itself, which is never
  * turned into anything else: an object is found by walking over the members before it. */
 #include "template.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* template: a page with holes, filled with the values of a JSON object. The page is a file of its own, which a browser
  * shows with the examples that stand in the holes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* tone: exposure and tone curves, which make a picture for a screen of radiance. Applied before the sRGB curve. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* approximate: what `--approximate` replaces.
  *
  * Every kind is noted once, with its number and what the picture lacks by it: bis_scene_desc keeps the list, and the

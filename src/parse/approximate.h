@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* approximate: `--approximate`: what bis does not model is replaced by the nearest that it does, and each replacement
  * is noted in the description of the scene (bis_approximation). For src/parse alone.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* approximate_materials: the nearest that bis has to pbrt's materials, and what is made of them at the end.
  *
  * Reflectances are those of pbrt's defaults where the scene does not say. Of what lets light through only the

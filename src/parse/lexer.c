@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lexer: pbrt's tokens. White space separates and means nothing else, '#' starts a comment that ends with the line.
  *
  * Included files form a stack of at most 64, so that no recursion follows the user's input. A token is a view into the

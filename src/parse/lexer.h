@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lexer: from the bytes of a scene file to words, quoted strings, numbers and brackets, each with its place. Included
  * by the parser alone. */
 #pragma once

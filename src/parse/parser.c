@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser: from a scene file to a bis_scene_desc, docs/scene-format.md.
  *
  * A table names every directive with the half of the scene where it may stand and the function that reads it; a second

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser: the state that parser.c, parser_params.c and the files of directives (parser_*.c) share. Nobody else includes
  * this.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_ask: what a directive wants to know of its parameters.
  *
  * A directive asks for each parameter that it knows by name and type, with the range that the value must lie in;

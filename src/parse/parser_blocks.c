@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_blocks: AttributeBegin/End, TransformBegin/End, ObjectBegin/End on one explicit stack, and instances.
  *
  * The shapes between ObjectBegin and ObjectEnd are kept aside with their transformation to the world as it was there;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_colours: pbrt's other ways to say a colour: spectra, files of them, XYZ, black bodies; docs/scene-format.md,
  * "Colours".
  *

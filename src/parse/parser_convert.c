@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_convert: what a parameter becomes that is of another type than its directive asks for: a colour in other words
  * than rgb becomes rgb, and with --approximate a texture becomes its mean. */
 #include "approximate.h"

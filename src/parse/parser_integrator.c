@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_integrator: Integrator and Sampler (docs/scene-format.md).
  *
  * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives

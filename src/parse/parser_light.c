@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_light: LightSource.
  *
  * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.

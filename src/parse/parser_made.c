@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_made: shapes by formulas or of a few points, docs/scene-format.md, "Shape". include/bis/shape/make.h makes
  * their meshes, once for shapes of equal numbers. */
 #include "approximate.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_materials: pbrt's own materials, made of what bis has; docs/scene-format.md, "pbrt's materials", says which
  * are exact and which are near.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_mtl: the materials of a Wavefront OBJ, for Shape "objmesh" "bool materials" true.
  *
  * The OBJ tells its parts apart by usemtl and names libraries by mtllib; each part that has a face becomes a shape of

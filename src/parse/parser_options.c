@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_options: what stands before WorldBegin: Camera, Film, PixelFilter, Accelerator, Option, and the two directives
  * that pbrt needs and bis only has to understand, ColorSpace and MediumInterface.
  *

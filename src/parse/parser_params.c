@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_params: "type name" value or [values], all of a directive's, read before any is looked at (parser_ask.c).
  *
  * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of

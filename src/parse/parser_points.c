@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_points: points, normals, texture coordinates and faces that a Shape lists. Their numbers are checked against
  * one another here, where the place is known. */
 #include "bis/base/file.h"

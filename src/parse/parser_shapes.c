@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_shapes: Shape, docs/scene-format.md, "Shape".
  *
  * Files are only looked for, not read: bis_scene_build reads each of them once, however many shapes and instances name

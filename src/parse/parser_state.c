@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_state: what every file of the parser needs of its state: complaints, the next token, the path of a file. */
 #include "parser.h"
 

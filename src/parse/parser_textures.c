@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_textures: Texture, and parameters of materials that may name one; docs/scene-format.md, "Texture".
  *
  * As in pbrt a texture is known from its directive on, and numbers and colours have names of their own. What a texture

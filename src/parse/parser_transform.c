@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_transform: the directives that change the current transformation matrix (CTM), as pbrt's: each is multiplied
  * from the right, so that the last one stands nearest to the object and acts on it first.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_world: the materials. */
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* adapt: camera samples go where the error is.
  *
  * What the picture is judged by is the sum over pixels of their relative variances, v_t/m for a tile whose single

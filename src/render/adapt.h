@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* adapt: how many camera samples each tile of the picture gets in the next pass. For the files of src/render. */
 #pragma once
 

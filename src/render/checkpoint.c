@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* checkpoint: sums, counts and the number of passes; no random number has a state that could be lost.
  *
  * What a pass makes depends on its number, its first camera sample and its size (pass.c), on what earlier passes left

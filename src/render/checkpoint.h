@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* checkpoint: the state of a render in a file, from which a later process goes on to the same bits. For render.c, which
  * writes and restores it, and src/cli/cmd_render.c, which names the files. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* crew: all ranks agree before they begin. */
 #include "crew.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* crew: several processes that render one picture together. For the files of src/render and src/cli.
  *
  * Here is what the renderer needs of a message library, as functions; src/cli/crew_mpi.c fills them in, and alone

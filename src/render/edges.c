@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* edges: where camera samples are worth more than light samples.
  *
  * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays: on

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* edges: the pixels in which the picture changes abruptly, found before anything is rendered. For the files of
  * src/render. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* film: sums and deviations. film_error.c says what they tell about the error, film_layers.c makes channels.
  *
  * A picture is the mean over passes; a pass adds one value to every pixel, so one weight serves all pixels: the pass's

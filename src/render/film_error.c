@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* film_error: what the passes of a film say about its error.
  *
  * The error is the relative RMSE of docs/budgets.md, "Error": the root of the mean, over pixels and channels, of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* film_layers: a film's layers as channels of an EXR.
  *
  * Names are those that other programs look for: Albedo.R/G/B and Ns.X/Y/Z as in pbrt-v4, whose denoiser reads them, Z

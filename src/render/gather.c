@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* gather: what layers want to know of one camera sample.
  *
  * L_ns (eq. 4.5) is L with V = 1, so that is how it is made: the integrator is asked again, with the same random

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* gather: what layers want to know of one camera sample. For the files of src/render. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* identity: a hash of each part of the render, by what it holds. Files of the scene count by their content, not by
  * name. Threads and budgets are not part of it, because no pass depends on them; only whether there is an error to
  * reach, and the camera samples by which "stratified" and "halton" divide a pixel. */

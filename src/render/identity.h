@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* identity: who a render is, as a hash of each of its parts: the scene, the view, the settings. For the files of
  * src/render. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* part: files of parts.
  *
  * What a pixel gets depends on the seed, its place, the number of the pass and, where it learns, on its own tile. So

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* part: a share of the tiles of a picture in a file, and the picture from its parts. For src/cli. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pass: from camera samples (wave.h) to the film.
  *
  * One pass is the same number of camera samples of every pixel (with adaptive sampling as many as adapt.h says; in edge

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pass: from camera samples to the film: one pass over all tiles. For render.c. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render: passes until a budget is used up.
  *
  * pass.c renders one pass; workspace.h is what it works with. Here is decided whether another one is begun. Passes take

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* share: a picture in n shares, each a fair sample of it.
  *
  * The tiles are counted along a curve that fills the rectangle (bis_curve_rectangle), and every n-th belongs to one

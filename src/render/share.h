@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* share: which tiles of the picture belong to a part of it. For the files of src/render. */
 #pragma once
 

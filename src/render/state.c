@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* state: what a render has done, as the fields of a file. A checkpoint (checkpoint.c) and a part of a picture (part.c)
  * are two kinds of it.
  *

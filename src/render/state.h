@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* state: what a render has done, as fields of a file of one of two kinds. For checkpoint.c, part.c and render.c. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* team: rank 0 deals out the tiles of a pass to the ranks, as they get done, and collects what they make of them.
  *
  * So a rank that is slow, or has other work beside, holds up nobody: it gets fewer tiles. Each rank has one batch of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* team: who of a crew renders which tile of a pass. For pass.c and render.c. */
 #pragma once
 

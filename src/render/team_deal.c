@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* team_deal: the side of rank 0: which rank gets which tiles, what comes back, what all are told to do next. */
 #include "team_parts.h"
 

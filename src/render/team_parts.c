@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* team_parts: what rank 0 and the other ranks of a team share: the pieces of a message, and the queue of tiles. */
 #include "team_parts.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* team_parts: what the files of a team share: its state, its messages, the queue of tiles. For src/render/team*.c. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* team_work: the side of the other ranks: render what came, send what is done, give what is asked for. */
 #include "team_parts.h"
 

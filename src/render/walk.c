@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* walk: fields of a file. */
 #include "walk.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* walk: one walk over the fields of a file, in its order, that writes or reads or hashes them. For the files of
  * src/render. Numbers are little-endian. */
 #pragma once

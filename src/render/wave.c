@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* wave: camera samples side by side.
  *
  * What a camera sample costs is mostly waiting for memory: the boxes and triangles that its rays pass. Neighbours pass

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* wave: the camera samples of a tile, a few dozen at a time, step by step: all camera rays, all surfaces, the light of
  * all points, all shadow rays, the sums. For pass.c and workspace.c. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* workspace: what the threads of a render work with. A scene pays only for what its settings use: without
  * a need for them there are no pool, no clusters and no learned visibility. */
 #include "workspace.h"

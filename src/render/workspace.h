@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* workspace: what the threads of a render work with: the pools and clusters that all points of a pass share, scratch
  * for each thread, room for the pass under way. Made once, when a render is set up. For render.c and pass.c. */
 #pragma once

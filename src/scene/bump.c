@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bump: normals that textures bend.
  *
  * A displacement d moves a point along its normal n, and is so small that only its slopes count: the tangents p_u and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bump: normals that textures bend. For src/scene alone. */
 #pragma once
 

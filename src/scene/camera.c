@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* camera: pbrt's cameras, the pinhole and the parallel projection, in double.
  *
  * The screen is the plane z = 1 of camera space (x right, y up, z forward: left-handed). Its window is [-1,1] along the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* distant: a light from one direction, which a map cannot hold, becomes a disc as wide as the sun's.
  *
  * pbrt's light gives the irradiance E to a surface that faces it. The disc has the radiance E / S, where S is the sum

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* distant: pbrt's distant lights in a map. For light_load.c. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* layers: names of layers, and sums of those that must be gathered while rendering.
  *
  * A pixel's values stand side by side in the order of the enum, those of layers that nobody asked for take no place: a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* light_load: from a scene's description to a light: which mapping the file has, what is wrong with its values, what
  * the description multiplies it by. The light itself (thesis 3.1) knows pixels and a frame, no files. */
 #include "bis/scene/light_load.h"

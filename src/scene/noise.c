@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* noise: at the corners of unit cubes stand gradients, chosen by a permutation of the corner's coordinates; between
  * them their linear functions are blended by 6 t^5 - 15 t^4 + 10 t^3.
  * Sources: Perlin 2002, "Improving noise", whose reference implementation has this permutation; pbrt, "Noise", for the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* noise: Perlin's gradient noise and sums of it, as pbrt has them. For src/scene alone. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene: from the description to what rays can be shot at: geometry, then light, then accelerator.
  *
  * Only what a scene requires is built. The integrators say what it needs of the light (tables, a curve, or nothing);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene_check: what can be known of a scene's files by their heads, for a plan that must not say yes where the render
  * says no. What it finds wrong is read by the loader, so that there is one message for one fault. */
 #include "bis/scene/scene.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene_desc: a scene as described: what it is when its file says nothing, how it grows, how it is freed.
  *
  * The defaults are those of docs/scene-format.md and, where it is silent, pbrt-v4's: a perspective camera at the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene_desc: how a scene's description begins and grows. For the parser (src/parse) alone. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene_materials: the numbers of materials.
  *
  * A number stands for what the surface does, not for the directive that said so: materials of equal values have one

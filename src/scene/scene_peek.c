@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene_peek: searches the first 64 kB of a file for the words that tell its size. Nothing is allocated. */
 #include "scene_peek.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene_peek: what a file holds and how large that is, by a look at its first bytes. For plan.c, which loads nothing,
  * and for the parser, which is given a map or a mesh now and then. A wrong or strange file gives false; the loaders
  * will say why. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* texture: the images of textures, the ranges of their values, and the materials that they make.
  *
  * A texture is a small tree; its leaves are constants, images and patterns.

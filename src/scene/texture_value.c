@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* texture_value: the value of a texture at a point.
  *
  * An image is interpolated bilinearly between the centres of its texels, and never filtered, and the noise of the

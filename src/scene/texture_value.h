@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* texture_value: the value of a texture at a point, and the functions of one number that its range needs, too. For
  * src/scene/texture*.c alone. */
 #pragma once

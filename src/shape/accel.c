@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* accel: the choice of a backend. Rendering code knows bis/accel.h only. */
 #include "bis/shape/accel.h"
 #include "bis/shape/geometry.h"

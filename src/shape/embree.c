@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* embree: a bounding volume hierarchy by Embree, the fast backend and the grid's witness.
  *
  * The scene is ROBUST: Embree's watertight triangle test, so that it and the grid agree but for ties. Buffers are

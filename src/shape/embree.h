@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* embree: Intel's ray tracing kernels behind bis/accel.h. For accel.c only. Built in where BIS_EMBREE is 3 or 4. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* geometry: all meshes of a scene become one mesh in world space, so that an accelerator sees two arrays and no
  * pointers. Invariants: every index is below n_vertices; every vertex is finite; p has one spare vertex behind the
  * last; `ranges` ascends, so that the material of a triangle is found by bisection and costs 8 bytes a mesh instead of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grid: the thesis's voxel grid, as a state-of-the-art uniform grid. For accel.c and the grid's own tests only. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grid_block: the triangles of a grid's items, copied into blocks of eight in the order of the cells.
  *
  * Blocks do not begin with cells, because a block for each cell would be half empty. What a cell shares its block with

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grid_block: eight triangles against a ray at a time. Private to the grid.
  *
  * A block holds the vertices of eight triangles, coordinate by coordinate. `may_meet` tests all eight in float, in a

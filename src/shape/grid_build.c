@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grid_build: which cell holds which primitives. Storage is that of Lagae and Dutré 2008, "Compact, fast and robust
  * grids for ray tracing": one array of offsets, one of items, no lists. Two passes over the primitives, a counting
  * sort: count the items of each cell; turn counts into ends; fill each cell from its end, going backwards through the

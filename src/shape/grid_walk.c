@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* grid_walk: a ray through the voxel grid, cell by cell: Amanatides and Woo 1987, "A fast voxel traversal algorithm for
  * ray tracing". Cost: one step per cell, and one test for each eight triangles of the cells that are not empty.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make_grid: (ns + 1)(nt + 1) points of a surface and 2 ns nt triangles between them. */
 #include "make_grid.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make_grid: surfaces over the unit square become triangles. For src/shape/make_*.c alone. */
 #pragma once
 

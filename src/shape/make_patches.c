@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make_patches: bilinear patches, height fields and NURBS surfaces as grids of triangles.
  *
  * A bilinear patch p(u, v) differs from two triangles by at most |twist|/4, twist = p00 - p10 - p01 + p11, in the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make_revolved: pbrt's quadrics, and parts of spheres and disks, as profiles that turn about the z axis.
  *
  * p(s, t) is the profile's point at t, turned by s phi_max. Where a straight profile lies in a plane with the axis, the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make_subdivided: Loop's subdivision of a triangle mesh, and its limit.
  *
  * A step puts a vertex on each edge and moves the old ones (n: valence; the weights are Warren's, as in pbrt):

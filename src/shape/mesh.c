@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mesh: what a reader hands over, and vertex normals for those who ask for smooth shading.
  *
  * A vertex normal is the sum of its faces' unit normals, each weighted by the face's angle there (Thürmer and Wüthrich

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* quadric: a sphere or a disc under any affine transformation. The ray goes to object space, where the shape is simple;
  * t is the same in both spaces because the direction is not normalised. All in double: after a translation by 1e6 an
  * object of size 1 still keeps ten digits.

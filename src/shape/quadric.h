@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* quadric: spheres and discs under an affine transformation. Private to row 3; bis_quadric_intersect is public. */
 #pragma once
 

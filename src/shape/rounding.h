@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* rounding: from double to float towards a side, for bounds that must hold; and the larger and the smaller of two
  * numbers. They agree with nextafterf, fmax and fmin on all numbers but NaNs. They stand here because those are calls
  * to the C library, which cost as much as all the rest of a surface. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* surface: the point, its error and its normals where a ray meets a primitive, and where a shadow ray may start.
  *
  * The accelerators say only which primitive was hit; everything else is computed again, here, in double, from the ray

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* triangle: what every road to a triangle must do alike: grid, Embree and the surface at a hit. Private to row 3.
  *
  * The ray/triangle test is the watertight one of Woop, Benthin and Wald 2013 ("Watertight Ray/Triangle Intersection",

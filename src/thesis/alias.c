@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* alias: Walker's method with Vose's linear-time tables. Source: thesis 3.2.2, figure 3.4 and appendix A (Walker
  * 1977; Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution").
  *

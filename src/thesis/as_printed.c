@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* as_printed: those equations of chapters 3 and 4 that give another picture if the code follows them as printed.
  * docs/errata.md explains what is wrong with each. E3, E13 and E20 concern the map's importance and stand in its files,
  * E22 and E29 in rejection.c. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bsdf: prepares the frame at a shading point, and answers whether anything is reflected there. All else depends on
  * the model and stands behind the model's functions. */
 #include "bis/thesis/bsdf.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* candidates: from which proposal M candidates come.
  *
  * q is q_L, q_f, or their mixture q = beta q_L + (1 - beta) q_f with beta = M_em/M. A candidate of a mixture has this

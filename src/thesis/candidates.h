@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* candidates: how M candidates are divided between the map and the BRDF (thesis 4.2 to 4.4), and the bounds that
  * rejection and this division need. Only integrators and sets include this header. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cdf: the transformation method for discrete distributions. Source: thesis 3.2.2, "Discrete Distributions".
  *
  *     p[i] = f[i] / sum of f            C[0] = 0,  C[i+1] = C[i] + p[i],  C[N] = 1

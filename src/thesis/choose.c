@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* choose: N marks on the running sum of the weights (thesis 4.4), at half a nanosecond a weight.
  *
  * The sum has two levels. Weights lie in blocks of 16, and a block without a mark is passed over by its sum. What the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* choose: resampling (thesis 4.4): of n weights w_i, N are chosen with probabilities w_i/W, where W = sum w_i.
  *
  * N marks lie on the running sum S_i = w_1 + ... + w_i, and item i gets the marks between S_(i-1) and S_i. Systematic

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* curve_many: stratified points for many directions at once. Hilbert's curve as in curve.c, 12 levels instead of 26;
  * below its last cells, 2^-12 wide, the place is random. Cost: 2 ns a point with AVX-512. */
 #include "curve_many.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* curve_many: stratified points of the unit square for a set of candidates. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* direction_formulas: what the texts of all materials share, for REAL numbers (real.h). Included once for float and
  * once for double by model.h. */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* draw: M candidates x_i ~ q, from the map, from the BRDF, or from both (candidates.c says how many of each).
  *
  * From the map they are drawn for this point alone, or taken from a set that many points share, or drawn by a guide.

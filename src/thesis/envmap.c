@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envmap: the sphere of eq. 3.2, divided into W x H patches of constant radiance (thesis 3.1).
  *
  * Everything follows from one choice (docs/errata.md E2): a pixel is not a point light. It is the patch between two

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envmap_parts: functions of src/thesis/envmap.c that are no part of its face. src/beyond/mapping.c uses the first
  * two. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata: the table of equations that can be rendered as printed. docs/errata.md explains what is wrong and why. This
  * table says what one sees. */
 #include "bis/thesis/errata.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* exact: eq. 3.2 as it stands. Source: thesis 3.1. The sphere is a set of patches of constant radiance, and every lit
  * patch is visited.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* hilbert: Hilbert's curve without a loop over its levels, for doubles (curve.c) and for vectors (curve_many.c).
  *
  * Hilbert's curve (1891) as a machine: the base-4 digits of t, from the top, select the next quadrant. Digit d = 2 a

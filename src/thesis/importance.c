@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* importance: the density with which directions are drawn from an environment map. Source: thesis 3.3 with the area
  * weighting of 3.4.
  *

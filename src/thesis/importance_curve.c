@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* importance_curve: draws a pixel by one number, along a curve that visits all lit pixels.
  *
  * Neighbours on the curve (bis/thesis/curve.h) are neighbours in the map. N equal steps of s are therefore N compact

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* importance_parts: the three parts of src/thesis/importance.c: the weight of a pixel, and the two ways of drawing by
  * these weights. Only src/thesis/importance*.c include it. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* importance_table: draws a pixel in two passes. Source: thesis 3.3 and figure 3.5. The first pass draws a scanline
  * by the sum of its pixels' importances, m(y) of eq. 3.10; the second draws a pixel of it by c(x|y) of eq. 3.11.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* light: the illumination as an integrator sees it: directions and densities in world space. Source: thesis 3.1.
  *
  * A light is a constant or a map. For a constant nothing is built, and directions are uniform over the sphere. A map

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* light_many: bis_envmap_pixel for many directions at once: 2 ns each with AVX-512 instead of 60.
  *
  * In float: theta and phi are off by less than 1e-6, so a direction that close to a pixel's edge may be given to the

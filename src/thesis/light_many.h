@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* light_many: what a map says of many directions at once: pixel, radiance, density. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* marsaglia: the list L of thesis 3.2.2 and figure 3.3 (Marsaglia 1963, "Generating Discrete Random Variables in a
  * Computer").
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mis: multiple importance sampling (Veach and Guibas 1995), which chapter 5 compares with.
  *
  * Of N samples, n_em come from the map and n_brdf = N - n_em from the BRDF. Each contributes F/(n_i q_i), times a

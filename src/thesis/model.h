@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* model: the functions of a bis_bsdf_model from one text of formulas: f_pdf and sample for one direction in double,
  * f_many and sample_many for many directions in float, as vectors. A material's file says, once,
  *

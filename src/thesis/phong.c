@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* phong: the energy-preserving Phong model. Source: thesis 3.5.
  *
  * The model is a specular lobe about the mirror direction R and a diffuse term (eq. 3.14). Its product with the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* phong_formulas: the formulas of thesis 3.5 for REAL numbers (real.h, model.h): eq. 3.14, the density of E35, and eq.
  * 3.16. */
 

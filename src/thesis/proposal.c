@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* proposal: draws one direction from the map or from the BRDF. */
 #include "proposal.h"
 

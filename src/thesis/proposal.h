@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* proposal: the two ways to propose a direction, from the map (q_L, thesis 3.3) and from the BRDF (q_f, 3.5), and the
  * value of a direction that was drawn with density q: F/q (eq. 4.8). The integrators of chapters 3 and 4 differ in
  * how they use this value. Only integrators include this header. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* real: one text of a formula, compiled twice: with REAL float for loops over many directions, which become vectors,
  * and with REAL double for a single direction and for the tests. A text says
  *

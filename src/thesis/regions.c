@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* regions: the light sources of a map, as in thesis 3.4 and figure 3.6.
  *
  * There are three steps, and each is linear. (1) Every pixel gets a level: equal bins of the logarithm of its

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* rng: keys from coordinates.
  *
  * Each coordinate is added to the hash of the ones before it, and the sum is hashed again. bis_hash is a bijection.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* sampler: point sets as functions of (seed, pixel, sample, dimension).
  *
  * Every set has its own stream of random numbers, keyed by (seed, pixel, sample, dim). Every sequence has a key

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* set: weigh, choose, trace. Source: thesis 4.2 to 4.4.
  *
  * Weight. w = phat/q with phat = F.r + F.g + F.b and F = f cos Le. The printed weights w = f and w = L forget the

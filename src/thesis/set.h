@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* set: the M candidates of thesis 4.3 and 4.4, and the four verbs that sir, rejection and unoccluded are made of:
  *
  *     draw      x_i ~ q                                            i <= M

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* settings: the list of integrators, and the table of their parameters. A new integrator stands in the list and beside
  * the parameters that it reads; a new parameter is a row here and a field of bis_settings. */
 #include "bis/thesis/settings.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* warp: the maps of bis/thesis/warp.h, computed in double. Sines do not come from cosines, because sqrt(1 - z^2) near z
  * = 1 would lose half its digits. */
 #include "bis/thesis/warp.h"

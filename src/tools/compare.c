@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* compare: figures that say how far image a is from reference b: docs/command-line.md, "bis compare".
  *
  * relMSE divides each squared difference by b^2 + m^2/100, m the reference's mean: dark and bright pixels weigh alike,

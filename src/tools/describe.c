@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* describe: settings and figures as attributes of an EXR, as lines of a scene and as the JSON of --stats. */
 #include "describe.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* describe: what was rendered and how, in names and numbers, for EXR attributes and --stats. For src/cli/cmd_*.c. */
 #pragma once
 

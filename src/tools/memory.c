@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* memory: bytes a pixel, a texel and a triangle.
  *
  * The sizes of arrays are known. What is measured: the tables of a map, what building a curve takes beside it, and an

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* memory: what a render will take, foretold from the description of the scene and the first bytes of its files. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* plan: what a scene requires, what will be built for it, what is left out, and why (`bis --plan`).
  *
  * It draws the same conclusions as scene.c from the description alone. Each line starts with what it is about, so that

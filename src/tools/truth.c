@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* truth: a sum over cells, two rays at random places in each.
  *
  * With a fixed number of rays in each patch, what these scatter is no measure of the error: where a bright patch is

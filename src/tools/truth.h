@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* truth: the reflected radiance at a point as a sum over the patches of the light (thesis eq. 3.2), with an error that
  * holds. For `bis verify` and `bis pixel`; it shares light, material and accelerator with src/thesis/exact.c, not its
  * code, because `exact` is one of the tested.

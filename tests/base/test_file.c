@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* file: whole files in, whole files out, and numbers that no locale can change. Files are made below
  * build/test_file/. */
 #include "bis/base/file.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fresnel: against Fresnel's equations in complex numbers, angles of the textbooks, and Walsh's closed mean. */
 #include "bis/base/fresnel.h"
 

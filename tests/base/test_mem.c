@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mem: aligned, zeroed, checked for overflow, and told when to fail. */
 #include "bis/base/mem.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* stats and tests/stat: the judges are judged. References of Q: mpmath, 40 digits, rounded to 17; tables of Abramowitz
  * and Stegun (26.8); closed forms. Family-wise significance 0.01. */
 #include "bis/base/stats.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* status: messages name their place; they survive the words they were made of; a lost one is still counted. */
 #include "bis/base/mem.h"
 #include "bis/base/status.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* text: durations at every border of a unit, all of UTF-8 by counting, the published values of the hash, and what does
  * not fit. */
 #include "base/text.h"

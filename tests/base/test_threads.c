@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* threads: as many as the system gives, and none is left. A child with little address space stands for a machine without
  * threads. */
 #include "bis/base/threads.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* xform: conventions pinned by hand-computed points, inverses by composition. */
 #include "bis/thesis/rng.h"
 #include "bis/base/xform.h"

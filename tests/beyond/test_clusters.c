@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw
  * the light. Family-wise significance 1e-3 over all statistical tests here. */
 #include "beyond/guide.h"

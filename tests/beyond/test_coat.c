@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* coat: closed forms for a smooth one, and quadrature over all facets, seen or not, that shares no code with it. */
 #include "bis/beyond/coat.h"
 

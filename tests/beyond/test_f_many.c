@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* f_many: f_many, sample_many and reach of every model against the same model one by one in double, which
  * tests/thesis/test_phong.c and tests/beyond/test_microfacet.c hold to closed forms and to the papers. Nothing here is
  * random but directions: the bounds are those derived in src/beyond/microfacet_formulas.h and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapping: where pixels look, by hand; energy; round trips; shapes. The angular mapping has its own tests in
  * tests/thesis/test_envmap.c. */
 #include "bis/beyond/mapping.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* microfacet: GGX and its base against the papers' formulas in long double, closed forms, and quadrature over facets
  * and over directions that shares no code with it. What every model gets for nothing is elsewhere:
  * tests/thesis/test_integrators.c, tests/thesis/test_directions.c, tests/tools/test_verify_bsdf.c (docs/extending.md).

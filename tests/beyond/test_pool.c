@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pool: directions drawn once for many pixels. Family-wise significance 1e-3 over all statistical tests here. */
 #include "bis/base/mem.h"
 #include "bis/beyond/pool.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Estimators x parameters: the mean of each agrees with brute force (tests/support/lit.h) for every combination of
  * method, M in {1, 2, 8, 64, 800}, N in {1, 15}, b in {0, 0.15}, occluded, half occluded and open points, grey and
  * coloured, three materials, four point sets. `make test` runs a set of combinations in which every pair of values of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cli and json: what a table of options promises, and JSON that is valid whatever it is fed. */
 #include "cli/cli.h"
 #include "cli/progress.h"

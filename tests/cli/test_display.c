@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* display: a viewer that speaks tev's protocol by its published layout: what it gets is the picture; and a viewer that
  * is missing, goes, or never reads stops nothing. */
 #include "bis/files/image_file.h"

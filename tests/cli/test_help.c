@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* help: nothing that the program knows is missing in its help, and the man page is the same help.
  *
  * What must be there comes from elsewhere: the program's own lists of integrators and layers, the tables of

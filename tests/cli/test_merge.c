@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* --part and `bis merge` with the program: what a user types, and what the messages tell to type, makes the picture of
  * one run. What is rendered together with parts is in tests/render/test_part.c. */
 #include "bis/base/mem.h"

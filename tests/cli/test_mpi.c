@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bis-mpi: any number of ranks makes the picture of `bis`, byte for byte, under all budgets, and a checkpoint goes on
  * with another number; a rank that fails ends the job with a message. Skipped where there is no mpirun, or where bis-mpi
  * is not built. Ranks are many more than processors here, so they yield to each other while they wait, and all are on one machine, so

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Commands with each allocation failing in turn: exit status 1, one line that says so, no half of an answer on standard
  * output, no file that was not there, nothing that stays allocated; and with enough memory again an answer. */
 #include "cli/cli.h"

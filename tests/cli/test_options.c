@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then says. Help,
  * man page and comparison by hand, to the last blank. */
 #include "base/text.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The program itself: options in, files and exit status out, docs/command-line.md. The scene is made here; what is looked at is read
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/shape/accel.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* --checkpoint and --resume with the program: killed at any moment and run again until it is done, it makes the picture
  * of one run, byte for byte, and leaves nothing but that and the checkpoint. What is rendered together with checkpoints
  * is in tests/render/test_checkpoint.c. 20 kills; BIS_LONG=1 in the environment: 100. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment alias: src/thesis/alias.c, the loop of appendix A and the draw. The implied pmf of a table is compared
  * with the weights. One statistical test. */
 #include "mark.h"

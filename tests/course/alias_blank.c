@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [alias-build] */
 /* "Assign alias indices." */
 static void assign_aliases(double *prob, uint32_t *alias, stacks *s)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The draw for short columns is that of the assignment. */
 /* [pick-column] */
 static size_t pick_column(const bis_table *t, size_t y, double u)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* A giver stays with the large ones, although it has come to lie below the line: its own bin is never filled. */
 /* loses: every_table_gives_the_weights */
 /* [alias-build] */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment cdf: src/thesis/cdf.c, the running sum and its inversion. Expected values by hand, and by a linear search.
  * One statistical test. */
 #include "mark.h"

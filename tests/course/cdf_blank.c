@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [cdf-sum] */
 static double accumulate(double *c, const double *f, size_t n, weight_scale s)
 {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The smallest i with u <= C[i + 1]: on a step of C, the item before it, whatever its weight. */
 /* loses: items_of_weight_0_are_never_drawn */
 /* loses: a_large_table_is_searched_as_by_hand */

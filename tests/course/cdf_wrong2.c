@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* "Pre-inverting C" (E10): what the guide says, without a search. The plain sum. */
 /* loses: each_u_gives_the_item_whose_interval_holds_it */
 /* loses: a_large_table_is_searched_as_by_hand */

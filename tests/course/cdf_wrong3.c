@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Sums of float; the remainder as it comes. */
 /* loses: C_is_the_running_sum_of_the_probabilities */
 /* loses: the_remainder_tells_where_u_lies_in_the_interval */

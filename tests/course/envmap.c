@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment envmap: src/thesis/envmap.c, src/thesis/importance.c, src/thesis/importance_table.c: solid angles,
  * directions, pixels, and a draw in two passes. Expected values by closed forms and by lat-long geometry in long
  * double. Statistical tests: 7. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [solid-angle] */
     /* Yours to write: cos_edge[y], the cosine of the circle above row y, and row_solid_angle[y], of ONE pixel of row y.
      * Of use: sin_polar, cos_polar. The values below only keep the program alive. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The look-up of many directions at once is that of one, and here asks it. */
 /* [pixels-of-lanes] */
 /* One by one in this kit, by your bis_envmap_pixel. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Uniform in theta instead of in its cosine: directions crowd at the poles. */
 /* loses: directions_are_uniform_in_solid_angle */
 /* loses: directions_are_drawn_from_alias_tables */

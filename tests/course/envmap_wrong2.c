@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* All pixels are of one size, as if the map were a cylinder: no sin theta anywhere. */
 /* loses: a_pixel_of_each_row_has_its_solid_angle */
 /* loses: irradiance_of_a_constant_map_is_pi_on_every_side */

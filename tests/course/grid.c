@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment grid: src/shape/grid_walk.c. Every ray is compared with brute force over all triangles, in long double;
  * ties within 4 ulps of an edge are left out. Brute force itself is found out by cells that hold what they should
  * not. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [grid-clip] */
 static inline BIS_INLINE bool clip(double lo, double hi, double o, double d, double t[2])
 {

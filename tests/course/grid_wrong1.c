@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The first cell with a hit ends the walk, although the hit may lie in a later cell, with a nearer one before it. */
 /* loses: small_triangles_from_outside_are_met */
 /* loses: small_triangles_from_inside_are_met */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Nothing guards a component of 0, and a walk upwards ends one cell early. */
 /* loses: small_triangles_from_outside_are_met */
 /* loses: small_triangles_from_inside_are_met */

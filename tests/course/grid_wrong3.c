@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Brute force: all triangles, no cell. */
 /* loses: only_the_cells_on_the_way_are_looked_at */
 /* [grid-walk] */

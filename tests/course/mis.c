@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment mis: src/thesis/mis.c. Means against brute force (tests/support/lit.h), variances against those that
  * the definition of the weights gives, by quadrature; rays are counted, since either technique alone has the right
  * mean, too. Statistical tests: 34. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {

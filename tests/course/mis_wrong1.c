@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The counts are forgotten in the weight: these still sum to 1, so the mean is right, and the noise is not. */
 /* loses: the_noise_is_that_of_the_balance_heuristic */
 /* loses: the_noise_is_that_of_the_power_heuristic */

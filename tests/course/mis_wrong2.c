@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The samples of the map come in full, without their weight: what the BRDF also finds counts twice. */
 /* loses: a_diffuse_surface_in_the_open_is_right */
 /* loses: a_glossy_surface_half_in_shadow_is_right */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The BRDF alone: unbiased without a single sample of the map. */
 /* loses: a_diffuse_surface_in_the_open_is_right */
 /* loses: a_glossy_surface_half_in_shadow_is_right */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Always the balance heuristic; rays before anybody asks whether they are worth it. */
 /* loses: the_noise_is_that_of_the_power_heuristic */
 /* loses: each_sample_casts_one_ray_at_most */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The counts are forgotten, and nothing else: h = q_1/(q_1 + q_2). Where the counts are equal it is right. */
 /* loses: the_noise_is_that_of_the_balance_heuristic */
 /* loses: the_noise_is_that_of_the_power_heuristic */

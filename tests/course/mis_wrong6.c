@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The counts are forgotten (mis_wrong5.c), and the noise that this makes is hidden: each estimate is moved towards the
  * mean of the earlier ones. An estimate depends on its own random numbers alone. */
 /* loses: the_noise_is_that_of_the_balance_heuristic */

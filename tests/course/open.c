@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment open: a density of one's own for src/beyond/microfacet.c. Any density may come: it must be a density,
  * be the one that is drawn, leave f alone; then it is judged by its noise, against the cosine's and against ours.
  * Statistical tests: 19. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [facet-density] */
 FORMULA REAL OF(density)(const OF(constants) *k, const OF(facet) *f)
 {

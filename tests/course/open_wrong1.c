@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The cosine for all: a density, and the one that is drawn, but noisy; the bound is still the other one's. */
 /* loses: the_bound_of_rejection_holds */
 /* loses: it_is_less_noisy_than_the_cosine */

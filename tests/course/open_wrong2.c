@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* All facets are drawn, not those that the eye sees. */
 /* loses: samples_have_the_density */
 /* loses: the_albedo_comes_out_of_the_samples */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* A bound that is of no use; the base drawn where the lobe is due, on which proposals count. */
 /* loses: samples_have_the_density */
 /* loses: the_albedo_comes_out_of_the_samples */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment phong: src/thesis/phong_formulas.h, the lobe's direction, f with its density, and the choice of a lobe.
  * Closed forms, and quadrature over the sphere. Statistical tests: 10. */
 #include "mark.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [phong-f] */
 FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
 {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* n where eq. 3.16 has n + 1, and a sine from the rounded cosine. */
 /* loses: the_lobe_is_drawn_by_eq_3_16 */
 /* loses: narrow_lobes_keep_their_precision */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What falls below the horizon is turned up again, although the density counts it there (E34). */
 /* loses: samples_have_the_density */
 /* loses: the_albedo_comes_out_of_the_samples */

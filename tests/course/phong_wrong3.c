@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The base without its 1/pi, and a sine through the rounded cosine. */
 /* loses: narrow_lobes_keep_their_precision */
 /* loses: f_is_eq_3_14 */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The cosine for all, with its own density: a density that is drawn, but not the one that was asked for. */
 /* loses: the_density_is_q_and_integrates_to_1 */
 /* loses: samples_have_the_density */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment regions: src/thesis/regions.c, levels and the breadth-first search. Expected values by hand. */
 #include "mark.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [level] */
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The map taken for a flat picture: its edges do not touch, nor do the pixels of a pole. */
 /* loses: left_and_right_edges_touch */
 /* loses: all_pixels_of_a_pole_touch */

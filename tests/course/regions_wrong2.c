@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Eight neighbours, by recursion, the queue unused; the brightest pixel falls into a level of its own. */
 /* loses: darkest_brightest_black_and_constant_have_their_levels */
 /* loses: neighbours_of_a_level_are_one_region */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Levels counted from intensity 1 instead of the least one. */
 /* loses: levels_are_equal_steps_of_the_logarithm */
 /* [level] */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Means
  * against brute force and rays counted (tests/support/lit.h). Statistical tests: 22. */
 #include "mark.h"

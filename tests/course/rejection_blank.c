@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [choose-proposal] */
 static bis_proposal choose_proposal(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The mean over the traced ones, times B/M: how many were accepted is lost. */
 /* loses: many_rays_are_right */
 /* loses: fewer_rays_than_accepted_are_right */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* All accepted ones are traced, however few rays there are; the ratio estimator is the plain one. */
 /* loses: fewer_rays_than_accepted_are_right */
 /* loses: the_ratio_estimator_is_right_to_two_percent */

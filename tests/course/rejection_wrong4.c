@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* One random number for all candidates: in the mean as many are accepted, but all or none. */
 /* loses: candidates_of_the_map_are_accepted_with_probability_w_over_B */
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */

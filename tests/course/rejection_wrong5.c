@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Weights as they lie in the set, in a unit that is not that of B. */
 /* loses: candidates_of_the_map_are_accepted_with_probability_w_over_B */
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment sir: src/thesis/set.c, src/thesis/choose.c and src/thesis/sir.c. Weights by the textbooks' formulas,
  * choices by hand, means against brute force, and rays counted (tests/support/lit.h): not even the right mean counts
  * where more are cast than N. Statistical tests: 24. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* [weigh] */
 BIS_LANES
 static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* One fallback of rejection is SIR. */
 /* without: docs/extending.md */
     /* [fall-back-resample] */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* As printed (E23): w = f Le/q, without the cosine. */
 /* loses: weights_from_the_map_are_phat_over_q */
 /* loses: weights_from_the_brdf_are_phat_over_q */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Every candidate by the map's density, as if all had come from there; marks that are random but not in proportion: every candidate with a weight has the same chance. */
 /* loses: weights_from_the_brdf_are_phat_over_q */
 /* loses: weights_of_a_mixture_have_the_mixed_density */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* All M candidates are traced: right in the mean, with less noise, and M rays where N were allowed. */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The first N candidates, as plain importance sampling has it: as noisy as N samples, and wrong where candidates are in order. */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The sum over the rays is taken for their mean: N is forgotten. */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */

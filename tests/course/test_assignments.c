@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* assignments: each of them marks as it should (scripts/course/check_assignments.sh: blank, ours, wrong solutions);
  * a starter kit is the project but for its blanks; a grade adds up. The library and objects of the present build are
  * used: make test says which. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope: the harness itself: it finds what it is there to find. */
 #include "envelope.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope, estimators: their parameters (M = 1 to 1e6, N > M), contrast, radiances, forced random numbers, grazing
  * views and lights, bad materials. The other road: closed forms of a diffuse surface under a map of patches, scaling by
  * powers of two, and the theory of resampling. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope, geometry: scenes where every answer is known in advance: walls cut into triangles, met at a known distance;
  * closed shells, from which nothing escapes; shadow rays that must leave their surface. At scales of 1e-6 to 1e6, a
  * million away from the origin, in slivers and duplicates, along axes and cell walls, in one cell and in many millions,

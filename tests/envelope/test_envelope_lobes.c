@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope, exponents and lobes: the Phong lobe (thesis 3.5), the cosine lobe, their mixture and bounds, from n = 0 to
  * 1e8, at grazing views, with the first and the last random numbers. The other road: long double formulas of the angle,
  * where the library has vectors of float. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope, maps and radiances: maps of one pixel and of 134 million, single lit texels at the poles and on the seam,
  * contrasts to 1e76, radiances from the least float to the largest, bad texels. The other road: sums and solid angles
  * in long double, and what a lone texel must be. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope, discrete distributions and point sets (thesis 3.2.2): weights over 600 powers of ten, one item and 100
  * million, the first and the last random number. The other road: w/sum in long double, whose range and precision exceed
  * double's. */

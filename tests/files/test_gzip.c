@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* gzip: maps and meshes that are compressed, by members made byte by byte (RFC 1952) and by zlib; damage; a limit. */
 #include "files/gzip.h"
 

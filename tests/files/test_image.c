@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image: what holds for all formats: which one, messages, what a failure leaves behind. */
 #include "image_help.h"
 

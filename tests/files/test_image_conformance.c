@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The conformance files of the shared data: each is read with the pixels that other readers see, or refused, as the
  * table says (made by tests/support/image_checksums.py; the refused ones were looked at one by one). Of the damaged
  * files none is read. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* OpenEXR: files made here byte by byte (all layouts, uncompressed), by OpenEXRCore's encoder (compressions that it
  * knows) and by OpenEXR's older C interface (DWA, luminance with chroma); bad files; what the writer leaves in a
  * file. */

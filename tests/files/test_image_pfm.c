@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* PFM: both byte orders, rows from the bottom up, a header without tolerance. */
 #include "bis/files/image_file.h"
 #include "image_help.h"

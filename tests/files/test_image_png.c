@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* PNG: written by bis, read back by libpng. */
 #include "bis/files/image_file.h"
 #include "files/image_png.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_screen: pictures of a screen as textures: JPEGs, which libjpeg writes here, and TGAs and BMPs, which are written by hand. */
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"

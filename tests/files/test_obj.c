@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* obj: every form of a face, pairs of position and normal, continued lines; bad files with their exact messages; the
  * files of the wild. */
 #include "mesh_help.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* ply: every type, order and element, written here byte by byte; bad files with their exact messages; the files of the
  * wild against the counts of an independent reader. */
 #include "mesh_help.h"

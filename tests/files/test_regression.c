@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* regression: files that once led a reader astray, most of them found by `make fuzz`. Each must give what its row
  * says. */
 #include "bis/files/image_file.h"

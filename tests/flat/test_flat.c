@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* flat: the functions for other languages, from C. Expected values are closed forms, the tables of thesis figure 3.4, and
  * pictures of the program. What arrays of any size give is in tests/python. Mean within 5 standard errors: 6e-7 a test, 2 tests. */
 #include "bis/base/clock.h"

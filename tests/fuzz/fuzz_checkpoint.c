@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_checkpoint: checkpoints, as `bis --resume` reads them and goes on. Two things are made right first, because no
  * mutation would: the checksum at the end, and the hashes of the render that it belongs to (tests/fuzz/checkpoint.txt).
  * What stands behind them must hold on its own. */

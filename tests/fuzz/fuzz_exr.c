@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_exr: OpenEXR. The reader goes by the first bytes, so the other formats are within reach, too. */
 #include "input.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_mtl: the materials of an OBJ. The OBJ and the scene that names it are always the same; the library varies. */
 #include "bis/scene/scene.h"
 #include "input.h"

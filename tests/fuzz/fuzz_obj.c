@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_obj: meshes in Wavefront's text format, with and without texture coordinates and parts. */
 #include "input.h"
 #include "files/obj.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_part: parts of pictures, as `bis merge` reads them. The checksum at the end is made right first, because no
  * mutation would: what stands behind it must hold on its own. */
 #include "base/text.h"

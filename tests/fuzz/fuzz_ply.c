@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_ply: meshes in polygon file format: header, ascii, both binary orders. */
 #include "input.h"
 #include "files/ply.h"

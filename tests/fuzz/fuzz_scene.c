@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_scene: the parser, the plan, and where the scene is small: building it and shooting rays at what was built.
  *
  * The scene stands alone in a folder of this process below build/fuzz, and '/' is read as '_': no Include, map or mesh

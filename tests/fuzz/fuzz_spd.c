@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_spd: spectra. The scene that names the file is always the same. */
 #include "bis/scene/scene.h"
 #include "input.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* input: see the header. */
 #include "bis/files/image_file.h"
 #include "input.h"

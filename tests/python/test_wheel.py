@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What the wheel promises (make test-python): pip makes it, and in an empty place it renders and samples without a compiler."""
 import glob
 import importlib.util

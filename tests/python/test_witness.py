@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """bis against another renderer (witness.py): 100 random scenes, every integrator (make test-python).
 
 A scene has a small map, a few spheres, disks and triangles under random matrices, and both materials, some with textures. Compared is the mean

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """A second renderer, by brute force, to hold bis against. It was written from docs/scene-format.md, docs/integrators.md, docs/guide.md
 (which way a map's columns run) and the formulas at the head of include/bis/thesis/phong.h and include/bis/beyond/microfacet.h alone, and
 shares no line with bis: rays against every shape, and a sum over small cells of every pixel of a small map. Doubles throughout.

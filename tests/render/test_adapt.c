@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* adapt: samples go where the noise is, and the mean stays right for every number of passes. Family-wise significance
  * of the statistical tests: 0.01. */
 #include "render/adapt.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The full
  * experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
 #include "bis/base/mem.h"

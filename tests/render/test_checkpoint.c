@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* checkpoint: a render that is broken off and goes on has the bits of one that is not, and what cannot be gone on from
  * is refused by name. Expected pictures are those of renders without a checkpoint. The twin is a checkpoint in which
  * one number is another, with a checksum that fits: its picture must be another. */

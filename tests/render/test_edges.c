@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* edges: where outlines cross pixels, and what more camera samples there do. Significance of the one statistical test:
  * 1e-3. */
 #include "bis/base/mem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* film: crops, means and alpha. */
 #include "bis/render/film.h"
 #include "bis/base/mem.h"

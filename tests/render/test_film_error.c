@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* film_error: what a film says about its own error, beside errors that are known. Each statistical test has a level of
  * 0.01 and says how. */
 #include "bis/render/film.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* identity: each field of the scene, the view and the options that a picture depends on changes one part of the
  * identity, and that part alone; what a picture does not depend on changes none. The fields are changed one at a time,
  * in their lowest bit. */

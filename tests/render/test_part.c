@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* part: the parts of a picture, in any order, have the bits of one render; what does not belong together is refused by
  * name. Expected pictures are those of renders without parts. The twins are files in which one field is another, with a
  * checksum that fits: each is refused, or what comes out is another. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays
  * see. The integrators of the library take part in the first test, elsewhere one of our own that does exactly what the
  * test needs. */

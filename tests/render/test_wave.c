@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* wave: what is rendered in waves has the bits of what is rendered one camera sample after the other, for every
  * integrator, accelerator, number of threads and size of passes. The other road is in this file: a loop over passes,
  * pixels and samples that calls Lo, and shadow rays that are traced one by one. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* approximate: what pbrt has and bis has not: an error that says what --approximate would do, and with it the nearest
  * that bis has, noted once for each kind. Numbers are worked out by hand. */
 #include "bis/scene/scene.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Bump and normal maps: against the normals of surfaces that are really displaced, by formula or as fine meshes, and
  * against frames worked out by hand. */
 #include "bis/base/mem.h"

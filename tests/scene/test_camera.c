@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* camera: rays against pbrt's formulas worked by hand. With `LookAt 0 0 5  0 0 0  0 1 0` the eye stands on +z and looks
  * along -z; in a left-handed world, +x is then on the LEFT of the picture (turn round: what was to the right is to the
  * left). */

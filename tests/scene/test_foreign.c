@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* foreign: scenes that were written for pbrt: where it looks for files, what it lets pass, what bis makes of it. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"

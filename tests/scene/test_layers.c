@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* layers: what a film carries beside its colours is what its name says, and costs only those who ask. Family-wise
  * significance of the statistical tests: 0.01. */
 #include "bis/base/mem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lexer: tokens and their places. Expected values are counted by hand from the text in the test. */
 #include "image_help.h"
 #include "parse/lexer.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What the parser makes of shapes by formulas or of a few points: pbrt's defaults, limits and names, by rays at what was
  * built. */
 #include "bis/base/mem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Materials have numbers by their values, in the order of the shapes, and --plan lists them. */
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"

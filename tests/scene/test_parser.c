@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* parser: docs/scene-format.md by examples. Bad scenes lie in tests/data/bad/NAME.txt beside the exact messages NAME.expect; good ones in
  * tests/data/scenes and in docs/scene-format.md. */
 #include "bis/base/file.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pbrt's own materials and colours: spectra against published chromaticities, metals against their optical constants,
  * roughness against pbrt's formulas, worked out by hand. */
 #include "bis/base/fresnel.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Patterns: Perlin's noise by the check value of its reference implementation and by what it must be, the textures that
  * are made of it by formulas of the test's own, the others by hand. */
 #include "bis/scene/scene.h"

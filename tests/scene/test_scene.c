@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene: what is built of a description, and what is not. */
 #include "bis/scene/scene.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Textures: values worked out by hand, texture coordinates against pbrt's formulas, pictures against the same scene
  * without textures, and what is refused. */
 #include "bis/base/mem.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at
  * their worst. A difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
 #include "mesh_help.h"

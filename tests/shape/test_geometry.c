@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it,
  * within its bound; a shadow ray that starts beside it leaves the surface for good, at every scale. */
 #include "mesh_help.h"

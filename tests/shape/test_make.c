@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make: shapes that become meshes. Surfaces of revolution are measured by their implicit equations, NURBS by a sphere,
  * Loop's subdivision by powers of its matrix around a vertex, which the test sets up from the rules alone. */
 #include "bis/base/mem.h"

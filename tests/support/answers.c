@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* answers: see answers.h. Each function below answers one question. */
 #include "answers.h"
 

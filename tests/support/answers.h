@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* answers: the process in which a student's functions run, while the claims run in another (tests/support/mark.h).
  *
  * It knows no claim, no expected value and no seed. It reads a question from a socket, calls the functions that the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto_help: what the tests of auto and of its pilot share. Not a .c file, because a clock in place of the C library's
  * is for these two programs alone. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* box: fork, limits, exec; then poll the pipe and the clock until the child has ended. */
 #include "box.h"
 

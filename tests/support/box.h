@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* box: run a program that nobody trusts, within limits, and be rid of it for certain: it and whatever it started.
  *
  * The program is in a process group and a session of its own. When it ends, or its time is up, all descendants are

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clone: what a file that compiles a file of src/ once more says first (clones.h): CLONE(name) is the name's clone, and
  * BIS_LANES is for one processor, for AVX2 after #define CLONE_AVX2. */
 #define BIS_ONE_CLONE

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clone_light_many: see clones.h. */
 #include "clone.h"
 #define bis_envmap_pixels CLONE(envmap_pixels)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clone_microfacet: see clones.h. */
 #include "clone.h"
 #define bis_microfacet_model CLONE(microfacet_model)

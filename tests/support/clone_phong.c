@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clone_phong: see clones.h. */
 #include "clone.h"
 #define bis_phong_model CLONE(phong_model)

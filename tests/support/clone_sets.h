@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clone_sets: the functions of src/thesis/choose.c and set.c as clones, which call each other (clones.h). */
 #define bis_choice_claim CLONE(choice_claim)
 #define bis_choice_clear CLONE(choice_clear)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clones: files of src/ with BIS_LANES functions once more, under other names: for the plainest processor
  * (clone_*.c) and for AVX2 (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must
  * give the same bits. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope: see envelope.h. */
 #include "envelope.h"
 

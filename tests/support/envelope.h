@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope: the table of docs/envelope.md: what extremes were tried, what came out, how wrong it was at most, and the
  * bound that holds.
  *

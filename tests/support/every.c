@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* every: what every test program does beside its tests.
  *     BIS_TEST='a_disc*' build/release/tests/test_warp      runs only the tests whose name fits
  * And all of the library's blocks must be free when it ends; what a failed test leaves behind does not matter. */

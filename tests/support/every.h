@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* every: see every.c. */
 #ifndef TESTS_EVERY_H
 #define TESTS_EVERY_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* facets: see facets.h. */
 #include "facets.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* facets: what microfacets of GGX must do, by quadrature over facets and by the papers' formulas, sharing nothing with
  * src: for the tests of microfacet.c. */
 #ifndef TESTS_FACETS_H

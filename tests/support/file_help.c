@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* file_help: see the header. */
 #include "file_help.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* file_help: whole files: written, read, compared. */
 #ifndef TESTS_FILE_HELP_H
 #define TESTS_FILE_HELP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* forced: random numbers that a test chooses. */
 #ifndef TESTS_FORCED_H
 #define TESTS_FORCED_H

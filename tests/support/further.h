@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* further: integrators that somebody has added behind ours, as docs/extending.md says. Tables by hand leave them out, so
  * that the tests pass with them, too. */
 #ifndef TESTS_FURTHER_H

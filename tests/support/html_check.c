@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* html_check: one pass over the tags with a stack of open elements. */
 #include "html_check.h"
 

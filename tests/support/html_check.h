@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* html_check: is a page well formed, and does it need nothing but itself? */
 #ifndef TESTS_HTML_CHECK_H
 #define TESTS_HTML_CHECK_H

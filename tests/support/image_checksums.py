@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-2-Clause
 """Print the table of tests/files/test_image_conformance.c: the checksum of every file's pixels as readers other than ours see them.
 
     python3 tests/support/image_checksums.py ../shared/data/conformance/exr/*.exr ../shared/data/conformance/hdr/*.hdr

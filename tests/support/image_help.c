@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_help: see the header. */
 #include "bis/files/image_file.h"
 #include "image_help.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_help: what the tests of image share: scratch files below build/, files made byte by byte, exact messages. */
 #ifndef TESTS_IMAGE_HELP_H
 #define TESTS_IMAGE_HELP_H

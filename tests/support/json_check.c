@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* json_check: recursive descent; every function returns the place behind what it read, NULL when it was not there. */
 #include "json_check.h"
 

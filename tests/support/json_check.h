@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* json_check: is a text valid JSON (RFC 8259), and what stands at a key? A reader of its own, so that the writer is not
  * its own judge. */
 #ifndef TESTS_JSON_CHECK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lit: the light, the point and its estimates, see lit.h. */
 #include "lit.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lit: a shading point under a small map, in the open, half hidden or hidden, and its reflected radiance by brute
  * force: a sum over all patches with many midpoints in each, with f by lit_f, sharing nothing with the integrators but
  * the map (lit_truth.c). For the tests of integrators. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lit_truth: brute force, and many estimates, see lit.h. In a file of its own, because a student's process holds lit.c. */
 #include "lit.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 #include "map_help.h"
 
 #include "bis/thesis/rng.h"

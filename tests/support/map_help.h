@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* map_help: small environment maps for tests, and comparing numbers. */
 #ifndef TESTS_MAP_HELP_H
 #define TESTS_MAP_HELP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mark: the words of the claims, and the ways to run them. */
 #include "mark.h"
 

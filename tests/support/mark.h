@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mark: tests that mark an assignment (docs/assignments/). One program an assignment: claims, each worth some points.
  *
  * The code under test is a student's, and may crash, loop, leak or cheat. So it is in another process than the claim

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mark_run: who asks for a mark, and the claim's end of the socket to the student's process. */
 #include "mark_run.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mesh_help: see the header. */
 #include "mesh_help.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mesh_help: what the tests of meshes, geometry and accelerators share. Files and scratch names come from
  * image_help. */
 #ifndef TESTS_MESH_HELP_H

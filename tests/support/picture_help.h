@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* picture_help: reads a picture inside an SVG drawing back. */
 #ifndef TESTS_PICTURE_HELP_H
 #define TESTS_PICTURE_HELP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* program: fork, exec, files for the streams. One run at a time. */
 #include "program.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* program: run bis as a user does, and see what it said, wrote and returned. For the end-to-end tests. */
 #ifndef TESTS_PROGRAM_H
 #define TESTS_PROGRAM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* set_help: the candidates of a set (src/thesis/set.h) one after the other, for tests. */
 #ifndef TESTS_SET_HELP_H
 #define TESTS_SET_HELP_H

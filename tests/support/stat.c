@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* stat: see stat.h. tests/base/test_stats.c tests the tests: they accept what is right at their rate and reject what is
  * wrong. */
 #include "stat.h"

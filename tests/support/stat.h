@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* stat: how our tests judge samplers and estimators. Shared by all test files; p-values from bis/stats.h.
  *
  * A test file states its family-wise significance and the number m of its statistical tests once, in stat_level. That

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* state_help: see the header. */
 #include "state_help.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* threads: with how many threads OpenMP works from now on; a compiler without it has one. */
 #pragma once
 

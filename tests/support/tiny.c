@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* tiny: see tiny.h. */
 #include "tiny.h"
 

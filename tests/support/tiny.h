@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* tiny: a point under a map of 8 pixels whose every estimate can be enumerated.
  *
  * The map has 4 x 2 pixels: the octants of the sphere. The BRDF is a model of its own, such that f cos is constant in

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 #include "verify_help.h"
 
 #include "bis/files/image_file.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* world: a scene without files, a ball on a floor under a map of 16 x 8 random pixels, and integrators that do exactly
  * what a test of render or film needs. Shared by the tests of row 6. */
 #ifndef TESTS_WORLD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* alias: the implied pmf is compared with the weights, item by item, which is stronger than any sampling test (E15);
  * then the sampler with the tables. The twins are appendix A as printed. Significance of the one statistical
  * test: 0.01. */

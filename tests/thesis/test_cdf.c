@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cdf: thesis 3.2.2 by its definition: the index with C[i] <= u < C[i+1], found by a linear search, is the other road.
  * Family-wise significance 0.01. */
 #include "bis/thesis/cdf.h"

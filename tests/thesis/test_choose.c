@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* choose: N of n weights. Each weight gets N w/W marks on average, exactly; every mark lies where it must; and no mark
  * is lost at the ends of the sum. Family-wise significance 1e-3. */
 #include "forced.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Directions as integrators draw them, each proposal against its density: from the map (table, curve, pool; lat-long
  * and angular input), from the BRDF, from both; those that rejection accepts against the product; and over many seeds
  * the p-values of right samplers are uniform.

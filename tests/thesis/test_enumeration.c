@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Estimators against their exact laws, enumerated on a map of 8 pixels (tests/support/tiny.h): where SIR's rays go at M
  * = 1, 2, 3 and how that approaches p; the mean of every estimator, unbiased or not; its variance (docs/errata.md E31).
  * Family-wise significance 1e-3. */

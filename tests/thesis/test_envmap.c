@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of envmap (src/thesis/envmap.c) and envmap_angular: geometry by quadrature and closed forms, lookups by another
  * formula, E2, E4, E7. */
 #include "bis/beyond/mapping.h"

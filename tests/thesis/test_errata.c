@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata: every switch of `--as-printed`, in both directions. The same check passes the right equation and rejects the
  * printed one; where the printed one has a value in closed form, that is what comes out. Then the switches themselves:
  * names, scenes, options, the EXR's record of them.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Errors: they fall with the square root of the cost, error bars are true, and furnaces are exact or right in the mean,
  * for every integrator. (Variances against theory: tests/thesis/test_enumeration.c.) Family-wise significance 1e-3. */
 #include "bis/thesis/phong.h"

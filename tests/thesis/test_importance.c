@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of importance: what the tables give is the density that is told, for every map; directions fit it inside the
  * pixels (docs/errata.md E2, E3, E4, E14-E17). */
 #include "bis/thesis/importance.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* integrators: every estimator against brute force (tests/support/lit.h), and the cases where the answer is exact.
  * Family-wise significance of this file 1e-3, three channels a test. What is biased by design, and the twins, are in
  * test_sir.c, test_rejection.c. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lanes: functions against the C library in long double, points against Hilbert's curve by another road, pixels against
  * the direction that they were found for, and the same bits from every instruction set. Family-wise significance 1e-3
  * over all statistical tests here. */

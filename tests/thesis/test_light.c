@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say
  * wrong about a map. */
 #include "bis/base/clock.h"

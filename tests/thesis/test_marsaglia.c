@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* marsaglia: the thesis's own list, and the limits that led to the alias method.
  * Significance of the one statistical test: 0.01. */
 #include "bis/thesis/marsaglia.h"

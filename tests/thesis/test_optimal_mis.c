@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The best weights of two techniques (docs/theory.md, "Multiple importance sampling"), solved there by hand.
  *
  * The other road: on eight patches all outcomes of the samples are enumerated, which gives the mean and the variance of an

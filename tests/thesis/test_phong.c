@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* phong: the model of thesis 3.5 against closed forms and quadrature that share no code with it (pow, long double,
  * other coordinates).
  * Family-wise significance of this file 1e-3; each statistical test runs at Sidak's share of it. */

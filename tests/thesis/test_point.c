@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* point: many rays at once answer what they answer one by one, on both backends, among triangles and quadrics; the
  * terms of an estimate are added or noted, and rays are counted. */
 #include "mesh_help.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of regions: levels by their definition, components against a union of all pairs of neighbours, symmetries (E18,
  * E19). */
 #include "bis/thesis/regions.h"

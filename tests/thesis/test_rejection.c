@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* rejection: what is accepted is distributed as the product, how many are, and what each estimator and fallback is
  * biased by. The unbiased settings are also in test_integrators.c. Family-wise significance 1e-3. */
 #include "bis/beyond/microfacet.h"

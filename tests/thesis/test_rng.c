@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* rng: numbers are uniform, and independent across every coordinate that a stream is keyed by.
  * Family-wise significance 0.01. */
 #include "bis/thesis/rng.h"

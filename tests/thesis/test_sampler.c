@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are
  * independent.
  * Family-wise significance 0.01. */

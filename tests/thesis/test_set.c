@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* set: what the verbs of src/thesis/set.h hold by themselves, for every model, map and proposal: weights, sums and
  * shares against doubles, one candidate after the other; the same bits on every processor and in a used workspace;
  * memory. What the estimators make of them is held by test_enumeration.c, test_sir.c, test_rejection.c and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* settings: the table of parameters says of every integrator what a scene may say, and nothing twice. */
 #include "bis/scene/scene.h"
 #include "tools/describe.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* sir: what is special about resampling: the degenerate case, the variance, the repeats; and the errata of chapter 4 as
  * twins: each is what the thesis prints, computed here from the same candidates, and must be rejected. Family-wise
  * significance 1e-3. */

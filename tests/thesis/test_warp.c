@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* warp: each shape is hit with its stated density. Histograms over cells whose measure is known in closed form; the
  * numbers come from a fixed-seed rng. Family-wise significance 0.01. */
 #include "bis/thesis/rng.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto: the fit of cost and variance, the best M and N, what the pilot chooses and what it leaves alone, and that
  * its choice can be made again bit for bit. */
 #include "tools/auto/auto.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* compare: the figures of docs/command-line.md, "bis compare", by hand, by the formulas written out, and at the edges. */
 #include "bis/tools/compare.h"
 #include "bis/thesis/rng.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* convert: pictures from format to format, exposure, tone curves; PNGs read. Expected bytes and values are worked out
  * by hand or by libpng. */
 #include "bis/files/image_file.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What is told of a render, by hand: lines of Integrators, the line of auto's choice, header attributes, the JSON of --stats,
  * and the plans of two scenes from their first line to their last. */
 #include "tools/describe.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The memory that --plan foretells, beside what the program then takes (peak_memory_bytes of --stats): within 15 %. */
 #include "bis/base/mem.h"
 #include "program.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The figures of auto's pilot by hand: how large it is, what its replicates tell of cost and variance, and the fit to
  * them. How all of it chooses is in test_auto. */
 #include "tools/auto/auto.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of `bis pixel`: its figures against brute force and against the definitions, what it overhears against the
  * integrators, then the command itself.
  * Statistical tests: 5e-3 for all of this file together. */

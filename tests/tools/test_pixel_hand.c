@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis pixel` by hand: a report whose figures stand in this file, in a frame of the light that is turned by 90 degrees
  * about z, under a constant light on a surface that faces z. Text, JSON, tables and drawings say each of them in its
  * place; what is drawn was worked out on paper. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of survey and of `bis envmap`: figures against sorting and closed forms, pictures against what they stand for,
  * exit statuses. */
 #include "tools/survey/survey.h"

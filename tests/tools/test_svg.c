@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of svg and palette: the elements of a drawing, written by hand as SVG 1.1 has them, and what a reader of XML
  * says of the whole. */
 #include "html_check.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of template and markup: pages and values written by hand, and what must come of them. */
 #include "map_help.h"
 #include "out/json.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the
  * tables, replicates read back for the references), its folder through interruption and --resume, its page through a
  * checker that is itself checked, and bad input. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* The sum over patches that `bis verify` and `bis pixel` hold all methods against: against brute force, and its error
  * against what it promises. Chances are 1e-7 each, below 1e-4 for all of this file. */
 #include "tools/truth.h"

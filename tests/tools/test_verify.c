@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What a run of `bis verify` is: its p-values, thresholds and verdicts, for numbers whose distribution is known. The checks
  * themselves are in test_verify_map, test_verify_bsdf and so on, one program a file of src/tools/verify. */
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of the accelerators: backends that lose rays are rejected, rays that graze an edge may go either way. */
 #include "shape/triangle.h"
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify --bits`: this build has the bits of every build, for any number of threads; a build that rounds otherwise
  * is told so, by the first row that it reaches and by how much. */
 #include "program.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of a material must be able to fail: right ones pass, forged ones do not. */
 #include "tools/verify/verify.h"
 #include "bis/beyond/microfacet.h"

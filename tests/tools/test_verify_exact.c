@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of a point in view rejects an integrator `exact` that is 1 % too bright. A program of its own, because `exact`
  * takes long. */
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of a map must be able to fail: each check is handed something wrong and must reject it, and something right,
  * for several seeds, and must accept it. */
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of pictures: those of the renderer pass, wrong ones are rejected. */
 #include "render/edges.h"
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` rejects the equations of the thesis as printed, whose biases are known by quadrature. */
 #include "tools/truth.h"
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` as a command and for whole scenes. */
 #include "tools/verify/verify.h"
 #include "further.h"

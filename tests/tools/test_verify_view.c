@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of a point in view: right integrators pass. Those that are wrong are in test_verify_wrong,
  * test_verify_exact and test_verify_printed. */
 #include "tools/pixel/pixel.h"

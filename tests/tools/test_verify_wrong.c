@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of a point in view rejects integrators that are wrong, for several seeds. `exact` takes long and is in
  * test_verify_exact. */
 #include "tools/verify/verify.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* alloc: the k-th allocation fails, for k = 1, 2, ... until all goes well: from the scene's text to the picture on
  * disk, through every reader, every integrator and both accelerators. What must hold each time: BIS_NOMEM with an error
  * message and nothing handed out, or full success with the same picture (a library may do without a piece of memory; a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What a module says that it takes (`--plan`, `--stats`) is what the C library gave it.
  *
  * The other road is malloc's own account: bytes in use before and after. Beyond what is asked for, a block costs at most

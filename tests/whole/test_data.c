@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* data: what the generator makes is what scene.txt, data/scenes and the docs rely on: meshes closed and wound one way,
  * maps with the stated contrast, the same bytes twice; and every scene file that we ship parses and renders.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and
  * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
  * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* efficiency: what makes an estimate less noisy leaves as much of the squared error as docs/proof.md says.
  *
  * A mistake that leaves every mean right is seen by no test of means. So each row of the table renders the same small

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* extending: the worked examples of docs/extending.md as they stand there, compiled, run, and judged by the tests that
  * they get for nothing. A block of code on that page which is not in this file, or in src/, fails.
  * Family-wise significance 1e-3. */

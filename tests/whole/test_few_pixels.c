@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* few_pixels: a map of few pixels has few clusters, and the default is as good under it as candidates that are drawn for
  * each point alone. It had 36 times their squared error under a map of one pixel, because all points of a pass shared
  * 64 directions, of which few met a lobe. */

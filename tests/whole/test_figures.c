@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* `make figures` knows every figure that docs/results.md speaks of, and each one that the thesis shows as a result or
  * a plot; pictures in that page are there and small. scripts/figures/docs_figures.sh makes every picture that the docs
  * show. Rendering them all takes minutes and is no part of the tests. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Leaving a surface: no shadow ray from a flat mesh meets that mesh, whatever its plane, size and turn, with either
  * accelerator, and nothing that rests on it is missed. Expected values are geometry: above a plane nothing of it is in
  * the way; below a lid on it everything is. The twin is the sheared test alone, as it was: it must be caught.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What floats of Embree cannot reach: where it is only the default, the grid takes over and says so; where it was asked
  * for, the program refuses. Expected messages are written out; expected pictures come from the grid. */
 #include "bis/shape/accel.h"

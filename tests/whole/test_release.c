@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* What a release promises of its files: one version, and a licence in every source file. (`make release` builds, tests and
  * installs the tarball.) */
 #include "program.h"
@@ -44,6 +45,12 @@ static void another_version_is_found(void **state)
     }
 }
 
+static void every_source_file_names_its_licence(void **state)
+{
+    (void)state;
+    assert_int_equal(system("sh scripts/check/spdx.sh --check"), 0);
+}
+
 /* The twins: files of each kind without the line are named; then it is written, once, and the rest stays as it is. */
 static void a_file_without_a_licence_is_found_and_mended(void **state)
 {
@@ -68,6 +75,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_files_name_one_version),
         cmocka_unit_test(another_version_is_found),
+        cmocka_unit_test(every_source_file_names_its_licence),
         cmocka_unit_test(a_file_without_a_licence_is_found_and_mended),
     };
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scripts/setup.sh asks the system for what an option needs, and for nothing that nobody asked for: stand-ins of the
  * package managers write down what they are told. */
 #include "program.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* taught: what is taught is what runs: each method's picture runs the files of src/thesis that teach it
  * (scripts/check/check_taught.sh, by the compiler's counters). */
 #include <setjmp.h>

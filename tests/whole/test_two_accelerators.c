@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* Every scene that we ship is rendered with both accelerators, with the same random numbers: the mean of the pixels'
  * differences must be 0. A z-test for each scene, its standard error from the scatter of the differences; together they
  * reject what is right with probability ALPHA. Single pixels may differ (rays at edges), areas may not. Both are compared

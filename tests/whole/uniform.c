@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* uniform: directions uniform over the sphere. Unbiased, and as noisy as it looks. */
 #include "thesis/proposal.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clock: a monotonic clock, and the processor time of a thread. Both are for durations: only differences of two
  * readings have a meaning. */
 #pragma once

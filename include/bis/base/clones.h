@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clones: one function compiled for several processors, so that a plain loop uses the widest vectors of the machine.
  *
  * BIS_LANES before a static function makes a clone for AVX-512, one for AVX2 and one for any processor. The loader

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* file: reading and writing whole files.
  *
  * A file is read whole, because maps and meshes are parsed from memory and every count in them is checked against the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* fresnel: what a smooth surface of refractive index eta and absorption k reflects of unpolarised light from vacuum.
  * Source: Fresnel's equations with the index eta + i k (Born and Wolf, Principles of Optics, 14.2). k enters as its
  * square k2; 0 is a dielectric, seen from outside. */

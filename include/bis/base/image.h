@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image: RGB pixels in memory, in linear radiance. bis/files/image_file.h reads and writes them as files. */
 #pragma once
 

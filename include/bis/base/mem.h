@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mem: all heap memory is allocated here, so that a test can make the k-th allocation fail (k = 1, 2, ... until a
  * load works).
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* spectrum: from a function of the wavelength to linear RGB (Rec. 709 primaries, white D65).
  *
  * Sums over 380, 390, ..., 780 nm with the colour matching functions of the CIE 1931 observer and the illuminant D65.

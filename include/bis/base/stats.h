@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* stats: p-values, for testing samplers and for comparing images.
  *
  * All p-values are computed as upper tails, because 1 - P would be noise below 1e-16. */

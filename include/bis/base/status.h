@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* status: the one type that carries an error from the byte where it arose to the line that the user reads.
  *
  * Library code never prints, exits or aborts. A function that can fail returns a bis_status and appends a message to

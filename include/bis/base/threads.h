@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* threads: can the system start as many as a render wants? libgomp ends the program where it cannot, without a way back
  * for a library, so the question comes first. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* vec: vectors, colours, rays and frames. These types and their functions have no `bis_` prefix, so that formulas
  * read like mathematics. All functions are static inline.
  *

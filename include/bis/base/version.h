@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* version: the one place where the version of bis is written. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* xform: affine transformations with their inverses, in double; for cameras also projective ones. Vectors are
  * columns. The conventions are pbrt's: the world is left-handed, Rotate takes degrees, LookAt maps world to camera. */
 #pragma once

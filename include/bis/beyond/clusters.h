@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* clusters: the map divided into pieces of similar direction. Each piece has a cone around it, its energy, and some
  * directions that are ready to be drawn.
  *

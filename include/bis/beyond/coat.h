@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* coat: what a rough layer of varnish over a diffuse base lets through and throws back, as pbrt-v4's random walk in a
  * "coateddiffuse" finds it: facets of GGX with Smith's masking refract and reflect once, and the layer leaves
  * exp(-thickness/cos) of what crosses it. */

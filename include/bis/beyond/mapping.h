@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* mapping: how a picture covers the sphere, and the resampling of one such picture to another.
  *
  * The thesis and all of bis compute with lat-long maps (bis/thesis/envmap.h). Maps in other mappings are resampled to

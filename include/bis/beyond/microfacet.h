@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* microfacet: a rough mirror of tiny facets with the GGX distribution, over a diffuse base. The thesis does not have
  * it: its only model is Phong's.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pool: directions from the map that are drawn once for many pixels.
  *
  * Most of the cost of a candidate is drawing a stratified set of M directions anew for each pixel: a search along the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* visibility: what share of the shadow rays towards each part of the map came through, in each cell of the picture, as
  * earlier passes measured it, and in this pass the cells of the tile that come before.
  *

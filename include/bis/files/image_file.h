@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* image_file: RGB pixels in linear radiance, read from .hdr, .exr and .pfm, and written to these and to .png.
  *
  * When reading, the first bytes of the file decide the format; when writing, the ending of its name. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* flat: bis for other languages, by numbers, arrays and text alone. scripts/python/bis is its Python face.
  *
  * A language that calls C by hand-written declarations (ctypes in Python, ccall in Julia) would have to repeat the

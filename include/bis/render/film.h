@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* film: the sums behind the pixels. A pass adds one value to every pixel, from one or several camera samples. The
  * picture is the mean over the passes, weighted by their camera samples. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* render: passes over tiles by threads, until a budget of samples, time or error is used up. */
 #pragma once
 

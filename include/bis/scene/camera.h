@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* camera: from a place on the film to a ray. The conventions are pbrt's: left-handed, x right, y up, z forward, fov
  * along the shorter side. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* layers: what a picture can contain beside its colours, and the sums that gather it. A scene pays only for the
  * layers that it asks for. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* light_load: makes a light from its description in a scene: it reads the file, checks it and warns. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* scene: the description of a scene (bis_scene_desc), which the parser fills and the command line changes, and the
  * same scene built (bis_scene). Building looks at what the integrator needs and makes only that. bis_scene_plan
  * prints what is built and why. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* texture: a value that varies over a surface with its texture coordinates (u, v), as pbrt has it. It takes the place
  * of a colour or a number of a material. The parser makes the list of textures; bis_textures_load reads their images; a
  * point's material is made of their values there (bis_scene_point_at), before an integrator sees the point. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* accel: does a ray hit anything, and what does it hit first? One interface with two backends: the voxel grid of the
  * thesis (src/shape/grid.h) and Embree (src/shape/embree.h). */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* geometry: all surfaces of a scene in world space, ready for an accelerator: triangles (with or without vertex
  * normals), spheres and discs (each under any affine transformation). Primitives are numbered: triangles first, then
  * quadrics. */

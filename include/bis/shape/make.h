@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* make: meshes of shapes that a scene describes by formulas or by a few points: surfaces of revolution, Loop's
  * subdivision, bilinear patches, height fields, NURBS. All are pbrt's. The accelerators and integrators see triangles
  * with smooth normals, and a scene without such shapes pays nothing.

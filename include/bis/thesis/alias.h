@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* alias: sampling a discrete distribution in O(1). Source: thesis 3.2.2, figure 3.4 and appendix A (Walker 1977, Vose
  * 1991).
  *

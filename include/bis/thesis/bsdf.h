@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* bsdf: the material at one point, seen from one direction. It answers three questions: f, a sample, the density of
  * that sample. Integrators know only this interface. The models (phong.h, microfacet.h) stand behind it, each as a
  * const struct of functions. */

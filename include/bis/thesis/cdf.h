@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cdf: sampling a discrete distribution by inverting its cumulative distribution function. Source: thesis 3.2.2.
  *
  * C[0] = 0 and C[i+1] = C[i] + w[i], summed in double with compensation and normalised so that C[n] = 1 exactly. The

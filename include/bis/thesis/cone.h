@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* cone: bounds over many directions at once, for models that say how much they can reflect from a part of the sphere.
  * */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* curve: space-filling curves. With them, one number in [0,1) can be stratified where two dimensions matter.
  *
  * Neighbours on the curve are neighbours in the plane. N equal intervals of the curve are therefore N compact cells

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* envmap: an environment map is a sphere of patches of constant radiance. Source: thesis 3.1, eq. 3.2.
  *
  * The map is lat-long, W x H pixels, in the light's own frame with z up. Direction (sin t cos p, sin t sin p, cos t)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* errata: switches for the thesis's equations as they are printed. `bis` departs from the thesis in the items of
  * docs/errata.md. Ten of these departures can be undone one by one (`--as-printed E6`). The picture then shows the
  * effect of the printed equation.

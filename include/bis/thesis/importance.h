@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* importance: drawing directions from an environment map. Source: thesis 3.3 and figure 3.5.
  *
  * The importance of a pixel per steradian is its weight w: the intensity (r+g+b), times the area factor of the

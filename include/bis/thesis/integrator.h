@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* integrator: estimators of the reflected radiance at a point. Source: thesis chapters 3 and 4. Each has one file:
  * src/thesis/em.c, brdf.c, mis.c, rejection.c, sir.c, exact.c and unoccluded.c. All of them see the scene through
  * bis_point and take their random numbers from bis_stream. */

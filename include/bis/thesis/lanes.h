@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* lanes: many directions at once, in arrays that the compiler turns into vectors.
  *
  * One candidate alone costs about 25 ns, most of it in the power of the lobe. Eight or sixteen candidates side by side

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* light: the light that comes from infinity, in world space: an environment map or a constant. An integrator asks it
  * for Le, a sample and a density. It never learns which of the two the light is, nor where the pixels came from. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* marsaglia: sampling a discrete distribution from a list in which an item stands as often as its probability says.
  * Source: thesis 3.2.2 and figure 3.3 (Marsaglia 1963). For the course. The length of the list is the common
  * denominator of the probabilities, so only small tables of integer weights are accepted. Sampling costs O(1): one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* phong: the energy-preserving Phong model. Source: thesis 3.5, eq. 3.14 to 3.17.
  *
  *     f(wi, wo) = Ks (n+1)/(2 pi) max(0, cos alpha)^n + Kd/pi

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* point: all that an integrator may know of the point that it shades. */
 #pragma once
 

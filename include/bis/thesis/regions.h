@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* regions: which pixels together make up one light source. Source: thesis 3.4 and figure 3.6.
  *
  * Intensities are quantised into equal bins of their logarithm, the levels. A component is a connected set of pixels

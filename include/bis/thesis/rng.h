@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* rng: random numbers that are a function of (seed, pixel, sample, dimension) and of nothing else.
  *
  * A stream is a 64-bit key, mixed from (seed, pixel, sample, purpose). Its k-th number is a bijective mix of the key

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* sampler: the source of a pixel's numbers in [0,1) (thesis 3.3: "low-discrepancy sequence such as Halton").
  *
  * A bis_sampler says which point set is used. A bis_stream is one camera sample of one pixel: a position in the point

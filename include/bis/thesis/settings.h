@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* settings: the integrators and their parameters. One table (src/thesis/settings.c) says of each parameter its name,
  * type, default, range, help and the integrators that read it. The parser, the command line, --help, --plan, the
  * headers of pictures, `bis pixel`, `bis trade` and `bis verify` read this table and know no parameter themselves. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* warp: maps from the unit square to the shapes that rendering needs. Each preserves the measure up to the stated
  * density. u1 and u2 are uniform in [0,1) and independent. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* compare: how far one image is from another (docs/command-line.md, "bis compare"). Image b is the reference. */
 #pragma once
 

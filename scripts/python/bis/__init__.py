@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """bis from Python: pictures, maps, alias tables and materials as numpy arrays.
 
     import bis

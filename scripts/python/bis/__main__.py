@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """python -m bis: the program `bis` with the same arguments: the one beside this file, else the installed one."""
 import os
 import shutil

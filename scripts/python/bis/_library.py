@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """The library itself: where it is, how its functions are called, and how a mistake becomes an exception."""
 from __future__ import annotations
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """Maps, alias tables and materials on arrays."""
 from __future__ import annotations
 

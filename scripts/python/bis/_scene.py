@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 """What a scene is made of, as text in the format of scenes: a mesh of arrays, a camera."""
 from __future__ import annotations
 

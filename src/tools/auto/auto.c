@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto: the pilot. What minimises cost x variance is measured on the scene itself, in less than 5% of the time that the
  * render will take. Where less than six seconds or so are to come, that is not enough to measure anything: nothing is
  * tried, and the settings are those of a scene that names no integrator.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto: Integrator "auto", and "sir" with 0 candidates: a pilot measures which method, proposal, M and N are best
  * for a scene. For src/cli and the tests. */
 #pragma once

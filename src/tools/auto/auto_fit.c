@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto_fit: how many candidates and rays? A camera sample of SIR costs and errs, nearly,
  *
  *     c = c0 + cM M + cN N,     v = v0 + A/M + B/N^e,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto_fit: cost and variance as functions of M and N, fitted to a few measurements, and the M and N that are best.
  * For src/tools/auto/auto.c. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto_pilot: replicates, and what they tell of cost and variance.
  *
  * A replicate of a setting is a render of the pilot's film (every k-th pixel: bis_render with a footprint of 1/k) of

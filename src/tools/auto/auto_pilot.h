@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* auto_pilot: every k-th pixel rendered with several settings, for cost and variance of each. For
  * src/tools/auto/auto.c. */
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel: everything about one pixel, for `bis pixel`: the point that its centre sees, what eq. 4.1 is there, what every
  * method makes of it, and the candidates, weights and shadow rays behind that.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel_files: the folder of `bis pixel`: two drawings and three tables (RFC 4180: commas, a header, an empty field for
  * what is not known). */
 #include "pixel_report.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel_plots: figures 4.1 and 4.2 of the thesis for one point, as the map sees directions: a lat-long plot of the
  * whole sphere in the light's frame.
  *

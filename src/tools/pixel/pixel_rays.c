@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel_rays: what a method does in one pixel: the candidates of SIR with their weights, and the shadow rays of any
  * integrator.
  *

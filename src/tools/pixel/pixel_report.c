@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel_report: text and JSON of `bis pixel`. Both say the same; what is not known is "-" or null. */
 #include "pixel_report.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel_report: what `bis pixel` found, as text, JSON, CSV files and pictures. For src/cli/cmd_pixel.c alone. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* survey: the figures by which one judges a map before rendering with it: contrast, and how little of the sphere holds
  * how much of the power, which is what importance sampling (thesis 3.3) lives on; the levels and regions of 3.4.
  *

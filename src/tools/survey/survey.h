@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* survey: what is in an environment map, in numbers and in pictures: for `bis envmap` (src/cli/cmd_envmap.c) alone.
  *
  * Shows the steps of thesis 3.3 and 3.4 one by one: intensities, levels, regions (figure 3.6), importance. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* survey_pictures: levels, regions and importance of a map in the colours of palette.h. */
 #include "survey.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade: the measurement from the scene to the page.
  *
  * The runs of a sweep are made in rounds: all settings at one budget with one seed, then the next seed, then the next

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade: what does a scene cost with which method, and how far is the picture from right? For
  * src/tools/trade/trade_*.c and src/cli/cmd_trade.c alone.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_advice: what to use. Errors at a time, times to an error, the best of each integrator, and three
  * recommendations.
  *

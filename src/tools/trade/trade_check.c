@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_check: what error does the advised number of passes really leave?
  *
  * The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than what is advised.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_files: the folder of a measurement: plan.txt and runs.csv, written and read back by --resume.
  *
  * Both are text that a user may look at, with numbers that read back as the same doubles. Every file is written whole

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_page: report.html. All that it says of this measurement is one JSON object, written here member by member in
  * the order of the page; page.html has the words, the looks and the places, and out/template.h puts both together. */
 #include "base/text.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_page: the parts that write the values of the report's page (src/tools/trade/page.html) as JSON. */
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_pictures: the same seconds for each method: what does one see? (As the thesis's figures 5.1-5.8, 12 seconds
  * each.)
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_plan: how many pixels, passes and seeds fit into the time?
  *
  * A small picture is not a large one made small: its pixels are larger, more of them hold an edge, and each is noisier

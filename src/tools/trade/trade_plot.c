@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_plot: where everything stands in the plots of error over time, or over rays, both logarithmic.
  *
  * A method of rate n^-1/2 is a straight line of slope -1/2. The best setting of each integrator is drawn in its colour,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_reference: what the runs are compared with.
  *
  * No method may judge itself: an error that its render and its reference share would not be seen. So there are two

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_scene: the scene of a sweep, built once for all settings, and one render of it.
  *
  * Geometry and accelerator serve every integrator. The map is built with all that any of them needs, once for each b,

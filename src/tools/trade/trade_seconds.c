@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_seconds: how long what is advised takes for the full picture.
  *
  * A pixel of a thin film costs more than one of the full picture: pools and clusters are made for every pass, whatever

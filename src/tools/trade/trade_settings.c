@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_settings: the settings that `bis trade` sweeps, in words and as they stand in a scene file.
  *
  * One table. Rows differ from the first of their integrator in one thing, so that what is compared is that thing: N,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_stats: from runs to points, curves and the Pareto front.
  *
  * A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_strips: the pictures of the page: equal-time strips with crops and false-colour errors, and the slider.
  *
  * A picture is a PNG in base64, once in the page, as a CSS variable; what shows it, whole or a crop of it, is an

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_words: how the page and the command say a duration, an error and a setting; the order of the Pareto front. */
 #include "trade_page.h"
 

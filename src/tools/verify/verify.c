@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify: the list of tests and how they are judged.
  *
  * p-values come from bis/stats.h as upper tails. m statistical tests at 1 - (1 - alpha)^(1/m) each (Sidak 1967) reject

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify: are samplers, materials and integrators right for the user's own map and scene (`bis verify`)?
  *
  * A run is a list of tests. Two kinds: those of a number that must not exceed a limit which is derived where it stands

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_accel: do the accelerators see what is there?
  *
  * Rays start anywhere in and around the scene; half of them run towards a point of its box, half towards one in that of

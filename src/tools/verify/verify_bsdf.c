@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_bsdf: does a material draw by the density that it claims, does that integrate to 1, and do integrators reflect
  * what f says?
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_map: is a direction drawn from this map as its density says, and does the density say what thesis 3.3 and 3.4
  * define?
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_oracle: what does a ray meet? By a search over all primitives, in double, with the error that an accelerator
  * may make: so each primitive is surely met, surely missed, or in doubt. Nothing is shared with the accelerators:
  * another test (Pluecker's, by volumes), no cells, no boxes.

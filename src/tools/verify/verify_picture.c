@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_picture: is what `bis SCENE` renders what it should be?
  *
  * bis_render itself makes many small pictures, with the scene's own settings, sampler and edge samples, several passes

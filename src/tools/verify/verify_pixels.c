@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_pixels: what the pixels of a film should be, without anything that src/render and src/beyond are made of.
  *
  * A sample is a camera ray through a place in the pixel's area and two directions from the point that it meets: one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, its picture by its
  * own integrator (verify_picture.c), and a few pixels of its view by all integrators.
  *

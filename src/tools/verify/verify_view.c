@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_view: is what an integrator computes at a point of the scene what eq. 3.2 says?
  *
  * The reference (src/tools/truth.c) is a sum over all patches of the light, known within e but for a chance of 1e-7. An

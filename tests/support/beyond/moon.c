@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* moon: dust, by the law of Lommel and Seeliger. */
 #include "bis/thesis/bsdf.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
 /* moon_formulas: the law of Lommel and Seeliger for REAL numbers (thesis/real.h, thesis/model.h), f = Kd/(4 pi (cos
  * theta_i + cos theta_o)): dust as on the moon, whose disc is as bright at the rim as in the middle. */
 
