@@ -583,16 +583,20 @@ exit
 # + old * old + share * d
 #
 # * film test_render : the half is kept in each pass
-# - if (has_doubled(f)) f->half_weight
-# + f->half_weight
+# - if (has_doubled(f)) {
+# + if (f->passes) {
 #
-# * film_error test_film test_layers : the variance of a pass, not of their mean
+# * film_error test_film_error test_layers : the variance of a pass, not of their mean
 # - deviation * deviation / (f->passes - 1.0);
 # + deviation * deviation;
 #
-# * film_error test_budgets : strata gain nothing
-# - {whole / halves, halves / passes};
-# + {1, 1};
+# * film_error test_film_error : strata gain nothing
+# - edges = blocks(P, W, 1.5);
+# + edges = blocks(P, W, 1);
+#
+# * film_error test_film_error : no memory of earlier estimates
+# - if (memory->before.W != f->quarter_weight) return 2;
+# + return 2;
 #
 # * render test_render : passes grow too fast
 # - if (r->work.view->adaptive) n =

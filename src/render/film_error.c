@@ -266,12 +266,12 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
  *
  * If the standard deviation is more than 0.4, the error of this picture is within a fifth of the figure in two of three
  * renders at best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the
- * figure is unknown. It is unknown, too, where R is more than (1/2)^2: pixels that have not yet found their light look
- * black and exact, so that the means of the pixels cannot stand for the truth (a room with a small window under a sun
- * seemed to have 80% where it had 150%). */
+ * figure is unknown. It is unknown, too, where R is more than (1/4)^2: pixels that have not yet found their light look
+ * black and exact, so that the means of the pixels cannot stand for the truth (a room with a small window
+ * seemed to have 21% where it had 36%). */
 bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory)
 {
-    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_doubt = 0.4, most_rmse = 0.5;
+    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_doubt = 0.4, most_rmse = 0.25;
     const prior usual = {0.6, 0.35}, cautious = {0, 0.35};
     total t[N_VARIANCES];
 

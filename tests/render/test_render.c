@@ -150,7 +150,8 @@ static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
 }
 
 /* With it, what stands beside the crop in its tiles is rendered, too, and counted: 7 x 3 pixels at the right border are
- * in two tiles, of 16 and of 5 columns. Without, the crop alone. */
+ * in two tiles, of 16 and of 5 columns. Each tile is looked around in before, in 1 to 16 rounds of four camera samples, or
+ * of those of them that lie in the picture. Without, the crop alone. */
 static void what_learns_renders_whole_tiles_and_says_so(void **state)
 {
     (void)state;
@@ -162,7 +163,8 @@ static void what_learns_renders_whole_tiles_and_says_so(void **state)
         w.desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
         w.desc.view.settings.learn = learn;
         render_part(&part, &result, &w, (const int[4]){30, 37, 0, 3}, &(bis_render_options){.budget = {.spp = 5}});
-        assert_int_equal(result.counters.camera_rays, 5 * (learn ? (16 + 5) * 16 : 7 * 3));
+        const unsigned long long passes = 5 * (learn ? (16 + 5) * 16 : 7 * 3);
+        assert_in_range(result.counters.camera_rays, passes + (learn ? 4 + 1 : 0), passes + (learn ? 2 * 16 * 4 : 0));
         bis_film_clear(&part);
         clear_world(&w);
     }
