@@ -11,11 +11,11 @@ cd "${1:-.}" || exit 1
 id=SPDX-License-Identifier:
 licence="$id BSD-2-Clause"
 status=0
-for file in $(find Makefile include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
+for file in $(find Makefile .ci pyproject.toml include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
     case $file in
     *.[ch]) line="/* $licence */" ;;
     *.lua) line="-- $licence" ;;
-    *.sh | *.awk | *.mk | *.py | */Makefile | Makefile | */Dockerfile) line="# $licence" ;;
+    *.sh | *.awk | *.mk | *.py | *.toml | *.toml | */Makefile | Makefile | */Dockerfile) line="# $licence" ;;
     *) case $(head -c 2 "$file" | tr -d '\0') in '#!') line="# $licence" ;; *) continue ;; esac ;;
     esac
     head -n 3 "$file" | grep -qF -e "$line" && continue
