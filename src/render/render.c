@@ -42,6 +42,7 @@ typedef struct render {
     uint32_t kept;    /* passes in the last checkpoint that this process has written */
     double last_kept; /* when that was */
     uint32_t size; /* camera samples of a pixel in the pass under way */
+    bool has_forecast; /* what the error will take was told; the figure may become unknown and known again */
     bool is_last;  /* the pass under way is smaller than its place in the order demands, so that it fits the time */
     uint32_t passes_total; /* that make `most`; 0: unknown */
 } render;
@@ -111,6 +112,7 @@ static void forecast(render *r)
                             .spp = factor * (double)r->done.spp,
                             .seconds = factor * (bis_clock_now() - r->start)};
 
+    r->has_forecast = true;
     if (!r->work.options->forecast) return;
     r->work.options->forecast(&f, r->work.options->user);
 }
@@ -148,11 +150,10 @@ static bool budget_left(render *r)
         if (r->is_last) r->size = (uint32_t)fits;
     }
     if (b->error > 0 && passes >= done->next_check) {
-        const bool was_unknown = !isfinite(done->rmse_upper);
         const bis_film_error error = bis_film_estimate_error(r->work.film, &r->done.memory);
         done->rmse_upper = error.is_known ? error.upper : HUGE_VAL;
         done->next_check = passes + 1 + passes / 20;
-        if (was_unknown && error.is_known && error.upper > b->error) forecast(r);
+        if (!r->has_forecast && error.is_known && error.upper > b->error) forecast(r);
     }
     return !(b->error > 0 && done->rmse_upper <= b->error); /* also where a checkpoint says so */
 }
@@ -206,6 +207,7 @@ static void render_passes(render *r, bis_render_result *result)
 
     r->first_pass = bis_clock_now();
     r->spp_before = r->done.spp;
+    r->has_forecast = isfinite(r->done.rmse_upper); /* an earlier process told it */
     while (budget_left(r)) {
         is_cut = r->size < whole_size(r, r->done.spp);
         if (c && (is_cut || bis_clock_now() - r->last_kept >= c->every)) keep(r);
