@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_release: do all files that name the version name the same one?
+# check_release: do all files that name the version name the same one, and can the package's description be read?
 #     scripts/check/check_release.sh [ROOT]
 # The one place where it is set is include/bis/base/version.h; the tools that read the others want a number of their
 # own. Exit status 1 and the files that differ.
@@ -22,5 +22,8 @@ says CHANGELOG.md '^## '
 says scripts/debian/changelog '^bis ('
 grep -q "^Package: libbis${version%.*}\$" scripts/debian/control ||
     { echo "scripts/debian/control: no package libbis${version%.*}, which the soname asks for" && bad=1; }
+# A field that stands twice in a paragraph stops dpkg-buildpackage, which no test runs.
+awk -F: '/^$/ { split("", seen) } /^[A-Za-z]/ && seen[$1]++ { print FILENAME ":" NR ": a second " $1; bad = 1 }
+    END { exit bad }' scripts/debian/control || bad=1
 [ ! -f pyproject.toml ] || ! grep -q '^version *=' pyproject.toml || says pyproject.toml '^version *='
 exit $bad

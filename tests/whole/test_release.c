@@ -31,6 +31,7 @@ static void another_version_is_found(void **state)
         "s/^## 0/## 1/' " DIR "/CHANGELOG.md",
         "s/^bis (0/bis (1/' " DIR "/scripts/debian/changelog",
         "s/^Package: libbis0/Package: libbis1/' " DIR "/scripts/debian/control",
+        "0,/^Section:/s/^Section:.*/&\\n&/' " DIR "/scripts/debian/control",
         "s/VERSION \"0/VERSION \"1/' " DIR "/include/bis/base/version.h",
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
