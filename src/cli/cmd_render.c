@@ -2,8 +2,8 @@
 /* cmd_render: `bis [render] [options] SCENE`: parse, override, plan or build, render, write, report.
  *
  * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
- * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; the complete passes are written, if there
- * are any, and the exit status is 130. A second one kills.
+ * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; what is done is written, if there is
+ * anything, and the exit status is 130. A second one kills.
  *
  * A checkpoint is read before the scene is built, because a damaged one should not be found after minutes of loading;
  * whether it belongs to the scene is known after that. */
@@ -31,9 +31,11 @@ typedef struct render_options {
     const char *viewer; /* HOST:PORT */
     bis_display *display;
     const bis_film *film; /* what display shows */
+    const bis_scene *scene;
+    const bis_scene_desc *desc;
     bool shows_progress;
     bool quiet, plan, approximate, has_every;
-    double seconds, error, every;
+    double seconds, error, every, write_every;
     bis_render_part part;
     bool agreed; /* the crew has */
     double start; /* of the command, on bis_clock_now's clock */
@@ -52,6 +54,28 @@ static void show_progress(const bis_progress *p, void *user)
     char text[BIS_PROGRESS_TEXT];
     if (o->shows_progress) fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
     if (o->display) bis_display_offer(o->display, o->film);
+}
+
+/* The first pass as far as it is. */
+static void show_glimpse(const float *rgba, void *user)
+{
+    const render_options *o = user;
+    bis_display_offer_pixels(o->display, rgba);
+}
+
+/* --write-every: the pictures of the passes so far. That one of them cannot be written stops nothing. */
+static void write_so_far(const bis_render_result *result, void *user)
+{
+    const render_options *o = user;
+    bis_texts written = {.n = 0};
+    bis_diag diag = {0};
+    const bis_stats stats = bis_stats_of(o->desc, bis_scene_figures_of(o->scene), o->scene->seconds, o->film, result);
+
+    if (bis_render_files_write_pictures(&written, &o->files, &stats, &diag) && !o->quiet)
+        fprintf(stderr, "%sbis: warning: --write-every wrote nothing, the render goes on\n",
+                isatty(STDERR_FILENO) ? "\r\033[K" : "");
+    if (!o->quiet) bis_cli_print_diag(&diag, false);
+    bis_diag_clear(&diag);
 }
 
 /* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
@@ -88,6 +112,8 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
     *c = (bis_checkpoint){
         .path = o->files.checkpoint, .every = o->every, .warn = o->quiet ? NULL : warn_of_checkpoint};
     if (o->has_every && !c->path) bis_warn(diag, bis_cli_loc, "--checkpoint-every has no effect without --checkpoint");
+    if (o->write_every > 0 && o->part.share.n)
+        bis_warn(diag, bis_cli_loc, "--write-every has no effect with --part, whose file is no picture");
     if (!resume || !bis_crew_leads(bis_cli_crew)) return BIS_OK;
     if (access(resume, F_OK) == 0) return bis_checkpoint_read(c, resume, diag);
     if (!o->quiet) fprintf(stderr, "bis: note: there is no \"%s\" yet: the render starts afresh\n", resume);
@@ -113,9 +139,15 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     bis_cli_catch_signals();
     o->shows_progress = show;
     o->film = film;
+    o->scene = scene;
+    o->desc = desc;
     if (chooses) status = bis_choice_make(choice, scene, desc, &options, checkpoint, o->quiet, diag);
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
+    options.first_light = !options.checkpoint && !bis_cli_crew; /* not for the pilot's pictures */
+    options.glimpse = options.first_light && o->viewer ? show_glimpse : NULL;
+    options.so_far = leads && o->write_every > 0 && !o->part.share.n ? write_so_far : NULL;
+    options.every = o->write_every;
     if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
     checkpoint->head.pilot_seconds = choice->seconds;
     /* the pilot's time is the user's: 0 would be no limit */
@@ -181,6 +213,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_auto_report choice = {.is_chosen = false};
     bis_checkpoint checkpoint;
     const bool chooses = bis_auto_is_wanted(&desc->view.settings);
+    char text[BIS_PERCENT];
     bis_status status = open_checkpoint(&checkpoint, o, diag);
 
     if (status) goto done;
@@ -203,6 +236,9 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
     if (status || !bis_crew_leads(bis_cli_crew)) goto done;
     *interrupted = bis_cli_signal;
+    if (result.missing > 0 && !result.interrupted && !o->quiet)
+        bis_warn(diag, bis_cli_loc, "--time %g was over in the first pass: %s of the pixels have no camera sample and "
+                 "show a neighbour's colour", o->seconds, bis_percent(text, result.missing));
     /* an older picture is worth more than a black one; said also when quiet, as an error is */
     if (result.passes == 0) {
         fputs("bis: interrupted before the first pass was complete: nothing was written\n", stderr);
@@ -326,6 +362,9 @@ int bis_cmd_render(int argc, char **argv)
          .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone "
                  "stops nothing", .kind = BIS_OPTION_OWN, .value = &o.viewer, .read = read_viewer,
          .rule = "HOST:PORT with a port in [1, 65535], as in localhost:14158"},
+        {.name = "write-every", .argument = "SECONDS",
+         .help = "write the picture of the passes so far to its files at intervals, looked at between passes, so that "
+                 "any viewer can look", .kind = BIS_OPTION_SECONDS, .value = &o.write_every, .above = true, .hi = 1e8},
         {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
          .value = &o.quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
@@ -419,7 +458,7 @@ int bis_cmd_render(int argc, char **argv)
         .n_options = n_options + sizeof behind / sizeof *behind,
         .min_operands = 1, .max_operands = 1,
         .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
-                 "bad scene; 130 interrupted, after the complete passes have been written.\n",
+                 "bad scene; 130 interrupted, after what is done has been written.\n",
     };
     return bis_cli_run(&command, argc, argv, render_scene, &o);
 }

@@ -54,6 +54,7 @@ struct bis_display {
     double start, spent, last_cost; /* of the render's thread: seconds spent on copying, of the last copy */
     double cost_before;             /* of the thread, before the last picture */
     uint32_t passes;                /* of the last picture */
+    bool has_given;                 /* a picture */
 };
 
 bool bis_display_is_address(const char *text)
@@ -328,12 +329,14 @@ bis_status bis_display_open(bis_display **out, const char *where, const char *na
     return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory or no thread for --display %s", where);
 }
 
-/* Takes the film and wakes the thread; the thread is idle. */
-static void give(bis_display *d, const bis_film *film)
+/* Takes the film, or pixels of its size, and wakes the thread; the thread is idle. */
+static void give(bis_display *d, const bis_film *film, const float *rgba)
 {
     const double before = bis_clock_now();
-    bis_film_resolve(film, d->rgba);
-    d->passes = film->passes;
+    if (film) bis_film_resolve(film, d->rgba);
+    else memcpy(d->rgba, rgba, (size_t)d->width * (size_t)d->height * 4 * sizeof *rgba);
+    d->passes = film ? film->passes : 0;
+    d->has_given = true;
     d->cost_before = d->cost;
     const double copying = bis_clock_now() - before;
     d->spent += copying;
@@ -344,15 +347,24 @@ static void give(bis_display *d, const bis_film *film)
     pthread_mutex_unlock(&d->lock);
 }
 
-void bis_display_offer(bis_display *d, const bis_film *film)
+static bool has_time(bis_display *d)
 {
-    if (film->passes == 0 || film->passes == d->passes) return;
     pthread_mutex_lock(&d->lock);
     const bool idle = !d->busy && !d->gone;
-    const double cost = d->cost, sending = d->passes ? cost - d->cost_before : 0;
+    const double cost = d->cost, sending = d->has_given ? cost - d->cost_before : 0;
     pthread_mutex_unlock(&d->lock);
     const double all = d->spent + cost + d->last_cost + sending;
-    if (idle && all <= BIS_DISPLAY_SHARE * (bis_clock_now() - d->start)) give(d, film);
+    return idle && all <= BIS_DISPLAY_SHARE * (bis_clock_now() - d->start);
+}
+
+void bis_display_offer(bis_display *d, const bis_film *film)
+{
+    if (film->passes && film->passes != d->passes && has_time(d)) give(d, film, NULL);
+}
+
+void bis_display_offer_pixels(bis_display *d, const float *rgba)
+{
+    if (has_time(d)) give(d, NULL, rgba);
 }
 
 /* Until the thread has sent what it has, or has given up; a stuck viewer has a second from now. */
@@ -406,7 +418,7 @@ void bis_display_close(bis_display *d, const bis_film *film, bis_diag *diag)
 {
     if (!d || !wait_until_met(d, diag)) return;
     wait_until_idle(d);
-    if (film) give(d, film);
+    if (film) give(d, film, NULL);
     wait_until_idle(d);
     end_thread(d);
     if (*d->why) warn(d, d->why, diag);

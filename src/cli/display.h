@@ -2,8 +2,8 @@
 /* display: shows a render in tev (https://github.com/Tom94/tev) while it is made, by tev's protocol over TCP.
  *
  * A thread of its own sends, so that a viewer that is slow, stuck or gone never holds up the render. The picture is
- * copied between two passes, and only while all copying and sending has taken less than BIS_DISPLAY_SHARE of the
- * time. */
+ * copied between two passes, or in the first one as far as it is, and only while all copying and sending has taken less
+ * than BIS_DISPLAY_SHARE of the time. */
 #pragma once
 
 #include "bis/render/film.h"
@@ -27,6 +27,9 @@ bool bis_display_is_left(void);
 /* bis_display_offer sends the film's complete passes, if there are new ones, the thread has sent the last ones, and the
  * time allows it. It may be called by any one thread while no pass is being added to the film. */
 void bis_display_offer(bis_display *d, const bis_film *film);
+
+/* bis_display_offer_pixels sends rgba[height][width][4] of the film's size on the same terms; they are always new. */
+void bis_display_offer_pixels(bis_display *d, const float *rgba);
 
 /* bis_display_close sends the film, if it is given, waits until it is sent or the viewer has read nothing for a second,
  * and frees d; NULL is allowed. If there is no connection after 3 s, because no name server answers, it leaves d to the

@@ -154,12 +154,12 @@ static const bis_help_entry budgets[] = {
     {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; the one "
            "that is used up first ends the render. Without any, the scene's pixelsamples count."},
     {"--spp N", "N camera samples of every pixel"},
-    {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it"},
+    {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it, the first one too"},
     {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says what it "
                   "will cost as soon as the error is known"},
     {"--adaptive",
      "camera samples go where the error is, by tiles of 16 x 16 pixels; every pass is then four of them in the mean"},
-    {NULL, "Ctrl-C ends a render soon: the passes that are complete are written, and the exit status is 130. The "
+    {NULL, "Ctrl-C ends a render soon: what is done is written, and the exit status is 130. The "
            "picture depends on the scene, the seed and the number "
            "of camera samples, never on the number of threads."},
     {"--checkpoint F", "keeps the state of the render in F: each minute (--checkpoint-every), at the end, at Ctrl-C"},

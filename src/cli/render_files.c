@@ -114,14 +114,19 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
     const bis_render_result *r = stats->result;
     char seconds[BIS_DURATION], error[BIS_PERCENT];
 
-    if (r->interrupted)
+    if (r->interrupted && r->missing > 0) fputs("bis: interrupted in the first pass; wrote", stderr);
+    else if (r->interrupted)
         fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp,
                 r->spp == 1 ? "" : "s");
     else fputs("bis: wrote", stderr);
     for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
-    fprintf(stderr, ": %d x %d pixels, %" PRIu64 " camera sample%s a pixel in %u pass%s, %s, ", stats->film->width,
-            stats->film->height, r->spp, r->spp == 1 ? "" : "s", r->passes, r->passes == 1 ? "" : "es",
-            bis_duration(seconds, r->seconds));
+    fprintf(stderr, ": %d x %d pixels, ", stats->film->width, stats->film->height);
+    if (r->missing > 0)
+        fprintf(stderr, "%s of them without a camera sample and like a neighbour, ", bis_percent(error, r->missing));
+    else
+        fprintf(stderr, "%" PRIu64 " camera sample%s a pixel in %u pass%s, ", r->spp, r->spp == 1 ? "" : "s", r->passes,
+                r->passes == 1 ? "" : "es");
+    fprintf(stderr, "%s, ", bis_duration(seconds, r->seconds));
     if (r->error.is_known) fprintf(stderr, "error about %s\n", bis_percent(error, r->error.relative_rmse));
     else fprintf(stderr, "error unknown: %s\n", bis_render_files_why_unknown(&r->error));
 }

@@ -147,6 +147,13 @@ bis_rect bis_film_tile(const bis_film *f, int side, int t)
     return (bis_rect){x0, y0, lesser(x0 + side, f->full_width), lesser(y0 + side, f->full_height)};
 }
 
+int bis_film_tile_at(const bis_film *f, int side, int x, int y)
+{
+    int across;
+    bis_film_tiles(f, side, &across);
+    return (y / side - f->y0 / side) * across + x / side - f->x0 / side;
+}
+
 bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t)
 {
     const bis_rect all = bis_film_tile(f, side, t);

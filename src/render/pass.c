@@ -13,6 +13,7 @@
 #include "pass.h"
 
 #include "edges.h"
+#include "first_light.h"
 #include "gather.h"
 #include "team.h"
 #include "wave.h"
@@ -121,8 +122,9 @@ static void look_around(const bis_workspace *w, bis_worker *me, int t)
     }
 }
 
-/* Tile number t. An interrupted one is left as it is, because the pass is dropped. */
-static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass)
+/* Tile number t, or a glimpse of it: few pixels, from which nothing is learned and whose rays are not counted, because
+ * they come again. It returns false if it was interrupted: the tile is then as it was. */
+static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass, bool is_glimpse)
 {
     const bis_film *f = w->film;
     const uint32_t n = w->adapt.n_tiles ? w->adapt.samples[t] : pass->n;
@@ -132,13 +134,16 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     const size_t cells = w->visibility.cells; /* runs of the order in which pixels are taken */
     bis_pixel_sum dropped;
 
-    if (pass->first == 0 && w->visibility.n_tiles) look_around(w, me, t);
+    if (me->scratch.guide) me->scratch.guide->learns = true;
+    if (pass->first == 0 && w->visibility.n_tiles && (is_glimpse || !w->fine)) look_around(w, me, t);
+    const bis_counters before = me->counters;
+    if (me->scratch.guide) me->scratch.guide->learns = !is_glimpse;
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
         int x, y;
         place_in_tile(i, &x, &y);
         x += full.x0, y += full.y0;
-        if (!is_in(tile, x, y)) continue;
-        if (bis_workspace_interrupted(w)) return;
+        if (!is_in(tile, x, y) || (is_glimpse && !bis_first_light_glimpses(f, x, y))) continue;
+        if (bis_workspace_interrupted(w)) return false;
         const bool keep = is_in(kept, x, y);
         bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
@@ -147,14 +152,18 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         add_samples(w, me->wave, x, y, n, pass, sum);
     }
     bis_wave_end(me->wave);
+    if (bis_workspace_interrupted(w)) return false;
     for (int y = kept.y0; y < kept.y1; y++) {
         for (int x = kept.x0; x < kept.x1; x++) {
+            if (is_glimpse && !bis_first_light_glimpses(f, x, y)) continue;
             const bis_pixel_sum *sum = &me->pixels[index_in(kept, x, y)];
             w->pass[index_in(crop, x, y)] =
                 (bis_pixel_mean){rgbd_round(rgbd_scale(sum->L, 1 / (double)sum->n)), (float)sum->hits / (float)sum->n};
             if (sum->values) bis_gather_mean(sum->values, &f->layers, sum->n / pass->weight);
         }
     }
+    if (is_glimpse) me->counters = before;
+    return true;
 }
 
 /* The tiles that rank 0 gives to this process. */
@@ -164,25 +173,35 @@ static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_prog
 #pragma omp parallel num_threads(w->n_threads)
     for (int t; (t = bis_team_next(w->team, this_thread())) >= 0;) {
         const double begin = bis_clock_now();
-        render_tile(w, &w->workers[this_thread()], t, pass);
+        render_tile(w, &w->workers[this_thread()], t, pass, false);
         bis_team_finish(w->team, this_thread(), t, bis_clock_now() - begin);
     }
     bis_team_end(w->team);
 }
 
-static void render_alone(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+/* All tiles: glimpses, or what they are. The latter ends when it is late. */
+static void sweep(bis_workspace *w, const bis_pass *pass, bool is_glimpse, bis_pass_progress *progress, void *user)
 {
+    const double late = is_glimpse || !w->fine || pass->first > 0 ? HUGE_VAL : w->late;
     int n_done = 0;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
     for (int i = 0; i < w->n_own; i++) {
-        bis_worker *me = &w->workers[this_thread()];
+        const int t = bis_workspace_own(w, i);
         int done;
-        render_tile(w, me, bis_workspace_own(w, i), pass);
+        if (late < HUGE_VAL && bis_clock_now() >= late) continue;
+        if (render_tile(w, &w->workers[this_thread()], t, pass, is_glimpse) && w->fine)
+            __atomic_store_n(&w->fine[t], is_glimpse ? BIS_TILE_GLIMPSED : BIS_TILE_WHOLE, __ATOMIC_RELEASE);
 #pragma omp atomic capture
         done = ++n_done;
-        if (this_thread() == 0) progress((double)done / w->n_own, user);
+        if (this_thread() == 0) progress(is_glimpse ? 0 : (double)done / w->n_own, user);
     }
+}
+
+static void render_alone(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+{
+    if (w->fine && pass->first == 0) sweep(w, pass, true, progress, user);
+    sweep(w, pass, false, progress, user);
 }
 
 bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)

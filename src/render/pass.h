@@ -15,7 +15,8 @@ typedef struct bis_pass {
 } bis_pass;
 
 /* bis_pass_render renders a pass and keeps it aside in *w. It returns false if it was interrupted: some pixels were
- * then not done. */
+ * then not done. The first pass, if w->fine is there, begins with a glimpse (first_light.h) and ends when it is late;
+ * it then returns true, too. */
 bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user);
 
 /* bis_pass_keep adds the pass under way to the film and its counters to *sum, and lets visibility learn from it. */

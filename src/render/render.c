@@ -12,6 +12,10 @@
  * and, from 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of
  * passes that no clock can change. The passes are the same for every budget.
  *
+ * The first pass of a large picture takes seconds, so it may end early, if a glimpse came before it
+ * (first_light.h). What it did not reach is filled from the glimpse, which no later pass could put right: the render
+ * then ends.
+ *
  * Adaptive sampling weighs each tile against the whole picture, of which a crop knows nothing: a pixel of a crop then
  * does not get what it gets in the full picture.
  *
@@ -20,7 +24,9 @@
 #include "bis/render/render.h"
 
 #include "bis/base/clock.h"
+#include "bis/base/mem.h"
 #include "checkpoint.h"
+#include "first_light.h"
 #include "pass.h"
 #include "team.h"
 
@@ -29,7 +35,7 @@
 
 enum { MIN_ERROR_PASSES = 3, MOST_SAMPLES = 4 };
 
-static const double seconds_between_reports = 0.2;
+static const double seconds_between_reports = 0.2, seconds_between_glimpses = 0.5;
 
 typedef struct render {
     bis_workspace work;
@@ -41,6 +47,9 @@ typedef struct render {
     bis_done done;
     uint32_t kept;    /* passes in the last checkpoint that this process has written */
     double last_kept; /* when that was */
+    float *glimpse;   /* glimpse[height][width][4], for options->glimpse; NULL: nobody looks */
+    double last_glimpse, last_so_far;
+    double missing;   /* share of pixels that the first pass did not reach */
     uint32_t size; /* camera samples of a pixel in the pass under way */
     bool has_forecast; /* what the error will take was told; the figure may become unknown and known again */
     bool is_last;  /* the pass under way is smaller than its place in the order demands, so that it fits the time */
@@ -101,7 +110,13 @@ static void report(render *r, double share)
 static void report_tile(double share, void *user)
 {
     render *r = user;
-    if (bis_clock_now() - r->last_report > seconds_between_reports) report(r, share);
+    const double now = bis_clock_now();
+
+    if (now - r->last_report > seconds_between_reports) report(r, share);
+    if (!r->glimpse || r->done.spp || now - r->last_glimpse < seconds_between_glimpses) return;
+    if (!bis_first_light_show(&r->work, r->glimpse)) return;
+    r->last_glimpse = now;
+    r->work.options->glimpse(r->glimpse, r->work.options->user);
 }
 
 /* What the error budget will take, as far as the pilot knows: the error falls with the root of the number of passes. */
@@ -180,7 +195,12 @@ static bool render_pass(render *r)
 
     r->work.film->most = expected_spp(r);
     if (r->work.team) bis_team_call(r->work.team, &pass, BIS_OK);
-    if (!bis_pass_render(&r->work, &pass, report_tile, r)) return false;
+    const bool is_whole = bis_pass_render(&r->work, &pass, report_tile, r);
+    if (r->work.fine && pass.first == 0) {
+        if (!bis_first_light_fill(&r->work, &r->missing)) return false;
+    } else if (!is_whole) {
+        return false;
+    }
     bis_pass_keep(&r->work, &pass, &r->done.counters);
     r->done.spp += r->size;
     if (r->work.adapt.n_tiles) bis_adapt_next(&r->work.adapt, r->work.film);
@@ -200,6 +220,33 @@ static void keep(render *r)
     r->last_kept = bis_clock_now();
 }
 
+/* All of *result that is known between two passes. */
+static void fill_result(bis_render_result *result, const render *r, bis_film_memory *memory)
+{
+    const bis_film *film = r->work.film;
+
+    result->seconds = bis_clock_now() - r->start;
+    result->counters = r->done.counters;
+    if (!r->work.options->part.n) result->error = bis_film_estimate_error(film, memory);
+    result->missing = r->missing;
+    result->passes = film->passes;
+    result->spp = r->done.spp;
+    result->bytes = bis_workspace_bytes(&r->work) + (r->work.team ? bis_team_bytes(r->work.team) : 0);
+}
+
+/* A look at the error changes what its memory holds, which is the render's own. So it gets a copy. */
+static void tell_so_far(render *r)
+{
+    const bis_render_options *options = r->work.options;
+    bis_render_result result = {.n_threads = r->work.n_threads};
+    bis_film_memory memory = r->done.memory;
+
+    if (!options->so_far || bis_clock_now() - r->last_so_far < options->every) return;
+    fill_result(&result, r, &memory);
+    options->so_far(&result, options->user);
+    r->last_so_far = bis_clock_now();
+}
+
 static void render_passes(render *r, bis_render_result *result)
 {
     const bis_checkpoint *c = r->work.options->checkpoint;
@@ -208,16 +255,18 @@ static void render_passes(render *r, bis_render_result *result)
     r->first_pass = bis_clock_now();
     r->spp_before = r->done.spp;
     r->has_forecast = isfinite(r->done.rmse_upper); /* an earlier process told it */
-    while (budget_left(r)) {
+    while (r->missing == 0 && budget_left(r)) {
         is_cut = r->size < whole_size(r, r->done.spp);
         if (c && (is_cut || bis_clock_now() - r->last_kept >= c->every)) keep(r);
         if (!render_pass(r)) break;
+        tell_so_far(r);
     }
     if (!is_cut) keep(r);
-    result->seconds = bis_clock_now() - r->start;
+    fill_result(result, r, &r->done.memory);
     r->size = 0;
     /* where all passes are done, it came too late */
-    result->interrupted = bis_workspace_interrupted(&r->work) && !(r->most && r->done.spp >= r->most);
+    const bool is_done = r->most && r->done.spp >= r->most && r->missing == 0;
+    result->interrupted = bis_workspace_interrupted(&r->work) && !is_done;
     report(r, 0);
 }
 
@@ -246,6 +295,10 @@ static bis_status prepare(render *r, bis_film *film, const bis_scene *scene, con
         if (!w->team) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a team of %d", crew->size);
     }
     r->start = bis_clock_now();
+    if (!status && w->fine && options->glimpse) {
+        r->glimpse = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *r->glimpse);
+        if (!r->glimpse) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the picture's first light");
+    }
     if (!status) status = bis_workspace_find_edges(w, diag);
     status = bis_crew_agree(crew, status, diag);
     if (status) return status;
@@ -273,7 +326,8 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
     r->done.counters.camera_rays = bis_workspace_edge_rays(&r->work);
     bis_status status = resume(r, diag);
     r->start = start - r->done.seconds;
-    r->last_report = r->last_kept = start;
+    r->last_report = r->last_kept = r->last_glimpse = r->last_so_far = start;
+    if (r->budget.seconds > 0) r->work.late = r->start + r->budget.seconds;
     if (!status) render_passes(r, result);
     if (r->work.team) bis_team_call(r->work.team, NULL, status);
     return status;
@@ -289,6 +343,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     *result = (bis_render_result){.error = {.relative_rmse = (double)NAN, .upper = (double)NAN}};
     assert(film->passes == 0);
     film->independent = view->adaptive || view->sampler.kind == BIS_SAMPLER_RANDOM;
+    assert(!options->first_light || !(options->part.n || options->crew || options->checkpoint));
     assert(!options->part.n || !(view->adaptive || options->budget.error > 0)); /* these weigh the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
@@ -296,14 +351,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     bis_status status = prepare(&r, film, scene, desc, view, options, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
-    if (!status && leads) {
-        result->counters = r.done.counters;
-        if (!options->part.n) result->error = bis_film_estimate_error(film, &r.done.memory);
-        result->passes = film->passes;
-        result->spp = r.done.spp;
-        result->bytes = bis_workspace_bytes(&r.work) + (r.work.team ? bis_team_bytes(r.work.team) : 0);
-    }
     bis_team_free(r.work.team);
     bis_workspace_clear(&r.work);
+    bis_free(r.glimpse);
     return status;
 }

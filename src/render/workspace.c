@@ -107,7 +107,8 @@ static bis_status make_pass(bis_workspace *w, bis_diag *diag)
 
     w->pass = bis_alloc(n, sizeof *w->pass);
     if (w->pass && n_values) w->pass_layers = bis_alloc(n, n_values * sizeof *w->pass_layers);
-    if (w->pass && (w->pass_layers || !n_values)) return BIS_OK;
+    if (w->options->first_light) w->fine = bis_alloc((size_t)w->n_tiles, 1);
+    if (w->pass && (w->pass_layers || !n_values) && (w->fine || !w->options->first_light)) return BIS_OK;
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
@@ -139,6 +140,7 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
         .film = film,
         .to_camera = bis_xform_inverse(&view->camera.to_world),
         .n_threads = bis_render_threads(options),
+        .late = HUGE_VAL,
         .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
     };
     status = find_own_tiles(w, diag);
@@ -244,5 +246,6 @@ void bis_workspace_clear(bis_workspace *w)
     bis_free(w->workers);
     bis_free(w->pass);
     bis_free(w->pass_layers);
+    bis_free(w->fine);
     bis_free(w->edge);
 }

@@ -51,6 +51,8 @@ typedef struct bis_workspace {
     bis_sampler edge_samplers[BIS_EDGE_KINDS]; /* of all camera samples of a pixel, by its kind */
     bis_settings edge_settings; /* of each of them */
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */
+    unsigned char *fine;      /* fine[n_tiles] of the first pass, see first_light.h; NULL: it is like all others */
+    double late;              /* on bis_clock_now's clock: the first pass ends then */
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
 } bis_workspace;
 

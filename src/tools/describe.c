@@ -144,6 +144,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     if (s->choice && s->choice->reason) attributes[n++] = (bis_attribute){"bis:auto-reason", s->choice->reason, 0};
     if (*s->approximated) attributes[n++] = (bis_attribute){"bis:approximated", s->approximated, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
+    if (r->missing > 0) attributes[n++] = (bis_attribute){"bis:missing", NULL, r->missing};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
     if (r->error.is_known)
@@ -264,5 +265,6 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->error.is_known ? r->error.relative_rmse : (double)NAN);
     bis_json_bool(&j, "interrupted", r->interrupted);
+    if (r->missing > 0) bis_json_number(&j, "missing", r->missing);
     bis_json_close(&j);
 }

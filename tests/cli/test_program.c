@@ -447,8 +447,45 @@ static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
     char value[64];
     program_expect(&r, 0, SCENE " --time 0.2 --outfile " DIR "/t.exr --stats -");
     assert_true(atof(json_value(value, sizeof value, r.output, "spp")) >= 1);
+    assert_null(strstr(r.output, "\"missing\""));
     program_expect(&r, 0, SCENE " --time 1e-9 --outfile " DIR "/t.exr --stats -");
     assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "1");
+    assert_true(fabs(atof(json_value(value, sizeof value, r.output, "missing")) - (1 - 3 * 2. / (24 * 16))) < 1e-9);
+    assert_non_null(strstr(r.messages, "98% of them without a camera sample"));
+    assert_non_null(strstr(r.messages, "--time 1e-09 was over in the first pass: 98% of the pixels have no camera"));
+    /* a checkpoint holds whole passes only */
+    program_expect(&r, 0, SCENE " --time 1e-9 --checkpoint " DIR "/t.ckpt --outfile " DIR "/t.exr --stats -");
+    assert_null(strstr(r.output, "\"missing\""));
+}
+
+/* The picture is there while the render goes on; then it is interrupted, and what is written last has more samples.
+ * Twin: without the option there is no picture before the end. */
+static void write_every_writes_the_picture_while_it_is_rendered(void **state)
+{
+    (void)state;
+    const struct timespec pause = {0, 50000000};
+    program_run r;
+    for (int asks = 0; asks < 2; asks++) {
+        bool early = false;
+        unlink(DIR "/so_far.pfm");
+        const pid_t pid = program_start(asks ? SCENE " --spp 1000000000 --write-every 0.01 --outfile " DIR "/so_far.pfm"
+                                             : SCENE " --spp 1000000000 --outfile " DIR "/so_far.pfm");
+        program_wait_for_handler(pid, SIGINT);
+        for (int i = 0; i < (asks ? 2400 : 20) && !early; i++) {
+            nanosleep(&pause, NULL);
+            early = program_exists(DIR "/so_far.pfm");
+        }
+        kill(pid, SIGINT);
+        program_finish(&r, pid);
+        assert_int_equal(early, asks);
+        assert_int_equal(r.exit_status, 130);
+        bis_image image;
+        read_image(&image, DIR "/so_far.pfm");
+        assert_int_equal(image.width, 24);
+        bis_image_clear(&image);
+    }
+    program_expect(&r, 0, SCENE " --spp 2 --part 1/2 --write-every 1 --outfile " DIR "/w.bispart");
+    assert_non_null(strstr(r.messages, "--write-every has no effect with --part"));
 }
 
 /* The energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners
@@ -921,7 +958,7 @@ static void interrupt(program_run *r, int number, const char *arguments)
         assert_int_equal(kill(pid, number), 0);
         program_finish(r, pid);
         assert_int_equal(r->exit_status, 130);
-        if (!strstr(r->messages, "nothing was written")) return;
+        if (strstr(r->messages, "interrupted after ")) return;
     }
     fail_msg("not a pass in two minutes");
 }
@@ -1231,6 +1268,7 @@ int main(void)
         cmocka_unit_test(options_override_the_scene),
         cmocka_unit_test(without_jitter_a_picture_of_one_colour_has_no_scatter),
         cmocka_unit_test(a_time_budget_renders_for_a_while_and_says_how_much),
+        cmocka_unit_test(write_every_writes_the_picture_while_it_is_rendered),
         cmocka_unit_test(a_light_probe_tells_its_energy_before_and_after),
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(plan_renders_and_writes_nothing),

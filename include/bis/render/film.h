@@ -75,6 +75,9 @@ int bis_film_tiles(const bis_film *f, int side, int *across);
 /* bis_film_tile returns the t-th of these tiles in reading order: the part that lies in the picture. */
 bis_rect bis_film_tile(const bis_film *f, int side, int t);
 
+/* bis_film_tile_at returns the number of the tile that holds the pixel at column x and row y of the picture. */
+int bis_film_tile_at(const bis_film *f, int side, int x, int y);
+
 /* bis_film_tile_of_crop returns the part of the t-th tile that lies in the crop. */
 bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t);
 

@@ -11,7 +11,7 @@
 /* side in pixels of a tile: threads take tiles, a tile learns together, and adaptive sampling chooses by tile */
 enum { BIS_RENDER_TILE = 16 };
 
-/* The limit that is reached first ends the render. One pass is always completed. If all three are 0,
+/* The limit that is reached first ends the render. One pass is always completed, unless first_light is set. If all three are 0,
  * view->sampler.spp camera samples of each pixel are rendered. */
 typedef struct bis_budget {
     uint32_t spp;     /* camera samples per pixel; 0: no limit */
@@ -41,6 +41,21 @@ typedef struct bis_part {
 typedef struct bis_crew bis_crew;             /* src/render/crew.h */
 typedef struct bis_checkpoint bis_checkpoint; /* src/render/checkpoint.h */
 
+typedef struct bis_render_result {
+    bis_counters counters; /* this and all below include what a checkpoint brought */
+    double seconds;
+    bis_film_error error; /* not known of a part */
+    bool interrupted;     /* the picture then has the passes that were complete; it is black if there were none */
+    /* camera samples per pixel, with adaptive sampling (nearly) their mean: the budget that makes this picture again */
+    uint64_t spp;
+    uint32_t passes;      /* complete passes; 0 only if the first one was interrupted (the film then has passes = 1) */
+    /* share of the pixels that the first pass did not reach, because it was ended (first_light): they have no camera
+     * sample, and the colour of a neighbour */
+    double missing;
+    int n_threads;
+    size_t bytes;         /* of workspace beside the film: the current pass and the scratch of the threads */
+} bis_render_result;
+
 typedef struct bis_render_options {
     bis_budget budget;
     int n_threads;                             /* 0: all threads */
@@ -52,23 +67,22 @@ typedef struct bis_render_options {
     void (*progress)(const bis_progress *p, void *user); /* called by one thread, a few times a second; may be NULL */
     /* called once, unless the first passes are enough or there is no error budget; may be NULL */
     void (*forecast)(const bis_forecast *f, void *user);
+    /* A glimpse of every 8th pixel of every 8th row comes before the first pass (src/render/first_light.h), which may
+     * then end before it is complete: by `seconds` or `interrupted`. Neither with a part or a crew, nor with a
+     * checkpoint, because these hold whole passes only */
+    bool first_light;
+    /* called in the first pass every half second by one thread with what there is, if first_light is set:
+     * rgba[height][width][4] of the film, missing pixels like one within 7 rows and columns; may be NULL */
+    void (*glimpse)(const float *rgba, void *user);
+    /* called between passes by one thread, each time `every` seconds have passed, with the result so far, of which the
+     * film is then complete; may be NULL */
+    void (*so_far)(const bis_render_result *result, void *user);
+    double every;
     void *user;
     bis_part part;              /* only these tiles are rendered, the rest of the film stays 0 */
     bis_crew *crew;             /* other processes that take part; NULL: none. All of them call bis_render */
     bis_checkpoint *checkpoint; /* what to go on from, and where to keep the state; NULL: neither */
 } bis_render_options;
-
-typedef struct bis_render_result {
-    bis_counters counters; /* this and all below include what a checkpoint brought */
-    double seconds;
-    bis_film_error error; /* not known of a part */
-    bool interrupted;     /* the picture then has the passes that were complete; it is black if there were none */
-    /* camera samples per pixel, with adaptive sampling (nearly) their mean: the budget that makes this picture again */
-    uint64_t spp;
-    uint32_t passes;      /* complete passes; 0 only if the first one was interrupted (the film then has passes = 1) */
-    int n_threads;
-    size_t bytes;         /* of workspace beside the film: the current pass and the scratch of the threads */
-} bis_render_result;
 
 /* bis_render_threads returns the number of threads that these options use. */
 int bis_render_threads(const bis_render_options *options);
