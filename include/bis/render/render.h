@@ -11,8 +11,8 @@
 /* side in pixels of a tile: threads take tiles, a tile learns together, and adaptive sampling chooses by tile */
 enum { BIS_RENDER_TILE = 16 };
 
-/* The limit that is reached first ends the render. One pass is always completed, unless first_light is set. If all three are 0,
- * view->sampler.spp camera samples of each pixel are rendered. */
+/* The limit that is reached first ends the render. One pass is always completed, unless first_light is set. If all
+ * three are 0, view->sampler.spp camera samples of each pixel are rendered. */
 typedef struct bis_budget {
     uint32_t spp;     /* camera samples per pixel; 0: no limit */
     double seconds;   /* seconds of the render phase; 0: no limit */
