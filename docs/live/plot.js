@@ -83,10 +83,9 @@ function number(v, digits) {
 }
 
 function fixed(v, digits) {
-  const scale = Math.pow(10, digits), down = Math.floor(Math.abs(v) * scale);
-  const is_tie = Math.abs(v) * scale - down === 0.5 && down < 1e15; /* exact where scale is a power of two or 1: C's tie */
-  if (is_tie && down % 2 === 0 && digits === 0) return (v < 0 ? '-' : '') + String(down);
-  return v.toFixed(digits);
+  const exact = Math.abs(v).toFixed(100), at = exact.indexOf('.') + 1, last = exact.slice(0, at + digits).replace('.', '').slice(-1);
+  if (!/^50*$/.test(exact.slice(at + digits)) || last % 2) return v.toFixed(digits);
+  return (v < 0 ? '-' : '') + exact.slice(0, digits ? at + digits : at - 1); /* a tie, to even as in C */
 }
 
 function duration(seconds) {
@@ -545,10 +544,10 @@ function png(columns, rows, rgb, deflate) {
 function heatPixels(spec) {
   const of = colourFunction(spec.colours), rgb = new Uint8Array(3 * spec.columns * spec.rows), table = [];
   const lo = spec.log ? Math.log(spec.lo) : spec.lo, hi = spec.log ? Math.log(spec.hi) : spec.hi;
-  for (let i = 0; i < 256; i++) table.push(of(i / 255));
+  for (let i = 0; i <= 256; i++) table.push(of(i / 256));
   for (let i = 0; i < spec.columns * spec.rows; i++) {
     const v = spec.values[i], t = hi > lo ? ((spec.log ? Math.log(v) : v) - lo) / (hi - lo) : 1;
-    const c = t >= 0 || spec.night === false ? table[Math.round(255 * Math.min(Math.max(t, 0) || 0, 1))] : [5, 5, 13];
+    const c = t >= 0 || spec.night === false ? table[Math.round(256 * Math.min(Math.max(t, 0) || 0, 1))] : [5, 5, 13];
     rgb.set(c, 3 * i);
   }
   return {columns: spec.columns, rows: spec.rows, rgb: rgb};
