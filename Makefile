@@ -195,7 +195,7 @@ test-long:
 docs:
 	@sh scripts/site/site.sh build/docs
 
-# The page of bis trade and the site in a headless Chromium, where there is one; no part of `make test`.
+# The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make test`.
 test-browser: $B/bis $(STAMP)
 	@sh scripts/check/test_browser.sh $B/bis $B/browser
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* page: a file of HTML that shows a JSON object by its own script and needs nothing but itself. The page is a file of
- * the sources, with docs/live/plot.js and docs/live/page.css put into it by make; it has two places to be filled:
+ * the sources, with docs/live/plot.js and docs/live/page.css put into it by make. It has two places to be filled:
  *
- *     <script type="application/json" id="data">null</script>      the object
- *     <pre id="text"></pre>                                        the same as text, for a browser without JavaScript */
+ *     <script type="application/json" id="data">null</script>    the object
+ *     <pre id="text"></pre>                                      the same as text, for a browser without JavaScript */
 #pragma once
 
 #include "bis/base/image.h"
