@@ -112,9 +112,9 @@ $B/src/cli/crew_mpi.o: src/cli/crew_mpi.c $B/.flags
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
 $B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/bench/measure.o
-$B/figures: $B/scripts/figures/figures.o $B/scripts/figures/figures_plots.o $B/scripts/bench/measure.o $(LIB)
+$B/figures: $B/scripts/figures/drawing.o $B/scripts/figures/figures.o $B/scripts/figures/figures_plots.o $B/scripts/bench/measure.o $(LIB)
 	$(LINK) $(LIBS)
-$B/errata_plots: $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/errata_*.c)) $(LIB)
+$B/errata_plots: $B/scripts/figures/drawing.o $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/errata_*.c)) $(LIB)
 	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/bench/%.o $(LIB)
 	$(LINK) $(LIBS)
@@ -222,7 +222,8 @@ coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/check/coverage.sh build/coverage
 
-# The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set.
+# The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set. C computes
+# them; docs/live/plot.js draws, under node, which a clone does not need.
 figures: $B/bis $B/figures $(STAMP)
 	@sh scripts/figures/figures.sh $B
 

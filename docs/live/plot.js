@@ -36,6 +36,9 @@
  *   marks           [{x, y, label, below, left}], each a cross, open in the middle
  *   curves          [{x, y, colour}], lines through places
  *
+ * bisPlot.draw(list) returns a drawing whose places were computed by the C program (scripts/figures/drawing.h has the
+ *   items), as a file of SVG on white paper.
+ *
  * bisPlot.heatPixels(spec) returns {columns, rows, rgb}: the field's colours, three bytes a value (for a canvas).
  * bisPlot.png(columns, rows, rgb, deflate) returns a PNG as an address (data:...). deflate(bytes) compresses as zlib does;
  *   without it nothing is compressed.
@@ -120,7 +123,7 @@ function escape(text) {
 function rich(text, size) {
   let out = '', before = 0;
   for (const part of String(text).match(/[\^`][^\^` ,)]*|[^\^`]+/g) || []) {
-    const mark = part[0], lift = mark === '^' ? 0.4 * size : mark === '`' ? -0.2 * size : 0;
+    const mark = part[0], lift = mark === '^' ? 0.396 * size : mark === '`' ? -0.18 * size : 0;
     const plain = escape(mark === '^' || mark === '`' ? part.slice(1) : part);
     if (lift === 0 && before === 0) out += plain;
     else out += '<tspan dy="' + place(before - lift) + '"' + (lift ? ' font-size="' + place(0.7 * size) + '"' : '') + '>' +
@@ -609,7 +612,38 @@ function heat(spec) {
   return wrap(spec, left + w + (scale ? 72 : x.list.length ? 14 : 2), top + h + Math.max(bottom, scale && spec.label ? 24 : 0), body);
 }
 
-return {chart: chart, heat: heat, heatPixels: heatPixels, png: png, linearTicks: linearTicks, logTicks: logTicks, number: number,
+/* ---- a list of shapes ---- */
+
+/* One item as an element. Of a font without serifs, capitals are about .72 of its size high. */
+function drawItem(i) {
+  const size = i.size / 0.72, pen = ' stroke="' + i.stroke + '" stroke-width="' + place(i.width) + '" fill="none"/>\n';
+  const points = function (list, join) { return list.map(function (p) { return place(p[0]) + join + place(p[1]); }); };
+  const circle = function (c) { return '<circle cx="' + place(c[0]) + '" cy="' + place(c[1]) + '" r="' + place(c[2]) + '"'; };
+  if (i.box) {
+    return '<rect x="' + place(i.box[0]) + '" y="' + place(i.box[1]) + '" width="' + place(i.box[2]) + '" height="' +
+      place(i.box[3]) + '" fill="' + i.fill + '"/>\n';
+  }
+  if (i.line && i.line.length === 2) return '<path d="M' + points(i.line, ' ').join('L') + '"' + pen;
+  if (i.line) return '<polyline points="' + points(i.line, ',').join(' ') + '"' + pen;
+  if (i.disc) return circle(i.disc) + ' fill="' + i.fill + '"/>\n';
+  if (i.ring) return circle(i.ring) + pen;
+  if (i.show) return '<use href="#' + escape(i.show) + '" x="' + place(i.at[0]) + '" y="' + place(i.at[1]) + '"/>\n';
+  if (i.picture) {
+    return '<defs><image id="' + escape(i.picture) + '" width="' + i.size[0] + '" height="' + i.size[1] +
+      '" preserveAspectRatio="none" style="image-rendering:pixelated" href="' + i.png + '"/></defs>\n';
+  }
+  return '<text x="' + place(i.at[0]) + '" y="' + place(i.at[1]) + '" font-size="' + place(size) + '"' +
+    (i.anchor === 'start' ? '' : ' text-anchor="' + i.anchor + '"') + ' fill="' + i.fill + '">' + rich(i.text, size) + '</text>\n';
+}
+
+function draw(list) {
+  const size = list.width + ' ' + list.height;
+  return '<svg xmlns="http://www.w3.org/2000/svg" width="' + list.width + '" height="' + list.height + '" viewBox="0 0 ' + size +
+    '" font-family="sans-serif" stroke-linecap="round" stroke-linejoin="round" xml:space="preserve">\n' +
+    '<rect width="100%" height="100%" fill="#ffffff"/>\n' + list.items.filter(Boolean).map(drawItem).join('') + '</svg>\n';
+}
+
+return {chart: chart, heat: heat, draw: draw, heatPixels: heatPixels, png: png, linearTicks: linearTicks, logTicks: logTicks, number: number,
   fixed: fixed, duration: duration, percent: percent, power: power, escape: escape, rich: rich, colour: colour,
   heatColour: heatColour, greyColour: greyColour, css: css};
 })();

@@ -104,6 +104,7 @@ for picture; do
         ;;
     plots)
         "$build/errata_plots" "$tmp" $plots
+        node scripts/figures/draw.js "$tmp"/errata-*.json
         for item in $plots; do copy "$tmp/errata-$item.svg" errata-$item; done
         ;;
     results)

@@ -29,7 +29,16 @@ const drawings = {
     series: [{kind: 'errors', x: [1, 2], y: [2, 3], lo: [1, 2], hi: [3, 4]}, {kind: 'area', x: [1, 2], y: [1, 2]}]},
 };
 
+/* What scripts/figures/drawing.h describes. */
+const list = {width: 320, height: 200, items: [null, {box: [-1, 2.25, 30, 0.5], fill: '#ffffff'}, {box: [1 / 3, 2 / 3, 1234.567, 1e-9], fill: '#000000'},
+  {line: [[1, 2], [1000.5, -4]], width: 1.5, stroke: '#000000'}, {line: [[0, 1], [10, 2], [20.5, 3]], width: 1, stroke: '#000000'},
+  {disc: [3, 4, 5], fill: '#ff0000'}, {ring: [3, 4, 5], width: 2, stroke: '#0000ff'},
+  {text: 'a<b & "c"', at: [30, 80], size: 18, anchor: 'start', fill: '#000000'}, {text: 'HIH', at: [30, 80], size: 18, anchor: 'middle', fill: '#000000'},
+  {text: 'A^B C`D,E`F)G^H`I^ J', at: [0, 0], size: 10, anchor: 'end', fill: '#000000'},
+  {picture: 'map', size: [30, 20], png: 'data:image/png;base64,AAAA'}, {show: 'map', at: [7, 8]}]};
+
 if (process.argv[2] === 'numbers') numbers();
+else if (process.argv[3] === 'list') console.log('<!DOCTYPE html>' + plot.draw(list));
 else if (process.argv[3] === 'pixels') console.log(Array.from(plot.heatPixels(field).rgb).join(' '));
 else if (process.argv[3] === 'png') console.log(plot.png(3, 2, plot.heatPixels(field).rgb));
 else console.log('<!DOCTYPE html>' + plot[process.argv[3] === 'field' ? 'heat' : 'chart'](drawings[process.argv[3]]));

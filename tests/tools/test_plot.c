@@ -184,6 +184,50 @@ static void a_png_reads_back(void **state)
     bis_image_clear(&image);
 }
 
+/* The elements as SVG 1.1 has them; places have two decimals; capitals of 18 are those of a font of 18/.72 = 25. */
+static void a_list_of_shapes_becomes_elements(void **state)
+{
+    (void)state;
+    static const char *const parts[] = {
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"320\" height=\"200\" viewBox=\"0 0 320 200\"",
+        "<rect x=\"-1\" y=\"2.25\" width=\"30\" height=\"0.5\" fill=\"#ffffff\"/>\n",
+        "<rect x=\"0.33\" y=\"0.67\" width=\"1234.57\" height=\"0\" fill=\"#000000\"/>\n",
+        "<path d=\"M1 2L1000.5 -4\" stroke=\"#000000\" stroke-width=\"1.5\" fill=\"none\"/>\n",
+        "<polyline points=\"0,1 10,2 20.5,3\" stroke=\"#000000\" stroke-width=\"1\" fill=\"none\"/>\n",
+        "<circle cx=\"3\" cy=\"4\" r=\"5\" fill=\"#ff0000\"/>\n",
+        "<circle cx=\"3\" cy=\"4\" r=\"5\" stroke=\"#0000ff\" stroke-width=\"2\" fill=\"none\"/>\n",
+        "<text x=\"30\" y=\"80\" font-size=\"25\" fill=\"#000000\">a&lt;b &amp; &quot;c&quot;</text>\n",
+        "<text x=\"30\" y=\"80\" font-size=\"25\" text-anchor=\"middle\" fill=\"#000000\">HIH</text>\n", "text-anchor=\"end\"",
+        "<image id=\"map\" width=\"30\" height=\"20\"", "href=\"data:image/png;base64,AAAA\"/></defs>\n",
+        "<use href=\"#map\" x=\"7\" y=\"8\"/>\n</svg>\n"};
+    char why[200];
+    const char *at = said;
+    ask("drawing list");
+    if (!html_is_well_formed(said, why, sizeof why)) fail_msg("%s", why);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        at = strstr(at, parts[i]);
+        if (!at) fail_msg("%s is not in its place in %s", parts[i], said);
+    }
+}
+
+/* Where each span's base line is above that of the text: the sum of all dy up to it, as a reader of SVG adds them. */
+static void exponents_are_raised_and_indices_lowered_to_the_next_blank(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *letter;
+        double lift;
+    } wanted[] = {{">A", 0}, {">B<", 5.5}, {"> C<", 0}, {">D<", -2.5}, {">,E", 0}, {">F<", -2.5}, {">)G", 0}, {">H<", 5.5}, {">I<", -2.5}, {"> J", 0}};
+    ask("drawing list");
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+        double sum = 0;
+        const char *at = strstr(said, wanted[i].letter);
+        if (!at) fail_msg("%s not in %s", wanted[i].letter, said);
+        for (const char *p = said; (p = strstr(p, "dy=\"")) && p < at; p++) sum -= atof(p + 4);
+        if (!(fabs(sum - wanted[i].lift) < 1e-9)) fail_msg("%s is lifted by %g", wanted[i].letter, sum);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -193,6 +237,8 @@ int main(void)
         cmocka_unit_test(what_is_missing_leaves_an_empty_drawing),
         cmocka_unit_test(a_field_has_the_colours_of_its_values),
         cmocka_unit_test(a_png_reads_back),
+        cmocka_unit_test(a_list_of_shapes_becomes_elements),
+        cmocka_unit_test(exponents_are_raised_and_indices_lowered_to_the_next_blank),
     };
     return cmocka_run_group_tests_name("plot", tests, setup, NULL);
 }
