@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* plot: the one place that draws. A classic script without a DOM: numbers in, a text of SVG out, in a browser and under
- * node alike. It defines one global, bisPlot (and module.exports under node). What is drawn was computed by the C program.
+ * node alike. It defines one global, bisPlot (and module.exports under node). What is drawn was computed by the C
+ * program.
  *
  * bisPlot.chart(spec) returns a chart with two axes, as a text of SVG.
  *   title, text     what it is, and what one sees in it: for people who do not see it; title is required
  *   width, height   in pixels (720 x 420)
- *   x, y            an axis: {label, log, min, max, ticks, format, grid}. Absent min and max are those of the data, made
- *                   round. ticks: [numbers] or [{at, text}]; format(v) is the text at a tick; grid false: no lines
+ *   x, y            an axis: {label, log, min, max, ticks, format, grid}. Absent min and max are those of the data,
+ *                   made round. ticks: [numbers] or [{at, text}]; format(v) is the text at a tick; grid false: no lines
  *   series          in the order of drawing, each {kind, x, y, lo, hi, label, colour, ...}, x and y of one length:
  *       kind        'line'; 'points'; 'errors' (points with bars from lo to hi); 'steps' (a histogram's outline: y[i]
  *                   from x[i] to x[i + 1], so x may have one more); 'bars' (x is the middle); 'area' (lo to hi, or from
@@ -16,19 +17,21 @@
  *       titles      a text for each point, shown by a browser under the pointer
  *       thin, dash, broad    true: how a line looks; points: true marks the points of a line, too
  *       radius, width        of a point in pixels; of a bar in units of x
- *   marks           what is no series, drawn below all of them: {x} or {y} (a line across), {x0, y0, x1, y1} (a line), each
- *                   with label and colour if wanted; {x, y, label} is a text there
- *   legend          'end' (names at the right, where the curves end), 'top', 'none'; 'top' where two series have labels.
- *                   A label may be followed by note, a second line in small letters ('end' alone)
+ *   marks           what is no series, drawn below all of them: {x} or {y} (a line across), {x0, y0, x1, y1} (a line),
+ *                   each with label and colour if wanted; {x, y, label} is a text there
+ *   legend          'end' (names at the right, where the curves end), 'top', 'none'; 'top' where two series have
+ *                   labels. A label may be followed by note, a second line in small letters ('end' alone)
  *   standalone      true: a file of its own, with its style sheet and its paper
  *   A value that is not finite, or not positive on a logarithmic axis, is left out, and a line has a gap there.
  *
- * bisPlot.heat(spec) returns a field of columns x rows values as a text of SVG: directions on a map, pixels of a picture.
- *   title, text, width, height, standalone    as above; width and height are those of the field without its surroundings
+ * bisPlot.heat(spec) returns a field of columns x rows values as a text of SVG: directions on a map, pixels of a
+ * picture.
+ *   title, text, width, height, standalone    as above; width and height are those of the field without its
+ *                                             surroundings
  *   columns, rows, values    row after row, the first at the top; absent values: image is shown instead
  *   image           the address of a picture (data:...), drawn below everything else
- *   lo, hi, log     the values of both ends of the colours; log: their logarithms count. What is below lo is night, or the
- *                   lowest colour where night is false
+ *   lo, hi, log     the values of both ends of the colours; log: their logarithms count. What is below lo is night, or
+ *                   the lowest colour where night is false
  *   colours         'heat', 'grey', 'difference' (blue below the middle, red above) or a function of t in [0,1]
  *   label           of the scale of colours; scale: false leaves it out
  *   x, y            {label, min, max, ticks, format}: what the left and right, the top and bottom edge stand for
@@ -40,19 +43,20 @@
  *   items), as a file of SVG on white paper.
  *
  * bisPlot.heatPixels(spec) returns {columns, rows, rgb}: the field's colours, three bytes a value (for a canvas).
- * bisPlot.png(columns, rows, rgb, deflate) returns a PNG as an address (data:...). deflate(bytes) compresses as zlib does;
- *   without it nothing is compressed.
+ * bisPlot.png(columns, rows, rgb, deflate) returns a PNG as an address (data:...). deflate(bytes) compresses as zlib
+ *   does; without it nothing is compressed.
  * bisPlot.linearTicks(min, max, n) returns about n round numbers in [min, max].
  * bisPlot.logTicks(min, max) returns [{at, main}]: 1, 2 and 5 of each decade; main: those that get a text.
  * bisPlot.number(v, digits) returns v as printf's %.{digits}g (4); bisPlot.fixed(v, digits) as %.{digits}f.
- * bisPlot.duration(seconds) returns "42 ms", "3.1 s", "6.5 min"; bisPlot.percent(share) "0.034%", "3.4%", "170%": both as
- *   the C program prints them (src/base/text.c).
+ * bisPlot.duration(seconds) returns "42 ms", "3.1 s", "6.5 min"; bisPlot.percent(share) "0.034%", "3.4%", "170%": both
+ *   as the C program prints them (src/base/text.c).
  * bisPlot.power(k) returns "10⁻³" for k = -3.
- * bisPlot.escape(text) returns text for HTML and SVG. bisPlot.rich(text, size) the same for a text of SVG, in which what
- *   stands behind ^ is raised and what stands behind ` is lowered, up to the next blank, comma or parenthesis.
- * bisPlot.colour(c) returns the CSS of a series' colour; bisPlot.heatColour(t) and bisPlot.greyColour(t) [r, g, b], 0 to 255.
- * bisPlot.css is the style sheet that a page with charts puts into itself once. Its variables (--plot-ink, --plot-em ...)
- *   may be set by the page; it has values for light and for dark. */
+ * bisPlot.escape(text) returns text for HTML and SVG. bisPlot.rich(text, size) the same for a text of SVG, in which
+ *   what stands behind ^ is raised and what stands behind ` is lowered, up to the next blank, comma or parenthesis.
+ * bisPlot.colour(c) returns the CSS of a series' colour; bisPlot.heatColour(t) and bisPlot.greyColour(t) [r, g, b],
+ *   0 to 255.
+ * bisPlot.css is the style sheet that a page with charts puts into itself once. Its variables (--plot-ink, --plot-em
+ *   ...) may be set by the page; it has values for light and for dark. */
 'use strict';
 var bisPlot = (function () {
 
@@ -86,7 +90,8 @@ function number(v, digits) {
 }
 
 function fixed(v, digits) {
-  const exact = Math.abs(v).toFixed(100), at = exact.indexOf('.') + 1, last = exact.slice(0, at + digits).replace('.', '').slice(-1);
+  const exact = Math.abs(v).toFixed(100), at = exact.indexOf('.') + 1, last = exact.slice(0, at + digits).replace('.',
+    '').slice(-1);
   if (!/^50*$/.test(exact.slice(at + digits)) || last % 2) return v.toFixed(digits);
   return (v < 0 ? '-' : '') + exact.slice(0, digits ? at + digits : at - 1); /* a tie, to even as in C */
 }
@@ -126,7 +131,8 @@ function rich(text, size) {
     const mark = part[0], lift = mark === '^' ? 0.396 * size : mark === '`' ? -0.18 * size : 0;
     const plain = escape(mark === '^' || mark === '`' ? part.slice(1) : part);
     if (lift === 0 && before === 0) out += plain;
-    else out += '<tspan dy="' + place(before - lift) + '"' + (lift ? ' font-size="' + place(0.7 * size) + '"' : '') + '>' +
+    else out += '<tspan dy="' + place(before - lift) + '"' + (lift ? ' font-size="' + place(0.7 * size) + '"' : '') +
+      '>' +
       plain + '</tspan>';
     before = lift;
   }
@@ -169,7 +175,8 @@ function colour(c) {
 /* Linear between stops that lie evenly on [0,1]; each is lighter than the one before: reads in grey print, too. */
 function between(stops, t) {
   const at = Math.min(Math.max(t, 0), 1) * (stops.length - 1), i = Math.min(Math.floor(at), stops.length - 2);
-  return [0, 1, 2].map(function (k) { return Math.round(255 * (stops[i][k] + (at - i) * (stops[i + 1][k] - stops[i][k]))); });
+  return [0, 1, 2].map(function (k) { return Math.round(255 * (stops[i][k] + (at - i) * (stops[i +
+    1][k] - stops[i][k]))); });
 }
 
 function heatColour(t) {
@@ -192,7 +199,8 @@ function linearTicks(min, max, n) {
   const rough = (max - min) / (n || 6), unit = Math.pow(10, Math.floor(Math.log10(rough)));
   const step = [1, 2, 5, 10].map(function (s) { return s * unit; }).find(function (s) { return s >= 0.999 * rough; });
   const list = [];
-  for (let i = Math.ceil(min / step - 1e-9); i <= max / step + 1e-9; i++) /* 1e-9 of a step: the ends themselves count */
+  for (let i = Math.ceil(min / step - 1e-9); i <= max / step + 1e-9;
+    i++) /* 1e-9 of a step: the ends themselves count */
     list.push(+(i * step).toPrecision(12));
   return list;
 }
@@ -237,7 +245,8 @@ function makeAxis(given, values) {
   axis.max = usable(axis, axis.max) ? axis.max : hi;
   if (axis.min === axis.max) axis.max += Math.abs(axis.max) || 1;
   axis.at = function (v) {
-    const t = axis.log ? Math.log(v / axis.min) / Math.log(axis.max / axis.min) : (v - axis.min) / (axis.max - axis.min);
+    const t = axis.log ? Math.log(v / axis.min) / Math.log(axis.max / axis.min) :
+      (v - axis.min) / (axis.max - axis.min);
     return axis.from + t * (axis.to - axis.from);
   };
   axis.list = axisTicks(axis);
@@ -245,7 +254,8 @@ function makeAxis(given, values) {
 }
 
 function axisTicks(axis) {
-  const format = axis.format || defaultFormat(axis), lo = Math.min(axis.min, axis.max), hi = Math.max(axis.min, axis.max);
+  const format = axis.format || defaultFormat(axis), lo = Math.min(axis.min, axis.max), hi = Math.max(axis.min,
+    axis.max);
   const list = axis.ticks || (axis.log ? logTicks(lo, hi) : linearTicks(lo, hi));
   return list.map(function (t) {
     if (typeof t === 'number') return {at: t, text: format(t)};
@@ -264,8 +274,10 @@ function idOf(text) {
 
 function wrap(spec, width, height, body) {
   const id = idOf(spec.title + '\n' + (spec.text || '') + '\n' + body), alone = spec.standalone;
-  return '<svg' + (alone ? ' xmlns="http://www.w3.org/2000/svg"' : '') + ' class="bis-plot" role="img" aria-labelledby="' + id +
-    (spec.text ? ' ' + id + 'd' : '') + '" width="' + width + '" height="' + height + '" viewBox="0 0 ' + width + ' ' + height +
+  return '<svg' + (alone ? ' xmlns="http://www.w3.org/2000/svg"' : '') +
+    ' class="bis-plot" role="img" aria-labelledby="' + id +
+    (spec.text ? ' ' + id + 'd' : '') + '" width="' + width + '" height="' + height + '" viewBox="0 0 ' + width + ' ' +
+      height +
     '">\n<title id="' + id + '">' + escape(spec.title) + '</title>\n' +
     (spec.text ? '<desc id="' + id + 'd">' + escape(spec.text) + '</desc>\n' : '') +
     (alone ? '<style>' + escape(css).replace(/&quot;/g, '"') + '</style>\n<rect width="100%" height="100%" fill="' +
@@ -278,18 +290,21 @@ function text(x, y, at, words, more) {
   return '<text x="' + place(x) + '" y="' + place(y) + '"' + (at === 'start' ? '' : ' text-anchor="' + at + '"') +
     (size === 12 ? '' : ' font-size="' + size + '"') + (more && more.kind ? ' class="' + more.kind + '"' : '') +
     (more && more.fill ? ' style="fill:' + more.fill + '"' : '') +
-    (more && more.turn ? ' transform="rotate(-90 ' + place(x) + ' ' + place(y) + ')"' : '') + '>' + rich(words, size) + '</text>\n';
+    (more && more.turn ? ' transform="rotate(-90 ' + place(x) + ' ' + place(y) + ')"' : '') + '>' + rich(words, size) +
+      '</text>\n';
 }
 
 function path(d, stroke, width, more) {
-  return '<path class="p-line" d="' + d + '" stroke="' + stroke + '" stroke-width="' + width + '"' + (more || '') + '/>\n';
+  return '<path class="p-line" d="' + d + '" stroke="' + stroke + '" stroke-width="' + width + '"' + (more || '') +
+    '/>\n';
 }
 
 function shapeAt(x, y, shape, r) {
   const at = 'M' + place(x) + ' ' + place(y), a = place(r), w = place(2 * r), b = place(1.15 * r), s = place(0.9 * r);
   if (shape === 'up') return at + 'm0 -' + b + 'l' + b + ' ' + place(2 * r) + 'h-' + place(2.3 * r) + 'z';
   if (shape === 'down') return at + 'm0 ' + b + 'l' + b + ' -' + place(2 * r) + 'h-' + place(2.3 * r) + 'z';
-  if (shape === 'square') return at + 'm-' + s + ' -' + s + 'h' + place(1.8 * r) + 'v' + place(1.8 * r) + 'h-' + place(1.8 * r) + 'z';
+  if (shape === 'square') return at + 'm-' + s + ' -' + s + 'h' + place(1.8 * r) + 'v' + place(1.8 * r) + 'h-' +
+    place(1.8 * r) + 'z';
   if (shape === 'diamond') return at + 'm0 -' + b + 'l' + b + ' ' + b + 'l-' + b + ' ' + b + 'l-' + b + ' -' + b + 'z';
   return at + 'm-' + a + ' 0a' + a + ' ' + a + ' 0 1 0 ' + w + ' 0a' + a + ' ' + a + ' 0 1 0 -' + w + ' 0';
 }
@@ -334,7 +349,8 @@ function drawSteps(s, x, y) {
     const end = i + 1 < s.x.length ? s.x[i + 1] : 2 * s.x[i] - s.x[i - 1];
     if (!usable(x, s.x[i]) || !usable(x, end)) continue;
     const top = usable(y, s.y[i]) ? place(y.at(s.y[i])) : ground;
-    d += (d ? 'L' : 'M' + place(x.at(s.x[i])) + ' ' + ground + 'L') + place(x.at(s.x[i])) + ' ' + top + 'H' + place(x.at(end));
+    d += (d ? 'L' : 'M' + place(x.at(s.x[i])) + ' ' + ground + 'L') + place(x.at(s.x[i])) + ' ' + top + 'H' +
+      place(x.at(end));
   }
   if (!d) return '';
   d += 'V' + ground;
@@ -350,7 +366,8 @@ function drawBars(s, x, y) {
     const left = x.at(s.x[i] - w / 2), right = x.at(s.x[i] + w / 2), top = y.at(s.y[i]);
     out += '<rect x="' + place(Math.min(left, right)) + '" y="' + place(Math.min(top, ground)) + '" width="' +
       place(Math.abs(right - left)) + '" height="' + place(Math.abs(ground - top)) + '" fill="' + colour(s.colour) +
-      '" fill-opacity=".8" data-i="' + i + '">' + (s.titles ? '<title>' + escape(s.titles[i]) + '</title>' : '') + '</rect>\n';
+      '" fill-opacity=".8" data-i="' + i + '">' + (s.titles ? '<title>' + escape(s.titles[i]) + '</title>' : '') +
+        '</rect>\n';
   }
   return out + drawErrors(s, x, y);
 }
@@ -373,7 +390,8 @@ function drawErrors(s, x, y) {
     if (!usable(x, s.x[i]) || !usable(y, s.hi[i])) continue;
     const lo = usable(y, s.lo[i]) ? Math.max(s.lo[i], Math.min(y.min, y.max)) : y.min;
     const at = x.at(s.x[i]), top = place(y.at(s.hi[i])), bottom = place(y.at(lo));
-    d += 'M' + place(at - 3.5) + ' ' + top + 'h7M' + place(at - 3.5) + ' ' + bottom + 'h7M' + place(at) + ' ' + top + 'V' + bottom;
+    d += 'M' + place(at - 3.5) + ' ' + top + 'h7M' + place(at - 3.5) + ' ' + bottom + 'h7M' + place(at) + ' ' + top +
+      'V' + bottom;
   }
   return d && path(d, s.kind === 'bars' ? colour('ink') : colour(s.colour), 1.2);
 }
@@ -383,15 +401,18 @@ function drawPoints(s, x, y) {
   let out = '';
   for (let i = 0; i < length(s); i++) {
     if (!usable(x, s.x[i]) || !usable(y, s.y[i])) continue;
-    out += '<path d="' + shapeAt(x.at(s.x[i]), y.at(s.y[i]), shape, r) + '" fill="' + (s.kind === 'points' ? colour(s.colour) :
-      colour('paper')) + '" stroke="' + colour(s.colour) + '" stroke-width="' + (r < 3 ? 1 : 1.8) + '" data-i="' + i + '">' +
+    out += '<path d="' + shapeAt(x.at(s.x[i]), y.at(s.y[i]), shape, r) + '" fill="' + (s.kind === 'points' ?
+      colour(s.colour) :
+      colour('paper')) + '" stroke="' + colour(s.colour) + '" stroke-width="' + (r < 3 ? 1 : 1.8) + '" data-i="' + i +
+        '">' +
       (s.titles ? '<title>' + escape(s.titles[i]) + '</title>' : '') + '</path>\n';
   }
   return out;
 }
 
 function drawLine(s, x, y) {
-  const more = (s.dash ? ' stroke-dasharray="6 4"' : '') + (s.broad ? ' stroke-opacity=".14"' : s.thin ? ' stroke-opacity=".4"' : '');
+  const more = (s.dash ? ' stroke-dasharray="6 4"' : '') + (s.broad ? ' stroke-opacity=".14"' : s.thin ?
+    ' stroke-opacity=".4"' : '');
   const d = linePath(x, y, s.x, s.y);
   return (d && path(d, colour(s.colour), s.broad ? 13 : s.thin ? 1.2 : 2.2, more)) + drawErrors(s, x, y) +
     (s.points ? drawPoints(s, x, y) : '');
@@ -404,13 +425,17 @@ function drawSeries(s, i, x, y) {
 }
 
 function drawMark(m, x, y) {
-  const stroke = m.colour === undefined ? colour('soft') : colour(m.colour), dash = ' stroke-dasharray="' + (m.dots ? '1 5' : '6 4') + '"';
+  const stroke = m.colour === undefined ? colour('soft') : colour(m.colour), dash = ' stroke-dasharray="' + (m.dots ?
+    '1 5' : '6 4') + '"';
   if (m.x0 !== undefined) {
-    return path('M' + place(x.at(m.x0)) + ' ' + place(y.at(m.y0)) + 'L' + place(x.at(m.x1)) + ' ' + place(y.at(m.y1)), stroke, 1, dash);
+    return path('M' + place(x.at(m.x0)) + ' ' + place(y.at(m.y0)) + 'L' + place(x.at(m.x1)) + ' ' + place(y.at(m.y1)),
+      stroke, 1, dash);
   }
-  if (m.x !== undefined && m.y !== undefined) return text(x.at(m.x), y.at(m.y), m.at || 'start', m.label, {fill: stroke});
+  if (m.x !== undefined && m.y !== undefined) return text(x.at(m.x), y.at(m.y), m.at || 'start', m.label,
+    {fill: stroke});
   const across = m.y !== undefined, v = across ? y.at(m.y) : x.at(m.x);
-  return path(across ? 'M' + x.from + ' ' + place(v) + 'H' + x.to : 'M' + place(v) + ' ' + y.from + 'V' + y.to, stroke, 1.2, dash) +
+  return path(across ? 'M' + x.from + ' ' + place(v) + 'H' + x.to : 'M' + place(v) + ' ' + y.from + 'V' + y.to, stroke,
+    1.2, dash) +
     (!m.label ? '' : across ? text(x.from + 8, v - 5, 'start', m.label, {fill: stroke}) :
       text(v + 5, y.to + 12, 'start', m.label, {fill: stroke}));
 }
@@ -458,9 +483,11 @@ function drawTopLegend(named, left, right) {
   for (const s of named) {
     const w = 34 + textWidth(s.label, 12);
     if (x > left && x + w > right) { x = left; y += 18; }
-    if (s.kind === 'line' || s.kind === 'steps') out += path('M' + place(x) + ' ' + (y - 4) + 'h20', colour(s.colour), 2.2, s.dash ? ' stroke-dasharray="6 4"' : '');
+    if (s.kind === 'line' || s.kind === 'steps') out += path('M' + place(x) + ' ' + (y - 4) + 'h20', colour(s.colour),
+      2.2, s.dash ? ' stroke-dasharray="6 4"' : '');
     else if (s.kind === 'bars' || s.kind === 'area')
-      out += '<rect x="' + place(x + 3) + '" y="' + (y - 11) + '" width="14" height="12" fill="' + colour(s.colour) + '" fill-opacity=".6"/>';
+      out += '<rect x="' + place(x + 3) + '" y="' + (y - 11) + '" width="14" height="12" fill="' + colour(s.colour) +
+        '" fill-opacity=".6"/>';
     if (s.kind === 'points' || s.kind === 'errors' || s.points)
       out += '<path d="' + shapeAt(x + 10, y - 4, shapeOf(s), 4) + '" fill="' + colour(s.colour) + '"/>';
     out += text(x + 26, y, 'start', s.label, {kind: 'p-strong'});
@@ -474,7 +501,8 @@ function chart(spec) {
   const x = makeAxis(spec.x, valuesOf(spec, 'x')), y = makeAxis(spec.y, valuesOf(spec, 'y'));
   const named = series.filter(function (s) { return s.label && !s.thin; });
   const legend = spec.legend || (named.length > 1 ? 'top' : 'none');
-  const widest = function (list, size) { return list.reduce(function (w, t) { return Math.max(w, textWidth(t, size)); }, 0); };
+  const widest = function (list, size) { return list.reduce(function (w, t) { return Math.max(w, textWidth(t, size));
+    }, 0); };
   x.from = Math.round(widest(y.list.map(function (t) { return t.text; }), 12) + 16 + (y.label ? 20 : 0));
   x.to = width - (legend === 'end' ? Math.round(Math.max(widest(named.map(function (s) { return s.label; }), 14),
     widest(named.map(function (s) { return s.note || ''; }), 11))) + 20 : 18);
@@ -484,7 +512,8 @@ function chart(spec) {
   let body = drawAxes(x, y, width) + top.body;
   for (const m of spec.marks || []) body += drawMark(m, x, y);
   const id = idOf(spec.title + body);
-  body += '<clipPath id="' + id + 'c"><rect x="' + (x.from - 6) + '" y="' + (y.to - 6) + '" width="' + (x.to - x.from + 12) + '" height="' +
+  body += '<clipPath id="' + id + 'c"><rect x="' + (x.from - 6) + '" y="' + (y.to - 6) + '" width="' + (x.to - x.from +
+    12) + '" height="' +
     (y.from - y.to + 12) + '"/></clipPath>\n<g clip-path="url(#' + id + 'c)">';
   series.forEach(function (s, i) { body += drawSeries(s, i, x, y); });
   body += '</g>\n';
@@ -537,7 +566,8 @@ function png(columns, rows, rgb, deflate) {
     const body = Array.from(name, function (c) { return c.charCodeAt(0); }).concat(Array.from(data));
     return word(data.length).concat(body, word(crc(body)));
   };
-  const file = [0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10].concat(chunk('IHDR', word(columns).concat(word(rows), [8, 2, 0, 0, 0])),
+  const file = [0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10].concat(chunk('IHDR', word(columns).concat(word(rows), [8, 2, 0,
+    0, 0])),
     chunk('IDAT', deflate ? deflate(raw) : stored(raw)), chunk('IEND', []));
   return 'data:image/png;base64,' + base64(file);
 }
@@ -558,18 +588,21 @@ function heatPixels(spec) {
 
 /* The scale of colours at the right: [from left, top] with the field's height. */
 function drawScale(spec, left, top, height) {
-  const of = colourFunction(spec.colours), axis = makeAxis({log: spec.log, min: spec.lo, max: spec.hi, format: spec.format}, []);
+  const of = colourFunction(spec.colours), axis = makeAxis({log: spec.log, min: spec.lo, max: spec.hi,
+    format: spec.format}, []);
   let out = '';
   axis.from = top + height;
   axis.to = top;
   for (let i = 0; i < 64; i++) {
     const h = height / 64;
-    out += '<rect x="' + left + '" y="' + place(top + i * h) + '" width="16" height="' + place(h + 0.5) + '" fill="rgb(' +
+    out += '<rect x="' + left + '" y="' + place(top + i * h) + '" width="16" height="' + place(h + 0.5) +
+      '" fill="rgb(' +
       of(1 - (i + 0.5) / 64).join() + ')"/>';
   }
   for (const t of axis.list) {
     if (!t.text) continue;
-    out += '<path class="p-axis" d="M' + (left + 16) + ' ' + place(axis.at(t.at)) + 'h5"/>' + text(left + 25, axis.at(t.at) + 4, 'start', t.text);
+    out += '<path class="p-axis" d="M' + (left + 16) + ' ' + place(axis.at(t.at)) + 'h5"/>' + text(left + 25,
+      axis.at(t.at) + 4, 'start', t.text);
   }
   return out + (spec.label ? text(left, top + height + 19, 'start', spec.label) : '');
 }
@@ -577,39 +610,50 @@ function drawScale(spec, left, top, height) {
 /* On a dark disc that sets it off from the ground. */
 function drawDot(d, i, x, y) {
   const r = d.radius || 3.6, at = ' cx="' + place(x.at(d.x)) + '" cy="' + place(y.at(d.y)) + '"', c = colour(d.colour);
-  return '<g' + (d.data === undefined ? '' : ' data-i="' + escape(d.data) + '"') + '>' + (d.title ? '<title>' + escape(d.title) + '</title>' : '') +
-    '<circle' + at + ' r="' + place(r + 1.2) + '" fill="#05050d"/><circle' + at + ' r="' + place(d.ring ? r - 0.6 : r) + '" ' +
+  return '<g' + (d.data === undefined ? '' : ' data-i="' + escape(d.data) + '"') + '>' + (d.title ? '<title>' +
+    escape(d.title) + '</title>' : '') +
+    '<circle' + at + ' r="' + place(r + 1.2) + '" fill="#05050d"/><circle' + at + ' r="' + place(d.ring ? r - 0.6 :
+      r) + '" ' +
     (d.ring ? 'fill="none" stroke-width="1.7" stroke' : 'fill') + '="' + c + '"/>' +
-    (d.chosen ? '<circle' + at + ' r="' + place(r + 3) + '" fill="none" stroke="#fff" stroke-width="1.5"/>' : '') + '</g>\n';
+    (d.chosen ? '<circle' + at + ' r="' + place(r + 3) + '" fill="none" stroke="#fff" stroke-width="1.5"/>' : '') +
+      '</g>\n';
 }
 
 function drawCross(m, x, y) {
-  const at = 'M' + place(x.at(m.x)) + ' ' + place(y.at(m.y)), d = at + 'm4 0h5' + at + 'm-4 0h-5' + at + 'm0 4v5' + at + 'm0 -4v-5';
+  const at = 'M' + place(x.at(m.x)) + ' ' + place(y.at(m.y)), d = at + 'm4 0h5' + at + 'm-4 0h-5' + at + 'm0 4v5' +
+    at + 'm0 -4v-5';
   return path(d, '#05050d', 4) + path(d, '#fff', 1.5) +
-    (m.label ? text(x.at(m.x) + (m.left ? -6 : 8), y.at(m.y) + (m.below ? 17 : -7), m.left ? 'end' : 'start', m.label, {kind: 'p-on'}) : '');
+    (m.label ? text(x.at(m.x) + (m.left ? -6 : 8), y.at(m.y) + (m.below ? 17 : -7), m.left ? 'end' : 'start', m.label,
+      {kind: 'p-on'}) : '');
 }
 
 function heat(spec) {
   const w = spec.width || 480, h = spec.height || 240, scale = spec.scale !== false && spec.values;
   const x = makeAxis(Object.assign({min: 0, max: spec.columns || 1, ticks: []}, spec.x), []);
   const y = makeAxis(Object.assign({min: 0, max: spec.rows || 1, ticks: []}, spec.y), []);
-  const left = y.list.length || y.label ? 34 + (y.label ? 20 : 0) : 2, bottom = x.list.length || x.label ? 22 + (x.label ? 20 : 0) : 2;
+  const left = y.list.length || y.label ? 34 + (y.label ? 20 : 0) : 2, bottom = x.list.length || x.label ? 22 +
+    (x.label ? 20 : 0) : 2;
   const top = y.list.length ? 8 : 2;
   x.from = left, x.to = left + w, y.from = top, y.to = top + h;
   const pixels = spec.values && heatPixels(spec);
   const href = pixels ? png(pixels.columns, pixels.rows, pixels.rgb, spec.deflate) : spec.image;
   let body = '';
-  if (spec.image && pixels) body += '<image x="' + left + '" y="' + top + '" width="' + w + '" height="' + h + '" preserveAspectRatio="none" href="' + escape(spec.image) + '"/>\n';
-  if (href) body += '<image x="' + left + '" y="' + top + '" width="' + w + '" height="' + h + '" preserveAspectRatio="none" href="' + escape(href) + '"/>\n';
-  for (const t of x.list) body += '<path class="p-axis" d="M' + place(x.at(t.at)) + ' ' + (y.to + 1) + 'v4"/>' + text(x.at(t.at), y.to + 18, 'middle', t.text);
-  for (const t of y.list) body += '<path class="p-axis" d="M' + (x.from - 5) + ' ' + place(y.at(t.at)) + 'h4"/>' + text(x.from - 8, y.at(t.at) + 4, 'end', t.text);
+  if (spec.image && pixels) body += '<image x="' + left + '" y="' + top + '" width="' + w + '" height="' + h +
+    '" preserveAspectRatio="none" href="' + escape(spec.image) + '"/>\n';
+  if (href) body += '<image x="' + left + '" y="' + top + '" width="' + w + '" height="' + h +
+    '" preserveAspectRatio="none" href="' + escape(href) + '"/>\n';
+  for (const t of x.list) body += '<path class="p-axis" d="M' + place(x.at(t.at)) + ' ' + (y.to + 1) + 'v4"/>' +
+    text(x.at(t.at), y.to + 18, 'middle', t.text);
+  for (const t of y.list) body += '<path class="p-axis" d="M' + (x.from - 5) + ' ' + place(y.at(t.at)) + 'h4"/>' +
+    text(x.from - 8, y.at(t.at) + 4, 'end', t.text);
   if (x.label) body += text((x.from + x.to) / 2, y.to + 38, 'middle', x.label);
   if (y.label) body += text(14, (y.from + y.to) / 2, 'middle', y.label, {turn: true});
   for (const c of spec.curves || []) body += path(linePath(x, y, c.x, c.y), colour(c.colour), c.width || 1.6);
   (spec.dots || []).forEach(function (d, i) { body += drawDot(d, i, x, y); });
   for (const m of spec.marks || []) body += drawCross(m, x, y);
   if (scale) body += drawScale(spec, left + w + 14, top, h);
-  return wrap(spec, left + w + (scale ? 72 : x.list.length ? 14 : 2), top + h + Math.max(bottom, scale && spec.label ? 24 : 0), body);
+  return wrap(spec, left + w + (scale ? 72 : x.list.length ? 14 : 2), top + h + Math.max(bottom, scale && spec.label ?
+    24 : 0), body);
 }
 
 /* ---- a list of shapes ---- */
@@ -618,7 +662,8 @@ function heat(spec) {
 function drawItem(i) {
   const size = i.size / 0.72, pen = ' stroke="' + i.stroke + '" stroke-width="' + place(i.width) + '" fill="none"/>\n';
   const points = function (list, join) { return list.map(function (p) { return place(p[0]) + join + place(p[1]); }); };
-  const circle = function (c) { return '<circle cx="' + place(c[0]) + '" cy="' + place(c[1]) + '" r="' + place(c[2]) + '"'; };
+  const circle = function (c) { return '<circle cx="' + place(c[0]) + '" cy="' + place(c[1]) + '" r="' + place(c[2]) +
+    '"'; };
   if (i.box) {
     return '<rect x="' + place(i.box[0]) + '" y="' + place(i.box[1]) + '" width="' + place(i.box[2]) + '" height="' +
       place(i.box[3]) + '" fill="' + i.fill + '"/>\n';
@@ -633,17 +678,21 @@ function drawItem(i) {
       '" preserveAspectRatio="none" style="image-rendering:pixelated" href="' + i.png + '"/></defs>\n';
   }
   return '<text x="' + place(i.at[0]) + '" y="' + place(i.at[1]) + '" font-size="' + place(size) + '"' +
-    (i.anchor === 'start' ? '' : ' text-anchor="' + i.anchor + '"') + ' fill="' + i.fill + '">' + rich(i.text, size) + '</text>\n';
+    (i.anchor === 'start' ? '' : ' text-anchor="' + i.anchor + '"') + ' fill="' + i.fill + '">' + rich(i.text, size) +
+      '</text>\n';
 }
 
 function draw(list) {
   const size = list.width + ' ' + list.height;
-  return '<svg xmlns="http://www.w3.org/2000/svg" width="' + list.width + '" height="' + list.height + '" viewBox="0 0 ' + size +
+  return '<svg xmlns="http://www.w3.org/2000/svg" width="' + list.width + '" height="' + list.height +
+    '" viewBox="0 0 ' + size +
     '" font-family="sans-serif" stroke-linecap="round" stroke-linejoin="round" xml:space="preserve">\n' +
-    '<rect width="100%" height="100%" fill="#ffffff"/>\n' + list.items.filter(Boolean).map(drawItem).join('') + '</svg>\n';
+    '<rect width="100%" height="100%" fill="#ffffff"/>\n' + list.items.filter(Boolean).map(drawItem).join('') +
+      '</svg>\n';
 }
 
-return {chart: chart, heat: heat, draw: draw, heatPixels: heatPixels, png: png, linearTicks: linearTicks, logTicks: logTicks, number: number,
+return {chart: chart, heat: heat, draw: draw, heatPixels: heatPixels, png: png, linearTicks: linearTicks,
+  logTicks: logTicks, number: number,
   fixed: fixed, duration: duration, percent: percent, power: power, escape: escape, rich: rich, colour: colour,
   heatColour: heatColour, greyColour: greyColour, css: css};
 })();
