@@ -41,7 +41,8 @@ OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c src/cli/crew_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
-OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
+PAGES   := $(wildcard src/tools/*/page.html)
+OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o)
 LIB     := $B/libbis.a
 # What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The shared
 # library has objects of its own, because only these are position-independent.
@@ -111,9 +112,9 @@ $B/src/cli/crew_mpi.o: src/cli/crew_mpi.c $B/.flags
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
 $B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/bench/measure.o
-$B/figures: $B/scripts/figures/figures.o $B/scripts/figures/figures_plots.o $B/scripts/bench/measure.o $(LIB)
+$B/figures: $B/scripts/figures/drawing.o $B/scripts/figures/figures.o $B/scripts/figures/figures_plots.o $B/scripts/bench/measure.o $(LIB)
 	$(LINK) $(LIBS)
-$B/errata_plots: $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/errata_*.c)) $(LIB)
+$B/errata_plots: $B/scripts/figures/drawing.o $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/errata_*.c)) $(LIB)
 	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/bench/%.o $(LIB)
 	$(LINK) $(LIBS)
@@ -158,11 +159,17 @@ $B/%.o: %.c $B/.flags
 $B/pic/%.o: %.c $B/.flags
 	$(COMPILE)
 
-# The page of bis trade, as the string bis_trade_page: a line of the file is a line of C.
-$B/src/tools/trade/page.o $B/pic/src/tools/trade/page.o: src/tools/trade/page.html $B/.flags
-	@mkdir -p $(@D)
-	$(call say,CC,$<)
-	$Q{ echo 'const char bis_trade_page[] ='; sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+# src/tools/NAME/page.html, with what it loads put in by page.awk, as the string bis_NAME_page: a line of the page is a line of C.
+$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: src/tools/page.awk docs/live/plot.js docs/live/page.css $B/.flags
+$(PAGES:%.html=$B/%.o): $B/%.o: %.html
+	$(PAGE)
+$(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
+	$(PAGE)
+define PAGE
+@mkdir -p $(@D)
+$(call say,CC,$<)
+$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; awk -f src/tools/page.awk $< | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+endef
 
 compile_commands.json: FORCE
 	@sh scripts/check/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS) -Itests/support)' $(ALL_C) >$@
@@ -188,7 +195,7 @@ test-long:
 docs:
 	@sh scripts/site/site.sh build/docs
 
-# The page of bis trade and the site in a headless Chromium, where there is one; no part of `make test`.
+# The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make test`.
 test-browser: $B/bis $(STAMP)
 	@sh scripts/check/test_browser.sh $B/bis $B/browser
 
@@ -215,7 +222,8 @@ coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/check/coverage.sh build/coverage
 
-# The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set.
+# The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set. C computes
+# them; docs/live/plot.js draws, under node, which a clone does not need.
 figures: $B/bis $B/figures $(STAMP)
 	@sh scripts/figures/figures.sh $B
 

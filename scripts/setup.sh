@@ -13,17 +13,17 @@ if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
     system=debian
     needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch"
     light="libembree-dev libjpeg-dev"
-    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium" python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
+    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium nodejs" python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
 elif command -v dnf > /dev/null; then
     system=fedora
     needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch"
     light="embree-devel libjpeg-turbo-devel"
-    mpi="openmpi-devel" web="pandoc chromium" python="python3-numpy python3-pip" marking="bubblewrap binutils"
+    mpi="openmpi-devel" web="pandoc chromium nodejs" python="python3-numpy python3-pip" marking="bubblewrap binutils"
 elif command -v pacman > /dev/null; then
     system=arch
     needed="gcc make pkgconf openexr libpng zlib cmocka patch"
     light="embree libjpeg-turbo"
-    mpi="openmpi" web="pandoc-cli chromium" python="python-numpy python-pip" marking="bubblewrap binutils"
+    mpi="openmpi" web="pandoc-cli chromium nodejs" python="python-numpy python-pip" marking="bubblewrap binutils"
 else
     echo "setup: this system has none of apt-get, dnf and pacman; please install: a C11 compiler, make, pkg-config," >&2
     echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4, libjpeg" >&2

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# test_browser: do the page of `bis trade` and the site of `make docs` work in a real browser? `make test-browser` calls it; no part of `make
+# test_browser: do the pages of `bis trade`, `bis pixel` and `bis envmap` and the site of `make docs` work in a real browser? `make test-browser` calls it; no part of `make
 # test`.
 #     scripts/check/test_browser.sh BIS FOLDER
 # Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what
@@ -44,9 +44,22 @@ sed '/^<script>/,/^<\/script>/d' "$page" > "$folder/twin.html"
 browse --dump-dom "file://$(cd "$folder" && pwd)/twin.html#selftest" > "$folder/twin_dom.html"
 grep -q 'data-selftest' "$folder/twin_dom.html" && fail "a page without its script passes, too"
 
+"$bis" pixel scene.txt 350 300 --repeats 50 --html --output "$folder/pixel" >/dev/null || exit 1
+"$bis" envmap data/maps/interior.hdr --html "$folder/map.html" >/dev/null || exit 1
+check_page() { # PAGE EXPECTED
+    browse --dump-dom "file://$1#selftest" > "$folder/dom.html"
+    grep -q "data-selftest=\"$2\"" "$folder/dom.html" || fail "$1 says $(grep -o 'data-selftest="[^"]*"' "$folder/dom.html")"
+}
+pixel=$(cd "$folder/pixel" && pwd)/pixel.html
+map=$(cd "$folder" && pwd)/map.html
+check_page "$pixel" "direction-told method-changes line-marked dot-told fetched-0"
+check_page "$map" "region-told level-alone all-again fetched-0"
+
 for width in 1200 390; do
-    browse --window-size=$width,2400 --screenshot="$folder/page_$width.png" "file://$page"
-    [ "$(wc -c < "$folder/page_$width.png")" -gt 30000 ] || fail "at $width pixels the page is blank"
+    for shown in "$page" "$pixel" "$map"; do
+        browse --window-size=$width,2400 --screenshot="$folder/page_$width.png" "file://$shown"
+        [ "$(wc -c < "$folder/page_$width.png")" -gt 30000 ] || fail "at $width pixels $shown is blank"
+    done
 done
 echo "make test-browser: passed ($browser); see $folder/page_1200.png and $folder/page_390.png"
 

@@ -23,7 +23,8 @@ case $kind in gradescope | classroom50) ;; *) fail "FOR is gradescope, classroom
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/bis/tests/course" || exit 1
-cp -Rp Makefile LICENSE include src scripts "$work/bis" && cp -Rp tests/support "$work/bis/tests" &&
+cp -Rp Makefile LICENSE include src scripts "$work/bis" && mkdir "$work/bis/docs" &&
+    cp -Rp docs/live "$work/bis/docs" && cp -Rp tests/support "$work/bis/tests" &&
     cp -p tests/course/"$name"[._]* "$work/bis/tests/course" || exit 1
 cat >"$work/setup.sh" <<'EOF'
 #!/bin/sh

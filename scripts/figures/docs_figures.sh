@@ -6,8 +6,8 @@
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
-# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (pixel, results): librsvg's rsvg-convert
-# draws these. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
+# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (results): librsvg's rsvg-convert draws
+# these. Those of a page (pixel) are drawn by node and a headless chromium. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
 # and none above 300 KB. pbrt needs Mitsuba 3 (docs/bench.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
@@ -57,6 +57,14 @@ keep() {
     echo "$out/$2.png"
 }
 
+# draw_part PART NAME HEIGHT: a part of the page of a pixel, as a browser shows it, into docs/figures as PNG
+draw_part() {
+    node scripts/figures/page_part.js "$tmp/pixel/pixel.html" "$1" >"$tmp/part.html"
+    "${CHROMIUM:-chromium}" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$tmp/profile" \
+        --screenshot="$tmp/part.png" --window-size=1240,"$3" "file://$tmp/part.html" 2>/dev/null
+    keep "$tmp/part.png" "$2"
+}
+
 for picture; do
     case $picture in
     chess) # the command under the picture in README
@@ -81,9 +89,9 @@ for picture; do
         keep "$tmp/hall-regions.png" map-regions
         ;;
     pixel)
-        "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --output "$tmp/pixel" >/dev/null
-        keep "$tmp/pixel/densities.svg" pixel-densities
-        keep "$tmp/pixel/samples.svg" pixel-samples
+        "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --html --output "$tmp/pixel" >/dev/null
+        draw_part maps pixel-densities 720
+        draw_part samples pixel-samples 1060
         ;;
     thesis)
         for figure in 3.3 3.4 3.8 3.9 4.3 4.4; do
@@ -96,6 +104,7 @@ for picture; do
         ;;
     plots)
         "$build/errata_plots" "$tmp" $plots
+        node scripts/figures/draw.js "$tmp"/errata-*.json
         for item in $plots; do copy "$tmp/errata-$item.svg" errata-$item; done
         ;;
     results)

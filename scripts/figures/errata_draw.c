@@ -2,7 +2,7 @@
 /* errata_draw: axes, lines and words of a drawing, for the pictures of docs/errata.md. */
 #include "errata_plots.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 #include "out/palette.h"
 
 #include <stdarg.h>
@@ -21,10 +21,10 @@ void errata_heads(FILE *svg, const char *printed, const char *right)
 {
     const double quarter = ERRATA_WIDTH / 4.0;
 
-    bis_svg_text(svg, quarter, 16, 9, BIS_SVG_MIDDLE, errata_printed(), "as printed");
-    bis_svg_text(svg, 3 * quarter, 16, 9, BIS_SVG_MIDDLE, errata_right(), "right");
-    if (printed) bis_svg_text(svg, quarter, 31, letters, BIS_SVG_MIDDLE, errata_faint(), printed);
-    if (right) bis_svg_text(svg, 3 * quarter, 31, letters, BIS_SVG_MIDDLE, errata_faint(), right);
+    drawing_text(svg, quarter, 16, 9, DRAWING_MIDDLE, errata_printed(), "as printed");
+    drawing_text(svg, 3 * quarter, 16, 9, DRAWING_MIDDLE, errata_right(), "right");
+    if (printed) drawing_text(svg, quarter, 31, letters, DRAWING_MIDDLE, errata_faint(), printed);
+    if (right) drawing_text(svg, 3 * quarter, 31, letters, DRAWING_MIDDLE, errata_faint(), right);
 }
 
 void errata_say(FILE *svg, double x, double y, rgb colour, const char *format, ...)
@@ -35,7 +35,7 @@ void errata_say(FILE *svg, double x, double y, rgb colour, const char *format, .
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    bis_svg_text(svg, x, y, letters, BIS_SVG_LEFT, colour, text);
+    drawing_text(svg, x, y, letters, DRAWING_LEFT, colour, text);
 }
 
 void errata_say_middle(FILE *svg, double x, double y, rgb colour, const char *format, ...)
@@ -46,7 +46,7 @@ void errata_say_middle(FILE *svg, double x, double y, rgb colour, const char *fo
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    bis_svg_text(svg, x, y, letters, BIS_SVG_MIDDLE, colour, text);
+    drawing_text(svg, x, y, letters, DRAWING_MIDDLE, colour, text);
 }
 
 bis_image errata_field(int width, int height)
@@ -63,8 +63,8 @@ void errata_show(FILE *svg, int x, int y, bis_image *field)
     char name[32];
 
     snprintf(name, sizeof name, "at-%d-%d", x, y);
-    errata_check(bis_svg_picture(svg, name, field->width, field->height, field, NULL));
-    bis_svg_show(svg, name, x, y);
+    errata_check(drawing_picture(svg, name, field->width, field->height, field, NULL));
+    drawing_show(svg, name, x, y);
     bis_image_clear(field);
 }
 
@@ -105,17 +105,17 @@ void errata_axes(const errata_plane *p, const char *x_name, const char *x_ticks,
     double v;
 
     while (next_tick(&x_ticks, &v, text)) {
-        bis_svg_line(p->svg, errata_x(p, v), p->y, errata_x(p, v), bottom, 1, errata_grey(0.9));
-        bis_svg_text(p->svg, errata_x(p, v), bottom + 14, letters, BIS_SVG_MIDDLE, errata_faint(), text);
+        drawing_line(p->svg, errata_x(p, v), p->y, errata_x(p, v), bottom, 1, errata_grey(0.9));
+        drawing_text(p->svg, errata_x(p, v), bottom + 14, letters, DRAWING_MIDDLE, errata_faint(), text);
     }
     while (next_tick(&y_ticks, &v, text)) {
-        bis_svg_line(p->svg, p->x, errata_y(p, v), p->x + p->w, errata_y(p, v), 1, errata_grey(0.9));
-        bis_svg_text(p->svg, p->x - 5, errata_y(p, v) + 4, letters, BIS_SVG_RIGHT, errata_faint(), text);
+        drawing_line(p->svg, p->x, errata_y(p, v), p->x + p->w, errata_y(p, v), 1, errata_grey(0.9));
+        drawing_text(p->svg, p->x - 5, errata_y(p, v) + 4, letters, DRAWING_RIGHT, errata_faint(), text);
     }
-    bis_svg_line(p->svg, p->x, bottom, p->x + p->w, bottom, 1.2, errata_ink());
-    bis_svg_line(p->svg, p->x, p->y, p->x, bottom, 1.2, errata_ink());
-    bis_svg_text(p->svg, p->x + p->w, bottom + 29, letters, BIS_SVG_RIGHT, errata_ink(), x_name);
-    bis_svg_text(p->svg, 6, p->y - 12, letters, BIS_SVG_LEFT, errata_ink(), y_name);
+    drawing_line(p->svg, p->x, bottom, p->x + p->w, bottom, 1.2, errata_ink());
+    drawing_line(p->svg, p->x, p->y, p->x, bottom, 1.2, errata_ink());
+    drawing_text(p->svg, p->x + p->w, bottom + 29, letters, DRAWING_RIGHT, errata_ink(), x_name);
+    drawing_text(p->svg, 6, p->y - 12, letters, DRAWING_LEFT, errata_ink(), y_name);
 }
 
 void errata_line(const errata_plane *p, const double *x, const double *y, int n, rgb colour)
@@ -127,13 +127,13 @@ void errata_line(const errata_plane *p, const double *x, const double *y, int n,
             const double top = (p->y - ya) / (yb - ya), bottom = (p->y + p->h - ya) / (yb - ya);
             a = fmax(0, fmin(top, bottom)), b = fmin(1, fmax(top, bottom));
         }
-        if (a < b) bis_svg_line(p->svg, xa + a * (xb - xa), ya + a * (yb - ya), xa + b * (xb - xa), ya + b * (yb - ya), 2, colour);
+        if (a < b) drawing_line(p->svg, xa + a * (xb - xa), ya + a * (yb - ya), xa + b * (xb - xa), ya + b * (yb - ya), 2, colour);
     }
 }
 
 void errata_dots(const errata_plane *p, const double *x, const double *y, int n, rgb colour)
 {
     for (int i = 0; i < n; i++) {
-        if (y[i] >= p->y0 && y[i] <= p->y1) bis_svg_disc(p->svg, errata_x(p, x[i]), errata_y(p, y[i]), 3, colour);
+        if (y[i] >= p->y0 && y[i] <= p->y1) drawing_disc(p->svg, errata_x(p, x[i]), errata_y(p, y[i]), 3, colour);
     }
 }

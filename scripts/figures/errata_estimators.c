@@ -5,7 +5,7 @@
 
 #include "bis/thesis/phong.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 #include "thesis/candidates.h"
 #include "thesis/set.h"
 
@@ -383,11 +383,11 @@ static void intervals(FILE *svg, int left, errata_spot *s, double truth, bool sh
         const bool holds = fabs(mean - truth) <= half;
         held += holds;
         if (k >= SHOWN) continue;
-        bis_svg_line(svg, errata_x(&p, k), errata_y(&p, fmax(0, mean - half)), errata_x(&p, k), errata_y(&p, fmin(2 * truth, mean + half)), 2,
+        drawing_line(svg, errata_x(&p, k), errata_y(&p, fmax(0, mean - half)), errata_x(&p, k), errata_y(&p, fmin(2 * truth, mean + half)), 2,
                         holds ? hit : miss);
         errata_dots(&p, &(double){k}, &mean, 1, holds ? hit : miss);
     }
-    bis_svg_line(svg, p.x, errata_y(&p, truth), p.x + p.w, errata_y(&p, truth), 1, errata_ink());
+    drawing_line(svg, p.x, errata_y(&p, truth), p.x + p.w, errata_y(&p, truth), 1, errata_ink());
     errata_say_middle(svg, left + p.w / 2, 222, hit, "%.1f %% of %d hold the truth", 100.0 * held / SETS, SETS);
 }
 

@@ -6,7 +6,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/regions.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 #include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
@@ -158,8 +158,8 @@ static void lit_pixel(FILE *svg, int left, const bis_light *light, double (*look
     }
     errata_show(svg, left, TOP, &field);
     for (int k = 0; k <= AROUND; k++) {
-        bis_svg_line(svg, left + ZOOM * k, TOP, left + ZOOM * k, TOP + SIZE, 1, errata_grey(0.4));
-        bis_svg_line(svg, left, TOP + ZOOM * k, left + SIZE, TOP + ZOOM * k, 1, errata_grey(0.4));
+        drawing_line(svg, left + ZOOM * k, TOP, left + ZOOM * k, TOP + SIZE, 1, errata_grey(0.4));
+        drawing_line(svg, left, TOP + ZOOM * k, left + SIZE, TOP + ZOOM * k, 1, errata_grey(0.4));
     }
     bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
     for (int k = 0; k < DRAWS; k++) {
@@ -168,7 +168,7 @@ static void lit_pixel(FILE *svg, int left, const bis_light *light, double (*look
         bis_light_sample(light, u, &s);
         place_in_map(&x, &y, s.wi);
         found += look_up(x, y) / s.pdf / DRAWS;
-        if (k < SHOWN) bis_svg_disc(svg, left + ZOOM * (x - x0), TOP + ZOOM * (y - y0), 1.5, errata_ink());
+        if (k < SHOWN) drawing_disc(svg, left + ZOOM * (x - x0), TOP + ZOOM * (y - y0), 1.5, errata_ink());
     }
     errata_say_middle(svg, left + SIZE / 2.0, 234, colour, "found: %.2f %% of the flux", 300 * found / bis_light_power(light));
 }
@@ -352,11 +352,11 @@ static void seam(FILE *svg, int left, errata_paint *paint, int width, rgb colour
             const uint32_t label = regions.label[y * width + x];
             const bool is_sun = regions.solid_angle[label] < 1;
             if (is_sun && first == BIS_REGION_NONE) first = label;
-            bis_svg_box(svg, left + CELL * i, TOP + CELL * j, CELL - 1, CELL - 1,
+            drawing_box(svg, left + CELL * i, TOP + CELL * j, CELL - 1, CELL - 1,
                            !is_sun ? errata_grey(0.85) : label == first ? colour : rgb_add(rgb_scale(colour, 0.35), grey(0.3)));
         }
     }
-    bis_svg_line(svg, left + CELL * ACROSS / 2.0 - 0.5, TOP - 6, left + CELL * ACROSS / 2.0 - 0.5, TOP + CELL * DOWN + 6, 2, errata_ink());
+    drawing_line(svg, left + CELL * ACROSS / 2.0 - 0.5, TOP - 6, left + CELL * ACROSS / 2.0 - 0.5, TOP + CELL * DOWN + 6, 2, errata_ink());
     errata_say_middle(svg, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 20, colour, n == 1 ? "%d light of %.4f sr" : "%d lights of %.4f sr", n, A);
     errata_say_middle(svg, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 36, colour, "importance x %.3f", bis_area_factor(A, b));
     bis_regions_clear(&regions);

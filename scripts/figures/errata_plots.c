@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_plots: pictures of docs/errata.md for the items that have no switch: FOLDER/errata-E1.svg, ...
+/* errata_plots: pictures of docs/errata.md for the items that have no switch: FOLDER/errata-E1.json, ... (drawing.h)
  *
  *     errata_plots FOLDER [E1...]        (default: all, some ten seconds)
  *
@@ -8,7 +8,7 @@
 #include "bis/base/file.h"
 #include "errata_plots.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -31,11 +31,11 @@ static void make(const struct item *item, const char *folder)
     bis_outfile *file;
     char path[1024];
 
-    snprintf(path, sizeof path, "%s/errata-%s.svg", folder, item->name);
+    snprintf(path, sizeof path, "%s/errata-%s.json", folder, item->name);
     errata_check(bis_outfile_open(&file, path, NULL));
-    bis_svg_begin(bis_outfile_stream(file), ERRATA_WIDTH, ERRATA_HEIGHT);
+    drawing_begin(bis_outfile_stream(file), ERRATA_WIDTH, ERRATA_HEIGHT);
     item->draw(bis_outfile_stream(file));
-    bis_svg_end(bis_outfile_stream(file));
+    drawing_end(bis_outfile_stream(file));
     errata_check(bis_outfile_commit(file, NULL));
 }
 

@@ -6,7 +6,7 @@
 #include "bis/shape/geometry.h"
 #include "bis/base/xform.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 #include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }

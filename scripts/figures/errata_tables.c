@@ -7,7 +7,7 @@
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 
 #include <string.h>
 
@@ -19,12 +19,12 @@ static void bars(FILE *svg, double x, const double *drawn, const double *wanted,
 
     for (int i = 0; i < n; i++) {
         const int left = (int)x + 42 * i, height = (int)lround(scale * drawn[i]), line = (int)(base - scale * wanted[i]);
-        bis_svg_box(svg, left, (int)base - height, 32, height, colour);
-        bis_svg_line(svg, left - 3, line, left + 35, line, 2, errata_ink());
+        drawing_box(svg, left, (int)base - height, 32, height, colour);
+        drawing_line(svg, left - 3, line, left + 35, line, 2, errata_ink());
         errata_say_middle(svg, left + 16, base + 15, errata_faint(), "%d", first + i);
         errata_say_middle(svg, left + 16, fmin(line, base - height) - 6, errata_ink(), "%.3f", drawn[i]);
     }
-    bis_svg_line(svg, x - 6, base, x + 42 * n, base, 1.2, errata_ink());
+    drawing_line(svg, x - 6, base, x + 42 * n, base, 1.2, errata_ink());
 }
 
 void errata_E8(FILE *svg)
@@ -77,7 +77,7 @@ void errata_E10(FILE *svg)
     errata_line(&p, rank, ours, N, errata_right());
     errata_dots(&p, rank, printed, N, errata_printed());
     for (int i = 0; i < N; i++)
-        if (printed[i] == 0) bis_svg_disc(svg, errata_x(&p, rank[i]), errata_y(&p, p.y0), 3, errata_printed());
+        if (printed[i] == 0) drawing_disc(svg, errata_x(&p, rank[i]), errata_y(&p, p.y0), 3, errata_printed());
     errata_say(svg, 60, 48, errata_printed(), "as printed: multiples of 1/64,");
     errata_say(svg, 60, 62, errata_printed(), "%d of 64 items are never drawn", lost);
     errata_say(svg, 60, 80, errata_right(), "right: it only tells where to start");
@@ -177,7 +177,7 @@ static void map_with_points(FILE *svg, int left, const bis_light *light, uint32_
         bis_light_point y;
         bis_light_sample(light, u[i], &y);
         const double phi = atan2((double)y.wi.y, (double)y.wi.x), theta = acos((double)y.wi.z);
-        bis_svg_disc(svg, left + WIDTH * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI), TOP + HEIGHT * theta / PI, 1.5, colour);
+        drawing_disc(svg, left + WIDTH * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI), TOP + HEIGHT * theta / PI, 1.5, colour);
     }
     errata_say_middle(svg, left + WIDTH / 2.0, TOP + HEIGHT + 20, colour, "error with 512 points: %.2f %%", 100 * relative_error(light, 512));
     errata_say_middle(svg, left + WIDTH / 2.0, TOP + HEIGHT + 36, colour, "with 4096: %.3f %%", 100 * relative_error(light, 4096));
@@ -227,7 +227,7 @@ void errata_E14(FILE *svg)
     for (int k = 0; k < LEFT; k++) {
         left[k] = k + 1;
         black_items(&printed[k], &ours[k], &a, LOG_N + k + 1);
-        if (ours[k] == 0) bis_svg_disc(svg, errata_x(&p, left[k]), errata_y(&p, p.y0), 3, errata_right());
+        if (ours[k] == 0) drawing_disc(svg, errata_x(&p, left[k]), errata_y(&p, p.y0), 3, errata_right());
     }
     bis_alias_clear(&a);
     errata_line(&p, left, printed, LEFT, errata_printed());

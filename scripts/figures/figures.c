@@ -24,7 +24,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 #include "out/palette.h"
 
 #include <math.h>
@@ -94,19 +94,19 @@ FILE *figures_paper(const char *folder, const char *name, int width, int height)
 {
     char path[1024];
 
-    snprintf(path, sizeof path, "%s/%s.svg", folder, name);
+    snprintf(path, sizeof path, "%s/%s.json", folder, name);
     FILE *svg = fopen(path, "w");
     if (!svg) {
         perror(path);
         exit(1);
     }
-    bis_svg_begin(svg, width, height);
+    drawing_begin(svg, width, height);
     return svg;
 }
 
 void figures_save(FILE *svg)
 {
-    bis_svg_end(svg);
+    drawing_end(svg);
     if (fclose(svg) == 0) return;
     perror("figures");
     exit(1);
@@ -155,14 +155,14 @@ static void draw_scale(FILE *svg, int x, int y)
     enum { WIDTH = 16, HEIGHT = 150 };
     static const double ticks[] = {0.01, 0.1, 1, 10};
 
-    bis_svg_text(svg, x, y + 12, 8, BIS_SVG_LEFT, figures_faint(), "relative error");
-    for (int i = 0; i < HEIGHT; i += 2) bis_svg_box(svg, x, y + 30 + i, WIDTH, 2, bis_palette_heat(1 - (i + 1.0) / HEIGHT));
+    drawing_text(svg, x, y + 12, 8, DRAWING_LEFT, figures_faint(), "relative error");
+    for (int i = 0; i < HEIGHT; i += 2) drawing_box(svg, x, y + 30 + i, WIDTH, 2, bis_palette_heat(1 - (i + 1.0) / HEIGHT));
     for (int i = 0; i < 4; i++) {
         const double at = y + 30 + HEIGHT * (1 - heat_of(ticks[i]));
         char text[16];
         snprintf(text, sizeof text, "%g", ticks[i]);
-        bis_svg_line(svg, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
-        bis_svg_text(svg, x + WIDTH + 9, at + 4, 8, BIS_SVG_LEFT, figures_faint(), text);
+        drawing_line(svg, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
+        drawing_text(svg, x + WIDTH + 9, at + 4, 8, DRAWING_LEFT, figures_faint(), text);
     }
 }
 
@@ -189,8 +189,8 @@ static void put_picture(sheet *s, FILE *svg, int x, int y, const double *L, doub
         image.pixels[i] = colour_of_pixel(s, L + 3 * i, share, against ? against + 3 * i : NULL);
     }
     snprintf(name, sizeof name, "p%d", s->n_pictures++);
-    measure_check(bis_svg_picture(svg, name, s->width, s->height, &image, &diag), &diag);
-    bis_svg_show(svg, name, x, y);
+    measure_check(drawing_picture(svg, name, s->width, s->height, &image, &diag), &diag);
+    drawing_show(svg, name, x, y);
     bis_image_clear(&image);
 }
 
@@ -301,9 +301,9 @@ static void draw_trial(job *j, FILE *svg, int x, int y, int m, const trial *t)
     put_picture(&j->sheet, svg, x, y + LINE + j->sheet.height, j->film.sum, 1.0 / j->film.passes, j->ref.L);
     if (t->M) snprintf(text, sizeof text, "%s %u/%u", methods[m].name, t->N, t->M);
     else snprintf(text, sizeof text, "%s %u", methods[m].name, t->N);
-    bis_svg_text(svg, x, y + 16, 9, BIS_SVG_LEFT, figures_ink(), text);
+    drawing_text(svg, x, y + 16, 9, DRAWING_LEFT, figures_ink(), text);
     snprintf(text, sizeof text, t->error.mean < 10 ? "%.3g us, %.3g rays, %.2g" : "%.3g us, %.3g rays, %.0f", t->us, t->rays, t->error.mean);
-    bis_svg_text(svg, x, y + 34, 7, BIS_SVG_LEFT, figures_faint(), text);
+    drawing_text(svg, x, y + 34, 7, DRAWING_LEFT, figures_faint(), text);
 }
 
 static void show(job *j, int row, int column, int m, const trial *t)
@@ -324,8 +324,8 @@ static void draw_reference(job *j, FILE *svg, int row, int y)
 {
     static const char *const words[ROWS] = {"as printed", "equal time", "equal rays"};
 
-    bis_svg_text(svg, GAP, y + 16, 10, BIS_SVG_LEFT, figures_ink(), words[row]);
-    bis_svg_text(svg, GAP, y + 34, 7, BIS_SVG_LEFT, figures_faint(), "converged");
+    drawing_text(svg, GAP, y + 16, 10, DRAWING_LEFT, figures_ink(), words[row]);
+    drawing_text(svg, GAP, y + 34, 7, DRAWING_LEFT, figures_faint(), "converged");
     put_picture(&j->sheet, svg, GAP, y + LINE, j->ref.L, 1, NULL);
     draw_scale(svg, GAP, y + LINE + j->sheet.height + GAP);
 }
@@ -334,8 +334,8 @@ static void show_reference(job *j)
 {
     FILE *svg = j->sheet.svg;
 
-    bis_svg_text(svg, GAP, 24, 13, BIS_SVG_LEFT, figures_ink(), j->fig->title);
-    bis_svg_text(svg, GAP, 46, 8, BIS_SVG_LEFT, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
+    drawing_text(svg, GAP, 24, 13, DRAWING_LEFT, figures_ink(), j->fig->title);
+    drawing_text(svg, GAP, 46, 8, DRAWING_LEFT, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
     for (int row = 0; row < n_rows(j->fig); row++) draw_reference(j, svg, row, row_top(&j->sheet, row));
     if (j->sheet.strip) draw_reference(j, j->sheet.strip, EQUAL_TIME, 0);
 }

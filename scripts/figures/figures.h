@@ -11,7 +11,7 @@
 rgb figures_ink(void);
 rgb figures_faint(void);
 
-/* White paper, to be folder/name.svg; and what is drawn on it becomes that file. */
+/* White paper, to be folder/name.json (drawing.h); and what is drawn on it becomes that file. */
 FILE *figures_paper(const char *folder, const char *name, int width, int height);
 void figures_save(FILE *svg);
 

@@ -12,6 +12,7 @@ all="3.3 3.4 3.5 3.6 3.8 3.9 4.1 4.2 4.3 4.4 4.5 5.1 5.2 5.3 5.4 5.5 5.6 5.7-n10
 [ "$1" != --list ] || { echo "$all" && exit; }
 build=$1
 shift
+command -v node >/dev/null || { echo "figures.sh: node draws the figures, and is not here: scripts/setup.sh --web installs it" >&2 && exit 1; }
 for figure; do
     case " $all " in
     *" $figure "*) ;;
@@ -87,9 +88,8 @@ maps() {
 pixel() {
     sed -e 's/@integrator/Integrator "sir" "integer candidates" 800 "integer shadowrays" 15/' \
         -e 's/@material/"float Ks" 1 "float Kd" 0 "float exponent" 50/' "$out/hall.scene" > "$out/pixel.txt"
-    "$build/bis" pixel "$out/pixel.txt" "$column" "$row" --repeats 200 --output "$out/pixel" > "$out/4.1.part"
-    cp "$out/pixel/densities.svg" "$out/4.1.svg"
-    cp "$out/pixel/samples.svg" "$out/4.2.svg"
+    "$build/bis" pixel "$out/pixel.txt" "$column" "$row" --repeats 200 --html --output "$out/pixel" > "$out/4.1.part"
+    cp "$out/pixel/pixel.html" "$out/4.1.html" # both figures
     mv "$out/4.1.part" "$out/4.1.txt"
 }
 
@@ -97,6 +97,7 @@ chapter5() {
     echo "== $1"
     "$build/figures" chapter5 "$seconds" "$out" "$1" "$out/$2.scene" > "$out/$1.part"
     mv "$out/$1.part" "$out/$1.txt"
+    node scripts/figures/draw.js "$out/$1"*.json
     awk -f scripts/figures/figures.awk "$out/$1.txt"
 }
 
@@ -118,5 +119,8 @@ for figure; do
         ;;
     esac
 done
-[ $plots = no ] || "$build/figures" plots "$out"
+if [ $plots = yes ]; then
+    "$build/figures" plots "$out"
+    node scripts/figures/draw.js "$out"/[34].[0-9].json
+fi
 echo "pictures and numbers: $out"

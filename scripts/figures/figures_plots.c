@@ -10,7 +10,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
-#include "out/svg.h"
+#include "drawing.h"
 #include "out/palette.h"
 
 #include <math.h>
@@ -36,18 +36,18 @@ static void number(FILE *svg, double x, double y, double size, rgb colour, const
     char text[64];
 
     snprintf(text, sizeof text, format, v);
-    bis_svg_text(svg, x, y, size, BIS_SVG_MIDDLE, colour, text);
+    drawing_text(svg, x, y, size, DRAWING_MIDDLE, colour, text);
 }
 
 static void bars(FILE *svg, int x0, int y0, double scale)
 {
     for (int i = 0; i < ITEMS; i++) {
         const int h = (int)(P[i] * scale);
-        bis_svg_box(svg, x0 + 60 * i, y0 - h, 48, h, colour_of(i));
+        drawing_box(svg, x0 + 60 * i, y0 - h, 48, h, colour_of(i));
         number(svg, x0 + 60 * i + 24, y0 - h - 6, 11, figures_ink(), "%.1f", P[i]);
         number(svg, x0 + 60 * i + 24, y0 + 20, 11, figures_ink(), "%.0f", i);
     }
-    bis_svg_line(svg, x0 - 10, y0, x0 + 60 * ITEMS, y0, 1.5, figures_ink());
+    drawing_line(svg, x0 - 10, y0, x0 + 60 * ITEMS, y0, 1.5, figures_ink());
 }
 
 static void marsaglia(const char *folder)
@@ -58,12 +58,12 @@ static void marsaglia(const char *folder)
     bis_diag diag = {0};
 
     measure_check(bis_marsaglia_init(&m, w, ITEMS, &diag), &diag);
-    bis_svg_text(svg, 30, 30, 12, BIS_SVG_LEFT, figures_ink(), "P");
+    drawing_text(svg, 30, 30, 12, DRAWING_LEFT, figures_ink(), "P");
     bars(svg, 40, 215, 380);
-    bis_svg_text(svg, 330, 30, 12, BIS_SVG_LEFT, figures_ink(), "L: one integer in [1, 10] is one look-up");
+    drawing_text(svg, 330, 30, 12, DRAWING_LEFT, figures_ink(), "L: one integer in [1, 10] is one look-up");
     for (size_t i = 0; i < m.length; i++) {
         const int x = 330 + 37 * (int)i;
-        bis_svg_box(svg, x, 110, 33, 60, colour_of((int)m.list[i]));
+        drawing_box(svg, x, 110, 33, 60, colour_of((int)m.list[i]));
         number(svg, x + 16.5, 147, 14, bis_palette_srgb(1, 1, 1), "%.0f", m.list[i]);
         number(svg, x + 16.5, 192, 10, figures_faint(), "%.0f", (double)i + 1);
     }
@@ -80,15 +80,15 @@ static void alias(const char *folder)
     const double scale = 440; /* no number touches the line */
 
     measure_check(bis_alias_init(&a, P, ITEMS, &diag), &diag);
-    bis_svg_text(svg, 30, 30, 12, BIS_SVG_LEFT, figures_ink(), "P and the cutoff 1/N");
+    drawing_text(svg, 30, 30, 12, DRAWING_LEFT, figures_ink(), "P and the cutoff 1/N");
     bars(svg, 40, y0, scale);
-    bis_svg_line(svg, 30, y0 - 0.25 * scale, 280, y0 - 0.25 * scale, 1.5, figures_faint());
-    bis_svg_text(svg, 286, y0 - 0.25 * scale + 4, 10, BIS_SVG_LEFT, figures_faint(), "1/N");
-    bis_svg_text(svg, 360, 30, 12, BIS_SVG_LEFT, figures_ink(), "prob (full) and alias (light)");
+    drawing_line(svg, 30, y0 - 0.25 * scale, 280, y0 - 0.25 * scale, 1.5, figures_faint());
+    drawing_text(svg, 286, y0 - 0.25 * scale + 4, 10, DRAWING_LEFT, figures_faint(), "1/N");
+    drawing_text(svg, 360, 30, 12, DRAWING_LEFT, figures_ink(), "prob (full) and alias (light)");
     for (int i = 0; i < ITEMS; i++) {
         const int x = 370 + 66 * i, full = 160, h = (int)lround(full * a.prob[i]);
-        if (h < full) bis_svg_box(svg, x, y0 - full, 56, full - h, light(colour_of((int)a.alias[i])));
-        bis_svg_box(svg, x, y0 - h, 56, h, colour_of(i));
+        if (h < full) drawing_box(svg, x, y0 - full, 56, full - h, light(colour_of((int)a.alias[i])));
+        drawing_box(svg, x, y0 - h, 56, h, colour_of(i));
         number(svg, x + 28, y0 - h / 2.0 + 5, 11, bis_palette_srgb(1, 1, 1), "%.1f", a.prob[i]);
         if (h < full) number(svg, x + 28, y0 - full + (full - h) / 2.0 + 5, 13, figures_ink(), "%.0f", a.alias[i]);
         number(svg, x + 28, y0 + 20, 11, figures_ink(), "%.0f", i);
@@ -117,20 +117,20 @@ static void lobe(FILE *svg, double x, double y, double ks, double kd, double n, 
         px[i] = x + r * sin(angle);
         py[i] = y - r * cos(angle);
     }
-    bis_svg_curve(svg, px, py, N + 1, 2, colour);
+    drawing_curve(svg, px, py, N + 1, 2, colour);
 }
 
 static void surface_with_axes(FILE *svg, double x, double y, double length)
 {
     const double d = length * sqrt(0.5);
 
-    bis_svg_line(svg, x - length, y, x + length, y, 2, figures_ink());
-    bis_svg_line(svg, x, y, x, y - length, 1, figures_faint());
-    bis_svg_line(svg, x, y, x - d, y - d, 1, figures_faint());
-    bis_svg_line(svg, x, y, x + d, y - d, 1, figures_faint());
-    bis_svg_text(svg, x - 4, y - length - 6, 11, BIS_SVG_LEFT, figures_faint(), "n");
-    bis_svg_text(svg, x - d - 4, y - d, 11, BIS_SVG_RIGHT, figures_faint(), "eye");
-    bis_svg_text(svg, x + 1.08 * d, y - 1.08 * d + 4, 11, BIS_SVG_LEFT, figures_faint(), "R");
+    drawing_line(svg, x - length, y, x + length, y, 2, figures_ink());
+    drawing_line(svg, x, y, x, y - length, 1, figures_faint());
+    drawing_line(svg, x, y, x - d, y - d, 1, figures_faint());
+    drawing_line(svg, x, y, x + d, y - d, 1, figures_faint());
+    drawing_text(svg, x - 4, y - length - 6, 11, DRAWING_LEFT, figures_faint(), "n");
+    drawing_text(svg, x - d - 4, y - d, 11, DRAWING_RIGHT, figures_faint(), "eye");
+    drawing_text(svg, x + 1.08 * d, y - 1.08 * d + 4, 11, DRAWING_LEFT, figures_faint(), "R");
 }
 
 static void phong(const char *folder)
@@ -141,12 +141,12 @@ static void phong(const char *folder)
 
     surface_with_axes(svg, 240, 290, 210);
     lobe(svg, 240, 290, 0, 1, 0, colour_of(0), scale);
-    bis_svg_text(svg, 420, 60, 11, BIS_SVG_LEFT, colour_of(0), "diffuse: 1/pi");
+    drawing_text(svg, 420, 60, 11, DRAWING_LEFT, colour_of(0), "diffuse: 1/pi");
     for (int i = 0; i < 3; i++) {
         char text[32];
         lobe(svg, 240, 290, 1, 0, n[i], colour_of(i + 1), scale);
         snprintf(text, sizeof text, "specular, n = %.0f", n[i]);
-        bis_svg_text(svg, 420, 82 + 22 * i, 11, BIS_SVG_LEFT, colour_of(i + 1), text);
+        drawing_text(svg, 420, 82 + 22 * i, 11, DRAWING_LEFT, colour_of(i + 1), text);
     }
     figures_save(svg);
 }
@@ -164,8 +164,8 @@ static void draws(FILE *svg, double x, double y, double ks, double kd, const cha
 
     bis_bsdf_init(&b, &m, up, in_plane(-PI / 4));
     bis_rng_init(&r, 1, 0, 0, 0);
-    bis_svg_ring(svg, x, y, RADIUS, 1.5, figures_ink());
-    bis_svg_disc(svg, x, y, 2.5, figures_ink());
+    drawing_ring(svg, x, y, RADIUS, 1.5, figures_ink());
+    drawing_disc(svg, x, y, 2.5, figures_ink());
     for (int i = 0; i < N; i++) {
         const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
         const bool is_specular = u0 < b.p_specular;
@@ -173,11 +173,11 @@ static void draws(FILE *svg, double x, double y, double ks, double kd, const cha
         if (!bis_bsdf_sample(&b, u0, u1, u2, &wi)) continue;
         specular += is_specular;
         below += wi.z <= 0;
-        if (wi.z > 0) bis_svg_disc(svg, x + RADIUS * (double)wi.x, y - RADIUS * (double)wi.y, 2.2, colour_of(is_specular ? 3 : 0));
+        if (wi.z > 0) drawing_disc(svg, x + RADIUS * (double)wi.x, y - RADIUS * (double)wi.y, 2.2, colour_of(is_specular ? 3 : 0));
     }
-    bis_svg_text(svg, x, 32, 12, BIS_SVG_MIDDLE, figures_ink(), title);
+    drawing_text(svg, x, 32, 12, DRAWING_MIDDLE, figures_ink(), title);
     snprintf(text, sizeof text, "%d specular, %d diffuse, %d below", specular, N - specular, below);
-    bis_svg_text(svg, x, 312, 9, BIS_SVG_MIDDLE, figures_faint(), text);
+    drawing_text(svg, x, 312, 9, DRAWING_MIDDLE, figures_faint(), text);
 }
 
 static void phong_draws(const char *folder)
@@ -242,10 +242,10 @@ static void plot(FILE *svg, curve *f, double factor, double top, double thicknes
         x[i] = X0 + i;
         y[i] = Y0 - H * f((double)i / W) * factor / top;
     }
-    bis_svg_curve(svg, x, y, W + 1, thickness, colour);
+    drawing_curve(svg, x, y, W + 1, thickness, colour);
 }
 
-static void axis(FILE *svg) { bis_svg_line(svg, X0, Y0, X0 + W, Y0, 1.5, figures_ink()); }
+static void axis(FILE *svg) { drawing_line(svg, X0, Y0, X0 + W, Y0, 1.5, figures_ink()); }
 
 /* Candidates from f, accepted with probability product/(bound f). Returns the share that is. */
 static double reject(FILE *svg, curve *f, double bound, double top, int n)
@@ -258,7 +258,7 @@ static double reject(FILE *svg, curve *f, double bound, double top, int n)
         const double x = inverse(f, bis_rng_double(&r)), y = bis_rng_double(&r) * bound * f(x);
         const bool accept = y < product(x);
         accepted += accept;
-        bis_svg_disc(svg, X0 + W * x, Y0 - H * y / top, 2, accept ? colour_of(2) : lighter(colour_of(3)));
+        drawing_disc(svg, X0 + W * x, Y0 - H * y / top, 2, accept ? colour_of(2) : lighter(colour_of(3)));
     }
     return (double)accepted / n;
 }
@@ -273,10 +273,10 @@ static void rejection(const char *folder)
     plot(svg, map_light, bound, top, 2, figures_faint());
     plot(svg, product, 1, top, 2.5, colour_of(2));
     axis(svg);
-    bis_svg_text(svg, X0, 24, 11, BIS_SVG_LEFT, figures_faint(), "c q(x)");
-    bis_svg_text(svg, X0 + 60, 24, 11, BIS_SVG_LEFT, colour_of(2), "p(x)");
+    drawing_text(svg, X0, 24, 11, DRAWING_LEFT, figures_faint(), "c q(x)");
+    drawing_text(svg, X0 + 60, 24, 11, DRAWING_LEFT, colour_of(2), "p(x)");
     snprintf(text, sizeof text, "%.0f%% of %d candidates accepted; integrated: %.0f%%", 100 * rate, N, 100 * integral(product) / (bound * integral(map_light)));
-    bis_svg_text(svg, X0 + 120, 24, 11, BIS_SVG_LEFT, figures_ink(), text);
+    drawing_text(svg, X0 + 120, 24, 11, DRAWING_LEFT, figures_ink(), text);
     figures_save(svg);
 }
 
@@ -291,10 +291,10 @@ static void bounds(const char *folder)
     plot(svg, product, 1, top, 2.5, colour_of(2));
     axis(svg);
     snprintf(text, sizeof text, "L`max f: %.0f%% accepted", 100 * p / (L_max * integral(brdf)));
-    bis_svg_text(svg, X0, 24, 11, BIS_SVG_LEFT, colour_of(3), text);
+    drawing_text(svg, X0, 24, 11, DRAWING_LEFT, colour_of(3), text);
     snprintf(text, sizeof text, "f`max L: %.0f%% accepted", 100 * p / (f_max * integral(map_light)));
-    bis_svg_text(svg, X0 + 230, 24, 11, BIS_SVG_LEFT, colour_of(0), text);
-    bis_svg_text(svg, X0 + 460, 24, 11, BIS_SVG_LEFT, colour_of(2), "f L");
+    drawing_text(svg, X0 + 230, 24, 11, DRAWING_LEFT, colour_of(0), text);
+    drawing_text(svg, X0 + 460, 24, 11, DRAWING_LEFT, colour_of(2), "f L");
     figures_save(svg);
 }
 
@@ -322,14 +322,14 @@ static void resampling(const char *folder)
         int times = 0;
         for (at += w[i]; mark < at; mark += sum / N) times++;
         chosen += times;
-        bis_svg_disc(svg, X0 + W * x[i], Y0 + 20, 2.2 * sqrt(w[i]), times ? colour_of(3) : colour_of(0));
-        if (times) bis_svg_line(svg, X0 + W * x[i], Y0 + 12, X0 + W * x[i], Y0 - H * product(x[i]) / top, 1.5, colour_of(3));
+        drawing_disc(svg, X0 + W * x[i], Y0 + 20, 2.2 * sqrt(w[i]), times ? colour_of(3) : colour_of(0));
+        if (times) drawing_line(svg, X0 + W * x[i], Y0 + 12, X0 + W * x[i], Y0 - H * product(x[i]) / top, 1.5, colour_of(3));
     }
     char text[128];
     snprintf(text, sizeof text, "%d candidates from q`f, areas by weight; %d chosen for rays", M, chosen);
-    bis_svg_text(svg, X0, 24, 11, BIS_SVG_LEFT, figures_ink(), text);
-    bis_svg_text(svg, X0 + 480, 24, 11, BIS_SVG_LEFT, figures_faint(), "q`f");
-    bis_svg_text(svg, X0 + 530, 24, 11, BIS_SVG_LEFT, colour_of(2), "f L");
+    drawing_text(svg, X0, 24, 11, DRAWING_LEFT, figures_ink(), text);
+    drawing_text(svg, X0 + 480, 24, 11, DRAWING_LEFT, figures_faint(), "q`f");
+    drawing_text(svg, X0 + 530, 24, 11, DRAWING_LEFT, colour_of(2), "f L");
     figures_save(svg);
 }
 

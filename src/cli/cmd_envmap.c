@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text or JSON, and its levels, regions and
- * importance as pictures (thesis figures 3.5 and 3.6). */
+/* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text, JSON or a page, and its levels,
+ * regions and importance as pictures (thesis figures 3.5 and 3.6). */
 #include "bis/base/file.h"
 #include "bis/scene/light_load.h"
 #include "bis/base/mem.h"
@@ -8,6 +8,7 @@
 
 #include "cli.h"
 #include "out/json.h"
+#include "out/page.h"
 #include "tools/pixel/pixel.h"
 #include "tools/survey/survey.h"
 
@@ -15,7 +16,7 @@
 #include <string.h>
 
 typedef struct envmap_options {
-    const char *out, *outdir, *mapping, *to;
+    const char *out, *outdir, *html, *mapping, *to;
     uint64_t levels, width, samples;
     double area_exponent;
     bool json;
@@ -30,62 +31,63 @@ static vec3 pixel_direction(const bis_envmap *em, size_t pixel)
     return bis_envmap_direction(em, (int)(pixel % (size_t)em->width), (int)(pixel / (size_t)em->width), 0.5, 0.5);
 }
 
-static void print_levels(const bis_survey *s)
+static void print_levels(FILE *out, const bis_survey *s)
 {
-    printf("\nlevel       from         to    pixels    sphere     power   regions\n");
+    fprintf(out, "\nlevel       from         to    pixels    sphere     power   regions\n");
     for (int k = 0; k < s->n_levels; k++) {
         const bis_survey_level *l = &s->level[k];
-        printf("%5d %10.4g %10.4g %9zu %8.4f%% %8.4f%% %9u\n", k, l->least, l->most, l->pixels, 100 * l->sphere,
+        fprintf(out, "%5d %10.4g %10.4g %9zu %8.4f%% %8.4f%% %9u\n", k, l->least, l->most, l->pixels, 100 * l->sphere,
                100 * l->power, l->regions);
     }
 }
 
-static void print_largest(const bis_survey *s)
+static void print_largest(FILE *out, const bis_survey *s)
 {
-    printf("\nregions with most power\n  rank level     power   solid angle  theta    phi   direction\n");
+    fprintf(out, "\nregions with most power\n  rank level     power   solid angle  theta    phi   direction\n");
     for (int k = 0; k < s->n_largest; k++) {
         const bis_survey_region *r = &s->largest[k];
-        printf("%6d %5d %8.4f%% %10.4g sr", k + 1, r->level, 100 * r->power, r->solid_angle);
+        fprintf(out, "%6d %5d %8.4f%% %10.4g sr", k + 1, r->level, 100 * r->power, r->solid_angle);
         const bis_pixel_direction d = bis_pixel_angles(r->direction);
         if (has_direction(r->direction))
-            printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", d.theta, d.phi, (double)r->direction.x,
+            fprintf(out, " %6.1f %6.1f   (%.3f %.3f %.3f)\n", d.theta, d.phi, (double)r->direction.x,
                    (double)r->direction.y, (double)r->direction.z);
-        else printf("  on all sides\n");
+        else fprintf(out, "  on all sides\n");
     }
 }
 
 /* In percent. */
 static double change(double before, double after) { return before > 0 ? 100 * (after / before - 1) : 0; }
 
-static void print_text(const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
+static void print_text(FILE *out, const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
 {
     const char *from = em->resampled_from;
-    printf("map         %s, %d x %d, %s%s\n", path, em->width, em->height, from ? "resampled from " : "",
+    fprintf(out, "map         %s, %d x %d, %s%s\n", path, em->width, em->height, from ? "resampled from " : "",
            from ? from : bis_mapping_names[BIS_MAPPING_LATLONG]);
     if (from)
-        printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->power_before, em->power_after,
+        fprintf(out, "power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->power_before, em->power_after,
                change(em->power_before, em->power_after));
-    printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n",
+    fprintf(out,
+            "intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n",
            s->least, s->median, s->mean, s->most);
-    printf("mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
-    printf("power       %.6g (r+g+b integrated over the sphere)\n", s->power);
-    printf("bad values  %zu NaN, %zu infinite, %zu negative, set to 0\n", em->defects.n_nan, em->defects.n_infinite,
-           em->defects.n_negative);
-    printf("black       %.4g%% of the sphere\n", 100 * s->black);
+    fprintf(out, "mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
+    fprintf(out, "power       %.6g (r+g+b integrated over the sphere)\n", s->power);
+    fprintf(out, "bad values  %zu NaN, %zu infinite, %zu negative, set to 0\n", em->defects.n_nan,
+            em->defects.n_infinite, em->defects.n_negative);
+    fprintf(out, "black       %.4g%% of the sphere\n", 100 * s->black);
     if (s->power > 0) {
         const vec3 w = pixel_direction(em, s->peak);
         const bis_pixel_direction d = bis_pixel_angles(w);
-        printf("contrast    %.4g : 1\n", s->most / s->least);
-        printf("brightest   0.1%% of the sphere holds %.2f%% of the power\n", 100 * s->brightest);
-        printf("peak        pixel (%zu, %zu), theta %.1f, phi %.1f degrees, direction (%.3f %.3f %.3f)\n",
+        fprintf(out, "contrast    %.4g : 1\n", s->most / s->least);
+        fprintf(out, "brightest   0.1%% of the sphere holds %.2f%% of the power\n", 100 * s->brightest);
+        fprintf(out, "peak        pixel (%zu, %zu), theta %.1f, phi %.1f degrees, direction (%.3f %.3f %.3f)\n",
                s->peak % (size_t)em->width, s->peak / (size_t)em->width, d.theta, d.phi, (double)w.x, (double)w.y,
                (double)w.z);
     }
-    printf("regions     %u in %d level%s\n", s->n_regions, s->n_levels, s->n_levels == 1 ? "" : "s");
-    printf("table       %.1f bytes a pixel beyond the map\n", (double)bytes / ((double)em->width * em->height));
+    fprintf(out, "regions     %u in %d level%s\n", s->n_regions, s->n_levels, s->n_levels == 1 ? "" : "s");
+    fprintf(out, "table       %.1f bytes a pixel beyond the map\n", (double)bytes / ((double)em->width * em->height));
     if (s->power == 0) return;
-    print_levels(s);
-    print_largest(s);
+    print_levels(out, s);
+    print_largest(out, s);
 }
 
 static void json_direction(bis_json *j, const char *key, vec3 w)
@@ -134,29 +136,55 @@ static void json_largest(bis_json *j, const bis_survey *s)
     bis_json_close(j);
 }
 
-static void print_json(const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
+static void put_json(bis_json *j, const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
 {
     const char *from = em->resampled_from;
-    bis_json j = {.out = stdout};
     const bis_envmap_defects *bad = &em->defects;
 
-    bis_json_open(&j, NULL, '{');
-    bis_json_text(&j, "map", path);
-    BIS_JSON_NUMBERS(&j, {"width", em->width}, {"height", em->height});
-    bis_json_text(&j, "mapping", from ? from : bis_mapping_names[BIS_MAPPING_LATLONG]);
-    BIS_JSON_NUMBERS(&j, {"power_before", from ? em->power_before : (double)NAN},
+    bis_json_text(j, "map", path);
+    BIS_JSON_NUMBERS(j, {"width", em->width}, {"height", em->height});
+    bis_json_text(j, "mapping", from ? from : bis_mapping_names[BIS_MAPPING_LATLONG]);
+    BIS_JSON_NUMBERS(j, {"power_before", from ? em->power_before : (double)NAN},
                      {"power_after", from ? em->power_after : (double)NAN}, {"min", s->least},
                      {"median", s->median}, {"mean", s->mean}, {"max", s->most});
-    bis_json_triple(&j, "mean_rgb", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
-    BIS_JSON_NUMBERS(&j, {"contrast", s->power > 0 ? s->most / s->least : (double)NAN}, {"power", s->power},
+    bis_json_triple(j, "mean_rgb", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
+    BIS_JSON_NUMBERS(j, {"contrast", s->power > 0 ? s->most / s->least : (double)NAN}, {"power", s->power},
                      {"black_share", s->black}, {"brightest_0.1_percent", s->brightest});
-    json_peak(&j, s, em);
-    BIS_JSON_OBJECT(&j, "bad_values", {"nan", (double)bad->n_nan}, {"infinite", (double)bad->n_infinite},
+    json_peak(j, s, em);
+    BIS_JSON_OBJECT(j, "bad_values", {"nan", (double)bad->n_nan}, {"infinite", (double)bad->n_infinite},
                     {"negative", (double)bad->n_negative}, {"sphere_share", bad->solid_angle / (4 * PI)});
-    BIS_JSON_NUMBERS(&j, {"regions", s->n_regions}, {"table_bytes", (double)bytes});
-    json_levels(&j, s);
-    json_largest(&j, s);
-    bis_json_close(&j);
+    BIS_JSON_NUMBERS(j, {"regions", s->n_regions}, {"table_bytes", (double)bytes});
+    json_levels(j, s);
+    json_largest(j, s);
+}
+
+/* ---- the page ---- */
+
+static bis_status write_page(const envmap_options *o, const char *path, const bis_survey *s, const bis_light *light,
+                             const bis_regions *regions, bis_diag *diag)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    const bis_importance *im = bis_light_importance(light);
+    char *values = NULL, *text = NULL;
+    size_t n = 0, n_text = 0;
+    FILE *json = open_memstream(&values, &n), *words = open_memstream(&text, &n_text);
+    bis_json j = {.out = json};
+    bis_status status = BIS_OK;
+
+    if (json && words) {
+        bis_json_open(&j, NULL, '{');
+        put_json(&j, path, s, em, bis_importance_bytes(im));
+        status = bis_survey_put_page(&j, s, em, regions, im, (int)o->samples, diag);
+        bis_json_close(&j);
+        print_text(words, path, s, em, bis_importance_bytes(im));
+    }
+    const bool ok = (!json || fclose(json) == 0) & (!words || fclose(words) == 0);
+    if (!status && !(json && words && ok))
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the page of a map");
+    if (!status) status = bis_page_save(o->html, bis_survey_page, values, text, diag);
+    free(values);
+    free(text);
+    return status;
 }
 
 /* ---- the pictures ---- */
@@ -199,7 +227,9 @@ static bis_status find_out(char out[4096], const envmap_options *o, const char *
     char picture[4096];
 
     *any = o->out || o->outdir;
-    if (!*any) return BIS_OK;
+    bis_status status = o->html ? bis_cli_check_writable(o->html, diag) : BIS_OK;
+    if (!status && o->html) status = bis_cli_check_distinct(&map, 1, &o->html, 1, diag);
+    if (status || !*any) return status;
     if (o->out && o->outdir) return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
     const int length =
         o->out ? snprintf(out, 4096, "%s", o->out) : snprintf(out, 4096, "%s/%.*s.png", o->outdir, stem, name);
@@ -208,7 +238,6 @@ static bis_status find_out(char out[4096], const envmap_options *o, const char *
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png",
                          out);
     }
-    bis_status status = BIS_OK;
     for (int i = 0; i < 4 && !status; i++) {
         static const char *const pictures[] = {"map", "levels", "regions", "importance"};
         const char *const path = picture_path(picture, out, pictures[i]);
@@ -230,11 +259,18 @@ static bis_status survey(const envmap_options *o, const char *path, const char *
     if (status) return status;
     status = bis_survey_init(&s, em, &regions, (int)o->levels, diag);
     if (!status && out) status = write_pictures(o, out, light, &regions, diag);
+    if (!status && o->html) status = write_page(o, path, &s, light, &regions, diag);
     bis_regions_clear(&regions);
     if (status) return status;
     const size_t bytes = bis_importance_bytes(bis_light_importance(light));
-    if (o->json) print_json(path, &s, em, bytes);
-    else print_text(path, &s, em, bytes);
+    if (!o->json) {
+        print_text(stdout, path, &s, em, bytes);
+        return BIS_OK;
+    }
+    bis_json j = {.out = stdout};
+    bis_json_open(&j, NULL, '{');
+    put_json(&j, path, &s, em, bytes);
+    bis_json_close(&j);
     return BIS_OK;
 }
 
@@ -242,9 +278,9 @@ static bis_status survey(const envmap_options *o, const char *path, const char *
 
 static bis_status check_conversion(const envmap_options *o, const char *map, bis_diag *diag)
 {
-    if (!o->out || o->outdir || o->json)
+    if (!o->out || o->outdir || o->json || o->html)
         return bis_error(diag, BIS_INPUT, bis_cli_loc,
-                         "--to %s writes one map: name it by --out FILE, without --outdir and --json", o->to);
+                         "--to %s writes one map: name it by --out FILE, without --outdir, --html and --json", o->to);
     if (!bis_image_can_write(o->out))
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png",
                          o->out);
@@ -323,6 +359,9 @@ int bis_cmd_envmap(int argc, char **argv)
          .help = "no report, but the map itself in mapping M, to the file of --out; energy is kept, and printed",
          .kind = BIS_OPTION_NAME, .value = &o.to, .names = bis_mapping_names},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
+        {.name = "html", .argument = "F",
+         .help = "write a page to explore the map, in one file that needs nothing else",
+         .kind = BIS_OPTION_TEXT, .value = &o.html},
         {.name = "out", .argument = "F",
          .help = "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "
                  "NAME-importance.png; also .exr, .pfm, .hdr", .kind = BIS_OPTION_TEXT, .value = &o.out},
@@ -335,7 +374,7 @@ int bis_cmd_envmap(int argc, char **argv)
     const bis_command command = {
         .name = "envmap",
         .usage = "envmap [options] MAP",
-        .summary = "what is in a map; its levels, regions and importance as pictures",
+        .summary = "what is in a map; its levels, regions and importance as pictures or a page",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 1, .max_operands = 1,
         .notes = "Directions are in the map's own frame: z is up, towards row 0; theta is the\n"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* cmd_pixel: `bis pixel SCENE X Y`: everything about one pixel (pixel.h), as text or JSON, CSV files and pictures in a
- * folder. */
+/* cmd_pixel: `bis pixel SCENE X Y`: everything about one pixel (pixel.h), as text or JSON, and CSV files and a page in
+ * a folder. */
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -17,7 +17,7 @@
 
 typedef struct pixel_options {
     const char *output, *proposal;
-    bool json, has_candidates, has_shadowrays, has_samples, has_seed;
+    bool json, html, has_candidates, has_shadowrays, has_samples, has_seed;
     uint64_t candidates, shadowrays, samples, seed, repeats;
     bool approximate;
 } pixel_options;
@@ -203,6 +203,7 @@ static int pixel(void *options, const char *const *operand, bis_diag *diag)
     r->y = place[1];
     r->desc = desc;
     r->folder = o->output ? o->output : folder;
+    r->html = o->html;
     status = build_and_report(r, o, desc, diag);
 done:
     bis_pixel_report_clear(r);
@@ -219,8 +220,10 @@ int bis_cmd_pixel(int argc, char **argv)
     const bis_option options[] = {
         {.help = "what to write"},
         {.name = "output", .argument = "DIR",
-         .help = "the folder for pictures and CSV files, made where it is missing (pixel_X_Y)", .kind = BIS_OPTION_TEXT,
+         .help = "the folder for CSV files and the page, made where it is missing (pixel_X_Y)", .kind = BIS_OPTION_TEXT,
          .value = &o.output},
+        {.name = "html", .help = "write pixel.html, too: a page to explore, in one file that needs nothing else",
+         .kind = BIS_OPTION_FLAG, .value = &o.html},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
         {.help = "what to compute (these override the scene file, for all methods)"},
         {.name = "approximate",
@@ -244,13 +247,13 @@ int bis_cmd_pixel(int argc, char **argv)
         .name = "pixel",
         .usage = "pixel [options] SCENE X Y",
         .summary = "everything about one pixel: the hit, the exact integral, every method against it; candidates, "
-                   "weights and samples, with plots",
+                   "weights and samples",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 3, .max_operands = 3,
         .notes = "X counts from the left, Y from the top, both from 0, in the scene's film. The\n"
-                 "ray goes through the pixel's centre. The folder gets densities.svg (figure 4.1\n"
-                 "of the thesis: map, BRDF, product), samples.svg (figure 4.2: the shadow rays of\n"
-                 "each method), methods.csv, candidates.csv and rays.csv.\n",
+                 "ray goes through the pixel's centre. The folder gets methods.csv, candidates.csv\n"
+                 "and rays.csv; with --html also pixel.html: figure 4.1 of the thesis (map, BRDF,\n"
+                 "product), figure 4.2 (where each method looks), and the tables.\n",
     };
     return bis_cli_run(&command, argc, argv, pixel, &o);
 }

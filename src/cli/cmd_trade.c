@@ -88,26 +88,6 @@ static void print_progress(const char *what, double share, double seconds_left, 
     fputs("   \033[K", stderr);
 }
 
-/* What a user wants to know at once: where the page is, and the three sentences in short. */
-static void print_summary(const bis_trade *t)
-{
-    char text[256], time[24], error[24];
-    int n = 0;
-
-    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
-        const bis_trade_advice *a = &t->result.advice[i];
-        if (a->setting < 0) continue;
-        n++;
-        const bis_trade_setting *s = &t->plan.settings[a->setting];
-        bis_trade_option_text(text, s, t->desc->light.area_exponent);
-        if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
-        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_percent(error, a->expected_error),
-               a->is_extrapolated ? "~" : " ", bis_duration(time, a->seconds), text, (unsigned)a->passes);
-    }
-    if (!n) puts("no advice: no setting has enough runs; give --resume --time more");
-    printf("%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
-}
-
 static int run(const trade_options *o, const char *scene, const char *folder, bis_diag *diag)
 {
     const bool show = !o->quiet && isatty(STDERR_FILENO);
@@ -140,7 +120,7 @@ static int run(const trade_options *o, const char *scene, const char *folder, bi
     if (t.nonfinite)
         bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black (docs/envelope.md)",
                  (unsigned long long)t.nonfinite);
-    if (t.is_reported) print_summary(&t);
+    if (t.is_reported) bis_trade_print_summary(stdout, &t);
     if (!status && !t.is_reported && t.n_runs)
         bis_warn(diag, bis_cli_loc,
                  "interrupted before anything new was measured: %s is as it was, with %zu of %zu runs", folder,

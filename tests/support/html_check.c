@@ -4,6 +4,7 @@
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { DEPTH = 64, NAME = 32 };
@@ -134,15 +135,45 @@ static bool always_before(const char *page, const char *what, const char *a, con
     return true;
 }
 
+/* The page without what is between <script> and its end, and the scripts without the rest, in two new texts. */
+static void split(const char *page, char *rest, char *scripts)
+{
+    while (*page) {
+        const char *begin = strstr(page, "<script"), *end = begin ? strstr(begin, "</script>") : NULL;
+        if (!end) break;
+        begin += strcspn(begin, ">");
+        rest += sprintf(rest, "%.*s", (int)(begin - page), page);
+        scripts += sprintf(scripts, "%.*s", (int)(end - begin), begin);
+        page = end;
+    }
+    strcpy(rest, page);
+    *scripts = '\0';
+}
+
+static bool holds(const char *text, const char *const *foreign, size_t n, char *why, size_t size)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (!strstr(text, foreign[i])) continue;
+        snprintf(why, size, "the page holds \"%s\"", foreign[i]);
+        return true;
+    }
+    return false;
+}
+
 bool html_is_self_contained(const char *page, char *why, size_t size)
 {
-    static const char *const foreign[] = {"http", "@import", "src=", "href=", "fetch(", "XMLHttpRequest", "import("};
-    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) {
-        if (!strstr(page, foreign[i])) continue;
-        snprintf(why, size, "the page holds \"%s\"", foreign[i]);
-        return false;
+    static const char *const foreign[] = {"http", "@import", "src=", "href="};
+    static const char *const calls[] = {"@import", "https:", "fetch(", "XMLHttpRequest", "import(", "new Worker", "sendBeacon"};
+    const size_t n = strlen(page) + 1;
+    char *rest = malloc(2 * n), *scripts = rest + n;
+
+    split(page, rest, scripts);
+    bool ok = !holds(rest, foreign, sizeof foreign / sizeof *foreign, why, size) &&
+              !holds(scripts, calls, sizeof calls / sizeof *calls, why, size);
+    if (ok && !always_before(rest, "url(", "data:", "\"data")) {
+        snprintf(why, size, "a url( that is no data:");
+        ok = false;
     }
-    if (always_before(page, "url(", "data:", "\"data")) return true;
-    snprintf(why, size, "a url( that is no data:");
-    return false;
+    free(rest);
+    return ok;
 }

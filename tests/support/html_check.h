@@ -10,7 +10,8 @@
  * between <style> or <script> and its end is not looked into. False: `why` says where. */
 bool html_is_well_formed(const char *page, char *why, size_t size);
 
-/* No address of another place: no "http", no "//" behind src, href or url(, which may hold data: alone. */
+/* No address of another place: outside of scripts no "http", no src or href, no url( but of data:; in scripts nothing
+ * that fetches. (What a script fetches all the same, make test-browser sees.) */
 bool html_is_self_contained(const char *page, char *why, size_t size);
 
 /* How often a string occurs. */

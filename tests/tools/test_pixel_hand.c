@@ -11,9 +11,9 @@
 #include "bis/beyond/microfacet.h"
 #include "further.h"
 #include "html_check.h"
+#include "json_check.h"
 #include "lit.h"
-#include "out/palette.h"
-#include "picture_help.h"
+#include "page_help.h"
 #include "program.h"
 
 #include <setjmp.h>
@@ -144,7 +144,7 @@ static void the_text_has_each_figure(void **state)
         "effective   sample size 2.125 = (sum w)^2 / sum w^2\n"
         "chosen      4 rays at 2 candidates, 3 of them see the light\n"
         "estimate    0.6   (0.1 0.2 0.3)\n"
-        "\nwritten     " DIR "/densities.svg samples.svg methods.csv candidates.csv rays.csv\n";
+        "\nwritten     " DIR "/methods.csv candidates.csv rays.csv\n";
     forged f;
     forge(&f);
     char *text = said(&f.r, bis_pixel_print_text), cut[sizeof expected];
@@ -366,22 +366,19 @@ static void tables_have_each_figure_in_its_column(void **state)
                 "em,0,180,0,0,0,-1,0.0795774715459,0,0,0\nsir,1," RAY);
 
     /* its title says which pixel, under which map */
-    char *text = read_text(DIR "/densities.svg");
-    assert_non_null(strstr(text, ">Pixel (3, 2) of scene.txt</text>"));
-    assert_non_null(strstr(text, ">under sky.exr; phong, exponent 20, Ks 0, Kd 0.3 (means of r, g, b), seen at 36.9 "
-        "degrees</text>"));
-    bis_free(text);
     f.r.candidates.share_em = (double)NAN; /* who drew them cannot be told; no weight */
     f.r.candidates.W = 0;
     for (int i = 0; i < 5; i++) f.c[i].w = 0;
     f.desc.light.filename = NULL;
+    f.r.html = true;
     assert_int_equal(bis_pixel_write_files(&f.r, NULL), BIS_OK);
-    text = read_text(DIR "/candidates.csv");
+    char *text = read_text(DIR "/candidates.csv");
     assert_non_null(strstr(text, "\n1,,,,,,,0.5,0.25,0.75,7,0,0,0,\n"));
     bis_free(text);
-    text = read_text(DIR "/samples.svg");
-    assert_non_null(strstr(text, ">under a constant light; phong"));
-    bis_free(text);
+    text = page_shown(DIR "/pixel.html", DIR);
+    if (text) page_in_order(text, (const char *const[]){"under a constant light; phong, exponent 20, Ks 0, Kd 0.3 (means of r, g, b)",
+        "No candidate weighs anything", NULL});
+    free(text);
     clear(&f);
 }
 
@@ -390,11 +387,12 @@ static void what_cannot_be_written_is_an_error(void **state)
 {
     (void)state;
     static char long_name[5000];
-    static const char *const names[] = {"methods.csv", "candidates.csv", "rays.csv", "densities.svg", "samples.svg"};
+    static const char *const names[] = {"methods.csv", "candidates.csv", "rays.csv", "pixel.html"};
     forged f;
     bis_diag diag = {0};
     forge(&f);
-    for (int i = 0; i < 5; i++) { /* a folder stands where the file should */
+    f.r.html = true;
+    for (int i = 0; i < 4; i++) { /* a folder stands where the file should */
         char path[128];
         snprintf(path, sizeof path, DIR "/%s", names[i]);
         assert_int_equal(system("rm -rf " DIR), 0);
@@ -404,7 +402,7 @@ static void what_cannot_be_written_is_an_error(void **state)
         assert_int_equal(diag.n, 1);
         if (!strstr(diag.messages[0].text, names[i])) fail_msg("%s: %s", names[i], diag.messages[0].text);
         bis_diag_clear(&diag);
-        assert_int_equal(system("test $(ls -A " DIR " | grep -vc '^[a-z]*[.]csv$\\|^[a-z]*[.]svg$') = 0"), 0);
+        assert_int_equal(system("test $(ls -A " DIR " | grep -vc '^[a-z]*[.]csv$\\|^[a-z]*[.]html$') = 0"), 0);
     }
     assert_int_equal(system("rm -rf " DIR), 0);
     program_folder(DIR);
@@ -416,7 +414,7 @@ static void what_cannot_be_written_is_an_error(void **state)
         bis_mem_fail_at(0);
         assert_int_equal(status, over ? BIS_OK : BIS_NOMEM);
         assert_in_range(k, 1, 2000);
-        assert_int_equal(system("test $(ls -A " DIR " | grep -vc '^[a-z]*[.]csv$\\|^[a-z]*[.]svg$') = 0"), 0);
+        assert_int_equal(system("test $(ls -A " DIR " | grep -vc '^[a-z]*[.]csv$\\|^[a-z]*[.]html$') = 0"), 0);
     }
     assert_true(k > 5);
     memset(long_name, 'x', sizeof long_name - 1);
@@ -427,67 +425,84 @@ static void what_cannot_be_written_is_an_error(void **state)
     clear(&f);
 }
 
-/* ---- drawings ---- */
+/* ---- the page ---- */
 
-static void draw(char *text[2], const forged *f)
+/* The page's data, to be freed. */
+static char *page_of(forged *f)
 {
-    const bis_pixel_report *r = &f->r;
-    const bis_pixel_figure figure = {.title = "T", .subtitle = "S", .pt = &r->pt, .exact = &r->exact,
-        .light_to_world = &f->desc.light.to_world,
-                                     .candidates = &r->candidates, .methods = r->methods, .rays = r->rays,
-                                         .n_methods = r->n_methods};
-    size_t n;
-    FILE *out[2] = {open_memstream(&text[0], &n), open_memstream(&text[1], &n)};
-    assert_int_equal(bis_pixel_figures(out[0], out[1], &figure, NULL), BIS_OK);
-    for (int i = 0; i < 2; i++) fclose(out[i]);
+    f->r.html = true;
+    assert_int_equal(bis_pixel_write_files(&f->r, NULL), BIS_OK);
+    char *text = page_data(DIR "/pixel.html");
+    assert_true(json_is_valid(text));
+    return text;
 }
 
-static rgb mix(rgb a, rgb b, double share) { return rgb_add(rgb_scale(a, 1 - share), rgb_scale(b, share)); }
-
-/* A step of 1/255 in sRGB is at most 0.009 of linear light. */
-static void assert_colour(const bis_image *panel, int x, int y, rgb expected)
+/* The densities at all places, from their codes: [y * 720 + x]. */
+static double *sphere_of(const char *text, const char *name)
 {
-    const rgb c = panel->pixels[y * panel->width + x];
-    const double most = fmax(fmax(fabs((double)(c.r - expected.r)), fabs((double)(c.g - expected.g))),
-        fabs((double)(c.b - expected.b)));
-    if (most > 0.01) fail_msg("(%d, %d): (%g %g %g), not (%g %g %g)", x, y, (double)c.r, (double)c.g, (double)c.b,
-        (double)expected.r, (double)expected.g, (double)expected.b);
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const size_t size = strlen(text) + 1;
+    char *codes = malloc(size), path[32];
+    double *q = calloc(720 * 360, sizeof *q);
+    const double top = json_number(text, "sphere.top"), decades = json_number(text, "sphere.decades");
+    unsigned long bits = 0, byte = 0;
+    size_t n = 0;
+    snprintf(path, sizeof path, "sphere.%s", name);
+    json_value(codes, size, text, path);
+    for (size_t i = 1; strchr(digits, codes[i]); i++) { /* behind the quotation mark */
+        bits = bits << 6 | (unsigned long)(strchr(digits, codes[i]) - digits);
+        if (i % 4 == 1) continue;
+        const unsigned long next = bits >> (6 - 2 * ((i - 1) % 4)) & 255;
+        const unsigned long code = byte << 8 | next;
+        if (n % 2 && code) q[n / 2] = pow(10, top - decades * (1 - (double)(code - 1) / 65534));
+        byte = next;
+        n++;
+    }
+    assert_int_equal(n, 2 * 720 * 360);
+    free(codes);
+    return q;
 }
 
-/* The colour of a density: the scale begins at 10^-7, since 1/pi, the largest, is below 1. */
-static rgb heat(double q) { return q > 0 ? bis_palette_heat(1 + log10(q) / 7) : bis_palette_srgb(0.02, 0.02, 0.05); }
+/* Half a step of a code is a factor of 10^(7/65534/2), 1.2e-4, and the sphere holds floats. What is below the scale, here
+ * 10^-7, is 0. */
+static void assert_density(double q, double expected, int x, int y)
+{
+    if (expected < 1e-7 ? q != 0 : !(fabs(q / expected - 1) < 1.3e-4)) fail_msg("(%d, %d): %g, not %g", x, y, q, expected);
+}
 
-/* A row of the plot is half a degree. The map has 1/(4 pi) everywhere, the BRDF cos/pi, whose integral is 1, the
- * product 0.5 cos/pi over L_ns, said to be 12. Seen is what lies at y <= 0, which are the light's x <= 0: phi from 90
- * to 270. The horizon lies between the rows 179 and 180, half a row from the middle of each: a line of 0.75 (1.1 -
- * 0.5). */
-static void panels_have_the_densities_in_the_lights_frame(void **state)
+/* A row is half a degree. The map has 1/(4 pi) everywhere, the BRDF cos/pi, whose integral is 1, the product 0.5 cos/pi
+ * over L_ns, said to be 12. Seen is what lies at y <= 0, which are the light's x <= 0: phi from 90 to 270. The scale ends
+ * at 1, since 1/pi, the largest, is below that. */
+static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
 {
     (void)state;
     static const char *const names[] = {"map", "brdf", "product", "seen"};
-    const rgb line = bis_palette_srgb(0.85, 0.9, 1);
     forged f;
-    char *text[2];
     forge(&f);
-    draw(text, &f);
-    for (int k = 0; k < 5; k++) { /* the ground of the samples is the product in grey */
-        bis_image panel;
-        picture_in(&panel, text[k == 4], names[k < 4 ? k : 2]);
+    char *text = page_of(&f);
+    assert_true(json_number(text, "sphere.top") == 0 && json_number(text, "sphere.decades") == 7);
+    assert_true(json_number(text, "sphere.width") == 720 && json_number(text, "sphere.height") == 360);
+    for (int k = 0; k < 4; k++) {
+        double *q = sphere_of(text, names[k]);
         for (int y = 0; y < 360; y += y >= 176 && y < 184 ? 1 : y == 352 ? 7 : 8) {
             for (int x = 5; x < 720; x += 50) {
-                const double cosine = fmax(cos(PI * (y + 0.5) / 360), 0), product = 0.5 * cosine / PI / 12;
-                const double q[] = {1 / (4 * PI), cosine / PI, product, x > 180 && x < 540 ? product : 0};
-                rgb colour = k < 4 ? heat(q[k]) : heat(0);
-                if (k == 4 && product > 0) {
-                    const double t = 1 + log10(product) / 7;
-                    colour = bis_palette_srgb(0.05 + 0.72 * t, 0.05 + 0.73 * t, 0.09 + 0.76 * t);
-                }
-                assert_colour(&panel, x, y, y == 179 || y == 180 ? mix(colour, line, 0.45) : colour);
+                /* the mean over 2 x 2 directions, a quarter of a row away */
+                const double at = (y + 0.5) / 360 * PI, cosine = fmax(cos(at) * cos(PI / 1440), 0), product = 0.5 * cosine / PI / 12;
+                const double expected[] = {1 / (4 * PI), cosine / PI, product, x > 180 && x < 540 ? product : 0};
+                if (y < 179 || y > 180) assert_density(q[y * 720 + x], expected[k], x, y);
             }
         }
-        bis_image_clear(&panel);
+        free(q);
     }
-    for (int i = 0; i < 2; i++) free(text[i]);
+    free(text);
+
+    /* dark where it could be reflected: the product is over nothing and stays as it is, 0.5/pi at most */
+    f.r.exact.open = (bis_pixel_value){{0}, {0}};
+    text = page_of(&f);
+    double *q = sphere_of(text, "product");
+    assert_density(q[0], 0.5 / PI * cos(0.5 / 360 * PI) * cos(PI / 1440), 0, 0);
+    free(q);
+    free(text);
     clear(&f);
 }
 
@@ -498,9 +513,8 @@ static void a_lamp_of_one_pixel_is_in_its_place(void **state)
     (void)state;
     enum { X = 100, Y = 120 };
     bis_light_desc desc = bis_light_desc_default();
-    bis_image map, panel;
+    bis_image map;
     forged f;
-    char *text[2];
     forge(&f);
     bis_light_free(f.l.light);
     desc.to_world = f.desc.light.to_world;
@@ -518,233 +532,127 @@ static void a_lamp_of_one_pixel_is_in_its_place(void **state)
         most = fmax(most, q);
     }
     assert_true(most > 0.9 * sum);
-    draw(text, &f);
-    picture_in(&panel, text[0], "map");
-    const double top = ceil(log10(sum / 9));
-    assert_colour(&panel, X, Y, bis_palette_heat(1 + (log10(sum / 9) - top) / 7));
-    bis_image_clear(&panel);
-    for (int i = 0; i < 2; i++) free(text[i]);
+    char *text = page_of(&f);
+    assert_true(json_number(text, "sphere.top") == ceil(log10(sum / 9)));
+    double *q = sphere_of(text, "map");
+    assert_density(q[Y * 720 + X], sum / 9, X, Y);
+    free(q);
+    free(text);
     clear(&f);
 }
 
-static void assert_in_order(const char *text, const char *const *parts, size_t n)
+static void assert_text(const char *text, const char *path, const char *wanted)
 {
-    for (size_t i = 0; i < n; i++) {
-        const char *at = strstr(text, parts[i]);
-        if (!at) fail_msg("%s is not in\n%.3000s", parts[i], text);
-        text = at + strlen(parts[i]);
-    }
+    char is[64];
+    if (strcmp(json_value(is, sizeof is, text, path), wanted) != 0) fail_msg("%s is %s, not %s", path, is, wanted);
 }
 
-#define ASSERT_IN_ORDER(text, parts) assert_in_order(text, parts, sizeof parts / sizeof *parts)
-#define NIGHT "#05050d"
-#define FAINT "#737885"
-#define INK "#1f2129"
-#define SEEN "#59ffeb"
-#define HIDDEN "#ff6b52"
-#define BRDF "#bffa59"
-#define DISC(x, y, r, fill) "<circle cx=\"" x "\" cy=\"" y "\" r=\"" r "\" fill=\"" fill "\"/>\n"
-#define RING(x, y, r, stroke, width) "<circle cx=\"" x "\" cy=\"" y "\" r=\"" r "\" stroke=\"" stroke "\" " \
-    "stroke-width=\"" width "\" fill=\"none\"/>\n"
-#define LINE(path, stroke, width) "<path d=\"" path "\" stroke=\"" stroke "\" stroke-width=\"" width "\" " \
-    "fill=\"none\"/>\n"
-#define TEXT(x, y, size, anchor, fill, text) "<text x=\"" x "\" y=\"" y "\" font-size=\"" size "\"" anchor " " \
-    "fill=\"" fill "\">" text "</text>\n"
-#define END " text-anchor=\"end\""
-#define MIDDLE " text-anchor=\"middle\""
-#define ON " stroke=\"" NIGHT "\" stroke-width=\"4\" paint-order=\"stroke\""
-
-/* Marks of a panel at (56, 110): n at (0, 0), its name inside; the eye at phi 270, theta 36.87: (540, 73.74); R at phi
- * 90, (180, 73.74). Texts are 1/0.72 of their capitals. */
-static void densities_have_marks_axes_and_words(void **state)
-{
-    (void)state;
-    static const char *const parts[] = {
-        "width=\"1696\" height=\"984\" viewBox=\"0 0 1696 984\"",
-            /* 56 + 2 x 720 + 64 + 96 + 40; 84 + 2 x 430 + 66 - 26 */
-        TEXT("56", "36", "23.61", "", INK, "T"), TEXT("56", "62", "14.58", "", FAINT, "S"),
-        "<image id=\"map\" width=\"720\" height=\"360\"",
-        TEXT("56", "101", "16.67", "", INK, "Map: q<tspan dy=\"3\" font-size=\"11.67\">L</tspan>"),
-        TEXT("776", "101", "13.19", END, FAINT, "importance by which directions are drawn from it, eq. 4.2"),
-        "<use href=\"#map\" x=\"56\" y=\"110\"/>\n",
-        LINE("M56 471L56 475", FAINT, "1") TEXT("56", "487", "11.11", MIDDLE, FAINT, "0"),
-        LINE("M236 471L236 475", FAINT, "1") TEXT("236", "487", "11.11", MIDDLE, FAINT, "90"),
-        LINE("M776 471L776 475", FAINT, "1") TEXT("776", "487", "11.11", MIDDLE, FAINT, "360"),
-        LINE("M51 110L55 110", FAINT, "1") TEXT("48", "114", "11.11", END, FAINT, "0"),
-        LINE("M51 200L55 200", FAINT, "1") TEXT("48", "204", "11.11", END, FAINT, "45"),
-        LINE("M51 470L55 470", FAINT, "1") TEXT("48", "474", "11.11", END, FAINT, "180"),
-        LINE("M60 110L65 110", NIGHT, "4"),
-        "<text x=\"64\" y=\"126\" font-size=\"13.89\" fill=\"#ffffff\"" ON ">n</text>\n",
-        LINE("M600 183.74L605 183.74", NIGHT, "4") LINE("M592 183.74L587 183.74", NIGHT,
-            "4") LINE("M596 187.74L596 192.74", NIGHT, "4")
-        LINE("M596 179.74L596 174.74", NIGHT, "4") LINE("M600 183.74L605 183.74", "#ffffff",
-            "1.5") LINE("M592 183.74L587 183.74", "#ffffff", "1.5")
-        LINE("M596 187.74L596 192.74", "#ffffff", "1.5") LINE("M596 179.74L596 174.74", "#ffffff", "1.5")
-        "<text x=\"591\" y=\"177.74\" font-size=\"13.89\" text-anchor=\"end\" fill=\"#ffffff\"" ON ">eye</text>\n",
-        "<text x=\"244\" y=\"199.74\" font-size=\"13.89\" fill=\"#ffffff\"" ON ">R</text>\n",
-        "<image id=\"brdf\"", "f cos over its integral, eq. 4.3", "<use href=\"#brdf\" x=\"840\" y=\"110\"/>\n",
-        LINE("M1384 183.74L1389 183.74", NIGHT, "4"), /* the eye, 784 further */
-        "<image id=\"product\"", "f cos L over L", "<use href=\"#product\" x=\"56\" y=\"540\"/>\n",
-            LINE("M600 613.74L605 613.74", NIGHT, "4"),
-        "<image id=\"seen\"", "Product, seen: p V", "what no surface hides: L/L", " = 0.5</t",
-            "<use href=\"#seen\" x=\"840\" y=\"540\"/>\n",
-        "<rect x=\"1594\" y=\"110\" width=\"18\" height=\"4\"", "<rect x=\"1594\" y=\"467\" width=\"18\" height=\"3\"",
-        LINE("M1612 110L1617 110", INK, "1"), "<text x=\"1622\" y=\"115\" font-size=\"13.19\" fill=\"" INK "\">10",
-            ">0</tspan></text>\n",
-        LINE("M1612 161.43L1617 161.43", INK, "1"), ">-1</tspan></text>\n", LINE("M1612 470L1617 470", INK, "1"),
-            ">-7</tspan></text>\n",
-        TEXT("1594", "494", "13.19", "", INK, "1/sr"),
-        "<text x=\"56\" y=\"962\" font-size=\"13.19\" fill=\"" FAINT "\">Directions in the map",
-    };
-    forged f;
-    char *text[2];
-    forge(&f);
-    draw(text, &f);
-    ASSERT_IN_ORDER(text[0], parts);
-    assert_int_equal(html_count(text[0], "<rect x=\"1594\""), 120);
-    for (int i = 0; i < 2; i++) free(text[i]);
-    /* close to the right and the lower border names stand at the other side: theta 175, phi 350, in the world phi 80 */
-    f.r.pt.bsdf.r = vec3_from(sin(175 * PI / 180) * cos(80 * PI / 180), sin(175 * PI / 180) * sin(80 * PI / 180),
-        cos(175 * PI / 180));
-    draw(text, &f);
-    const char *at = strstr(text[0], ">R</text>");
-    double x, y;
-    while (strncmp(at, "<text", 5) != 0) at--;
-    assert_int_equal(sscanf(at, "<text x=\"%lf\" y=\"%lf\" font-size=\"13.89\" text-anchor=\"end\"", &x, &y), 2);
-    assert_true(fabs(x - (56 + 700 - 5)) < 0.02 && fabs(y - (110 + 350 - 6)) < 0.02);
-    for (int i = 0; i < 2; i++) free(text[i]);
-    clear(&f);
-}
-
-/* Where the first of these texts stands on the page, and whether it ends there. */
-static void text_place(const char *page, const char *end, double *x, double *y, bool *is_end)
-{
-    const char *at = strstr(page, end);
-    assert_non_null(at);
-    while (strncmp(at, "<text", 5) != 0) at--;
-    assert_int_equal(sscanf(at, "<text x=\"%lf\" y=\"%lf\"", x, y), 2);
-    const char *anchor = strstr(at, "text-anchor=\"end\"");
-    *is_end = anchor && anchor < strchr(at, '>');
-}
-
-/* Three marks at one place, far from the borders: phi 180, theta 90, (416, 290) on the page. Their names stand around
- * it: n above at the right, the eye above at the left, R below at the right. */
-static void names_of_marks_that_meet_stand_apart(void **state)
+/* The light is turned by 90 degrees: the eye and the first ray, (0.6, 0, 0.8), are at phi 270 and theta 36.87. The first
+ * candidate weighs nothing. */
+static void rays_candidates_and_marks_are_those_of_the_report(void **state)
 {
     (void)state;
     static const struct {
-        const char *text;
-        double x, y;
-        bool is_end;
-    } names[] = {{">n</text>", 416 + 8, 290 - 6, false}, {">eye</text>", 416 - 5, 290 - 6, true},
-                 {">R</text>", 416 + 8, 290 + 16, false}};
+        const char *path;
+        double value;
+    } numbers[] = {
+        {"x", 3}, {"exact.sum", 6}, {"methods.0.sum", 6.5}, {"sphere.n.theta_deg", 0}, {"sphere.eye.theta_deg", 36.8699},
+        {"sphere.eye.phi_deg", 270}, {"sphere.R.phi_deg", 90}, {"shown.0.estimates", 3}, {"shown.0.rays", 2}, {"shown.2.rays", 1},
+        {"shown.3.rays", 0}, {"rays.0.sample", 1}, {"rays.0.theta_deg", 36.8699}, {"rays.0.phi_deg", 270}, {"rays.1.theta_deg", 180},
+        {"rays.0.q_map", 1 / (4 * PI)}, {"rays.0.q_brdf", 0.8 / PI},
+        {"candidate_list.0.candidate", 1}, {"candidate_list.0.theta_deg", 90}, {"candidate_list.0.phi_deg", 0},
+        {"candidate_list.0.q_map", 0.5}, {"candidate_list.0.q_brdf", 0.25}, {"candidate_list.0.q", 0.75},
+        {"candidate_list.0.product", 7}, {"candidate_list.0.weight", 1}, {"candidate_list.0.share", 0.2},
+        {"candidate_list.1.chosen", 3}, {"candidate_list.2.phi_deg", 180}};
     forged f;
-    char *text[2];
     forge(&f);
-    f.r.pt.n = f.r.pt.wo = f.r.pt.bsdf.r = (vec3){0, -1, 0};
-    draw(text, &f);
-    for (int i = 0; i < 3; i++) {
-        double x, y;
-        bool is_end;
-        text_place(text[0], names[i].text, &x, &y, &is_end);
-        if (!(fabs(x - names[i].x) < 0.02 && fabs(y - names[i].y) < 0.02 && is_end == names[i].is_end))
-            fail_msg("%s: at (%g, %g)", names[i].text, x, y);
+    char *text = page_of(&f);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        const double is = json_number(text, numbers[i].path);
+        if (!(fabs(is - numbers[i].value) <= 1e-5 * fmax(1, fabs(is)))) fail_msg("%s is %g, not %g", numbers[i].path, is, numbers[i].value);
     }
-    for (int i = 0; i < 2; i++) free(text[i]);
+    const double product = bis_pixel_product(&f.r.pt, f.ray[0].wi);
+    assert_true(product > 0 && fabs(json_number(text, "rays.0.product") / product - 1) < 1e-12);
+    assert_text(text, "shown.0.too_skew", "false");
+    assert_text(text, "shown.1.too_skew", "true"); /* -0.2 */
+    assert_text(text, "rays.0.method", "\"em\"");
+    assert_text(text, "rays.0.seen", "true");
+    assert_text(text, "rays.1.seen", "false");
+    assert_text(text, "rays.2.method", "\"sir\"");
+    assert_text(text, "candidate_list.0.from", "\"map\"");
+    assert_text(text, "candidate_list.0.seen", "null");
+    assert_text(text, "candidate_list.1.from", "\"brdf\"");
+    assert_text(text, "candidate_list.1.seen", "true");
+    assert_text(text, "candidate_list.2.seen", "false");
+    assert_text(text, "light", "\"maps/sky.exr\"");
+    free(text);
     clear(&f);
 }
 
-/* The bar's boxes have the colours of the scale from its top. */
-static void the_bar_is_the_scale(void **state)
-{
-    (void)state;
-    forged f;
-    char *text[2];
-    forge(&f);
-    draw(text, &f);
-    for (int k = 0; k < 2; k++) {
-        const char *at = text[k];
-        for (int j = 0; j < 120; j++) {
-            int y;
-            unsigned c[3];
-            at = strstr(at, "<rect x=\"1594\"");
-            assert_non_null(at);
-            assert_int_equal(sscanf(at, "<rect x=\"1594\" y=\"%d\" width=\"18\" height=\"%*d\" fill=\"#%2x%2x%2x\"",
-                &y, &c[0], &c[1], &c[2]), 4);
-            assert_int_equal(y, 110 + 3 * j);
-            const double t = 1 - (j + 0.5) / 120;
-            const rgb said = bis_palette_srgb(c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
-            const rgb right = k ? bis_palette_srgb(0.05 + 0.72 * t, 0.05 + 0.73 * t,
-                0.09 + 0.76 * t) : bis_palette_heat(t);
-            assert_true(fabs((double)(said.r - right.r)) < 0.005 && fabs((double)(said.g - right.g)) < 0.005);
-            assert_true(fabs((double)(said.b - right.b)) < 0.005);
-            at++;
-        }
-        free(text[k]);
-    }
-    clear(&f);
-}
+#define NIGHT "#05050d"
+#define DISC(x, y, r, fill) "<circle cx=`" x "` cy=`" y "` r=`" r "` fill=`" fill "`/>"
+#define RING(x, y, r, stroke) "<circle cx=`" x "` cy=`" y "` r=`" r "` fill=`none` stroke-width=`1.7` stroke=`" stroke "`/>"
 
-/* Panels: em at (56, 110); the candidates, of which rejection plain and unoccluded have none, at (840, 110); sir's rays
- * at (56, 540). Those not chosen come first. */
-static void samples_have_dots_where_the_rays_go(void **state)
+/* Fields begin at (34, 8), two pixels for a degree. A candidate's area is its weight over the mean one: 1, 4, 100 and 0.01
+ * of a sum of 5, where 1 is a radius of 2.4, from 0.9 to 9; the chosen come last, ringed. */
+static void the_page_has_dots_where_the_rays_go(void **state)
 {
     (void)state;
     static const char *const parts[] = {
-        "width=\"1696\" height=\"984\"",
-        ">em</text>\n", TEXT("776", "101", "13.19", END, FAINT, "2 shadow rays of 3 estimates; error of one: 50 %"),
-        "<use href=\"#product\" x=\"56\" y=\"110\"/>\n",
-        DISC("596", "183.74", "4.9", NIGHT) DISC("596", "183.74", "3.6", SEEN),
-        DISC("56", "470", "4.9", NIGHT) RING("56", "470", "3", HIDDEN, "1.7"),
-        ">candidates of sir</text>\n", TEXT("1560", "101", "13.19", END, FAINT,
-            "5 drawn, 4 weigh something; effective sample size 2.125"),
-        "<use href=\"#product\" x=\"840\" y=\"110\"/>\n",
-        DISC("840", "290", "3.7", NIGHT) DISC("840", "290", "2.4", SEEN) /* phi 0, theta 90 */
-        DISC("1020", "183.74", "2.2", NIGHT) DISC("1020", "183.74", "0.9", BRDF)
-        DISC("1380", "183.74", "6.1", NIGHT) DISC("1380", "183.74", "4.8", BRDF) RING("1380", "183.74", "7.8",
-            "#ffffff", "1.5")
-        DISC("1200", "290", "10.3", NIGHT) DISC("1200", "290", "9", SEEN) RING("1200", "290", "12", "#ffffff", "1.5"),
-        ">sir</text>\n", TEXT("776", "531", "13.19", END, FAINT, "1 shadow rays of 1 estimate; error of one: 125 %"),
-        "<use href=\"#product\" x=\"56\" y=\"540\"/>\n",
-        DISC("596", "613.74", "4.9", NIGHT) DISC("596", "613.74", "3.6", SEEN),
-        "<rect x=\"1594\"",
-        DISC("60", "958", "4.9", NIGHT) DISC("60", "958", "3.6", SEEN) TEXT("70", "962", "13.19", "", FAINT,
-            "ray that saw the light")
-        DISC("240", "958", "4.9", NIGHT) RING("240", "958", "3", HIDDEN, "1.7") TEXT("250", "962", "13.19", "", FAINT,
-            "ray that was blocked")
-        TEXT("420", "962", "13.19", "", FAINT, "Candidates, area by weight:")
-        DISC("630", "958", "4.9", NIGHT) DISC("630", "958", "3.6", SEEN) TEXT("640", "962", "13.19", "", FAINT,
-            "from the map")
-        DISC("760", "958", "4.9", NIGHT) DISC("760", "958", "3.6", BRDF)
-        TEXT("770", "962", "13.19", "", FAINT, "from the BRDF, ringed: chosen. Ground: the product p."),
-        "</svg>\n",
-    };
+        "<h1>Pixel (3, 2) of scene.txt</h1>", "under sky.exr; ", "seen at 36.9 degrees", "reflects 6 (r+g+b)", "be 12.",
+        "<b>Map: q<sub>L</sub></b>", "eq. 4.2", "<b>BRDF: q<sub>f</sub></b>", "eq. 4.3", "<b>Product: p</b>", "eq. 4.4", "<b>Product, seen: p V</b>",
+        "L/L<sub>ns</sub> = 0.5", ">n</text>", "text-anchor=`end` class=`p-on`>eye</text>", ">R</text>",
+        "data-choose=`em` aria-pressed=`false`", "data-choose=`candidates of sir`", "data-choose=`sir`", "data-choose=`all` aria-pressed=`true`",
+        "<figure data-panel=`em`>", "<span>2 shadow rays of 3 estimates, 1 saw the light; error of one: 50 %</span>",
+        DISC("574", "81.74", "4.8", NIGHT) DISC("574", "81.74", "3.6", "#59ffeb"),
+        DISC("34", "368", "4.8", NIGHT) RING("34", "368", "3", "#ff6b52"),
+        "<figure data-panel=`candidates of sir`>", "5 drawn, 4 weigh something; effective sample size 2.125",
+        DISC("34", "188", "3.6", NIGHT) DISC("34", "188", "2.4", "#59ffeb"), DISC("214", "81.74", "0.9", "#bffa59"),
+        DISC("574", "81.74", "4.8", "#bffa59") "<circle cx=`574` cy=`81.74` r=`7.8` fill=`none` stroke=`#fff`",
+        DISC("394", "188", "9", "#59ffeb") "<circle cx=`394` cy=`188` r=`12`",
+        "<figure data-panel=`sir`>", "<span>1 shadow rays of 1 estimate, 1 saw the light; error of one: 125 %</span>", "save this list",
+        "<th>1</th><td>36.87</td><td>270</td>", "<td>yes</td>",
+        "exact</th><td></td><td>6</td> <td>0.5</td>", "em</th><td>16</td> <td>6.5</td><td>0.25</td><td>1.0833</td>", "2.00</td> <td>50 %</td><td>16</td>",
+        "rejection plain</th>", "-1.50?</td> <td>–</td>", "sir</th><td>4/64</td> <td>9</td>", ">–</td> <td>125 %</td><td>4</td>",
+        "unoccluded</th><td>64</td> <td>12</td><td>0.5</td><td>1.0000</td>", "effective sample size", NULL};
     forged f;
-    char *text[2];
     forge(&f);
-    draw(text, &f);
-    ASSERT_IN_ORDER(text[1], parts);
-    assert_int_equal(html_count(text[1], "<use "), 3);
-    assert_null(strstr(text[1], "rejection"));
-    for (int i = 0; i < 2; i++) free(text[i]);
+    free(page_of(&f));
+    char *page = page_shown(DIR "/pixel.html#all", DIR);
+    if (page) {
+        page_in_order(page, parts);
+        assert_null(strstr(page, "data-panel=\"rejection"));
+        assert_null(strstr(page, "data-panel=\"unoccluded"));
+    }
+    free(page);
+    page = page_shown(DIR "/pixel.html#em", DIR);
+    if (page) assert_int_equal(html_count(page, "<figure data-panel"), 1);
+    free(page);
 
-    f.r.n_methods = 1; /* one panel, a row less */
-    f.r.methods[0].error = (double)NAN;
     f.r.exact.open = (bis_pixel_value){{0}, {0}};
-    draw(text, &f);
-    assert_non_null(strstr(text[1], "width=\"1696\" height=\"554\""));
-    assert_non_null(strstr(text[1], ">2 shadow rays of 3 estimates</text>"));
-    assert_non_null(strstr(text[0], "what no surface hides: of nothing"));
-    /* what is over nothing stays as it is: the product is 0.5/pi at most, the BRDF 1/pi, and the scale ends at 1 */
-    assert_non_null(strstr(text[0], " y=\"115\" font-size=\"13.19\" fill=\"" INK "\">10<tspan dy=\"-5.23\" "
-                                    "font-size=\"9.24\">0</tspan>"));
-    for (int i = 0; i < 2; i++) free(text[i]);
+    f.r.methods[0].error = (double)NAN;
+    f.r.n_methods = 1;
+    free(page_of(&f));
+    page = page_shown(DIR "/pixel.html", DIR); /* without sir the first method is shown */
+    if (page) page_in_order(page, (const char *const[]){"of nothing", "<figure data-panel=`em`>", "1 saw the light</span>", NULL});
+    free(page);
+    clear(&f);
+}
 
-    f.r.n_methods = 3; /* the last one has a panel: em, sir's candidates, sir */
-    draw(text, &f);
-    assert_non_null(strstr(text[1], "width=\"1696\" height=\"984\""));
-    assert_int_equal(html_count(text[1], "<use "), 3);
-    for (int i = 0; i < 2; i++) free(text[i]);
+/* A browser without JavaScript gets what the command prints. */
+static void without_a_script_the_page_is_the_text(void **state)
+{
+    (void)state;
+    forged f;
+    char why[200];
+    forge(&f);
+    free(page_of(&f));
+    char *page = read_text(DIR "/pixel.html");
+    if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
+    if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s", why);
+    page_in_order(page, (const char *const[]){"<noscript>", "<pre id=`text`>pixel       (3, 2) of 8 x 4", "one estimate by sir",
+        "/pixel.html methods.csv candidates.csv rays.csv\n</pre>", "</noscript>", NULL});
+    bis_free(page);
     clear(&f);
 }
 
@@ -757,12 +665,11 @@ int main(void)
         cmocka_unit_test(each_estimator_has_a_row_of_its_own),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(what_cannot_be_written_is_an_error),
-        cmocka_unit_test(panels_have_the_densities_in_the_lights_frame),
+        cmocka_unit_test(the_sphere_has_the_densities_in_the_lights_frame),
         cmocka_unit_test(a_lamp_of_one_pixel_is_in_its_place),
-        cmocka_unit_test(densities_have_marks_axes_and_words),
-        cmocka_unit_test(names_of_marks_that_meet_stand_apart),
-        cmocka_unit_test(the_bar_is_the_scale),
-        cmocka_unit_test(samples_have_dots_where_the_rays_go),
+        cmocka_unit_test(rays_candidates_and_marks_are_those_of_the_report),
+        cmocka_unit_test(the_page_has_dots_where_the_rays_go),
+        cmocka_unit_test(without_a_script_the_page_is_the_text),
     };
     return cmocka_run_group_tests_name("pixel by hand", tests, NULL, NULL);
 }

@@ -4,11 +4,14 @@
 #include "tools/survey/survey.h"
 
 #include "bis/beyond/mapping.h"
+#include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "out/palette.h"
+#include "html_check.h"
 #include "json_check.h"
 #include "map_help.h"
+#include "page_help.h"
 #include "program.h"
 
 #include <setjmp.h>
@@ -496,6 +499,109 @@ static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
     assert_dot(450, 2.25);
 }
 
+/* ---- the page ---- */
+
+/* Number i of those in the base64 at a path, each of `size` bytes, the highest first. */
+static double number_in(const char *text, const char *path, int i, int size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const size_t n = strlen(text) + 1;
+    char *codes = malloc(n);
+    double v = 0;
+    json_value(codes, n, text, path);
+    for (int at = i * size; at < (i + 1) * size; at++) { /* byte `at` has bits of two digits */
+        const char *quad = codes + 1 + at / 3 * 4;
+        unsigned long bits = 0;
+        for (int k = 0; k < 4; k++) bits = bits << 6 | (quad[k] == '=' ? 0 : (unsigned long)(strchr(digits, quad[k]) - digits));
+        v = 256 * v + (double)(bits >> (16 - 8 * (at % 3)) & 255);
+    }
+    free(codes);
+    return v;
+}
+
+/* The map by hand, without area weighting: densities are r+g+b over their integral, 29 pi/2; codes are logarithms
+ * between 1 and 16. A region holds together over the seam. */
+static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void **state)
+{
+    (void)state;
+    static const double intensity[] = {3, 0, 1, 0, 3, 3, 16, 3}, level[] = {1, 255, 0, 255, 1, 1, 3, 1};
+    static const char *const shown[] = {"<h1>hand.pfm</h1>", "<b>4 × 2</b>pixels, latlong", "<b>16 : 1</b>contrast", "<b>45.5531</b>power",
+        "<b>0.44%</b>of it in the brightest", "<b>25%</b>of the sphere is black", "<b>3</b>regions in 4 levels", "every pixel",
+        "<th>3</th><td>8</td><td>16</td><td>1</td><td>12%</td> <td style=`--s:100%`>55%</td><td>1</td>",
+        "<th>1</th><td>2</td><td>4</td><td>4</td><td>50%</td> <td style=`--s:75%`>41%</td><td>1</td>", "Regions with most power",
+        "<th>1</th><td>3</td><td>55%</td><td>1.571 sr</td> <td>120.0</td><td>225.0</td>", NULL};
+    program_run r;
+    rgb pixels[8];
+    char why[200];
+    const bis_image image = map_by_hand(pixels);
+    assert_int_equal(bis_image_save(&image, DIR "/hand.pfm", NULL), BIS_OK);
+    program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html");
+    char *text = page_data(DIR "/hand.html");
+    assert_true(json_is_valid(text));
+    assert_true(json_number(text, "places.width") == 4 && json_number(text, "places.height") == 2 && json_number(text, "places.step") == 1);
+    assert_near(json_number(text, "power"), 29 * PI / 2, 1e-5); /* what --json says is there, too */
+    assert_near(json_number(text, "places.least"), 1 / (29 * PI / 2), 1e-7);
+    assert_near(json_number(text, "places.most"), 16 / (29 * PI / 2), 1e-6);
+    for (int i = 0; i < 8; i++) {
+        const double code = intensity[i] > 0 ? 1 + round(65534 * log(intensity[i]) / log(16)) : 0;
+        const double region = number_in(text, "places.region", i, 4), first = number_in(text, "places.region", 0, 4);
+        assert_true(number_in(text, "places.level", i, 1) == level[i]);
+        assert_near(number_in(text, "places.density", i, 2), code, 1); /* densities are sums of floats */
+        assert_true((region == UINT32_MAX) == (intensity[i] == 0));
+        assert_true((region == first) == (intensity[i] == 3));
+    }
+    for (int i = 0; i < 50; i++) { /* in the middle of a pixel that is not black */
+        char path[32];
+        snprintf(path, sizeof path, "samples.%d.theta_deg", i);
+        const double y = json_number(text, path) / 90 - 0.5;
+        snprintf(path, sizeof path, "samples.%d.phi_deg", i);
+        const double x = json_number(text, path) / 90 - 0.5;
+        assert_true((y == 0 || y == 1) && x == floor(x) && intensity[(int)(4 * y + x)] > 0);
+    }
+    free(text);
+    text = page_shown(DIR "/hand.html", DIR);
+    if (text) page_in_order(text, shown);
+    free(text);
+    unsigned char *page;
+    size_t size;
+    assert_int_equal(bis_file_read(&page, &size, DIR "/hand.html", (bis_loc){0}, NULL), BIS_OK);
+    text = (char *)page;
+    if (!html_is_well_formed(text, why, sizeof why) || !html_is_self_contained(text, why, sizeof why)) fail_msg("%s", why);
+    page_in_order(text, (const char *const[]){"<pre id=`text`>map         " DIR "/hand.pfm, 4 x 2", "regions with most power", NULL});
+    bis_free(text);
+}
+
+/* Of a map of 1442 columns each third pixel is there, the one in the middle, or the last one; a black map has a page. */
+static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
+{
+    (void)state;
+    program_run r;
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 1442, 4, NULL), BIS_OK);
+    for (int i = 0; i < 1442 * 4; i++) image.pixels[i] = (rgb){1, 1, 1};
+    image.pixels[1442 + 4] = (rgb){16, 16, 16}; /* the middle of the second place */
+    image.pixels[3 * 1442 + 1441] = (rgb){16, 16, 16};
+    image.pixels[1442 + 6] = (rgb){16, 16, 16}; /* in no middle */
+    assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
+    program_expect(&r, 0, "envmap " DIR "/large.pfm --levels 2 --html " DIR "/large.html");
+    char *text = page_data(DIR "/large.html");
+    assert_true(json_number(text, "places.width") == 481 && json_number(text, "places.height") == 2 && json_number(text, "places.step") == 3);
+    for (int i = 0; i < 481 * 2; i += i < 4 ? 1 : 479) {
+        const bool is_bright = i == 1 || i == 2 * 481 - 1;
+        assert_true(number_in(text, "places.level", i, 1) == is_bright);
+    }
+    assert_true(number_in(text, "places.density", 2, 2) > 1); /* the mean of a place has its bright pixel */
+    free(text);
+    for (int i = 0; i < 1442 * 4; i++) image.pixels[i] = (rgb){0, 0, 0};
+    assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
+    program_expect(&r, 0, "envmap " DIR "/large.pfm --html " DIR "/large.html");
+    text = page_shown(DIR "/large.html", DIR);
+    if (text) page_in_order(text, (const char *const[]){"<b>100%</b>of the sphere is black", NULL});
+    free(text);
+    program_expect(&r, 2, "envmap " DIR "/large.pfm --html " DIR "/large.pfm");
+    bis_image_clear(&image);
+}
+
 /* The least and the greatest value of each option is taken (the map is missing: status 1), the next is not. */
 static void options_end_where_they_say(void **state)
 {
@@ -558,7 +664,7 @@ static void a_map_is_converted_and_comes_back(void **state)
     }
     bis_envmap_clear(&em);
     program_expect(&r, 2, "envmap " DIR "/there.pfm --to equalarea");
-    assert_string_equal(r.messages, "bis: error: --to equalarea writes one map: name it by --out FILE, without --outdir and --json\n");
+    assert_string_equal(r.messages, "bis: error: --to equalarea writes one map: name it by --out FILE, without --outdir, --html and --json\n");
     program_expect(&r, 2, "envmap " DIR "/there.pfm --to verticalcross --width 100 --out " DIR "/x.exr");
     assert_non_null(strstr(r.messages, "its width, 100, must be a multiple of 3"));
 }
@@ -598,6 +704,8 @@ int main(void)
         cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
         cmocka_unit_test(importance_is_seen_from_the_darkest_to_the_brightest_pixel),
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
+        cmocka_unit_test(the_page_of_a_map_by_hand_has_its_levels_regions_and_densities),
+        cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
         cmocka_unit_test(options_end_where_they_say),
         cmocka_unit_test(a_map_is_converted_and_comes_back),
         cmocka_unit_test(every_allocation_may_fail),

@@ -114,7 +114,7 @@ static void every_command_of_the_guide_works(void **state)
     (void)state;
     make_root();
     assert_true(run_commands_of("docs/guide.md") >= 12);
-    assert_true(program_exists(DIR "/pixel_350_300/samples.svg") && program_exists(DIR "/sky-importance.png"));
+    assert_true(program_exists(DIR "/pixel_350_300/pixel.html") && program_exists(DIR "/sky-importance.png"));
 }
 
 /* Copies the block of code behind the line `mark` of docs/many-machines.md to the file. */

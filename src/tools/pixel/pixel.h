@@ -140,8 +140,6 @@ void bis_pixel_rays_clear(bis_pixel_rays *r);
 /* f cos Le towards wi, r+g+b: phat of the thesis. */
 double bis_pixel_product(const bis_point *pt, vec3 wi);
 
-/* ---- src/tools/pixel/pixel_plots.c: figures 4.1 and 4.2 ---- */
-
 /* Directions as the map has them: z up, row 0 at +z, theta from it and phi with the columns, in degrees. */
 typedef struct bis_pixel_direction {
     double theta, phi;
@@ -150,20 +148,3 @@ typedef struct bis_pixel_direction {
 /* bis_pixel_angles returns those of w, which is in the map's frame; bis_pixel_direction_of those of a world's wi. */
 bis_pixel_direction bis_pixel_angles(vec3 w);
 bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi);
-
-/* What the figures show. */
-typedef struct bis_pixel_figure {
-    const char *title, *subtitle;
-    const bis_point *pt;
-    const bis_pixel_exact *exact;
-    const bis_xform *light_to_world;
-    const bis_pixel_candidates *candidates;
-    const bis_pixel_method *methods; /* [n_methods] and their rays */
-    const bis_pixel_rays *rays;
-    size_t n_methods;
-} bis_pixel_figure;
-
-/* bis_pixel_figures writes two SVG drawings. Figure 4.1: the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4),
- * and what of it is seen. Figure 4.2: the shadow rays of the methods on the product. Errors: BIS_NOMEM. */
-enum { BIS_PIXEL_PLOT_WIDTH = 720, BIS_PIXEL_PLOT_HEIGHT = 360 };
-bis_status bis_pixel_figures(FILE *densities, FILE *samples, const bis_pixel_figure *figure, bis_diag *diag);

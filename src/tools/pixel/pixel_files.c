@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* pixel_files: the folder of `bis pixel`: two drawings and three tables (RFC 4180: commas, a header, an empty field for
- * what is not known). */
+/* pixel_files: the folder of `bis pixel`: three tables (RFC 4180: commas, a header, an empty field for what is not
+ * known) and a page. */
 #include "pixel_report.h"
 
 #include "out/csv.h"
-
-#include <string.h>
 
 enum { MAX_PATH = 4096 };
 
@@ -69,72 +67,31 @@ static void write_rays(FILE *f, const bis_pixel_report *r)
     }
 }
 
-static bis_status open_file(bis_outfile **out, const bis_pixel_report *r, const char *name, bis_diag *diag)
+static bis_status path_of(char path[MAX_PATH], const bis_pixel_report *r, const char *name, bis_diag *diag)
 {
-    char path[MAX_PATH];
-    if (snprintf(path, MAX_PATH, "%s/%s", r->folder, name) < MAX_PATH) return bis_outfile_open(out, path, diag);
+    if (snprintf(path, MAX_PATH, "%s/%s", r->folder, name) < MAX_PATH) return BIS_OK;
     return bis_error(diag, BIS_IO, (bis_loc){0}, "\"%s\": the name of the folder is too long", r->folder);
 }
 
 static bis_status write_table(const bis_pixel_report *r, const char *name,
                               void (*write)(FILE *f, const bis_pixel_report *r), bis_diag *diag)
 {
+    char path[MAX_PATH];
     bis_outfile *out;
-    const bis_status status = open_file(&out, r, name, diag);
+    bis_status status = path_of(path, r, name, diag);
+    if (!status) status = bis_outfile_open(&out, path, diag);
     if (status) return status;
     write(bis_outfile_stream(out), r);
     return bis_outfile_commit(out, diag);
 }
 
-/* ---- pictures ---- */
-
-static const char *file_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-static bis_status write_pictures(const bis_pixel_report *r, bis_diag *diag)
-{
-    const bis_material *m = r->hit.material;
-    const char *map = r->desc->light.filename ? file_name(r->desc->light.filename) : "a constant light";
-    char title[160], subtitle[240], material[64];
-
-    snprintf(title, sizeof title, "Pixel (%d, %d) of %.80s", r->x, r->y, file_name(r->desc->path));
-    snprintf(subtitle, sizeof subtitle,
-             "under %.80s; %s, Ks %.3g, Kd %.3g (means of r, g, b), seen at %.1f degrees", map,
-             bis_pixel_material_name(material, m), rgb_sum(m->Ks) / 3, rgb_sum(m->Kd) / 3,
-             atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
-    const bis_pixel_figure figure = {
-        .title = title,
-        .subtitle = subtitle,
-        .pt = &r->pt,
-        .exact = &r->exact,
-        .light_to_world = &r->desc->light.to_world,
-        .candidates = &r->candidates,
-        .methods = r->methods,
-        .rays = r->rays,
-        .n_methods = r->n_methods,
-    };
-    bis_outfile *densities = NULL, *samples = NULL;
-    bis_status status = open_file(&densities, r, "densities.svg", diag);
-    if (!status) status = open_file(&samples, r, "samples.svg", diag);
-    if (!status)
-        status = bis_pixel_figures(bis_outfile_stream(densities), bis_outfile_stream(samples), &figure, diag);
-    if (!status) {
-        status = bis_outfile_commit(densities, diag);
-        densities = NULL;
-    }
-    if (!status) return bis_outfile_commit(samples, diag);
-    bis_outfile_abort(densities);
-    bis_outfile_abort(samples);
-    return status;
-}
-
 bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag)
 {
+    char path[MAX_PATH];
     bis_status status = write_table(r, "methods.csv", write_methods, diag);
     if (!status) status = write_table(r, "candidates.csv", write_candidates, diag);
     if (!status) status = write_table(r, "rays.csv", write_rays, diag);
-    return status ? status : write_pictures(r, diag);
+    if (status || !r->html) return status;
+    status = path_of(path, r, "pixel.html", diag);
+    return status ? status : bis_pixel_write_page(path, r, diag);
 }

@@ -162,3 +162,16 @@ void bis_pixel_rays_clear(bis_pixel_rays *r)
     bis_free(r->ray);
     *r = (bis_pixel_rays){.n = 0};
 }
+
+bis_pixel_direction bis_pixel_angles(vec3 w)
+{
+    const double phi = atan2((double)w.y, (double)w.x) * 180 / PI;
+    const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI;
+    return (bis_pixel_direction){theta, phi < 0 ? phi + 360 : phi};
+}
+
+bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi)
+{
+    const bis_xform to_light = bis_xform_inverse(light_to_world);
+    return bis_pixel_angles(bis_xform_vector(&to_light, wi));
+}

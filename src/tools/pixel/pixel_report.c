@@ -2,7 +2,6 @@
 /* pixel_report: text and JSON of `bis pixel`. Both say the same; what is not known is "-" or null. */
 #include "pixel_report.h"
 
-#include "out/json.h"
 #include "tools/describe.h"
 
 #include <string.h>
@@ -110,7 +109,7 @@ static void print_percent(FILE *out, double x)
     else fprintf(out, " %12s", "-");
 }
 
-static bool is_too_skew(const bis_pixel_method *m)
+bool bis_pixel_is_too_skew(const bis_pixel_method *m)
 {
     return fabs(m->skewness) > too_skew || fabs(m->true_skewness) > too_skew; /* false for NAN */
 }
@@ -129,7 +128,7 @@ static void print_methods(FILE *out, const bis_pixel_report *r)
         fprintf(out, "%-16s %9s %11.6g %10.2g", m->name, draws, m->L.mean[3], m->L.se[3]);
         if (truth > 0) fprintf(out, " %8.4f", m->L.mean[3] / truth);
         else fprintf(out, " %8s", "-");
-        if (isfinite(m->z)) fprintf(out, " %7.2f%c", m->z, is_too_skew(m) ? '?' : ' ');
+        if (isfinite(m->z)) fprintf(out, " %7.2f%c", m->z, bis_pixel_is_too_skew(m) ? '?' : ' ');
         else fprintf(out, " %8s", "-");
         print_percent(out, m->error);
         fprintf(out, " %8.4g\n", m->rays);
@@ -175,7 +174,7 @@ void bis_pixel_print_text(FILE *out, const bis_pixel_report *r)
     print_exact(out, r);
     print_methods(out, r);
     print_candidates(out, r);
-    fprintf(out, "\nwritten     %s/densities.svg samples.svg methods.csv candidates.csv rays.csv\n", r->folder);
+    fprintf(out, "\nwritten     %s/%smethods.csv candidates.csv rays.csv\n", r->folder, r->html ? "pixel.html " : "");
 }
 
 /* ---- JSON ---- */
@@ -266,25 +265,30 @@ static void json_candidates(bis_json *j, const bis_pixel_candidates *c)
     bis_json_close(j);
 }
 
+void bis_pixel_put_report(bis_json *j, const bis_pixel_report *r)
+{
+    bis_json_text(j, "scene", r->desc->path);
+    BIS_JSON_NUMBERS(j, {"x", r->x}, {"y", r->y}, {"width", r->desc->view.film.width},
+                     {"height", r->desc->view.film.height});
+    bis_json_count(j, "seed", r->desc->view.sampler.seed);
+    json_hit(j, r);
+    bis_json_text(j, "nothing", r->why_nothing);
+    if (r->why_nothing) {
+        json_colour(j, "radiance", r->is_hit ? (rgb){0, 0, 0} : background(r));
+        return;
+    }
+    json_exact(j, &r->exact);
+    bis_json_open(j, "methods", '[');
+    for (size_t i = 0; i < r->n_methods; i++) json_method(j, &r->methods[i]);
+    bis_json_close(j);
+    json_candidates(j, &r->candidates);
+    bis_json_text(j, "folder", r->folder);
+}
+
 void bis_pixel_print_json(FILE *out, const bis_pixel_report *r)
 {
     bis_json j = {.out = out};
     bis_json_open(&j, NULL, '{');
-    bis_json_text(&j, "scene", r->desc->path);
-    BIS_JSON_NUMBERS(&j, {"x", r->x}, {"y", r->y}, {"width", r->desc->view.film.width},
-                     {"height", r->desc->view.film.height});
-    bis_json_count(&j, "seed", r->desc->view.sampler.seed);
-    json_hit(&j, r);
-    bis_json_text(&j, "nothing", r->why_nothing);
-    if (r->why_nothing) {
-        json_colour(&j, "radiance", r->is_hit ? (rgb){0, 0, 0} : background(r));
-    } else {
-        json_exact(&j, &r->exact);
-        bis_json_open(&j, "methods", '[');
-        for (size_t i = 0; i < r->n_methods; i++) json_method(&j, &r->methods[i]);
-        bis_json_close(&j);
-        json_candidates(&j, &r->candidates);
-        bis_json_text(&j, "folder", r->folder);
-    }
+    bis_pixel_put_report(&j, r);
     bis_json_close(&j);
 }

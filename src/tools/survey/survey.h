@@ -8,6 +8,8 @@
 #include "bis/thesis/regions.h"
 #include "bis/base/image.h"
 
+#include "out/json.h"
+
 enum { BIS_SURVEY_LARGEST = 8 };
 
 /* All intensities are r+g+b; shares are of the sphere (4 pi sr) or of the power, in [0,1]. */
@@ -50,3 +52,12 @@ bis_status bis_survey_regions_picture(bis_image *out, const bis_envmap *em, cons
 /* The density q of each pixel on a logarithmic scale, and n_samples directions drawn by it as dots (figure 3.5). */
 bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples,
                                          bis_diag *diag);
+
+/* bis_survey_put_page writes what the page of a map shows beyond its survey, into an open object: "places", of each
+ * pixel or of each step x step of them, and "samples", n_samples directions. Errors: BIS_NOMEM. */
+enum { BIS_SURVEY_PAGE_WIDTH = 720 };
+bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_envmap *em, const bis_regions *regions,
+                               const bis_importance *im, int n_samples, bis_diag *diag);
+
+/* page.html with its scripts, as make puts it into the program. */
+extern const char bis_survey_page[];

@@ -285,6 +285,9 @@ int bis_trade_best_of(const bis_trade *t, const char *integrator);
  * many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
+/* bis_trade_is_head returns whether setting is one of bis_trade_heads. */
+bool bis_trade_is_head(const bis_trade *t, int setting);
+
 /* bis_trade_square_passes returns the least number of passes >= least, in [1, 1e9], that the scene's sampler uses
  * well. A stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n + 1) are
  * good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/tools/test_trade.c). */
@@ -300,6 +303,10 @@ int bis_trade_errors(const bis_trade *t, double error[BIS_TRADE_COLUMNS]);
 /* --- trade_tables.c --- */
 
 bis_status bis_trade_write_tables(const bis_trade *t, bis_diag *diag);
+
+/* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or
+ * NULL. Of equal ones both come. */
+const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const bis_trade_point *last);
 
 /* --- trade_pictures.c --- */
 
@@ -331,11 +338,8 @@ bool bis_trade_take_known_seconds(bis_trade_advice *all, int i);
 
 bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 
-/* --- trade_words.c --- */
-
-/* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or
- * NULL. Of equal ones both come. */
-const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const bis_trade_point *last);
+/* bis_trade_print_summary prints what a user wants to know at once: the advice in short, and where the page is. */
+void bis_trade_print_summary(FILE *out, const bis_trade *t);
 
 /* --- trade_strips.c --- */
 

@@ -95,6 +95,14 @@ int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP])
     return n;
 }
 
+bool bis_trade_is_head(const bis_trade *t, int setting)
+{
+    int heads[BIS_TRADE_STRIP];
+    for (int i = bis_trade_heads(t, heads) - 1; i >= 0; i--)
+        if (heads[i] == setting) return true;
+    return false;
+}
+
 /* ---- advice ---- */
 
 /* Of a pass of the full picture: what any pass takes, and the rest in proportion to the pixels. */

@@ -1,82 +1,83 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* trade_page: report.html. All that it says of this measurement is one JSON object, written here member by member in
- * the order of the page; page.html has the words, the looks and the places, and out/template.h puts both together. */
+/* trade_page: report.html. All that it says of this measurement is one JSON object, written here (docs/json.md says
+ * what each member is); page.html has the words, and its script draws them. Numbers are those of the measurement, in
+ * seconds and shares: how they are printed and where they stand is the page's affair. */
 #include "base/text.h"
 #include "trade_page.h"
 
 #include "bis/base/file.h"
 #include "bis/base/version.h"
-#include "out/template.h"
+#include "out/page.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- advice ---- */
+/* ---- settings ---- */
 
-/* Each "--name value" is an item of its own, and stays on one line. */
-static void put_options(bis_json *j, const char *options)
+static void put_point(bis_json *j, const bis_trade *t, const bis_trade_point *p)
 {
-    for (const char *at = options; *at;) {
-        const char *next = strstr(at + 1, " --");
-        const int n = next ? (int)(next - at) : (int)strlen(at);
-        char option[64];
-        snprintf(option, sizeof option, "%.*s", n, at);
-        bis_json_text(j, NULL, option);
-        at += next ? n + 1 : n;
-    }
-}
+    const double mean = t->references[bis_trade_judge_of(&t->plan.settings[p->setting])].mean;
+    const double error = p->noise > 0 ? sqrt(p->noise) : (double)NAN;
 
-/* The command, or where it has no options for the setting, the scene's line. */
-static void put_recipe(bis_json *j, const bis_trade *t, const bis_trade_advice *a)
-{
-    const bis_trade_setting *s = &t->plan.settings[a->setting];
-    const double scenes_b = t->desc->light.area_exponent;
-    char options[128], text[256], spp[24];
-
-    snprintf(spp, sizeof spp, "--spp %u", (unsigned)a->passes);
-    bis_trade_option_text(options, s, scenes_b);
-    bis_trade_scene_text(text, s, scenes_b);
-    bis_json_text(j, "line", options[0] ? "" : text);
-    bis_json_text(j, "scene", t->o.scene);
-    bis_json_open(j, "options", '[');
-    put_options(j, options);
-    put_options(j, spp);
-    bis_json_close(j);
-}
-
-static void put_advice(bis_json *j, const bis_trade *t, const bis_trade_advice *a)
-{
     bis_json_open(j, NULL, '{');
-    bis_trade_say(j, "purpose=%s; method=%s", a->purpose,
-                  a->setting < 0 ? "" : t->plan.settings[a->setting].settings.integrator->name);
-    if (a->setting >= 0) {
-        const bis_trade_setting *s = &t->plan.settings[a->setting];
-        const bis_settings *v = &s->settings;
-        const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
-        const unsigned rays = by_candidates ? v->shadowrays : v->samples;
-        const char *space = strchr(s->name, ' '), *variant = space ? strchr(space + 1, ' ') : NULL;
-        char time[24], error[24], candidates[48] = "";
+    BIS_JSON_NUMBERS(j, {"passes", p->passes}, {"seconds", p->seconds},
+                     {"rays", (p->camera_rays + p->shadow_rays) / ((double)t->plan.width * t->plan.height)},
+                     {"error", error}, {"error_se", p->noise_se / (2 * error)}, /* of the root: half the relative one */
+                     {"bias", p->bias / mean}, {"bias_se", p->bias_se / mean});
+    bis_json_bool(j, "pareto", p->on_front);
+    bis_json_close(j);
+}
 
-        if (by_candidates) snprintf(candidates, sizeof candidates, "%u candidates and ", (unsigned)v->candidates);
-        bis_json_bool(j, "extrapolated", a->is_extrapolated);
-        bis_trade_say(j, "time=%s; error=%s; size=%d × %d", bis_duration(time, a->seconds),
-                      bis_percent(error, a->expected_error), t->plan.full_width, t->plan.full_height);
-        bis_trade_say(j, "amounts=%s%u %s%s", candidates, rays, by_candidates ? "shadow ray" : "light sample",
-                      rays == 1 ? "" : "s");
-        bis_trade_say(j, "variant=%s%s%s", variant ? " (" : "", variant ? variant + 1 : "", variant ? ")" : "");
-        bis_trade_say(j, "samples=%u sample%s", (unsigned)a->passes, a->passes == 1 ? "" : "s");
-        put_recipe(j, t, a);
+/* What a setting comes to at each of at[n]: the value, and whether it is extrapolated. */
+typedef double reach(const bis_trade_result *r, const bis_trade_plan *p, int setting, double at, bool *extrapolated);
+static void put_reach(bis_json *j, const char *key, const bis_trade *t, int setting, const double *at, int n, reach *of)
+{
+    bis_json_open(j, key, '[');
+    for (int k = 0; k < n; k++) {
+        bool extrapolated;
+        bis_json_open(j, NULL, '{');
+        bis_json_number(j, "value", of(&t->result, &t->plan, setting, at[k], &extrapolated));
+        bis_json_bool(j, "extrapolated", extrapolated);
+        bis_json_close(j);
     }
     bis_json_close(j);
 }
 
-/* ---- bars ---- */
+static void put_setting(bis_json *j, const bis_trade *t, int i)
+{
+    const bis_trade_setting *s = &t->plan.settings[i];
+    const bis_trade_curve *c = &t->result.curves[i];
+    double seconds[BIS_TRADE_COLUMNS], errors[BIS_TRADE_COLUMNS];
 
-/* Measured settings in the order of cost x variance. */
-static int by_cost(const bis_trade *t, int order[BIS_TRADE_SETTINGS])
+    bis_json_open(j, NULL, '{');
+    bis_json_text(j, "name", s->name);
+    bis_json_text(j, "method", s->settings.integrator->name);
+    bis_json_bool(j, "biased", s->is_biased);
+    bis_json_bool(j, "own", s->is_scenes);
+    bis_json_bool(j, "head", bis_trade_is_head(t, i));
+    BIS_JSON_NUMBERS(j, {"cost_variance", c->cost_variance}, {"cost_variance_se", c->cost_variance_se},
+                     {"slope", c->slope}, {"slope_se", c->slope_se});
+    bis_json_open(j, "points", '[');
+    for (int k = 0; k < c->n; k++) put_point(j, t, &t->result.points[c->first + k]);
+    bis_json_close(j);
+    put_reach(j, "error_at", t, i, seconds, bis_trade_times(t, seconds), bis_trade_error_at);
+    put_reach(j, "seconds_to", t, i, errors, bis_trade_errors(t, errors), bis_trade_seconds_to);
+    bis_json_close(j);
+}
+
+static void put_list(bis_json *j, const char *key, const double *v, int n)
+{
+    bis_json_open(j, key, '[');
+    for (int i = 0; i < n; i++) bis_json_number(j, NULL, v[i]);
+    bis_json_close(j);
+}
+
+/* In the order of cost x variance, as bars and tables have them. */
+static void put_settings(bis_json *j, const bis_trade *t)
 {
     const bis_trade_curve *c = t->result.curves;
-    int n = 0;
+    int order[BIS_TRADE_SETTINGS], n = 0;
+    double v[BIS_TRADE_COLUMNS];
 
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!c[i].n) continue;
@@ -84,269 +85,163 @@ static int by_cost(const bis_trade *t, int order[BIS_TRADE_SETTINGS])
         for (; at > 0 && c[order[at - 1]].cost_variance > c[i].cost_variance; at--) order[at] = order[at - 1];
         order[at] = i;
     }
-    return n;
-}
-
-/* Length in percent of the longest, on a logarithmic scale that begins at half the best. */
-static double length_of(double v, double best, double worst)
-{
-    return 100 * log(2 * v / best) / log(2 * worst / best);
-}
-
-static void put_bar(bis_json *j, const bis_trade_setting *s, const bis_trade_curve *c, double best, double worst)
-{
-    const double v = c->cost_variance, se = c->cost_variance_se, low = fmax(v - se, best / 2);
-    const double high = fmin(v + se, worst), left = length_of(low, best, worst);
-
-    bis_json_open(j, NULL, '{');
-    bis_trade_put_name(j, s);
-    bis_trade_say(j, "class=%s; length=%.1f; times=%.*f", s->is_biased ? " biased" : "",
-                  v > 0 ? fmax(length_of(v, best, worst), 0) : 0, v / best < 9.95 ? 1 : 0, v / best);
-    if (!(se > 0 && high > low)) bis_json_null(j, "whisker");
-    else bis_trade_say_all(j, "whisker", "left=%.1f; width=%.1f", left, length_of(high, best, worst) - left);
+    put_list(j, "times", v, bis_trade_times(t, v));
+    put_list(j, "errors", v, bis_trade_errors(t, v));
+    bis_json_text(j, "best", t->result.best < 0 ? NULL : t->plan.settings[t->result.best].name);
+    bis_json_open(j, "settings", '[');
+    for (int i = 0; i < n; i++) put_setting(j, t, order[i]);
     bis_json_close(j);
 }
 
-static void put_bars(bis_json *j, const bis_trade *t)
+static void put_left_out(bis_json *j, const bis_trade *t)
 {
-    const bis_trade_curve *c = t->result.curves;
-    int order[BIS_TRADE_SETTINGS];
-    const int n = by_cost(t, order);
-    double best = t->result.best >= 0 ? c[t->result.best].cost_variance : 0, worst = 0;
-
-    for (int i = 0; i < n; i++) {
-        worst = fmax(worst, c[order[i]].cost_variance);
-        if (c[order[i]].cost_variance > 0) best = fmin(best, c[order[i]].cost_variance);
-    }
-    bis_json_open(j, "bars", '[');
-    for (int i = 0; best > 0 && i < n; i++) put_bar(j, &t->plan.settings[order[i]], &c[order[i]], best, worst);
-    bis_json_close(j);
-}
-
-/* ---- tables ---- */
-
-/* A table of equal time or of equal error: what stands over it, and in a cell. */
-typedef struct table {
-    const bis_trade *t;
-    bool is_time;
-    const char *corner;
-    double at[BIS_TRADE_COLUMNS];
-    int n;
-    double (*value)(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double at, bool *extrapolated);
-    const char *(*say_column)(char buf[24], double v), *(*say)(char buf[24], double v);
-} table;
-
-static double least_in(const table *b, double at)
-{
-    double least = 1e300;
-    for (int i = 0; i < b->t->plan.n_settings; i++) {
-        bool extrapolated;
-        const double v = b->value(&b->t->result, &b->t->plan, i, at, &extrapolated);
-        if (v < least) least = v;
-    }
-    return least;
-}
-
-/* The better, the stronger the colour: 100 is the column's best, 0 four times as much. */
-static void put_cell(bis_json *j, const table *b, int setting, double at)
-{
-    bool extrapolated;
-    char text[24];
-    const double v = b->value(&b->t->result, &b->t->plan, setting, at, &extrapolated);
-    const double share = v > 0 ? 1 - log2(v / least_in(b, at)) / 2 : 1;
-
-    if (isnan(v)) bis_trade_say_all(j, NULL, "text=");
-    else bis_trade_say_all(j, NULL, "strength=%.0f; text=%s%s", 100 * fmin(fmax(share, 0), 1), extrapolated ? "~" : "",
-                           b->say(text, v));
-}
-
-/* The best of each integrator, or all of them. */
-static void put_version(bis_json *j, const table *b, bool all)
-{
-    int order[BIS_TRADE_SETTINGS];
-    const int n_rows = by_cost(b->t, order);
-    char text[24];
-
-    bis_json_open(j, NULL, '{');
-    bis_json_bool(j, "all", all);
-    bis_trade_say(j, "corner=%s", b->corner);
-    bis_json_open(j, "columns", '[');
-    for (int k = 0; k < b->n; k++) bis_json_text(j, NULL, b->say_column(text, b->at[k]));
-    bis_json_close(j);
-    bis_json_open(j, "rows", '[');
-    for (int i = 0; i < n_rows; i++) {
-        if (!all && !bis_trade_is_head(b->t, order[i])) continue;
+    bis_json_open(j, "left_out", '[');
+    for (int i = 0; i < t->plan.n_settings; i++) {
+        const bis_trade_setting *s = &t->plan.settings[i];
+        if (!s->is_swept || s->levels) continue;
         bis_json_open(j, NULL, '{');
-        bis_trade_put_name(j, &b->t->plan.settings[order[i]]);
-        bis_json_open(j, "cells", '[');
-        for (int k = 0; k < b->n; k++) put_cell(j, b, order[i], b->at[k]);
-        bis_json_close(j);
+        bis_json_text(j, "name", s->name);
+        bis_json_number(j, "pass_seconds", s->pass_seconds);
         bis_json_close(j);
     }
     bis_json_close(j);
-    bis_json_close(j);
 }
 
-static void put_table(bis_json *j, const table *b)
+/* ---- advice ---- */
+
+/* The command's options, or where it has none for the setting, the scene's line. */
+static void put_advice(bis_json *j, const bis_trade *t, const bis_trade_advice *a)
 {
     bis_json_open(j, NULL, '{');
-    bis_json_bool(j, "time", b->is_time);
-    bis_json_open(j, "versions", '[');
-    put_version(j, b, false);
-    put_version(j, b, true);
-    bis_json_close(j);
-    bis_json_close(j);
-}
-
-static void put_tables(bis_json *j, const bis_trade *t)
-{
-    table times = {t, true, "error after", {0}, 0, bis_trade_error_at, bis_duration, bis_percent};
-    table errors = {t, false, "time to an error of", {0}, 0, bis_trade_seconds_to, bis_percent,
-                    bis_duration};
-    double ascending[BIS_TRADE_COLUMNS];
-
-    times.n = bis_trade_times(t, times.at);
-    errors.n = bis_trade_errors(t, ascending);
-    for (int k = 0; k < errors.n; k++) errors.at[k] = ascending[errors.n - 1 - k];
-    bis_json_open(j, "tables", '[');
-    put_table(j, &times);
-    put_table(j, &errors);
-    bis_json_close(j);
-}
-
-/* ---- the front ---- */
-
-static void put_front(bis_json *j, const bis_trade *t)
-{
-    char time[24], error[24], bias[24], se[24];
-
-    bis_json_open(j, "front", '[');
-    for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t->result, p));) {
-        const bis_trade_setting *s = &t->plan.settings[p->setting];
-        const double mean = t->references[bis_trade_judge_of(s)].mean;
-        bis_json_open(j, NULL, '{');
-        bis_trade_put_name(j, s);
-        bis_trade_say(j, "passes=%u; time=%s; error=%s", (unsigned)p->passes, bis_duration(time, p->seconds),
-                      p->noise > 0 ? bis_percent(error, sqrt(p->noise)) : "below the reference's");
-        bis_trade_say(j, "bias=%s%s%s%s", p->bias < 0 ? "−" : "+", bis_percent(bias, fabs(p->bias) / mean),
-                      p->bias_se > 0 ? " ± " : "", p->bias_se > 0 ? bis_percent(se, p->bias_se / mean) : "");
-        bis_json_close(j);
+    bis_json_text(j, "purpose", a->purpose);
+    bis_json_text(j, "setting", a->setting < 0 ? NULL : t->plan.settings[a->setting].name);
+    if (a->setting >= 0) {
+        const bis_trade_setting *s = &t->plan.settings[a->setting];
+        const bis_settings *v = &s->settings;
+        const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
+        char options[128], line[256];
+        bis_trade_option_text(options, s, t->desc->light.area_exponent);
+        bis_trade_scene_text(line, s, t->desc->light.area_exponent);
+        bis_json_text(j, "method", v->integrator->name);
+        BIS_JSON_NUMBERS(j, {"candidates", by_candidates ? v->candidates : (double)NAN},
+                         {"shadowrays", by_candidates ? v->shadowrays : (double)NAN},
+                         {"samples", by_candidates ? (double)NAN : v->samples}, {"error", a->expected_error},
+                         {"seconds", a->seconds}, {"passes", a->passes});
+        bis_json_bool(j, "extrapolated", a->is_extrapolated);
+        bis_json_text(j, "options", options);
+        bis_json_text(j, "line", options[0] ? "" : line);
     }
     bis_json_close(j);
 }
 
 /* ---- how it was measured ---- */
 
-static void put_reference(bis_json *j, const bis_trade *t, int k, const char *judged)
+static void put_reference(bis_json *j, const bis_trade *t, int k)
 {
+    static const char *const judged[] = {"sir and rejection", "em, brdf and mis"};
     const bis_trade_reference *ref = &t->references[k];
-    char se[24], noise[24];
 
     if (t->plan.reference[k] < 0 || !ref->is_ready) return;
-    bis_trade_say_all(j, NULL, "judged=%s; name=%s; renders=%d; passes=%u; mean=%.5g; se=%s; noise=%s", judged,
-                      t->plan.settings[t->plan.reference[k]].name, (int)BIS_TRADE_REPLICATES,
-                      (unsigned)t->plan.reference_passes[k], ref->mean,
-                      bis_percent(se, ref->mean > 0 ? ref->se / ref->mean : 0),
-                      bis_percent(noise, sqrt(ref->relmse)));
+    bis_json_open(j, NULL, '{');
+    bis_json_text(j, "judges", judged[k]);
+    bis_json_text(j, "name", t->plan.settings[t->plan.reference[k]].name);
+    BIS_JSON_NUMBERS(j, {"renders", BIS_TRADE_REPLICATES}, {"passes", t->plan.reference_passes[k]}, {"mean", ref->mean},
+                     {"se", ref->mean > 0 ? ref->se / ref->mean : 0}, {"noise", sqrt(ref->relmse)});
+    bis_json_close(j);
 }
 
 static void put_references(bis_json *j, const bis_trade *t)
 {
     const bis_trade_reference *a = &t->references[0], *b = &t->references[1];
     const bool agree = !t->plan.is_given && a->is_ready && b->is_ready && a->mean > 0;
-    char difference[24], se[24];
 
     bis_json_open(j, "references", '[');
-    put_reference(j, t, 0, "sir and rejection");
-    put_reference(j, t, 1, "em, brdf and mis");
+    for (int k = 0; k < 2; k++) put_reference(j, t, k);
     bis_json_close(j);
     bis_json_bool(j, "given", t->plan.is_given);
-    bis_trade_say(j, "noise=%s", bis_percent(difference, sqrt(t->both.relmse)));
-    if (!agree) bis_json_null(j, "agreement");
-    else bis_trade_say(j, "agreement=%s ± %s", bis_percent(difference, fabs(a->mean - b->mean) / a->mean),
-                       bis_percent(se, hypot(a->se, b->se) / a->mean));
-}
-
-static void put_left_out(bis_json *j, const bis_trade *t)
-{
-    char list[BIS_TRADE_SETTINGS * (BIS_TRADE_NAME + 40)] = "";
-    size_t n = 0;
-
-    for (int i = 0; i < t->plan.n_settings; i++) {
-        const bis_trade_setting *s = &t->plan.settings[i];
-        char time[24];
-        if (!s->is_swept || s->levels) continue;
-        n += (size_t)snprintf(list + n, sizeof list - n, "%s%s (%s a pass)", n ? ", " : "", s->name,
-                              bis_duration(time, s->pass_seconds));
-    }
-    bis_json_text(j, "left_out", list);
+    BIS_JSON_NUMBERS(j, {"noise", sqrt(t->both.relmse)},
+                     {"difference", agree ? fabs(a->mean - b->mean) / a->mean : (double)NAN},
+                     {"difference_se", agree ? hypot(a->se, b->se) / a->mean : (double)NAN});
 }
 
 static void put_method(bis_json *j, const bis_trade *t)
 {
-    const bis_trade_plan *plan = &t->plan;
-    char longest[24];
+    const bis_trade_plan *p = &t->plan;
 
-    bis_json_bool(j, "thin", plan->step > 1);
-    bis_trade_say(j, "width=%d; height=%d; full=%d × %d; of_each=%d × %d", plan->width, plan->height, plan->full_width,
-                  plan->full_height, plan->step, plan->step);
-    bis_trade_say(j, "longest=%s; seeds=%d seed%s; threads=%d thread%s; version=%s",
-                  bis_duration(longest, plan->run_seconds), plan->n_seeds, plan->n_seeds == 1 ? "" : "s",
-                  t->n_threads, t->n_threads == 1 ? "" : "s", BIS_VERSION);
+    BIS_JSON_OBJECT(j, "film", {"width", p->width}, {"height", p->height}, {"full_width", p->full_width},
+                    {"full_height", p->full_height}, {"step", p->step});
+    BIS_JSON_NUMBERS(j, {"run_seconds", p->run_seconds}, {"seeds", p->n_seeds}, {"threads", t->n_threads});
     put_references(j, t);
     put_left_out(j, t);
 }
 
 /* ---- the page ---- */
 
-static void put_results(bis_json *j, const bis_trade *t)
-{
-    bis_json_open(j, "plots", '[');
-    for (int by_rays = 0; by_rays < 2; by_rays++) bis_trade_put_plot(j, t, by_rays);
-    bis_json_close(j);
-    put_bars(j, t);
-    bis_trade_put_strip(j, t);
-    put_tables(j, t);
-    put_front(j, t);
-}
-
 bis_status bis_trade_put_values(FILE *out, const bis_trade *t, bis_diag *diag)
 {
     bis_json j = {.out = out};
-    const char *slash = strrchr(t->o.scene, '/');
 
     bis_json_open(&j, NULL, '{');
-    bis_json_bool(&j, "example", false);
-    bis_json_text(&j, "title", slash ? slash + 1 : t->o.scene);
-    bis_json_bool(&j, "incomplete", !t->is_complete);
-    bis_trade_say(&j, "runs=%zu; planned=%zu", t->n_runs, bis_trade_planned_runs(&t->plan));
+    bis_json_text(&j, "scene", t->o.scene);
+    bis_json_text(&j, "version", BIS_VERSION);
+    bis_json_bool(&j, "complete", t->is_complete);
+    BIS_JSON_NUMBERS(&j, {"runs", (double)t->n_runs}, {"planned", (double)bis_trade_planned_runs(&t->plan)});
     bis_json_open(&j, "advice", '[');
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) put_advice(&j, t, &t->result.advice[i]);
     bis_json_close(&j);
-    bis_json_bool(&j, "measured", t->result.n_points > 0);
-    if (t->result.n_points > 0) put_results(&j, t);
+    put_settings(&j, t);
     put_method(&j, t);
     const bis_status status = bis_trade_put_pictures(&j, t, diag);
     bis_json_close(&j);
     return status;
 }
 
+/* For a browser without JavaScript. */
+static void put_text(FILE *out, const bis_trade *t)
+{
+    char time[BIS_DURATION], error[BIS_PERCENT];
+
+    bis_trade_print_summary(out, t);
+    fprintf(out, "\n%-32s %8s %10s %10s %s\n", "setting", "passes", "time", "error", "on the Pareto front");
+    for (const bis_trade_point *p = t->result.points; p < t->result.points + t->result.n_points; p++)
+        fprintf(out, "%-32s %8u %10s %10s %s\n", t->plan.settings[p->setting].name, (unsigned)p->passes,
+                bis_duration(time, p->seconds), p->noise > 0 ? bis_percent(error, sqrt(p->noise)) : "-",
+                p->on_front ? "yes" : "");
+}
+
+void bis_trade_print_summary(FILE *out, const bis_trade *t)
+{
+    char text[256], time[24], error[24];
+    int n = 0;
+
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
+        const bis_trade_advice *a = &t->result.advice[i];
+        if (a->setting < 0) continue;
+        n++;
+        const bis_trade_setting *s = &t->plan.settings[a->setting];
+        bis_trade_option_text(text, s, t->desc->light.area_exponent);
+        if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
+        fprintf(out, "%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_percent(error, a->expected_error),
+                a->is_extrapolated ? "~" : " ", bis_duration(time, a->seconds), text, (unsigned)a->passes);
+    }
+    if (!n) fputs("no advice: no setting has enough runs; give --resume --time more\n", out);
+    fprintf(out, "%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
+}
+
 bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag)
 {
-    char path[4096], *values = NULL;
-    size_t n = 0;
-    bis_outfile *file;
-    FILE *memory = open_memstream(&values, &n);
+    char path[4096], *values = NULL, *text = NULL;
+    size_t n = 0, n_text = 0;
+    FILE *json = open_memstream(&values, &n), *words = open_memstream(&text, &n_text);
+    bis_status status = json && words ? bis_trade_put_values(json, t, diag) : BIS_OK;
 
-    if (!memory) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the report");
-    bis_status status = bis_trade_put_values(memory, t, diag);
-    if (fclose(memory) != 0 && !status) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the report");
-    if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "report.html"), diag);
-    if (!status) {
-        status = bis_template_fill(bis_outfile_stream(file), bis_trade_page, values, diag);
-        if (!status) status = bis_outfile_commit(file, diag);
-        else bis_outfile_abort(file);
-    }
+    if (words) put_text(words, t);
+    const bool ok = (!json || fclose(json) == 0) & (!words || fclose(words) == 0);
+    if (!status && !(json && words && ok))
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the report");
+    if (!status)
+        status = bis_page_save(bis_trade_path(path, t, "report.html"), bis_trade_page, values, text, diag);
     free(values); /* the C library's, not ours */
+    free(text);
     return status;
 }

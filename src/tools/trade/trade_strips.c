@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* trade_strips: the pictures of the page: equal-time strips with crops and false-colour errors, and the slider.
+/* trade_strips: the pictures of the page: those of equal time, with their false-colour errors, and where to look.
  *
- * A picture is a PNG in base64, once in the page, as a CSS variable; what shows it, whole or a crop of it, is an
- * element with that background. All have one exposure, from the reference, so that what differs is the method. Crops
+ * A picture is a PNG in base64. All have one exposure, from the reference, so that what differs is the method. Crops
  * are windows of a quarter of the picture's sides: the one in which the methods err most, and the next that does not
  * overlap it. Errors are those of `bis compare --diff`. */
 #include "base/text.h"
@@ -11,7 +10,7 @@
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
 #include "files/image_png.h"
-#include "out/markup.h"
+#include "out/page.h"
 
 #include <stdlib.h>
 
@@ -54,51 +53,6 @@ bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *di
     *exposure = bis_png_exposure(&picture);
     bis_free(coverage);
     return BIS_OK;
-}
-
-/* ---- pictures ---- */
-
-static bis_status put_picture(bis_json *j, const char *name, const bis_image *image, double exposure, bis_diag *diag)
-{
-    char *png = bis_markup_png(image, exposure, diag);
-
-    if (!png) return BIS_NOMEM;
-    bis_json_open(j, NULL, '{');
-    bis_json_text(j, "name", name);
-    bis_json_text(j, "png", png);
-    bis_json_close(j);
-    free(png);
-    return BIS_OK;
-}
-
-/* Picture i of the strip and its error. */
-static bis_status put_pair(bis_json *j, const bis_trade *t, int i, double exposure, bis_diag *diag)
-{
-    bis_image error;
-    char name[16];
-
-    snprintf(name, sizeof name, "p%d", i);
-    bis_status status = put_picture(j, name, &t->strip[i].image, exposure, diag);
-    if (!status) status = bis_compare_picture(&error, &t->strip[i].image, &t->both.image, diag);
-    if (status) return status;
-    snprintf(name, sizeof name, "e%d", i);
-    status = put_picture(j, name, &error, 0, diag);
-    bis_image_clear(&error);
-    return status;
-}
-
-bis_status bis_trade_put_pictures(bis_json *j, const bis_trade *t, bis_diag *diag)
-{
-    double exposure;
-    bis_status status = bis_trade_exposure(&exposure, t, diag);
-
-    if (status) return status;
-    bis_trade_say(j, "ratio=%d/%d", t->both.image.width, t->both.image.height);
-    bis_json_open(j, "pictures", '[');
-    status = put_picture(j, "ref", &t->both.image, exposure, diag);
-    for (int i = 0; i < t->n_strip && !status; i++) status = put_pair(j, t, i, exposure, diag);
-    bis_json_close(j);
-    return status;
 }
 
 /* ---- crops ---- */
@@ -150,77 +104,60 @@ static void find_crops(const bis_trade *t, window crops[N_CROPS])
     }
 }
 
-/* ---- the strip ---- */
+/* ---- pictures ---- */
 
-/* Where a window lies, in percent as CSS counts for backgrounds: of what is left beside it. */
-static double share(int at, int full)
+static bis_status put_picture(bis_json *j, const char *key, const bis_image *image, double exposure, bis_diag *diag)
 {
-    const int left = full - (full + CROP - 1) / CROP;
-    return left > 0 ? 100.0 * at / left : 0;
+    char *png = bis_page_png(image, exposure, diag);
+
+    if (!png) return BIS_NOMEM;
+    bis_json_text(j, key, png);
+    free(png);
+    return BIS_OK;
 }
 
-/* Frames in the whole picture, and the enlarged parts of picture `name`. */
-static void put_crops(bis_json *j, const char *name, const bis_image *image, const window crops[N_CROPS])
+/* In pixels of the measured film. */
+static void put_crops(bis_json *j, const bis_trade *t)
 {
+    const bis_image *image = &t->both.image;
+    window crops[N_CROPS];
+
+    if (t->n_strip) find_crops(t, crops);
     bis_json_open(j, "crops", '[');
-    for (int k = 0; k < N_CROPS; k++)
-        bis_trade_say_all(j, NULL, "number=%d; left=%.2f; top=%.2f; picture=%s; x=%.2f; y=%.2f", k,
-                          100.0 * crops[k].x / image->width, 100.0 * crops[k].y / image->height, name,
-                          share(crops[k].x, image->width), share(crops[k].y, image->height));
+    for (int k = 0; k < N_CROPS && t->n_strip; k++)
+        BIS_JSON_OBJECT(j, NULL, {"x", crops[k].x}, {"y", crops[k].y}, {"width", (image->width + CROP - 1) / CROP},
+                        {"height", (image->height + CROP - 1) / CROP});
     bis_json_close(j);
 }
 
-static void put_shot(bis_json *j, const bis_trade *t, int i, const window crops[N_CROPS])
+static bis_status put_shot(bis_json *j, const bis_trade *t, int i, double exposure, bis_diag *diag)
 {
     const bis_trade_picture *p = &t->strip[i];
-    const bis_trade_setting *s = &t->plan.settings[p->setting];
-    char name[16], time[24], error[24];
+    bis_image error;
 
-    snprintf(name, sizeof name, "p%d", i);
     bis_json_open(j, NULL, '{');
-    bis_trade_put_name(j, s);
-    bis_trade_say(j, "made=%u pass%s, %s%s", (unsigned)p->passes, p->passes == 1 ? "" : "es",
-                  bis_duration(time, p->seconds), s->is_biased ? ", biased" : "");
-    bis_trade_say(j, "picture=%s; errors=e%d; error=%s", name, i, bis_percent(error, sqrt(p->relmse)));
-    put_crops(j, name, &p->image, crops);
+    bis_json_text(j, "setting", t->plan.settings[p->setting].name);
+    BIS_JSON_NUMBERS(j, {"passes", p->passes}, {"seconds", p->seconds}, {"error", sqrt(p->relmse)});
+    bis_status status = put_picture(j, "picture", &p->image, exposure, diag);
+    if (!status) status = bis_compare_picture(&error, &p->image, &t->both.image, diag);
+    if (!status) {
+        status = put_picture(j, "errors", &error, 0, diag);
+        bis_image_clear(&error);
+    }
     bis_json_close(j);
+    return status;
 }
 
-/* The slider begins with the worst at its left and the best at its right. */
-static void put_slider(bis_json *j, const bis_trade *t)
+bis_status bis_trade_put_pictures(bis_json *j, const bis_trade *t, bis_diag *diag)
 {
-    int worst = 0, best = 0;
+    double exposure;
+    bis_status status = bis_trade_exposure(&exposure, t, diag);
 
-    for (int i = 1; i < t->n_strip; i++) {
-        if (t->strip[i].relmse > t->strip[worst].relmse) worst = i;
-        if (t->strip[i].relmse < t->strip[best].relmse) best = i;
-    }
-    if (worst == best) bis_trade_say(j, "left=ref; right=p%d", best);
-    else bis_trade_say(j, "left=p%d; right=p%d", worst, best);
-    bis_json_open(j, "choice", '[');
-    bis_trade_say_all(j, NULL, "picture=ref; name=reference");
-    for (int i = 0; i < t->n_strip; i++)
-        bis_trade_say_all(j, NULL, "picture=p%d; name=%s", i, t->plan.settings[t->strip[i].setting].name);
-    bis_json_close(j);
-}
-
-void bis_trade_put_strip(bis_json *j, const bis_trade *t)
-{
-    window crops[N_CROPS];
-    char time[24];
-
-    if (t->n_strip == 0) {
-        bis_json_null(j, "strip");
-        return;
-    }
-    find_crops(t, crops);
-    bis_json_open(j, "strip", '{');
-    bis_trade_say(j, "time=%s; reference=ref; made=%s", bis_duration(time, t->plan.run_seconds),
-                  t->plan.is_given ? "as given" : "the mean of both");
-    put_crops(j, "ref", &t->both.image, crops);
+    if (status) return status;
+    put_crops(j, t);
+    status = put_picture(j, "reference", &t->both.image, exposure, diag);
     bis_json_open(j, "shots", '[');
-    for (int i = 0; i < t->n_strip; i++) put_shot(j, t, i, crops);
+    for (int i = 0; i < t->n_strip && !status; i++) status = put_shot(j, t, i, exposure, diag);
     bis_json_close(j);
-    put_slider(j, t);
-    bis_json_close(j);
+    return status;
 }

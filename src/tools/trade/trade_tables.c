@@ -41,6 +41,17 @@ static void put_trade(FILE *out, const bis_trade *t)
     for (int i = 0; i < t->result.n_points; i++) put_point(out, t, &t->result.points[i]);
 }
 
+const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const bis_trade_point *last)
+{
+    const bis_trade_point *next = NULL;
+    for (int i = 0; i < r->n_points; i++) {
+        const bis_trade_point *p = &r->points[i];
+        const bool is_later = !last || p->seconds > last->seconds || (p->seconds == last->seconds && p > last);
+        if (p->on_front && is_later && (!next || p->seconds < next->seconds)) next = p;
+    }
+    return next;
+}
+
 /* In the order of time. */
 static void put_pareto(FILE *out, const bis_trade *t)
 {

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* page: a file of HTML that shows a JSON object by its own script and needs nothing but itself. The page is a file of
+ * the sources, with docs/live/plot.js and docs/live/page.css put into it by make. It has two places to be filled:
+ *
+ *     <script type="application/json" id="data">null</script>    the object
+ *     <pre id="text"></pre>                                      the same as text, for a browser without JavaScript */
+#pragma once
+
+#include "bis/base/image.h"
+
+#include <stdio.h>
+
+/* bis_page_write prints page with both places filled. json: as bis_json has written it. Text that is not UTF-8 becomes
+ * U+FFFD. Errors: BIS_INPUT (a place is missing). */
+bis_status bis_page_write(FILE *out, const char *page, const char *json, const char *text, bis_diag *diag);
+
+/* bis_page_save writes that to the file at path, whole or not at all. Errors: BIS_IO, BIS_NOMEM, BIS_INPUT. */
+bis_status bis_page_save(const char *path, const char *page, const char *json, const char *text, bis_diag *diag);
+
+/* bis_page_png returns image as the address "data:image/png;base64,...", to be freed by free(). Radiance is multiplied
+ * by 2^exposure; with 0 the colours appear as they are. NULL: no memory, as diag says. */
+char *bis_page_png(const bis_image *image, double exposure, bis_diag *diag);
+
+/* bis_page_base64 prints n bytes in base64 (RFC 4648). */
+void bis_page_base64(FILE *out, const unsigned char *data, size_t n);
