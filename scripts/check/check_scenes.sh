@@ -14,7 +14,7 @@ BEGIN {
     for (i = 1; i <= n; i++) is_type[word[i]] = 1
     # placeholders and numbers of directives (`LookAt ex ey ez ...`), fields and commands of bis, files of other formats
     except("degrees ex ey ez lx ly lz ux uy uz KIND MAP NAME SCENE TYPE WHAT X VERTEX approximated bis envmap errata")
-    except("illum mtllib usemtl Ns vt it E6 M F name Ag Al Au Cu MgO TiO2")
+    except("illum mtllib usemtl Ns vt map_Bump map_bump bump norm bm it E6 M F name Ag Al Au Cu MgO TiO2")
     # of pbrt, and an error here: cameras, mappings, other textures
     except("realistic environment spherical cylindrical planar fbm ptex windy wrinkled marble dots bilerp directionmix")
     # of the messages and of the lexer

@@ -171,6 +171,8 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
                      o->error, bis_percent(text, result->error.upper), result->passes);
     }
     if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
+    if (!status && result->passes && leads && desc->has_light && !o->part.share.n)
+        bis_render_files_warn_of_black(film, diag);
     return status;
 }
 

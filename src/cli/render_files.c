@@ -200,3 +200,18 @@ void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *
              "float, 3.4e38, needs a smaller \"scale\" (docs/envelope.md); with any other light this is a defect, "
              "please report it", (unsigned long long)counters->nonfinite);
 }
+
+void bis_render_files_warn_of_black(const bis_film *f, bis_diag *diag)
+{
+    const size_t n = (size_t)f->width * (size_t)f->height;
+    bool sees = false;
+
+    for (size_t i = 0; i < n; i++) {
+        if (f->sum[3 * i] != 0 || f->sum[3 * i + 1] != 0 || f->sum[3 * i + 2] != 0) return;
+        sees = sees || f->hits[i] > 0;
+    }
+    bis_warn(diag, bis_cli_loc, "the picture is black: %s",
+             sees ? "no light from infinity reaches what the camera sees. In a closed room there is none: leave out a "
+                    "wall or the ceiling, and see what --plan says of the scene's own lights"
+                  : "the camera sees no shape, and no light behind them: see where the scene's camera looks");
+}

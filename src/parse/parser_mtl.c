@@ -3,9 +3,9 @@
  *
  * The OBJ tells its parts apart by usemtl and names libraries by mtllib; each part that has a face becomes a shape of
  * its own with a material of its own, so that all else sees shapes with one material. A material of a library is
- * Phong's: Kd, Ks and Ns, with map_Kd as an image that multiplies Kd. illum 0 and 1 have no highlight. What a library
- * says of other maps, of transparency and of light is ignored with a warning. Source: Wavefront's "MTL material format"
- * (1995), and the files of the wild. */
+ * Phong's: Kd, Ks and Ns, with map_Kd as an image that multiplies Kd. illum 0 and 1 have no highlight. map_bump (bump)
+ * is a displacement, norm a normal map. What a library says of other maps, of transparency and of light is ignored with
+ * a warning. Source: Wavefront's "MTL material format" (1995), and the files of the wild, where norm comes from. */
 #include "bis/base/file.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
@@ -22,6 +22,8 @@ typedef struct mtl {
     double Ns;
     bool is_matte; /* illum 0 or 1 */
     uint32_t map;  /* the texture of map_Kd */
+    uint32_t bump; /* the texture of map_bump */
+    uint32_t normals; /* the image of norm */
     bis_loc at;
 } mtl;
 
@@ -32,6 +34,10 @@ typedef struct line {
 } line;
 
 enum { MAX_LIBRARIES = 64 };
+
+/* What a material is of which nothing is said. */
+static const mtl grey = {.Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .bump = BIS_NO_TEXTURE,
+                         .normals = BIS_NO_TEXTURE};
 
 static const char blanks[] = " \t\v\f";
 
@@ -71,7 +77,8 @@ static void read_Ns(bis_parser *p, const line *l, double *Ns)
     if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", &v, positive_or_0)) *Ns = v;
 }
 
-/* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s. */
+/* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s, and -bm of a
+ * displacement, which is a map of numbers. */
 static bool read_options(bis_parser *p, const line *l, char **name, bis_texture *x)
 {
     char *s = l->words;
@@ -91,6 +98,12 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
                 if (end == s || !strchr(blanks, *end) || !*end || !isfinite(v[n])) break;
             }
             for (int i = 0; i < 2 && i < n; i++) (word[1] == 's' ? x->factor : x->offset)[i] = v[i];
+        } else if (strcmp(word, "-bm") == 0 && x->is_float) {
+            const char *end;
+            x->scale = bis_parse_double(s, &end);
+            if (end == s || !isfinite(x->scale))
+                return bis_parser_error(p, l->at, "-bm is \"%s\", must be a number", bis_parser_word(p, s));
+            s = (char *)end;
         } else {
             if (!bis_approximate_or_refuse(p, l->at, "an option of a map that is not modelled", "ignored",
                                            "the option %s of a map is not modelled: remove it",
@@ -104,19 +117,46 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
     return true;
 }
 
-static void read_map(bis_parser *p, const line *l, uint32_t *texture)
+/* A map, whose options go to *x and its image to *image. False: there is none, and that was said. */
+static bool read_map(bis_parser *p, const line *l, double gamma, bis_texture *x, uint32_t *image)
 {
-    bis_texture x = {.kind = BIS_TEXTURE_IMAGE, .value = {0.5, 0.5, 0.5}, .factor = {1, 1}, .scale = 1, .steps = 1};
     char *name = l->words;
-    if (!read_options(p, l, &name, &x)) return;
+    if (!read_options(p, l, &name, x)) return false;
     for (char *s = name; *s; s++)
         if (*s == '\\') *s = '/'; /* written on another system */
     if (bis_parser_lacks(p, l->at, name, true)) {
-        bis_approximate_note(p, l->at, "Kd alone", "an image of a library that is not there");
-        return;
+        bis_approximate_note(p, l->at, "the material without it", "an image of a library that is not there");
+        return false;
     }
-    char *path = bis_parser_path_beside(p, l->at, name);
-    if (bis_parser_add_image(p, path, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
+    return bis_parser_add_image(p, bis_parser_path_beside(p, l->at, name), gamma, l->at, image);
+}
+
+static const bis_texture plain_map = {.kind = BIS_TEXTURE_IMAGE, .value = {0.5, 0.5, 0.5}, .factor = {1, 1},
+                                      .scale = 1, .steps = 1};
+
+static void read_map_Kd(bis_parser *p, const line *l, uint32_t *texture)
+{
+    bis_texture x = plain_map;
+    if (read_map(p, l, BIS_GAMMA_SRGB, &x, &x.image)) bis_parser_add_texture(p, &x, texture);
+}
+
+/* Heights and normals are linear numbers, whatever the format means by its own. */
+static void read_map_bump(bis_parser *p, const line *l, uint32_t *texture)
+{
+    bis_texture x = plain_map;
+    x.is_float = true;
+    if (read_map(p, l, 1, &x, &x.image) && x.scale != 0) bis_parser_add_texture(p, &x, texture);
+}
+
+static void read_norm(bis_parser *p, const line *l, uint32_t *image)
+{
+    bis_texture x = plain_map;
+    uint32_t read;
+    if (!read_map(p, l, 1, &x, &read)) return;
+    const bool moves = x.factor[0] != 1 || x.factor[1] != 1 || x.offset[0] != 0 || x.offset[1] != 0;
+    if (!moves || bis_approximate_or_refuse(p, l->at, "-s or -o of a normal map", "the map lies as if it had neither",
+                                            "the options -s and -o of norm are not modelled: remove them"))
+        *image = read;
 }
 
 /* ---- a library ---- */
@@ -132,8 +172,8 @@ static bool is_one_of(const char *word, const char *const *words, size_t n)
 static void read_other(bis_parser *p, const line *l, const char *word)
 {
     static const char *const silent[] = {"Ka", "Ni", "Tf", "sharpness", "map_Ka"};
-    static const char *const ignored[] = {"map_Ks", "map_Ns", "map_d", "map_Ke", "map_bump", "map_Bump", "bump", "norm",
-                                          "disp", "decal", "refl", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso"};
+    static const char *const ignored[] = {"map_Ks", "map_Ns", "map_d", "map_Ke", "disp",
+                                          "decal", "refl", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso"};
     double v[3] = {0, 0, 0};
     if (is_one_of(word, silent, BIS_COUNT(silent))) return;
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
@@ -156,10 +196,13 @@ static void read_other(bis_parser *p, const line *l, const char *word)
 static void read_statement(bis_parser *p, const line *l, const char *word, mtl *m)
 {
     double illum;
+    static const char *const bumps[] = {"map_bump", "map_Bump", "bump"};
     if (strcmp(word, "Kd") == 0) read_colour(p, l, "Kd", &m->Kd);
     else if (strcmp(word, "Ks") == 0) read_colour(p, l, "Ks", &m->Ks);
     else if (strcmp(word, "Ns") == 0) read_Ns(p, l, &m->Ns);
-    else if (strcmp(word, "map_Kd") == 0) read_map(p, l, &m->map);
+    else if (strcmp(word, "map_Kd") == 0) read_map_Kd(p, l, &m->map);
+    else if (is_one_of(word, bumps, BIS_COUNT(bumps))) read_map_bump(p, l, &m->bump);
+    else if (strcmp(word, "norm") == 0) read_norm(p, l, &m->normals);
     else if (strcmp(word, "illum") == 0) m->is_matte = read_numbers(p, l, "illum", &illum, 1) && illum < 2;
     else read_other(p, l, word);
 }
@@ -192,7 +235,9 @@ static void read_library(bis_parser *p, const char *path, char *text, const bis_
             const bool known = bis_names_find(&obj->parts, l.words, &part);
             const bool counts = known && part < obj->n_shown && obj->is_shown[part] && !wanted[part].exists;
             m = counts ? &wanted[part] : &other; /* of two by one name the first counts */
-            *m = (mtl){.exists = true, .Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .at = l.at};
+            *m = grey;
+            m->at = l.at;
+            m->exists = true;
         } else if (!m) {
             bis_parser_error(p, l.at, "\"%s\" stands before the first newmtl", bis_parser_word(p, word));
             return;
@@ -245,11 +290,12 @@ static bool make_material(bis_parser *p, const mtl *m, uint32_t *index)
     t.loc = m->at;
     if (!bis_parser_add_material(p, index)) return false;
     p->desc->materials[*index] = bis_phong(m->Kd, m->is_matte ? (rgb){0, 0, 0} : m->Ks, m->Ns);
-    if (m->map == BIS_NO_TEXTURE) {
+    t.bump = m->bump;
+    t.normals = m->normals;
+    if (m->map == BIS_NO_TEXTURE)
         bis_parser_warn_energy(p, m->at, p->desc->materials[*index].Kd, p->desc->materials[*index].Ks);
-        return true;
-    }
-    if (!multiply(p, m, &t.Kd)) return false;
+    else if (!multiply(p, m, &t.Kd)) return false;
+    if (!bis_textures_any(&t)) return true;
     return bis_scene_desc_set_textures(p->desc, *index, &t) || bis_parser_nomem(p, m->at);
 }
 
@@ -259,14 +305,15 @@ static void add_part(bis_parser *p, const bis_shape_desc *shape, const bis_obj_m
 {
     bis_shape_desc own = *shape;
     own.part = part;
-    const mtl grey = {.Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .at = shape->loc};
+    mtl none = grey;
     if (part > 0 && !m->exists) {
         if (!bis_approximate_or_refuse(p, shape->loc, "a material that is in no library of its mesh", "diffuse grey",
                                        "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
                                        "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
                                        p->desc->meshes[shape->mesh].filename))
             return;
-        m = &grey;
+        none.at = shape->loc;
+        m = &none;
     }
     if (part == 0 || make_material(p, m, &own.material)) bis_parser_add_shape(p, &own);
 }

@@ -204,9 +204,10 @@ static double width_of(const bis_box *b)
 
 static bool is_empty(const bis_geometry *g, uint32_t prim)
 {
+    if (prim >= g->n_triangles) return false; /* without triangles there are no indices, and no pointer to add to */
     const uint32_t *index = g->index + 3 * (size_t)prim;
 
-    return prim < g->n_triangles && !has_area((const vec3[3]){g->p[index[0]], g->p[index[1]], g->p[index[2]]});
+    return !has_area((const vec3[3]){g->p[index[0]], g->p[index[1]], g->p[index[2]]});
 }
 
 /* A floor of radius 80 under a chess board of width 10 would make a grid in which the board fills a few cells ("a

@@ -133,6 +133,52 @@ static void an_images_slope_is_taken_over_a_texel(void **state)
     bytes_clear(&file);
 }
 
+/* The normal in the middle of PLANE as an OBJ, whose library says this. The plane has one material with `Kd`. */
+static void normal_of_library(double n[3], const char *statement)
+{
+    char text[512];
+    const char *prefix = strrchr(scratch(""), '/') + 1;
+
+    snprintf(text, sizeof text, "newmtl a\nKd 0.5 0.5 0.5\n");
+    for (const char *s = statement; *s; s++) /* @: what the names of the test's files begin with */
+        snprintf(text + strlen(text), sizeof text - strlen(text), *s == '@' ? "%s" : "%.1s", *s == '@' ? prefix : s);
+    store(scratch("m.mtl"), text, strlen(text));
+    snprintf(text, sizeof text, "mtllib %sm.mtl\nv 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+             "usemtl a\nf 1/1 2/2 3/3 4/4\n", prefix);
+    store(scratch("m.obj"), text, strlen(text));
+    built b = build("Shape \"objmesh\" \"string filename\" \"%sm.obj\" \"bool materials\" true", prefix);
+    assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2.1f, 1, 0}));
+    clear(&b);
+}
+
+/* The bytes 0 to 153 over 4 texels, of a format that means sRGB where it holds colours: heights are linear, 0.2 a texel. */
+static void a_library_bends_normals(void **state)
+{
+    (void)state;
+    static const unsigned char tga[] = {0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 8, 0, 0, 51, 102, 153};
+    static const struct { const char *statement; double n[3]; } cases[] = {
+        {"", {0, 0, 1}},
+        {"map_bump @h.tga", {-.2, 0, 1}},
+        {"map_Bump @h.tga", {-.2, 0, 1}},
+        {"bump -bm 0.5 @h.tga", {-.1, 0, 1}},
+        {"bump -clamp on -bm -2 -s 0.5 0.5 @h.tga", {.2, 0, 1}}, /* a texel is 2 wide, and -2 high */
+        {"bump -bm 0 @h.tga", {0, 0, 1}},
+        {"norm @n.pfm", {.6, 0, .8}},
+        {"norm -clamp on @n.pfm\nmap_bump @h.tga", {.6, 0, .8}}, /* a normal map goes before a displacement */
+    };
+    bytes file = {0};
+    put_text(&file, "PF\n1 1\n-1.0\n");
+    for (int i = 0; i < 3; i++) put_float(&file, (const float[]){.8f, .5f, .9f}[i]); /* (n + 1)/2 */
+    store(scratch("n.pfm"), file.data, file.n);
+    store(scratch("h.tga"), tga, sizeof tga);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double n[3];
+        normal_of_library(n, cases[i].statement);
+        assert_normal(n, cases[i].n[0], cases[i].n[1], cases[i].n[2], 1e-4);
+    }
+    bytes_clear(&file);
+}
+
 /* d = g . p on a sphere of radius r about c, really displaced: p + d n. Its normal by differences; the formula leaves out
  * d itself, so that only the slopes count: amplitude 1e-3 of r makes them differ by about 1e-3 of the tilt. */
 static void a_displaced_sphere_has_that_normal(void **state)
@@ -305,6 +351,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slope_tilts_a_plane),
         cmocka_unit_test(an_images_slope_is_taken_over_a_texel),
+        cmocka_unit_test(a_library_bends_normals),
         cmocka_unit_test(a_displaced_sphere_has_that_normal),
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
         cmocka_unit_test(a_normal_map_turns_with_the_surface),

@@ -578,8 +578,8 @@ static void what_a_library_says_in_vain_is_told_once(void **state)
         {"Ke 1 0 0", "2: warning: Ke is ignored: no surface gives light"}, {"Ke 0 1 0", "2: warning: Ke is ignored: no surface gives light"},
         {"Ke 0 0 1", "2: warning: Ke is ignored: no surface gives light"}, {"Ke 0.1\nKe 2 2 2", "2: warning: Ke is ignored: no surface gives light"},
         {"map_Ks x", "2: warning: map_Ks is ignored"}, {"map_Ns x", "2: warning: map_Ns is ignored"}, {"map_d x", "2: warning: map_d is ignored"},
-        {"map_Ke x", "2: warning: map_Ke is ignored"}, {"map_bump x", "2: warning: map_bump is ignored"}, {"map_Bump x", "2: warning: map_Bump is ignored"},
-        {"bump x", "2: warning: bump is ignored"}, {"norm x", "2: warning: norm is ignored"}, {"disp x", "2: warning: disp is ignored"},
+        {"map_Ke x", "2: warning: map_Ke is ignored"},
+        {"disp x", "2: warning: disp is ignored"},
         {"decal x", "2: warning: decal is ignored"}, {"refl x", "2: warning: refl is ignored"}, {"Pr 1", "2: warning: Pr is ignored"},
         {"Pm 1", "2: warning: Pm is ignored"}, {"Ps 1", "2: warning: Ps is ignored"}, {"Pc 1", "2: warning: Pc is ignored"},
         {"map_Pr x", "2: warning: map_Pr is ignored"}, {"map_Pm x", "2: warning: map_Pm is ignored"}, {"aniso 1\naniso 2", "2: warning: aniso is ignored"},
@@ -609,6 +609,10 @@ static void numbers_of_a_library_are_checked(void **state)
         {"Ns -1", "2: error: \"Ns\" is -1, must be "}, {"Ns inf", "2: error: Ns is \"inf\", must be a number"}, {"d x", "2: error: d is \"x\", must be a number"},
         {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"}, {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
         {"map_Kd -s 2 -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
+        {"bump -bm x four.pfm", "2: error: -bm is \"x four.pfm\", must be a number"}, {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
+        {"norm -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
+        {"norm -s 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
+        {"norm -o 0 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
