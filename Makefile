@@ -216,7 +216,8 @@ $W/objects/%.o: %.c scripts/web/wasi.h Makefile
 $W/bis.wasm: $(WASM_OBJ)
 	$(call say,LINK,$@)
 	$Q$(WASM_CC) -o $@ $^ $(WASM_LINK) $(FLAT_NAMES:%=-Wl,--export-if-defined=%) -Wl,--export=malloc -Wl,--export=free
-web: $W/bis.wasm
+web: $W/bis.wasm $B/bis $(STAMP)
+	@sh scripts/web/pages.sh $B/bis $W
 
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
