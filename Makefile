@@ -219,6 +219,10 @@ $W/bis.wasm: $(WASM_OBJ)
 web: $W/bis.wasm $B/bis $(STAMP)
 	@sh scripts/web/pages.sh $B/bis $W
 
+# Each figure in a headless Chromium, its hashes against those of the native library; no part of `make test`.
+test-web: web $(SHARED_LIB)
+	@python3 tests/web/test_web.py $W $(SHARED_LIB) $(FIGURE)
+
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
 	$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" test

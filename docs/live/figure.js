@@ -13,9 +13,10 @@
  *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map
  *   draw(state, out)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show
  *   touch          {name of a control: (x, y) => value}: a click on the first drawing's field, x and y in [0,1]
- *   tasks          [{ask, check(state, out)}]; check returns '' if it is solved, else a hint
+ *   tasks          [{ask, check(state, out), answer}]; check returns '' if it is solved, else a hint; answer is a link's state
+ *                  that solves it, for tests
  *
- * A link to a state is #NAME:w=1,2,3;seed=4. Everything that a visitor sees is a function of it, and of an own map.
+ * A link to a state is #NAME:w=1,2,3;seed=4. A page's address may say ?only=NAME. Everything that a visitor sees is a function of it, and of an own map.
  * bisFigure.seen[NAME] is {state, calls, hash, out, seconds, error}: what is shown, for tests. */
 'use strict';
 var bisFigure = (function () {
@@ -177,7 +178,11 @@ var bisFigure = (function () {
 
   function begin() {
     document.head.append(element('style', {}, bisPlot.css));
-    for (const box of document.querySelectorAll('figure.live')) if (specs[box.dataset.figure]) build(box, specs[box.dataset.figure]);
+    const only = new URLSearchParams(location.search).get('only');
+    for (const box of document.querySelectorAll('figure.live')) {
+      if (only && box.dataset.figure !== only) box.remove();
+      else if (specs[box.dataset.figure]) build(box, specs[box.dataset.figure]);
+    }
     const at = location.hash.slice(1).split(':')[0];
     if (figures[at]) figures[at].box.scrollIntoView();
     window.addEventListener('hashchange', () => {

@@ -40,9 +40,9 @@ bisFigure.define({
       '. ' + s.k + ' of 6 bins are full. Chi-square of ' + s.m + ' draws is ' + bisPlot.number(fit[0], 3) + ' with ' + fit[1] + ' degrees of freedom, p = ' + bisPlot.number(fit[2], 3) + '.'};
   },
   tasks: [
-    {ask: 'Find weights whose alias table needs no alias: every bin keeps its own item.',
+    {ask: 'Find weights whose alias table needs no alias: every bin keeps its own item.', answer: 'w=3,3,3,3,3,3',
       check: (s, out) => out[0][0].every((p) => p === 1) ? '' : 'An alias is needed where an item has less than the average.'},
-    {ask: 'Six weights, at least one of them above 0 and none the same: find some for which Marsaglia’s list is as long as it can be here for different weights.',
+    {ask: 'Six different weights: find some for which Marsaglia’s list is as long as it can be here.', answer: 'w=4,5,6,7,8,9',
       check: (s, out) => new Set(s.w).size < 6 ? 'Two weights are the same.' : out[3][1][0] === 39 ? '' : 'This list has ' + out[3][1][0] + ' entries; a longer one is possible.'}
   ]
 });

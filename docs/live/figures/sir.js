@@ -24,7 +24,7 @@ bisFigure.define({
     ['bis_flat_stage_exact', 'stage', 1, 4],
     ['bis_flat_stage_densities', 'stage', W, H, W * H, W * H, W * H, W * H],
     ['bis_flat_stage_candidates', 'stage', settings(s), s.seed, MOST, 3 * MOST, MOST, MOST, MOST, 6],
-    ['bis_flat_stage_find', 'stage', 4 * W, 4 * H, MOST, '#4.0', MOST],
+    ['bis_flat_stage_find', 'stage', 720, 360, MOST, '#4.0', MOST],
     ['bis_flat_stage_runs', 'stage', settings(s), s.seed, REPEATS, REPEATS, 3]
   ],
   draw(s, out) {
@@ -32,11 +32,11 @@ bisFigure.define({
     const range = logarithms(product), dots = [], largest = Math.max(...w);
     for (let i = 0; i < s.M; i++) {
       if (!(w[i] > 0)) continue;
-      const at = {x: (cell[i] % (4 * W) + 0.5) / 4, y: (Math.floor(cell[i] / (4 * W)) + 0.5) / 4};
+      const at = {x: (cell[i] % 720 + 0.5) / 2, y: (Math.floor(cell[i] / 720) + 0.5) / 2};
       dots.push(Object.assign(at, {radius: chosen[i] ? 3 + Math.min(chosen[i], 6) / 2 : 0.8 + 2.2 * Math.sqrt(w[i] / largest),
         colour: chosen[i] ? (kind[i] & 2 ? '#7fe0ff' : '#05050d') : kind[i] & 1 ? '#e5a93c' : '#3cc4b6', ring: chosen[i] ? '#fff' : undefined}));
     }
-    const field = bisPlot.heat({title: 'The product p and the candidates', width: 430, height: 215, columns: W, rows: H, values: product, log: true, lo: range.lo, hi: range.hi,
+    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, columns: W, rows: H, values: product, log: true, lo: range.lo, hi: range.hi,
       text: s.M + ' candidates, ' + s.N + ' rays; ' + bisPlot.number(sum[2], 3) + ' effective candidates', dots: dots.sort((a, b) => a.radius - b.radius),
       x: {label: 'phi', min: 0, max: 360, ticks: [0, 90, 180, 270, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}, label: 'f cos L'});
     const cells = 40, hi = Math.max(2.5 * exact[0], 1e-9), counts = new Array(cells).fill(0), edges = [...Array(cells + 1).keys()].map((i) => i * hi / cells);
@@ -44,10 +44,10 @@ bisFigure.define({
     const histogram = bisPlot.chart({title: REPEATS + ' estimates', width: 400, height: 260, text: 'mean ' + bisPlot.number(stats[0]) + ', exact ' + bisPlot.number(exact[0]),
       x: {label: 'estimate of r + g + b (the last cell: all above)', min: 0, max: hi}, y: {label: 'how many', min: 0},
       series: [{kind: 'steps', x: edges, y: counts, colour: 'sir'}],
-      marks: [{x: exact[0], label: 'exact', colour: 'exact'}, {x: stats[0], label: 'mean', colour: 'sir'}]});
+      marks: [{x: exact[0], label: 'exact', colour: 'exact'}]});
     return {html: field + histogram, words: 'Of M = ' + sum[0] + ' candidates as many count as ' + bisPlot.number(sum[2], 3) + ' equal ones (the effective sample size). ' + REPEATS + ' estimates have the mean ' +
       bisPlot.number(stats[0]) + ' and the error ' + bisPlot.percent(stats[1] / exact[0]) + ' each; the exact value is ' + bisPlot.number(exact[0]) + '. One estimate casts ' + bisPlot.number(stats[2], 3) +
-      ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, bright where the light is seen.'};
+      ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, blue where the light is seen, else black.'};
   },
   tasks: [
     {ask: 'With N = 1 ray, find the smallest M at which the error of one estimate is below 150 %.',
