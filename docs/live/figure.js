@@ -10,7 +10,7 @@
  *       {name, label, options: {key: words}, value} a choice
  *       {name, label, add, most}                    a button that adds to a number, from 0; above most it begins again
  *   map            true: the visitor's own map may take the place of the page's
- *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map
+ *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map of bisFigure.shape, [width, height]
  *   draw(state, out)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show
  *   touch          {name of a control: (x, y) => value}: a click on the first drawing's field, x and y in [0,1]
  *   tasks          [{ask, check(state, out), answer}]; check returns '' if it is solved, else a hint; answer is a link's state
@@ -20,6 +20,7 @@
  * bisFigure.seen[NAME] is {state, calls, hash, out, seconds, error}: what is shown, for tests. */
 'use strict';
 var bisFigure = (function () {
+  const OURS = {map: 'maps/interior.hdr', shape: [128, 64]}, MOST = 2048; /* columns of an own map: its values are drawn one by one */
   const specs = {}, seen = {};
   let client = null, nextId = 0;
 
@@ -95,7 +96,14 @@ var bisFigure = (function () {
     const take = async (file) => {
       if (!file) return;
       await f.client().put('maps/own', new Uint8Array(await file.arrayBuffer()));
-      bisFigure.map = 'maps/own';
+      try {
+        const [, [shape]] = (await f.client().ask([['bis_flat_light_open_as', 'own light', 'maps/own', []], ['bis_flat_light_shape', 'own light', 2]])).out;
+        if (shape[0] > MOST) throw new Error('this map has ' + shape[0] + ' columns; a page takes ' + MOST + ' at most: bis envmap MAP --to latlong --width ' + MOST);
+        Object.assign(bisFigure, {map: 'maps/own', shape: [...shape]});
+      } catch (e) {
+        failed(f, e);
+        return;
+      }
       for (const other of Object.values(figures)) if (other.spec.map && other.began) other.changed();
     };
     input.addEventListener('change', () => take(input.files[0]));
@@ -115,7 +123,7 @@ var bisFigure = (function () {
     f.words = element('p', {class: 'live-words', role: 'status'}, 'The figure starts when it is seen.');
     f.foot = element('p', {class: 'live-foot'});
     f.reset = element('button', {type: 'button'}, 'Start again');
-    f.reset.addEventListener('click', () => { Object.assign(f.state, stateOf(spec, '')); bisFigure.map = bisFigure.ownMap; f.changed(); });
+    f.reset.addEventListener('click', () => { Object.assign(f.state, stateOf(spec, '')); Object.assign(bisFigure, OURS); f.changed(); });
     box.setAttribute('role', 'group');
     box.setAttribute('aria-labelledby', id);
     box.replaceChildren(element('div', {class: 'live-title', id}, spec.title), element('p', {class: 'live-look'}, 'Look: ' + spec.look),
@@ -145,7 +153,7 @@ var bisFigure = (function () {
     f.changed();
   }
 
-  /* While the worker computes, only the last change waits. */
+  /* While the worker computes, only the last change waits; what is shown stays until the next is there. */
   async function changed(f) {
     f.shows.forEach((show) => show());
     if (f.busy) { f.again = true; return; }
@@ -158,12 +166,16 @@ var bisFigure = (function () {
         const calls = f.spec.calls(state), answer = await f.client().ask(calls);
         show(f, state, calls, answer, (performance.now() - began) / 1e3);
       } catch (e) {
-        seen[f.spec.name] = Object.assign({}, seen[f.spec.name], {error: e.message});
-        f.words.textContent = 'This did not work: ' + e.message;
+        failed(f, e);
       }
       f.box.removeAttribute('aria-busy');
     } while (f.again);
     f.busy = false;
+  }
+
+  function failed(f, e) {
+    seen[f.spec.name] = Object.assign({}, seen[f.spec.name], {error: e.message});
+    f.words.textContent = 'This did not work: ' + e.message;
   }
 
   function show(f, state, calls, answer, seconds) {
@@ -205,6 +217,6 @@ var bisFigure = (function () {
     }
     return bytes;
   }
-  return {define(spec) { specs[spec.name] = spec; }, specs, seen, screen, map: 'maps/interior.hdr', ownMap: 'maps/interior.hdr'};
+  return {define(spec) { specs[spec.name] = spec; }, specs, seen, screen, map: OURS.map, shape: OURS.shape};
 })();
 if (typeof module !== 'undefined') module.exports = bisFigure;

@@ -122,8 +122,8 @@ static bis_status check_field(int columns, int rows, bis_diag *diag)
     return bis_error(diag, BIS_INPUT, nowhere, "a field of %d x %d: give 1 to 4096 each", columns, rows);
 }
 
-int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, double *q_L, double *q_f, double *product,
-                             double *seen, char *say, size_t size)
+int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
+                             float *seen, char *say, size_t size)
 {
     bis_diag diag = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, q_L, q_f, product, seen);
@@ -134,9 +134,9 @@ int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, doubl
     if (!status) bis_light_axes(stage->scene->light, axis);
     for (int i = 0; !status && i < columns * rows; i++) {
         const vec3 wi = middle_of(axis, columns, rows, i % columns, i / columns);
-        q_L[i] = bis_light_pdf(stage->pt.light, wi);
-        q_f[i] = bis_bsdf_pdf(&stage->pt.bsdf, wi);
-        product[i] = bis_pixel_product(&stage->pt, wi);
+        q_L[i] = (float)bis_light_pdf(stage->pt.light, wi);
+        q_f[i] = (float)bis_bsdf_pdf(&stage->pt.bsdf, wi);
+        product[i] = (float)bis_pixel_product(&stage->pt, wi);
         seen[i] = product[i] > 0 && bis_point_sees(&stage->pt, wi) ? product[i] : 0;
     }
     return bis_flat_end(status, &diag, say, size);

@@ -177,14 +177,14 @@ def own_maps(t, lib, b, folder):
     whole = (pathlib.Path(lib.folder) / "maps/interior.hdr").read_bytes()
     choose = "document.querySelector('[data-figure=sir] input[type=file]')"
     for kind, data in (("cut off", whole[:9000]), ("of noise", bytes(range(256)) * 40), ("OpenEXR", b"v/1\x01" + bytes(99)), ("empty", b"")):
-        path = pathlib.Path(lib.folder) / "damaged.hdr"
+        path = pathlib.Path(lib.folder) / f"damaged_{kind[0]}.hdr"     # of another name each: else nothing has changed
         path.write_bytes(data)
         page.value("(bisFigure.seen.sir.error = null, 0)")
         node = page.send("Runtime.evaluate", expression=choose)["result"]["objectId"]
         page.send("DOM.setFileInputFiles", files=[str(path)], objectId=node)
         t.claim(page.wait("!!bisFigure.seen.sir.error", 20), f"a map that is {kind} is an error")
         t.claim("cannot read" in page.value("bisFigure.seen.sir.error || ''"), f"{kind}: {page.value('bisFigure.seen.sir.error')}")
-    path.unlink()
+        path.unlink()
     os.makedirs(pathlib.Path(lib.folder) / "maps", exist_ok=True)
     own = pathlib.Path(lib.folder) / "maps/own"
     own.write_bytes(whole[:200].split(b"\n\n")[0] + b"\n\n" + whole.split(b"\n\n", 1)[1])

@@ -4,6 +4,8 @@
 (function () {
 const W = 72, H = 36, MOST = 4096, REPEATS = 400;
 const settings = (s) => ['integrator=sir', 'candidates=' + s.M, 'shadowrays=' + s.N, 'proposal=' + s.q, 'learn=false'];
+const error = (out) => out[6][1][1] / out[2][0][0];
+const apart = (s) => s.n !== 32 || s.seed !== 1 || s.q !== 'mix' ? 'Press "Start again" first: the task is for exponent 32, seed 1, mix.' : '';
 const logarithms = (values) => { let most = 0; for (const v of values) most = Math.max(most, v); return {lo: most / 1e4, hi: most || 1}; };
 
 bisFigure.define({
@@ -50,10 +52,10 @@ bisFigure.define({
       ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, blue where the light is seen, else black.'};
   },
   tasks: [
-    {ask: 'With N = 1 ray, find the smallest M at which the error of one estimate is below 150 %.',
-      check: (s, out) => s.N !== 1 ? 'Set N to 1.' : out[6][1][1] >= 1.5 * out[2][0][0] ? 'The error is ' + bisPlot.percent(out[6][1][1] / out[2][0][0]) + '.' : s.M <= 8 ? '' : 'A smaller M does, too.'},
-    {ask: 'With M = 128, find the N from which on more rays lower the error no further than by a tenth: the candidates are the limit.',
-      check: (s, out) => s.M !== 128 ? 'Set M to 128.' : s.N >= 16 ? '' : 'Go on: the error is ' + bisPlot.percent(out[6][1][1] / out[2][0][0]) + '.'}
+    {ask: 'With N = 1 ray, find the smallest M (a power of 2) at which the error of one estimate is below 125 %.', answer: 'M=16;N=1',
+      check: (s, out) => apart(s) || (s.N !== 1 ? 'Set N to 1.' : error(out) >= 1.25 ? 'The error is ' + bisPlot.percent(error(out)) + '.' : s.M <= 16 ? '' : 'A smaller M does, too.')},
+    {ask: 'With M = 128 candidates, find the smallest N at which the error is below 10 %.', answer: 'M=128;N=32',
+      check: (s, out) => apart(s) || (s.M !== 128 ? 'Set M to 128.' : error(out) >= 0.1 ? 'The error is ' + bisPlot.percent(error(out)) + '.' : s.N <= 32 ? '' : 'A smaller N does, too.')}
   ]
 });
 })();

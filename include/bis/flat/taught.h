@@ -97,9 +97,9 @@ int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, ch
 
 /* bis_flat_stage_densities stores, for the middle of each cell of a lat-long field of directions [rows][columns] in the
  * light's frame: q_L (eq. 4.2), q_f (4.3), the product phat = f cos Le (4.4, not normalised) and the part of it that
- * is seen. */
-int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, double *q_L, double *q_f, double *product,
-                             double *seen, char *say, size_t size);
+ * is seen. Floats, because the last bits of a double depend on the C library's pow. */
+int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
+                             float *seen, char *say, size_t size);
 
 /* bis_flat_stage_candidates draws, weighs, chooses and traces as `sir` does with these settings (name=value of its
  * parameters, with candidates <= room). Of each candidate: wi[room][3], w[room], chosen[room] (how often), kind[room]
