@@ -6,6 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/envmap.h"
 #include "flat/say.h"
+#include "thesis/candidates.h"
 #include "tools/pixel/pixel.h"
 #include "tools/verify/verify.h"
 
@@ -280,5 +281,60 @@ int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, ui
         memcpy(sum, (double[]){all.mean, deviation(&all), deviation(&of_Zhat), deviation(&of_V),
                                ((double)(stage->counters.shadow_rays - before) - distinct) / (double)n},
                5 * sizeof *sum);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- rejection ---- */
+
+int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, bound);
+
+    if (!status) status = check_hit(stage, &diag);
+    if (!status) {
+        bound[0] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_EM);
+        bound[1] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_BRDF);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
+                          double *height, uint32_t *taken, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, w, u, height, taken);
+
+    if (!status) status = check_hit(stage, &diag);
+    if (!status && strcmp(proposal, "em") != 0 && strcmp(proposal, "brdf") != 0)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const double B = bis_candidates_bound(&stage->pt, *proposal == 'e' ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF);
+    for (size_t i = 0; i < n; i++) {
+        height[i] = u[i] * B;
+        taken[i] = height[i] < w[i];
+    }
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *count,
+                            char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_counters counters = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, count);
+
+    if (!status && !(n >= 2 && n <= 100000))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 100000", n);
+    if (!status) status = ask_for(stage, settings, &diag);
+    rgb *estimate = status ? NULL : bis_alloc(n, sizeof *estimate);
+    if (!status && !estimate) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
+    if (!status)
+        status = bis_verify_runs(estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
+                                 seed, &counters, &diag);
+    if (!status)
+        memcpy(count, (double[]){(double)counters.accepted / (double)n, stage->desc->view.settings.candidates,
+                                 (double)counters.shadow_rays / (double)n}, 3 * sizeof *count);
+    bis_free(estimate);
     return bis_flat_end(status, &diag, say, size);
 }

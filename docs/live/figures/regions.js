@@ -32,7 +32,7 @@ bisFigure.define({
       bisPlot.number(peak(out[5][0]), 3) + ', ' + bisPlot.number(gain(out), 3) + ' times as much.'};
   },
   tasks: [
-    {ask: 'Find the smallest number of levels that makes more than 1000 components.', answer: 'levels=8', check: (s, out) => out[1][4][0] <= 1000 ? 'There are ' + out[1][4][0] + '.' : s.levels <= 8 ? '' : 'Fewer levels do, too.'},
+    {ask: 'Find the smallest number of levels that makes more than 1000 components.', answer: 'levels=12', check: (s, out) => out[1][4][0] <= 1000 ? 'There are ' + out[1][4][0] + '.' : s.levels <= 12 ? '' : 'Fewer levels do, too.'},
     {ask: 'Keep 8 levels and find the smallest b that divides the largest density by 1.4 or more.', answer: 'levels=8;b=0.3', check: (s, out) => s.levels !== 8 ? 'Set the levels to 8.' : gain(out) < 1.4 ? 'It is divided by ' + bisPlot.number(gain(out), 3) + '.' : s.b < 0.31 ? '' : 'A smaller b does, too.'}
   ]
 });

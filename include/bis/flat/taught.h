@@ -123,6 +123,19 @@ int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint
 int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
                           char *say, size_t size);
 
+/* bis_flat_stage_bounds stores in bound[2] the bounds of figure 4.4 at the point: c_em and c_brdf. */
+int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_t size);
+
+/* bis_flat_stage_accept holds candidates of weight w[n] against the bound of their proposal, "em" or "brdf": height[n]
+ * receives u times the bound, and taken[n] 1 where it lies below w. Errors: BIS_INPUT (another proposal). */
+int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
+                          double *height, uint32_t *taken, char *say, size_t size);
+
+/* bis_flat_stage_accepted makes n estimates by integrator rejection: count[3] receives accepted candidates, candidates
+ * and rays of one estimate in the mean. Errors: as bis_flat_stage_runs. */
+int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *count,
+                            char *say, size_t size);
+
 /* ---- pictures ---- */
 
 /* bis_flat_compare stores in sum[3] the RMSE, the relMSE and the bias of a[height][width][4] against b, as
