@@ -29,7 +29,7 @@ bisFigure.define({
     return {html: chart, words: 'With M = ' + s.M + ' and N = ' + s.N + ' one estimate has the noise ' + bisPlot.percent(now[1]) + ': ' + bisPlot.percent(now[2]) + ' of Zhat and ' + bisPlot.percent(now[3]) + ' of V (' + RUNS + ' estimates, ' + bisPlot.number(now[4] * exact, 3) + ' rays each).'};
   },
   tasks: [
-    {ask: 'Find M and N at which the noise of Zhat is larger than that of V.', answer: 'M=16;N=64', check: (s, out) => at(s, out)[2] > at(s, out)[3] ? '' : 'Few candidates and many rays.'},
+    {ask: 'Find M and N at which the noise of Zhat is more than half of that of V.', answer: 'M=16;N=64', check: (s, out) => at(s, out)[2] > at(s, out)[3] / 2 ? '' : 'Few candidates and many rays.'},
     {ask: 'With N = 4, find an M at which the noise of V is more than five times that of Zhat.', answer: 'M=1024;N=4', check: (s, out) => s.N !== 4 ? 'Set N to 4.' : at(s, out)[3] > 5 * at(s, out)[2] ? '' : 'It is ' + bisPlot.number(at(s, out)[3] / at(s, out)[2], 3) + ' times.'}
   ]
 });

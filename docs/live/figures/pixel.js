@@ -34,7 +34,7 @@ bisFigure.define({
       words: 'At pixel (' + s.x + ', ' + s.y + ') the exact value of r + g + b is ' + bisPlot.number(out[5][0][0]) + '; without shadows it would be ' + bisPlot.number(out[5][0][2]) + ': ' + bisPlot.percent(share(out)) + ' is seen.'};
   },
   tasks: [
-    {ask: 'Find a pixel that sees less than half of its light.', answer: 'x=64;y=44', check: (s, out) => share(out) < 0.5 ? '' : 'This one sees ' + bisPlot.percent(share(out)) + '.'},
+    {ask: 'Find a pixel that sees more than 90 % of its light.', answer: 'x=28;y=30', check: (s, out) => share(out) > 0.9 ? '' : 'This one sees ' + bisPlot.percent(share(out)) + '.'},
     {ask: 'Find a pixel and an exponent at which q_f has a peak above 20 per steradian.', answer: 'n=1024', check: (s, out) => peak(out[4][1]) > 20 ? '' : 'Its peak is ' + bisPlot.number(peak(out[4][1]), 3) + '.'}
   ]
 });

@@ -34,8 +34,8 @@ bisFigure.define({
     return {html: chart, words: 'The bound is ' + bisPlot.number(bound, 3) + ' (the other one ' + bisPlot.number(s.q === 'em' ? c_brdf : c_em, 3) + '). ' + yes[0].length + ' of ' + s.M + ' candidates are accepted here; over 200 estimates ' + bisPlot.percent(share(out)) + ' are.'};
   },
   tasks: [
-    {ask: 'Find an exponent from which on the bound of the map is above 100 times that of the BRDF, or show one where it is.', answer: 'n=1024', check: (s, out) => out[2][0][0] > 100 * out[2][0][1] ? '' : 'It is ' + bisPlot.number(out[2][0][0] / out[2][0][1], 3) + ' times.'},
-    {ask: 'Make at least 1 candidate in 100 accepted, over the 200 estimates.', answer: 'REJ', check: (s, out) => share(out) >= 0.01 ? '' : bisPlot.percent(share(out)) + ' are accepted.'}
+    {ask: 'Find an exponent at which the bound c_em of the map is above c_brdf.', answer: 'n=1024', check: (s, out) => out[2][0][0] > out[2][0][1] ? '' : 'It is ' + bisPlot.number(out[2][0][0] / out[2][0][1], 3) + ' times c_brdf.'},
+    {ask: 'Make at least 1 candidate in 100 accepted, over the 200 estimates.', answer: 'q=em;n=1', check: (s, out) => share(out) >= 0.01 ? '' : bisPlot.percent(share(out)) + ' are accepted.'}
   ]
 });
 })();
