@@ -184,8 +184,10 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(f
 test-long:
 	BIS_LONG=1 TEST_SECONDS=$${TEST_SECONDS:-3000} $(MAKE) test
 
-# README and docs/ as a static site with MathML, in build/docs. pandoc makes it; who reads the .md files needs none of it.
-docs:
+# README and docs/ as a static site with MathML, in build/docs, with the figures of `make web` where its compiler is
+# installed. pandoc makes it; who reads the .md files needs none of it.
+HAS_WASM := $(and $(shell command -v clang),$(shell command -v wasm-ld),$(wildcard /usr/include/wasm32-wasi/stdio.h))
+docs: $(if $(HAS_WASM),web)
 	@sh scripts/site/site.sh build/docs
 
 # The page of bis trade and the site in a headless Chromium, where there is one; no part of `make test`.
