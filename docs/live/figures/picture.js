@@ -44,7 +44,7 @@ bisFigure.define({
   tasks: [
     {ask: 'How many rays a pixel does em need for the error that sir has with 8? Show both, with so many passes for which em is below it.', answer: 'k=6',
       check: (s, out) => { const i = chosen(s).indexOf('sir'); return i < 0 || !chosen(s).includes('em') ? 'Show em and sir.' : errorOf(s, out, 'em') < out[place(s, i, 0) + 2][0][0] ? '' : 'em has ' + bisPlot.number(errorOf(s, out, 'em'), 3) + ', sir had ' + bisPlot.number(out[place(s, i, 0) + 2][0][0], 3) + '.'; }},
-    {ask: 'Show all four methods, and find an exponent at which brdf has a smaller error than em.', answer: 'who=em+brdf+mis+sir;n=1024',
+    {ask: 'Show all four methods, and find an exponent at which brdf has a smaller error than em.', answer: 'who=em+brdf+mis+sir;n=1024;k=2',
       check: (s, out) => { const e = ['em', 'brdf', 'mis'].map((m) => errorOf(s, out, m)); return e.some(Number.isNaN) ? 'Show all four.' : e[1] < e[0] ? '' : 'Not at this one.'; }}
   ]
 });

@@ -14,9 +14,11 @@ void bis_flat_fnv(uint32_t hash[2], size_t n, const uint8_t *bytes);
 /* bis_flat_uniform stores n numbers of the stream (seed, stream), uniform in [0,1). */
 void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u);
 
-/* bis_flat_bits computes the rows of `bis verify --bits`, *n of the BIS_FLAT_BITS that the arrays have room for.
- * hash[n][2] and expected[n][2] are low and high half; name[n][64] ends with 0. Errors: BIS_NOMEM. */
+/* So many rows have room in the arrays of bis_flat_bits. */
 enum { BIS_FLAT_BITS = 16 };
+
+/* bis_flat_bits computes the rows of `bis verify --bits`, *n of them. hash[n][2] and expected[n][2] are low and high
+ * half; name[n][64] ends with 0. Errors: BIS_NOMEM. */
 int bis_flat_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t *n, char *say, size_t size);
 
 /* ---- thesis 3.2: discrete distributions ---- */
@@ -66,15 +68,17 @@ int bis_flat_light_density(const bis_light *light, double *pdf, double *share, c
 
 /* bis_flat_light_regions finds the components of thesis 3.4: label[height][width] (UINT32_MAX: black), level[height]
  * [width] (UINT32_MAX: black), area[height][width], the solid angle of each pixel's component in sr, *n their number,
- * and factor[height][width], the area factor with exponent b. Errors: BIS_INPUT (levels outside [1, 254]), BIS_NOMEM. */
+ * and factor[height][width], the area factor with exponent b. Errors: BIS_INPUT (levels outside [1, 254]),
+ * BIS_NOMEM. */
 int bis_flat_light_regions(const bis_light *light, int levels, double b, uint32_t *label, uint32_t *level, double *area,
                            double *factor, uint32_t *n, char *say, size_t size);
 
 /* ---- thesis 3.5: materials ---- */
 
-/* bis_flat_bsdf_albedo stores in sum[3], by the midpoints of n x n cells of equal solid angle about the normal: the share of light that is reflected (mean of R, G, B), the integral of the density over the hemisphere
- * above the horizon, and 1 minus it, which is drawn below the horizon and lost. normal as for bis_flat_bsdf_open.
- * Errors: BIS_INPUT (n outside [1, 4096]). */
+/* bis_flat_bsdf_albedo stores in sum[3], by the midpoints of n x n cells of equal solid angle about the normal: the
+ * share of light that is reflected (mean of R, G, B), the integral of the density over the hemisphere above the
+ * horizon, and 1 minus it, which is drawn below the horizon and lost. normal is as for bis_flat_bsdf_open. Errors:
+ * BIS_INPUT (n outside [1, 4096]). */
 int bis_flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, double *sum, char *say, size_t size);
 
 /* ---- chapter 4: one point of a scene ---- */
@@ -83,8 +87,9 @@ typedef struct bis_flat_stage bis_flat_stage;
 
 /* bis_flat_stage_open reads a scene for looking at its points. settings are those of bis_flat_render. Errors: as
  * bis_flat_render. */
-
 int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, char *say, size_t size);
+
+/* bis_flat_stage_close frees the stage; NULL is allowed. */
 void bis_flat_stage_close(bis_flat_stage *stage);
 
 /* bis_flat_stage_at goes to the point that the centre of pixel (x, y) sees. found[8]: 1 or 0 (no surface), position,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* taught: the thesis's steps on arrays. Expected values are the thesis's own tables, sums by hand, and closed forms. What a browser
+/* flat_taught: the thesis's steps on arrays. Expected values are the thesis's own tables, sums by hand, and closed forms. What a browser
  * makes of the same calls is in tests/web. */
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DIR "build/test_taught"
+#define DIR "build/test_flat_taught"
 #define SCENE                                                                                                        \
     "text=Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nLookAt 0 -4 2  0 0 0  0 0 1\n"            \
     "Camera \"perspective\" \"float fov\" 20\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"" DIR         \
