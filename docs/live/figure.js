@@ -11,7 +11,8 @@
  *       {name, label, add, most}                    a button that adds to a number, from 0; above most it begins again
  *   map            true: the visitor's own map may take the place of the page's
  *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map of bisFigure.shape, [width, height]
- *   draw(state, out)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show
+ *   draw(state, out, wide)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show; wide: how
+ *                  many pixels a drawing across the page may take
  *   touch          {name of a control: (x, y) => value}: a click on the first drawing's field, x and y in [0,1]
  *   tasks          [{ask, check(state, out), answer}]; check returns '' if it is solved, else a hint; answer is a link's state
  *                  that solves it, for tests
@@ -20,6 +21,7 @@
  * bisFigure.seen[NAME] is {state, calls, hash, out, seconds, error}: what is shown, for tests. */
 'use strict';
 var bisFigure = (function () {
+  const WIDE = 760; /* pixels of a drawing across the page, where there is room */
   const OURS = {map: 'maps/interior.hdr', shape: [128, 64]}, MOST = 2048; /* columns of an own map: its values are drawn one by one */
   const specs = {}, seen = {};
   let client = null, nextId = 0;
@@ -179,7 +181,7 @@ var bisFigure = (function () {
   }
 
   function show(f, state, calls, answer, seconds) {
-    const drawing = f.spec.draw(state, answer.out), link = linkOf(f.spec, state);
+    const drawing = f.spec.draw(state, answer.out, Math.min(WIDE, f.picture.clientWidth)), link = linkOf(f.spec, state);
     seen[f.spec.name] = {state, calls, hash: answer.hash, out: answer.out, seconds, error: null};
     f.picture.innerHTML = drawing.html;
     f.words.textContent = drawing.words;

@@ -19,8 +19,8 @@ bisFigure.define({
   ],
   calls: (s) => EXPONENTS.flatMap((n) => [...bisStage({n, ks: 0.9, kd: 0.02}, s.x, s.y), ['bis_flat_stage_exact', 'stage', 1, 4],
     ...METHODS.map(([name, , more]) => ['bis_flat_stage_runs', 'stage', ['integrator=' + name, 'samples=' + s.N, ...more], s.seed, RUNS, RUNS, 3])]),
-  draw(s, out) {
-    const chart = bisPlot.chart({title: 'Error of one estimate, by the exponent', width: 760, height: 360, text: METHODS.map(([, words], k) => words + ' ' + bisPlot.percent(errors(out, k)[0]) + ' to ' + bisPlot.percent(errors(out, k)[2])).join('; '),
+  draw(s, out, wide) {
+    const chart = bisPlot.chart({title: 'Error of one estimate, by the exponent', width: wide, height: 360, text: METHODS.map(([, words], k) => words + ' ' + bisPlot.percent(errors(out, k)[0]) + ' to ' + bisPlot.percent(errors(out, k)[2])).join('; '),
       x: {label: 'exponent of the balls', log: true, ticks: EXPONENTS}, y: {label: 'error, share of the exact value', log: true},
       series: METHODS.map(([name, words], k) => ({kind: 'line', x: EXPONENTS, y: errors(out, k), label: words, colour: name, dash: k === 3, points: true}))});
     return {html: chart, words: 'At exponent 32 and ' + s.N + ' samples: ' + METHODS.map(([, words], k) => words + ' ' + bisPlot.percent(errors(out, k)[1])).join(', ') + ' (' + RUNS + ' estimates each).'};

@@ -21,9 +21,9 @@ bisFigure.define({
   ],
   calls: (s) => [...bisStage({n: s.n}, 22, 44), ['bis_flat_stage_exact', 'stage', s.seed, 4],
     ...STEPS.map((k) => ['bis_flat_stage_noises', 'stage', settings(...pair(s, k)), s.seed, RUNS, 5])],
-  draw(s, out) {
+  draw(s, out, wide) {
     const exact = out[2][0][0], x = STEPS.map((k) => pair(s, k)[s.axis === 'N' ? 1 : 0]), of = (j) => STEPS.map((k, i) => out[i + 3][0][j] / exact), now = at(s, out);
-    const chart = bisPlot.chart({title: 'Noise of one estimate', width: 760, height: 360, text: 'error over the exact value, by ' + s.axis, x: {label: s.axis, log: true, ticks: x}, y: {label: 'noise, share of the exact value', log: true},
+    const chart = bisPlot.chart({title: 'Noise of one estimate', width: wide, height: 360, text: 'error over the exact value, by ' + s.axis, x: {label: s.axis, log: true, ticks: x}, y: {label: 'noise, share of the exact value', log: true},
       series: [{kind: 'line', x, y: of(1), label: 'all', colour: 'sir', points: true, shape: 'disc'}, {kind: 'line', x, y: of(3), label: 'of V', colour: 'rejection', points: true, shape: 'down'}, {kind: 'line', x, y: of(2), label: 'of Zhat', colour: 'em', points: true, shape: 'up'}],
       marks: [{x: s.axis === 'N' ? s.N : s.M, label: s.axis + ' = ' + (s.axis === 'N' ? s.N : s.M)}]});
     return {html: chart, words: 'With M = ' + s.M + ' and N = ' + s.N + ' one estimate has the noise ' + bisPlot.percent(now[1]) + ': ' + bisPlot.percent(now[2]) + ' of Zhat and ' + bisPlot.percent(now[3]) + ' of V (' + RUNS + ' estimates, ' + bisPlot.number(now[4] * exact, 3) + ' rays each).'};
