@@ -82,7 +82,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
+.PHONY: FORCE all data web test-web test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -191,8 +191,10 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(f
 test-long:
 	BIS_LONG=1 TEST_SECONDS=$${TEST_SECONDS:-3000} $(MAKE) test
 
-# README and docs/ as a static site with MathML, in build/docs. pandoc makes it; who reads the .md files needs none of it.
-docs:
+# README and docs/ as a static site with MathML, in build/docs, with the figures of `make web` where its compiler is
+# installed. pandoc makes it; who reads the .md files needs none of it.
+HAS_WASM := $(and $(shell command -v clang),$(shell command -v wasm-ld),$(wildcard /usr/include/wasm32-wasi/stdio.h))
+docs: $(if $(HAS_WASM),web)
 	@sh scripts/site/site.sh build/docs
 
 # The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make test`.
@@ -203,6 +205,32 @@ test-browser: $B/bis $(STAMP)
 ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)
 	@sh scripts/check/envelope.sh $(ENVELOPE)
+
+# The library as WebAssembly and the figures that live (docs/live.md), in build/web. Debian's clang, lld, wasi-libc and
+# libclang-rt-dev-wasm32, and gzip; nothing of it is needed for `make` or `make test`.
+W        := build/web
+WASM_CC  ?= clang
+WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c src/base/threads.c,$(SRC)) scripts/web/wasm.c
+WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o)
+WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h -nostdlibinc -isystem /usr/include/wasm32-wasi \
+    -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_PROCESS_CLOCKS -fno-math-errno -fno-trapping-math -ffp-contract=off -msimd128
+# All memory of a page: the stack, which stands first so that an overflow is caught, and a heap that grows to 512 MiB.
+WASM_LINK := --target=wasm32-wasi -mexec-model=reactor -Wl,-z,stack-size=4194304 -Wl,--stack-first -Wl,--max-memory=536870912 -Wl,--gc-sections -Wl,--strip-all \
+    -lwasi-emulated-signal -lwasi-emulated-mman -lwasi-emulated-process-clocks -lwasi-emulated-getpid -lm
+FLAT_NAMES = $(sort $(shell grep -ho '\bbis_flat_[a-z0-9_]*' include/bis/flat/*.h))
+$W/objects/%.o: %.c scripts/web/wasi.h Makefile
+	@mkdir -p $(@D)
+	$(call say,WASM,$<)
+	$Q$(WASM_CC) $(WASM) -w -MMD -MP -c -o $@ $<
+$W/bis.wasm: $(WASM_OBJ)
+	$(call say,LINK,$@)
+	$Q$(WASM_CC) -o $@ $^ $(WASM_LINK) $(FLAT_NAMES:%=-Wl,--export-if-defined=%) -Wl,--export=malloc -Wl,--export=free
+web: $W/bis.wasm $B/bis $(STAMP)
+	@sh scripts/web/pages.sh $B/bis $W
+
+# Each figure in a headless Chromium, its hashes against those of the native library; no part of `make test`.
+test-web: web $(SHARED_LIB)
+	@python3 tests/web/test_web.py $W $(SHARED_LIB) $(FIGURE)
 
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
@@ -266,4 +294,4 @@ include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
 ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
 .SECONDARY: $(ALL_C:%.c=$B/%.o) $(SHARED_OBJ)
--include $(ALL_C:%.c=$B/%.d) $(SHARED_OBJ:.o=.d)
+-include $(ALL_C:%.c=$B/%.d) $(SHARED_OBJ:.o=.d) $(WASM_OBJ:.o=.d)

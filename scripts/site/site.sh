@@ -3,7 +3,8 @@
 # site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser
 # without a network.
 #     scripts/site/site.sh FOLDER            (`make docs`; from the root)
-# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Needs nothing at view
+# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Where `make web` has made build/web, the
+# figures that live stand where a page says <!-- live: NAME -->. Needs nothing at view
 # time.
 out=$1
 if ! command -v pandoc >/dev/null; then
@@ -15,11 +16,29 @@ rm -rf "$out"
 mkdir -p "$out/docs" || exit 1
 cp scripts/site/site.css "$out/site.css" || exit 1
 
+live=""
+if [ -f build/web/assets.js ]; then
+    live=yes
+    mkdir -p "$out/live/figures"
+    cp build/web/*.js build/web/live.css "$out/live" && cp build/web/figures/*.js "$out/live/figures" || exit 1
+fi
+
+# scripts UP FILE.md: what a page with figures that live loads
+scripts() {
+    printf '<link rel="stylesheet" href="%slive/live.css">\n' "$1"
+    for name in plot calls assets engine figure scenes $(sed -n 's|^<!-- live: \([a-z]*\) -->$|figures/\1|p' "$2"); do
+        printf '<script src="%slive/%s.js"></script>\n' "$1" "$name"
+    done
+}
+
 # page FILE.md: its html, README.md as index.html
 page() {
     html=$out/$(echo "$1" | sed 's|README\.md$|index.html|; s|\.md$|.html|')
     up=$(dirname "$1" | sed 's|^\.$||; s|[^/][^/]*|..|g; s|$|/|; s|^/$||')
     mkdir -p "$(dirname "$html")"
+    head=$out/head.html
+    : >"$head"
+    [ -z "$live" ] || ! grep -q '^<!-- live: ' "$1" || scripts "$up" "$1" >"$head"
     {
         printf '<nav><a href="%sindex.html">bis</a>' "$up"
         for name in guide theory errata results; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
@@ -27,8 +46,9 @@ page() {
         # without the head that docs/paper.md has for its journal
         awk 'NR == 1 && /^---$/ { head = 1; next } head && /^---$/ { head = 0; next } !head' "$1"
     } |
+        if [ -n "$live" ]; then sed 's|^<!-- live: \([a-z]*\) -->$|<figure class="live" data-figure="\1"></figure>|'; else cat; fi |
         pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site/site.lua \
-            -c "${up}site.css" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
+            -c "${up}site.css" -H "$head" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
 }
 
 # source FILE: its text, escaped
@@ -50,4 +70,5 @@ sources=$(find src include tests scripts docs data/scenes data/generate -name '*
 for file in LICENSE CITATION.cff codemeta.json docs/paper.bib Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"
 done
-echo "make docs: $out/index.html"
+rm -f "$out/head.html"
+echo "make docs: $out/index.html${live:+, with the figures that live}"

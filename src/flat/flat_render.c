@@ -218,6 +218,21 @@ static bis_status apply(bis_scene_desc *d, wishes *w, const char *const *setting
     return bis_settings_check(&d->view.settings, nowhere, diag);
 }
 
+bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag)
+{
+    wishes w = {0};
+    bis_status status = parse(out, path, settings, NULL, diag);
+
+    if (!status) status = apply(*out, &w, settings, diag);
+    return status;
+}
+
+bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag)
+{
+    wishes w = {0};
+    return apply(d, &w, settings, diag);
+}
+
 /* ---- rendering ---- */
 
 /* The layers, each by itself, so that it is known which channels are whose. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* say: what the functions of flat share: messages into the caller's buffer. */
+/* say: what the functions of flat share: messages into the caller's buffer, settings as text. */
 #pragma once
 
-#include "bis/base/status.h"
+#include "bis/scene/scene.h"
 
 /* bis_flat_end writes all messages to say[size], one a line, frees them, and returns the status. say may be NULL. */
 int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size);
@@ -14,3 +14,10 @@ bis_status bis_flat_given(const char *names, const void *const *pointers, size_t
 #define BIS_FLAT_GIVEN(diag, ...)                                                                                   \
     bis_flat_given(#__VA_ARGS__, (const void *const[]){__VA_ARGS__},                                                \
                    sizeof(const void *const[]){__VA_ARGS__} / sizeof(void *), diag)
+
+/* bis_flat_describe reads a scene with the settings of bis_flat_render. The caller frees *out, on failure too. Errors:
+ * those of bis_scene_parse, BIS_INPUT (a setting). */
+bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag);
+
+/* bis_flat_apply changes a description by such settings. Errors: BIS_INPUT. */
+bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag);

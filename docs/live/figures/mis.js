@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* mis: multiple importance sampling against its two halves, over the exponent (thesis 2.3 and 5; docs/theory.md). */
+'use strict';
+(function () {
+const EXPONENTS = [2, 32, 512], RUNS = 400;
+const METHODS = [['em', 'em', []], ['brdf', 'brdf', []], ['mis', 'mis, balance', ['heuristic=balance']], ['mis', 'mis, power', ['heuristic=power']]];
+const errors = (out, k) => EXPONENTS.map((n, i) => out[7 * i + 3 + k][1][1] / out[7 * i + 2][0][0]);
+bisFigure.define({
+  name: 'mis',
+  title: 'Multiple importance sampling, and its heuristics',
+  section: '3.5',
+  look: 'the map’s samples serve dull surfaces, the BRDF’s polished ones; where both light and lobe are narrow, mis is better than either.',
+  map: true,
+  controls: [
+    {name: 'N', label: 'samples', min: 2, max: 64, log: true, value: 16},
+    {name: 'x', label: 'pixel x', min: 0, max: 119, value: 28},
+    {name: 'y', label: 'pixel y', min: 0, max: 79, value: 30},
+    {name: 'seed', label: 'seed', min: 1, max: 99, value: 1}
+  ],
+  calls: (s) => EXPONENTS.flatMap((n) => [...bisStage({n, ks: 0.9, kd: 0.02}, s.x, s.y), ['bis_flat_stage_exact', 'stage', 1, 4],
+    ...METHODS.map(([name, , more]) => ['bis_flat_stage_runs', 'stage', ['integrator=' + name, 'samples=' + s.N, ...more], s.seed, RUNS, RUNS, 3])]),
+  draw(s, out, wide) {
+    const chart = bisPlot.chart({title: 'Error of one estimate, by the exponent', width: wide, height: 360, text: METHODS.map(([, words], k) => words + ' ' + bisPlot.percent(errors(out, k)[0]) + ' to ' + bisPlot.percent(errors(out, k)[2])).join('; '),
+      x: {label: 'exponent of the balls', log: true, ticks: EXPONENTS}, y: {label: 'error, share of the exact value', log: true},
+      series: METHODS.map(([name, words], k) => ({kind: 'line', x: EXPONENTS, y: errors(out, k), label: words, colour: name, dash: k === 3, points: true}))});
+    return {html: chart, words: 'At exponent 32 and ' + s.N + ' samples: ' + METHODS.map(([, words], k) => words + ' ' + bisPlot.percent(errors(out, k)[1])).join(', ') + ' (' + RUNS + ' estimates each).'};
+  },
+  tasks: [
+    {ask: 'Find a number of samples at which mis (balance) has an error below 30 % at exponent 32.', answer: 'N=64', check: (s, out) => errors(out, 2)[1] < 0.3 ? '' : 'It is ' + bisPlot.percent(errors(out, 2)[1]) + '.'},
+    {ask: 'Find a pixel where em beats brdf at every exponent.', answer: 'x=60;y=70', check: (s, out) => errors(out, 0).every((e, i) => e < errors(out, 1)[i]) ? '' : 'At exponent 512 em has ' + bisPlot.percent(errors(out, 0)[2]) + ', brdf ' + bisPlot.percent(errors(out, 1)[2]) + '.'}
+  ]
+});
+})();

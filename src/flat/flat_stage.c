@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* flat_stage: one point of a scene, for the figures of chapter 4 that live. What `bis pixel` prints of a pixel stands
+ * here as arrays; src/tools/pixel computes it for both. */
+#include "bis/flat/taught.h"
+
+#include "bis/base/mem.h"
+#include "bis/thesis/envmap.h"
+#include "flat/say.h"
+#include "thesis/candidates.h"
+#include "tools/pixel/pixel.h"
+#include "tools/verify/verify.h"
+
+#include <string.h>
+
+struct bis_flat_stage {
+    bis_scene_desc *desc;
+    bis_scene *scene;
+    bis_settings own; /* of the scene: each question begins with them */
+    bis_counters counters;
+    bis_pixel_hit hit;
+    bis_point pt;
+    bool is_hit;
+    bool knows_exact;
+    uint32_t exact_seed;
+    bis_pixel_exact exact;
+};
+
+static const bis_loc nowhere = {0};
+
+int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, scene, settings);
+    bis_flat_stage *s = status ? NULL : bis_alloc(1, sizeof *s);
+
+    if (stage) *stage = NULL;
+    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a stage");
+    if (!status) *s = (bis_flat_stage){0};
+    if (!status) status = bis_flat_describe(&s->desc, scene, settings, &diag);
+    if (!status) {
+        s->desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+        s->own = s->desc->view.settings;
+        status = bis_scene_build(&s->scene, s->desc, &diag);
+    }
+    if (!status && !bis_light_envmap(s->scene->light))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
+    if (!status) *stage = s;
+    else bis_flat_stage_close(s);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+void bis_flat_stage_close(bis_flat_stage *stage)
+{
+    if (!stage) return;
+    bis_scene_free(stage->scene);
+    bis_scene_desc_free(stage->desc);
+    bis_free(stage);
+}
+
+int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, found);
+    ray eye;
+
+    if (!status) {
+        const bis_film_desc *film = &stage->desc->view.film;
+        if (!(x >= 0 && x < film->width && y >= 0 && y < film->height))
+            status = bis_error(&diag, BIS_INPUT, nowhere, "pixel (%d, %d) is outside %d x %d", x, y, film->width,
+                               film->height);
+    }
+    if (status) return bis_flat_end(status, &diag, say, size);
+    memset(found, 0, 8 * sizeof *found);
+    stage->knows_exact = false;
+    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, &eye, stage->scene, stage->desc, x, y, &stage->counters);
+    if (stage->is_hit) {
+        const vec3 p = stage->pt.p, n = stage->pt.n;
+        const double all[8] = {1, (double)p.x, (double)p.y, (double)p.z, (double)n.x, (double)n.y, (double)n.z,
+                               stage->hit.t};
+        memcpy(found, all, sizeof all);
+    }
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+static bis_status check_hit(const bis_flat_stage *stage, bis_diag *diag)
+{
+    if (stage->is_hit) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "no point was chosen, or its pixel sees no surface: choose another one");
+}
+
+int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, value);
+
+    if (!status) status = check_hit(stage, &diag);
+    if (!status && !(stage->knows_exact && stage->exact_seed == seed)) {
+        status = bis_pixel_exact_of(&stage->exact, &stage->pt, BIS_PIXEL_MAX_PATCHES, seed, &diag);
+        stage->knows_exact = !status;
+        stage->exact_seed = seed;
+    }
+    if (!status) {
+        const bis_pixel_exact *e = &stage->exact;
+        memcpy(value, (double[]){e->lit.mean[3], e->lit.se[3], e->open.mean[3], e->open.se[3]}, 4 * sizeof *value);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- directions of a lat-long field in the light's frame ---- */
+
+/* The middle of a cell in world space. */
+static vec3 middle_of(const vec3 axis[3], int columns, int rows, int x, int y)
+{
+    const double theta = PI * (y + 0.5) / rows, phi = 2 * PI * (x + 0.5) / columns;
+    const frame light = {axis[0], axis[1], axis[2]};
+
+    return normalize(to_world(&light, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta))));
+}
+
+static bis_status check_field(int columns, int rows, bis_diag *diag)
+{
+    if (columns >= 1 && columns <= 4096 && rows >= 1 && rows <= 4096) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "a field of %d x %d: give 1 to 4096 each", columns, rows);
+}
+
+int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
+                             float *seen, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, q_L, q_f, product, seen);
+    vec3 axis[3];
+
+    if (!status) status = check_field(columns, rows, &diag);
+    if (!status) status = check_hit(stage, &diag);
+    if (!status) bis_light_axes(stage->scene->light, axis);
+    for (int i = 0; !status && i < columns * rows; i++) {
+        const vec3 wi = middle_of(axis, columns, rows, i % columns, i / columns);
+        q_L[i] = (float)bis_light_pdf(stage->pt.light, wi);
+        q_f[i] = (float)bis_bsdf_pdf(&stage->pt.bsdf, wi);
+        product[i] = (float)bis_pixel_product(&stage->pt, wi);
+        seen[i] = product[i] > 0 && bis_point_sees(&stage->pt, wi) ? product[i] : 0;
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
+                        char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, wi, cell);
+    vec3 axis[3];
+
+    if (!status) status = check_field(columns, rows, &diag);
+    if (!status) bis_light_axes(stage->scene->light, axis);
+    for (size_t i = 0; !status && i < n; i++) {
+        const frame light = {axis[0], axis[1], axis[2]};
+        const vec3 w = to_local(&light, (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]});
+        const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z);
+        const double phi = atan2((double)w.y, (double)w.x), turn = phi < 0 ? phi + 2 * PI : phi;
+        const int x = (int)(turn / (2 * PI) * columns), y = (int)(theta / PI * rows);
+        /* the last edges belong to the last cells, and phi = -tiny rounds to 2 pi */
+        cell[i] = (uint32_t)((y < rows ? y : rows - 1) * columns + (x < columns ? x : columns - 1));
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- methods ---- */
+
+/* Sets the integrator of the description for one question. */
+static bis_status ask_for(bis_flat_stage *stage, const char *const *settings, bis_diag *diag)
+{
+    const bis_status status = check_hit(stage, diag);
+
+    stage->desc->view.settings = stage->own;
+    return status ? status : bis_flat_apply(stage->desc, settings, diag);
+}
+
+static bis_status check_sir(const bis_flat_stage *stage, size_t room, bis_diag *diag)
+{
+    const bis_settings *s = &stage->desc->view.settings;
+
+    if (s->integrator != &bis_sir)
+        return bis_error(diag, BIS_INPUT, nowhere, "integrator \"%s\" has no candidates to show: give sir",
+                         s->integrator->name);
+    if (s->candidates > room)
+        return bis_error(diag, BIS_INPUT, nowhere, "%u candidates do not fit into arrays of %zu",
+                         (unsigned)s->candidates, room);
+    return BIS_OK;
+}
+
+static bis_status draw(bis_pixel_candidates *c, bis_flat_stage *stage, uint32_t seed, uint64_t run, bis_diag *diag)
+{
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1};
+    bis_stream stream;
+
+    bis_stream_init(&stream, &sampler, run, 0);
+    return bis_pixel_candidates_draw(c, &stage->pt, &stage->desc->view.settings, &stream, diag);
+}
+
+int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room, float *wi,
+                              double *w, uint32_t *chosen, uint32_t *kind, double *sum, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_pixel_candidates c = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, wi, w, chosen, kind, sum);
+
+    if (!status) status = ask_for(stage, settings, &diag);
+    if (!status) status = check_sir(stage, room, &diag);
+    const uint64_t before = status ? 0 : stage->counters.shadow_rays;
+    if (!status) status = draw(&c, stage, seed, 0, &diag);
+    for (size_t i = 0; !status && i < room; i++) {
+        static const bis_pixel_candidate none;
+        const bis_pixel_candidate *x = i < c.M ? &c.c[i] : &none;
+        wi[3 * i] = x->wi.x;
+        wi[3 * i + 1] = x->wi.y;
+        wi[3 * i + 2] = x->wi.z;
+        w[i] = x->w;
+        chosen[i] = x->chosen;
+        kind[i] = (x->from_map ? 1u : 0) | (x->seen ? 2u : 0);
+    }
+    if (!status) /* count_chosen asks for each distinct one once more */
+        memcpy(sum, (double[]){c.M, c.N, c.ess, rgbd_sum(c.L), rgbd_sum(c.L_ns),
+                               (double)(stage->counters.shadow_rays - before - c.distinct)}, 6 * sizeof *sum);
+    bis_pixel_candidates_clear(&c);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+static double deviation(const bis_verify_moments *m) { return sqrt(m->m2 / (m->n - 1)); }
+
+int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
+                        double *sum, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_counters counters = {0};
+    bis_verify_moments all = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, L, sum);
+
+    if (!status && !(n >= 2 && n <= 1000000))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 1000000", n);
+    if (!status) status = ask_for(stage, settings, &diag);
+    rgb *estimate = status ? NULL : bis_alloc(n, sizeof *estimate);
+    if (!status && !estimate) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
+    if (!status)
+        status = bis_verify_runs(estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
+                                 seed, &counters, &diag);
+    for (size_t i = 0; !status && i < n; i++) bis_verify_add(&all, L[i] = rgb_sum(estimate[i]));
+    if (!status)
+        memcpy(sum, (double[]){all.mean, deviation(&all), (double)counters.shadow_rays / (double)n}, 3 * sizeof *sum);
+    bis_free(estimate);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
+                          char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_verify_moments all = {0}, of_Zhat = {0}, of_V = {0};
+    double truth[4];
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, sum);
+
+    if (!status && !(n >= 2 && n <= 100000))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 100000", n);
+    if (!status) status = ask_for(stage, settings, &diag);
+    if (!status) status = check_sir(stage, SIZE_MAX, &diag);
+    if (!status) status = (bis_status)bis_flat_stage_exact(stage, seed, truth, NULL, 0);
+    const double V = status || truth[2] <= 0 ? 0 : truth[0] / truth[2];
+    const uint64_t before = status ? 0 : stage->counters.shadow_rays;
+    double distinct = 0;
+    for (size_t i = 0; !status && i < n; i++) {
+        bis_pixel_candidates c = {0};
+        status = draw(&c, stage, seed, i, &diag);
+        if (status) break;
+        const double L = rgbd_sum(c.L), expected = V * rgbd_sum(c.L_ns);
+        bis_verify_add(&all, L);
+        bis_verify_add(&of_Zhat, expected);
+        bis_verify_add(&of_V, L - expected);
+        distinct += c.distinct;
+        bis_pixel_candidates_clear(&c);
+    }
+    if (!status)
+        memcpy(sum, (double[]){all.mean, deviation(&all), deviation(&of_Zhat), deviation(&of_V),
+                               ((double)(stage->counters.shadow_rays - before) - distinct) / (double)n},
+               5 * sizeof *sum);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- rejection ---- */
+
+int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, bound);
+
+    if (!status) status = check_hit(stage, &diag);
+    if (!status) {
+        bound[0] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_EM);
+        bound[1] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_BRDF);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
+                          double *height, uint32_t *taken, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, w, u, height, taken);
+
+    if (!status) status = check_hit(stage, &diag);
+    if (!status && strcmp(proposal, "em") != 0 && strcmp(proposal, "brdf") != 0)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const double B = bis_candidates_bound(&stage->pt, *proposal == 'e' ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF);
+    for (size_t i = 0; i < n; i++) {
+        height[i] = u[i] * B;
+        taken[i] = height[i] < w[i];
+    }
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *count,
+                            char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_counters counters = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, count);
+
+    if (!status && !(n >= 2 && n <= 100000))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 100000", n);
+    if (!status) status = ask_for(stage, settings, &diag);
+    rgb *estimate = status ? NULL : bis_alloc(n, sizeof *estimate);
+    if (!status && !estimate) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
+    if (!status)
+        status = bis_verify_runs(estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
+                                 seed, &counters, &diag);
+    if (!status)
+        memcpy(count, (double[]){(double)counters.accepted / (double)n, stage->desc->view.settings.candidates,
+                                 (double)counters.shadow_rays / (double)n}, 3 * sizeof *count);
+    bis_free(estimate);
+    return bis_flat_end(status, &diag, say, size);
+}

@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* flat_taught: tables, maps and materials of chapter 3, step by step, for the figures that live. */
+#include "bis/flat/taught.h"
+
+#include "base/text.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/scene/light_load.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/cdf.h"
+#include "bis/thesis/marsaglia.h"
+#include "bis/thesis/regions.h"
+#include "bis/thesis/rng.h"
+#include "bis/thesis/warp.h"
+#include "bis/tools/compare.h"
+#include "flat/say.h"
+#include "tools/verify/verify.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bis_loc nowhere = {0};
+
+/* ---- numbers, hashes ---- */
+
+void bis_flat_fnv(uint32_t hash[2], size_t n, const uint8_t *bytes)
+{
+    uint64_t h = (uint64_t)hash[1] << 32 | hash[0];
+
+    h = bis_fnv1a(h ? h : BIS_FNV1A, bytes, n);
+    hash[0] = (uint32_t)h;
+    hash[1] = (uint32_t)(h >> 32);
+}
+
+void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u)
+{
+    bis_rng rng;
+
+    bis_rng_init(&rng, seed, stream, 0, 0);
+    for (size_t i = 0; i < n; i++) u[i] = bis_rng_double(&rng);
+}
+
+_Static_assert((int)BIS_N_BITS <= (int)BIS_FLAT_BITS, "the rows have room");
+
+int bis_flat_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t *n, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_bits rows[BIS_N_BITS];
+    bis_status status = BIS_FLAT_GIVEN(&diag, hash, expected, name, n);
+
+    if (!status) status = bis_verify_bits(rows, &diag);
+    for (int i = 0; i < BIS_N_BITS && !status; i++) {
+        for (int half = 0; half < 2; half++) {
+            hash[2 * i + half] = (uint32_t)(rows[i].hash >> 32 * half);
+            expected[2 * i + half] = (uint32_t)(rows[i].expected >> 32 * half);
+        }
+        snprintf((char *)name + (size_t)i * 64, 64, "%s", rows[i].name);
+    }
+    if (!status) *n = BIS_N_BITS;
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- thesis 3.2: discrete distributions ---- */
+
+static bis_status check_weights(size_t n, const double *w, bis_diag *diag)
+{
+    double sum = 0;
+
+    if (n == 0 || n > UINT32_MAX)
+        return bis_error(diag, BIS_INPUT, nowhere, "there are %zu weights: give 1 to %" PRIu32, n, UINT32_MAX);
+    for (size_t i = 0; i < n; i++) {
+        if (!(isfinite(w[i]) && w[i] >= 0))
+            return bis_error(diag, BIS_INPUT, nowhere, "weight %zu is %g: give finite numbers >= 0", i, w[i]);
+        sum += w[i];
+    }
+    if (sum > 0) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "all weights are 0: there is nothing to draw");
+}
+
+int bis_flat_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *list, uint32_t *length, char *say,
+                       size_t size)
+{
+    bis_diag diag = {0};
+    bis_marsaglia m = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, list, length);
+    uint64_t *wide = status ? NULL : bis_alloc(n, sizeof *wide);
+
+    if (!status && !wide) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu weights", n);
+    for (size_t i = 0; !status && i < n; i++) wide[i] = w[i];
+    if (!status) status = bis_marsaglia_init(&m, wide, n, &diag);
+    if (!status && m.length > room)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the list has %zu items, the array has room for %zu", m.length,
+                           room);
+    if (!status) {
+        memcpy(list, m.list, m.length * sizeof *list);
+        *length = (uint32_t)m.length;
+    }
+    bis_marsaglia_clear(&m);
+    bis_free(wide);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* order[n]: a bin is named after all that it gives to, because only then is its own part final. waits[i] counts the
+ * bins that i still has to give to. */
+static void order_bins(uint32_t *order, uint32_t *waits, const bis_alias *a)
+{
+    size_t named = 0;
+
+    for (size_t i = 0; i < a->n; i++) waits[i] = 0;
+    for (size_t i = 0; i < a->n; i++) waits[a->alias[i]] += a->alias[i] != i;
+    for (size_t i = 0; i < a->n; i++)
+        if (waits[i] == 0) order[named++] = (uint32_t)i;
+    for (size_t k = 0; k < named; k++) {
+        const uint32_t from = a->alias[order[k]];
+        if (from != order[k] && --waits[from] == 0) order[named++] = from;
+    }
+}
+
+int bis_flat_alias_stage(size_t n, const double *w, size_t steps, uint32_t *order, double *height, char *say,
+                         size_t size)
+{
+    bis_diag diag = {0};
+    bis_alias a = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, order, height);
+    uint32_t *waits = status ? NULL : bis_alloc(n, sizeof *waits);
+
+    if (!status && !waits) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu items", n);
+    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_alias_init(&a, w, n, &diag);
+    if (!status) {
+        order_bins(order, waits, &a);
+        for (size_t i = 0; i < n; i++) height[i] = a.prob[i];
+        for (size_t k = steps; k < n; k++) { /* what was not given yet */
+            const uint32_t bin = order[k];
+            height[a.alias[bin]] += 1 - a.prob[bin];
+            if (a.alias[bin] == bin) height[bin] -= 1 - a.prob[bin];
+        }
+    }
+    bis_alias_clear(&a);
+    bis_free(waits);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_alias_pmf(size_t n, const double *w, double *pmf, double *P, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_alias a = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, pmf, P);
+
+    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_alias_init(&a, w, n, &diag);
+    if (!status) bis_alias_implied_pmf(&a, pmf);
+    for (size_t i = 0; !status && i < n; i++) P[i] = w[i] / a.total;
+    bis_alias_clear(&a);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_cdf_build(size_t n, const double *w, double *c, uint32_t *guide, uint32_t *n_guide, char *say,
+                       size_t size)
+{
+    bis_diag diag = {0};
+    bis_cdf cdf = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, c, guide, n_guide);
+
+    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_cdf_init(&cdf, w, n, &diag);
+    if (!status && cdf.n_guide > 2 * n + 1)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "a guide table of %zu is too long", cdf.n_guide);
+    if (!status) {
+        memcpy(c, cdf.c, (n + 1) * sizeof *c);
+        memcpy(guide, cdf.guide, (cdf.n_guide + 1) * sizeof *guide);
+        *n_guide = (uint32_t)cdf.n_guide;
+    }
+    bis_cdf_clear(&cdf);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, uint32_t *item, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_cdf cdf = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, u, item);
+
+    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_cdf_init(&cdf, w, n, &diag);
+    for (size_t i = 0; !status && i < m; i++) {
+        if (u[i] >= 0 && u[i] < 1) item[i] = (uint32_t)bis_cdf_sample(&cdf, u[i], NULL);
+        else status = bis_error(&diag, BIS_INPUT, nowhere, "u of sample %zu is %g: give numbers in [0, 1)", i, u[i]);
+    }
+    bis_cdf_clear(&cdf);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, double *observed, double *fit, char *say,
+                 size_t size)
+{
+    bis_diag diag = {0};
+    bis_verify v = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, P, item, observed, fit);
+    double *expected = status ? NULL : bis_alloc(n, sizeof *expected);
+
+    if (!status && !expected) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu items", n);
+    for (size_t i = 0; !status && i < n; i++) {
+        expected[i] = (double)m * P[i];
+        observed[i] = 0;
+    }
+    for (size_t i = 0; !status && i < m; i++) {
+        if (item[i] < n) observed[item[i]]++;
+        else status = bis_error(&diag, BIS_INPUT, nowhere, "item %zu is %" PRIu32 ", not below %zu", i, item[i], n);
+    }
+    if (!status) bis_verify_fit(&v, "figure", observed, expected, n, "draws");
+    if (!status && v.n != 1) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a test");
+    if (!status) memcpy(fit, (double[]){v.tests[0].statistic, v.tests[0].dof, v.tests[0].p}, 3 * sizeof *fit);
+    bis_verify_clear(&v);
+    bis_free(expected);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- thesis 3.3, 3.4: maps ---- */
+
+static bis_status set_light(bis_light_desc *desc, const char *setting, bis_diag *diag)
+{
+    const size_t n = strcspn(setting, "=");
+    const char *text = setting[n] ? setting + n + 1 : "", *end;
+    const double v = bis_parse_double(text, &end);
+    const bool is_number = end != text && !*end;
+
+    if (strncmp(setting, "kind=", 5) == 0 && (strcmp(text, "alias") == 0 || strcmp(text, "cdf") == 0)) {
+        desc->has_table_kind = true;
+        desc->table_kind = *text == 'c' ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    } else if (strncmp(setting, "area_exponent=", 14) == 0 && is_number && v >= 0 && v <= BIS_AREA_EXPONENT_MAX) {
+        desc->area_exponent = v;
+    } else if (strncmp(setting, "levels=", 7) == 0 && is_number && v >= 1 && v <= BIS_LEVELS_MAX && v == floor(v)) {
+        desc->levels = (int)v;
+    } else if (strncmp(setting, "as_printed=", 11) == 0 && bis_erratum_find(text)) {
+        desc->as_printed |= bis_erratum_find(text)->flag;
+    } else {
+        return bis_error(diag, BIS_INPUT, nowhere, "\"%.60s\" is no setting of a map: give kind=alias or cdf, "
+                         "area_exponent=0 to %g, levels=1 to %d, as_printed=E3", setting, BIS_AREA_EXPONENT_MAX,
+                         BIS_LEVELS_MAX);
+    }
+    return BIS_OK;
+}
+
+int bis_flat_light_open_as(bis_light **light, const char *path, const char *const *settings, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_light_desc desc = bis_light_desc_default();
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, path, settings);
+
+    if (light) *light = NULL;
+    desc.filename = (char *)(uintptr_t)path; /* only read */
+    for (size_t i = 0; !status && settings[i]; i++) status = set_light(&desc, settings[i], &diag);
+    if (!status) status = bis_light_load(light, &desc, BIS_NEED_TABLE, NULL, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_light_find(const bis_light *light, size_t n, const float *w, uint32_t *pixel, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, w, pixel);
+
+    for (size_t i = 0; !status && i < n; i++) {
+        const vec3 d = {w[3 * i], w[3 * i + 1], w[3 * i + 2]};
+        if (isfinite(dot(d, d)) && dot(d, d) > 0)
+            pixel[i] = (uint32_t)bis_envmap_pixel(bis_light_envmap(light), normalize(d));
+        else status = bis_error(&diag, BIS_INPUT, nowhere, "direction %zu is 0 or not finite", i);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_light_density(const bis_light *light, double *pdf, double *share, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    const bis_status status = BIS_FLAT_GIVEN(&diag, light, pdf, share);
+
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const bis_envmap *em = bis_light_envmap(light);
+    for (int y = 0; y < em->height; y++) {
+        share[y] = 0;
+        for (int x = 0; x < em->width; x++) {
+            const size_t i = (size_t)y * (size_t)em->width + (size_t)x;
+            pdf[i] = bis_importance_pdf_pixel(bis_light_importance(light), i);
+            share[y] += pdf[i] * em->row_solid_angle[y];
+        }
+    }
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+int bis_flat_light_regions(const bis_light *light, int levels, double b, uint32_t *label, uint32_t *level, double *area,
+                           double *factor, uint32_t *n, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_regions r = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, label, level, area, factor, n);
+
+    if (!status && !(levels >= 1 && levels <= BIS_LEVELS_MAX && b >= 0 && b <= BIS_AREA_EXPONENT_MAX))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%d levels and exponent %g: give 1 to %d and 0 to %g", levels, b,
+                           BIS_LEVELS_MAX, BIS_AREA_EXPONENT_MAX);
+    const bis_envmap *em = status ? NULL : bis_light_envmap(light);
+    if (!status) status = bis_regions_init(&r, em, levels, &diag);
+    for (size_t i = 0; !status && i < (size_t)em->width * (size_t)em->height; i++) {
+        const uint32_t k = label[i] = r.label[i];
+        const bool lit = k != BIS_REGION_NONE;
+        level[i] = lit ? r.level[k] : BIS_REGION_NONE;
+        area[i] = lit ? r.solid_angle[k] : 0;
+        factor[i] = lit ? bis_area_factor(r.solid_angle[k], b) : 0;
+    }
+    if (!status) *n = r.n;
+    bis_regions_clear(&r);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- thesis 3.5: materials ---- */
+
+int bis_flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, double *sum, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, normal, sum);
+
+    if (!status && !(n >= 1 && n <= 4096))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "n is %d: give 1 to 4096", n);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const frame about = frame_about(normalize(vec3_from(normal[0], normal[1], normal[2])));
+    const double cell = 2 * PI / n / n;
+    double reflected = 0, above = 0;
+    for (int i = 0; i < n * n; i++) {
+        const double cosine = (i / n + 0.5) / n;
+        const vec3 wi = to_world(&about, bis_warp_cosine(1 - cosine * cosine, (i % n + 0.5) / n));
+        reflected += cell * cosine * rgb_sum(bis_bsdf_f(bsdf, wi)) / 3;
+        above += cell * bis_bsdf_pdf(bsdf, wi);
+    }
+    memcpy(sum, (double[]){reflected, above, 1 - above}, 3 * sizeof *sum);
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+/* ---- pictures ---- */
+
+int bis_flat_compare(int width, int height, const float *a, const float *b, double *sum, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_image image[2] = {{0}, {0}};
+    bis_comparison c;
+    bis_status status = BIS_FLAT_GIVEN(&diag, a, b, sum);
+
+    for (int k = 0; k < 2 && !status; k++) {
+        const float *from = k ? b : a;
+        status = bis_image_init(&image[k], width, height, &diag);
+        for (size_t i = 0; !status && i < (size_t)width * (size_t)height; i++)
+            image[k].pixels[i] = (rgb){from[4 * i], from[4 * i + 1], from[4 * i + 2]};
+    }
+    if (!status) status = bis_compare(&c, &image[0], &image[1], &diag);
+    if (!status) memcpy(sum, (double[]){c.rmse, c.relmse, c.bias}, 3 * sizeof *sum);
+    for (int k = 0; k < 2; k++) bis_image_clear(&image[k]);
+    return bis_flat_end(status, &diag, say, size);
+}
