@@ -486,10 +486,6 @@ exit
 # - for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
 # + for (int i = 0; i < 4; i++) c[i] = a[i];
 #
-# * adapt test_adapt : a pass of many samples is taken for as noisy as one of few
-# - a->inverse[t] += 1.0 / a->samples[t];
-# + a->inverse[t] += 1.0 / BIS_ADAPT_SAMPLES;
-#
 # * visibility test_clusters : a cell knows what it and later cells have counted in this pass
 # - for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
 # + for (size_t i = first; i < first + v->cells; i++) add_cell(&tile, &v->counted[i]);
@@ -599,8 +595,8 @@ exit
 # + return 2;
 #
 # * render test_render : passes grow too fast
-# - if (r->work.view->adaptive) n =
-# + n = n < 4 ? n + 1 : n; if (r->work.view->adaptive) n =
+# - if (r->work.options->pass_size) n =
+# + n = n < 4 ? n + 1 : n; if (r->work.options->pass_size) n =
 #
 # * render test_render : a pass after one that was cut to fit
 # - if (r->is_last || (r->most

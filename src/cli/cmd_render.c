@@ -422,9 +422,6 @@ int bis_cmd_render(int argc, char **argv)
         {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
             "in 0.05 or 5%",
          .kind = BIS_OPTION_SHARE, .value = &o.error, .above = true, .hi = 10},
-        {.name = "adaptive",
-         .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded "
-                 "up to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o.over.adaptive},
 
         {.help = "a render in several runs (the picture has the bits of one run)"},
         {.name = "checkpoint", .argument = "F",
@@ -441,7 +438,7 @@ int bis_cmd_render(int argc, char **argv)
         {.help = "a render on several machines (the picture has the bits of one run)"},
         {.name = "part", .argument = "K/N",
          .help = "render the K-th of N shares of the picture's tiles into --outfile F.bispart; `bis merge` makes the "
-                 "picture of them. Not with --time, --error, --adaptive or auto, which need the whole picture",
+                 "picture of them. Not with --time, --error or auto, which need the whole picture",
          .kind = BIS_OPTION_OWN, .value = &o.part.share, .read = bis_render_part_read,
          .rule = "K/N with K from 1 to N, as in 2/5"},
     };

@@ -32,7 +32,7 @@ static const bis_help_entry scene[] = {
      "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), scale (1), "
      "layers (see output)"},
     {"Sampler", "\"stratified\", \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
-                "(16), seed (0), adaptive (false), "
+                "(16), seed (0), "
                 "edgesamples (1; more on outlines), edgelight (1; their share of the light samples); stratified: "
                 "xsamples, ysamples (4), jitter (true). A scene without a Sampler has \"sobol\" with edgesamples 8 and "
                 "edgelight 0.25"},
@@ -157,8 +157,6 @@ static const bis_help_entry budgets[] = {
     {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it, the first one too"},
     {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says what it "
                   "will cost as soon as the error is known"},
-    {"--adaptive",
-     "camera samples go where the error is, by tiles of 16 x 16 pixels; every pass is then four of them in the mean"},
     {NULL, "Ctrl-C ends a render soon: what is done is written, and the exit status is 130. The "
            "picture depends on the scene, the seed and the number "
            "of camera samples, never on the number of threads."},

@@ -80,9 +80,6 @@ bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const
     else if (budget->error > 0)
         what = "--error: it is the error of the whole picture, which no part knows. Give --spp N; a small --resolution "
                "with --error tells how many";
-    else if (desc->view.adaptive)
-        what = "adaptive sampling: it weighs each tile against the whole picture. Leave out --adaptive, and \"bool "
-               "adaptive\" of the scene";
     else if (bis_auto_is_wanted(&desc->view.settings))
         what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --time 60 "
                "--stats -` runs it once; give all parts the Integrator line in \"chosen\"";

@@ -146,8 +146,6 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     *s = (bis_sampler){.kind = replaced ? BIS_SAMPLER_SOBOL : (bis_sampler_kind)chosen->value, .jitter = true};
     bis_sampler_set_spp(&p->desc->view.sampler, spp);
     bis_params_integer(p, "seed", &s->seed, 0, BIS_SEED_MAX);
-    p->desc->view.adaptive = false;
-    bis_params_bool(p, "adaptive", &p->desc->view.adaptive);
     p->desc->view.edge_samples = 1;
     bis_params_uint32(p, "edgesamples", &p->desc->view.edge_samples, 1, 1024);
     p->desc->view.edge_light = 1;

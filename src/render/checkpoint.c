@@ -2,7 +2,7 @@
 /* checkpoint: sums, counts and the number of passes; no random number has a state that could be lost.
  *
  * What a pass makes depends on its number, its first camera sample and its size (pass.c), on what earlier passes left
- * in the film, in adapt.h and in visibility.h, and on the scene. All but the scene is here (state.h), and of the scene
+ * in the film and in visibility.h, and on the scene. All but the scene is here (state.h), and of the scene
  * a hash of each of its parts (identity.h), so that a checkpoint is refused where it would continue another picture.
  *
  * Cost: 64 bytes a pixel (and 8 for each value of a layer, 512 bytes for each cell that learns), written in one go. */
@@ -60,12 +60,9 @@ static bis_status compare(const bis_checkpoint *c, const bis_state_head *own, bi
 }
 
 /* Only a file with a forged checksum can fail here. */
-static bool is_sound(const bis_adapt *a, const bis_done *d, uint32_t passes, double weight)
+static bool is_sound(const bis_done *d, uint32_t passes, double weight)
 {
-    if (passes == 0 || d->spp == 0 || !(weight > 0) || !(d->seconds >= 0)) return false;
-    for (int t = 0; t < a->n_tiles; t++)
-        if (a->samples[t] < 1 || a->samples[t] > BIS_ADAPT_MOST) return false;
-    return true;
+    return passes > 0 && d->spp > 0 && weight > 0 && d->seconds >= 0;
 }
 
 static bis_status restore(bis_checkpoint *c, bis_workspace *of, bis_done *done, bis_diag *diag)
@@ -76,7 +73,7 @@ static bis_status restore(bis_checkpoint *c, bis_workspace *of, bis_done *done, 
     bis_state_walk_done(&w, done, f);
     w.bad |= (uint64_t)(w.end - w.in) != bis_state_sums_bytes(of);
     if (!w.bad) bis_state_walk_sums(&w, of);
-    if (w.bad || !is_sound(&of->adapt, done, f->passes, f->weight))
+    if (w.bad || !is_sound(done, f->passes, f->weight))
         return bis_error(diag, BIS_INPUT, (bis_loc){c->source, 0, 0}, "this checkpoint is damaged");
     return BIS_OK;
 }

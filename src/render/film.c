@@ -8,13 +8,12 @@
  * The scatter of the passes is kept as its root mean square, which is updated pass by pass (Welford 1962): no
  * difference of large sums cancels, and float is enough: a step rounds by 2^-25, and the value settles.
  *
- * The sum of hits is float, because it is a count. weight x share is the number of hits of a pass, or on outlines that
- * number divided by edgesamples. With 8 of them these are multiples of 1/8, and 2^24 such steps have no rounding: the
- * sum is exact up to 2^21 = 2 million camera samples a pixel. Shares that are no such multiples (3 edgesamples; tiles
- * of adaptive sampling, whose samples differ from the weight) are rounded in each pass by at most 2^-24 of the sum so
- * far. With n passes of equal weight and a share a, the sums so far are a, 2a .. na: together their roundings are at
- * most 2^-24 a n(n+1)/2, so that alpha, the sum over n, errs by at most 2^-25 a (n+1). This is 0.001 for 10^5 passes
- * of a = 1/3, half a step of an 8-bit picture.
+ * The sum of hits is float, because it is a count. weight x share is the number of hits of a pass, or on outlines
+ * that number divided by edgesamples. With 8 of them these are multiples of 1/8, and 2^24 such steps have no
+ * rounding: the sum is exact up to 2^21 = 2 million camera samples a pixel. Shares that are no such multiples (3
+ * edgesamples) are rounded in each pass by at most 2^-24 of the sum so far. With n passes of equal weight and a share
+ * a, the sums so far are a, 2a .. na: together their roundings are at most 2^-24 a n(n+1)/2, so that alpha, the sum
+ * over n, errs by at most 2^-25 a (n+1). This is 0.001 for 10^5 passes of a = 1/3, half a step of an 8-bit picture.
  *
  * A film also keeps its mean as it was when it had half and a quarter as many camera samples, because the differences
  * between halves tell the error and how fast it falls (film_error.c). They are float: a difference below 2^-24 of the

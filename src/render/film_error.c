@@ -146,25 +146,6 @@ static double floor_of(const bis_film *f)
     return mean * mean / 100;
 }
 
-void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
-{
-    int across;
-    const int n = bis_film_tiles(f, tile, &across);
-    const double floor = floor_of(f);
-
-    assert(f->passes > 1);
-#pragma omp parallel for schedule(dynamic)
-    for (int t = 0; t < n; t++) {
-        const bis_rect r = bis_film_tile_of_crop(f, tile, t);
-        errors[t] = 0;
-        for (int y = r.y0; floor > 0 && y < r.y1; y++)
-            for (int x = r.x0; x < r.x1; x++) {
-                const size_t i = (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0);
-                errors[t] += error_of_pixel(f, i, floor).by[PASSES];
-            }
-    }
-}
-
 /* A sum over pixels of one of their errors, and what its own noise is. */
 typedef struct total {
     double sum;

@@ -16,7 +16,7 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
     "the camera",
     "the sampler, or its seed",
     "the camera samples for which samplers \"stratified\" and \"halton\" divide a pixel (--spp)",
-    "pixel jitter, adaptive sampling, or camera samples on edges",
+    "pixel jitter, or camera samples on edges",
     "the integrator, or its parameters",
     "the shapes",
     "the materials, or their textures",
@@ -164,7 +164,7 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
 {
     const bis_view *view = of->view;
     const bis_sampler *s = &view->sampler;
-    const bool divides = !view->adaptive && (s->kind == BIS_SAMPLER_STRATIFIED || s->kind == BIS_SAMPLER_HALTON);
+    const bool divides = s->kind == BIS_SAMPLER_STRATIFIED || s->kind == BIS_SAMPLER_HALTON;
     bis_walk own = {.hash = BIS_FNV1A}, *w = &own;
     int n = 0;
 
@@ -182,7 +182,6 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
     if (divides) hash_count(w, s->spp);
     parts[n++] = bis_walk_take_hash(w);
     hash_count(w, view->pixel_jitter);
-    hash_count(w, view->adaptive);
     hash_count(w, of->edge ? view->edge_samples : 1);
     hash_real(w, of->edge ? view->edge_light : 1);
     hash_count(w, of->options->pass_size);

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* pass: from camera samples (wave.h) to the film.
  *
- * One pass is the same number of camera samples of every pixel (with adaptive sampling as many as adapt.h says; in edge
- * pixels more, see edges.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass)
- * alone, and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes,
- * never on threads, time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the
- * film when it is complete; an abandoned one leaves no trace, not even in the counters. The values of layers go the
- * same way.
+ * One pass is the same number of camera samples of every pixel (in edge pixels more, see edges.h). Threads take tiles
+ * in any order, but what a pixel gets depends on (seed, pixel, pass) alone, and only whole passes reach the film, in
+ * order: the film's bits depend on the scene and the number of passes, never on threads, time, or the moment of
+ * Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an abandoned
+ * one leaves no trace, not even in the counters. The values of layers go the same way.
  *
  * A pixel of a crop gets what it gets in the full picture. Where a pixel learns from its neighbours (visibility.h), all
  * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side. */
@@ -26,9 +25,8 @@
 #include <omp.h>
 #endif
 
-/* Of the random numbers that are seeds: beyond all purposes of sampler.c. */
-static const uint64_t PURPOSE_PASS = (uint64_t)4 << 32;
-static const uint64_t LOOK = UINT64_MAX; /* in the place of the number of a pass */
+/* Of the random number that is the seed of all looks around: beyond all purposes of sampler.c. */
+static const uint64_t LOOK = UINT64_MAX, PURPOSE_SEED = (uint64_t)4 << 32;
 
 static int this_thread(void)
 {
@@ -39,15 +37,15 @@ static int this_thread(void)
 #endif
 }
 
-/* The sampler of a pass of adaptive sampling: n camera samples with a seed of their own, independent of all others. */
-static bis_sampler sampler_number(const bis_workspace *w, uint64_t number, uint32_t n)
+/* The sampler of a look: one camera sample with a seed of its own, independent of those of all passes. */
+static bis_sampler sampler_of_look(const bis_workspace *w)
 {
     bis_sampler s = w->view->sampler;
     bis_rng rng;
 
-    bis_rng_init(&rng, s.seed, number, 0, PURPOSE_PASS);
+    bis_rng_init(&rng, s.seed, LOOK, 0, PURPOSE_SEED);
     s.seed = bis_rng_u64(&rng);
-    bis_sampler_set_spp(&s, n);
+    bis_sampler_set_spp(&s, 1);
     return s;
 }
 
@@ -69,23 +67,17 @@ static void place_in_tile(int i, int *x, int *y)
 
 static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
-/* What a pass takes of pixel (x, y): n camera samples, or in an edge pixel as many times edgesamples (64 x 1024 at
- * most), each of which then has a share of the light samples. With adaptive sampling the n of a pass have a seed of
- * their own, because passes of different sizes have no place in one sequence. */
-static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
-                        bis_pixel_sum *sum)
+/* What a pass takes of pixel (x, y): its camera samples, or in an edge pixel as many times edgesamples, each of
+ * which then has a share of the light samples. */
+static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, const bis_pass *pass, bis_pixel_sum *sum)
 {
     const int edge = w->edge ? bis_edges_kind(w->edge, w->area, x, y) : BIS_EDGE_NONE;
     const uint32_t each = bis_edges_samples(edge, w->view->edge_samples);
-    bis_sampler sampler = edge ? w->edge_samplers[edge] : w->view->sampler;
-    uint64_t first = pass->first * each;
+    const bis_sampler *sampler = edge ? &w->edge_samplers[edge] : &w->view->sampler;
+    const uint64_t first = pass->first * each;
 
     sum->settings = each > 1 ? &w->edge_settings : &w->view->settings;
-    if (w->adapt.n_tiles) {
-        sampler = sampler_number(w, pass->number, n * each);
-        first = 0;
-    }
-    for (uint32_t k = 0; k < n * each; k++) bis_wave_add(wave, &sampler, x, y, first + k, sum);
+    for (uint64_t k = 0; k < (uint64_t)pass->n * each; k++) bis_wave_add(wave, sampler, x, y, first + k, sum);
 }
 
 /* A look at tile t before its first samples, of which nothing is kept but what it learns: where little light arrives,
@@ -100,7 +92,7 @@ static void look_around(const bis_workspace *w, bis_worker *me, int t)
     enum { PIXELS = BIS_RENDER_TILE * BIS_RENDER_TILE, ROUNDS = 16, QUARTER = PIXELS / 4 };
     const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(w->film, BIS_RENDER_TILE, t);
     const size_t cells = w->visibility.cells;
-    const bis_sampler sampler = sampler_number(w, LOOK, 1);
+    const bis_sampler sampler = sampler_of_look(w);
     bis_pixel_sum dropped = {.settings = &w->view->settings};
 
     for (int round = 0; round < ROUNDS; round++) {
@@ -127,7 +119,6 @@ static void look_around(const bis_workspace *w, bis_worker *me, int t)
 static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass, bool is_glimpse)
 {
     const bis_film *f = w->film;
-    const uint32_t n = w->adapt.n_tiles ? w->adapt.samples[t] : pass->n;
     const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(f, BIS_RENDER_TILE, t),
                    kept = bis_film_tile_of_crop(f, BIS_RENDER_TILE, t),
                    crop = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
@@ -149,7 +140,7 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
         if (sum->values) memset(sum->values, 0, (size_t)f->layers.n_values * sizeof *sum->values);
         sum->cell = (size_t)t * cells + (size_t)i * cells / (BIS_RENDER_TILE * BIS_RENDER_TILE);
-        add_samples(w, me->wave, x, y, n, pass, sum);
+        add_samples(w, me->wave, x, y, pass, sum);
     }
     bis_wave_end(me->wave);
     if (bis_workspace_interrupted(w)) return false;

@@ -9,7 +9,7 @@ typedef void bis_pass_progress(double share, void *user);
 
 typedef struct bis_pass {
     uint32_t number; /* of the pass, from 0 */
-    uint32_t n;      /* camera samples of a pixel; with adaptive sampling, see adapt.h */
+    uint32_t n;      /* camera samples of a pixel */
     uint64_t first;  /* camera samples of a pixel in the passes before */
     double weight;   /* of the pass in the film */
 } bis_pass;

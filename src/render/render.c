@@ -16,9 +16,6 @@
  * (first_light.h). What it did not reach is filled from the glimpse, which no later pass could put right: the render
  * then ends.
  *
- * Adaptive sampling weighs each tile against the whole picture, of which a crop knows nothing: a pixel of a crop then
- * does not get what it gets in the full picture.
- *
  * A checkpoint holds only passes of the size that their place in the order demands. The last pass of a budget may be
  * smaller, and a longer render takes a whole one in its place: so the state before it is kept. */
 #include "bis/render/render.h"
@@ -62,7 +59,6 @@ static uint32_t whole_size(const render *r, uint64_t spp)
     uint32_t n = spp < 2 ? 1 : spp < MOST_SAMPLES ? (uint32_t)spp : MOST_SAMPLES;
 
     if (r->work.options->pass_size) n = r->work.options->pass_size;
-    if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;
     return n;
 }
 
@@ -160,7 +156,7 @@ static bool budget_left(render *r)
     const uint32_t size = r->size = pass_size(r, done->spp);
     if (b->seconds > 0 && passes) {
         const double fits = samples_that_fit(r);
-        if (fits < (r->work.view->adaptive ? size : 1)) return false;
+        if (fits < 1) return false;
         r->is_last = fits < size;
         if (r->is_last) r->size = (uint32_t)fits;
     }
@@ -174,14 +170,13 @@ static bool budget_left(render *r)
 }
 
 /* Camera samples that are expected in all, as far as the budgets tell; 0: unknown. With an error to reach it is
- * unknown, because the error decides, and must not depend on what earlier processes were asked for. Adaptive passes
- * weigh 1 each, and their halves are not used. */
+ * unknown, because the error decides, and must not depend on what earlier processes were asked for. */
 static double expected_spp(const render *r)
 {
     const double done = (double)r->done.spp;
     double most = r->most ? (double)r->most : HUGE_VAL;
 
-    if (r->work.view->adaptive || r->budget.error > 0) return 0;
+    if (r->budget.error > 0) return 0;
     if (r->budget.seconds > 0 && done > 0) most = fmin(most, done + samples_that_fit(r));
     return isfinite(most) ? fmax(most, done + r->size) : 0;
 }
@@ -191,7 +186,7 @@ static bool render_pass(render *r)
     const bis_pass pass = {.number = r->work.film->passes,
                            .n = r->size,
                            .first = r->done.spp,
-                           .weight = r->work.view->adaptive ? 1 : (double)r->size};
+                           .weight = (double)r->size};
 
     r->work.film->most = expected_spp(r);
     if (r->work.team) bis_team_call(r->work.team, &pass, BIS_OK);
@@ -203,7 +198,6 @@ static bool render_pass(render *r)
     }
     bis_pass_keep(&r->work, &pass, &r->done.counters);
     r->done.spp += r->size;
-    if (r->work.adapt.n_tiles) bis_adapt_next(&r->work.adapt, r->work.film);
     return true;
 }
 
@@ -342,12 +336,11 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
 
     *result = (bis_render_result){.error = {.relative_rmse = (double)NAN, .upper = (double)NAN}};
     assert(film->passes == 0);
-    film->independent = view->adaptive || view->sampler.kind == BIS_SAMPLER_RANDOM;
+    film->independent = view->sampler.kind == BIS_SAMPLER_RANDOM;
     assert(!options->first_light || !(options->part.n || options->crew || options->checkpoint));
-    assert(!options->part.n || !(view->adaptive || options->budget.error > 0)); /* these weigh the whole picture */
+    assert(!options->part.n || !(options->budget.error > 0)); /* the error is that of the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
-    if (view->adaptive) r.most = (r.most + BIS_ADAPT_SAMPLES - 1) / BIS_ADAPT_SAMPLES * BIS_ADAPT_SAMPLES;
     bis_status status = prepare(&r, film, scene, desc, view, options, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 7, MAGIC = 8 };
+enum { FORMAT = 8, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -151,15 +151,6 @@ void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)
     w->bad |= independent > 1;
 }
 
-static void walk_adapt(bis_walk *w, bis_adapt *a)
-{
-    for (int t = 0; t < a->n_tiles; t++) {
-        bis_walk_u32(w, &a->samples[t]);
-        bis_walk_f64(w, &a->inverse[t]);
-        bis_walk_f64(w, &a->noise[t]);
-    }
-}
-
 static void walk_visibility(bis_walk *w, const bis_workspace *of)
 {
     for (int i = 0; i < of->n_own && of->visibility.n_tiles; i++) {
@@ -221,7 +212,7 @@ uint64_t bis_state_sums_bytes(const bis_workspace *of)
     const uint64_t n_learn = of->visibility.n_tiles ? (uint64_t)of->n_own : 0;
 
     return pixels_of(of) * (BIS_FILM_BYTES + 8 * (uint64_t)of->film->layers.n_values) +
-           (uint64_t)of->adapt.n_tiles * 20 + n_learn * of->visibility.cells * sizeof(bis_seen);
+           n_learn * of->visibility.cells * sizeof(bis_seen);
 }
 
 void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
@@ -234,6 +225,5 @@ void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
     walk_pixels(w, of, (values){.floats = f->quarter, .each = 3});
     walk_pixels(w, of, (values){.floats = f->hits, .each = 1});
     walk_pixels(w, of, (values){.doubles = f->layers.sum, .each = (size_t)f->layers.n_values});
-    walk_adapt(w, &of->adapt);
     walk_visibility(w, of);
 }

@@ -8,7 +8,7 @@
 
 /* What a render has done, beside its film. */
 typedef struct bis_done {
-    uint64_t spp;          /* camera samples of a pixel in complete passes; with adaptive sampling their mean */
+    uint64_t spp;          /* camera samples of a pixel in complete passes */
     double seconds;        /* in all processes that took part */
     uint32_t next_check;   /* number of passes at which the error is estimated next */
     double rmse_upper;     /* as estimated last; NAN: not yet */
@@ -38,7 +38,7 @@ bis_status bis_state_open(bis_walk *w, bis_state_kind kind, const unsigned char 
                           bis_diag *diag);
 
 /* bis_state_walk_head, bis_state_walk_done and bis_state_walk_sums walk over a part of the file each. The sums are
- * those of the workspace's own tiles; it needs the film, the own tiles, and what it has of adapt and visibility. */
+ * those of the workspace's own tiles; it needs the film, the own tiles, and what it has of visibility. */
 void bis_state_walk_head(bis_walk *w, bis_state_head *h);
 void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f);
 void bis_state_walk_sums(bis_walk *w, bis_workspace *of);

@@ -90,12 +90,6 @@ static batch take(bis_team *team, int rank, bool one)
     return b;
 }
 
-static bis_team_tile head_of(const bis_team *team, int tile)
-{
-    const bis_adapt *a = &team->w->adapt;
-    return (bis_team_tile){.tile = tile, .samples = a->n_tiles ? a->samples[tile] : 0};
-}
-
 /* The next batch for a rank: its own tiles or nobody's, or those of rank 0 with what they have learned; others are
  * given by their owner. */
 static void deal(bis_team *team, int rank)
@@ -107,7 +101,7 @@ static void deal(bis_team *team, int rank)
     unsigned char *m = bis_team_message(team, (bis_team_head){.kind = gives ? BIS_TEAM_GIVE : BIS_TEAM_WORK,
                                                               .n_tiles = b.n, .to = rank, .learned = moves && !gives});
     for (int i = 0; i < b.n; i++) {
-        const bis_team_tile h = head_of(team, team->order[b.first + i]);
+        const bis_team_tile h = {.tile = team->order[b.first + i]};
         m = bis_team_put(m, &h, sizeof h);
         if (moves && !gives) m = bis_team_put_learned(m, team->w, h.tile);
     }

@@ -87,7 +87,6 @@ void bis_team_queue(bis_team *team, const bis_team_head *h, unsigned char *m)
     for (int i = 0; i < h->n_tiles; i++) {
         bis_team_tile t;
         m = bis_team_get(m, &t, sizeof t);
-        if (w->adapt.n_tiles) w->adapt.samples[t.tile] = t.samples;
         if (h->learned) m = bis_team_get_learned(m, w, t.tile);
 #pragma omp critical(bis_team)
         team->queue[team->n_queued++] = t.tile;

@@ -20,8 +20,7 @@ typedef struct bis_team_head {
 /* Before each tile of a message. */
 typedef struct bis_team_tile {
     int32_t tile;
-    uint32_t samples; /* of WORK and GIVE: of adapt.h */
-    double seconds;   /* of DONE */
+    double seconds; /* of DONE */
 } bis_team_tile;
 
 /* What all ranks do next: rank 0 broadcasts it between two passes. */

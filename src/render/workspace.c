@@ -95,7 +95,7 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 /* After make_pool, which knows whether visibility is learned. */
 static void find_area(bis_workspace *w)
 {
-    w->whole_tiles = w->visibility.n_tiles > 0 && !w->view->adaptive;
+    w->whole_tiles = w->visibility.n_tiles > 0;
     const bis_rect first = bis_workspace_tile(w, 0), last = bis_workspace_tile(w, w->n_tiles - 1);
     w->area = (bis_rect){first.x0, first.y0, last.x1, last.y1};
 }
@@ -148,7 +148,6 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
     if (!status) status = make_pool(w, diag);
     find_area(w);
     if (!status) status = make_pass(w, diag);
-    if (!status && view->adaptive) status = bis_adapt_init(&w->adapt, film, BIS_RENDER_TILE, diag);
     return status;
 }
 
@@ -228,7 +227,7 @@ size_t bis_workspace_bytes(const bis_workspace *w)
                           bis_product_guide_bytes(&w->workers[0].guide);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
-           bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;
+           (size_t)w->n_threads * thread + n_pixels * pixel;
 }
 
 void bis_workspace_clear(bis_workspace *w)
@@ -241,7 +240,6 @@ void bis_workspace_clear(bis_workspace *w)
     bis_pool_clear(&w->pool);
     bis_clusters_clear(&w->clusters);
     bis_visibility_clear(&w->visibility);
-    bis_adapt_clear(&w->adapt);
     bis_free(w->own);
     bis_free(w->workers);
     bis_free(w->pass);

@@ -5,7 +5,6 @@
 
 #include "bis/render/render.h"
 
-#include "adapt.h"
 #include "beyond/guide.h"
 #include "edges.h"
 #include "wave.h"
@@ -34,7 +33,6 @@ typedef struct bis_workspace {
     const bis_render_options *options;
     bis_film *film;
     bis_xform to_camera;
-    bis_adapt adapt;  /* n_tiles = 0: a pass takes as many camera samples of every pixel */
 
     int n_threads;
     bis_worker *workers; /* workers[n_threads] */

@@ -139,7 +139,6 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
         attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->view.edge_samples};
     if (s->desc->view.edge_samples > 1 && s->desc->view.edge_light > 0 && s->desc->view.edge_light < 1)
         attributes[n++] = (bis_attribute){"edgelight", NULL, s->desc->view.edge_light};
-    if (s->desc->view.adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
     if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
     if (s->choice && s->choice->reason) attributes[n++] = (bis_attribute){"bis:auto-reason", s->choice->reason, 0};
     if (*s->approximated) attributes[n++] = (bis_attribute){"bis:approximated", s->approximated, 0};

@@ -45,9 +45,9 @@ typedef struct bis_stats {
 bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
                        const bis_film *film, const bis_render_result *result);
 
-/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
- * bis:auto (the line for a scene, where auto chose), bis:approximated (where something is), spp, seed,
- * render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
+/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), bis:auto (the line for
+ * a scene, where auto chose), bis:approximated (where something is), spp, seed, render_seconds,
+ * estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
 /* The JSON of --stats, keys as docs/command-line.md; what does not apply is null. */

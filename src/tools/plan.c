@@ -67,15 +67,14 @@ static void print_view(const bis_scene_desc *d, FILE *out)
         fprintf(out, ", %" PRIu32 " for each of them on outlines", d->view.edge_samples);
     if (d->view.edge_samples > 1 && d->view.pixel_jitter && d->view.edge_light < 1)
         fprintf(out, " with %s of its light samples each", bis_format_double(a, d->view.edge_light));
-    fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->view.pixel_jitter ? "" : ", all through the pixel's centre",
-            d->view.adaptive ? ", adaptive" : "");
+    fprintf(out, ", seed %" PRIu64 "%s\n", s->seed, d->view.pixel_jitter ? "" : ", all through the pixel's centre");
 }
 
 /* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
     if (!d->n_shapes || !bis_light_desc_has_map(&d->light)) return false;
-    if (d->view.adaptive || d->view.settings.integrator == &bis_auto) return false;
+    if (d->view.settings.integrator == &bis_auto) return false;
     return bis_beyond_needs_of(&d->view.settings).visibility;
 }
 

@@ -111,8 +111,7 @@ static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
         {"--spp 6 --integrator sir --proposal product --learn on --cropwindow 0.1,0.7,0.2,0.9", 5},
         {"--spp 7 --integrator mis --nthreads 2", 2},
         {"--error 20% --integrator sir --proposal product --learn on --layers stderr,albedo", 3},
-        {"--spp 24 --adaptive --layers samples", 5},
-        {"--spp 1000 --error 0.2 --adaptive --integrator sir --proposal product --learn on", 2},
+        {"--spp 24 --layers samples", 5},
         {"--spp 3 --integrator em --disable-pixel-jitter", 20}, /* more ranks than tiles; rank 0 leads only */
     };
     static const char *const keys[] = {"spp", "rays.camera", "rays.shadow", "candidates_drawn", "estimated_relative_rmse"};

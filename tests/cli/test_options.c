@@ -75,7 +75,7 @@ static void render_takes_what_is_in_range(void **state)
         {"--time 1e-300", 0, "scene        "}, {"--time 1e8", 0, "scene        "}, {"--time 100000001", 2, "(0, 100000000]"}, {"--time 27778h", 2, "(0, 100000000]"},
         {"--error 1e-300", 0, "scene        "}, {"--error 1000%", 0, "scene        "}, {"--error 10.01", 2, "in (0, 10]"},
         {"--exposure -100", 0, "scene        "}, {"--exposure 100", 0, "scene        "}, {"--exposure 100.1", 2, "in [-100, 100]"}, {"--exposure -100.1", 2, "in [-100, 100]"},
-        {"--adaptive", 0, ", seed 0, adaptive\n"}, {"--disable-pixel-jitter", 0, ", seed 0, all through the pixel's centre\n"},
+        {"--disable-pixel-jitter", 0, ", seed 0, all through the pixel's centre\n"},
         {"--layers none", 0, "\nskip         layers: none is asked for\n"}, {"--layers depth,albedo", 0, "\nbuild        layers albedo depth: about "},
         {"--layers all", 0, "\nbuild        layers stderr interval samples shadowrays candidates unoccluded visibility albedo normal depth: about "},
         {"--as-printed E6 --as-printed E20", 0, "\nas printed   E20 ("}, {"--as-printed E7", 2, "--as-printed: no erratum \"E7\" can be switched"},

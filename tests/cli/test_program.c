@@ -293,21 +293,6 @@ static void on_a_terminal_a_line_tells_how_far_it_is(void **state)
     }
 }
 
-static void an_adaptive_picture_says_so_and_can_be_made_again(void **state)
-{
-    (void)state;
-    program_run r;
-    program_expect(&r, 0, SCENE " --adaptive --spp 18 --outfile " DIR "/adaptive.exr");
-    exr_context_t file = open_exr(DIR "/adaptive.exr");
-    assert_text(file, "adaptive", "true");
-    assert_true(number(file, "spp") == 20);
-    exr_finish(&file);
-    program_expect(&r, 0, SCENE " --adaptive --spp 20 --nthreads 3 --outfile " DIR "/again.exr");
-    assert_true(relmse(DIR "/adaptive.exr", DIR "/again.exr") == 0);
-    program_expect(&r, 0, SCENE " --spp 20 --outfile " DIR "/again.exr");
-    assert_true(relmse(DIR "/adaptive.exr", DIR "/again.exr") > 0);
-}
-
 static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
 {
     (void)state;
@@ -1015,7 +1000,7 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
     (void)state;
     const struct { const char *options, *passes; } cases[] = {
         {"--spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 1", "1 camera sample a pixel in 1 pass, "},
-        {"--spp 8 --adaptive --cropwindow 0,0.5,0,1", "8 camera samples a pixel in 2 passes, "},
+        {"--spp 8 --cropwindow 0,0.5,0,1", "8 camera samples a pixel in 4 passes, "},
     };
     for (int i = 0; i < 3; i++) {
         program_run r;
@@ -1261,7 +1246,6 @@ int main(void)
         cmocka_unit_test(layers_are_further_channels_of_an_exr_alone),
         cmocka_unit_test(an_error_out_of_reach_is_said_early_and_loses_nothing),
         cmocka_unit_test(on_a_terminal_a_line_tells_how_far_it_is),
-        cmocka_unit_test(an_adaptive_picture_says_so_and_can_be_made_again),
         cmocka_unit_test(a_crop_keeps_the_display_window_and_the_pixels),
         cmocka_unit_test(stats_are_json_with_exactly_the_keys_of_the_contract),
         cmocka_unit_test(stats_in_a_file_are_those_of_standard_output),

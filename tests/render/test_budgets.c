@@ -73,35 +73,32 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
 }
 
 /* The bound covers the true error in 95 % of runs (597 of 630 with other seeds), and in no more than 1 of 10 is the error
- * below half of it: three integrators, plain and adaptive, three budgets. Of 63 runs fewer than 50 are kept with a
+ * below half of it: three integrators, three budgets. Of 63 runs fewer than 50 are kept with a
  * probability of 0.3 % if the bound covers 90 %, and of 2e-6 if it covers 95 % (binomial). */
 static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
 {
     (void)state;
     const bis_integrator *const integrators[3] = {&bis_sir, &bis_em, &bis_mis};
     const double E[3] = {0.05, 0.07, 0.1};
-    for (int adaptive = 0; adaptive < 2; adaptive++) {
-        tally t = {0};
-        for (int i = 0; i < 3; i++) {
-            world w;
-            bis_film reference;
-            make_dull_world(&w, integrators[i]);
-            reference_of(&reference, &w, 3000);
-            w.desc.view.adaptive = adaptive;
-            for (uint64_t seed = 1; seed <= 21; seed++) {
-                w.desc.view.sampler.seed = seed;
-                run(&t, &w, &reference, E[seed % 3]);
-            }
-            bis_film_clear(&reference);
-            clear_world(&w);
+    tally t = {0};
+    for (int i = 0; i < 3; i++) {
+        world w;
+        bis_film reference;
+        make_dull_world(&w, integrators[i]);
+        reference_of(&reference, &w, 3000);
+        for (uint64_t seed = 1; seed <= 21; seed++) {
+            w.desc.view.sampler.seed = seed;
+            run(&t, &w, &reference, E[seed % 3]);
         }
-        assert_int_equal(t.runs, 63);
-        if (t.kept < 50 || 10 * t.wasted > t.more || t.more < t.runs / 2) {
-            fail_msg("adaptive %d: kept in %d of %d, %d wasted of %d that needed more than the minimum; %g camera samples in the mean", adaptive, t.kept, t.runs, t.wasted, t.more,
-                     t.spp / t.runs);
-        }
-        assert_true(t.twin_kept < 50); /* the bound is needed */
+        bis_film_clear(&reference);
+        clear_world(&w);
     }
+    assert_int_equal(t.runs, 63);
+    if (t.kept < 50 || 10 * t.wasted > t.more || t.more < t.runs / 2) {
+        fail_msg("kept in %d of %d, %d wasted of %d that needed more than the minimum; %g camera samples in the mean", t.kept, t.runs, t.wasted, t.more,
+                 t.spp / t.runs);
+    }
+    assert_true(t.twin_kept < 50); /* the bound is needed */
 }
 
 /* The estimate beside the truth, root mean squares over renders of `spp` samples: *figure is the estimate, *twin the one
@@ -173,38 +170,35 @@ static void keep_forecast(const bis_forecast *f, void *user)
 static void the_pilot_forecasts_what_an_error_will_take(void **state)
 {
     (void)state;
-    for (int adaptive = 0; adaptive < 2; adaptive++) {
-        world w;
-        bis_film f;
-        bis_render_result result;
-        forecasts k = {0};
-        make_dull_world(&w, &bis_em);
-        w.desc.view.adaptive = adaptive;
-        bis_render_options options = {.budget = {.error = 0.05}, .forecast = keep_forecast, .user = &k};
-        render(&f, &result, &w, part, &options);
-        assert_int_equal(k.n, 1);
-        /* From 3 passes, with their own correction for being few: within a factor of 3. */
-        assert_true(k.last.spp > (double)result.spp / 3 && k.last.spp < 3 * (double)result.spp);
-        assert_true(k.last.error > 0.05 && k.last.seconds > 0);
-        bis_film_clear(&f);
+    world w;
+    bis_film f;
+    bis_render_result result;
+    forecasts k = {0};
+    make_dull_world(&w, &bis_em);
+    bis_render_options options = {.budget = {.error = 0.05}, .forecast = keep_forecast, .user = &k};
+    render(&f, &result, &w, part, &options);
+    assert_int_equal(k.n, 1);
+    /* From 3 passes, with their own correction for being few: within a factor of 3. */
+    assert_true(k.last.spp > (double)result.spp / 3 && k.last.spp < 3 * (double)result.spp);
+    assert_true(k.last.error > 0.05 && k.last.seconds > 0);
+    bis_film_clear(&f);
 
-        options.budget = (bis_budget){.error = 1e-9, .spp = 20}; /* out of reach: said, and the other budget ends it */
-        k.n = 0;
-        render(&f, &result, &w, part, &options);
-        assert_int_equal(k.n, 1);
-        assert_true(k.last.spp > 1e9);
-        assert_int_equal(result.spp, 20);
-        assert_true(result.error.upper > 1e-9);
-        bis_film_clear(&f);
+    options.budget = (bis_budget){.error = 1e-9, .spp = 20}; /* out of reach: said, and the other budget ends it */
+    k.n = 0;
+    render(&f, &result, &w, part, &options);
+    assert_int_equal(k.n, 1);
+    assert_true(k.last.spp > 1e9);
+    assert_int_equal(result.spp, 20);
+    assert_true(result.error.upper > 1e-9);
+    bis_film_clear(&f);
 
-        options.budget = (bis_budget){.error = 10}; /* the pilot is enough: nothing to say */
-        k.n = 0;
-        render(&f, &result, &w, part, &options);
-        assert_int_equal(k.n, 0);
-        assert_int_equal(result.passes, 3);
-        bis_film_clear(&f);
-        clear_world(&w);
-    }
+    options.budget = (bis_budget){.error = 10}; /* the pilot is enough: nothing to say */
+    k.n = 0;
+    render(&f, &result, &w, part, &options);
+    assert_int_equal(k.n, 0);
+    assert_int_equal(result.passes, 3);
+    bis_film_clear(&f);
+    clear_world(&w);
 }
 
 /* A render that ends by its error is the same as one of so many samples; where its halves part may differ. */

@@ -44,12 +44,10 @@ static const kind kinds[] = {
     {"halton", &bis_mis, BIS_SAMPLER_HALTON, .crop = whole},
     {"learn", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .crop = whole},
     {"learn, crop", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .crop = middle},
-    {"adaptive", &bis_sir, BIS_SAMPLER_SOBOL, .adaptive = true, .crop = whole},
-    {"adaptive, learn", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .adaptive = true, .crop = whole},
     {"error", &bis_sir, BIS_SAMPLER_SOBOL, .error = 1e-9, .crop = whole},
     {"layers", &bis_sir, BIS_SAMPLER_SOBOL, .layers = BIS_LAYERS_ALL, .crop = whole},
     {"edges", &bis_em, BIS_SAMPLER_SOBOL, .edges = true, .crop = whole},
-    {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, true, 1e-9, BIS_LAYERS_ALL, middle},
+    {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, 1e-9, BIS_LAYERS_ALL, middle},
 };
 
 static void render_kind(bis_film *f, bis_render_result *result, const world *w, const kind *k,
@@ -187,7 +185,7 @@ static void an_error_is_reached_by_the_same_pass_and_a_smaller_one_may_follow(vo
 /* ---- the file ---- */
 
 /* A checkpoint of a few pixels that learn, and its bytes. */
-static const kind tiny = {"tiny", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .adaptive = true, .crop = small};
+static const kind tiny = {"tiny", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .crop = small};
 
 static unsigned char *tiny_state(const world *w, size_t *size, size_t *at)
 {
@@ -295,8 +293,7 @@ static void a_forged_head_breaks_nothing(void **state)
     clear_world(&w);
 }
 
-/* Each of these decides what the next passes make (the means of the half and the quarter do not, because they are taken anew): the sums of the film, the counts of what was seen, and what adaptive
- * sampling has chosen. */
+/* Each of these decides what the next passes make (the means of the half and the quarter do not, because they are taken anew): the sums of the film, and the counts of what was seen. */
 static void another_number_in_the_state_makes_another_picture(void **state)
 {
     (void)state;
@@ -307,7 +304,7 @@ static void another_number_in_the_state_makes_another_picture(void **state)
     unsigned char *data = tiny_state(&w, &size, &at);
     const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, n_seen = BIS_VISIBILITY_CELLS * sizeof(bis_seen), seen = size - 8 - n_seen;
     const size_t places[] = {sums + 7, sums + 3 * n_pixels * 8 + 2,
-                             sums + 3 * n_pixels * 20 + 6, seen - 20, seen};
+                             sums + 3 * n_pixels * 20 + 6, seen};
     for (size_t i = 0; i < COUNT(places); i++) {
         bis_film a, b;
         bis_render_result result;
@@ -315,10 +312,10 @@ static void another_number_in_the_state_makes_another_picture(void **state)
         store(PATH, data, size);
         bis_checkpoint c = read_state(PATH);
         render_kind(&a, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
-        const size_t n = i == 4 ? n_seen : 1;
+        const size_t n = i == 3 ? n_seen : 1;
         unsigned char *before = bis_alloc(n, 1);
         memcpy(before, data + places[i], n);
-        if (i == 4) memset(data + places[i], 0, n);
+        if (i == 3) memset(data + places[i], 0, n);
         else data[places[i]] ^= 1;
         seal(data, size);
         store(PATH, data, size);
@@ -486,8 +483,8 @@ static void another_render_is_refused_by_what_differs(void **state)
         {other_seed, "differ: the sampler, or its seed. "},
         {other_spp, "for which samplers \"stratified\" and \"halton\" divide a pixel (--spp). "},
         {other_jitter, "differ: pixel jitter, "},
-        {other_edges, "differ: pixel jitter, adaptive sampling, or camera samples on edges"},
-        {other_edge_light, "differ: pixel jitter, adaptive sampling, or camera samples on edges"},
+        {other_edges, "differ: pixel jitter, or camera samples on edges"},
+        {other_edge_light, "differ: pixel jitter, or camera samples on edges"},
         {other_learn, "differ: the integrator, or its parameters. "},
         {other_E6, "differ: the integrator, or its parameters. "},
         {other_vertex, "differ: the shapes. "},
@@ -538,7 +535,7 @@ static void another_render_is_refused_by_what_differs(void **state)
 
     for (size_t i = 0; i < COUNT(changes); i++) {
         const bool edges = changes[i].change == other_edges || changes[i].change == other_edge_light;
-        kind k = kinds[edges ? 8 : 0]; /* 8: has edges */
+        kind k = kinds[edges ? 6 : 0]; /* 6: has edges */
         bis_render_options options = budget(&k, 4, 1);
         bis_checkpoint c = {.path = PATH, .every = 1e9};
         bis_diag diag = {0};

@@ -201,10 +201,6 @@ static void each_field_of_the_view_counts(void **state)
     EXPECT(v->sampler.jitter, SAMPLER);
     EXPECT(v->sampler.spp, DIVISION);
     EXPECT(v->pixel_jitter, JITTER);
-    const bis_sampler_kind kind = v->sampler.kind;
-    v->sampler.kind = BIS_SAMPLER_SOBOL; /* divides no pixel, adaptive or not */
-    EXPECT(v->adaptive, JITTER);
-    v->sampler.kind = kind;
     EXPECT(v->edge_samples, JITTER);
     EXPECT(v->edge_light, JITTER);
     EXPECT(k->options.pass_size, JITTER);
@@ -222,7 +218,7 @@ static void each_field_of_the_view_counts(void **state)
     k->of.edge = NULL;
     EXPECT(v->edge_samples, NONE);
     EXPECT(v->edge_light, NONE);
-    k->view.adaptive = true;
+    k->view.sampler.kind = BIS_SAMPLER_SOBOL; /* divides no pixel */
     EXPECT(v->sampler.spp, NONE);
     clear(k);
 }
@@ -434,7 +430,7 @@ static void what_differs_is_named(void **state)
     static const char *const names[BIS_IDENTITY_PARTS] = {
         "the size of the picture, or its crop", "the layers", "the camera", "the sampler, or its seed",
         "the camera samples for which samplers \"stratified\" and \"halton\" divide a pixel (--spp)",
-        "pixel jitter, adaptive sampling, or camera samples on edges",
+        "pixel jitter, or camera samples on edges",
         "the integrator, or its parameters", "the shapes",
         "the materials, or their textures", "the pixels of the map", "the parameters of the light", "the accelerator"};
     uint64_t a[BIS_IDENTITY_PARTS] = {0}, b[BIS_IDENTITY_PARTS] = {0};

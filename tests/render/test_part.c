@@ -356,7 +356,7 @@ static void every_field_of_the_format_counts(void **state)
         {"camera", 8, 0, 1, "differ: the camera. "},
         {"sampler", 8, 0, 1, "differ: the sampler, or its seed. "},
         {"division", 8, 0, 1, "differ: the camera samples for which samplers"},
-        {"jitter", 8, 0, 1, "differ: pixel jitter, adaptive sampling, or camera samples on edges. "},
+        {"jitter", 8, 0, 1, "differ: pixel jitter, or camera samples on edges. "},
         {"settings", 8, 0, 1, "differ: the integrator, or its parameters. "},
         {"shapes", 8, 0, 1, "differ: the shapes. "},
         {"materials", 8, 0, 1, "differ: the materials, or their textures. "},
@@ -731,7 +731,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
                       cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 7, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 8, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;

@@ -264,9 +264,6 @@ static void tiles_of_a_slow_rank_move_and_the_bits_stay(void **state)
     assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 2}, 4, 2);
     assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, MOST_RANKS, 5);
     assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 2}, MOST_RANKS, 0);
-    w.desc.view.adaptive = true;
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 3, 1);
-    w.desc.view.adaptive = false;
     assert_team_makes_the_same(&w, (bis_render_options){.budget = {.error = 0.1, .spp = 60}, .n_threads = 1}, 3, 2);
     clear_world(&w);
 }
@@ -793,8 +790,8 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
     for (int to = 2; to >= 0; to -= 2) {
         bis_team_head give = {.kind = BIS_TEAM_GIVE, .n_tiles = to ? 2 : 1, .to = to};
         unsigned char *m = bis_team_put(d.answer, &give, sizeof give);
-        m = bis_team_put(m, &(bis_team_tile){.tile = 10, .samples = 5}, sizeof(bis_team_tile));
-        if (to) m = bis_team_put(m, &(bis_team_tile){.tile = 47, .samples = 6}, sizeof(bis_team_tile));
+        m = bis_team_put(m, &(bis_team_tile){.tile = 10}, sizeof(bis_team_tile));
+        if (to) m = bis_team_put(m, &(bis_team_tile){.tile = 47}, sizeof(bis_team_tile));
         d.n_answer = (size_t)(m - d.answer);
         d.stops = true; /* the next letter */
         bis_team_begin(d.team, note_progress, &d);
@@ -802,7 +799,7 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
         if (to) expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(10, 47));
         else expect_letter(&d, &at, 0, BIS_TEAM_WORK, 0, true, LIST(10));
         const sent *s = &d.sent[at - 1];
-        assert_true(s->known == s->last.tile && s->last.samples == (to ? 6 : 5));
+        assert_true(s->known == s->last.tile);
     }
     assert_int_equal(d.n_sent, at);
     close_desk(&d);

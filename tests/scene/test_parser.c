@@ -137,7 +137,7 @@ static void assert_has_the_usual_sampler(const bis_scene_desc *d)
 {
     assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_SOBOL);
     assert_int_equal(d->view.sampler.spp, 16);
-    assert_true(d->view.sampler.seed == 0 && !d->view.adaptive);
+    assert_true(d->view.sampler.seed == 0);
     assert_int_equal(d->view.edge_samples, 8);
     assert_true(fabs(d->view.edge_light - 0.25) < 1e-12);
 }
@@ -185,7 +185,7 @@ static void a_sampler_alone_leaves_the_integrator_to_us(void **state)
     assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_STRATIFIED);
     assert_int_equal(d->view.sampler.spp, 16);
     assert_int_equal(d->view.sampler.xsamples, 4);
-    assert_true(d->view.sampler.jitter && d->view.sampler.seed == 0 && !d->view.adaptive);
+    assert_true(d->view.sampler.jitter && d->view.sampler.seed == 0);
     assert_int_equal(d->view.edge_samples, 1); /* a named sampler has one camera sample everywhere */
     assert_has_the_usual_settings(d);
     bis_scene_desc_free(d);
@@ -262,15 +262,15 @@ static void a_second_sampler_begins_with_the_defaults(void **state)
 {
     (void)state;
     static const char first[] = "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 2 \"integer seed\" 7 "
-                                "\"bool jitter\" false \"integer edgesamples\" 1024 \"float edgelight\" 0.125 \"bool adaptive\" true\n";
+                                "\"bool jitter\" false \"integer edgesamples\" 1024 \"float edgelight\" 0.125\n";
     char two[512];
     bis_scene_desc *d = good_scene(first, ""), *usual = good_scene("Sampler \"stratified\"", "");
     assert_true(fabs(d->view.edge_light - 0.125) < 1e-12);
-    assert_true(d->view.edge_samples == 1024 && d->view.adaptive && d->view.sampler.seed == 7 && d->view.sampler.spp == 6);
+    assert_true(d->view.edge_samples == 1024 && d->view.sampler.seed == 7 && d->view.sampler.spp == 6);
     bis_scene_desc_free(d);
     snprintf(two, sizeof two, "%sSampler \"stratified\"", first);
     d = good_scene(two, "");
-    assert_true(d->view.edge_samples == 1 && !d->view.adaptive && fabs(d->view.edge_light - 1) < 1e-12);
+    assert_true(d->view.edge_samples == 1 && fabs(d->view.edge_light - 1) < 1e-12);
     assert_true(d->view.sampler.seed == usual->view.sampler.seed && d->view.sampler.spp == usual->view.sampler.spp);
     assert_true(d->view.sampler.jitter && d->view.sampler.kind == usual->view.sampler.kind);
     bis_scene_desc_free(d);

@@ -15,7 +15,6 @@ void make_kind(world *w, const kind *k)
 {
     make_world(w, k->integrator);
     w->desc.view.sampler.kind = k->sampler;
-    w->desc.view.adaptive = k->adaptive;
     if (k->edges) w->desc.view.edge_samples = 3;
     if (!k->learns) return;
     w->desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;

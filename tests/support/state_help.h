@@ -11,7 +11,7 @@ typedef struct kind {
     const char *name;
     const bis_integrator *integrator;
     bis_sampler_kind sampler;
-    bool learns, adaptive, edges;
+    bool learns, edges;
     double error;
     unsigned layers;
     const double *crop;

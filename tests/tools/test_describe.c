@@ -298,14 +298,13 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     result.error.is_known = true;
     desc.view.edge_samples = 2;
     desc.view.edge_light = 0.25;
-    desc.view.adaptive = true;
     s.choice = &r;
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
     bis_film_add(&film, 0, 0, (rgb){-1, 1, 0}, 1, 1); /* 1 of 8 is below 0 */
     bis_film_add(&film, 1, 0, (rgb){2, 2, 2}, 1, 1);
     n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
-                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 adaptive=true "
+                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 "
                         "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
     r.reason = "too short";
     n = bis_describe_picture(&s, attributes);
@@ -344,7 +343,7 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
         "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"string filename\" \"out.exr\" \"float cropwindow\" [0.5 1 0.5 1]\n"
         "  \"string layers\" [\"albedo\" \"normal\" \"depth\"]\n"
         "Camera \"perspective\" \"float fov\" 50\n"
-        "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2 \"bool adaptive\" true\n"
+        "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2\n"
         "  \"integer seed\" 7 \"integer edgesamples\" 5\n" /* without jitter, no pixel has more */
         "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" \"power\"\n"
         "Option \"string asprinted\" \"E6\" Option \"bool disablepixeljitter\" true\nAccelerator \"grid\"\nWorldBegin\n"
@@ -363,7 +362,7 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
              "scene        " DIR "/scene.txt\n"
              "film         200 x 100, cropwindow 0.5 1 0.5 1, to out.exr\n"
              "camera       perspective, fov 50\n"
-             "sampler      stratified, 8 camera samples a pixel (4 x 2), seed 7, all through the pixel's centre, adaptive\n"
+             "sampler      stratified, 8 camera samples a pixel (4 x 2), seed 7, all through the pixel's centre\n"
              "integrator   mis: samples 12, heuristic power, split 0.25, compensate true, stratify false\n"
              "claim        %s\n"
              "as printed   E6 (%s): %s\n"

@@ -50,51 +50,50 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
     enum { NO_PILOT = 0 };
     const double part[4] = {0, 0.5, 0.2, 0.6};
     const struct {
-        int width, height; uint32_t scene_spp; const double *crop; bis_budget budget; bool adaptive; int small_width, small_height, passes, n_threads, n_ranks;
+        int width, height; uint32_t scene_spp; const double *crop; bis_budget budget; int small_width, small_height, passes, n_threads, n_ranks;
         bool far; /* the floor fills a quarter of the picture */
     } cases[] = {
         /* 2e6 to come: 2.5e4 samples are 4167 pixels, k = sqrt 120 */
-        {1000, 500, 4, whole, {0}, false, 91, 46, 1, 1, 1, false},
-        {1000, 500, 9, whole, {.spp = 4}, false, 91, 46, 1, 1, 1, false},
+        {1000, 500, 4, whole, {0}, 91, 46, 1, 1, 1, false},
+        {1000, 500, 9, whole, {.spp = 4}, 91, 46, 1, 1, 1, false},
         /* 0.2 of 1e7: 4167 pixels, k = sqrt 24: 204 x 102, of which columns 0 to 101 and rows 21 to 61 */
-        {1000, 500, 20, part, {0}, false, 102, 41, 1, 1, 1, false},
+        {1000, 500, 20, part, {0}, 102, 41, 1, 1, 1, false},
         /* 2e7: 2.5e5 in 72 passes are 3472 pixels, k = 12 */
-        {1000, 500, 4, whole, {.spp = 40}, false, 83, 42, 2, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 40}, 83, 42, 2, 1, 1, false},
         /* 5e7: 6e5, 8333 pixels, k = sqrt 60 */
-        {1000, 500, 4, whole, {.spp = 100}, false, 129, 65, 2, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 100}, 129, 65, 2, 1, 1, false},
         /* 10 s are 2e6, 80 s 1.6e7: 2e5, 2778 pixels, k = sqrt 180 */
-        {1000, 500, 4, whole, {.seconds = 10}, false, 91, 46, 1, 1, 1, false},
-        {1000, 500, 4, whole, {.seconds = 80}, false, 75, 37, 2, 1, 1, false},
+        {1000, 500, 4, whole, {.seconds = 10}, 91, 46, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.seconds = 80}, 75, 37, 2, 1, 1, false},
         /* whichever is less: 1.5e6 are 18750, 3125 pixels, k = sqrt 160 */
-        {1000, 500, 4, whole, {.spp = 3, .seconds = 80}, false, 79, 40, 1, 1, 1, false},
-        {1000, 500, 4, whole, {.spp = 100, .seconds = 80}, false, 75, 37, 2, 1, 1, false},
-        /* an error that is asked for changes nothing; passes of adaptive sampling: one, of 5556 pixels, k = sqrt 90 */
-        {1000, 500, 4, whole, {.seconds = 80, .error = 0.1}, false, 75, 37, 2, 1, 1, false},
-        {1000, 500, 4, whole, {.seconds = 80}, true, 105, 53, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 3, .seconds = 80}, 79, 40, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 100, .seconds = 80}, 75, 37, 2, 1, 1, false},
+        /* an error that is asked for changes nothing */
+        {1000, 500, 4, whole, {.seconds = 80, .error = 0.1}, 75, 37, 2, 1, 1, false},
         /* one sample a pixel: one pass, 3.2e7 are 4e5 in 36, 11111 pixels, k = sqrt 2880 */
-        {8000, 4000, 1, whole, {0}, false, 149, 75, 1, 1, 1, false},
-        {8000, 4000, 5, whole, {.spp = 1}, false, 149, 75, 1, 1, 1, false},
+        {8000, 4000, 1, whole, {0}, 149, 75, 1, 1, 1, false},
+        {8000, 4000, 5, whole, {.spp = 1}, 149, 75, 1, 1, 1, false},
         /* two: two passes, 1.6e7 are 2e5 in 72, 2778 pixels, k = sqrt 2880 */
-        {4000, 2000, 2, whole, {0}, false, 75, 37, 2, 1, 1, false},
+        {4000, 2000, 2, whole, {0}, 75, 37, 2, 1, 1, false},
         /* never larger than the picture */
-        {30, 20, 30000, whole, {0}, false, 30, 20, 2, 1, 1, false},
+        {30, 20, 30000, whole, {0}, 30, 20, 2, 1, 1, false},
         /* the limit is 1.2e6, or 6 s; a little more is 15012 samples, 2502 pixels, k = sqrt 480 */
-        {1000, 1199, 1, whole, {0}, false, 0, 0, NO_PILOT, 1, 1, false},
-        {1000, 1201, 1, whole, {0}, false, 46, 55, 1, 1, 1, false},
-        {1000, 500, 4, whole, {.seconds = 5.9}, false, 0, 0, NO_PILOT, 1, 1, false},
-        {1000, 500, 4, whole, {.spp = 100, .seconds = 5.9}, false, 0, 0, NO_PILOT, 1, 1, false},
-        {1000, 500, 4, whole, {.spp = 2, .seconds = 80}, false, 0, 0, NO_PILOT, 1, 1, false},
-        {1000, 500, 20, part, {.spp = 11}, false, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 1199, 1, whole, {0}, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 1201, 1, whole, {0}, 46, 55, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.seconds = 5.9}, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 100, .seconds = 5.9}, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 2, .seconds = 80}, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 500, 20, part, {.spp = 11}, 0, 0, NO_PILOT, 1, 1, false},
         /* two threads: 2e6 count as 1.5e6; four: 2e6 as 0.75e6, 4e6 as 1.5e6, 3125 pixels, k = sqrt 160. A time is a time */
-        {1000, 500, 4, whole, {0}, false, 79, 40, 1, 2, 1, false},
-        {1000, 500, 4, whole, {0}, false, 0, 0, NO_PILOT, 4, 1, false},
-        {1000, 500, 8, whole, {0}, false, 79, 40, 1, 4, 1, false},
-        {1000, 500, 8, whole, {0}, false, 79, 40, 1, 2, 2, false},
-        {1000, 500, 4, whole, {.seconds = 10}, false, 91, 46, 1, 4, 1, false},
+        {1000, 500, 4, whole, {0}, 79, 40, 1, 2, 1, false},
+        {1000, 500, 4, whole, {0}, 0, 0, NO_PILOT, 4, 1, false},
+        {1000, 500, 8, whole, {0}, 79, 40, 1, 4, 1, false},
+        {1000, 500, 8, whole, {0}, 79, 40, 1, 2, 2, false},
+        {1000, 500, 4, whole, {.seconds = 10}, 91, 46, 1, 4, 1, false},
         /* a quarter of 4e6 is 1e6; of 8e6 it is 2e6: 2.5e4 samples of the floor are 1e5, 16667 pixels, k = sqrt 60 */
-        {1000, 1000, 4, whole, {0}, false, 0, 0, NO_PILOT, 1, 1, true},
-        {1000, 1000, 8, whole, {0}, false, 129, 129, 1, 1, 1, true},
-        {1000, 1000, 8, whole, {.seconds = 10}, false, 129, 129, 1, 1, 1, true},
+        {1000, 1000, 4, whole, {0}, 0, 0, NO_PILOT, 1, 1, true},
+        {1000, 1000, 8, whole, {0}, 129, 129, 1, 1, 1, true},
+        {1000, 1000, 8, whole, {.seconds = 10}, 129, 129, 1, 1, 1, true},
     };
     volatile sig_atomic_t interrupted = 1;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -107,7 +106,6 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
         make_world(&w, &bis_auto);
         w.desc.view.film.width = cases[i].width;
         w.desc.view.film.height = cases[i].height;
-        w.desc.view.adaptive = cases[i].adaptive;
         memcpy(w.desc.view.film.crop, cases[i].crop, sizeof w.desc.view.film.crop);
         bis_sampler_set_spp(&w.desc.view.sampler, cases[i].scene_spp);
         w.desc.view.camera.to_world = bis_xform_identity(); /* within the ball */

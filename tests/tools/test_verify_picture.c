@@ -305,15 +305,14 @@ static bis_status render_nothing(bis_render_result *result, bis_film *f, const b
 static void renders_pixels_and_passes_are_those_worked_out(void **state)
 {
     (void)state;
-    static const struct { const char *integrator; int width, height; unsigned h; bool adaptive; const char *note; unsigned renders, spp; } cases[] = {
-        {"\"em\" \"integer samples\" 8", 8, 4, 5, false, "; 128 renders of 32 pixels, 4 passes", 128, 4},
-        {"\"em\" \"integer samples\" 8", 8, 4, 5, true, "; 64 renders of 32 pixels, 2 passes", 64, 8},
-        {"\"em\" \"integer samples\" 8", 64, 48, 5, false, "; 128 renders of 30 pixels, 4 passes", 128, 4},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, false, "; 128 renders of 32 pixels, 3 passes", 128, 3},
-        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, false, "; 32 renders of 8 pixels, 2 passes", 32, 2},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\"", 8, 4, 2, false,
+    static const struct { const char *integrator; int width, height; unsigned h; const char *note; unsigned renders, spp; } cases[] = {
+        {"\"em\" \"integer samples\" 8", 8, 4, 5, "; 128 renders of 32 pixels, 4 passes", 128, 4},
+        {"\"em\" \"integer samples\" 8", 64, 48, 5, "; 128 renders of 30 pixels, 4 passes", 128, 4},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, "; 128 renders of 32 pixels, 3 passes", 128, 3},
+        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, "; 32 renders of 8 pixels, 2 passes", 32, 2},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\"", 8, 4, 2,
          "; 119 renders of 32 pixels, 2 passes", 119, 2},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" true", 8, 4, 2, false,
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" true", 8, 4, 2,
          "; 59 renders of 32 pixels, 4 passes", 59, 4}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024];
@@ -323,7 +322,6 @@ static void renders_pixels_and_passes_are_those_worked_out(void **state)
         program_folder(VERIFY_DIR);
         program_write_file(VERIFY_DIR "/counts.txt", text);
         verify_built b = verify_build(VERIFY_DIR "/counts.txt");
-        b.desc->view.adaptive = cases[i].adaptive;
         bis_verify v = {.seed = 1, .halvings = cases[i].h};
         bool tested;
         asked.calls = asked.wrong = 0, asked.spp = cases[i].spp;

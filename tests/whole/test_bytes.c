@@ -15,7 +15,6 @@
 #include "bis/scene/light_load.h"
 #include "lit.h"
 #include "map_help.h"
-#include "render/adapt.h"
 #include "render/crew.h"
 #include "render/team.h"
 #include "render/workspace.h"
@@ -195,44 +194,39 @@ static void what_a_thread_knows_beyond_the_thesis(void **state)
     bis_light_free(light);
 }
 
-static void a_film_its_layers_and_its_tiles(void **state)
+static void a_film_and_its_layers(void **state)
 {
     const double crop[4] = {0.1, 0.9, 0, 1};
 
     (void)state;
     for (unsigned layers = 0; layers < 2; layers++) {
         bis_film film;
-        bis_adapt adapt;
-        account before = begin();
+        const account before = begin();
         assert_int_equal(bis_film_init(&film, 310, 170, crop, (bis_loc){0}, NULL), BIS_OK);
         if (layers) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
         expect(before, bis_film_bytes(&film));
-        before = begin();
-        assert_int_equal(bis_adapt_init(&adapt, &film, 16, NULL), BIS_OK);
-        expect(before, bis_adapt_bytes(&adapt));
-        bis_adapt_clear(&adapt);
         bis_film_clear(&film);
     }
 }
 
-/* The picture's workspace: without and with layers, a pool, clusters, learned visibility, adaptive sampling, materials
+/* The picture's workspace: without and with layers, a pool, clusters, learned visibility, materials
  * of textures; for one thread and for three. */
 static void what_a_render_works_with(void **state)
 {
     static const struct {
         const bis_integrator *integrator;
         bis_proposal proposal;
-        bool learns, adaptive, layers, textures;
+        bool learns, layers, textures;
     } kinds[] = {
-        {&noise, 0, false, false, false, false},
-        {&bis_exact, 0, false, false, true, false},
-        {&bis_em, 0, false, true, false, false},
-        {&bis_sir, BIS_PROPOSAL_MIX, false, false, false, true},
-        {&bis_sir, BIS_PROPOSAL_EM, false, true, true, false},
-        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, false, false, true},
-        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, true, true, false},
-        {&bis_mis, 0, false, false, true, true},
-        {&bis_rejection, BIS_PROPOSAL_CHOOSE, false, false, false, false},
+        {&noise, 0, false, false, false},
+        {&bis_exact, 0, false, true, false},
+        {&bis_em, 0, false, false, false},
+        {&bis_sir, BIS_PROPOSAL_MIX, false, false, true},
+        {&bis_sir, BIS_PROPOSAL_EM, false, true, false},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, false, true},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, true, false},
+        {&bis_mis, 0, false, true, true},
+        {&bis_rejection, BIS_PROPOSAL_CHOOSE, false, false, false},
     };
 
     (void)state;
@@ -248,13 +242,12 @@ static void what_a_render_works_with(void **state)
             w.desc.view.settings.candidates = 300;
             w.desc.view.settings.shadowrays = 200;
             w.desc.view.settings.learn = kinds[i].learns;
-            w.desc.view.adaptive = kinds[i].adaptive;
             w.desc.textures.n_of_material = kinds[i].textures;
             assert_int_equal(bis_film_init(&film, 310, 170, whole, (bis_loc){0}, NULL), BIS_OK);
             if (kinds[i].layers) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
             const account before = begin();
             assert_int_equal(bis_workspace_init(&work, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
-            assert_true((work.visibility.n_tiles > 0) == kinds[i].learns && (work.adapt.n_tiles > 0) == kinds[i].adaptive);
+            assert_true((work.visibility.n_tiles > 0) == kinds[i].learns);
             if (!is_true(before, bis_workspace_bytes(&work))) fail_msg("kind %zu, %d threads", i, n_threads);
             bis_workspace_clear(&work);
             w.desc.textures.n_of_material = 0;
@@ -307,7 +300,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_the_points_of_a_pass_share),
         cmocka_unit_test(what_a_thread_has),
         cmocka_unit_test(what_a_thread_knows_beyond_the_thesis),
-        cmocka_unit_test(a_film_its_layers_and_its_tiles),
+        cmocka_unit_test(a_film_and_its_layers),
         cmocka_unit_test(what_a_render_works_with),
         cmocka_unit_test(what_a_team_has_for_tiles_and_ranks),
     };

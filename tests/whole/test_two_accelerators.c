@@ -34,7 +34,6 @@ static void load(bis_scene_desc **d, bis_scene **s, const char *path)
     (*d)->view.settings = (bis_settings){.integrator = &bis_brdf, .samples = 4};
     (*d)->view.film.width = WIDTH;
     (*d)->view.film.height = HEIGHT;
-    (*d)->view.adaptive = false;
     (*d)->view.edge_samples = 0;
     (*d)->accel.kind = BIS_ACCEL_GRID;
     bis_sampler_set_spp(&(*d)->view.sampler, SPP);

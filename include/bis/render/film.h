@@ -127,10 +127,6 @@ bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memor
  * at least 2, as if they were independent. Where strata gain something, it is too large. */
 double bis_film_variance(const bis_film *f, size_t i);
 
-/* bis_film_tile_errors stores for each tile of bis_film_tiles the sum of the expected relative squared error over its
- * pixels in errors[n_tiles], by bis_film_variance. Needs 2 passes or more. */
-void bis_film_tile_errors(const bis_film *f, int tile, double *errors);
-
 /* ---- layers: src/render/film_layers.c ---- */
 
 /* bis_film_want requests layers, a set of bis/scene/layers.h. It is called once, before the first pass. Errors:

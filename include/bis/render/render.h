@@ -8,7 +8,7 @@
 #include <signal.h>
 #include <stdbool.h>
 
-/* side in pixels of a tile: threads take tiles, a tile learns together, and adaptive sampling chooses by tile */
+/* side in pixels of a tile: threads take tiles, a tile learns together */
 enum { BIS_RENDER_TILE = 16 };
 
 /* The limit that is reached first ends the render. One pass is always completed, unless first_light is set. If all
@@ -46,7 +46,7 @@ typedef struct bis_render_result {
     double seconds;
     bis_film_error error; /* not known of a part */
     bool interrupted;     /* the picture then has the passes that were complete; it is black if there were none */
-    /* camera samples per pixel, with adaptive sampling (nearly) their mean: the budget that makes this picture again */
+    /* camera samples per pixel: the budget that makes this picture again */
     uint64_t spp;
     uint32_t passes;      /* complete passes; 0 only if the first one was interrupted (the film then has passes = 1) */
     /* share of the pixels that the first pass did not reach, because it was ended (first_light): they have no camera

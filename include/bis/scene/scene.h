@@ -62,7 +62,6 @@ typedef struct bis_view {
     bis_film_desc film;
     bis_sampler sampler;
     bool pixel_jitter;
-    bool adaptive; /* a pass takes several camera samples, more where the error is larger */
     /* camera samples of a pass in a pixel that an outline crosses; half as many where a lobe turns away
      * (src/render/edges.h); 0, 1: as in other pixels */
     uint32_t edge_samples;

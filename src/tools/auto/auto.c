@@ -342,8 +342,6 @@ static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_d
 static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, const bis_render_options *options,
                              bis_diag *diag)
 {
-    /* with adaptive sampling, a camera sample knows nothing of those of other passes */
-    const bool independent = desc->view.adaptive;
     const uint64_t spp = options->budget.spp ? options->budget.spp : desc->view.sampler.spp;
     bis_auto_report *r = p->report;
     bis_film film;
@@ -357,8 +355,7 @@ static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, cons
         return BIS_OK;
     }
     p->is_quick = samples < least_samples;
-    p->passes = independent || p->is_quick || spp < MOST_PASSES ? 1 : MOST_PASSES;
-    p->view.adaptive = false;
+    p->passes = p->is_quick || spp < MOST_PASSES ? 1 : MOST_PASSES;
     p->view.film.layers = 0;
     bis_sampler_set_spp(&p->view.sampler, p->passes);
     const double renders = p->is_quick ? expected_renders_quick : expected_renders * p->passes;

@@ -30,7 +30,6 @@ enum {
     PASSES = 2,
     PASSES_TO_LEARN = 4,
     MOST_PASSES = 256, /* of a film of few pixels */
-    SAMPLES_OF_ADAPTIVE = 4, /* camera samples of a pass, at least (docs/budgets.md) */
     FEWEST_RENDERS = 32,
     MOST_RENDERS = 128,
     BATCHES = 32,
@@ -85,8 +84,8 @@ static bool plan(picture *p, unsigned halvings)
 {
     const bis_settings *s = &p->view.settings;
     const double all = budget / (1 << halvings), wanted = fmax(PIXELS >> halvings, FEWEST_PIXELS);
-    const double fewest = s->learn ? PASSES_TO_LEARN : PASSES, in_pass = p->view.adaptive ? SAMPLES_OF_ADAPTIVE : 1;
-    const double sample = bis_verify_cost(s, bis_light_patches(p->scene->light)) * in_pass;
+    const double fewest = s->learn ? PASSES_TO_LEARN : PASSES;
+    const double sample = bis_verify_cost(s, bis_light_patches(p->scene->light));
     const double renders = FEWEST_RENDERS * fewest * sample; /* of one pixel */
 
     if (budget / renders < FEWEST_PIXELS) return false;
@@ -226,8 +225,7 @@ static bis_status expect(picture *p, const bis_verify *v, bis_diag *diag)
 static bis_status render_one(picture *p, double *pixel, bis_verify_render *render, uint64_t seed, bis_diag *diag)
 {
     const bis_film_desc *f = &p->view.film;
-    const uint32_t in_pass = p->view.adaptive ? SAMPLES_OF_ADAPTIVE : 1;
-    const bis_render_options options = {.budget.spp = p->passes * in_pass};
+    const bis_render_options options = {.budget.spp = p->passes};
     bis_render_result result;
     bis_film film;
 
