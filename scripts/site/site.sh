@@ -65,7 +65,7 @@ for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>
 for picture in bis.png $(find docs -name '*.png' -o -name '*.svg'); do
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
-sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |
+sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.js' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |
     grep -v '^tests/data/bad/') # some are not UTF-8
 for file in LICENSE CITATION.cff codemeta.json docs/paper.bib Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"

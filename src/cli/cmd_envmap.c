@@ -374,7 +374,7 @@ int bis_cmd_envmap(int argc, char **argv)
     const bis_command command = {
         .name = "envmap",
         .usage = "envmap [options] MAP",
-        .summary = "what is in a map; its levels, regions and importance as pictures or a page",
+        .summary = "what is in a map; levels, regions, importance as pictures",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 1, .max_operands = 1,
         .notes = "Directions are in the map's own frame: z is up, towards row 0; theta is the\n"
