@@ -34,10 +34,14 @@ static const char orthographic[] = "\"orthographic\" \"float screenwindow\" [-3e
 static const char ball[] = "\"sphere\" \"float radius\" 1";
 static const char floor_of[] = "\"trianglemesh\" \"point3 P\" [-%s -%s 0  %s -%s 0  %s %s 0] \"integer indices\" [0 1 2]";
 
-/* Among the lines of a render there is this warning and no other. */
+/* Among the lines of a render there is this warning and no other, but for that of a black picture: cameras of some rows
+ * stand in the ball. */
 static void expect_warning(const program_run *r, const char *text)
 {
+    static const char black[] = "bis: warning: the picture is black";
     const char *at = strstr(r->messages, "bis: warning:");
+
+    if (!text && at && strncmp(at, black, strlen(black)) == 0) return;
 
     if (text && !(at && strncmp(at, text, strlen(text)) == 0)) fail_msg("%s\nis not in\n%s", text, r->messages);
     if (!text && at) fail_msg("%s", at);
