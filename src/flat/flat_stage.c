@@ -225,6 +225,21 @@ int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings
     return bis_flat_end(status, &diag, say, size);
 }
 
+/* n estimates at the point, 2 to `most` of them, by an integrator with these settings; the caller frees *estimate also
+ * after an error. */
+static bis_status run(rgb **estimate, bis_counters *counters, bis_flat_stage *stage, const char *const *settings,
+                      uint32_t seed, size_t n, size_t most, bis_diag *diag)
+{
+    if (!(n >= 2 && n <= most))
+        return bis_error(diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to %zu", n, most);
+    const bis_status status = ask_for(stage, settings, diag);
+    if (status) return status;
+    *estimate = bis_alloc(n, sizeof **estimate);
+    if (!*estimate) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
+    return bis_verify_runs(*estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
+                           seed, counters, diag);
+}
+
 static double deviation(const bis_verify_moments *m) { return sqrt(m->m2 / (m->n - 1)); }
 
 int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
@@ -235,14 +250,8 @@ int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint
     bis_verify_moments all = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, L, sum);
 
-    if (!status && !(n >= 2 && n <= 1000000))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 1000000", n);
-    if (!status) status = ask_for(stage, settings, &diag);
-    rgb *estimate = status ? NULL : bis_alloc(n, sizeof *estimate);
-    if (!status && !estimate) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
-    if (!status)
-        status = bis_verify_runs(estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
-                                 seed, &counters, &diag);
+    rgb *estimate = NULL;
+    if (!status) status = run(&estimate, &counters, stage, settings, seed, n, 1000000, &diag);
     for (size_t i = 0; !status && i < n; i++) bis_verify_add(&all, L[i] = rgb_sum(estimate[i]));
     if (!status)
         memcpy(sum, (double[]){all.mean, deviation(&all), (double)counters.shadow_rays / (double)n}, 3 * sizeof *sum);
@@ -324,14 +333,8 @@ int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, 
     bis_counters counters = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, count);
 
-    if (!status && !(n >= 2 && n <= 100000))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 100000", n);
-    if (!status) status = ask_for(stage, settings, &diag);
-    rgb *estimate = status ? NULL : bis_alloc(n, sizeof *estimate);
-    if (!status && !estimate) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
-    if (!status)
-        status = bis_verify_runs(estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
-                                 seed, &counters, &diag);
+    rgb *estimate = NULL;
+    if (!status) status = run(&estimate, &counters, stage, settings, seed, n, 100000, &diag);
     if (!status)
         memcpy(count, (double[]){(double)counters.accepted / (double)n, stage->desc->view.settings.candidates,
                                  (double)counters.shadow_rays / (double)n}, 3 * sizeof *count);

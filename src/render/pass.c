@@ -173,14 +173,14 @@ static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_prog
 /* All tiles: glimpses, or what they are. The latter ends when it is late. */
 static void sweep(bis_workspace *w, const bis_pass *pass, bool is_glimpse, bis_pass_progress *progress, void *user)
 {
-    const double late = is_glimpse || !w->fine || pass->first > 0 ? HUGE_VAL : w->late;
+    const bool may_end = !is_glimpse && w->fine && pass->first == 0;
     int n_done = 0;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
     for (int i = 0; i < w->n_own; i++) {
         const int t = bis_workspace_own(w, i);
         int done;
-        if (late < HUGE_VAL && bis_clock_now() >= late) continue;
+        if (may_end && bis_clock_now() >= w->late) continue;
         if (render_tile(w, &w->workers[this_thread()], t, pass, is_glimpse) && w->fine)
             __atomic_store_n(&w->fine[t], is_glimpse ? BIS_TILE_GLIMPSED : BIS_TILE_WHOLE, __ATOMIC_RELEASE);
 #pragma omp atomic capture
