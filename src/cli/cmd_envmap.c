@@ -165,26 +165,18 @@ static bis_status write_page(const envmap_options *o, const char *path, const bi
 {
     const bis_envmap *em = bis_light_envmap(light);
     const bis_importance *im = bis_light_importance(light);
-    char *values = NULL, *text = NULL;
-    size_t n = 0, n_text = 0;
-    FILE *json = open_memstream(&values, &n), *words = open_memstream(&text, &n_text);
-    bis_json j = {.out = json};
-    bis_status status = BIS_OK;
+    static const char what[] = "the page of a map";
+    bis_page page;
+    bis_status status = bis_page_begin(&page, what, diag);
+    bis_json j = {.out = page.json};
 
-    if (json && words) {
-        bis_json_open(&j, NULL, '{');
-        put_json(&j, path, s, em, bis_importance_bytes(im));
-        status = bis_survey_put_page(&j, s, em, regions, im, (int)o->samples, diag);
-        bis_json_close(&j);
-        print_text(words, path, s, em, bis_importance_bytes(im));
-    }
-    const bool ok = (!json || fclose(json) == 0) & (!words || fclose(words) == 0);
-    if (!status && !(json && words && ok))
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the page of a map");
-    if (!status) status = bis_page_save(o->html, bis_survey_page, values, text, diag);
-    free(values);
-    free(text);
-    return status;
+    if (status) return status;
+    bis_json_open(&j, NULL, '{');
+    put_json(&j, path, s, em, bis_importance_bytes(im));
+    status = bis_survey_put_page(&j, s, em, regions, im, (int)o->samples, diag);
+    bis_json_close(&j);
+    print_text(page.text, path, s, em, bis_importance_bytes(im));
+    return bis_page_end(&page, status, o->html, bis_survey_page, what, diag);
 }
 
 /* ---- the pictures ---- */

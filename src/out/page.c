@@ -54,7 +54,7 @@ bis_status bis_page_write(FILE *out, const char *page, const char *json, const c
     return BIS_OK;
 }
 
-bis_status bis_page_save(const char *path, const char *page, const char *json, const char *text, bis_diag *diag)
+static bis_status save(const char *path, const char *page, const char *json, const char *text, bis_diag *diag)
 {
     bis_outfile *file;
     bis_status status = bis_outfile_open(&file, path, diag);
@@ -63,6 +63,47 @@ bis_status bis_page_save(const char *path, const char *page, const char *json, c
     status = bis_page_write(bis_outfile_stream(file), page, json, text, diag);
     if (!status) return bis_outfile_commit(file, diag);
     bis_outfile_abort(file);
+    return status;
+}
+
+/* The streams are then gone; what they held stays, which is the C library's and not ours. */
+static bool close_streams(bis_page *p)
+{
+    const bool json = p->json && fclose(p->json) == 0, text = p->text && fclose(p->text) == 0;
+    p->json = p->text = NULL;
+    return json && text;
+}
+
+static void free_parts(bis_page *p)
+{
+    free(p->parts[0]);
+    free(p->parts[1]);
+}
+
+static bis_status no_memory(const char *what, bis_diag *diag)
+{
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %s", what);
+}
+
+bis_status bis_page_begin(bis_page *p, const char *what, bis_diag *diag)
+{
+    *p = (bis_page){0};
+    p->json = open_memstream(&p->parts[0], &p->bytes[0]);
+    p->text = open_memstream(&p->parts[1], &p->bytes[1]);
+    if (p->json && p->text) return BIS_OK;
+    close_streams(p);
+    free_parts(p);
+    return no_memory(what, diag);
+}
+
+bis_status bis_page_end(bis_page *p, bis_status status, const char *path, const char *page, const char *what,
+                        bis_diag *diag)
+{
+    const bool ok = close_streams(p);
+
+    if (!status && !ok) status = no_memory(what, diag);
+    if (!status) status = save(path, page, p->parts[0], p->parts[1], diag);
+    free_parts(p);
     return status;
 }
 

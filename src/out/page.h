@@ -14,8 +14,20 @@
  * U+FFFD. Errors: BIS_INPUT (a place is missing). */
 bis_status bis_page_write(FILE *out, const char *page, const char *json, const char *text, bis_diag *diag);
 
-/* bis_page_save writes that to the file at path, whole or not at all. Errors: BIS_IO, BIS_NOMEM, BIS_INPUT. */
-bis_status bis_page_save(const char *path, const char *page, const char *json, const char *text, bis_diag *diag);
+/* A page in the making: the command writes its object to json and its text to text. */
+typedef struct bis_page {
+    FILE *json, *text;
+    char *parts[2]; /* what they hold, once they are closed */
+    size_t bytes[2];
+} bis_page;
+
+/* bis_page_begin opens both streams. what names the page in a message. Errors: BIS_NOMEM; *p is then freed. */
+bis_status bis_page_begin(bis_page *p, const char *what, bis_diag *diag);
+
+/* bis_page_end closes the streams, fills page by bis_page_write into the file at path, whole or not at all, if status
+ * is BIS_OK, and frees *p. It returns status if that is an error. Errors: BIS_IO, BIS_NOMEM, BIS_INPUT. */
+bis_status bis_page_end(bis_page *p, bis_status status, const char *path, const char *page, const char *what,
+                        bis_diag *diag);
 
 /* bis_page_png returns image as the address "data:image/png;base64,...", to be freed by free(). Radiance is multiplied
  * by 2^exposure; with 0 the colours appear as they are. NULL: no memory, as diag says. */

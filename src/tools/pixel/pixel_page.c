@@ -250,24 +250,16 @@ bis_status bis_pixel_put_page(bis_json *j, const bis_pixel_report *r, bis_diag *
 
 bis_status bis_pixel_write_page(const char *path, const bis_pixel_report *r, bis_diag *diag)
 {
-    char *values = NULL, *text = NULL;
-    size_t n = 0, n_text = 0;
-    FILE *json = open_memstream(&values, &n), *words = open_memstream(&text, &n_text);
-    bis_json j = {.out = json};
-    bis_status status = BIS_OK;
+    static const char what[] = "the page of a pixel";
+    bis_page page;
+    bis_status status = bis_page_begin(&page, what, diag);
+    bis_json j = {.out = page.json};
 
-    if (json && words) {
-        bis_json_open(&j, NULL, '{');
-        bis_pixel_put_report(&j, r);
-        status = bis_pixel_put_page(&j, r, diag);
-        bis_json_close(&j);
-        bis_pixel_print_text(words, r);
-    }
-    const bool ok = (!json || fclose(json) == 0) & (!words || fclose(words) == 0);
-    if (!status && !(json && words && ok))
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the page of a pixel");
-    if (!status) status = bis_page_save(path, bis_pixel_page, values, text, diag);
-    free(values);
-    free(text);
-    return status;
+    if (status) return status;
+    bis_json_open(&j, NULL, '{');
+    bis_pixel_put_report(&j, r);
+    status = bis_pixel_put_page(&j, r, diag);
+    bis_json_close(&j);
+    bis_pixel_print_text(page.text, r);
+    return bis_page_end(&page, status, path, bis_pixel_page, what, diag);
 }

@@ -230,18 +230,13 @@ void bis_trade_print_summary(FILE *out, const bis_trade *t)
 
 bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag)
 {
-    char path[4096], *values = NULL, *text = NULL;
-    size_t n = 0, n_text = 0;
-    FILE *json = open_memstream(&values, &n), *words = open_memstream(&text, &n_text);
-    bis_status status = json && words ? bis_trade_put_values(json, t, diag) : BIS_OK;
+    static const char what[] = "the report";
+    char path[4096];
+    bis_page page;
+    bis_status status = bis_page_begin(&page, what, diag);
 
-    if (words) put_text(words, t);
-    const bool ok = (!json || fclose(json) == 0) & (!words || fclose(words) == 0);
-    if (!status && !(json && words && ok))
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the report");
-    if (!status)
-        status = bis_page_save(bis_trade_path(path, t, "report.html"), bis_trade_page, values, text, diag);
-    free(values); /* the C library's, not ours */
-    free(text);
-    return status;
+    if (status) return status;
+    status = bis_trade_put_values(page.json, t, diag);
+    put_text(page.text, t);
+    return bis_page_end(&page, status, bis_trade_path(path, t, "report.html"), bis_trade_page, what, diag);
 }
