@@ -4,7 +4,7 @@ function Link(link)
     if link.target:match("^%a+:") then return nil end
     local path, anchor = link.target:match("^([^#]*)(.*)$")
     path = path:gsub("README%.md$", "index.html"):gsub("%.md$", ".html")
-    if path ~= "" and not path:match("%.html$") and not path:match("%.png$") and not path:match("%.svg$") and not path:match("/$") then path = path .. ".html" end
+    if path ~= "" and not path:match("%.html$") and not path:match("%.png$") and not path:match("%.svg$") and not path:match("%.gif$") and not path:match("/$") then path = path .. ".html" end
     link.target = path .. anchor
     return link
 end
