@@ -12,5 +12,5 @@ end
 -- A formula scrolls in a box of its own: not every browser scrolls a <math>. So does one in a line of text, if a telephone is too narrow for it.
 function Math(m)
     if m.mathtype == "DisplayMath" then return pandoc.Span({m}, {class = "formula"}) end
-    if #m.text > 50 then return pandoc.Span({m}, {class = "long"}) end
+    if #m.text > 30 then return pandoc.Span({m}, {class = "long"}) end
 end
