@@ -154,7 +154,8 @@ static int unknown(const char *name)
             if (!e->term || !e->text) continue;
             const char *found;
             for (const char *at = e->term; n < MAX_NAMES && (found = next_name(&at, &length)) != NULL;) {
-                snprintf(words[n_words], MAX_TERM, "%.*s", (int)length, found);
+                const size_t dashes = *name == '-' ? 0 : strspn(found, "-");
+                snprintf(words[n_words], MAX_TERM, "%.*s", (int)(length - dashes), found + dashes);
                 names[n++] = words[n_words++];
             }
         }

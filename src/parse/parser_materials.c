@@ -106,7 +106,7 @@ static double head_on(double eta)
 static void scale_colour(bis_parser *p, rgb *c, uint32_t *texture, double factor)
 {
     const bis_texture constant = {.kind = BIS_TEXTURE_CONSTANT, .value = {factor, factor, factor}, .steps = 1};
-    bis_texture x = {.kind = BIS_TEXTURE_SCALE, .factor = {1, 1}, .scale = 1};
+    bis_texture x = {.kind = BIS_TEXTURE_SCALE, .scale = 1};
     *c = rgb_scale(*c, factor);
     if (*texture == BIS_NO_TEXTURE || factor == 1) return;
     const bis_texture *part = &p->desc->textures.list[*texture];
@@ -262,7 +262,7 @@ bis_material bis_parser_metal(bis_parser *p, bis_material_textures *t) { return 
 static void into_coat(bis_parser *p, rgb *Kd, uint32_t *texture, double inside)
 {
     const double v[3] = {(double)Kd->r, (double)Kd->g, (double)Kd->b};
-    bis_texture x = {.kind = BIS_TEXTURE_COAT, .of = {*texture}, .scale = inside, .factor = {1, 1}};
+    bis_texture x = {.kind = BIS_TEXTURE_COAT, .of = {*texture}, .scale = inside};
     double out[3];
     for (int i = 0; i < 3; i++) out[i] = (1 - inside) * v[i] / (1 - inside * v[i]);
     *Kd = rgb_from(out[0], out[1], out[2]);

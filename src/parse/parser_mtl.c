@@ -277,7 +277,7 @@ static bool multiply(bis_parser *p, const mtl *m, uint32_t *texture)
 {
     bis_texture c = {.kind = BIS_TEXTURE_CONSTANT, .steps = 1,
                      .value = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b}};
-    bis_texture x = {.kind = BIS_TEXTURE_SCALE, .of = {m->map}, .factor = {1, 1}, .scale = 1, .steps = 3,
+    bis_texture x = {.kind = BIS_TEXTURE_SCALE, .of = {m->map}, .scale = 1, .steps = 3,
                      .value = rgbd_scale(c.value, 0.5)};
     *texture = m->map;
     if (m->Kd.r == 1 && m->Kd.g == 1 && m->Kd.b == 1) return true;

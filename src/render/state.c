@@ -209,10 +209,9 @@ static uint64_t pixels_of(const bis_workspace *of)
 
 uint64_t bis_state_sums_bytes(const bis_workspace *of)
 {
-    const uint64_t n_learn = of->visibility.n_tiles ? (uint64_t)of->n_own : 0;
-
+    /* where nothing is learned, a tile has 0 cells */
     return pixels_of(of) * (BIS_FILM_BYTES + 8 * (uint64_t)of->film->layers.n_values) +
-           n_learn * of->visibility.cells * sizeof(bis_seen);
+           (uint64_t)of->n_own * of->visibility.cells * sizeof(bis_seen);
 }
 
 void bis_state_walk_sums(bis_walk *w, bis_workspace *of)

@@ -225,6 +225,12 @@ static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
         "\"integrators\"?); `bis help` lists commands and topics\n");
     program_expect(&r, 2, "help compar");
     assert_non_null(strstr(r.messages, "(did you mean \"compare\"?)"));
+    program_expect(&r, 2, "help areaexponnt"); /* a word of a topic */
+    assert_non_null(strstr(r.messages, "(did you mean \"areaexponent\"?)"));
+    program_expect(&r, 2, "help chekpoint"); /* an option; its dashes may be left out, as in `bis help checkpoint` */
+    assert_non_null(strstr(r.messages, "(did you mean \"checkpoint\"?)"));
+    program_expect(&r, 2, "help -- --chekpoint");
+    assert_non_null(strstr(r.messages, "(did you mean \"--checkpoint\"?)"));
     program_expect(&r, 2, "help quuxification");
     assert_string_equal(r.messages, "bis: error: no command, topic or name \"quuxification\"; `bis help` lists "
         "commands and topics\n");
@@ -262,7 +268,14 @@ static void every_option_and_topic_is_in_the_man_page(void **state)
     assert_string_equal(man.messages, "");
     assert_true(strlen(man.output) + 1 < sizeof man.output);
     unescape(man.output);
+    const char *description = strstr(man.output, "\n.SH DESCRIPTION\n"), *commands = strstr(man.output, "\n.SH COMMANDS\n");
+    assert_true(description && commands && description < commands);
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
+        snprintf(term, sizeof term, "\n.TP\n\\fB%s\\fR\n", c->name);
+        const char *entry = strstr(description, term);
+        if (!entry || entry > commands) fail_msg("man page: the description does not name %s", c->name);
+        const char *first = entry + strlen(term); /* the help's first word follows */
+        if (strncmp(first, c->help, strcspn(c->help, " ")) != 0) fail_msg("man page: %s: %.40s", c->name, first);
         char heading[64];
         snprintf(heading, sizeof heading, "\n.SS bis %s ", c == bis_subcommands ? "[render]" : c->name);
         help_of(&r, c->name);

@@ -139,6 +139,7 @@ static void what_is_no_part_or_needs_the_whole_picture_is_refused(void **state)
         {"merge " DIR "/q1.bispart " DIR "/q2.pfm --outfile " DIR "/q2.pfm", 2, "which is read"},
         {"merge " DIR "/q1.bispart " DIR "/none --outfile " DIR "/x.pfm", 1, "No such file"},
         {"merge " DIR "/q1.bispart " DIR " --outfile " DIR "/x.pfm", 1, "is a folder"},
+        {"merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/y.pfm --stats /dev/full", 1, "\"/dev/full\" cannot be written"},
         {"merge " DIR "/q1.bispart " DIR "/map.pfm --outfile " DIR "/x.pfm", 2, "this is no part of bis"},
         {"merge " DIR "/q1.bispart " DIR "/state --outfile " DIR "/x.pfm", 2, "--resume goes on from it"},
         {"merge " DIR "/q1.bispart " DIR "/other.bispart --outfile " DIR "/x.pfm", 2,

@@ -748,6 +748,7 @@ static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
         {SCENE " --stats " DIR "/no/stats.json --outfile " DIR "/new.exr", "No such file or directory"},
         {SCENE " --stats " DIR " --outfile " DIR "/new.exr", "it is a folder"},
         {SCENE " --outfile " DIR "/ok.exr --stats - >/dev/full", "standard output cannot be written"},
+        {SCENE " --outfile " DIR "/ok.exr --stats /dev/full", "\"/dev/full\" cannot be written"},
         {"--help >/dev/full", "standard output cannot be written"},
         {"--version >/dev/full", "standard output cannot be written"},
         {"compare " DIR "/map.pfm " DIR "/nosuch.pfm", "nosuch.pfm"},

@@ -254,6 +254,7 @@ static void what_is_replaced_has_the_values_of_the_scene(void **state)
     bis_scene_desc *d = good(passes[0].scene, BIS_PARSE_APPROXIMATE, said);
     const bis_material *m = &d->materials[d->shapes[0].material];
     assert_true(m->Kd.r == .1f && m->Kd.g == .2f && m->Kd.b == .3f);
+    assert_int_equal(d->n_approximations, 1); /* what the unknown material has beside is not told one by one */
     bis_scene_desc_free(d);
     d = good(passes[4].scene, BIS_PARSE_APPROXIMATE, said);
     assert_true(d->view.camera.fov_deg == 30 && !d->view.camera.orthographic);
@@ -527,6 +528,33 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
     assert_says(said, "\"from\" and \"to\" are one point");
 }
 
+/* Each of several lights arrives, times the film's scale, in the frame of a map that comes before, between or after. */
+static void distant_lights_are_all_there_in_one_frame(void **state)
+{
+    static const double to[2][3] = {{1 / 3., 2 / 3., 2 / 3.}, {-2 / 3., -2 / 3., 1 / 3.}};
+    char pfm[1000] = "", said[8192], text[2048];
+    (void)state;
+    const size_t n = (size_t)snprintf(pfm, sizeof pfm, "PF\n8 4\n-1.0\n"); /* black */
+    store(place("small.pfm"), pfm, n + 8 * 4 * 12);
+    static const char map[] = " AttributeBegin Rotate 40 1 2 3 LightSource \"infinite\" \"string filename\" \"small.pfm\" AttributeEnd ";
+    for (int i = 0; i < 3; i++) {
+        bis_scene_desc *d;
+        snprintf(text, sizeof text, "Film \"image\" \"float scale\" 2 WorldBegin%sLightSource \"distant\" \"point from\" [1 2 2] "
+                 "\"point to\" [0 0 0] \"rgb L\" [3 2 1]%sLightSource \"distant\" \"point from\" [-2 -2 1] \"point to\" [0 0 0] "
+                 "\"rgb L\" [1 2 3]%sShape \"sphere\"", i == 0 ? map : " ", i == 1 ? map : " ", i == 2 ? map : " ");
+        d = good(text, BIS_PARSE_APPROXIMATE, said);
+        assert_int_equal(d->light.n_distants, 2);
+        for (int k = 0; k < 2; k++) {
+            const bis_distant *x = &d->light.distants[k];
+            const vec3 w = bis_xform_vector(&d->light.to_world, (vec3){(float)x->towards[0], (float)x->towards[1], (float)x->towards[2]});
+            const double cosine = ((double)w.x * to[k][0] + (double)w.y * to[k][1] + (double)w.z * to[k][2]) / (double)length(w);
+            assert_true(cosine > 1 - 1e-6); /* floats: an angle of 1e-3 at most */
+            assert_true(x->irradiance.r == (k ? 2.f : 6.f) && x->irradiance.g == 4.f && x->irradiance.b == (k ? 6.f : 2.f));
+        }
+        bis_scene_desc_free(d);
+    }
+}
+
 /* The lights of the scene are passed over, also without --approximate, and the frame stands upright. */
 static void another_light_takes_the_place_of_all(void **state)
 {
@@ -570,6 +598,7 @@ int main(void)
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
+        cmocka_unit_test(distant_lights_are_all_there_in_one_frame),
         cmocka_unit_test(another_light_takes_the_place_of_all),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

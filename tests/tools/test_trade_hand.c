@@ -353,6 +353,9 @@ static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
         /* a quarter of it is 3% */
     assert_int_equal(bis_trade_errors(&t, v), 6);
     assert_near(v[0], 0.03);
+    for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 4 * 4 * 0.9 * 0.9;
+    assert_int_equal(bis_trade_errors(&t, v), 3); /* the last steps: 100, 200, 500 % */
+    assert_true(v[0] == 1 && v[1] == 2 && v[2] == 5);
     /* the first point alone, and the last alone */
     for (int k = 0; k < 2; k++) {
         bis_trade_point *const one = &t.result.points[k ? t.result.n_points - 1 : 0];
