@@ -172,7 +172,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     }
     if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
     if (!status && result->passes && leads && desc->has_light && !o->part.share.n)
-        bis_render_files_warn_of_black(film, diag);
+        bis_render_files_warn_of_black(film, scene, &desc->view.camera, diag);
     return status;
 }
 
@@ -249,6 +249,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
 
     bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
     stats.choice = chooses ? &choice : NULL;
+    stats.extent = &scene->geometry.box;
     stats.seconds.parse = parse_seconds;
     double before = bis_clock_now();
     status = o->part.share.n ? bis_render_part_write(&o->part, &o->files, &checkpoint, &film, &stats, o->quiet, diag)

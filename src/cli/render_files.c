@@ -201,17 +201,45 @@ void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *
              "please report it", (unsigned long long)counters->nonfinite);
 }
 
-void bis_render_files_warn_of_black(const bis_film *f, bis_diag *diag)
+/* A camera that looks in the direction of c sees the ball around the box: it stands radius / sin(fov / 2) away. */
+static void say_camera(char text[256], const bis_box *b, const bis_camera *c)
+{
+    const double mid[3] = {((double)b->lo.x + (double)b->hi.x) / 2, ((double)b->lo.y + (double)b->hi.y) / 2,
+                           ((double)b->lo.z + (double)b->hi.z) / 2};
+    const double radius = hypot(hypot((double)b->hi.x - mid[0], (double)b->hi.y - mid[1]), (double)b->hi.z - mid[2]);
+    const vec3 ahead = bis_xform_vector(&c->to_world, (vec3){0, 0, 1});
+    const vec3 up = bis_xform_vector(&c->to_world, (vec3){0, 1, 0});
+    const double length = sqrt((double)dot(ahead, ahead));
+    const double k = radius / sin(c->fov_deg / 2 * PI / 180) / length;
+
+    *text = '\0';
+    bis_append(text, 256, "They lie in x %.6g to %.6g, y %.6g to %.6g, z %.6g to %.6g", (double)b->lo.x,
+               (double)b->hi.x, (double)b->lo.y, (double)b->hi.y, (double)b->lo.z, (double)b->hi.z);
+    if (!c->orthographic && !c->has_screen)
+        bis_append(text, 256, "; \"LookAt %.6g %.6g %.6g  %.6g %.6g %.6g  %.6g %.6g %.6g\" as all that moves its "
+                   "Camera sees all of them",
+                   mid[0] - k * (double)ahead.x, mid[1] - k * (double)ahead.y, mid[2] - k * (double)ahead.z, mid[0],
+                   mid[1], mid[2], (double)up.x, (double)up.y, (double)up.z);
+}
+
+void bis_render_files_warn_of_black(const bis_film *f, const bis_scene *scene, const bis_camera *camera,
+                                    bis_diag *diag)
 {
     const size_t n = (size_t)f->width * (size_t)f->height;
     bool sees = false;
+    char where[256];
 
     for (size_t i = 0; i < n; i++) {
         if (f->sum[3 * i] != 0 || f->sum[3 * i + 1] != 0 || f->sum[3 * i + 2] != 0) return;
         sees = sees || f->hits[i] > 0;
     }
-    bis_warn(diag, bis_cli_loc, "the picture is black: %s",
-             sees ? "no light from infinity reaches what the camera sees. In a closed room there is none: leave out a "
-                    "wall or the ceiling, and see what --plan says of the scene's own lights"
-                  : "the camera sees no shape, and no light behind them: see where the scene's camera looks");
+    if (sees) {
+        bis_warn(diag, bis_cli_loc, "the picture is black: no light from infinity reaches what the camera sees. In a "
+                 "closed room there is none: leave out a wall or the ceiling, and see what --plan says of the scene's "
+                 "own lights");
+        return;
+    }
+    if (bis_geometry_primitives(&scene->geometry) > 0) say_camera(where, &scene->geometry.box, camera);
+    else snprintf(where, sizeof where, "The scene has none: add a Shape");
+    bis_warn(diag, bis_cli_loc, "the picture is black: the camera sees no shape, and no light behind them. %s", where);
 }

@@ -40,5 +40,7 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
 /* bis_render_files_warn_of_nonfinite warns if there were estimates that are not finite. */
 void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *diag);
 
-/* bis_render_files_warn_of_black warns if every pixel is black, and says what can be done. For after a pass. */
-void bis_render_files_warn_of_black(const bis_film *film, bis_diag *diag);
+/* bis_render_files_warn_of_black warns if every pixel is black, and says what can be done: where the camera sees no
+ * shape, it names a LookAt that sees all of them, in the direction of the scene's camera. For after a pass. */
+void bis_render_files_warn_of_black(const bis_film *film, const bis_scene *scene, const bis_camera *camera,
+                                    bis_diag *diag);

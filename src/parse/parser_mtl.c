@@ -77,8 +77,23 @@ static void read_Ns(bis_parser *p, const line *l, double *Ns)
     if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", &v, positive_or_0)) *Ns = v;
 }
 
-/* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s, and -bm of a
- * displacement, which is a map of numbers. */
+/* -imfchan names the channel of a map of numbers. A map of colours has all three, whatever it says. */
+static bool read_channel(bis_parser *p, const line *l, char **s, const bis_texture *x)
+{
+    const size_t n = strcspn(*s, blanks);
+    const bool is_mean = n == 1 && **s == 'l';
+    if (x->is_float && !is_mean &&
+        !bis_approximate_or_refuse(p, l->at, "-imfchan of a map", "the mean of red, green and blue",
+                                   "-imfchan %.*s is not modelled, because a map of numbers is the mean of red, green "
+                                   "and blue: save the channel as a grey image and remove the option",
+                                   (int)(n < 8 ? n : 8), bis_parser_word(p, *s)))
+        return false;
+    *s += n;
+    return true;
+}
+
+/* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s, -imfchan of
+ * colours, and -bm of a displacement, which is a map of numbers. */
 static bool read_options(bis_parser *p, const line *l, char **name, bis_texture *x)
 {
     char *s = l->words;
@@ -104,6 +119,8 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
             if (end == s || !isfinite(x->scale))
                 return bis_parser_error(p, l->at, "-bm is \"%s\", must be a number", bis_parser_word(p, s));
             s = (char *)end;
+        } else if (strcmp(word, "-imfchan") == 0) {
+            if (!read_channel(p, l, &s, x)) return false;
         } else {
             if (!bis_approximate_or_refuse(p, l->at, "an option of a map that is not modelled", "ignored",
                                            "the option %s of a map is not modelled: remove it",

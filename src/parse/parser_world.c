@@ -31,7 +31,8 @@ void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks)
     const double one = 1 + (double)FLT_EPSILON / 2;
     for (int i = 0; i < 3; i++) {
         if (sum[i] <= one) continue;
-        bis_warn(p->diag, at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
+        bis_warn(p->diag, at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives. Make one of "
+                 "them smaller",
                  sum[i], (const char *const[]){"red", "green", "blue"}[i]);
         return;
     }

@@ -229,6 +229,18 @@ static void print_approximations(bis_json *j, const bis_scene_desc *d, const cha
     bis_json_close(j);
 }
 
+static void print_extent(bis_json *j, const bis_box *b)
+{
+    if (!b || !(b->lo.x <= b->hi.x)) {
+        bis_json_null(j, "extent");
+        return;
+    }
+    bis_json_open(j, "extent", '{');
+    bis_json_triple(j, "low", (double)b->lo.x, (double)b->lo.y, (double)b->lo.z);
+    bis_json_triple(j, "high", (double)b->hi.x, (double)b->hi.y, (double)b->hi.z);
+    bis_json_close(j);
+}
+
 void bis_stats_print(const bis_stats *s, FILE *out)
 {
     const bis_settings *settings = &s->desc->view.settings;
@@ -251,6 +263,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     bis_json_text(&j, "accelerator", *s->scene.accelerator ? s->scene.accelerator : NULL);
     BIS_JSON_NUMBERS(&j, {"triangles", (double)s->scene.triangles}, {"width", s->film->width},
                      {"height", s->film->height});
+    print_extent(&j, s->extent);
     BIS_JSON_OBJECT(&j, "seconds", {"parse", t->parse}, {"load", t->load}, {"envmap", t->envmap}, {"accel", t->accel},
                     {"render", t->render}, {"write", t->write}, {"total", t->total});
     BIS_JSON_OBJECT(&j, "rays", {"camera", (double)r->counters.camera_rays},

@@ -35,13 +35,14 @@ typedef struct bis_stats {
     bis_scene_seconds seconds;
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
     const bis_auto_report *choice;    /* NULL: nothing was to choose */
+    const bis_box *extent;            /* of all shapes, lo > hi where there are none; NULL: not known, after a merge */
     char line[BIS_MAX_LINE];          /* of the Integrator, by bis_describe_line */
     char approximated[BIS_APPROXIMATED_TEXT]; /* by bis_describe_approximations; "": nothing was */
 } bis_stats;
 
 /* bis_stats_of returns what there is to say of a render: the figures given, the seconds of the render, and the texts
- * that desc makes. The caller adds choice, the seconds of parsing and writing, and the total. desc, film and result are
- * borrowed. */
+ * that desc makes. The caller adds choice, extent, the seconds of parsing and writing, and the total. desc, film and
+ * result are borrowed. */
 bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
                        const bis_film *film, const bis_render_result *result);
 

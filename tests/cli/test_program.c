@@ -330,7 +330,7 @@ static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
     program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats -");
     assert_true(json_is_valid(r.output));
     assert_string_equal(json_keys(keys, sizeof keys, r.output, ""),
-                        "version scene integrator proposal candidates shadowrays samples spp seed threads accelerator triangles width height seconds rays "
+                        "version scene integrator proposal candidates shadowrays samples spp seed threads accelerator triangles width height extent seconds rays "
                         "candidates_drawn accepted fallbacks peak_memory_bytes memory estimated_relative_rmse interrupted ");
     assert_string_equal(json_keys(keys, sizeof keys, r.output, "seconds"), "parse load envmap accel render write total ");
     assert_string_equal(json_keys(keys, sizeof keys, r.output, "rays"), "camera shadow ");

@@ -541,7 +541,7 @@ static void each_material_has_its_defaults(void **state)
         assert_about(m.alpha, cases[i].alpha, 1e-9);
         assert_about(m.exponent, cases[i].exponent, 0);
     }
-    material("Material \"phong\" \"rgb Kd\" [0.5 0.75 0.5] \"rgb Ks\" [0.5 0.5 0.5]", "scene.txt:3:10: warning: Kd + Ks is 1.25 in green: the material reflects more light than it receives");
+    material("Material \"phong\" \"rgb Kd\" [0.5 0.75 0.5] \"rgb Ks\" [0.5 0.5 0.5]", "scene.txt:3:10: warning: Kd + Ks is 1.25 in green: the material reflects more light than it receives. Make one of them smaller");
     material("Material \"phong\" \"rgb Kd\" [0.5 0.75 1] \"rgb Ks\" [0.5 0.25 0.5]", "warning: Kd + Ks is 1.5 in blue");
     material("Material \"phong\" \"rgb Kd\" [0.75 1 1] \"rgb Ks\" [0.5 1 0.5]", "warning: Kd + Ks is 1.25 in red");
 }

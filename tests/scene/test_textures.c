@@ -610,6 +610,7 @@ static void numbers_of_a_library_are_checked(void **state)
         {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"}, {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
         {"map_Kd -s 2 -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
         {"bump -bm x four.pfm", "2: error: -bm is \"x four.pfm\", must be a number"}, {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
+        {"map_bump -imfchan r four.pfm", "2: error: -imfchan r is not modelled, because a map of numbers is the mean of red, green and blue: save the channel as a grey image and remove the option"},
         {"norm -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
         {"norm -s 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
         {"norm -o 0 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
@@ -622,6 +623,9 @@ static void numbers_of_a_library_are_checked(void **state)
         assert_int_equal(b.diag.n, 1);
         clear(&b);
     }
+    built b; /* a colour has all channels, and l is the mean */
+    assert_int_equal(build_library(&b, "map_Kd -imfchan r four.pfm\nbump -imfchan l four.pfm"), BIS_OK);
+    clear(&b);
 }
 
 /* Kd 1/2, Ks 0, Ns 50 where nothing is said; illum 0 and 1 have no highlight. One number stands for three. */
@@ -1260,7 +1264,7 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
         {NO, NO, 1, true, 1, "the texture of \"roughness\" has values up to 1.5, must be in [0.01, 1]", false},
         {NO, NO, 6, true, 0.5, NULL, false}, /* 0.009^(1/2) = 0.095; from 1e-4 on */
         {NO, NO, 7, true, 0.5, "the texture of \"roughness\" has values down to 9e-05, must be in [0.0001, 1]", false},
-        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than it receives", true},
+        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than it receives. Make one of them smaller, a texture by its \"float scale\"", true},
         {9, NO, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in green", true}, {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
         {NO, 8, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in red", true}, {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
         {8, NO, NO, true, 1, NULL, false}, /* of facets nothing is too much */

@@ -172,7 +172,7 @@ static void the_stats_are_those_by_hand(void **state)
         "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  \"proposal\": \"choose\",\n"
         "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"spp\": 12,\n"
         "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  \"height\": 3,\n"
-        "  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    \"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
+        "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    \"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
         "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  \"candidates_drawn\": 103,\n"
         "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
     static const char of_auto[] =

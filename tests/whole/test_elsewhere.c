@@ -171,6 +171,20 @@ static void a_render_says_that_its_picture_is_black(void **state)
                                          "Translate 0 0 -3 Shape \"sphere\"\n");
     program_expect(&r, 0, "--resolution 8x6 --outfile " DIR "/a.pfm " DIR "/away.pbrt");
     assert_non_null(strstr(r.messages, "the picture is black: the camera sees no shape"));
+    /* a box of 2 x 2 x 2 lies in a ball of radius sqrt(3), which fills 90 degrees from sqrt(3) / sin(45 degrees) */
+    assert_non_null(strstr(r.messages, "They lie in x -1 to 1, y -1 to 1, z -4 to -2; \"LookAt 0 0 -5.44949  0 0 -3  0 1 0\" "
+                                       "as all that moves its Camera sees all of them"));
+    program_write_file(DIR "/turned.pbrt", "LookAt 0 0 -5.44949  0 0 -3  0 1 0 Camera \"perspective\" WorldBegin LightSource \"infinite\" "
+                                           "\"bool visible\" false Translate 0 0 -3 Shape \"trianglemesh\" \"point3 P\" "
+                                           "[-1 -1 -1  1 -1 -1  0 1 1]\n");
+    program_expect(&r, 0, "--resolution 8x6 --stats - --outfile " DIR "/a.pfm " DIR "/turned.pbrt");
+    assert_null(strstr(r.messages, "black"));
+    assert_non_null(strstr(r.output, "\"extent\": {\n    \"low\": [\n      -1,\n      -1,\n      -4\n    ],\n"
+                                     "    \"high\": [\n      1,\n      1,\n      -2\n    ]\n  },\n"));
+    program_write_file(DIR "/none.pbrt", "WorldBegin LightSource \"infinite\" \"bool visible\" false\n");
+    program_expect(&r, 0, "--resolution 8x6 --stats - --outfile " DIR "/a.pfm " DIR "/none.pbrt");
+    assert_non_null(strstr(r.messages, "The scene has none: add a Shape"));
+    assert_non_null(strstr(r.output, "\"extent\": null"));
     program_expect(&r, 0, "--resolution 8x6 --outfile " DIR "/a.pfm " OURS "inside.pbrt");
     assert_null(strstr(r.messages, "black"));
 }
