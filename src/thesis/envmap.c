@@ -80,6 +80,13 @@ rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double so
     return (rgb){r, g, b};
 }
 
+static bool is_row_of_radiance(const rgb *row, int width)
+{
+    bool is = true;
+    for (int x = 0; x < width; x++) is &= is_radiance(row[x].r) & is_radiance(row[x].g) & is_radiance(row[x].b);
+    return is;
+}
+
 bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *diag)
 {
     *em = (bis_envmap){.pixels = image->pixels};
@@ -90,7 +97,12 @@ bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *d
         bis_envmap_clear(em);
         return status;
     }
+    int first = height; /* the first row with a bad value: usually there is none */
+#pragma omp parallel for reduction(min : first)
     for (int y = 0; y < height; y++) {
+        if (y < first && !is_row_of_radiance(em->pixels + (size_t)y * (size_t)width, width)) first = y;
+    }
+    for (int y = first; y < height; y++) {
         rgb *row = em->pixels + (size_t)y * (size_t)width;
         for (int x = 0; x < width; x++) {
             row[x] = bis_envmap_clean(&em->defects, row[x], x, y, em->row_solid_angle[y]);
@@ -114,12 +126,15 @@ bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag)
     assert(is_radiance(scale.r) && is_radiance(scale.g) && is_radiance(scale.b));
     if (scale.r == 1 && scale.g == 1 && scale.b == 1) return BIS_OK;
     const size_t n = n_pixels(em);
-    rgb most = {0, 0, 0};
+    float r = 0, g = 0, b = 0;
+#pragma omp parallel for reduction(max : r, g, b)
     for (size_t i = 0; i < n; i++) {
         const rgb c = em->pixels[i];
-        most = (rgb){fmaxf(most.r, c.r), fmaxf(most.g, c.g), fmaxf(most.b, c.b)};
+        r = c.r > r ? c.r : r;
+        g = c.g > g ? c.g : g;
+        b = c.b > b ? c.b : b;
     }
-    const rgb scaled = rgb_mul(most, scale);
+    const rgb most = {r, g, b}, scaled = rgb_mul(most, scale);
     if (!rgb_is_finite(scaled)) { /* before anything is changed, so that the map stays usable */
         return bis_error(diag, BIS_INPUT, (bis_loc){0},
                          "the largest radiance of the map, (%g %g %g), times (%g %g %g) exceeds the largest float, %g; "
@@ -127,6 +142,7 @@ bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag)
                          (double)most.r, (double)most.g, (double)most.b, (double)scale.r, (double)scale.g,
                          (double)scale.b, (double)FLT_MAX);
     }
+#pragma omp parallel for
     for (size_t i = 0; i < n; i++) em->pixels[i] = rgb_mul(em->pixels[i], scale);
     return BIS_OK;
 }
@@ -173,12 +189,17 @@ vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double 
 
 double bis_envmap_power(const bis_envmap *em)
 {
-    double power = 0;
-    for (int y = 0; y < em->height; y++) {
-        const rgb *row = em->pixels + (size_t)y * (size_t)em->width;
-        double sum = 0;
-        for (int x = 0; x < em->width; x++) sum += rgb_sum(row[x]);
-        power += sum * em->row_solid_angle[y];
+    enum { TOGETHER = 1024 /* rows: summed by all threads, and then added by one, in their order */ };
+    double power = 0, sum[TOGETHER];
+    for (int first = 0; first < em->height; first += TOGETHER) {
+        const int n = em->height - first < TOGETHER ? em->height - first : TOGETHER;
+#pragma omp parallel for
+        for (int i = 0; i < n; i++) {
+            const rgb *row = em->pixels + (size_t)(first + i) * (size_t)em->width;
+            sum[i] = 0;
+            for (int x = 0; x < em->width; x++) sum[i] += rgb_sum(row[x]);
+        }
+        for (int i = 0; i < n; i++) power += sum[i] * em->row_solid_angle[first + i];
     }
     return power;
 }
@@ -187,6 +208,7 @@ double bis_envmap_max_intensity(const bis_envmap *em)
 {
     double most = 0;
     const size_t n = n_pixels(em);
+#pragma omp parallel for reduction(max : most)
     for (size_t i = 0; i < n; i++) {
         const double intensity = rgb_sum(em->pixels[i]);
         if (intensity > most) most = intensity;

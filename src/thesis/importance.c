@@ -25,6 +25,7 @@
 struct bis_importance {
     bis_weights weights;
     float *area;      /* of the weights, which may be without them (E20); the curve draws with them */
+    float least_area; /* of all lit pixels; 1 without area factors */
     double total;     /* sum of w dO */
     double max_ratio;
     bis_table table;
@@ -35,31 +36,31 @@ struct bis_importance {
 static size_t n_pixels(const bis_envmap *em) { return (size_t)em->width * (size_t)em->height; }
 
 /* [area] */
-/* Computes the factor of thesis 3.4 for every lit pixel. */
-static bis_status find_area_factors(bis_weights *w, int levels, double b, bis_diag *diag)
+/* Computes the factor of thesis 3.4 for every lit pixel, and the least of them. The factors take the place of the
+ * labels, because a map may have 10^8 pixels. */
+static bis_status find_area_factors(bis_weights *w, float *least, int levels, double b, bis_diag *diag)
 {
     bis_regions regions;
-    bis_status status = bis_regions_init(&regions, w->em, levels, diag);
+    const bis_status status = bis_regions_init(&regions, w->em, levels, diag);
     if (status) return status;
-    w->area = bis_alloc(n_pixels(w->em), sizeof *w->area);
-    if (!w->area) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the area factors of a %d x %d map",
-                           w->em->width, w->em->height);
-        goto done;
-    }
-    double *factor = regions.solid_angle; /* the factors replace the solid angles in place */
-#pragma omp parallel for
-    for (uint32_t k = 0; k < regions.n; k++) factor[k] = bis_area_factor(regions.solid_angle[k], b);
-#pragma omp parallel for
-    for (size_t i = 0; i < n_pixels(w->em); i++) {
-        if (regions.label[i] == BIS_REGION_NONE) continue;
+    double *factor = regions.solid_angle; /* of which they take the place, too */
+    for (uint32_t k = 0; k < regions.n; k++) {
         /* FLT_TRUE_MIN: an absurd b (4 and more) underflows. A lit pixel must stay possible, and any positive weight
          * is right */
-        w->area[i] = fmaxf((float)factor[regions.label[i]], FLT_TRUE_MIN);
+        const float f = fmaxf((float)bis_area_factor(regions.solid_angle[k], b), FLT_TRUE_MIN);
+        *least = fminf(*least, f);
+        factor[k] = (double)f;
     }
-done:
+    const uint32_t *label = regions.label;
+    w->area = (void *)regions.label;
+    regions.label = NULL;
+#pragma omp parallel for
+    for (size_t i = 0; i < n_pixels(w->em); i++) {
+        const uint32_t k = label[i];
+        w->area[i] = k == BIS_REGION_NONE ? 0 : (float)factor[k];
+    }
     bis_regions_clear(&regions);
-    return status;
+    return BIS_OK;
 }
 /* [end] */
 
@@ -73,22 +74,31 @@ static double mean_to_subtract(const bis_envmap *em)
     return bis_envmap_max_intensity(em) - mean > rounding ? mean : 0;
 }
 
-/* Sums over the rows, then over the sphere. The order does not depend on the number of threads. */
-static void sum_rows(bis_importance *im, double *row_weight)
+/* Sums over the rows, then over the sphere. The order does not depend on the number of threads. Returns the largest
+ * product of a pixel's weight and its row's measure. */
+static double sum_rows(bis_importance *im, double *row_weight)
 {
     const bis_envmap *em = im->weights.em;
     const size_t width = (size_t)em->width;
-#pragma omp parallel for
+    double largest = 0;
+#pragma omp parallel for reduction(max : largest)
     for (int y = 0; y < em->height; y++) {
-        double sum = 0;
-        for (size_t x = 0; x < width; x++) sum += bis_weight(&im->weights, (size_t)y * width + x);
+        double sum = 0, most = 0;
+        for (size_t x = 0; x < width; x++) {
+            const double w = bis_weight(&im->weights, (size_t)y * width + x);
+            sum += w;
+            most = w > most ? w : most;
+        }
         row_weight[y] = sum;
+        most *= bis_row_measure(&im->weights, (size_t)y);
+        largest = most > largest ? most : largest;
     }
     im->total = 0;
     for (int y = 0; y < em->height; y++) {
         im->total += row_weight[y] * em->row_solid_angle[y];
         row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
     }
+    return largest;
 }
 
 /* Returns the largest I/q = sum * I/w. Without compensation I/w is 1 or 1/area. There are four roundings: of I *
@@ -96,14 +106,9 @@ static void sum_rows(bis_importance *im, double *row_weight)
  * 2^-53 makes the result a bound of the computed numbers, too. */
 static double find_max_ratio(const bis_importance *im)
 {
-    const bis_weights *w = &im->weights;
     if (im->total == 0) return 0;
-    if (w->mean > 0) return (double)INFINITY;
-    double least_area = 1;
-    for (size_t i = 0; w->area && i < n_pixels(w->em); i++) {
-        if (!rgb_is_black(w->em->pixels[i])) least_area = fmin(least_area, (double)w->area[i]);
-    }
-    return im->total / least_area * (1 + 4 * DBL_EPSILON);
+    if (im->weights.mean > 0) return (double)INFINITY;
+    return im->total / (double)im->least_area * (1 + 4 * DBL_EPSILON);
 }
 
 /* As printed (E20): directions are drawn with the area factors, by the tables that exist already, but weighed as if
@@ -111,6 +116,7 @@ static double find_max_ratio(const bis_importance *im)
 static void forget_area_factors(bis_importance *im, double *row_weight)
 {
     im->weights.area = NULL;
+    im->least_area = 1;
     sum_rows(im, row_weight);
     im->max_ratio = find_max_ratio(im);
 }
@@ -128,14 +134,15 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         goto done;
     }
     im->weights = (bis_weights){.em = em, .as_printed = options->as_printed};
+    im->least_area = 1;
     assert(isfinite(options->area_exponent) && options->area_exponent >= 0);
     if (options->area_exponent > 0) {
-        status = find_area_factors(&im->weights, options->levels, options->area_exponent, diag);
+        status = find_area_factors(&im->weights, &im->least_area, options->levels, options->area_exponent, diag);
         im->area = im->weights.area;
         if (status) goto done;
     }
     if (options->compensate) im->weights.mean = mean_to_subtract(em);
-    sum_rows(im, row_weight);
+    const double largest = sum_rows(im, row_weight);
     im->max_ratio = find_max_ratio(im);
     im->has_table = options->table;
     im->has_curve = options->curve;
@@ -144,7 +151,7 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         if (status) goto done;
     }
     if (im->total > 0 && im->has_curve) {
-        status = bis_trail_init(&im->trail, &im->weights, diag);
+        status = bis_trail_init(&im->trail, &im->weights, largest, diag);
         if (status) goto done;
     }
     if (im->weights.as_printed & BIS_E20) forget_area_factors(im, row_weight);
@@ -185,7 +192,7 @@ bool bis_importance_sample_curve(const bis_importance *im, double t, const doubl
     if (im->total == 0) return false;
     const bis_envmap *em = im->weights.em;
     const size_t width = (size_t)em->width;
-    s->pixel = bis_trail_draw(&im->trail, width, t);
+    s->pixel = bis_trail_draw(&im->trail, t);
     s->w_local = bis_envmap_direction(em, (int)(s->pixel % width), (int)(s->pixel / width), u[0], u[1]);
     s->pdf = bis_importance_pdf_pixel(im, s->pixel);
     return true;
@@ -208,7 +215,7 @@ bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n,
 {
     assert(im->has_curve && im->total > 0);
     *side = im->trail.side;
-    return bis_trail_cut(&im->trail, im->weights.em, K, n, t, of_tile);
+    return bis_trail_cut(&im->trail, K, n, t, of_tile);
 }
 
 double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio; }

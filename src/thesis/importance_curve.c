@@ -21,96 +21,94 @@
 #include "importance_parts.h"
 
 #include <assert.h>
-#include <string.h>
-
-enum { TOGETHER = 4096 /* tiles that are weighed by all threads, and then added by one */, MOST_CELLS = 16 };
 
 static const size_t tiled_from = 1 << 16; /* pixels */
 
 /* Finds the tiles in the order of the curve. */
-static bis_status find_tiles(bis_trail *t, const bis_envmap *em)
+static bis_status find_tiles(bis_trail *t)
 {
-    const uint32_t width = (uint32_t)em->width, height = (uint32_t)em->height;
+    const uint32_t width = (uint32_t)t->weights.em->width, height = (uint32_t)t->weights.em->height;
     t->side = (size_t)width * height < tiled_from ? 1 : 4;
-    const uint32_t across = (width + t->side - 1) / t->side, down = (height + t->side - 1) / t->side;
-    t->n_tiles = (size_t)across * down;
+    t->across = (width + t->side - 1) / t->side;
+    const uint32_t down = (height + t->side - 1) / t->side;
+    t->n_tiles = (size_t)t->across * down;
     t->tile = bis_alloc(t->n_tiles, sizeof *t->tile);
     if (!t->tile) return BIS_NOMEM;
-    bis_curve_rectangle(t->tile, across, down);
-#pragma omp parallel for
-    for (size_t i = 0; i < t->n_tiles; i++) {
-        const uint32_t x = t->tile[i] % across, y = t->tile[i] / across;
-        t->tile[i] = t->side * (y * width + x);
-    }
+    bis_curve_rectangle(t->tile, t->across, down);
     return BIS_OK;
 }
 
-/* Stores weight times solid angle of the pixels of tile i, cell by cell. Cells beyond the map's right or lower edge
- * stay 0. */
-static void weigh_tile(double *weight, const bis_trail *t, size_t i, const bis_weights *w)
+/* The pixels of a tile. At the map's right or lower edge it may have fewer. */
+typedef struct block {
+    uint32_t x, y, columns, rows;
+} block;
+
+static uint32_t least(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static block block_of(const bis_trail *t, uint32_t tile)
 {
-    const size_t width = (size_t)w->em->width, height = (size_t)w->em->height;
-    const size_t x0 = t->tile[i] % width, y0 = t->tile[i] / width;
-    for (size_t y = 0; y < t->side && y0 + y < height; y++) {
-        for (size_t x = 0; x < t->side && x0 + x < width; x++) {
-            weight[y * t->side + x] = bis_weight(w, (y0 + y) * width + x0 + x) * bis_row_measure(w, y0 + y);
-        }
-    }
+    const uint32_t width = (uint32_t)t->weights.em->width, height = (uint32_t)t->weights.em->height;
+    const uint32_t x = t->side * (tile % t->across), y = t->side * (tile / t->across);
+    return (block){x, y, least(t->side, width - x), least(t->side, height - y)};
 }
 
-/* Stores the weights of n tiles from tile `first` on in weight[n * cells]. */
-static void weigh_tiles(double *weight, const bis_trail *t, size_t first, size_t n)
+/* Adds a pixel's weight, as accumulate of cdf.c does. */
+static void add_weight(bis_trail_sum *s, double weight)
 {
-    const size_t cells = t->side * t->side;
-    memset(weight, 0, n * cells * sizeof *weight);
-#pragma omp parallel for
-    for (size_t i = 0; i < n; i++) weigh_tile(weight + i * cells, t, first + i, &t->weights);
-}
-
-/* Adds a pixel of this weight, as accumulate of cdf.c does. */
-static void add_weight(bis_trail_sum *s, weight_scale scale, double weight)
-{
-    const double p = weight_scaled(scale, weight), next = s->sum + p, added = next - s->sum;
-    s->low += (s->sum - (next - added)) + (p - added);
+    const double next = s->sum + weight, added = next - s->sum;
+    s->low += (s->sum - (next - added)) + (weight - added);
     s->sum = next;
 }
 
-/* The share of the importance that lies before tile i. */
-static double share_before(const bis_trail *t, size_t i)
+static bis_trail_sum plus(bis_trail_sum a, bis_trail_sum b)
 {
-    const bis_trail_sum *s = &t->before[i], *all = &t->before[t->n_tiles];
-    return (s->sum + s->low) / (all->sum + all->low);
+    add_weight(&a, b.sum);
+    a.low += b.low;
+    return a;
 }
 
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+/* The scaled weight times solid angle of the pixel in column x of row y. */
+static double pixel_weight(const bis_trail *t, uint32_t x, uint32_t y)
+{
+    const bis_weights *w = &t->weights;
+    const double weight = bis_weight(w, (size_t)y * (size_t)w->em->width + x);
+    return weight_scaled(t->scale, weight * bis_row_measure(w, y));
+}
 
-/* Finds the scale, by the largest weight, and the sums before all tiles. */
+static bis_trail_sum sum_tile(const bis_trail *t, uint32_t tile)
+{
+    const block b = block_of(t, tile);
+    bis_trail_sum sum = {0, 0};
+    for (uint32_t y = 0; y < b.rows; y++)
+        for (uint32_t x = 0; x < b.columns; x++) add_weight(&sum, pixel_weight(t, b.x + x, b.y + y));
+    return sum;
+}
+
+/* The share of the importance that this sum is. */
+static double share_of(const bis_trail *t, bis_trail_sum s)
+{
+    const bis_trail_sum *all = &t->before[t->n_tiles];
+    return (s.sum + s.low) / (all->sum + all->low);
+}
+
+/* The share of the importance that lies before tile i. */
+static double share_before(const bis_trail *t, size_t i) { return share_of(t, t->before[i]); }
+
+/* Finds the sums before all tiles. The tiles themselves are summed row by row, on all threads, because along the curve
+ * each would wait for memory. */
 static bis_status sum_tiles(bis_trail *t)
 {
-    const size_t cells = t->side * t->side;
-    double *weight = bis_alloc(TOGETHER * cells, sizeof *weight);
-    bis_trail_sum sum = {0, 0};
+    bis_trail_sum *sum = bis_alloc(t->n_tiles, sizeof *sum);
 
     t->before = bis_alloc(t->n_tiles + 1, sizeof *t->before);
-    if (!weight || !t->before) {
-        bis_free(weight);
+    if (!sum || !t->before) {
+        bis_free(sum);
         return BIS_NOMEM;
     }
-    for (size_t first = 0; first < t->n_tiles; first += TOGETHER) {
-        const size_t n = least(TOGETHER, t->n_tiles - first);
-        weigh_tiles(weight, t, first, n);
-        const weight_scale scale = weight_scale_of(weight, n * cells);
-        if (scale.half1 > 0 && (t->scale.half1 == 0 || scale.exponent > t->scale.exponent)) t->scale = scale;
-    }
-    for (size_t first = 0; first < t->n_tiles; first += TOGETHER) {
-        const size_t n = least(TOGETHER, t->n_tiles - first);
-        weigh_tiles(weight, t, first, n);
-        for (size_t i = 0; i < n; i++) {
-            for (size_t k = 0; k < cells; k++) add_weight(&sum, t->scale, weight[i * cells + k]);
-            t->before[first + i + 1] = sum;
-        }
-    }
-    bis_free(weight);
+#pragma omp parallel for
+    for (size_t i = 0; i < t->n_tiles; i++) sum[i] = sum_tile(t, (uint32_t)i);
+    for (size_t i = 0; i < t->n_tiles; i++) t->before[i + 1] = plus(t->before[i], sum[t->tile[i]]);
+    bis_free(sum);
     return BIS_OK;
 }
 
@@ -129,10 +127,10 @@ static bis_status make_guide(bis_trail *t)
     return BIS_OK;
 }
 
-bis_status bis_trail_init(bis_trail *t, const bis_weights *w, bis_diag *diag)
+bis_status bis_trail_init(bis_trail *t, const bis_weights *w, double largest, bis_diag *diag)
 {
-    *t = (bis_trail){.weights = *w};
-    bis_status status = find_tiles(t, w->em);
+    *t = (bis_trail){.weights = *w, .scale = weight_scale_of(&largest, 1)};
+    bis_status status = find_tiles(t);
     if (!status) status = sum_tiles(t);
     if (!status) status = make_guide(t);
     if (!status) return BIS_OK;
@@ -163,28 +161,31 @@ static size_t find_tile(const bis_trail *t, double s)
     return i;
 }
 
-/* The last cell of tile i that begins at s or before. */
-static size_t find_cell(const bis_trail *t, size_t i, double s)
+/* The pixel of tile i that lies at s. All of the tile's pixels add up to the sum before the next tile, bit for bit, and
+ * that lies beyond s: so a pixel is found, and it is not black. */
+static size_t find_pixel(const bis_trail *t, size_t i, double s)
 {
-    const size_t cells = t->side * t->side;
-    const bis_trail_sum *all = &t->before[t->n_tiles];
-    bis_trail_sum sum = t->before[i];
-    double weight[MOST_CELLS] = {0};
-    size_t cell = 0;
+    const size_t width = (size_t)t->weights.em->width;
+    const block b = block_of(t, t->tile[i]);
+    bis_trail_sum sum = {0, 0};
+    uint32_t x = 0, y = 0;
 
-    weigh_tile(weight, t, i, &t->weights);
-    for (; cell + 1 < cells; cell++) {
-        add_weight(&sum, t->scale, weight[cell]);
-        if ((sum.sum + sum.low) / (all->sum + all->low) > s) break;
+    for (;;) {
+        add_weight(&sum, pixel_weight(t, b.x + x, b.y + y));
+        if (share_of(t, plus(t->before[i], sum)) > s) return (b.y + y) * width + b.x + x;
+        if (++x == b.columns) {
+            x = 0;
+            y++;
+        }
+        assert(y < b.rows);
     }
-    return cell;
 }
 
-size_t bis_trail_draw(const bis_trail *t, size_t width, double s)
+size_t bis_trail_draw(const bis_trail *t, double s)
 {
     assert(t->scale.half1 > 0 && s >= 0 && s < 1);
-    const size_t i = find_tile(t, s), cell = t->side == 1 ? 0 : find_cell(t, i, s);
-    return t->tile[i] + cell / t->side * width + cell % t->side;
+    const size_t i = find_tile(t, s);
+    return t->side == 1 ? t->tile[i] : find_pixel(t, i, s);
 }
 
 size_t bis_trail_bytes(const bis_trail *t)
@@ -192,22 +193,17 @@ size_t bis_trail_bytes(const bis_trail *t)
     return t->n_tiles * (sizeof *t->tile + sizeof *t->before) + t->n_guide * sizeof *t->guide;
 }
 
-/* Returns the solid angle of tile i. */
-static double tile_solid_angle(const bis_trail *t, size_t i, const bis_envmap *em)
+static double tile_solid_angle(const bis_trail *t, uint32_t tile)
 {
-    const size_t x0 = t->tile[i] % (size_t)em->width, y0 = t->tile[i] / (size_t)em->width;
-    const size_t columns = (size_t)em->width - x0 < t->side ? (size_t)em->width - x0 : t->side;
+    const block b = block_of(t, tile);
     double sum = 0;
 
-    for (size_t y = y0; y < (size_t)em->height && y < y0 + t->side; y++)
-        sum += (double)columns * em->row_solid_angle[y];
+    for (uint32_t y = b.y; y < b.y + b.rows; y++) sum += b.columns * t->weights.em->row_solid_angle[y];
     return sum;
 }
 
-bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t,
-                         uint16_t **of_tile)
+bis_status bis_trail_cut(const bis_trail *trail, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile)
 {
-    const size_t width = (size_t)em->width, side = trail->side, columns = (width + side - 1) / side;
     double sphere = 0; /* solid angle of the current piece */
     uint32_t k = 0;
 
@@ -216,10 +212,9 @@ bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t 
     *of_tile = bis_alloc(trail->n_tiles, sizeof **of_tile);
     if (!*t || !*of_tile) return BIS_NOMEM;
     for (size_t i = 0; i < trail->n_tiles; i++) {
-        const size_t x = trail->tile[i] % width, y = trail->tile[i] / width;
         const double end = share_before(trail, i + 1);
-        (*of_tile)[y / side * columns + x / side] = (uint16_t)k;
-        sphere += tile_solid_angle(trail, i, em);
+        (*of_tile)[trail->tile[i]] = (uint16_t)k;
+        sphere += tile_solid_angle(trail, trail->tile[i]);
         /* Neither this piece nor the rest may be without importance. */
         if (end > (*t)[k] && end < 1 && ((end - (*t)[k]) * K >= 1 || sphere * K >= 4 * PI)) {
             (*t)[++k] = end;

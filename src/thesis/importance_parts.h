@@ -78,30 +78,27 @@ typedef struct bis_trail_sum {
 typedef struct bis_trail {
     bis_weights weights; /* em and area are borrowed */
 
-    /* tile[n_tiles] in the order of the curve: the pixel (y * width + x) in the tile's upper left corner */
-    uint32_t *tile;
+    uint32_t side;        /* pixels along a tile's side: 1 or 4 */
+    uint32_t across;      /* tiles in a row of tiles */
+    uint32_t *tile;       /* tile[n_tiles] in the order of the curve: column + across * row of each tile */
     size_t n_tiles;
-    uint32_t side;    /* pixels along a tile's side: 1 or 4 */
-    /* before[n_tiles + 1]: the scaled weights of all cells before a tile. Cell k of a tile is its pixel (k % side,
-     * k / side); its weight is 0 beyond the map's edge */
-    bis_trail_sum *before;
+    bis_trail_sum *before; /* before[n_tiles + 1]: the scaled weights of all pixels before a tile of the curve */
     weight_scale scale;
     uint32_t *guide; /* guide[n_guide + 1]: see bis_cdf */
     size_t n_guide;
 } bis_trail;
 
-/* bis_trail_init builds the curve. Errors: BIS_NOMEM. */
-bis_status bis_trail_init(bis_trail *t, const bis_weights *w, bis_diag *diag);
+/* bis_trail_init builds the curve. largest > 0 is the largest weight times measure of a pixel. Errors: BIS_NOMEM. */
+bis_status bis_trail_init(bis_trail *t, const bis_weights *w, double largest, bis_diag *diag);
 
 /* bis_trail_clear frees the curve. */
 void bis_trail_clear(bis_trail *t);
 
 /* bis_trail_draw returns the pixel at s in [0,1), the share of the importance that lies before it on the curve. */
-size_t bis_trail_draw(const bis_trail *t, size_t width, double s);
+size_t bis_trail_draw(const bis_trail *t, double s);
 
 /* bis_trail_bytes returns the bytes that the curve takes. */
 size_t bis_trail_bytes(const bis_trail *t);
 
 /* bis_trail_cut does the work of bis_importance_cut. */
-bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t,
-                         uint16_t **of_tile);
+bis_status bis_trail_cut(const bis_trail *trail, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile);

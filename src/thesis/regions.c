@@ -3,8 +3,13 @@
  *
  * There are three steps, and each is linear. (1) Every pixel gets a level: equal bins of the logarithm of its
  * intensity. (2) A breadth-first search from each pixel without a label gives one label to its whole component. (3)
- * The solid angles of the pixels are summed by label. A pixel enters the queue once, so one array of the map's size
- * serves all searches.
+ * The solid angles of the pixels are summed by label.
+ *
+ * A search through a map of 10^8 pixels would wait for memory at each step. The map is therefore cut into bands of
+ * rows. Each is searched on its own, all threads share the bands, and a pixel enters the queue of its band once. The
+ * first label is the pixel where the search began. Components of two bands that touch are then joined by union and
+ * find: the larger of their first pixels gets the smaller one as its label. Labels become numbers from 0 on, in the
+ * order of the first pixels, so the bands change no label.
  *
  * On the sphere the left and right edges of the map touch. All pixels of the first row also touch, at the pole, and
  * likewise all of the last row (docs/errata.md E19; "the pixel opposite" would depend on whether W is even). To visit
@@ -16,12 +21,15 @@
 
 #include <assert.h>
 #include <float.h>
+#include <stdatomic.h>
+#include <string.h>
 
 bis_levels bis_levels_of(const bis_envmap *em, int levels)
 {
     assert(levels >= 1 && levels < BIS_LEVEL_NONE);
     const size_t n = (size_t)em->width * (size_t)em->height;
     double least = DBL_MAX, most = 0;
+#pragma omp parallel for reduction(min : least) reduction(max : most)
     for (size_t i = 0; i < n; i++) {
         const double intensity = rgb_sum(em->pixels[i]);
         if (intensity > 0 && intensity < least) least = intensity;
@@ -40,14 +48,16 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 }
 /* [end] */
 
-/* The state of one search. */
+enum { BAND = 64 /* rows */ };
+
+/* The state of the searches in a band: a piece of the map of full width. Pixels are counted from its first one. */
 typedef struct search {
     const uint8_t *level; /* level[height * width] */
     uint32_t *label;
     uint32_t *queue; /* queue[height * width]: each pixel enters once */
     size_t head, tail;
     uint32_t width, height;
-    bool first_row_done[BIS_LEVEL_NONE], last_row_done[BIS_LEVEL_NONE]; /* by level */
+    bool first_row_done[BIS_LEVEL_NONE], last_row_done[BIS_LEVEL_NONE]; /* by level; all, if the row is at no pole */
 } search;
 
 static void visit(search *s, uint32_t pixel, uint8_t level, uint32_t label)
@@ -89,66 +99,121 @@ static void flood(search *s, uint32_t start, uint32_t label)
 }
 /* [end] */
 
-static void find_levels(uint8_t *level, const bis_envmap *em, int levels)
+/* Finds the levels of n pixels. Levels grow with the intensity. All intensities from `least` to `most`, which have one
+ * level, therefore need no further logarithm, and few pixels differ much from their neighbours. */
+static void find_levels(uint8_t *level, const bis_levels *l, const rgb *pixels, size_t n)
 {
-    const bis_levels l = bis_levels_of(em, levels);
-#pragma omp parallel for
-    for (int y = 0; y < em->height; y++) {
-        const size_t row = (size_t)y * (size_t)em->width;
-        for (size_t i = row; i < row + (size_t)em->width; i++)
-            level[i] = bis_level_of_intensity(&l, rgb_sum(em->pixels[i]));
+    double least = 0, most = 0;
+    uint8_t between = BIS_LEVEL_NONE;
+    for (size_t i = 0; i < n; i++) {
+        const double intensity = rgb_sum(pixels[i]);
+        if (intensity < least || intensity > most) {
+            const uint8_t found = bis_level_of_intensity(l, intensity);
+            least = found == between && least < intensity ? least : intensity;
+            most = found == between && most > intensity ? most : intensity;
+            between = found;
+        }
+        level[i] = between;
     }
 }
 
-/* Computes the solid angle and the level of each component, after their number is known. */
-static bis_status sum_up(bis_regions *r, const bis_envmap *em, const uint8_t *level, bis_diag *diag)
+/* Finds the levels of the band that begins at row y0, and labels its components. queue[BAND * width] is scratch. */
+static void search_band(uint8_t *level, uint32_t *label, uint32_t *queue, const bis_envmap *em, const bis_levels *l,
+                        uint32_t y0)
 {
-    r->solid_angle = bis_alloc(r->n, sizeof *r->solid_angle);
-    r->level = bis_alloc(r->n, sizeof *r->level);
-    if (!r->solid_angle || !r->level) {
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the %u regions of a map", r->n);
+    const uint32_t width = (uint32_t)em->width, below = (uint32_t)em->height - y0, first = y0 * width;
+    search s = {level + first, label + first, queue, 0, 0, width, below < BAND ? below : BAND, {false}, {false}};
+    const uint32_t n = s.height * width;
+
+    if (y0 > 0) memset(s.first_row_done, true, sizeof s.first_row_done);
+    if (s.height < below) memset(s.last_row_done, true, sizeof s.last_row_done);
+    find_levels(level + first, l, em->pixels + first, n);
+    for (uint32_t i = 0; i < n; i++) s.label[i] = BIS_REGION_NONE;
+    for (uint32_t i = 0; i < n; i++) {
+        if (s.level[i] != BIS_LEVEL_NONE && s.label[i] == BIS_REGION_NONE) flood(&s, i, first + i);
     }
-    for (int y = 0; y < em->height; y++) {
-        const size_t row = (size_t)y * (size_t)em->width;
-        for (size_t i = row; i < row + (size_t)em->width; i++) {
-            if (r->label[i] == BIS_REGION_NONE) continue;
-            r->solid_angle[r->label[i]] += em->row_solid_angle[y];
-            r->level[r->label[i]] = level[i];
+}
+
+static bis_status search_bands(uint8_t *level, uint32_t *label, const bis_envmap *em, const bis_levels *l)
+{
+    const uint32_t width = (uint32_t)em->width, height = (uint32_t)em->height;
+    const size_t rows = height < BAND ? height : BAND;
+    atomic_bool failed = false;
+#pragma omp parallel
+    {
+        uint32_t *queue = bis_alloc(rows * width, sizeof *queue);
+        if (!queue) failed = true;
+#pragma omp for schedule(dynamic)
+        for (uint32_t y = 0; y < height; y += BAND) {
+            if (queue) search_band(level, label, queue, em, l, y);
+        }
+        bis_free(queue);
+    }
+    return failed ? BIS_NOMEM : BIS_OK;
+}
+
+/* Returns the first pixel of pixel i's component, as far as components are joined. Labels on the way get shorter. */
+static uint32_t first_pixel(uint32_t *label, uint32_t i)
+{
+    while (label[i] != i) i = label[i] = label[label[i]];
+    return i;
+}
+
+static void join_bands(uint32_t *label, const uint8_t *level, const bis_envmap *em)
+{
+    const uint32_t width = (uint32_t)em->width, n = width * (uint32_t)em->height;
+    for (uint32_t row = BAND * width; row < n; row += BAND * width) {
+        for (uint32_t i = row; i < row + width; i++) {
+            if (level[i] != level[i - width] || level[i] == BIS_LEVEL_NONE) continue;
+            const uint32_t above = first_pixel(label, i - width), here = first_pixel(label, i);
+            if (above < here) label[here] = above;
+            else label[above] = here;
         }
     }
-    return BIS_OK;
+}
+
+/* Numbers the components, and computes the solid angle and the level of each. A label that is no number yet is a pixel
+ * before this one, which has its number. */
+static void sum_up(bis_regions *r, const bis_envmap *em, const uint8_t *level)
+{
+    const uint32_t width = (uint32_t)em->width;
+    uint32_t n = 0;
+    for (uint32_t y = 0, i = 0; y < (uint32_t)em->height; y++) {
+        for (const uint32_t end = i + width; i < end;) {
+            const uint32_t label = r->label[i], k = label == BIS_REGION_NONE ? label : label < i ? r->label[label] : n++;
+            if (label == i) r->level[k] = level[i];
+            double sum = k == BIS_REGION_NONE ? 0 : r->solid_angle[k];
+            for (; i < end && r->label[i] == label; i++) {
+                r->label[i] = k;
+                sum += em->row_solid_angle[y];
+            }
+            if (k != BIS_REGION_NONE) r->solid_angle[k] = sum;
+        }
+    }
 }
 
 bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bis_diag *diag)
 {
-    bis_status status = BIS_OK;
-    const size_t n = (size_t)em->width * (size_t)em->height;
+    const uint32_t n = (uint32_t)em->width * (uint32_t)em->height;
+    const bis_levels l = bis_levels_of(em, levels);
     uint8_t *level = bis_alloc(n, sizeof *level);
-    uint32_t *queue = bis_alloc(n, sizeof *queue);
+    uint32_t n_regions = 0;
     *r = (bis_regions){.label = bis_alloc(n, sizeof *r->label)};
-    if (!level || !queue || !r->label) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the regions of a %d x %d map", em->width,
-                           em->height);
-        goto done;
-    }
-    find_levels(level, em, levels);
-    for (size_t i = 0; i < n; i++) r->label[i] = BIS_REGION_NONE;
-    search s = {.level = level,
-                .label = r->label,
-                .queue = queue,
-                .width = (uint32_t)em->width,
-                .height = (uint32_t)em->height};
-    for (uint32_t i = 0; i < n; i++) {
-        if (level[i] != BIS_LEVEL_NONE && r->label[i] == BIS_REGION_NONE) flood(&s, i, r->n++);
-    }
-    bis_free(queue);
-    queue = NULL;
-    status = sum_up(r, em, level, diag);
+    bis_status status = level && r->label ? search_bands(level, r->label, em, &l) : BIS_NOMEM;
+    if (status) goto done;
+    join_bands(r->label, level, em);
+#pragma omp parallel for reduction(+ : n_regions)
+    for (uint32_t i = 0; i < n; i++) n_regions += r->label[i] == i;
+    r->n = n_regions;
+    r->solid_angle = bis_alloc(r->n, sizeof *r->solid_angle);
+    r->level = bis_alloc(r->n, sizeof *r->level);
+    if (r->solid_angle && r->level) sum_up(r, em, level);
+    else status = BIS_NOMEM;
 done:
     bis_free(level);
-    bis_free(queue);
-    if (status) bis_regions_clear(r);
-    return status;
+    if (!status) return BIS_OK;
+    bis_regions_clear(r);
+    return bis_error(diag, status, (bis_loc){0}, "no memory for the regions of a %d x %d map", em->width, em->height);
 }
 
 void bis_regions_clear(bis_regions *r)

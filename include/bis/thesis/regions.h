@@ -41,8 +41,8 @@ bis_levels bis_levels_of(const bis_envmap *em, int levels);
 /* bis_level_of_intensity returns the level of an intensity, and BIS_LEVEL_NONE for 0. */
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity);
 
-/* bis_regions_init finds the components of a map. `levels` is in [1, 254]. Memory: 9 bytes a pixel at the peak
- * (label, queue, level), 4 bytes a pixel afterwards. Errors: BIS_NOMEM. */
+/* bis_regions_init finds the components of a map. `levels` is in [1, 254]. Memory: 5 bytes a pixel at the peak
+ * (label, level), 4 bytes a pixel afterwards, and 256 bytes a column for each thread. Errors: BIS_NOMEM. */
 bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bis_diag *diag);
 
 /* bis_regions_clear frees the components. *r is empty afterwards. */
