@@ -182,6 +182,14 @@ exit
 # - x > 0 ? pixel - 1 : pixel + (width - 1)
 # + x > 0 ? pixel - 1 : pixel
 #
+# * regions test_regions : bands of rows are not joined
+# - join_bands(r->label, level, em);
+# + (void)join_bands;
+#
+# * regions test_regions : the later of two joined bands gives the label
+# - if (above < here) label[here] = above;
+# + if (above > here) label[here] = above;
+#
 # * regions test_regions : no upper limit to the area factor (3.4)
 # - pow(fmin(1, solid_angle / BIS_AREA_CLAMP), b)
 # + pow(solid_angle / BIS_AREA_CLAMP, b)
@@ -195,8 +203,8 @@ exit
 # + t->alias[x];
 #
 # * importance_curve test_importance : solid angle forgotten along the curve
-# - * bis_row_measure(w, y0 + y);
-# + * 1;
+# - weight * bis_row_measure(w, y)
+# + weight
 #
 # * importance test_importance : solid angle forgotten in the rows' sums
 # - row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);

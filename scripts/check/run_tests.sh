@@ -5,9 +5,29 @@
 #     scripts/check/run_tests.sh PROGRAM...
 # Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 600), or there was nothing to run.
 #
-# Programs find everything from the root of the project and make their files below build/. Each run gives them a root of
-# its own, build/run.XXXXXX, a copy of all that is here (20 MB, half a second) but for build/, so that two runs never meet. It is
-# removed after success, kept and named after a failure. A program that is called by hand works in build/ itself.
+# TEST_JOBS programs run side by side (default: as many as there are processors, at most 4, because each has threads of its
+# own). What a program says is shown when it ends, so that nothing is mixed.
+#
+# Programs find everything from the root of the project and make their files below build/. Each job gives them a root of
+# its own, build/run.XXXXXX/N, a copy of all that is here (20 MB, half a second) but for build/, so that two programs never
+# meet. It is removed after success, kept and named after a failure. A program that is called by hand works in build/ itself.
+
+# run_tests.sh --one ALL PROGRAM: one program in the root of this job, which xargs numbers. What it says goes to the
+# screen as a whole, under a lock.
+if [ "${1:-}" = --one ]; then
+    all=$2
+    name=${3##*/}
+    root=$all/$JOB
+    begin=$(date +%s)
+    echo "==== $name" >"$all/logs/$name"
+    (cd "$root" && timeout "${TEST_SECONDS:-600}" "$3") >>"$all/logs/$name" 2>&1
+    status=$?
+    [ $status -eq 0 ] || echo "$root/build" >"$all/failed/$name"
+    echo "---- $name: $status after $(($(date +%s) - begin)) s" >>"$all/logs/$name"
+    flock "$all/lock" cat "$all/logs/$name"
+    exit
+fi
+
 # Threads that wait for each other go to sleep: where the machine has other work, spinning took a program from 6 s to 132.
 export OMP_WAIT_POLICY="${OMP_WAIT_POLICY:-passive}"
 if [ $# -eq 0 ]; then
@@ -15,46 +35,48 @@ if [ $# -eq 0 ]; then
     exit 1
 fi
 here=$(pwd)
-mkdir -p build && root=$(mktemp -d build/run.XXXXXX) || exit 1
-chmod 755 "$root"
-trap 'rm -rf "$root"; exit 130' INT TERM HUP
+mkdir -p build && all=$(mktemp -d build/run.XXXXXX) || exit 1
+chmod 755 "$all"
+trap 'rm -rf "$all"; exit 130' INT TERM HUP
+mkdir "$all/failed" "$all/logs"
 export BIS_SHARED="${BIS_SHARED:-$here/../shared/data}"
+jobs=${TEST_JOBS:-$(nproc)}
+[ -n "${TEST_JOBS:-}" ] || [ "$jobs" -le 4 ] || jobs=4
+[ "$jobs" -le $# ] || jobs=$#
 
 # Copies, because tests make kits of the tree and change them; a link would let them change what it leads to. What was
 # built is only read: links, but for the folder that tests write.
-for file in * .[!.]*; do
-    case $file in build | .git) ;; *) [ -e "$file" ] && { cp -Rp "$file" "$root/" || exit 1; } ;; esac
-done
-for program in "${BIS_PROGRAM:-build/release/bis}" "$@"; do
-    folder=${program%/*}
-    folder=${folder%/tests}
-    case $folder in build/*) [ ! -d "$root/$folder" ] || continue ;; *) continue ;; esac
-    mkdir -p "$root/$folder"
-    for file in "$folder"/*; do
-        [ "${file##*/}" = assignments ] || ln -s "$here/$file" "$root/$file"
+job=0
+while [ $job -lt "$jobs" ]; do
+    root=$all/$job
+    mkdir "$root" || exit 1
+    for file in * .[!.]*; do
+        case $file in build | .git) ;; *) [ -e "$file" ] && { cp -Rp "$file" "$root/" || exit 1; } ;; esac
     done
+    for program in "${BIS_PROGRAM:-build/release/bis}" "$@"; do
+        folder=${program%/*}
+        folder=${folder%/tests}
+        case $folder in build/*) [ ! -d "$root/$folder" ] || continue ;; *) continue ;; esac
+        mkdir -p "$root/$folder"
+        for file in "$folder"/*; do
+            [ "${file##*/}" = assignments ] || ln -s "$here/$file" "$root/$file"
+        done
+    done
+    job=$((job + 1))
 done
 
-log=$here/$root/log
-failed=""
-for program in "$@"; do
-    name=${program##*/}
-    echo "==== $name"
-    begin=$(date +%s)
-    # The exit status of the test program itself, through the pipe.
-    { (cd "$root" && timeout "${TEST_SECONDS:-600}" "$program" 2>&1); echo "status $?"; } | tee -a "$log" | grep -v '^status [0-9]*$'
-    status=$(tail -n 1 "$log")
-    [ "$status" = "status 0" ] || failed="$failed $name"
-    echo "---- $name: ${status#status } after $(($(date +%s) - begin)) s"
-done
+printf '%s\n' "$@" | xargs -n 1 -P "$jobs" --process-slot-var=JOB sh "$0" --one "$all"
+
 # cmocka: "[       OK ] name" for each, "[  SKIPPED ] 2 test(s), listed below:" once in a program.
-ok=$(grep -c '^\[       OK \]' "$log")
-skipped=$(awk '/^\[  SKIPPED \] [0-9]+ test/ { n += $4 } END { print n + 0 }' "$log")
+ok=$(cat "$all"/logs/* | grep -c '^\[       OK \]')
+skipped=$(cat "$all"/logs/* | awk '/^\[  SKIPPED \] [0-9]+ test/ { n += $4 } END { print n + 0 }')
 # What scripts/check/power.sh makes a page of.
-[ -d "$root/build/power" ] && mkdir -p build/power && cp "$root"/build/power/* build/power/
-if [ -n "$failed" ]; then
-    echo "make test: FAILED:$failed ($# programs, $ok tests passed); what they wrote is in $root/build"
+for power in "$all"/*/build/power; do
+    [ ! -d "$power" ] || { mkdir -p build/power && cp "$power"/* build/power/; }
+done
+if [ -n "$(ls "$all/failed")" ]; then
+    echo "make test: FAILED:$(cd "$all/failed" && printf ' %s' *) ($# programs, $ok tests passed); what they wrote is in $(sort -u "$all"/failed/* | paste -s -d ' ')"
     exit 1
 fi
-rm -rf "$root"
+rm -rf "$all"
 echo "make test: all passed ($# programs, $ok tests, $skipped skipped)"

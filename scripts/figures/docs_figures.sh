@@ -1,22 +1,23 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
-#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, pbrt, map, pixel, thesis, errata, plots,
-#                                                          results, machines (default: all)
+#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel, thesis,
+#                                                          errata, plots, results, machines (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (results): librsvg's rsvg-convert draws
-# these. Those of a page (pixel) are drawn by node and a headless chromium. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
+# these. Those of a page (pixel, live) are drawn by a headless chromium, live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
 # and none above 300 KB. pbrt needs Mitsuba 3 (docs/bench.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
 plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
 if [ "${1:-}" = --list ]; then
-    for name in chess microfacet pbrt-materials map-importance map-levels map-regions pixel-densities pixel-samples \
+    for name in chess methods microfacet pbrt-materials map-importance map-levels map-regions pixel-densities pixel-samples \
         results-5.2 results-5.5 results-5.8; do
         echo $name.png
     done
+    echo live-sir.gif
     for name in 3.3 3.4 3.8 3.9 4.3 4.4; do echo thesis-$name.svg; done
     echo results-4.5.svg
     echo many-machines.svg
@@ -29,7 +30,7 @@ if [ "${1:-}" = --list ]; then
 fi
 build=${1:?BUILD_DIR, as build/release}
 shift
-[ $# -gt 0 ] || set -- chess microfacet pbrt map pixel thesis errata plots results machines
+[ $# -gt 0 ] || set -- chess methods live microfacet pbrt map pixel thesis errata plots results machines
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -40,7 +41,7 @@ copy() {
     echo "$out/$2.svg"
 }
 
-# keep FILE NAME [DITHER]: into docs/figures as PNG; without dither where areas are flat
+# keep FILE NAME [DITHER [COLOURS]]: into docs/figures as PNG; without dither where areas are flat
 keep() {
     case $1 in
     *.svg)
@@ -50,7 +51,7 @@ keep() {
         ;;
     esac
     if command -v convert >/dev/null; then
-        convert "$1" -strip -treedepth 8 -dither "${3:-None}" -colors 192 "PNG8:$out/$2.png"
+        convert "$1" -strip -treedepth 8 -dither "${3:-None}" -colors "${4:-192}" "PNG8:$out/$2.png"
     else
         cp "$1" "$out/$2.png"
     fi
@@ -65,11 +66,52 @@ draw_part() {
     keep "$tmp/part.png" "$2"
 }
 
+# shown METHOD COLUMN ROW WORDS: its picture and what stands below it, as items of a drawing. All have one exposure.
+shown() {
+    "$build/bis" convert "$tmp/$1.exr" "$tmp/$1.png" --exposure 0 >/dev/null
+    at_x=$(($2 * 412)) at_y=$(($3 * 346))
+    printf '{"picture":"%s","size":[400,300],"png":"data:image/png;base64,%s"},\n' "$1" "$(base64 -w 0 "$tmp/$1.png")"
+    printf '{"show":"%s","at":[%d,%d]},\n' "$1" $at_x $at_y
+    printf '{"text":"%s","at":[%d,%d],"size":11,"anchor":"start","fill":"#1c1f25"},\n' "$4" $((at_x + 4)) $((at_y + 322))
+}
+
+# error_of METHOD: its squared error relative to the picture, as `compare` prints it, in two digits
+error_of() {
+    "$build/bis" compare "$tmp/$1.exr" "$tmp/clean.exr" | awk '$1 == "relmse" { printf "%.12g", sprintf("%.2g", $2) + 0 }'
+}
+
+# panel: one scene by three methods at equal rays, and the reference, into $tmp/methods.svg
+panel() {
+    for method in "clean --spp 64" "em --spp 4 --integrator em --samples 4" "brdf --spp 4 --integrator brdf --samples 4" \
+        "sir --spp 4 --proposal mix --candidates 800 --learn off --shadowrays 4"; do
+        # shellcheck disable=SC2086 # the options of a method
+        "$build/bis" scene.txt --quiet --resolution 400x300 ${method#* } --outfile "$tmp/${method%% *}.exr"
+    done
+    {
+        echo '{"width":812,"height":684,"items":[null,'
+        shown em 0 0 "em, the map alone: relmse $(error_of em)"
+        shown brdf 1 0 "brdf, the BRDF alone: relmse $(error_of brdf)"
+        shown sir 0 1 "sir, the product: relmse $(error_of sir)"
+        shown clean 1 1 "the reference, 96 times as many rays" | sed '$s/,$/]}/'
+    } >"$tmp/methods.json"
+    node scripts/figures/draw.js "$tmp/methods.json"
+}
+
 for picture; do
     case $picture in
     chess) # the command under the picture in README
         "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 --outfile "$tmp/chess.png"
         keep "$tmp/chess.png" chess FloydSteinberg
+        ;;
+    methods) # the commands of the tour in README; the reference has a number of samples in the place of a time
+        panel
+        keep "$tmp/methods.svg" methods FloydSteinberg 64
+        ;;
+    live)
+        mkdir "$tmp/live"
+        python3 scripts/figures/live_frames.py "$tmp/live" sir "M=1;N=1" "M=4;N=4" "M=16;N=8" "M=64;N=8" "M=256;N=8" "M=1024;N=8" "M=1024;N=32"
+        convert -delay 200 "$tmp"/live/*.png +dither -colors 48 -layers optimize "$out/live-sir.gif"
+        echo "$out/live-sir.gif"
         ;;
     microfacet)
         "$build/bis" data/scenes/microfacet.txt --quiet --resolution 320x160 --outfile "$tmp/microfacet.png"
@@ -117,7 +159,7 @@ for picture; do
         copy "$tmp/many-machines.svg" many-machines
         ;;
     *)
-        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, plots, results, machines" >&2
+        echo "docs_figures.sh: no picture \"$picture\" among chess, methods, live, microfacet, pbrt, map, pixel, thesis, errata, plots, results, machines" >&2
         exit 2
         ;;
     esac

@@ -12,13 +12,13 @@ all="3.3 3.4 3.5 3.6 3.8 3.9 4.1 4.2 4.3 4.4 4.5 5.1 5.2 5.3 5.4 5.5 5.6 5.7-n10
 [ "$1" != --list ] || { echo "$all" && exit; }
 build=$1
 shift
-command -v node >/dev/null || { echo "figures.sh: node draws the figures, and is not here: scripts/setup.sh --web installs it" >&2 && exit 1; }
 for figure; do
     case " $all " in
     *" $figure "*) ;;
     *) echo "figures.sh: no figure \"$figure\" among: $all" >&2 && exit 2 ;;
     esac
 done
+command -v node >/dev/null || { echo "figures.sh: node draws the figures, and is not here: scripts/setup.sh --web installs it" >&2 && exit 1; }
 out=build/figures${BIS_SHARED:+/shared}
 mkdir -p "$out" build/bench
 size=${FIGURES_SIZE:-88x124}

@@ -62,7 +62,7 @@ source() {
 }
 
 for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>/dev/null); do page "$md"; done
-for picture in bis.png $(find docs -name '*.png' -o -name '*.svg'); do
+for picture in bis.png $(find docs -name '*.png' -o -name '*.svg' -o -name '*.gif'); do
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
 sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.js' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |

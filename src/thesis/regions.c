@@ -180,7 +180,8 @@ static void sum_up(bis_regions *r, const bis_envmap *em, const uint8_t *level)
     uint32_t n = 0;
     for (uint32_t y = 0, i = 0; y < (uint32_t)em->height; y++) {
         for (const uint32_t end = i + width; i < end;) {
-            const uint32_t label = r->label[i], k = label == BIS_REGION_NONE ? label : label < i ? r->label[label] : n++;
+            const uint32_t label = r->label[i];
+            const uint32_t k = label == BIS_REGION_NONE ? label : label < i ? r->label[label] : n++;
             if (label == i) r->level[k] = level[i];
             double sum = k == BIS_REGION_NONE ? 0 : r->solid_angle[k];
             for (; i < end && r->label[i] == label; i++) {

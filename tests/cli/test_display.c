@@ -317,7 +317,7 @@ static void a_name_server_that_is_silent_is_not_waited_for(void **state)
     make_film(&f);
     for (int hangs = 0; hangs < 2; hangs++) {
         open_viewer(&v, READS);
-        snprintf(where, sizeof where, "localhost:%d", v.port);
+        snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
         resolver.is_asked = resolver.has_answered = false;
         resolver.hangs = hangs;
         assert_int_equal(bis_display_open(&d, where, "slow", &f, NULL), BIS_OK);

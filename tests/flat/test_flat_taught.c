@@ -153,6 +153,29 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     bis_flat_stage_close(stage);
 }
 
+/* Nothing hides a white map from a floor: which candidates are chosen changes nothing but roundings. A wall hides a part: the
+ * noises are uncorrelated, so their squares add up to the square of the whole; the sample's covariance of n = 4000 pairs has a
+ * standard deviation of about a b/sqrt(n), and 6 of these, twice, are allowed. The twin: were the noise of the rays left
+ * out, the sum would miss by more than that. */
+static void the_two_noises_add_up_E31(void **state)
+{
+    (void)state;
+    const char *const sir[] = {"integrator=sir", "candidates=16", "shadowrays=2", "proposal=mix", "learn=false", NULL};
+    const char *const scenes[2] = {SCENE, SCENE "Shape \"trianglemesh\" \"point3 P\" [-3 .3 0  3 .3 0  0 .3 4] \"integer indices\" [0 1 2]\n"};
+    bis_flat_stage *stage;
+    double found[8], sum[5];
+
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){scenes[k], NULL}, SAY), 0);
+        assert_int_equal(bis_flat_stage_at(stage, 4, 5, found, SAY), 0);
+        assert_int_equal(bis_flat_stage_noises(stage, sir, 7, 4000, sum, SAY), 0);
+        const double all = sum[1] * sum[1], a = sum[2], b = sum[3], allowed = 12 * a * b / sqrt(4000);
+        if (k == 0) assert_true(b < 1e-5 * sum[0]);
+        else assert_true(fabs(all - a * a - b * b) <= allowed && fabs(all - a * a) > allowed && fabs(all - b * b) > 0);
+        bis_flat_stage_close(stage);
+    }
+}
+
 /* Phong with Kd alone reflects Kd, and nothing lies below the horizon; quadrature by 200 x 200 midpoints is exact to 1e-5. */
 static void a_diffuse_material_loses_nothing(void **state)
 {
@@ -177,6 +200,7 @@ int main(void)
         cmocka_unit_test(the_fit_is_pearsons),
         cmocka_unit_test(a_white_map_is_one_light),
         cmocka_unit_test(a_point_of_a_diffuse_floor_is_known),
+        cmocka_unit_test(the_two_noises_add_up_E31),
         cmocka_unit_test(a_diffuse_material_loses_nothing),
     };
     return cmocka_run_group_tests(tests, setup, NULL);

@@ -133,11 +133,12 @@ class Page:
         for kind in ("rawKeyDown", "keyUp"):
             self.send("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=KEYS[name])
 
-    def shot(self, path, whole=True):
-        """shot writes a picture of the page."""
-        size = self.send("Page.getLayoutMetrics")["cssContentSize"]
-        clip = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
-        data = self.send("Page.captureScreenshot", captureBeyondViewport=whole, **({"clip": clip} if whole else {}))["data"]
+    def shot(self, path, of="document.documentElement"):
+        """shot writes a picture of the page, or of one element."""
+        x, y, width, height = self.value(f"(() => {{ const r = ({of}).getBoundingClientRect();"
+                                         " return [r.left + scrollX, r.top + scrollY, r.width, r.height]; })()")
+        clip = {"x": x, "y": y, "width": width, "height": height, "scale": 1}
+        data = self.send("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)["data"]
         with open(path, "wb") as f:
             f.write(base64.b64decode(data))
 

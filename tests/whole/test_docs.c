@@ -541,22 +541,30 @@ static void every_mutation_finds_its_text(void **state)
 }
 
 /* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
-static void each_run_of_the_tests_has_a_root_of_its_own(void **state)
+static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 {
     (void)state;
     static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e build/mine && echo x > build/mine\n";
     program_folder("build/test_runs");
     program_write_file("build/test_runs/good", good);
     program_write_file("build/test_runs/bad", "#!/bin/sh\necho x > build/mine; exit 1\n");
-    assert_int_equal(shell("chmod 755 build/test_runs/good build/test_runs/bad"), 0);
+    /* Two that end well only if they run at once: each makes a file beside the roots and waits for the other's. */
+    program_write_file("build/test_runs/meet", "#!/bin/sh\ntouch ../meet; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e ../again || exit 0; sleep 1; done; exit 1\n");
+    program_write_file("build/test_runs/meet-again", "#!/bin/sh\ntouch ../again; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e ../meet || exit 0; sleep 1; done; exit 1\n");
+    assert_int_equal(shell("cp build/test_runs/good build/test_runs/again && chmod 755 build/test_runs/*"), 0);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/good > build/test_runs/out"), 1); /* the second finds what the first left */
-        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/build}"), 0);
+        assert_int_equal(shell("TEST_JOBS=1 sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/again > build/test_runs/out"), 1); /* the second finds what the first left */
+        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/*/build}"), 0);
+        assert_int_equal(shell("TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/meet build/test_runs/meet-again > build/test_runs/out"), 0); /* each waits for the other, elsewhere */
         assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good > build/test_runs/out"), 0); /* and this run does not */
         assert_int_equal(shell("test ! -e $(sed -n 2p build/test_runs/out)"), 0);
     }
     assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/bad > build/test_runs/out"), 1);
-    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/build}"), 0);
+    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/*/build}"), 0);
+    assert_int_equal(shell("cp build/test_runs/bad build/test_runs/worse && TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/bad build/test_runs/good build/test_runs/worse "
+                           "> build/test_runs/out"), 1);
+    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' build/test_runs/out && folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && "
+                           "folder=${folder%% *} && rm -r ${folder%/*/build}"), 0);
     assert_false(program_exists("build/mine"));
 }
 
@@ -596,7 +604,7 @@ int main(void)
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
         cmocka_unit_test(each_public_function_has_a_docstring_that_begins_with_its_name),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
-        cmocka_unit_test(each_run_of_the_tests_has_a_root_of_its_own),
+        cmocka_unit_test(each_job_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
         cmocka_unit_test(files_that_need_each_other_are_found),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* noises: the noise of Zhat and the noise of V, as M and N move (thesis 4.4; errata E31). */
+/* noises: the noise of the candidates (of Zhat) and that of the rays (of V), as M and N move (thesis 4.4; errata E31). */
 'use strict';
 (function () {
 const STEPS = [1, 2, 4, 8, 16, 32, 64], RUNS = 200;
@@ -8,9 +8,9 @@ const pair = (s, k) => s.axis === 'N' ? [s.M, k] : [16 * k, s.N];
 const at = (s, out) => { const i = STEPS.indexOf(s.axis === 'N' ? s.N : s.M / 16); return i < 0 ? null : out[i + 3][0].map((v) => v / out[2][0][0]); };
 bisFigure.define({
   name: 'noises',
-  title: 'Two noises: of Zhat, which candidates lower, and of V, which rays lower',
+  title: 'Two noises: of Zhat, which more candidates lower, and of V, which more rays lower',
   section: '4.4',
-  look: 'along N only the noise of V falls; where the curve of all noise flattens, the noise of Zhat is left, and only candidates help.',
+  look: 'along N only the noise of V falls; where the curve of all noise flattens, that of the candidates (of Zhat) is left, and only more of them help.',
   map: true,
   controls: [
     {name: 'axis', label: 'along', options: {N: 'shadow rays N', M: 'candidates M'}, value: 'N'},
@@ -30,7 +30,7 @@ bisFigure.define({
   },
   tasks: [
     {ask: 'Find M and N at which the noise of Zhat is more than half of that of V.', answer: 'M=16;N=64', check: (s, out) => at(s, out)[2] > at(s, out)[3] / 2 ? '' : 'Few candidates and many rays.'},
-    {ask: 'With N = 4, find an M at which the noise of V is more than five times that of Zhat.', answer: 'M=1024;N=4', check: (s, out) => s.N !== 4 ? 'Set N to 4.' : at(s, out)[3] > 5 * at(s, out)[2] ? '' : 'It is ' + bisPlot.number(at(s, out)[3] / at(s, out)[2], 3) + ' times.'}
+    {ask: 'With N = 4, find an M at which the noise of V is more than ten times that of Zhat.', answer: 'M=1024;N=4', check: (s, out) => s.N !== 4 ? 'Set N to 4.' : at(s, out)[3] > 10 * at(s, out)[2] ? '' : 'It is ' + bisPlot.number(at(s, out)[3] / at(s, out)[2], 3) + ' times.'}
   ]
 });
 })();

@@ -122,9 +122,10 @@ int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, 
 int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
                         double *sum, char *say, size_t size);
 
-/* bis_flat_stage_noises measures the two noises of sir over n estimates: sum[5] is the mean, the standard deviation of
- * the estimate, that of Zhat (the estimate of L_ns) times the mean V, the rest, which is V's, and rays per estimate.
- * var L = var(L_ns V) + E[(L - L_ns V)^2], V the mean visibility L/L_ns. Errors: as bis_flat_stage_runs. */
+/* bis_flat_stage_noises measures the two noises of sir over n estimates (docs/errata.md E31): sum[5] is the mean, the
+ * standard deviation of the estimate, that of its mean given the candidates (the noise of the candidates, of Zhat and
+ * of what they see), that of the rest (the noise of choosing N of them, so of V), and rays per estimate. The squares of
+ * the two add up to that of the whole. Costs M more rays per estimate. Errors: as bis_flat_stage_runs. */
 int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
                           char *say, size_t size);
 
