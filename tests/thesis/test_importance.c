@@ -546,26 +546,93 @@ static void sixteen_bytes_a_pixel_are_enough(void **state)
     bis_envmap_clear(&em);
 }
 
+/* What a render does not draw with is not built: 10 bytes a pixel of alias tables, 1.5 of the curve. */
+static void only_what_is_asked_for_is_built(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(1024, 512, 5, 0, 2);
+    const double n = (double)map_n(&em);
+    bis_importance_options o = both(BIS_TABLE_ALIAS, 0.15);
+    bis_importance *im = importance_of(&em, o);
+    assert_near((double)bis_importance_bytes(im) / n, 4 + 10 + 1.5, 0.05);
+    bis_importance_free(im);
+    o.table = false;
+    im = importance_of(&em, o);
+    assert_near((double)bis_importance_bytes(im) / n, 4 + 1.5, 0.05);
+    bis_importance_free(im);
+    o.area_exponent = 0;
+    im = importance_of(&em, o);
+    assert_near((double)bis_importance_bytes(im) / n, 1.5, 0.05);
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
+/* Every pixel of a map with tiles that are cut off has the share of the curve that its density says: exactly, by the
+ * ends of its piece, which halving finds. A black pixel has none. */
+static void a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(259, 255, 8, 0.3, 21);
+    bis_importance_options o = both(BIS_TABLE_ALIAS, 0.15);
+    o.table = false;
+    bis_importance *im = importance_of(&em, o);
+    double begin = 0;
+    size_t n_lit = 0, n_found = 0;
+    for (size_t i = 0; i < map_n(&em); i++) n_lit += bis_importance_pdf_pixel(im, i) > 0;
+    while (begin < 1) {
+        bis_map_sample s, t;
+        assert_true(bis_importance_sample_curve(im, begin, (double[]){0.5, 0.5}, &s));
+        double in = begin, beyond = 1;
+        const double p = s.pdf * map_solid_angle(&em, s.pixel);
+        if (begin + 2 * p < 1) beyond = begin + 2 * p;
+        for (;;) {
+            const double middle = in + (beyond - in) / 2;
+            if (middle <= in || middle >= beyond) break;
+            bis_importance_sample_curve(im, middle, (double[]){0.5, 0.5}, &t);
+            if (t.pixel == s.pixel) in = middle;
+            else beyond = middle;
+        }
+        assert_true(p > 0);
+        assert_near(beyond - begin, p, 4 * DBL_EPSILON); /* two ends, rounded near 1, and p's own rounding */
+        n_found++;
+        begin = beyond;
+    }
+    assert_true(n_found <= n_lit && n_found > 0.999 * (double)n_lit); /* some are less probable than a rounding */
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
 static void any_number_of_threads_builds_the_same_bits(void **state)
 {
     (void)state;
 #ifdef _OPENMP
+    enum { DRAWS = 5000, EACH = 2 }; /* of a draw: pixel and density */
     const int before = omp_get_max_threads();
-    bis_envmap em = map_random(200, 100, 8, 0.2, 13);
-    double *pmf[2];
-    for (int k = 0; k < 2; k++) {
-        omp_set_num_threads(k ? 7 : 1);
-        bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
-        pmf[k] = malloc(map_n(&em) * sizeof **pmf);
-        assert_int_equal(bis_importance_implied_pmf(im, pmf[k], NULL), BIS_OK);
-        for (size_t i = 0; i < map_n(&em); i += 7) pmf[k][i] = bis_importance_pdf_pixel(im, i);
-        bis_importance_free(im);
+    const int sizes[][2] = {{200, 100}, {401, 203}}; /* pixel by pixel; in tiles, some of which are cut off */
+    for (int m = 0; m < 2; m++) {
+        bis_envmap em = map_random(sizes[m][0], sizes[m][1], 8, 0.2, 13);
+        const size_t n = 2 * map_n(&em) + EACH * DRAWS;
+        double *answer[3];
+        for (int k = 0; k < 3; k++) {
+            omp_set_num_threads(k == 0 ? 1 : k == 1 ? 2 : 7);
+            bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
+            double *a = answer[k] = calloc(n, sizeof *a);
+            assert_int_equal(bis_importance_implied_pmf(im, a, NULL), BIS_OK);
+            a += map_n(&em);
+            for (size_t i = 0; i < map_n(&em); i++) *a++ = bis_importance_pdf_pixel(im, i);
+            for (int i = 0; i < DRAWS; i++) {
+                bis_map_sample s;
+                assert_true(bis_importance_sample_curve(im, (i + 0.3) / DRAWS, (double[]){0.5, 0.5}, &s));
+                *a++ = (double)s.pixel;
+                *a++ = s.pdf;
+            }
+            bis_importance_free(im);
+            assert_memory_equal(answer[0], answer[k], n * sizeof **answer);
+        }
+        omp_set_num_threads(before);
+        for (int k = 0; k < 3; k++) free(answer[k]);
+        bis_envmap_clear(&em);
     }
-    assert_memory_equal(pmf[0], pmf[1], map_n(&em) * sizeof **pmf);
-    omp_set_num_threads(before);
-    free(pmf[0]);
-    free(pmf[1]);
-    bis_envmap_clear(&em);
 #else
     skip();
 #endif
@@ -629,6 +696,8 @@ int main(void)
         cmocka_unit_test(no_ratio_of_intensity_to_density_exceeds_its_bound),
         cmocka_unit_test(compensation_leaves_only_what_exceeds_the_mean),
         cmocka_unit_test(sixteen_bytes_a_pixel_are_enough),
+        cmocka_unit_test(only_what_is_asked_for_is_built),
+        cmocka_unit_test(a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable),
         cmocka_unit_test(any_number_of_threads_builds_the_same_bits),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(real_maps_are_drawn_as_told),

@@ -11,8 +11,15 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#else
+#define omp_set_num_threads(n)
+#endif
 
 static bis_regions regions_of(const bis_envmap *em, int levels)
 {
@@ -314,6 +321,49 @@ static void rolling_the_map_changes_no_area_and_areas_sum_to_4_pi_E19(void **sta
     }
 }
 
+/* The label is the number of the component in the order of first pixels, whatever the bands and the threads. */
+static void labels_are_in_the_order_of_first_pixels(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(40, 300, 5, 0.2, 9);
+    uint32_t *first = NULL;
+    for (int threads = 1; threads <= 7; threads += 3) {
+        omp_set_num_threads(threads);
+        bis_regions r = regions_of(&em, 3);
+        uint32_t n = 0;
+        for (size_t i = 0; i < map_n(&em); i++) {
+            if (r.label[i] == BIS_REGION_NONE) continue;
+            assert_true(r.label[i] <= n);
+            n += r.label[i] == n;
+        }
+        assert_int_equal(n, r.n);
+        if (first) assert_memory_equal(first, r.label, map_n(&em) * sizeof *first);
+        else first = memcpy(malloc(map_n(&em) * sizeof *first), r.label, map_n(&em) * sizeof *first);
+        bis_regions_clear(&r);
+    }
+    omp_set_num_threads(2);
+    free(first);
+    bis_envmap_clear(&em);
+}
+
+/* Two combs, with teeth that point up and down: components of a band are many, and joined by the next one alone. */
+static void combs_are_joined_across_bands(void **state)
+{
+    (void)state;
+    for (int up = 0; up < 2; up++) {
+        bis_envmap em = map_new(301, 200);
+        for (int y = 1; y < 199; y++)
+            for (int x = 1; x < 300; x++) em.pixels[y * 301 + x].g = x % 2 == 0 || y == (up ? 198 : 1) ? 1 : 0;
+        bis_regions r = regions_of(&em, 8);
+        assert_int_equal(r.n, 1);
+        double area = 0; /* 149 teeth, and 150 pixels between them and beside them */
+        for (int y = 1; y < 199; y++) area += 149 * em.row_solid_angle[y];
+        assert_near(r.solid_angle[0], area + 150 * em.row_solid_angle[1], 1e-11);
+        bis_regions_clear(&r);
+        bis_envmap_clear(&em);
+    }
+}
+
 /* A snake of one level through the whole map: a recursive search would need as many frames as pixels. */
 static void a_long_winding_region_is_found_without_recursion(void **state)
 {
@@ -373,6 +423,8 @@ int main(void)
         cmocka_unit_test(pixels_around_a_pole_touch_there_and_nowhere_else_E19),
         cmocka_unit_test(levels_do_not_mix_at_the_pole),
         cmocka_unit_test(rolling_the_map_changes_no_area_and_areas_sum_to_4_pi_E19),
+        cmocka_unit_test(labels_are_in_the_order_of_first_pixels),
+        cmocka_unit_test(combs_are_joined_across_bands),
         cmocka_unit_test(a_long_winding_region_is_found_without_recursion),
         cmocka_unit_test(the_area_factor_is_clamped_at_a_hundredth_steradian),
         cmocka_unit_test(every_allocation_may_fail),
