@@ -249,7 +249,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
 
     bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
     stats.choice = chooses ? &choice : NULL;
-    stats.extent = &scene->geometry.box;
+    stats.extent = bis_geometry_primitives(&scene->geometry) > 0 ? &scene->geometry.box : NULL;
     stats.seconds.parse = parse_seconds;
     double before = bis_clock_now();
     status = o->part.share.n ? bis_render_part_write(&o->part, &o->files, &checkpoint, &film, &stats, o->quiet, diag)

@@ -42,6 +42,7 @@ typedef struct reader {
     obj_corner *table;             /* further corners; a power of 2, at most half full */
     size_t table_size, n_pairs;
     bool any_normal, any_uv;    /* does a face use one? */
+    bool lacks_normals;         /* does one use a normal where the file has none at all? */
     bool wants_parts;
     bis_names parts;            /* of usemtl, with numbers from 1 */
     uint32_t part;              /* of the faces that come */
@@ -257,6 +258,15 @@ static size_t take_index(reader *r, const char *what, size_t total, size_t seen)
     return negative ? seen - n : n - 1;
 }
 
+/* Over the digits of an index; whether there were any. */
+static bool skip_index(reader *r)
+{
+    const unsigned char *start = r->p;
+
+    while (r->p < r->end && (*r->p == '-' || (*r->p >= '0' && *r->p <= '9'))) r->p++;
+    return r->p > start;
+}
+
 /* v, v/vt, v//vn or v/vt/vn, with nothing behind a slash allowed as well. */
 static uint32_t take_corner(reader *r)
 {
@@ -266,10 +276,11 @@ static uint32_t take_corner(reader *r)
     if (v != SIZE_MAX && r->p < r->end && *r->p == '/') {
         r->p++;
         if (r->wants_uv) vt = take_index(r, "vt", r->n_vt, r->seen_vt);
-        while (r->p < r->end && (*r->p == '-' || (*r->p >= '0' && *r->p <= '9'))) r->p++;
+        skip_index(r); /* a vt that nobody wants */
         if (r->p < r->end && *r->p == '/') {
             r->p++;
-            vn = take_index(r, "vn", r->n_vn, r->seen_vn);
+            if (r->n_vn > 0) vn = take_index(r, "vn", r->n_vn, r->seen_vn);
+            else if (skip_index(r)) r->lacks_normals = true;
         }
     }
     if (r->status) return 0;
@@ -433,6 +444,9 @@ static void report(const reader *r)
 {
     if (r->n_too_small > 0)
         bis_mesh_remark(&r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
+    if (r->lacks_normals)
+        bis_mesh_remark(&r->in, "faces name normals, but there is no \"vn\": the mesh is flat, unless \"smooth\" is "
+                        "true");
     if (r->n_bad_normals > 0)
         bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);

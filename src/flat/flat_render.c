@@ -329,7 +329,7 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
 
     bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
     stats.choice = chooses ? &choice : NULL;
-    stats.extent = &scene->geometry.box;
+    stats.extent = bis_geometry_primitives(&scene->geometry) > 0 ? &scene->geometry.box : NULL;
     stats.seconds.parse = parsed - start;
     stats.seconds.total = bis_clock_now() - start;
     status = keep(out, &film, &stats, diag);

@@ -166,7 +166,8 @@ void bis_directive_accelerator(bis_parser *p, bis_loc at)
     bis_parser_single(p, BIS_SINGLE_ACCELERATOR, "Accelerator", at);
     p->desc->accel = (bis_accel_options){.kind = BIS_ACCEL_DEFAULT};
     if (chosen->value == BIS_REPLACED) {
-        bis_warn(p->diag, p->name_at, "Accelerator \"%s\" is replaced by the default", chosen->name);
+        if (strcmp(chosen->name, bis_parser_text(p, p->name)) == 0) /* else it was said that this one is unknown */
+            bis_warn(p->diag, p->name_at, "Accelerator \"%s\" is replaced by the default", chosen->name);
         return;
     }
     p->desc->accel.kind = (bis_accel_kind)chosen->value;

@@ -231,7 +231,7 @@ static void print_approximations(bis_json *j, const bis_scene_desc *d, const cha
 
 static void print_extent(bis_json *j, const bis_box *b)
 {
-    if (!b || !(b->lo.x <= b->hi.x)) {
+    if (!b) {
         bis_json_null(j, "extent");
         return;
     }

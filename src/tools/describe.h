@@ -35,7 +35,7 @@ typedef struct bis_stats {
     bis_scene_seconds seconds;
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
     const bis_auto_report *choice;    /* NULL: nothing was to choose */
-    const bis_box *extent;            /* of all shapes, lo > hi where there are none; NULL: not known, after a merge */
+    const bis_box *extent;            /* of all shapes; NULL: there are none, or it is not known, after a merge */
     char line[BIS_MAX_LINE];          /* of the Integrator, by bis_describe_line */
     char approximated[BIS_APPROXIMATED_TEXT]; /* by bis_describe_approximations; "": nothing was */
 } bis_stats;

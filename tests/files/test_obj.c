@@ -141,6 +141,22 @@ static void normals_that_are_not_finite_stand_for_the_faces(void **state)
     bis_mesh_clear(&m);
 }
 
+/* Files from which a program removed the normals alone. */
+static void normals_that_a_file_does_not_have_are_left_out(void **state)
+{
+    static const char *const faces[] = {"f 1//1 2//2 3//3", "f 1/1/9 2/2/9 3/3/-1", "f 1//0 2 3"};
+    (void)state;
+    for (size_t i = 0; i < sizeof faces / sizeof faces[0]; i++) {
+        char text[256];
+        bis_mesh m;
+        snprintf(text, sizeof text, SQUARE "%s\n", faces[i]);
+        expect_text(&m, text, "faces name normals, but there is no \"vn\": the mesh is flat, unless \"smooth\" is true");
+        assert_int_equal(m.n_triangles, 1);
+        assert_null(m.n);
+        bis_mesh_clear(&m);
+    }
+}
+
 static bis_mesh mesh_with_uv(const char *text, const char *warning)
 {
     bis_mesh m;
@@ -272,10 +288,10 @@ static void bad_lines_are_refused_by_number(void **state)
     refuse_text(SQUARE "f 1 2 0\n", 5, "the face has the index 0, but there are 4 \"v\"");
     refuse_text(SQUARE "f 1 2 -5\n", 5, "the face has the index -5, but there are 4 \"v\" up to here");
     refuse_text(SQUARE "f 1 2 99999999999999999999999\n", 5, "the face has the index 99999999999999999999999, but there are 4 \"v\"");
-    refuse_text(SQUARE "f 1//1 2 3\n", 5, "the face has the index 1, but there are 0 \"vn\"");
     refuse_text(SQUARE "f 1 2 3.0\n", 5, "\"3.0\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     refuse_text(SQUARE "f 1 2 /3\n", 5, "\"/3\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
-    refuse_text(SQUARE "f 1 2 3/1/1/1\n", 5, "the face has the index 1, but there are 0 \"vn\"");
+    refuse_text(SQUARE "f 1 2 3/1/1/1\n", 5, "\"3/1/1/1\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
+    refuse_text(SQUARE "vn 0 0 1\nf 1//2 2 3\n", 6, "the face has the index 2, but there are 1 \"vn\"");
     refuse_text(SQUARE "f a b c\n", 5, "\"a\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     put(&zero, "v 0 0 0\0\n", 9);
     expect_mesh_refusal_of(bis_obj_read, &zero, "zero.obj", 0, "not an OBJ file: it is no text, there is a zero byte in it");
@@ -415,6 +431,7 @@ int main(void)
         cmocka_unit_test(each_pair_of_position_and_normal_is_one_vertex),
         cmocka_unit_test(thousands_of_normals_at_one_position_are_told_apart),
         cmocka_unit_test(normals_that_are_not_finite_stand_for_the_faces),
+        cmocka_unit_test(normals_that_a_file_does_not_have_are_left_out),
         cmocka_unit_test(a_texture_coordinate_has_one_to_three_numbers),
         cmocka_unit_test(a_texture_coordinate_that_is_not_finite_stands_for_none),
         cmocka_unit_test(each_triple_of_position_coordinate_and_normal_is_one_vertex),
