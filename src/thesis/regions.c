@@ -164,7 +164,8 @@ static void join_bands(uint32_t *label, const uint8_t *level, const bis_envmap *
     const uint32_t width = (uint32_t)em->width, n = width * (uint32_t)em->height;
     for (uint32_t row = BAND * width; row < n; row += BAND * width) {
         for (uint32_t i = row; i < row + width; i++) {
-            if (level[i] != level[i - width] || level[i] == BIS_LEVEL_NONE) continue;
+            if (level[i] != level[i - width]) continue;
+            if (label[i] == BIS_REGION_NONE || label[i - width] == BIS_REGION_NONE) continue; /* black */
             const uint32_t above = first_pixel(label, i - width), here = first_pixel(label, i);
             if (above < here) label[here] = above;
             else label[above] = here;
