@@ -599,7 +599,7 @@ exit
 # + edges = blocks(P, W, 1);
 #
 # * film_error test_film_error : no memory of earlier estimates
-# - if (memory->before.W != f->quarter_weight) return 2;
+# - if (memory->before.W != f->quarter_weight || !is_weighable(memory->before.doubt)) return 2;
 # + return 2;
 #
 # * render test_render : passes grow too fast

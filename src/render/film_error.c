@@ -189,6 +189,9 @@ static void sum_over(const bis_film *f, double floor, total t[N_VARIANCES])
 
 enum { MOST_PAIRS = 3 };
 
+/* May a sum of that doubt be weighed? Squares of tiny terms underflow; a forged file may hold anything. */
+static bool is_weighable(double doubt) { return doubt > 0 && isfinite(doubt); }
+
 /* What is taken for the share before the picture tells: `middle`, give or take `spread`. */
 typedef struct prior {
     double middle, spread;
@@ -250,12 +253,12 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
     const double two_samples = 2;
 
     pairs[0] = (bis_film_pair){f->half_weight, f->weight, t[HALVES].sum, t[HALVES].doubt};
-    if (f->quarter_weight < two_samples || t[QUARTERS].sum == 0) return 1;
+    if (f->quarter_weight < two_samples || !is_weighable(t[QUARTERS].doubt)) return 1;
     pairs[1] = (bis_film_pair){f->quarter_weight, f->half_weight, t[QUARTERS].sum, t[QUARTERS].doubt};
     if (!memory) return 2;
     if (memory->now.W != f->half_weight) memory->before = memory->now;
     memory->now = pairs[1];
-    if (memory->before.W != f->quarter_weight) return 2;
+    if (memory->before.W != f->quarter_weight || !is_weighable(memory->before.doubt)) return 2;
     pairs[2] = memory->before;
     return 3;
 }
@@ -286,6 +289,7 @@ bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memor
     sum_over(f, floor, t);
     const total *seen = &t[f->independent ? PASSES : HALVES];
     if (seen->sum == 0) return (bis_film_error){0, 0, true};
+    if (!is_weighable(seen->doubt)) return (bis_film_error){nan, nan, false};
     verdict middle = {log(seen->sum), seen->doubt}, high = middle;
     if (!f->independent) {
         bis_film_pair pairs[MOST_PAIRS];

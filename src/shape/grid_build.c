@@ -308,7 +308,9 @@ static void fill_items(const build *b)
 /* ---- the box and its cells ---- */
 
 /* The geometry's box, a little larger: rounding in the walk's entry then never cuts a primitive off, and a flat box has
- * a thickness. 2^-20 of the largest extent, and 2^-20 of the coordinates where the box is a single point. */
+ * a thickness. 2^-20 of the largest extent, and 2^-20 of the coordinates where the box is a single point. A small flat
+ * mesh far from the origin would lose so little to rounding, so it gets 2^-40 of its coordinates at least: far above
+ * the last bit of a double, far below that of a float. */
 static void set_box(bis_grid *grid, const bis_box *box)
 {
     const double lo[3] = {(double)box->lo.x, (double)box->lo.y, (double)box->lo.z};
@@ -319,7 +321,7 @@ static void set_box(bis_grid *grid, const bis_box *box)
         extent = fmax(extent, hi[a] - lo[a]);
         size = fmax(size, fmax(fabs(lo[a]), fabs(hi[a])));
     }
-    double pad = 0x1p-20 * (extent > 0 ? extent : size > 0 ? size : 1);
+    const double pad = fmax(0x1p-40 * size, 0x1p-20 * (extent > 0 ? extent : size > 0 ? size : 1));
     for (int a = 0; a < 3; a++) {
         grid->lo[a] = lo[a] - pad;
         grid->hi[a] = hi[a] + pad;

@@ -327,7 +327,7 @@ static void candidates_have_the_density_that_they_say(void **state)
                 assert_true(h[k] > 0);
                 if (bis_cluster_of_pixel(&w.c, (uint32_t)bis_envmap_pixel(bis_light_envmap(light), wi)) != k) continue; /* floats next to an edge */
                 const double q_L = (double)bis_set_half(x, number, &at)->x.q[at];
-                if (fabs(q_L / q - 1) > 0x1p-20) fail_msg("exponent %g: density %g, not %g", exponents[e], q_L, q);
+                if (fabs(q_L - q) > 0x1p-20 * q) fail_msg("exponent %g: density %g, not %g", exponents[e], q_L, q);
             }
         }
         for (uint32_t k = 0; k < w.c.n; k++) {

@@ -166,7 +166,7 @@ static stated stated_of_facets(const bis_bsdf *b, vec3 wi, double cos_i)
                           fmax(stated_of_fresnel((double)Ks.g, (double)eta.g, cos_d),
                                stated_of_fresnel((double)Ks.b, (double)eta.b, cos_d)));
     const bool has_lobe = b->p_specular > 0;
-    const double of_cosine = 0x1p-20 / fabs(cos_i) + 0x1p-19, lobe = has_lobe ? 0x1p-18 / cos_d : 0;
+    const double of_cosine = 0x1p-20 / fabs(cos_i) + 0x1p-19, lobe = !has_lobe ? 0 : cos_d > 0 ? 0x1p-18 / cos_d : (double)INFINITY;
 
     return (stated){of_cosine + lobe + (has_lobe ? F : 0), of_cosine + lobe, 0x1p-20, 0, 0, false,
                     has_lobe && fabs(s_z) <= 0x1p-20};

@@ -194,8 +194,8 @@ static double find_beta(tiny *t, bis_proposal proposal, uint32_t M)
         bis_set_weigh(scratch.set, &t->pt);
         const uint32_t number = set_number(x, 0);
         const int k = tiny_pixel(set_direction(x, number));
-        const double em = t->p_em[k], brdf = t->material.pick[k], q = rgbd_sum(F(t, k)) / bis_set_weight(x, number) * OCTANT;
         if (bis_set_weight(x, number) <= 0) continue;
+        const double em = t->p_em[k], brdf = t->material.pick[k], q = rgbd_sum(F(t, k)) / bis_set_weight(x, number) * OCTANT;
         beta = (q - brdf) / (em - brdf);
         const double n_em = round(beta * M), error = 0x1p-21 * q / fabs(em - brdf);
         if (M == 1) continue;

@@ -166,7 +166,9 @@ static void the_text_has_each_figure(void **state)
         f.r.exact.lit.mean[3] = 0;
         f.r.candidates.share_em = (double)NAN;
         f.r.candidates.W = i ? 5 : 0;
+        f.r.exact.open.mean[3] = i ? 12 : 0;
         text = said(&f.r, bis_pixel_print_text);
+        assert_non_null(strstr(text, i ? "\nseen        0.00 %\n" : "\nseen        -\n")); /* no share of nothing */
         assert_non_null(strstr(text, kinds[i].line));
         assert_non_null(strstr(text, "of the face (0 1 0)   in the map: theta 90.00, phi 0.00 degrees\n"));
         assert_non_null(strstr(text, "by 16384 runs of mis; 100 patches are too many for their sum\nexact       0 +- "

@@ -272,6 +272,10 @@ static void errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budg
     }
     t.result.points[4].noise = -0.001; /* without a logarithm: the budget before */
     assert_near(bis_trade_error_at(&t.result, &t.plan, MIS, 1.5, &extrapolated), 0.5);
+    assert_near(bis_trade_seconds_to(&t.result, &t.plan, MIS, 0.3, &extrapolated), 2);
+    t.result.points[3].seconds = 0;
+    t.result.points[4].noise = 0.0625;
+    assert_near(bis_trade_error_at(&t.result, &t.plan, MIS, 1.5, &extrapolated), 0.5);
     clear(&t);
 }
 

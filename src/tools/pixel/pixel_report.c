@@ -100,7 +100,8 @@ static void print_exact(FILE *out, const bis_pixel_report *r)
     else fprintf(out, "by %d runs of mis; %zu patches are too many for their sum\n", BIS_PIXEL_MIS_RUNS, e->patches);
     print_value(out, "exact", &e->lit);
     print_value(out, "unoccluded", &e->open);
-    fprintf(out, "seen        %.2f %%\n", 100 * e->lit.mean[3] / e->open.mean[3]);
+    if (e->open.mean[3] > 0) fprintf(out, "seen        %.2f %%\n", 100 * e->lit.mean[3] / e->open.mean[3]);
+    else fputs("seen        -\n", out); /* no light to be seen */
 }
 
 static void print_percent(FILE *out, double x)

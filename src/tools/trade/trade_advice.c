@@ -19,7 +19,7 @@ static bool is_measured(const bis_trade *t, int setting) { return t->result.curv
 /* Log-log interpolation of y over x between a and b at `at`; a's y where one has no logarithm. */
 static double between(double xa, double ya, double xb, double yb, double at)
 {
-    if (!(ya > 0 && yb > 0 && xb > xa)) return ya;
+    if (!(xa > 0 && ya > 0 && yb > 0 && xb > xa)) return ya;
     const double s = log(at / xa) / log(xb / xa);
     return ya * pow(yb / ya, s);
 }

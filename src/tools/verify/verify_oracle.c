@@ -95,13 +95,14 @@ static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, d
             (2 * largest_i * (fabs(f[j]) + fabs(e[j])) + 2 * largest_j * (fabs(f[i]) + fabs(e[i])) + 8 * terms);
     }
     const double height = dot3(v[0], n), descent = dot3(n, d);
+    if (descent == 0) { /* edge-on */
+        *t = *error = (double)INFINITY;
+        return DOUBTFUL;
+    }
     *t = height / descent;
     *error = height_error / fabs(descent) + fabs(*t) * (descent_error / fabs(descent) + 4 * u);
     if (left && fabs(descent) > descent_error) return MISSED;
-    if (fabs(height) <= height_error || fabs(descent) <= descent_error) {
-        if (!(*error >= 0)) *error = (double)INFINITY; /* 0 / 0: edge-on */
-        return DOUBTFUL;
-    }
+    if (fabs(height) <= height_error || fabs(descent) <= descent_error) return DOUBTFUL;
     return *t > 0 ? in : MISSED;
 }
 
