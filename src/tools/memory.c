@@ -20,7 +20,7 @@ static const double film_sums = BIS_FILM_BYTES, pass = 16 + 1.0 / 4 /* kind of e
 static const double layer_sum = 8, layer_pass = 4; /* a pixel's value */
 static const double chunk_rows = 16, chunk_copies = 3; /* of an EXR: packed, its bytes in another order, compressed */
 static const double cells = 64, tiles = 4; /* of learned visibility, a pixel; cells up to 2^23 pixels */
-static const double texel = 12, table = 10.4, curve = 1.5, area = 4, regions_beside = 8;
+static const double texel = 12, table = 10.4, curve = 1.5, area = 4, regions = 5, curve_beside = 1;
 static const double vertex = 12, uv = 8, triangle = 12;
 static const double accel_kept = 82, accel_built = 100, compact_kept = 35, compact_built = 40;
 static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a file for each of them */
@@ -113,7 +113,8 @@ bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height,
     return true;
 }
 
-/* Returns what stands beside it at worst: the file while it is read, or the regions while areas are found. */
+/* Returns what stands beside it at worst: the file while it is read, the regions while areas are found,
+ * or the sums of tiles while the curve is made. */
 static double add_map(bis_memory *m, const bis_scene_desc *d)
 {
     const bis_settings *s = &d->view.settings;
@@ -133,8 +134,8 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
     m->map = texels * (texel + (has_table ? table : 0) + (has_curve ? curve : 0) + (has_area ? area : 0));
     const double file = d->light.filename ? (double)bis_scene_peek_bytes(d->light.filename) : 0;
     const double while_read = texels * texel + file - m->map;
-    const double with_regions = texels * (texel + area + regions_beside) - m->map;
-    return fmax(has_area ? with_regions : 0, while_read);
+    const double with_regions = has_area ? texels * (texel + regions) - m->map : 0;
+    return fmax(fmax(with_regions, has_curve ? texels * curve_beside : 0), while_read);
 }
 
 /* Embree keeps less of many triangles. */

@@ -41,8 +41,8 @@ typedef struct bis_importance_options {
 typedef struct bis_importance bis_importance;
 
 /* bis_importance_new builds what options ask for. em is borrowed for the life of the result. A map without light is
- * legal: nothing can then be drawn. With one way of drawing, the result takes at most 16 bytes a pixel, and at most
- * 40 while it is built. Errors: BIS_NOMEM. */
+ * legal: nothing can then be drawn. With one way of drawing, the result takes at most 16 bytes a pixel, also while it
+ * is built; the curve of a map below 2^16 pixels takes 28, and 44 while it is built. Errors: BIS_NOMEM. */
 bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const bis_importance_options *options,
                               bis_diag *diag);
 
