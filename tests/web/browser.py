@@ -22,7 +22,8 @@ class Browser:
     """Browser starts Chromium with file descriptors 3 and 4 as the protocol's pipe, and ends it."""
 
     def __init__(self, program):
-        self.profile = tempfile.TemporaryDirectory()
+        # A child of Chromium may still write while the folder is removed, because Chromium does not wait for its children.
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_read, self.to = os.pipe()
         self.back, to_write = os.pipe()
         command = [program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run",
