@@ -89,7 +89,6 @@ done:
 int bis_cmd_compare(int argc, char **argv)
 {
     compare_options o = {0};
-    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "options"},
         {.name = "json", .help = "print JSON instead of lines of \"key value\"", .kind = BIS_OPTION_FLAG,
@@ -100,7 +99,6 @@ int bis_cmd_compare(int argc, char **argv)
          .help = "write the relative difference in false colours: black, blue, red, yellow, white from 1e-3 to 10 on "
                  "a logarithmic scale; magenta: not finite", .kind = BIS_OPTION_TEXT, .value = &o.diff},
     };
-    /* clang-format on */
     const bis_command command = {
         .name = "compare",
         .usage = "compare [options] A B",

@@ -67,7 +67,6 @@ static int convert(void *options, const char *const *paths, bis_diag *diag)
 int bis_cmd_convert(int argc, char **argv)
 {
     convert_options o = {0};
-    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "options"},
         {.name = "exposure", .argument = "EV",
@@ -79,7 +78,6 @@ int bis_cmd_convert(int argc, char **argv)
                  "luminance) or filmic (a fit of the ACES curve)", .kind = BIS_OPTION_NAME, .value = &o.tone,
          .names = bis_tone_names},
     };
-    /* clang-format on */
     const bis_command command = {
         .name = "convert",
         .usage = "convert [options] A B",

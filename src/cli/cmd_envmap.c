@@ -330,7 +330,6 @@ static int envmap(void *options, const char *const *operands, bis_diag *diag)
 int bis_cmd_envmap(int argc, char **argv)
 {
     envmap_options o = {.levels = BIS_LEVELS, .samples = 300, .area_exponent = BIS_AREA_EXPONENT};
-    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to read"},
         {.name = "mapping", .argument = "M",
@@ -362,7 +361,6 @@ int bis_cmd_envmap(int argc, char **argv)
         {.name = "samples", .argument = "N", .help = "directions drawn as dots on the importance (300)",
          .kind = BIS_OPTION_COUNT, .value = &o.samples, .hi = 1000000},
     };
-    /* clang-format on */
     const bis_command command = {
         .name = "envmap",
         .usage = "envmap [options] MAP",

@@ -216,7 +216,6 @@ int bis_cmd_pixel(int argc, char **argv)
 {
     static const char *const proposals[] = {"em", "brdf", "mix", "product", NULL};
     pixel_options o = {.repeats = 2000};
-    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to write"},
         {.name = "output", .argument = "DIR",
@@ -242,7 +241,6 @@ int bis_cmd_pixel(int argc, char **argv)
         {.name = "seed", .argument = "N", .help = "of the random numbers (the scene's)", .kind = BIS_OPTION_COUNT,
          .value = &o.seed, .given = &o.has_seed, .hi = BIS_SEED_MAX},
     };
-    /* clang-format on */
     const bis_command command = {
         .name = "pixel",
         .usage = "pixel [options] SCENE X Y",

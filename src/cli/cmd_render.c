@@ -346,7 +346,6 @@ int bis_cmd_render(int argc, char **argv)
                "or auto: a pilot chooses, if the render is long enough for it (default: the scene's; see `bis help "
                "sir`)");
 
-    /* clang-format off: the rows are broken by hand */
     const bis_option before[] = {
         {.help = "output"},
         {.name = "outfile", .argument = "F",
@@ -443,7 +442,6 @@ int bis_cmd_render(int argc, char **argv)
          .kind = BIS_OPTION_OWN, .value = &o.part.share, .read = bis_render_part_read,
          .rule = "K/N with K from 1 to N, as in 2/5"},
     };
-    /* clang-format on */
     bis_option options[MAX_OPTIONS];
     size_t n_options = sizeof before / sizeof *before;
     memcpy(options, before, sizeof before);

@@ -148,7 +148,6 @@ static int measure(void *options, const char *const *operands, bis_diag *diag)
 int bis_cmd_trade(int argc, char **argv)
 {
     trade_options o = {0};
-    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what is written"},
         {.name = "output", .argument = "DIR",
@@ -190,7 +189,6 @@ int bis_cmd_trade(int argc, char **argv)
         {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)",
          .kind = BIS_OPTION_COUNT, .value = &o.threads, .lo = 1, .hi = 1024},
     };
-    /* clang-format on */
     const bis_command command = {
         .name = "trade",
         .usage = "trade [options] SCENE",

@@ -207,7 +207,6 @@ static int verify(void *options, const char *const *operands, bis_diag *diag)
 int bis_cmd_verify(int argc, char **argv)
 {
     verify_options o = {.seed = 1};
-    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to verify"},
         {.name = "mapping", .argument = "M",
@@ -225,7 +224,6 @@ int bis_cmd_verify(int argc, char **argv)
         {.help = "what to write"},
         {.name = "json", .help = "print JSON instead of a table", .kind = BIS_OPTION_FLAG, .value = &o.json},
     };
-    /* clang-format on */
     const bis_command command = {
         .name = "verify",
         .usage = USAGE,

@@ -37,8 +37,8 @@ _Static_assert(sizeof(bis_proposal) == sizeof(unsigned) && sizeof(bis_fallback) 
 #define CHOICE(field, standard, all, set) ROW(field, CHOICE), .usual = standard, .names = all, .choices = set
 #define VALUE(name) (1u << BIS_PROPOSAL_##name)
 
-/* An integrator that reads no row of a name has the default of the first: with it, it draws its candidates. */
-/* clang-format off: a row is a parameter */
+/* A row is a parameter. An integrator that reads no row of a name has the default of the first: with it, it draws its
+ * candidates. */
 const bis_parameter bis_parameters[] = {
     {COUNT(candidates, 800, 1), .is_option = true, .or_auto = true, .note = "0: a pilot chooses",
      .words = "candidates for each camera sample", .readers = {&bis_sir}},
@@ -71,7 +71,6 @@ const bis_parameter bis_parameters[] = {
      .words = "with proposal product, go where earlier rays saw light arrive", .readers = {&bis_sir}},
     {.name = NULL},
 };
-/* clang-format on */
 
 /* ---- reading it ---- */
 
