@@ -3,7 +3,8 @@
 # run_tests: runs test programs (make test calls it), shows what they say and how long they took, and closes with one
 # line that counts.
 #     scripts/check/run_tests.sh PROGRAM...
-# Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 600), or there was nothing to run.
+# Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 1800, ten times what the slowest takes on a
+# machine without other work), or there was nothing to run.
 #
 # TEST_JOBS programs run side by side (default: as many as there are processors, at most 4, because each has threads of its
 # own). What a program says is shown when it ends, so that nothing is mixed.
@@ -20,7 +21,7 @@ if [ "${1:-}" = --one ]; then
     root=$all/$JOB
     begin=$(date +%s)
     echo "==== $name" >"$all/logs/$name"
-    (cd "$root" && timeout "${TEST_SECONDS:-600}" "$3") >>"$all/logs/$name" 2>&1
+    (cd "$root" && timeout "${TEST_SECONDS:-1800}" "$3") >>"$all/logs/$name" 2>&1
     status=$?
     [ $status -eq 0 ] || echo "$root/build" >"$all/failed/$name"
     echo "---- $name: $status after $(($(date +%s) - begin)) s" >>"$all/logs/$name"
