@@ -445,7 +445,8 @@ int bis_flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, co
 
     if (status) return bis_flat_end(status, &diag, say, size);
     const vec3 up = normalize(vec3_from(normal[0], normal[1], normal[2]));
-    const vec3 across = sub(mul(up, dot(up, bsdf->wo)), bsdf->wo); /* away from the eye; 0 where it looks straight down */
+    /* away from the eye; 0 where it looks straight down */
+    const vec3 across = sub(mul(up, dot(up, bsdf->wo)), bsdf->wo);
     const vec3 side = dot(across, across) > 0 ? normalize(across) : frame_about(up).x;
     for (size_t i = 0; !status && i < n; i++) {
         const double t = degrees[i] * PI / 180;

@@ -65,7 +65,8 @@ static moments moments_of(const sample *s, size_t n, uint32_t N, uint32_t first,
 }
 
 /* n Var of the samples less beta differences. */
-static double squares(const sample *s, size_t n, uint32_t N, uint32_t first, uint32_t end, const moments *m, double beta)
+static double squares(const sample *s, size_t n, uint32_t N, uint32_t first, uint32_t end, const moments *m,
+                      double beta)
 {
     double sum = 0;
 
