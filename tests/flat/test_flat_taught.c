@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* flat_taught: the thesis's steps on arrays. Expected values are the thesis's own tables, sums by hand, and closed forms. What a browser
  * makes of the same calls is in tests/web. */
+#include "bis/base/clock.h"
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
 #include "program.h"
@@ -198,9 +199,9 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
 {
     (void)state;
     bis_flat_stage *stage;
-    double found[8], value[4], sum[6], L[64], w[64], bound[2];
+    double found[8], value[4], sum[6], L[64], w[64], u[64], bound[2], height[64];
     float wi[192];
-    uint32_t chosen[64], kind[64], n = 0;
+    uint32_t chosen[64], kind[64], taken[64], accepted, n = 0;
     const char *const sir[] = {"integrator=sir", "candidates=64", "shadowrays=8", "proposal=mix", "learn=false", NULL};
 
     assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
@@ -216,6 +217,16 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     assert_int_equal(n, 8);
     assert_int_equal(bis_flat_stage_bounds(stage, bound, SAY), 0);
     for (int i = 0; i < 64; i++) assert_true(w[i] <= fmax(bound[0], bound[1]) * (1 + 1e-5));
+    /* u times the bound of 1 over w itself: every other candidate lies just below its weight, the others just above */
+    for (int i = 0; i < 64; i++) u[i] = w[i] / bound[0] * (i % 2 ? 1.001 : 0.999);
+    assert_int_equal(bis_flat_stage_accept(stage, "em", 64, w, u, height, taken, &accepted, SAY), 0);
+    n = 0;
+    for (int i = 0; i < 64; i++) {
+        assert_true(taken[i] == (w[i] > 0 && i % 2 == 0) && fabs(height[i] - u[i] * bound[0]) <= 1e-12 * bound[0]);
+        n += taken[i];
+    }
+    assert_true(accepted == n && n > 0);
+    refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY), "give em or brdf");
     refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY), "do not fit");
     refuses(bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY), "give sir");
     refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "outside 8 x 8");
@@ -268,16 +279,19 @@ static void best_weights_by_quadrature(double out[5], bis_flat_stage *stage, dou
     enum { W = 1024, H = 512 };
     float *f = test_calloc(4 * W * H, sizeof *f), peak[4];
     double a = 0, b1 = 0, b2 = 0, square = 0;
+    float most[4] = {0, 0, 0, 0};
 
     assert_int_equal(bis_flat_stage_densities(stage, W, H, f, f + W * H, f + 2 * W * H, f + 3 * W * H, peak, SAY), 0);
     for (int i = 0; i < W * H; i++) {
         const double q1 = (double)f[i], q2 = (double)f[W * H + i], F = (double)f[2 * W * H + i];
+        for (int k = 0; k < 4; k++) most[k] = fmaxf(most[k], f[k * W * H + i]);
         const double area = 2 * PI / W * PI / H * sin(PI * (i / W + 0.5) / H), c = n1 * q1 + n2 * q2;
         a += area * q1 * q2 / c;
         b1 += area * q1 * F / c;
         b2 += area * q2 * F / c;
         square += area * F * F / c;
     }
+    assert_memory_equal(peak, most, sizeof peak);
     const double balance = square - n1 * b1 * b1 - n2 * b2 * b2, rest = 1 - (n1 + n2) * a;
     out[0] = n1 * b1 + n2 * b2;
     out[1] = sqrt(balance);
@@ -342,6 +356,61 @@ static void a_diffuse_material_loses_nothing(void **state)
     bis_flat_bsdf_close(bsdf);
 }
 
+/* The diffuse term is the same on both sides: Kd/pi cos, by a density of cos/pi. A lobe peaks at the mirror's angle, away
+ * from the eye, with (n + 1)/(2 pi); the twin is the eye's own side. Straight down there is a plane, too. */
+static void the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle(void **state)
+{
+    (void)state;
+    const double up[3] = {0, 0, 2}, half[3] = {0.5, 0.5, 0.5}, one[3] = {1, 1, 1}, black[3] = {0, 0, 0};
+    const double eye[2][3] = {{-sqrt(3), 0, 1}, {0, 0, 1}}, at[4] = {-60, 0, 60, 120};
+    double f_cos[4], pdf[4];
+    bis_bsdf *bsdf;
+
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", half, black, 1, up, eye[k], SAY), 0);
+        assert_int_equal(bis_flat_bsdf_plane(bsdf, up, 4, at, f_cos, pdf, SAY), 0);
+        for (int i = 0; i < 4; i++) {
+            const double cosine = fmax(0, cos(at[i] * PI / 180));
+            assert_true(fabs(f_cos[i] - 0.5 * cosine / PI) < 1e-6 && fabs(pdf[i] - cosine / PI) < 1e-6);
+        }
+        bis_flat_bsdf_close(bsdf);
+    }
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", black, one, 100, up, eye[0], SAY), 0);
+    assert_int_equal(bis_flat_bsdf_plane(bsdf, up, 4, at, f_cos, pdf, SAY), 0);
+    assert_true(fabs(pdf[2] / (101 / (2 * PI)) - 1) < 1e-4 && fabs(f_cos[2] / pdf[2] - 0.5) < 1e-4 && pdf[0] < 1e-6);
+    refuses(bis_flat_bsdf_plane(bsdf, up, 1, (double[]){(double)NAN}, f_cos, pdf, SAY), "give a number");
+    bis_flat_bsdf_close(bsdf);
+}
+
+static void what_lies_below_the_horizon_is_counted(void **state)
+{
+    (void)state;
+    const double up[3] = {0, 0, 1}, half[3] = {0.5, 0.5, 0.5};
+    const float wi[12] = {0, 0, 1, 1, 0, 0, 0, 0.6f, -0.8f, 0, 0.6f, 0.8f}; /* above, on it, below, above */
+    uint8_t below[4];
+    uint32_t count;
+    bis_bsdf *bsdf;
+
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", half, half, 1, up, up, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_below(bsdf, 4, wi, below, &count, SAY), 0);
+    assert_memory_equal(below, ((uint8_t[]){0, 1, 1, 0}), sizeof below);
+    assert_int_equal(count, 2);
+    bis_flat_bsdf_close(bsdf);
+}
+
+/* No time is tested, only that there is one: no pass takes longer than all of the call. */
+static void a_pass_takes_a_part_of_the_time(void **state)
+{
+    (void)state;
+    bis_flat_picture *picture;
+    const double before = bis_clock_now();
+
+    assert_int_equal(bis_flat_render(&picture, "scene", (const char *[]){SCENE, "integrator=em", "spp=4", NULL}, NULL, SAY), 0);
+    const double all = bis_clock_now() - before, pass = bis_flat_picture_pass_seconds(picture);
+    assert_true(pass > 0 && pass <= all / 4 && isnan(bis_flat_picture_pass_seconds(NULL)));
+    bis_flat_picture_close(picture);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -353,6 +422,9 @@ int main(void)
         cmocka_unit_test(a_point_of_a_diffuse_floor_is_known),
         cmocka_unit_test(the_two_noises_add_up_E31),
         cmocka_unit_test(a_diffuse_material_loses_nothing),
+        cmocka_unit_test(the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle),
+        cmocka_unit_test(what_lies_below_the_horizon_is_counted),
+        cmocka_unit_test(a_pass_takes_a_part_of_the_time),
         cmocka_unit_test(few_bits_draw_what_is_impossible_as_printed_E14),
         cmocka_unit_test(a_histogram_counts_each_value_once),
         cmocka_unit_test(a_shrunk_map_keeps_its_light),

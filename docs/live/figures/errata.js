@@ -68,7 +68,7 @@ bisFigure.define({
     const difference = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, colours: 'difference', night: false, lo: -most, hi: most, label: '', x: x(title + ', green'),
       values: [...Array(WIDE * HIGH).keys()].map((i) => pixels[4 * i + 1] - out[1][0][4 * i + 1])}, common));
     return {html: '<div>' + show('as printed', out[5][0]) + show('right', out[3][0]) + show('exact', out[1][0]) + '</div><div>' + difference('printed - exact', out[5][0]) + difference('right - exact', out[3][0]) + '</div>',
-      words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) + ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' + bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').'};
+      words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) + ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' + bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').' + (s.which === 'E6' ? ' The sum of the three colours is the same; look at the colours of the shadows.' : '')};
   },
   tasks: [
     {ask: 'Find an equation whose printed form makes the picture brighter by more than 0.1 in the mean.', answer: 'which=E23', check: (s, out) => s.which === 'E14' ? 'This one has no picture.' : bias(out) > 0.1 ? '' : 'This one is off by ' + bisPlot.number(bias(out), 3) + '.'},
