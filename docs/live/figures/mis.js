@@ -12,7 +12,7 @@ bisFigure.define({
   name: 'mis',
   title: 'Multiple importance sampling, and its heuristics',
   section: '3.5',
-  look: 'the map’s samples serve dull surfaces, the BRDF’s polished ones; mis follows the better one. The best weights (Kondapaneni et al. 2019) show how much a better heuristic could still gain.',
+  look: 'the map’s samples serve dull surfaces, the BRDF’s polished ones; mis follows the better one. The best weights (Kondapaneni et al. 2019) show how much another heuristic could still gain from the same samples, half of them from each.',
   map: true,
   controls: [
     {name: 'N', label: 'samples', min: 2, max: 64, log: true, value: 16},
