@@ -82,7 +82,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data web test-web test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
+.PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -231,6 +231,10 @@ web: $W/bis.wasm $B/bis $(STAMP)
 # Each figure in a headless Chromium, its hashes against those of the native library; no part of `make test`.
 test-web: web $(SHARED_LIB)
 	@python3 tests/web/test_web.py $W $(SHARED_LIB) $(FIGURE)
+
+# The tests of base and thesis, built with -m32; skipped with a word where its libraries are missing.
+test-32:
+	@sh scripts/check/check_32_bits.sh --run
 
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:

@@ -9,6 +9,8 @@
  *       {name, label, values: [...], value}         weights, one slider each
  *       {name, label, options: {key: words}, value} a choice
  *       {name, label, add, most}                    a button that adds to a number, from 0; above most it begins again
+ *       {name, hidden: true, values: [...], min, max}   no control: what before() finds out, kept in links
+ *   before(state, ask)   if there, runs before calls() and may change hidden values; ask(calls) is the worker
  *   map            true: the visitor's own map may take the place of the page's
  *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map of bisFigure.shape, [width, height]
  *   draw(state, out, wide)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show; wide: how
@@ -129,7 +131,7 @@ var bisFigure = (function () {
     box.setAttribute('role', 'group');
     box.setAttribute('aria-labelledby', id);
     box.replaceChildren(element('div', {class: 'live-title', id}, spec.title), element('p', {class: 'live-look'}, 'Look: ' + spec.look),
-      element('div', {class: 'live-controls'}, ...spec.controls.map((c) => control(f, c)), f.reset), f.picture, f.words,
+      element('div', {class: 'live-controls'}, ...spec.controls.filter((c) => !c.hidden).map((c) => control(f, c)), f.reset), f.picture, f.words,
       element('ol', {class: 'live-tasks', 'aria-label': 'Tasks'}, ...spec.tasks.map((t, i) => task(f, t, i))), spec.map ? dropZone(f) : '', f.foot);
     f.changed = () => changed(f);
     f.picture.addEventListener('click', (e) => touched(f, e));
@@ -162,9 +164,11 @@ var bisFigure = (function () {
     f.busy = true;
     do {
       f.again = false;
-      const state = JSON.parse(JSON.stringify(f.state)), began = performance.now();
+      const began = performance.now();
       f.box.setAttribute('aria-busy', 'true');
       try {
+        if (f.spec.before) await f.spec.before(f.state, f.client().ask);
+        const state = JSON.parse(JSON.stringify(f.state));
         const calls = f.spec.calls(state), answer = await f.client().ask(calls);
         show(f, state, calls, answer, (performance.now() - began) / 1e3);
       } catch (e) {

@@ -649,3 +649,11 @@ exit
 # * verify_scene test_verify_scene : as many pixels under a large map as under a small one
 # - if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
 # + if (0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
+#
+# * pixel_mis test_flat_taught : beta half as large; means and the balance heuristic stay right
+# - mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter : 0;
+# + mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter / 2 : 0;
+#
+# * flat_taught test_flat_taught : the printed test of the alias table is the right one
+# - x - (double)i > a.prob[i]
+# + x - (double)i >= a.prob[i]

@@ -3,6 +3,7 @@
  * E15. */
 #include "errata_plots.h"
 
+#include "bis/flat/taught.h"
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"
@@ -196,40 +197,22 @@ void errata_E12(FILE *svg)
 
 /* ---- E14: few bits ---- */
 
-/* Of the draws that fall into the bins of black items, every other one of 2^12, how many return one: all u of so many
- * bits. */
-static void black_items(double *printed, double *ours, const bis_alias *a, int bits)
-{
-    size_t n_printed = 0, n_ours = 0;
-
-    for (size_t k = 0; k < (size_t)1 << bits; k++) {
-        const double u = ldexp((double)k, -bits), x = u * (double)a->n;
-        const size_t i = (size_t)x;
-        if (i % 2) continue;
-        n_printed += (x - (double)i > a->prob[i] ? a->alias[i] : i) % 2 == 0;
-        n_ours += bis_alias_sample(a, u) % 2 == 0;
-    }
-    *printed = ldexp((double)n_printed, 1 - bits);
-    *ours = ldexp((double)n_ours, 1 - bits);
-}
-
 void errata_E14(FILE *svg)
 {
     enum { LOG_N = 12, LEFT = 12 };
-    double w[1 << LOG_N], left[LEFT], printed[LEFT], ours[LEFT];
+    double w[1 << LOG_N], share[2][1 << LOG_N], impossible[2], left[LEFT], printed[LEFT], ours[LEFT];
     errata_plane p = errata_plane_over(svg, 0, LEFT, 1e-5, 1);
-    bis_alias a;
 
     for (int i = 0; i < 1 << LOG_N; i++) w[i] = i % 2;
-    errata_check(bis_alias_init(&a, w, 1 << LOG_N, NULL));
     p.log_y = true;
     errata_axes(&p, "bits of u that are left for the coin", "0 4 8 12", "impossible items, share of the draws that fall into their bins", "1e-4 1e-2 1");
     for (int k = 0; k < LEFT; k++) {
         left[k] = k + 1;
-        black_items(&printed[k], &ours[k], &a, LOG_N + k + 1);
+        errata_check((bis_status)bis_flat_alias_few_bits(1 << LOG_N, w, LOG_N + k + 1, share[0], share[1], impossible, NULL, 0));
+        printed[k] = impossible[0];
+        ours[k] = impossible[1];
         if (ours[k] == 0) drawing_disc(svg, errata_x(&p, left[k]), errata_y(&p, p.y0), 3, errata_right());
     }
-    bis_alias_clear(&a);
     errata_line(&p, left, printed, LEFT, errata_printed());
     errata_dots(&p, left, printed, LEFT, errata_printed());
     errata_dots(&p, left, ours, LEFT, errata_right());

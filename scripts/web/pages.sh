@@ -8,13 +8,13 @@ bis=$1
 out=$2
 mkdir -p "$out/figures" "$out/maps" || exit 1
 cp docs/live/*.js docs/live/live.css "$out" && cp docs/live/figures/*.js "$out/figures" || exit 1
-# The hall at two sizes: what is drawn one by one, and what `exact` sums over at every pixel of a picture.
+# The hall, and coloured lamps for E6; pictures are made under smaller ones still, which the page makes.
 "$bis" envmap data/maps/interior.hdr --to latlong --width 128 --out "$out/maps/interior.hdr" >/dev/null || exit 1
-"$bis" envmap data/maps/interior.hdr --to latlong --width 64 --out "$out/maps/small.hdr" >/dev/null || exit 1
+"$bis" envmap data/maps/lamps.hdr --to latlong --width 64 --out "$out/maps/lamps.hdr" >/dev/null || exit 1
 {
     printf 'var bisAssets = {\n'
     printf '"bis.wasm.gz": "%s",\n' "$(gzip -9nc "$out/bis.wasm" | base64 -w 0)"
-    for map in interior small; do printf '"maps/%s.hdr.gz": "%s",\n' $map "$(gzip -9nc "$out/maps/$map.hdr" | base64 -w 0)"; done
+    for map in interior lamps; do printf '"maps/%s.hdr.gz": "%s",\n' $map "$(gzip -9nc "$out/maps/$map.hdr" | base64 -w 0)"; done
     printf '};\n'
 } >"$out/assets.js" || exit 1
 scripts="" figures=""

@@ -4,7 +4,7 @@
 #include "bis/base/clock.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/flat/flat.h"
+#include "bis/flat/taught.h"
 #include "flat/say.h"
 #include "tools/describe.h"
 
@@ -15,6 +15,7 @@ struct bis_flat_picture {
     int width, height;
     float *rgba;
     char *stats; /* of open_memstream */
+    double pass_seconds;
     float *planes;                            /* the channels of all layers, [height][width] each */
     int first[BIS_N_LAYERS], n[BIS_N_LAYERS]; /* the channels of a layer; n = 0: the picture does not have it */
 };
@@ -261,6 +262,7 @@ static bis_status keep(bis_flat_picture **out, const bis_film *film, const bis_s
     if (!p) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for the picture");
     p->width = film->width;
     p->height = film->height;
+    p->pass_seconds = stats->seconds.render / stats->result->passes;
     p->rgba = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *p->rgba);
     FILE *f = p->rgba && keep_layers(p, film) ? open_memstream(&p->stats, &n) : NULL;
     if (f) bis_stats_print(stats, f);
@@ -396,6 +398,11 @@ int bis_flat_picture_layer(const bis_flat_picture *picture, const char *name, fl
     const float *planes = n > 0 ? picture->planes + (size_t)picture->first[layer] * n_pixels : NULL;
     for (size_t i = 0; values && i < n * n_pixels; i++) values[i] = planes[i % n * n_pixels + i / n];
     return (int)n;
+}
+
+double bis_flat_picture_pass_seconds(const bis_flat_picture *picture)
+{
+    return picture ? picture->pass_seconds : (double)NAN;
 }
 
 const char *bis_flat_picture_stats(const bis_flat_picture *picture) { return picture ? picture->stats : NULL; }

@@ -124,23 +124,27 @@ static bis_status check_field(int columns, int rows, bis_diag *diag)
 }
 
 int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
-                             float *seen, char *say, size_t size)
+                             float *seen, float *peak, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, q_L, q_f, product, seen);
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, q_L, q_f, product, seen, peak);
     vec3 axis[3];
 
     if (!status) status = check_field(columns, rows, &diag);
     if (!status) status = check_hit(stage, &diag);
-    if (!status) bis_light_axes(stage->scene->light, axis);
-    for (int i = 0; !status && i < columns * rows; i++) {
+    if (status) return bis_flat_end(status, &diag, say, size);
+    bis_light_axes(stage->scene->light, axis);
+    memset(peak, 0, 4 * sizeof *peak);
+    for (int i = 0; i < columns * rows; i++) {
         const vec3 wi = middle_of(axis, columns, rows, i % columns, i / columns);
         q_L[i] = (float)bis_light_pdf(stage->pt.light, wi);
         q_f[i] = (float)bis_bsdf_pdf(&stage->pt.bsdf, wi);
         product[i] = (float)bis_pixel_product(&stage->pt, wi);
         seen[i] = product[i] > 0 && bis_point_sees(&stage->pt, wi) ? product[i] : 0;
+        const float all[4] = {q_L[i], q_f[i], product[i], seen[i]};
+        for (int k = 0; k < 4; k++) peak[k] = fmaxf(peak[k], all[k]);
     }
-    return bis_flat_end(status, &diag, say, size);
+    return bis_flat_end(BIS_OK, &diag, say, size);
 }
 
 int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
@@ -236,8 +240,9 @@ static bis_status run(rgb **estimate, bis_counters *counters, bis_flat_stage *st
     if (status) return status;
     *estimate = bis_alloc(n, sizeof **estimate);
     if (!*estimate) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
-    return bis_verify_runs(*estimate, (uint32_t)n, &stage->pt, &stage->desc->view.settings, BIS_SAMPLER_STRATIFIED,
-                           seed, counters, diag);
+    const bis_view *view = &stage->desc->view;
+    return bis_verify_runs(*estimate, (uint32_t)n, &stage->pt, &view->settings, view->sampler.kind, seed, counters,
+                           diag);
 }
 
 static double deviation(const bis_verify_moments *m) { return sqrt(m->m2 / (m->n - 1)); }
@@ -256,6 +261,27 @@ int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint
     if (!status)
         memcpy(sum, (double[]){all.mean, deviation(&all), (double)counters.shadow_rays / (double)n}, 3 * sizeof *sum);
     bis_free(estimate);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_mis(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
+                       char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_pixel_mis mis;
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, sum);
+
+    if (!status && !(n >= 2 && n <= 1000000))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 1000000", n);
+    if (!status) status = ask_for(stage, settings, &diag);
+    const bis_settings *s = status ? NULL : &stage->desc->view.settings;
+    if (s && s->integrator != &bis_mis)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "integrator \"%s\" does not combine two techniques: give mis",
+                           s->integrator->name);
+    if (!status) status = bis_pixel_mis_of(&mis, &stage->pt, s, n, seed, &diag);
+    if (!status)
+        memcpy(sum, (double[]){mis.mean, sqrt(mis.variance[0]), sqrt(mis.variance[1]), mis.beta, mis.overlap},
+               5 * sizeof *sum);
     return bis_flat_end(status, &diag, say, size);
 }
 
@@ -320,19 +346,20 @@ int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_
 }
 
 int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
-                          double *height, uint32_t *taken, char *say, size_t size)
+                          double *height, uint32_t *taken, uint32_t *accepted, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, w, u, height, taken);
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, w, u, height, taken, accepted);
 
     if (!status) status = check_hit(stage, &diag);
     if (!status && strcmp(proposal, "em") != 0 && strcmp(proposal, "brdf") != 0)
         status = bis_error(&diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
     if (status) return bis_flat_end(status, &diag, say, size);
     const double B = bis_candidates_bound(&stage->pt, *proposal == 'e' ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF);
+    *accepted = 0;
     for (size_t i = 0; i < n; i++) {
         height[i] = u[i] * B;
-        taken[i] = height[i] < w[i];
+        *accepted += taken[i] = height[i] < w[i];
     }
     return bis_flat_end(BIS_OK, &diag, say, size);
 }

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/beyond/mapping.h"
 #include "bis/scene/light_load.h"
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
@@ -39,6 +40,25 @@ void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u)
 
     bis_rng_init(&rng, seed, stream, 0, 0);
     for (size_t i = 0; i < n; i++) u[i] = bis_rng_double(&rng);
+}
+
+int bis_flat_histogram(size_t n, const double *values, const double *unit, double most, size_t cells, uint32_t *count,
+                       char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, values, unit, count);
+    const double hi = status ? 0 : most * *unit;
+
+    if (!status && !(cells >= 1 && isfinite(hi) && *unit >= 0 && most >= 0))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu cells from 0 to %g times %g: give a cell or more, and "
+                           "numbers >= 0", cells, most, *unit);
+    for (size_t k = 0; !status && k < cells; k++) count[k] = 0;
+    for (size_t i = 0; !status && i < n; i++) {
+        if (isnan(values[i])) status = bis_error(&diag, BIS_INPUT, nowhere, "value %zu is no number", i);
+        else if (values[i] >= hi) count[cells - 1]++;
+        else count[values[i] > 0 ? (size_t)(values[i] / hi * (double)cells) : 0]++; /* the quotient rounds to below 1 */
+    }
+    return bis_flat_end(status, &diag, say, size);
 }
 
 _Static_assert((int)BIS_N_BITS <= (int)BIS_FLAT_BITS, "the rows have room");
@@ -156,6 +176,33 @@ int bis_flat_alias_pmf(size_t n, const double *w, double *pmf, double *P, char *
     return bis_flat_end(status, &diag, say, size);
 }
 
+int bis_flat_alias_few_bits(size_t n, const double *w, int bits, double *printed, double *right, double *impossible,
+                            char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_alias a = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, printed, right, impossible);
+
+    if (!status && !(bits >= 0 && bits <= 24))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "numbers of %d bits: give 0 to 24", bits);
+    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_alias_init(&a, w, n, &diag);
+    for (size_t i = 0; !status && i < n; i++) printed[i] = right[i] = 0;
+    double theirs = 0, drawn[2] = {0, 0};
+    for (size_t k = 0; !status && k < (size_t)1 << bits; k++) {
+        const double u = ldexp((double)k, -bits), x = u * (double)n;
+        const size_t i = (size_t)x;
+        const size_t item[2] = {x - (double)i > a.prob[i] ? a.alias[i] : i, bis_alias_sample(&a, u)}; /* E14 */
+        printed[item[0]] += ldexp(1, -bits);
+        right[item[1]] += ldexp(1, -bits);
+        theirs += w[i] <= 0;
+        for (int way = 0; way < 2; way++) drawn[way] += w[item[way]] <= 0;
+    }
+    for (int way = 0; !status && way < 2; way++) impossible[way] = theirs > 0 ? drawn[way] / theirs : 0;
+    bis_alias_clear(&a);
+    return bis_flat_end(status, &diag, say, size);
+}
+
 int bis_flat_cdf_build(size_t n, const double *w, double *c, uint32_t *guide, uint32_t *n_guide, char *say,
                        size_t size)
 {
@@ -176,17 +223,23 @@ int bis_flat_cdf_build(size_t n, const double *w, double *c, uint32_t *guide, ui
     return bis_flat_end(status, &diag, say, size);
 }
 
-int bis_flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, uint32_t *item, char *say, size_t size)
+int bis_flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, uint32_t *item, uint32_t *part,
+                        uint32_t *first, char *say, size_t size)
 {
     bis_diag diag = {0};
     bis_cdf cdf = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, w, u, item);
+    bis_status status = BIS_FLAT_GIVEN(&diag, w, u, item, part, first);
 
     if (!status) status = check_weights(n, w, &diag);
     if (!status) status = bis_cdf_init(&cdf, w, n, &diag);
     for (size_t i = 0; !status && i < m; i++) {
-        if (u[i] >= 0 && u[i] < 1) item[i] = (uint32_t)bis_cdf_sample(&cdf, u[i], NULL);
-        else status = bis_error(&diag, BIS_INPUT, nowhere, "u of sample %zu is %g: give numbers in [0, 1)", i, u[i]);
+        if (!(u[i] >= 0 && u[i] < 1)) {
+            status = bis_error(&diag, BIS_INPUT, nowhere, "u of sample %zu is %g: give numbers in [0, 1)", i, u[i]);
+            break;
+        }
+        item[i] = (uint32_t)bis_cdf_sample(&cdf, u[i], NULL);
+        part[i] = (uint32_t)bis_cdf_part(&cdf, u[i]);
+        first[i] = cdf.guide[part[i]];
     }
     bis_cdf_clear(&cdf);
     return bis_flat_end(status, &diag, say, size);
@@ -270,22 +323,71 @@ int bis_flat_light_find(const bis_light *light, size_t n, const float *w, uint32
     return bis_flat_end(status, &diag, say, size);
 }
 
-int bis_flat_light_density(const bis_light *light, double *pdf, double *share, char *say, size_t size)
+int bis_flat_light_shrink(bis_light **small, const bis_light *light, int width, char *say, size_t size)
 {
     bis_diag diag = {0};
-    const bis_status status = BIS_FLAT_GIVEN(&diag, light, pdf, share);
+    bis_image image = {0};
+    bis_light_desc desc = bis_light_desc_default();
+    double power[2];
+    bis_status status = BIS_FLAT_GIVEN(&diag, small, light);
+
+    if (small) *small = NULL;
+    if (!status && width < 1) status = bis_error(&diag, BIS_INPUT, nowhere, "%d columns: give 1 or more", width);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const bis_envmap *em = bis_light_envmap(light);
+    desc.filename = (char *)(uintptr_t)"the shrunk map"; /* only read */
+    desc.has_mapping = true;                             /* lat-long, even where it is square */
+    status = bis_envmap_to_mapping(&image, em, BIS_MAPPING_LATLONG, width < em->width ? width : em->width, power,
+                                   &diag);
+    if (!status) status = bis_light_from_image(small, &image, &desc, BIS_NEED_TABLE, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_light_density(const bis_light *light, double *pdf, double *peak, double *share, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    const bis_status status = BIS_FLAT_GIVEN(&diag, light, pdf, peak, share);
 
     if (status) return bis_flat_end(status, &diag, say, size);
     const bis_envmap *em = bis_light_envmap(light);
+    *peak = 0;
     for (int y = 0; y < em->height; y++) {
         share[y] = 0;
         for (int x = 0; x < em->width; x++) {
             const size_t i = (size_t)y * (size_t)em->width + (size_t)x;
             pdf[i] = bis_importance_pdf_pixel(bis_light_importance(light), i);
+            *peak = fmax(*peak, pdf[i]);
             share[y] += pdf[i] * em->row_solid_angle[y];
         }
     }
     return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+int bis_flat_light_rows(const bis_light *light, size_t n, const uint32_t *pixel, double degrees, uint32_t *count,
+                        double *polar, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, pixel, count, polar);
+
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const bis_envmap *em = bis_light_envmap(light);
+    const size_t width = (size_t)em->width, height = (size_t)em->height;
+    memset(count, 0, height * sizeof *count);
+    memset(polar, 0, 2 * sizeof *polar);
+    for (size_t i = 0; !status && i < n; i++) {
+        if (pixel[i] < width * height) count[pixel[i] / width]++;
+        else status = bis_error(&diag, BIS_INPUT, nowhere, "pixel %zu is %" PRIu32 ", not below %zu", i, pixel[i],
+                                width * height);
+    }
+    for (size_t y = 0; !status && y < height; y++) {
+        const double theta = 180 * ((double)y + 0.5) / (double)height;
+        if (fmin(theta, 180 - theta) > degrees) continue;
+        polar[0] += count[y];
+        for (size_t x = 0; x < width; x++)
+            polar[1] += (double)n * bis_importance_pdf_pixel(bis_light_importance(light), y * width + x) *
+                        em->row_solid_angle[y];
+    }
+    return bis_flat_end(status, &diag, say, size);
 }
 
 int bis_flat_light_regions(const bis_light *light, int levels, double b, uint32_t *label, uint32_t *level, double *area,
@@ -332,6 +434,46 @@ int bis_flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, doub
         above += cell * bis_bsdf_pdf(bsdf, wi);
     }
     memcpy(sum, (double[]){reflected, above, 1 - above}, 3 * sizeof *sum);
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+int bis_flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, const double *degrees, double *f_cos,
+                        double *pdf, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, normal, degrees, f_cos, pdf);
+
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const vec3 up = normalize(vec3_from(normal[0], normal[1], normal[2]));
+    /* away from the eye; 0 where it looks straight down */
+    const vec3 across = sub(mul(up, dot(up, bsdf->wo)), bsdf->wo);
+    const vec3 side = dot(across, across) > 0 ? normalize(across) : frame_about(up).x;
+    for (size_t i = 0; !status && i < n; i++) {
+        const double t = degrees[i] * PI / 180;
+        if (!isfinite(t)) {
+            status = bis_error(&diag, BIS_INPUT, nowhere, "angle %zu is %g: give a number", i, degrees[i]);
+            break;
+        }
+        const vec3 wi = normalize(add(mul(up, cos(t)), mul(side, sin(t))));
+        f_cos[i] = (double)bis_bsdf_f(bsdf, wi).r * fmax(0, bis_bsdf_cos(bsdf, wi));
+        pdf[i] = bis_bsdf_pdf(bsdf, wi);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint8_t *below, uint32_t *count, char *say,
+                        size_t size)
+{
+    bis_diag diag = {0};
+    const bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, wi, below, count);
+
+    if (status) return bis_flat_end(status, &diag, say, size);
+    *count = 0;
+    for (size_t i = 0; i < n; i++) {
+        const bool is_below = !(bis_bsdf_cos(bsdf, (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]}) > 0);
+        below[i] = is_below;
+        *count += is_below;
+    }
     return bis_flat_end(BIS_OK, &diag, say, size);
 }
 

@@ -86,7 +86,7 @@ void bis_cdf_clear(bis_cdf *c)
 size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder)
 {
     assert(c->total > 0 && u >= 0 && u < 1);
-    size_t g = (size_t)(u * (double)c->n_guide); /* exact: n_guide is a power of two */
+    size_t g = bis_cdf_part(c, u);
     size_t i = c->guide[g], last = c->guide[g + 1];
     while (i < last) {
         size_t middle = i + (last - i + 1) / 2;

@@ -13,9 +13,10 @@
  *
  * The estimate is unbiased for every N >= 2 and every split, compensated or not. Cost: N draws with two densities
  * each, and at most N shadow rays. */
+#include "mis.h"
 #include "proposal.h"
 
-static uint32_t samples_em(const bis_settings *s)
+uint32_t bis_mis_samples_em(const bis_settings *s)
 {
     double n = round(s->split * (double)s->samples);
 
@@ -29,7 +30,7 @@ static unsigned light_needs(const bis_settings *s)
 
 static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
-    uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
+    uint32_t n_em = bis_mis_samples_em(s), n_brdf = s->samples - n_em;
 
     need->n_points = n_brdf;
     bis_em_samples_scratch_needs(n_em, s, need);
@@ -97,7 +98,7 @@ static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    const uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
+    const uint32_t n_em = bis_mis_samples_em(s), n_brdf = s->samples - n_em;
     rgbd sum = {0, 0, 0};
 
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* flat_taught: the thesis's steps on arrays. Expected values are the thesis's own tables, sums by hand, and closed forms. What a browser
  * makes of the same calls is in tests/web. */
+#include "bis/base/clock.h"
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
 #include "program.h"
@@ -80,13 +81,17 @@ static void the_cdf_is_the_running_sum(void **state)
     (void)state;
     const double w[4] = {1, 0, 2, 1}, right[5] = {0, 0.25, 0.25, 0.75, 1};
     double c[5];
-    uint32_t guide[10], n_guide, item[3];
+    uint32_t guide[10], n_guide, item[3], part[3], first[3];
 
     assert_int_equal(bis_flat_cdf_build(4, w, c, guide, &n_guide, SAY), 0);
     for (int i = 0; i < 5; i++) assert_true(c[i] == right[i]);
-    assert_int_equal(bis_flat_cdf_sample(4, w, 3, (double[]){0.2, 0.25, 0.8}, item, SAY), 0);
+    assert_int_equal(bis_flat_cdf_sample(4, w, 3, (double[]){0.2, 0.25, 0.8}, item, part, first, SAY), 0);
     assert_memory_equal(item, ((uint32_t[]){0, 2, 3}), sizeof item);
-    refuses(bis_flat_cdf_sample(4, w, 1, (double[]){1}, item, SAY), "numbers in [0, 1)");
+    /* the guide's two halves begin at what u = 0 and u = 0.5 give */
+    assert_int_equal(n_guide, 2);
+    assert_memory_equal(part, ((uint32_t[]){0, 0, 1}), sizeof part);
+    assert_memory_equal(first, ((uint32_t[]){0, 0, 2}), sizeof first);
+    refuses(bis_flat_cdf_sample(4, w, 1, (double[]){1}, item, part, first, SAY), "numbers in [0, 1)");
 }
 
 /* 10 and 30 of 40, where 20 each are due: (100 + 100)/20 = 10, and the twin of 20 and 20: 0. */
@@ -105,23 +110,88 @@ static void the_fit_is_pearsons(void **state)
     refuses(bis_flat_fit(1, (double[]){1}, 40, item, observed, fit, SAY), "not below 1");
 }
 
+/* 8 items, the even ones of weight 0, and u of 3 + k bits: the fraction of a black bin has 2^k values, of which the 0 alone
+ * returns the item as printed. Right: never. With as many bits as bins need there is one draw a bin, so all black ones. */
+static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
+{
+    (void)state;
+    const double w[8] = {0, 1, 0, 1, 0, 1, 0, 1};
+    double printed[8], right[8], impossible[2];
+
+    for (int k = 0; k <= 10; k++) {
+        double black[2] = {0, 0}, all[2] = {0, 0};
+        assert_int_equal(bis_flat_alias_few_bits(8, w, 3 + k, printed, right, impossible, SAY), 0);
+        for (int i = 0; i < 8; i++) {
+            all[0] += printed[i], all[1] += right[i];
+            if (i % 2 == 0) black[0] += printed[i], black[1] += right[i];
+        }
+        assert_true(all[0] == 1 && all[1] == 1 && black[0] == ldexp(0.5, -k) && black[1] == 0);
+        assert_true(impossible[0] == ldexp(1, -k) && impossible[1] == 0);
+    }
+    refuses(bis_flat_alias_few_bits(8, w, 25, printed, right, impossible, SAY), "0 to 24");
+}
+
+static void a_histogram_counts_each_value_once(void **state)
+{
+    (void)state;
+    const double v[8] = {-1, 0, 0.49, 0.5, 0.99, 1, 7, (double)INFINITY};
+    uint32_t count[2];
+
+    const double half = 0.5, none = 0, below = -1, largest = nextafter(3, 0);
+    assert_int_equal(bis_flat_histogram(8, v, &half, 2, 2, count, SAY), 0);
+    assert_true(count[0] == 3 && count[1] == 5);
+    assert_int_equal(bis_flat_histogram(8, v, &none, 2, 2, count, SAY), 0);
+    assert_true(count[0] == 1 && count[1] == 7);
+    assert_int_equal(bis_flat_histogram(1, &largest, &half, 6, 2, count, SAY), 0);
+    assert_true(count[0] == 0 && count[1] == 1);
+    refuses(bis_flat_histogram(1, (double[]){(double)NAN}, &half, 2, 2, count, SAY), "no number");
+    refuses(bis_flat_histogram(8, v, &below, 1, 2, count, SAY), "numbers >= 0");
+}
+
 /* A white map is one component of 4 pi, drawn with 1/(4 pi) everywhere. */
 static void a_white_map_is_one_light(void **state)
 {
     (void)state;
     bis_light *light;
-    double pdf[128], share[8], area[128], factor[128], sum = 0;
-    uint32_t label[128], level[128], n;
+    double pdf[128], peak, share[8], area[128], factor[128], polar[2], sum = 0;
+    uint32_t label[128], level[128], count[8], n;
 
     assert_int_equal(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=cdf", "levels=4", NULL}, SAY), 0);
-    assert_int_equal(bis_flat_light_density(light, pdf, share, SAY), 0);
+    assert_int_equal(bis_flat_light_density(light, pdf, &peak, share, SAY), 0);
     assert_int_equal(bis_flat_light_regions(light, 4, 0.5, label, level, area, factor, &n, SAY), 0);
     assert_int_equal(n, 1);
     for (int i = 0; i < 128; i++) assert_true(fabs(pdf[i] - 1 / (4 * PI)) < 1e-12 && fabs(area[i] - 4 * PI) < 1e-12 && factor[i] == 1);
     for (int y = 0; y < 8; y++) sum += 16 * share[y] / 16;
-    assert_true(fabs(sum - 1) < 1e-12);
+    assert_true(fabs(sum - 1) < 1e-12 && fabs(peak - 1 / (4 * PI)) < 1e-12);
+    /* two of the eight rows are within 30 degrees of a pole by their middles: caps of 22.5 degrees */
+    assert_int_equal(bis_flat_light_rows(light, 4, (uint32_t[]){0, 15, 16, 127}, 30, count, polar, SAY), 0);
+    assert_memory_equal(count, ((uint32_t[8]){2, 1, 0, 0, 0, 0, 0, 1}), sizeof count);
+    assert_true(polar[0] == 3 && fabs(polar[1] - 4 * (1 - cos(PI / 8))) < 1e-12);
+    refuses(bis_flat_light_rows(light, 1, (uint32_t[]){128}, 30, count, polar, SAY), "not below 128");
     bis_flat_light_close(light);
     refuses(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=list", NULL}, SAY), "no setting of a map");
+}
+
+/* The mean over four white pixels is white; a map is not made larger. */
+static void a_shrunk_map_keeps_its_light(void **state)
+{
+    (void)state;
+    bis_light *light, *small, *same;
+    int shape[2];
+
+    assert_int_equal(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){NULL}, SAY), 0);
+    assert_int_equal(bis_flat_light_shrink(&small, light, 8, SAY), 0);
+    assert_int_equal(bis_flat_light_shrink(&same, light, 99, SAY), 0);
+    bis_flat_light_shape(small, shape);
+    assert_true(shape[0] == 8 && shape[1] == 4);
+    bis_flat_light_shape(same, shape);
+    assert_true(shape[0] == 16 && shape[1] == 8);
+    assert_true(fabs(bis_flat_light_power(small) - 12 * PI) < 1e-5 && fabs(bis_flat_light_power(same) - 12 * PI) < 1e-5);
+    bis_light *none;
+    refuses(bis_flat_light_shrink(&none, light, 0, SAY), "give 1 or more");
+    bis_flat_light_close(light);
+    bis_flat_light_close(small);
+    bis_flat_light_close(same);
 }
 
 /* A diffuse floor under radiance 1 in R, G and B reflects 3 Kd = 1.5 everywhere, and nothing hides the light. */
@@ -129,9 +199,9 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
 {
     (void)state;
     bis_flat_stage *stage;
-    double found[8], value[4], sum[6], L[64], w[64], bound[2];
+    double found[8], value[4], sum[6], L[64], w[64], u[64], bound[2], height[64];
     float wi[192];
-    uint32_t chosen[64], kind[64], n = 0;
+    uint32_t chosen[64], kind[64], taken[64], accepted, n = 0;
     const char *const sir[] = {"integrator=sir", "candidates=64", "shadowrays=8", "proposal=mix", "learn=false", NULL};
 
     assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
@@ -147,6 +217,16 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     assert_int_equal(n, 8);
     assert_int_equal(bis_flat_stage_bounds(stage, bound, SAY), 0);
     for (int i = 0; i < 64; i++) assert_true(w[i] <= fmax(bound[0], bound[1]) * (1 + 1e-5));
+    /* u times the bound of 1 over w itself: every other candidate lies just below its weight, the others just above */
+    for (int i = 0; i < 64; i++) u[i] = w[i] / bound[0] * (i % 2 ? 1.001 : 0.999);
+    assert_int_equal(bis_flat_stage_accept(stage, "em", 64, w, u, height, taken, &accepted, SAY), 0);
+    n = 0;
+    for (int i = 0; i < 64; i++) {
+        assert_true(taken[i] == (w[i] > 0 && i % 2 == 0) && fabs(height[i] - u[i] * bound[0]) <= 1e-12 * bound[0]);
+        n += taken[i];
+    }
+    assert_true(accepted == n && n > 0);
+    refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY), "give em or brdf");
     refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY), "do not fit");
     refuses(bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY), "give sir");
     refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "outside 8 x 8");
@@ -176,6 +256,91 @@ static void the_two_noises_add_up_E31(void **state)
     }
 }
 
+/* A white sky with a lamp: 4 in two pixels of row 2. */
+static void write_lamp(void)
+{
+    FILE *out = fopen(DIR "/lamp.pfm", "wb");
+    if (!out) fail_msg("cannot write the map");
+    fprintf(out, "PF\n16 8\n-1.0\n");
+    for (int i = 0; i < 128; i++) /* from the bottom row */
+        for (int k = 0; k < 3; k++) fwrite(&(float){i / 16 == 5 && i % 16 / 2 == 1 ? 4 : 1}, sizeof(float), 1, out);
+    if (fclose(out) != 0) fail_msg("cannot write the map");
+}
+#define LAMP                                                                                                         \
+    "text=Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nSampler \"random\"\n"                   \
+    "LookAt 0 -4 2  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"                             \
+    "LightSource \"infinite\" \"string filename\" \"" DIR "/lamp.pfm\"\n"                                           \
+    "Material \"phong\" \"float Kd\" 0.3 \"float Ks\" 0.4 \"float exponent\" 20\nShape \"disk\" \"float radius\" 5\n"
+
+/* The formulas of docs/theory.md, by midpoints of 1024 x 512 cells, 64 x 64 in each pixel, and nothing hidden: mean,
+ * standard deviations by balance and best weights, beta, overlap. */
+static void best_weights_by_quadrature(double out[5], bis_flat_stage *stage, double n1, double n2)
+{
+    enum { W = 1024, H = 512 };
+    float *f = test_calloc(4 * W * H, sizeof *f), peak[4];
+    double a = 0, b1 = 0, b2 = 0, square = 0;
+    float most[4] = {0, 0, 0, 0};
+
+    assert_int_equal(bis_flat_stage_densities(stage, W, H, f, f + W * H, f + 2 * W * H, f + 3 * W * H, peak, SAY), 0);
+    for (int i = 0; i < W * H; i++) {
+        const double q1 = (double)f[i], q2 = (double)f[W * H + i], F = (double)f[2 * W * H + i];
+        for (int k = 0; k < 4; k++) most[k] = fmaxf(most[k], f[k * W * H + i]);
+        const double area = 2 * PI / W * PI / H * sin(PI * (i / W + 0.5) / H), c = n1 * q1 + n2 * q2;
+        a += area * q1 * q2 / c;
+        b1 += area * q1 * F / c;
+        b2 += area * q2 * F / c;
+        square += area * F * F / c;
+    }
+    assert_memory_equal(peak, most, sizeof peak);
+    const double balance = square - n1 * b1 * b1 - n2 * b2 * b2, rest = 1 - (n1 + n2) * a;
+    out[0] = n1 * b1 + n2 * b2;
+    out[1] = sqrt(balance);
+    out[2] = sqrt(balance - a * n1 * n2 * (b1 - b2) * (b1 - b2) / rest);
+    out[3] = n1 * n2 / (n1 + n2) * (b1 - b2) / rest; /* alpha_1 = n_1 (b_1 - a I)/(1 - N a), less its part along c */
+    out[4] = (n1 + n2) * a;
+    test_free(f);
+}
+
+/* Three roads: the page's formulas by quadrature, runs of `mis` itself, and a white map over a diffuse floor: there F is in
+ * proportion to q_f, so the best weights leave no noise. RUNS estimates of 8 samples: a variance has a relative standard
+ * error of 1/sqrt(RUNS) times the root of the kurtosis less 1, below 3 here, so half of that for a standard deviation; 6 of
+ * these are allowed, and 6 of the mean's. beta and the overlap are means of numbers below 1, too. The twin: the balance
+ * heuristic lies farther from the best weights than is allowed. */
+static void the_best_weights_are_what_they_say(void **state)
+{
+    (void)state;
+    const char *const mis[] = {"integrator=mis", "samples=8", "heuristic=balance", NULL};
+    const char *const uneven[] = {"integrator=mis", "samples=8", "split=0.25", NULL};
+    enum { RUNS = 40000 };
+    const double allowed = 6 * sqrt(3.0) / 2 / sqrt(RUNS);
+    bis_flat_stage *stage;
+    double found[8], sum[5], right[5], runs[3], *L = test_calloc(RUNS, sizeof *L);
+
+    write_lamp();
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){LAMP, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    for (int k = 0; k < 2; k++) {
+        const char *const *settings = k ? uneven : mis;
+        best_weights_by_quadrature(right, stage, k ? 2 : 4, k ? 6 : 4);
+        assert_int_equal(bis_flat_stage_mis(stage, settings, 1, RUNS, sum, SAY), 0);
+        assert_int_equal(bis_flat_stage_runs(stage, settings, 3, RUNS, L, runs, SAY), 0);
+        assert_true(fabs(sum[0] - right[0]) <= 6 * right[1] / sqrt(RUNS));
+        assert_true(fabs(sum[1] / right[1] - 1) <= allowed && fabs(runs[1] / right[1] - 1) <= allowed);
+        assert_true(fabs(sum[2] / right[2] - 1) <= allowed && fabs(sum[4] - right[4]) <= allowed);
+        assert_true(fabs(sum[3] / right[3] - 1) <= 3 * allowed);
+        assert_true(right[1] / right[2] - 1 > 1.5 * allowed);
+    }
+    refuses(bis_flat_stage_mis(stage, (const char *[]){"integrator=em", NULL}, 1, 100, sum, SAY), "give mis");
+    refuses(bis_flat_stage_mis(stage, mis, 1, 1, sum, SAY), "give 2 to");
+    bis_flat_stage_close(stage);
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    assert_int_equal(bis_flat_stage_mis(stage, mis, 1, 1000, sum, SAY), 0);
+    assert_true(sum[1] > 0.1 && sum[2] < 1e-6); /* directions are floats */
+    bis_flat_stage_close(stage);
+    test_free(L);
+}
+
 /* Phong with Kd alone reflects Kd, and nothing lies below the horizon; quadrature by 200 x 200 midpoints is exact to 1e-5. */
 static void a_diffuse_material_loses_nothing(void **state)
 {
@@ -191,6 +356,61 @@ static void a_diffuse_material_loses_nothing(void **state)
     bis_flat_bsdf_close(bsdf);
 }
 
+/* The diffuse term is the same on both sides: Kd/pi cos, by a density of cos/pi. A lobe peaks at the mirror's angle, away
+ * from the eye, with (n + 1)/(2 pi); the twin is the eye's own side. Straight down there is a plane, too. */
+static void the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle(void **state)
+{
+    (void)state;
+    const double up[3] = {0, 0, 2}, half[3] = {0.5, 0.5, 0.5}, one[3] = {1, 1, 1}, black[3] = {0, 0, 0};
+    const double eye[2][3] = {{-sqrt(3), 0, 1}, {0, 0, 1}}, at[4] = {-60, 0, 60, 120};
+    double f_cos[4], pdf[4];
+    bis_bsdf *bsdf;
+
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", half, black, 1, up, eye[k], SAY), 0);
+        assert_int_equal(bis_flat_bsdf_plane(bsdf, up, 4, at, f_cos, pdf, SAY), 0);
+        for (int i = 0; i < 4; i++) {
+            const double cosine = fmax(0, cos(at[i] * PI / 180));
+            assert_true(fabs(f_cos[i] - 0.5 * cosine / PI) < 1e-6 && fabs(pdf[i] - cosine / PI) < 1e-6);
+        }
+        bis_flat_bsdf_close(bsdf);
+    }
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", black, one, 100, up, eye[0], SAY), 0);
+    assert_int_equal(bis_flat_bsdf_plane(bsdf, up, 4, at, f_cos, pdf, SAY), 0);
+    assert_true(fabs(pdf[2] / (101 / (2 * PI)) - 1) < 1e-4 && fabs(f_cos[2] / pdf[2] - 0.5) < 1e-4 && pdf[0] < 1e-6);
+    refuses(bis_flat_bsdf_plane(bsdf, up, 1, (double[]){(double)NAN}, f_cos, pdf, SAY), "give a number");
+    bis_flat_bsdf_close(bsdf);
+}
+
+static void what_lies_below_the_horizon_is_counted(void **state)
+{
+    (void)state;
+    const double up[3] = {0, 0, 1}, half[3] = {0.5, 0.5, 0.5};
+    const float wi[12] = {0, 0, 1, 1, 0, 0, 0, 0.6f, -0.8f, 0, 0.6f, 0.8f}; /* above, on it, below, above */
+    uint8_t below[4];
+    uint32_t count;
+    bis_bsdf *bsdf;
+
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", half, half, 1, up, up, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_below(bsdf, 4, wi, below, &count, SAY), 0);
+    assert_memory_equal(below, ((uint8_t[]){0, 1, 1, 0}), sizeof below);
+    assert_int_equal(count, 2);
+    bis_flat_bsdf_close(bsdf);
+}
+
+/* No time is tested, only that there is one: no pass takes longer than all of the call. */
+static void a_pass_takes_a_part_of_the_time(void **state)
+{
+    (void)state;
+    bis_flat_picture *picture;
+    const double before = bis_clock_now();
+
+    assert_int_equal(bis_flat_render(&picture, "scene", (const char *[]){SCENE, "integrator=em", "spp=4", NULL}, NULL, SAY), 0);
+    const double all = bis_clock_now() - before, pass = bis_flat_picture_pass_seconds(picture);
+    assert_true(pass > 0 && pass <= all / 4 && isnan(bis_flat_picture_pass_seconds(NULL)));
+    bis_flat_picture_close(picture);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -202,6 +422,13 @@ int main(void)
         cmocka_unit_test(a_point_of_a_diffuse_floor_is_known),
         cmocka_unit_test(the_two_noises_add_up_E31),
         cmocka_unit_test(a_diffuse_material_loses_nothing),
+        cmocka_unit_test(the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle),
+        cmocka_unit_test(what_lies_below_the_horizon_is_counted),
+        cmocka_unit_test(a_pass_takes_a_part_of_the_time),
+        cmocka_unit_test(few_bits_draw_what_is_impossible_as_printed_E14),
+        cmocka_unit_test(a_histogram_counts_each_value_once),
+        cmocka_unit_test(a_shrunk_map_keeps_its_light),
+        cmocka_unit_test(the_best_weights_are_what_they_say),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

@@ -4,9 +4,8 @@
 (function () {
 const settings = (s) => ['kind=' + s.kind, 'area_exponent=0'].concat(s.sin === 'printed' ? ['as_printed=E3'] : []);
 const size = () => bisFigure.shape[0] * bisFigure.shape[1];
-/* How many of the directions lie within 30 degrees of a pole, and what share should. */
-const polar = (out) => { const [W, H] = bisFigure.shape; return [...out[5][0]].filter((p) => p < W * H / 6 || p >= 5 * W * H / 6).length; };
-const due = (out) => { const H = bisFigure.shape[1]; return [...out[2][1]].reduce((sum, v, y) => y < H / 6 || y >= 5 * H / 6 ? sum + v : sum, 0); };
+/* How many of the directions lie within 30 degrees of a pole, and how many should. */
+const polar = (out) => out[6][1][0], due = (out) => out[6][1][1];
 bisFigure.define({
   name: 'map',
   title: 'A map’s importance: where directions are drawn',
@@ -22,27 +21,26 @@ bisFigure.define({
   calls: (s) => [
     ['bis_flat_light_open_as', 'light', bisFigure.map, settings(s)],
     ['bis_flat_light_pixels', 'light', 3 * size()],
-    ['bis_flat_light_density', 'light', size(), bisFigure.shape[1]],
+    ['bis_flat_light_density', 'light', size(), 1, bisFigure.shape[1]],
     ['bis_flat_uniform', s.seed, 0, 4 * s.m, 4 * s.m],
     ['bis_flat_light_sample', 'light', s.m, '#3.0', 3 * s.m, 3 * s.m, s.m],
-    ['bis_flat_light_find', 'light', s.m, '#4.0', s.m]
+    ['bis_flat_light_find', 'light', s.m, '#4.0', s.m],
+    ['bis_flat_light_rows', 'light', s.m, '#5.0', 30, bisFigure.shape[1], 2]
   ],
   draw(s, out) {
-    const [W, H] = bisFigure.shape, rows = out[2][1], pixel = out[5][0], counts = new Array(H).fill(0), dots = [];
-    for (const p of pixel) {
-      counts[Math.floor(p / W)]++;
+    const [W, H] = bisFigure.shape, rows = out[2][2], dots = [];
+    for (const p of out[5][0])
       dots.push({x: (p % W + 0.5) * 360 / W, y: (Math.floor(p / W) + 0.5) * 180 / H, radius: 2.2, colour: '#7fe0ff', ring: '#05050d'});
-    }
     const field = bisPlot.heat({title: 'The map and ' + s.m + ' directions', width: 480, height: 240, columns: W, rows: H, image: bisPlot.png(W, H, bisFigure.screen(out[1][0], W * H, 3, 1)),
       text: 'points stand where directions were drawn', dots, x: {label: 'phi', min: 0, max: 360, ticks: [0, 90, 180, 270, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}, scale: false});
     const edges = [...Array(H + 1).keys()].map((y) => y * 180 / H);
     const chart = bisPlot.chart({title: 'Share of each row', width: 360, height: 280, legend: 'top', text: 'drawn against probability, by theta', x: {label: 'theta', min: 0, max: 180, ticks: [0, 45, 90, 135, 180]}, y: {label: 'share of the directions', min: 0},
-      series: [{kind: 'steps', x: edges, y: counts.map((c) => c / s.m), label: 'drawn', colour: 0}, {kind: 'line', x: [...rows].map((v, y) => (y + 0.5) * 180 / H), y: [...rows], label: 'probability', colour: 1}]});
-    return {html: field + chart, words: 'Of ' + s.m + ' directions ' + polar(out) + ' (' + bisPlot.percent(polar(out) / s.m) + ') lie within 30 degrees of a pole; by the density that estimators divide by, it should be ' + bisPlot.percent(due(out)) + '.'};
+      series: [{kind: 'steps', x: edges, y: [...out[6][0]].map((c) => c / s.m), label: 'drawn', colour: 0}, {kind: 'line', x: [...rows].map((v, y) => (y + 0.5) * 180 / H), y: [...rows], label: 'probability', colour: 1}]});
+    return {html: field + chart, words: 'Of ' + s.m + ' directions ' + polar(out) + ' (' + bisPlot.percent(polar(out) / s.m) + ') lie within 30 degrees of a pole; by the density that estimators divide by, it should be ' + bisPlot.percent(due(out) / s.m) + '.'};
   },
   tasks: [
     {ask: 'Find the switch that draws at least twice as many directions near the poles as there should be.', answer: 'sin=printed;m=8192',
-      check: (s, out) => polar(out) >= 2 * due(out) * s.m ? '' : 'There are ' + polar(out) + ', and should be ' + bisPlot.number(due(out) * s.m, 3) + '.'},
+      check: (s, out) => polar(out) >= 2 * due(out) ? '' : 'There are ' + polar(out) + ', and should be ' + bisPlot.number(due(out), 3) + '.'},
     {ask: 'With the right weights, draw so few directions that less than 5 of them lie near a pole.', answer: 'm=16',
       check: (s, out) => s.sin !== 'right' ? 'Take the right weights.' : polar(out) < 5 ? '' : 'There are ' + polar(out) + '.'}
   ]

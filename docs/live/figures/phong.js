@@ -2,8 +2,9 @@
 /* phong: the energy-preserving Phong lobe, and what of it lies below the horizon (thesis 3.5, figures 3.8 and 3.9; E33). */
 'use strict';
 (function () {
-const degrees = [...Array(181).keys()].map((i) => i - 90), round = (v) => Math.round(v * 1e9) / 1e9;
-const direction = (d) => [round(Math.sin(d * Math.PI / 180)), 0, Math.max(round(Math.cos(d * Math.PI / 180)), 1e-6)];
+const degrees = [...Array(181).keys()].map((i) => i - 90), UP = [0, 0, 1];
+/* Where the eye is: rounded, because browsers may differ in the last bits of a sine. */
+const eye = (a) => [Math.sin(-a * Math.PI / 180), 0, Math.cos(a * Math.PI / 180)].map((v) => Math.round(v * 1e9) / 1e9);
 const lost = (out) => out[4][0][2];
 bisFigure.define({
   name: 'phong',
@@ -18,19 +19,20 @@ bisFigure.define({
     {name: 'seed', label: 'seed', min: 1, max: 99, value: 1}
   ],
   calls: (s) => [
-    ['bis_flat_bsdf_open', 'bsdf', 'phong', [s.kd, s.kd, s.kd], [1 - s.kd, 1 - s.kd, 1 - s.kd], s.n, [0, 0, 1], direction(-s.a)],
-    ['bis_flat_bsdf_look', 'bsdf', 181, degrees.flatMap(direction), 3 * 181, 181],
+    ['bis_flat_bsdf_open', 'bsdf', 'phong', [s.kd, s.kd, s.kd], [1 - s.kd, 1 - s.kd, 1 - s.kd], s.n, UP, eye(s.a)],
+    ['bis_flat_bsdf_plane', 'bsdf', UP, 181, degrees, 181, 181],
     ['bis_flat_uniform', s.seed, 0, 3 * s.m, 3 * s.m],
     ['bis_flat_bsdf_sample', 'bsdf', s.m, '#2.0', 3 * s.m, s.m],
-    ['bis_flat_bsdf_albedo', 'bsdf', [0, 0, 1], 400, 3]
+    ['bis_flat_bsdf_albedo', 'bsdf', UP, 400, 3],
+    ['bis_flat_bsdf_below', 'bsdf', s.m, '#3.0', s.m, 1]
   ],
   draw(s, out) {
-    const pdf = [...out[1][1]], f = degrees.map((d, i) => out[1][0][3 * i] * Math.cos(d * Math.PI / 180)), wi = out[3][0], above = [[], []], below = [[], []];
-    for (let i = 0; i < s.m; i++) { const to = wi[3 * i + 2] > 0 ? above : below; to[0].push(wi[3 * i]); to[1].push(wi[3 * i + 1]); }
+    const [f, pdf] = out[1].map((v) => [...v]), wi = out[3][0], [isBelow, [lower]] = out[5], above = [[], []], below = [[], []];
+    for (let i = 0; i < s.m; i++) { const to = isBelow[i] ? below : above; to[0].push(wi[3 * i]); to[1].push(wi[3 * i + 1]); }
     const lobe = bisPlot.chart({title: 'Density and f cos in the plane of the eye', width: 430, height: 300, legend: 'top', text: 'exponent ' + s.n + ', eye at ' + s.a + ' degrees',
       x: {label: 'angle to the normal', min: -90, max: 90, ticks: [-90, -45, 0, 45, 90]}, y: {label: 'per steradian', min: 0},
       series: [{kind: 'line', x: degrees, y: pdf, label: 'density', colour: 'brdf'}, {kind: 'line', x: degrees, y: f, label: 'f cos', colour: 'sir', dash: true}], marks: [{x: s.a, label: 'mirror'}]});
-    const top = bisPlot.chart({title: 'Directions from above', width: 320, height: 300, legend: 'top', text: below[0].length + ' of ' + s.m + ' lie below the horizon', x: {label: 'x', min: -1, max: 1}, y: {label: 'y', min: -1, max: 1},
+    const top = bisPlot.chart({title: 'Directions from above', width: 320, height: 300, legend: 'top', text: lower + ' of ' + s.m + ' lie below the horizon', x: {label: 'x', min: -1, max: 1}, y: {label: 'y', min: -1, max: 1},
       series: [{kind: 'points', x: above[0], y: above[1], label: 'above', colour: 'brdf', radius: 1.6, shape: 'disc'}, {kind: 'points', x: below[0], y: below[1], label: 'below', colour: 3, radius: 1.8, shape: 'square'}]});
     return {html: lobe + top, words: 'The material reflects ' + bisPlot.percent(out[4][0][0]) + ' of the light that comes from the eye’s side; ' + bisPlot.percent(Math.max(0, lost(out))) + ' of the directions are drawn below the horizon and lost.'};
   },

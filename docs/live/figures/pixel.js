@@ -3,7 +3,7 @@
 'use strict';
 (function () {
 const W = 72, H = 36, WIDE = 120, HIGH = 80;
-const peak = (v) => v.reduce((a, b) => Math.max(a, b), 0);
+const peak = (out) => out[4][4][1];
 const share = (out) => out[5][0][0] / out[5][0][2];
 bisFigure.define({
   name: 'pixel',
@@ -21,21 +21,21 @@ bisFigure.define({
     ['bis_flat_render', 'picture', 'scene', ['text=' + bisScene({n: s.n, width: WIDE, height: HIGH}), 'integrator=sir', 'candidates=64', 'shadowrays=4']],
     ['bis_flat_picture_pixels', 'picture', 4 * WIDE * HIGH],
     ...bisStage({n: s.n, width: WIDE, height: HIGH}, s.x, s.y),
-    ['bis_flat_stage_densities', 'stage', W, H, W * H, W * H, W * H, W * H],
+    ['bis_flat_stage_densities', 'stage', W, H, W * H, W * H, W * H, W * H, 4],
     ['bis_flat_stage_exact', 'stage', 1, 4]
   ],
   draw(s, out) {
-    const [q_L, q_f, product, seen] = out[4];
+    const [q_L, q_f, product, seen, peaks] = out[4];
     const picture = bisPlot.heat({title: 'The picture: click a pixel', width: 360, height: 240, columns: WIDE, rows: HIGH, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(out[1][0], WIDE * HIGH, 4, 1.5)),
       text: 'three balls, a wall and a floor', x: {label: 'x', min: 0, max: WIDE, ticks: [0, 40, 80, 120]}, y: {label: 'y', min: 0, max: HIGH, ticks: [0, 40, 80]}, scale: false, marks: [{x: s.x + 0.5, y: s.y + 0.5, label: ''}]});
-    const field = (title, values, label) => bisPlot.heat({title, text: title, width: 300, height: 150, columns: W, rows: H, values, log: true, lo: peak(values) / 1e4 || 1e-9, hi: peak(values) || 1, label,
+    const field = (title, values, peak, label) => bisPlot.heat({title, text: title, width: 300, height: 150, columns: W, rows: H, values, log: true, lo: peak / 1e4 || 1e-9, hi: peak || 1, label,
       x: {label: title, min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}});
-    return {html: picture + '<div>' + field('q_L, the map', q_L, '1/sr') + field('q_f, the BRDF', q_f, '1/sr') + field('f cos L, the product', product, '') + field('f cos L V, what is seen', seen, '') + '</div>',
+    return {html: picture + '<div>' + field('q_L, the map', q_L, peaks[0], '1/sr') + field('q_f, the BRDF', q_f, peaks[1], '1/sr') + field('f cos L, the product', product, peaks[2], '') + field('f cos L V, what is seen', seen, peaks[3], '') + '</div>',
       words: 'At pixel (' + s.x + ', ' + s.y + ') the exact value of r + g + b is ' + bisPlot.number(out[5][0][0]) + '; without shadows it would be ' + bisPlot.number(out[5][0][2]) + ': ' + bisPlot.percent(share(out)) + ' is seen.'};
   },
   tasks: [
     {ask: 'Find a pixel that sees more than 90 % of its light.', answer: 'x=28;y=30', check: (s, out) => share(out) > 0.9 ? '' : 'This one sees ' + bisPlot.percent(share(out)) + '.'},
-    {ask: 'Find a pixel and an exponent at which q_f has a peak above 20 per steradian.', answer: 'n=1024', check: (s, out) => peak(out[4][1]) > 20 ? '' : 'Its peak is ' + bisPlot.number(peak(out[4][1]), 3) + '.'}
+    {ask: 'Find a pixel and an exponent at which q_f has a peak above 20 per steradian.', answer: 'n=1024', check: (s, out) => peak(out) > 20 ? '' : 'Its peak is ' + bisPlot.number(peak(out), 3) + '.'}
   ]
 });
 })();

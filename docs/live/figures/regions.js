@@ -3,8 +3,7 @@
 'use strict';
 (function () {
 const size = () => bisFigure.shape[0] * bisFigure.shape[1];
-const peak = (v) => v.reduce((a, b) => Math.max(a, b), 0);
-const gain = (out) => peak(out[5][0]) / peak(out[3][0]);
+const peak = (out, call) => out[call][1][0], gain = (out) => peak(out, 5) / peak(out, 3);
 bisFigure.define({
   name: 'regions',
   title: 'Levels, components, and the area weighting b',
@@ -19,17 +18,17 @@ bisFigure.define({
     ['bis_flat_light_open_as', 'light', bisFigure.map, ['area_exponent=' + s.b, 'levels=' + s.levels]],
     ['bis_flat_light_regions', 'light', s.levels, s.b, size(), size(), size(), size(), 1],
     ['bis_flat_light_power', 'light'],
-    ['bis_flat_light_density', 'light', size(), bisFigure.shape[1]],
+    ['bis_flat_light_density', 'light', size(), 1, bisFigure.shape[1]],
     ['bis_flat_light_open_as', 'light without', bisFigure.map, ['area_exponent=0']],
-    ['bis_flat_light_density', 'light without', size(), bisFigure.shape[1]]
+    ['bis_flat_light_density', 'light without', size(), 1, bisFigure.shape[1]]
   ],
   draw(s, out) {
-    const [W, H] = bisFigure.shape, level = out[1][1], pdf = out[3][0], hi = peak(pdf);
+    const [W, H] = bisFigure.shape, level = out[1][1], pdf = out[3][0], hi = peak(out, 3);
     const common = {width: 380, height: 190, columns: W, rows: H, x: {label: 'phi', min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}};
     const levels = bisPlot.heat(Object.assign({title: 'The level of each pixel', text: s.levels + ' levels', values: [...level].map((v) => v > 254 ? -1 : v), lo: 0, hi: Math.max(1, s.levels - 1), colours: 'heat', label: 'level'}, common));
     const density = bisPlot.heat(Object.assign({title: 'The density of drawing', text: 'with b = ' + s.b, values: pdf, log: true, lo: hi / 1e5, hi, label: '1/sr'}, common));
     return {html: levels + density, words: s.levels + ' levels make ' + out[1][4][0] + ' components. The largest density is ' + bisPlot.number(hi, 3) + ' per steradian; without area weighting it is ' +
-      bisPlot.number(peak(out[5][0]), 3) + ', ' + bisPlot.number(gain(out), 3) + ' times as much.'};
+      bisPlot.number(peak(out, 5), 3) + ', ' + bisPlot.number(gain(out), 3) + ' times as much.'};
   },
   tasks: [
     {ask: 'Find the smallest number of levels that makes more than 1000 components.', answer: 'levels=12', check: (s, out) => out[1][4][0] <= 1000 ? 'There are ' + out[1][4][0] + '.' : s.levels <= 12 ? '' : 'Fewer levels do, too.'},

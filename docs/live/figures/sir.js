@@ -2,11 +2,10 @@
 /* sir: sampling-importance resampling at one point (thesis 4.4, eq. 4.8 and 4.9, figure 4.5). */
 'use strict';
 (function () {
-const W = 72, H = 36, MOST = 4096, REPEATS = 400;
+const W = 72, H = 36, MOST = 4096, REPEATS = 400, CELLS = 40, TOP = 2.5;
 const settings = (s) => ['integrator=sir', 'candidates=' + s.M, 'shadowrays=' + s.N, 'proposal=' + s.q, 'learn=false'];
 const error = (out) => out[6][1][1] / out[2][0][0];
 const apart = (s) => s.n !== 32 || s.seed !== 1 || s.q !== 'mix' ? 'Press "Start again" first: the task is for exponent 32, seed 1, mix.' : '';
-const logarithms = (values) => { let most = 0; for (const v of values) most = Math.max(most, v); return {lo: most / 1e4, hi: most || 1}; };
 
 bisFigure.define({
   name: 'sir',
@@ -24,28 +23,28 @@ bisFigure.define({
   calls: (s) => [
     ...bisStage({n: s.n}, 22, 44),
     ['bis_flat_stage_exact', 'stage', 1, 4],
-    ['bis_flat_stage_densities', 'stage', W, H, W * H, W * H, W * H, W * H],
+    ['bis_flat_stage_densities', 'stage', W, H, W * H, W * H, W * H, W * H, 4],
     ['bis_flat_stage_candidates', 'stage', settings(s), s.seed, MOST, 3 * MOST, MOST, MOST, MOST, 6],
     ['bis_flat_stage_find', 'stage', 720, 360, MOST, '#4.0', MOST],
-    ['bis_flat_stage_runs', 'stage', settings(s), s.seed, REPEATS, REPEATS, 3]
+    ['bis_flat_stage_runs', 'stage', settings(s), s.seed, REPEATS, REPEATS, 3],
+    ['bis_flat_histogram', REPEATS, '#6.0', '#2.0', TOP, CELLS, CELLS]
   ],
   draw(s, out) {
-    const exact = out[2][0], product = out[3][2], [, w, chosen, kind, sum] = out[4], cell = out[5][0], [L, stats] = out[6];
-    const range = logarithms(product), dots = [], largest = Math.max(...w);
+    const exact = out[2][0], product = out[3][2], most = out[3][4][2], [, w, chosen, kind, sum] = out[4], cell = out[5][0], stats = out[6][1];
+    const dots = [], largest = Math.max(...w);
     for (let i = 0; i < s.M; i++) {
       if (!(w[i] > 0)) continue;
       const at = {x: (cell[i] % 720 + 0.5) / 2, y: (Math.floor(cell[i] / 720) + 0.5) / 2};
       dots.push(Object.assign(at, {radius: chosen[i] ? 3 + Math.min(chosen[i], 6) / 2 : 0.8 + 2.2 * Math.sqrt(w[i] / largest),
         colour: chosen[i] ? (kind[i] & 2 ? '#7fe0ff' : '#05050d') : kind[i] & 1 ? '#e5a93c' : '#3cc4b6', ring: chosen[i] ? '#fff' : undefined}));
     }
-    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, columns: W, rows: H, values: product, log: true, lo: range.lo, hi: range.hi,
+    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, columns: W, rows: H, values: product, log: true, lo: most / 1e4, hi: most || 1,
       text: s.M + ' candidates, ' + s.N + ' rays; ' + bisPlot.number(sum[2], 3) + ' effective candidates', dots: dots.sort((a, b) => a.radius - b.radius),
       x: {label: 'phi', min: 0, max: 360, ticks: [0, 90, 180, 270, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}, label: 'f cos L'});
-    const cells = 40, hi = Math.max(2.5 * exact[0], 1e-9), counts = new Array(cells).fill(0), edges = [...Array(cells + 1).keys()].map((i) => i * hi / cells);
-    for (const v of L) counts[Math.min(cells - 1, Math.floor(v / hi * cells))]++;
+    const hi = Math.max(TOP * exact[0], 1e-9), edges = [...Array(CELLS + 1).keys()].map((i) => i * hi / CELLS);
     const histogram = bisPlot.chart({title: REPEATS + ' estimates', width: 400, height: 260, text: 'mean ' + bisPlot.number(stats[0]) + ', exact ' + bisPlot.number(exact[0]),
       x: {label: 'estimate of r + g + b (the last cell: all above)', min: 0, max: hi}, y: {label: 'how many', min: 0},
-      series: [{kind: 'steps', x: edges, y: counts, colour: 'sir'}],
+      series: [{kind: 'steps', x: edges, y: [...out[7][0]], colour: 'sir'}],
       marks: [{x: exact[0], label: 'exact', colour: 'exact'}]});
     return {html: field + histogram, words: 'Of M = ' + sum[0] + ' candidates as many count as ' + bisPlot.number(sum[2], 3) + ' equal ones (the effective sample size). ' + REPEATS + ' estimates have the mean ' +
       bisPlot.number(stats[0]) + ' and the error ' + bisPlot.percent(stats[1] / exact[0]) + ' each; the exact value is ' + bisPlot.number(exact[0]) + '. One estimate casts ' + bisPlot.number(stats[2], 3) +

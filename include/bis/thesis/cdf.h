@@ -39,6 +39,13 @@ void bis_cdf_clear(bis_cdf *c);
  * bits. c->total must be > 0. */
 size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder);
 
+/* bis_cdf_part returns the part of the guide that u, in [0,1), lies in: the search begins at guide[it] and ends at or
+ * before guide[it + 1]. */
+static inline size_t bis_cdf_part(const bis_cdf *c, double u)
+{
+    return (size_t)(u * (double)c->n_guide); /* exact: n_guide is a power of two */
+}
+
 /* bis_cdf_pmf returns the probability of item i, which is < n. */
 double bis_cdf_pmf(const bis_cdf *c, size_t i);
 

@@ -58,6 +58,18 @@ typedef struct bis_pixel_exact {
 bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed,
                               bis_diag *diag);
 
+/* What multiple importance sampling reaches with independent samples, of r+g+b (docs/theory.md, "The best weights"):
+ * variance of one estimate by the balance heuristic and by the best weights, its mean, beta, and the overlap of the two
+ * densities, N int q1 q2/c, in [0,1]: 0 where they are apart, 1 where they are the same. */
+typedef struct bis_pixel_mis {
+    double variance[2], mean, beta, overlap;
+} bis_pixel_mis;
+
+/* bis_pixel_mis_of computes it from n >= 2 times the samples of these settings, which are those of mis, with the table
+ * of the light. Cost: a ray for each sample. Errors: BIS_NOMEM. */
+bis_status bis_pixel_mis_of(bis_pixel_mis *mis, const bis_point *pt, const bis_settings *settings, size_t n,
+                            uint64_t seed, bis_diag *diag);
+
 /* One method, run many times. */
 typedef struct bis_pixel_method {
     char name[24]; /* the integrator's, "rejection plain" where it has two estimators */
