@@ -107,6 +107,7 @@ static const struct effect_row *find_effect(const char *directive)
 
 const char *bis_approximate_begin(bis_parser *p, const char *directive)
 {
+    if (!p->approximate) return ""; /* nobody asks */
     const struct effect_row *row = find_effect(directive);
     if (row->among) p->n_of[row->effect]++;
     return row->directive;

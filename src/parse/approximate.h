@@ -17,7 +17,7 @@ bool bis_approximate(bis_parser *p, const char *directive, const char *name, bis
 const char *bis_approximate_hint(bis_parser *p, const char *directive, const char *name);
 
 /* bis_approximate_begin counts a directive among the lights, shapes, materials or textures of the scene. It returns its
- * name as a constant, or "" for others. */
+ * name as a constant, or "" for others, and without --approximate, because then there is no list. */
 const char *bis_approximate_begin(bis_parser *p, const char *directive);
 
 /* bis_approximate_unknown asks whether `directive` may have a name that pbrt does not know either: --approximate is

@@ -141,6 +141,7 @@ typedef struct bis_parser {
     bool is_v2;          /* the scene is of pbrt-v2 or v1, because it says v2_word at v2_at */
     const char *v2_word; /* a constant; NULL: nothing says so */
     bis_loc v2_at;
+    const char *v3_word; /* the same of pbrt-v1 to v3 */
     bis_loc seen[BIS_N_SINGLES];
     bis_attributes now;
     bis_block *blocks;

@@ -14,6 +14,7 @@
 #include "scene/scene_peek.h"
 
 #include <string.h>
+#include <strings.h>
 
 /* A material of a library while it is read. */
 typedef struct mtl {
@@ -42,6 +43,13 @@ static const mtl grey = {.Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTU
 static const char blanks[] = " \t\v\f";
 
 /* ---- values ---- */
+
+static bool is_one_of(const char *word, const char *const *words, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(word, words[i]) == 0) return true;
+    return false;
+}
 
 /* n numbers; with one alone, but for a comment, all are that. */
 static bool read_numbers(bis_parser *p, const line *l, const char *what, double *v, int n)
@@ -92,41 +100,87 @@ static bool read_channel(bis_parser *p, const line *l, char **s, const bis_textu
     return true;
 }
 
+/* Up to `most` numbers at *s, each with a blank behind it, because a file's name may begin with a digit. Returns how
+ * many, and leaves *s at the next word. */
+static int take_numbers(char **s, double *v, int most)
+{
+    int n = 0;
+    for (const char *end; n < most; n++, *s = (char *)end + strspn(end, blanks)) {
+        v[n] = bis_parse_double(*s, &end);
+        if (end == *s || !*end || !strchr(blanks, *end) || !isfinite(v[n])) break;
+    }
+    return n;
+}
+
+/* -colorspace, a word of tinyobjloader's: what the numbers of the image mean. */
+static bool read_colour_space(bis_parser *p, const line *l, const char *word, double *gamma)
+{
+    if (strcasecmp(word, "sRGB") == 0) *gamma = BIS_GAMMA_SRGB;
+    else if (strcasecmp(word, "linear") == 0) *gamma = 1;
+    else
+        return bis_approximate_or_refuse(p, l->at, "a colour space of a map that is not known", "the usual one",
+                                         "the colour space \"%s\" of a map is not known, must be sRGB or linear",
+                                         bis_parser_word(p, word));
+    return true;
+}
+
+static bool refuse_option(bis_parser *p, const line *l, const char *word)
+{
+    return bis_approximate_or_refuse(p, l->at, "an option of a map that is not modelled", "ignored",
+                                     "the option %s of a map is not modelled: remove it", bis_parser_word(p, word));
+}
+
+/* Options that bis does not have: those of numbers pass if these are the usual ones, which change nothing. The others
+ * say how a program keeps and filters an image; no value of a texel depends on them. */
+static bool pass_option(bis_parser *p, const line *l, const char *word, char **s)
+{
+    static const struct { const char *name; int most; double usual[3]; } of_numbers[] = {
+        {"-mm", 2, {0, 1}}, {"-t", 3, {0, 0, 0}}, {"-bm", 1, {1}}};
+    static const char *const ignored[] = {"-texres", "-blendu", "-blendv", "-boost", "-cc"};
+    for (size_t i = 0; i < BIS_COUNT(of_numbers); i++) {
+        if (strcmp(word, of_numbers[i].name) != 0) continue;
+        double v[3];
+        bool is_usual = true;
+        const int n = take_numbers(s, v, of_numbers[i].most);
+        for (int k = 0; k < n; k++) is_usual &= v[k] == of_numbers[i].usual[k];
+        return is_usual || refuse_option(p, l, word);
+    }
+    *s += strcspn(*s, blanks); /* its value */
+    if (!is_one_of(word, ignored, BIS_COUNT(ignored))) return refuse_option(p, l, word);
+    if (bis_parser_once(p, "options of a map"))
+        bis_warn(p->diag, l->at, "%s of a map is ignored: images are taken as they are", bis_parser_word(p, word));
+    return true;
+}
+
 /* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s, -imfchan of
- * colours, and -bm of a displacement, which is a map of numbers. */
-static bool read_options(bis_parser *p, const line *l, char **name, bis_texture *x)
+ * colours, -colorspace, and -bm of a displacement, which is a map of numbers. */
+static bool read_options(bis_parser *p, const line *l, char **name, bis_texture *x, double *gamma)
 {
     char *s = l->words;
     while (*s == '-') {
         char *word = s;
         s += strcspn(s, blanks);
         if (*s) *s++ = '\0';
-        double v[3] = {0, 0, 0};
-        int n = 0;
         s += strspn(s, blanks);
         if (strcmp(word, "-clamp") == 0) {
             x->wrap = strncmp(s, "on", 2) == 0 ? BIS_WRAP_CLAMP : BIS_WRAP_REPEAT;
             s += strcspn(s, blanks);
         } else if (strcmp(word, "-s") == 0 || strcmp(word, "-o") == 0) {
-            for (const char *end; n < 3; n++, s = (char *)end + strspn(end, blanks)) {
-                v[n] = bis_parse_double(s, &end);
-                if (end == s || !strchr(blanks, *end) || !*end || !isfinite(v[n])) break;
-            }
+            double v[3];
+            const int n = take_numbers(&s, v, 3);
             for (int i = 0; i < 2 && i < n; i++) (word[1] == 's' ? x->factor : x->offset)[i] = v[i];
         } else if (strcmp(word, "-bm") == 0 && x->is_float) {
-            const char *end;
-            x->scale = bis_parse_double(s, &end);
-            if (end == s || !isfinite(x->scale))
+            if (take_numbers(&s, &x->scale, 1) != 1)
                 return bis_parser_error(p, l->at, "-bm is \"%s\", must be a number", bis_parser_word(p, s));
-            s = (char *)end;
         } else if (strcmp(word, "-imfchan") == 0) {
             if (!read_channel(p, l, &s, x)) return false;
-        } else {
-            if (!bis_approximate_or_refuse(p, l->at, "an option of a map that is not modelled", "ignored",
-                                           "the option %s of a map is not modelled: remove it",
-                                           bis_parser_word(p, word)))
-                return false;
-            s += strcspn(s, blanks); /* its value */
+        } else if (strcmp(word, "-colorspace") == 0) {
+            char *space = s;
+            s += strcspn(s, blanks);
+            if (*s) *s++ = '\0';
+            if (!read_colour_space(p, l, space, gamma)) return false;
+        } else if (!pass_option(p, l, word, &s)) {
+            return false;
         }
         s += strspn(s, blanks);
     }
@@ -138,7 +192,7 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
 static bool read_map(bis_parser *p, const line *l, double gamma, bis_texture *x, uint32_t *image)
 {
     char *name = l->words;
-    if (!read_options(p, l, &name, x)) return false;
+    if (!read_options(p, l, &name, x, &gamma)) return false;
     for (char *s = name; *s; s++)
         if (*s == '\\') *s = '/'; /* written on another system */
     if (bis_parser_lacks(p, l->at, name, true)) {
@@ -177,13 +231,6 @@ static void read_norm(bis_parser *p, const line *l, uint32_t *image)
 }
 
 /* ---- a library ---- */
-
-static bool is_one_of(const char *word, const char *const *words, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        if (strcmp(word, words[i]) == 0) return true;
-    return false;
-}
 
 /* What says nothing that bis could show, and what it will not show: a warning for each word. */
 static void read_other(bis_parser *p, const line *l, const char *word)

@@ -100,6 +100,7 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     const bis_choice *type = bis_parser_begin(p, "Film", films, BIS_COUNT(films));
     if (!type) return;
     bis_parser_single(p, BIS_SINGLE_FILM, "Film", at);
+    if (strcmp(type->name, "image") == 0) p->v3_word = "Film \"image\"";
 
     bis_film_desc film = bis_film_default;
     uint32_t width = (uint32_t)film.width, height = (uint32_t)film.height;

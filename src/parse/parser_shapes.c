@@ -104,7 +104,7 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     /* what changes nothing here: texture coordinates that are of no use, tangents, and numbers of faces for other
      * textures */
     static const char *const silent[] = {"uv", "st", "S", "faceIndices"};
-    static const char *const ignored[] = {"alpha", "shadowalpha"};
+    static const char *const holes[] = {"alpha", "shadowalpha"};
     /* what may not have been asked for after a mistake */
     static const char *const rest[] = {"indices", "N", "Pz", "Pw", "P", "u0", "u1", "uknots", "v0", "v1", "vknots"};
 
@@ -122,7 +122,8 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     }
     if (!ok) bis_params_skip(p, rest, BIS_COUNT(rest));
     bis_params_skip(p, silent, BIS_COUNT(silent));
-    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    if (p->approximate) bis_params_skip(p, holes, BIS_COUNT(holes)); /* noted above */
+    else bis_params_ignore(p, holes, BIS_COUNT(holes));
     bis_params_end(p, "Shape", chosen->name);
     if (ok && has_parts(p, &shape)) bis_parser_add_parts(p, &shape);
     else if (ok) bis_parser_add_shape(p, &shape);

@@ -13,7 +13,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
 static const bis_interval anything = {-HUGE_VAL, HUGE_VAL, false, false};
 static const bis_interval unit = {0, 1, false, false};
 
@@ -134,18 +133,36 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
     return ok && bis_parser_add_texture(p, &x, index);
 }
 
-/* From the world to the space of the texture, which is the current transformation's. (pbrt-v1 to v3 take the matrix
- * itself for patterns in space, where v4 takes its inverse.) */
+/* What says that the scene is of pbrt-v1 to v3; NULL: nothing does. */
+static const char *word_before_v4(const bis_parser *p) { return p->is_v2 ? p->v2_word : p->v3_word; }
+
+/* From the world to the space of the texture, which is the current transformation's in pbrt-v4. pbrt-v1 to v3 take the
+ * world for "planar", and for patterns in space the matrix itself where v4 takes its inverse. */
 static bool take_space(bis_parser *p, bis_texture *x, bool is_pattern)
 {
-    const double (*m)[4] = is_pattern && p->is_v2 ? p->now.ctm.m : p->now.ctm.inv;
+    const bis_xform *ctm = &p->now.ctm, world = bis_xform_identity();
+    const char *word = word_before_v4(p);
+    const double (*m)[4] = ctm->inv;
     bool ok = true;
+    if (word && is_pattern) m = ctm->m;
+    else if (word && x->mapping == BIS_TEXTURE_PLANAR) m = world.m;
     for (int i = 0; i < 12; i++) {
         x->from_world[i / 4][i % 4] = m[i / 4][i % 4];
         ok &= fabs(x->from_world[i / 4][i % 4]) <= 1e30;
     }
+    if (p->approximate && word && x->mapping == BIS_TEXTURE_CYLINDRICAL)
+        bis_approximate_note(p, p->name_at, "t is z, as in pbrt-v4; earlier it is z over the distance",
+                             "mapping \"cylindrical\" of a Texture");
     return ok || bis_parser_error(p, bis_params_at(p, "mapping"), "the current transformation shrinks this texture's "
                                   "space by more than 1e30: write Identity before it");
+}
+
+/* pbrt takes the mean over what a pixel sees of it. */
+static void note_filter(bis_parser *p, const char *name)
+{
+    if (p->approximate)
+        bis_approximate_note(p, p->name_at, "looked up at points; the camera samples of a pixel average it",
+                             "filter of Texture \"%s\"", name);
 }
 
 /* The rows are v1 and v2 in the space of the texture, so that (x, y) is (s, t). */
@@ -251,7 +268,7 @@ bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, u
 /* What an image makes of 1/2, but 0 only if it is black. */
 static rgbd typical_of(const bis_texture *x)
 {
-    const double v = x->invert ? 0.5 : 0.5 * x->scale;
+    const double v = x->invert ? 0.5 : fabs(0.5 * x->scale);
     return (rgbd){v, v, v};
 }
 
@@ -277,11 +294,24 @@ static void say_version(bis_parser *p)
              "is at t = 0, and its values are linear unless \"float gamma\" says otherwise", p->v2_word);
 }
 
+/* pbrt-v4's filter is bilinear if it does not say otherwise, as ours; earlier versions look at the footprint. */
+static void read_filter(bis_parser *p)
+{
+    static const char *const earlier[] = {"trilinear", "maxanisotropy"}, *const filter[] = {"filter"};
+    const char *name;
+    const bool is_said = bis_params_has(p, "filter");
+    const bool is_ours = is_said && bis_params_string(p, "filter", &name) && strcmp(name, "bilinear") == 0;
+    if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) || word_before_v4(p)))
+        note_filter(p, "imagemap");
+    if (!is_ours && !p->approximate) bis_params_ignore(p, filter, 1);
+    bis_params_skip(p, filter, 1);
+    bis_params_skip(p, earlier, BIS_COUNT(earlier));
+}
+
 static bool read_imagemap(bis_parser *p, bis_texture *x)
 {
     static const char *const wraps[] = {"repeat", "clamp", "black"};
-    static const char *const ignored[] = {"filter", "trilinear", "maxanisotropy"};
-    const char *name, *filter;
+    const char *name;
     int wrap = BIS_WRAP_REPEAT;
     double gamma;
     const bool given = bis_params_has(p, "filename"), wraps_given = bis_params_has(p, "wrap");
@@ -289,12 +319,9 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
 
     ok = read_encoding(p, &gamma) && ok;
     ok = (bis_params_choice(p, "wrap", &wrap, wraps, BIS_COUNT(wraps)) || !wraps_given) && ok;
-    bis_params_float(p, "scale", &x->scale, positive_or_0);
+    bis_params_float(p, "scale", &x->scale, anything);
     bis_params_bool(p, "invert", &x->invert);
-    if (bis_params_has(p, "filter") && bis_params_string(p, "filter", &filter) && strcmp(filter, "bilinear") == 0)
-        bis_params_skip(p, ignored, 1);
-    else bis_params_ignore(p, ignored, 1);
-    bis_params_skip(p, ignored + 1, BIS_COUNT(ignored) - 1); /* of filters that bis does not have */
+    read_filter(p);
     if (p->is_v2) turn_over(x);
     say_version(p);
     x->kind = BIS_TEXTURE_IMAGE;
@@ -395,11 +422,12 @@ static bool read_plane_pattern(bis_parser *p, bis_texture *x, bis_texture_kind k
 
 static bool read_checkerboard(bis_parser *p, bis_texture *x, bool of_floats)
 {
-    static const char *const ignored[] = {"aamode"}; /* pbrt-v3: how it is filtered */
+    const char *aamode = ""; /* pbrt-v1 to v3: how it is filtered */
     uint64_t dimension = 2;
     const bool given = bis_params_has(p, "dimension");
     bool ok = bis_params_integer(p, "dimension", &dimension, 2, 3) || !given;
-    bis_params_skip(p, ignored, 1);
+    bis_params_string(p, "aamode", &aamode);
+    if (dimension == 2 && strcmp(aamode, "none") != 0) note_filter(p, "checkerboard");
     if (dimension == 2) return read_plane_pattern(p, x, BIS_TEXTURE_CHECKERBOARD, &checkers, of_floats) && ok;
     x->kind = BIS_TEXTURE_CHECKERBOARD_3D;
     ok = take_space(p, x, true) && ok;
@@ -414,10 +442,12 @@ static bool is_of_colours(bis_parser *p, bool of_floats, const char *name)
 }
 
 /* fbm, wrinkled, windy, marble: of pbrt's defaults. */
-static bool read_solid(bis_parser *p, bis_texture *x, bis_texture_kind kind, bool of_floats)
+static bool read_solid(bis_parser *p, bis_texture *x, const bis_choice *chosen, bool of_floats)
 {
+    const bis_texture_kind kind = (bis_texture_kind)chosen->value;
     uint32_t octaves = 8;
     x->kind = kind;
+    note_filter(p, chosen->name);
     x->roughness = 0.5;
     if (kind != BIS_TEXTURE_WINDY) {
         bis_params_uint32(p, "octaves", &octaves, 0, BIS_TEXTURE_MAX_OCTAVES);
@@ -490,7 +520,7 @@ static bool read_kind(bis_parser *p, bis_texture *x, const bis_choice *chosen, b
     case BIS_TEXTURE_WRINKLED:
     case BIS_TEXTURE_WINDY:
     case BIS_TEXTURE_MARBLE:
-        return read_solid(p, x, (bis_texture_kind)chosen->value, of_floats);
+        return read_solid(p, x, chosen, of_floats);
     default:
         return read_constant(p, x, of_floats);
     }
@@ -511,6 +541,7 @@ static bool read_type(bis_parser *p, const char *type, bis_loc at, bool *of_floa
     for (size_t i = 0; i < BIS_COUNT(types); i++) {
         if (strcmp(type, types[i]) != 0) continue;
         *of_floats = i == 0;
+        if (i == 2 && !p->v3_word) p->v3_word = "a Texture of type \"color\"";
         return true;
     }
     return bis_parser_error(p, at, "a Texture is of type \"float\" or \"spectrum\" (or \"color\", \"rgb\"), not \"%s\"",

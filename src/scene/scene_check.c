@@ -5,6 +5,7 @@
 
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "files/obj.h"
 #include "files/ply.h"
 #include "scene_peek.h"
 
@@ -33,9 +34,12 @@ static bis_status check_mesh(const bis_mesh_desc *m, bis_diag *diag)
     bis_mesh mesh = {0};
     long vertices, faces;
 
-    if (m->kind != BIS_SHAPE_PLY || !is_there(m->filename)) return BIS_OK;
-    if (bis_scene_peek_ply(m->filename, &vertices, &faces)) return BIS_OK;
-    const bis_status status = bis_ply_read(&mesh, m->filename, m->loc, diag);
+    if (!is_there(m->filename)) return BIS_OK;
+    if (m->kind == BIS_SHAPE_PLY ? bis_scene_peek_ply(m->filename, &vertices, &faces)
+                                 : m->kind != BIS_SHAPE_OBJ || bis_scene_peek_is_text(m->filename))
+        return BIS_OK;
+    const bis_status status = m->kind == BIS_SHAPE_PLY ? bis_ply_read(&mesh, m->filename, m->loc, diag)
+                                                       : bis_obj_read(&mesh, m->filename, m->loc, diag);
     bis_mesh_clear(&mesh);
     return status;
 }

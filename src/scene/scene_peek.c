@@ -121,6 +121,12 @@ bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
            number_after(&h, "element face ", n_faces);
 }
 
+bool bis_scene_peek_is_text(const char *path)
+{
+    head h;
+    return !read_head(&h, path) || strlen(h.text) == h.n;
+}
+
 bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
 {
     return bis_obj_read_materials(out, path, at, diag);

@@ -15,6 +15,9 @@ bool bis_scene_peek_image(const char *path, long *width, long *height);
 /* .ply: what the header claims. */
 bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces);
 
+/* .obj: whether it begins with text, as far as one looks. */
+bool bis_scene_peek_is_text(const char *path);
+
 /* .obj: what it says of materials. Here a strange file is an error, as for bis_obj_read_materials. */
 bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag);
 

@@ -221,6 +221,8 @@ static const struct pass {
      "\"float gamma\" of a texture", NULL},
     {LIT "Texture \"t\" \"float\" \"mix\" \"float tex1\" 0 \"float tex2\" -0.25 Shape \"sphere\"", NULL, NULL},
     {LIT "Material \"mirror\" \"spectrum Kr\" [400 .9 700 .9] Shape \"sphere\"", "Material \"mirror\"", "with --approximate"},
+    {LIT "Texture \"t\" \"float\" \"imagemap\" \"float scale\" -3 \"string filename\" \"tests/scene/test_foreign.c\" Shape \"sphere\"", NULL, NULL},
+    {LIT "Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" of Shape \"sphere\"", NULL},
     {LIT "Shape \"sphere\" WorldEnd Film \"image\" WorldBegin Shape \"disk\" WorldEnd", "what follows WorldEnd", "Film after WorldEnd"},
     {LIT "Material \"uber\" \"blackbody Kr\" [3000 .1] Shape \"sphere\"", "a second value of \"blackbody Kr\"", "has 2 values"},
 };
@@ -265,6 +267,9 @@ static void what_is_replaced_has_the_values_of_the_scene(void **state)
     bis_scene_desc_free(d);
     d = good(passes[10].scene, BIS_PARSE_APPROXIMATE, said); /* NamedMaterial took the first of the two */
     assert_true(d->materials[d->shapes[0].material].Kd.r == .5f);
+    bis_scene_desc_free(d);
+    d = good(LIT "Shape \"sphere\" \"float alpha\" 0.5 \"float shadowalpha\" 0", BIS_PARSE_APPROXIMATE, said);
+    assert_int_equal(d->n_approximations, 1); /* its holes are missing, whichever of the two says so */
     bis_scene_desc_free(d);
     /* a value at an open end has no nearest one */
     assert_int_equal(parse(&d, LIT "Shape \"sphere\" \"float radius\" 0", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
@@ -368,6 +373,82 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
     }
 }
 
+/* pbrt-v1 to v3 take the point in the world for "planar", and the matrix itself for patterns in space; v4 takes the
+ * inverse for both. Film "image" and textures of type "color" are in no v4. The point (3, 0.5, 0.25) of Translate 1 0 0
+ * Scale 2 2 2 is (3, ...) in the world, (1, 0.25, 0.125) in the texture's space, (7, 1, 0.5) by the matrix itself. */
+static void textures_lie_where_their_version_has_them(void **state)
+{
+#define PLANE "\"bilerp\" \"string mapping\" \"planar\" \"float v00\" 0 \"float v01\" 0 \"float v10\" 1 \"float v11\" 1"
+#define CUBES "\"checkerboard\" \"integer dimension\" 3 \"float tex1\" 0 \"float tex2\" 1"
+    static const struct { const char *film, *texture; double is; } cases[] = {
+        {"rgb", "\"float\" " PLANE, 1},
+        {"image", "\"float\" " PLANE, 3},
+        {"rgb", "\"float\" " CUBES, 1},
+        {"image", "\"float\" " CUBES, 0},
+        {"rgb", "\"color\" \"uv\" \"string mapping\" \"planar\" \"vector v1\" [0.25 0 0] \"float udelta\" 0.125", .875},
+    };
+    char said[8192], text[1024];
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, "Film \"%s\" " LIT "Translate 1 0 0 Scale 2 2 2 Texture \"t\" %s Identity Material \"phong\" \"texture %s\" \"t\" "
+                 "Shape \"sphere\"", cases[i].film, cases[i].texture, strstr(cases[i].texture, "color") ? "Kd" : "exponent");
+        bis_scene_desc *d = good(text, 0, said);
+        const bis_material_textures *m = bis_textures_of(&d->textures, d->shapes[0].material);
+        const double is = bis_textures_value(&d->textures, NULL, m->Kd != BIS_NO_TEXTURE ? m->Kd : m->width, (double[]){0, 0}, (vec3){3, .5f, .25f}).r;
+        if (fabs(is - cases[i].is) > 1e-6) fail_msg("%s, %s: %g", cases[i].film, cases[i].texture, is);
+        assert_string_equal(said, "");
+        bis_scene_desc_free(d);
+    }
+#undef PLANE
+#undef CUBES
+}
+
+/* What pbrt filters over a pixel's footprint is in the list: images of v1 to v3 and by their parameters, chequers and
+ * noise in all versions. An image of v4 is interpolated there, too. */
+static void what_pbrt_filters_is_listed(void **state)
+{
+#define IMAGE "\"imagemap\" \"string filename\" \"tests/scene/test_foreign.c\" "
+    static const struct { const char *before, *type, *texture, *listed; } cases[] = {
+        {"", "float", IMAGE, NULL},
+        {"", "float", IMAGE "\"string filter\" \"bilinear\"", NULL},
+        {"", "float", IMAGE "\"string filter\" \"EWA\"", "imagemap"},
+        {"", "float", IMAGE "\"bool trilinear\" true", "imagemap"},
+        {"", "float", IMAGE "\"float maxanisotropy\" 4", "imagemap"},
+        {"", "color", IMAGE, "imagemap"},
+        {"Film \"image\" ", "float", IMAGE, "imagemap"},
+        {"SurfaceIntegrator \"path\" ", "float", IMAGE, "imagemap"},
+        {"", "float", "\"checkerboard\"", "checkerboard"},
+        {"", "float", "\"checkerboard\" \"string aamode\" \"none\"", NULL},
+        {"", "float", "\"checkerboard\" \"integer dimension\" 3", NULL},
+        {"", "float", "\"fbm\"", "fbm"},
+        {"", "float", "\"wrinkled\"", "wrinkled"},
+        {"", "float", "\"windy\"", "windy"},
+        {"", "spectrum", "\"marble\"", "marble"},
+        {"", "float", "\"dots\"", NULL},
+        {"", "float", "\"bilerp\" \"string mapping\" \"cylindrical\"", NULL},
+        {"Film \"image\" ", "float", "\"bilerp\" \"string mapping\" \"cylindrical\"", "mapping \"cylindrical\" of a Texture"},
+    };
+    char said[8192], text[1024], kind[64];
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, "%s" LIT "Texture \"t\" \"%s\" %s Shape \"sphere\"", cases[i].before, cases[i].type, cases[i].texture);
+        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
+        const char *listed = cases[i].listed;
+        if (listed) snprintf(kind, sizeof kind, strchr(listed, ' ') ? "%s" : "filter of Texture \"%s\"", listed);
+        size_t n = 0;
+        for (size_t k = 0; k < d->n_approximations; k++) {
+            if (d->approximations[k].effect != BIS_EFFECT_TEXTURE) continue;
+            n++;
+            if (!listed || strcmp(d->approximations[k].kind, kind) != 0) fail_msg("%s\n%s", text, said);
+        }
+        if (n != (listed != NULL)) fail_msg("%s: %zu\n%s", text, n, said);
+        bis_scene_desc_free(d);
+        d = good(strncmp(cases[i].before, "Surf", 4) == 0 ? LIT : text, 0, said); /* and plain bis refuses none */
+        bis_scene_desc_free(d);
+    }
+#undef IMAGE
+}
+
 static void the_films_scale_multiplies_the_light(void **state)
 {
     char said[8192];
@@ -394,12 +475,16 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
         {"WorldBegin LightSource \"infinite\" \"string mapname\" \"square.pfm\"", "is square, 2 x 2: give its mapping"},
         {"WorldBegin LightSource \"infinite\" \"string filename\" \"two.gif\"", "it begins with the bytes 47 49"},
         {LIT "Shape \"plymesh\" \"string filename\" \"two.gif\"", "not a PLY file"},
+        {LIT "Shape \"objmesh\" \"string filename\" \"model.glb\"", "not an OBJ file"},
+        {LIT "Shape \"objmesh\" \"string filename\" \"flat.obj\"", NULL},
         {LIT "ObjectBegin \"o\" Shape \"plymesh\" \"string filename\" \"two.gif\" ObjectEnd", NULL},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE "Shape \"sphere\"", "has values up to 2, must be in [0, 1]"},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE, NULL},
     };
     (void)state;
     write_file("two.gif", "GIF89a, a picture of the web");
+    store(place("model.glb"), "glTF\2\0\0\0", 8);
+    write_file("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     static const char square[] = "PF\n2 2\n-1.0\n012345678901234567890123456789012345678901234567";
     write_file("square.pfm", square);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -446,7 +531,7 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     assert_says(said, "1 x a material that is in no library of its mesh");
     assert_says(said, "1 x an image of a library that is not there");
     assert_says(said, "1 x an image that is not there");
-    assert_says(said, "1 x an option of a map that is not modelled");
+    assert_says(said, "some.mtl:3: warning: -texres of a map is ignored");
     bis_scene_desc_free(d);
     d = good(scene, BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* and a plan lists them */
     assert_int_equal(d->n_missing, 3);
@@ -594,6 +679,8 @@ int main(void)
         cmocka_unit_test(both_roughnesses_may_be_one_texture),
         cmocka_unit_test(a_bad_part_of_a_texture_counts_where_it_is_shown),
         cmocka_unit_test(the_images_of_pbrt_v2_stand_on_their_head),
+        cmocka_unit_test(textures_lie_where_their_version_has_them),
+        cmocka_unit_test(what_pbrt_filters_is_listed),
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),

@@ -608,10 +608,15 @@ static void numbers_of_a_library_are_checked(void **state)
         {"Ks -0.5 0 0", "2: error: \"Ks\" is -0.5, must be in [0, 1]"}, {"Ks 0 0 2", "2: error: \"Ks\" is 2, must be in [0, 1]"},
         {"Ns -1", "2: error: \"Ns\" is -1, must be "}, {"Ns inf", "2: error: Ns is \"inf\", must be a number"}, {"d x", "2: error: d is \"x\", must be a number"},
         {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"}, {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
-        {"map_Kd -s 2 -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
+        {"map_Kd -s 2 -bm 2 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
+        {"map_Kd -mm 0.5 four.pfm", "2: error: the option -mm of a map is not modelled: remove it"},
+        {"map_Kd -mm 0 2 four.pfm", "2: error: the option -mm of a map is not modelled: remove it"},
+        {"map_Kd -t 0 0 0.1 four.pfm", "2: error: the option -t of a map is not modelled: remove it"},
+        {"map_Kd -colorspace AdobeRGB four.pfm", "2: error: the colour space \"AdobeRGB\" of a map is not known, must be sRGB or linear"},
+        {"map_Kd -what 1 four.pfm", "2: error: the option -what of a map is not modelled: remove it"},
         {"bump -bm x four.pfm", "2: error: -bm is \"x four.pfm\", must be a number"}, {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
         {"map_bump -imfchan r four.pfm", "2: error: -imfchan r is not modelled, because a map of numbers is the mean of red, green and blue: save the channel as a grey image and remove the option"},
-        {"norm -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
+        {"norm -bm 2 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
         {"norm -s 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
         {"norm -o 0 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
     };
@@ -679,6 +684,56 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
     }
 }
 
+/* Options that change no value pass; -colorspace is as tinyobjloader's users write it. The usual one is that of an image
+ * of colours, or of numbers. */
+static void options_that_change_no_value_pass(void **state)
+{
+    (void)state;
+    static const struct { const char *statement; double gamma; const char *said; } cases[] = {
+        {"map_Kd four.pfm", BIS_GAMMA_SRGB, NULL}, {"map_Kd -colorspace sRGB four.pfm", BIS_GAMMA_SRGB, NULL},
+        {"map_Kd -colorspace linear -clamp on four.pfm", 1, NULL}, {"map_Kd -colorspace LINEAR four.pfm", 1, NULL},
+        {"map_bump four.pfm", 1, NULL}, {"map_bump -colorspace srgb four.pfm", BIS_GAMMA_SRGB, NULL},
+        {"map_Kd -mm 0 1 -t 0 0 0 -bm 1 -t 0 four.pfm", BIS_GAMMA_SRGB, NULL},
+        {"map_Kd -texres 512 four.pfm", BIS_GAMMA_SRGB, ":2: warning: -texres of a map is ignored: images are taken as they are"},
+        {"map_Kd -blendu off -blendv on -boost 2 -cc on four.pfm", BIS_GAMMA_SRGB, ":2: warning: -blendu of a map is ignored: images are taken as they are"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b;
+        assert_int_equal(build_library(&b, cases[i].statement), BIS_OK);
+        size_t said = 0;
+        for (size_t k = 0; k < b.diag.n; k++) {
+            const char *text = strstr(b.diag.messages[k].text, "lib.mtl");
+            if (!text) continue; /* the mesh has no coordinates */
+            said++;
+            assert_true(cases[i].said && strcmp(text + strlen("lib.mtl"), cases[i].said) == 0);
+        }
+        assert_int_equal(said, cases[i].said != NULL);
+        assert_int_equal(b.desc->textures.n_files, 1);
+        if (b.desc->textures.files[0].gamma != cases[i].gamma) fail_msg("%s: %g", cases[i].statement, b.desc->textures.files[0].gamma);
+        clear(&b);
+    }
+}
+
+/* With --approximate an option that is not modelled takes its numbers with it, and the map is shown. */
+static void an_option_that_is_left_out_leaves_the_map(void **state)
+{
+    (void)state;
+    static const char *const statements[] = {"map_Kd -mm 0.1 0.9 four.pfm", "map_Kd -t 0.5 four.pfm", "map_Kd -t 1 2 3 four.pfm",
+                                             "map_Kd -bm 2 four.pfm", "map_Kd -what 1 four.pfm", "map_Kd -colorspace rec2020 four.pfm"};
+    for (size_t i = 0; i < sizeof statements / sizeof *statements; i++) {
+        built b;
+        char mtl[256];
+        snprintf(mtl, sizeof mtl, "newmtl a\nKd 1 1 1\n%s\n", statements[i]);
+        store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
+        program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        program_write_file(DIR "/lib.mtl", mtl);
+        assert_int_equal(try_build(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
+        assert_int_equal(b.desc->n_approximations, 1);
+        if (b.desc->textures.n_files != 1) fail_msg("%s: no image", statements[i]);
+        clear(&b);
+    }
+}
+
 /* t0: 3 steps, t1: 7, ..., t5: 127; a mix of t5, t5 and a constant has 256 with its own, and that is the most. */
 static void a_texture_of_256_steps_is_the_dearest(void **state)
 {
@@ -698,9 +753,8 @@ static void a_texture_of_256_steps_is_the_dearest(void **state)
 static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 {
     (void)state;
-    static const char *const textures[] = {
-        "\"checkerboard\" \"string mapping\" \"conical\"", "\"mix\" \"float amount\" 2", "\"imagemap\" \"float scale\" -1 \"string filename\" \"tests/scene/test_textures.c\"",
-        "\"scale\" \"rgb tex1\" [1 1 1]"};
+    static const char *const textures[] = {"\"checkerboard\" \"string mapping\" \"conical\"", "\"mix\" \"float amount\" 2",
+                                           "\"scale\" \"rgb tex1\" [1 1 1]"};
     for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
         char text[512];
         built b;
@@ -1429,6 +1483,8 @@ int main(void)
         cmocka_unit_test(numbers_of_a_library_are_checked),
         cmocka_unit_test(a_librarys_values_are_those_of_the_material),
         cmocka_unit_test(options_of_a_map_change_what_they_name_alone),
+        cmocka_unit_test(options_that_change_no_value_pass),
+        cmocka_unit_test(an_option_that_is_left_out_leaves_the_map),
         cmocka_unit_test(a_texture_of_256_steps_is_the_dearest),
         cmocka_unit_test(a_bad_part_of_a_texture_is_one_complaint),
         cmocka_unit_test(mistakes_of_a_library_are_found_in_it),
