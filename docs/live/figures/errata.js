@@ -33,10 +33,10 @@ bisFigure.define({
     ['bis_flat_compare', WIDE, HIGH, '#3.0', '#1.0', 3],
     ['bis_flat_compare', WIDE, HIGH, '#5.0', '#1.0', 3]
   ],
-  draw(s, out) {
-    const common = {width: 230, height: 153, columns: WIDE, rows: HIGH, y: {label: '', min: 0, max: 1, ticks: []}}, x = (label) => ({label, min: 0, max: 1, ticks: []});
-    const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5)), x: x(title)}, common));
-    const difference = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, colours: 'difference', night: false, lo: -0.3, hi: 0.3, label: '', x: x(title),
+  draw(s, out, wide) {
+    const common = {width: 230, height: 153, columns: WIDE, rows: HIGH, most: wide};
+    const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))}, common));
+    const difference = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, colours: 'difference', night: false, lo: -0.3, hi: 0.3, label: '',
       values: [...Array(WIDE * HIGH).keys()].map((i) => pixels[4 * i + 1] - out[1][0][4 * i + 1])}, common));
     return {html: '<div>' + show('as printed', out[5][0]) + show('right', out[3][0]) + show('exact', out[1][0]) + '</div><div>' + difference('printed - exact', out[5][0]) + difference('right - exact', out[3][0]) + '</div>',
       words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) + ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' + bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').'};

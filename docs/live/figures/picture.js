@@ -33,8 +33,7 @@ bisFigure.define({
       ['bis_flat_compare', WIDE, HIGH, '#' + (place(s, i, k) + 1) + '.0', '#1.0', 3]]))
   ],
   draw(s, out, wide) {
-    const show = (title, pixels) => bisPlot.heat({title, text: title, width: 200, height: 133, columns: WIDE, rows: HIGH, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5)),
-      x: {label: title, min: 0, max: 1, ticks: []}, y: {label: '', min: 0, max: 1, ticks: []}});
+    const show = (title, pixels) => bisPlot.heat({title, text: title, width: 200, height: 133, columns: WIDE, rows: HIGH, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))});
     const x = passes(s).map((p) => p * RAYS);
     const chart = bisPlot.chart({title: 'Error against rays a pixel', width: wide, height: 320, text: chosen(s).map((m) => m + ' ' + bisPlot.number(errorOf(s, out, m), 3)).join(', '), x: {label: 'rays a pixel', log: true, min: RAYS / 1.2, max: 1.2 * (RAYS << MOST)}, y: {label: 'RMSE against the exact picture', log: true},
       series: chosen(s).map((m, i) => ({kind: 'line', x, y: x.map((v, k) => out[place(s, i, k) + 2][0][0]), label: m, colour: m, points: true}))});

@@ -29,7 +29,7 @@ bisFigure.define({
     ['bis_flat_stage_find', 'stage', 720, 360, MOST, '#4.0', MOST],
     ['bis_flat_stage_runs', 'stage', settings(s), s.seed, REPEATS, REPEATS, 3]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const exact = out[2][0], product = out[3][2], [, w, chosen, kind, sum] = out[4], cell = out[5][0], [L, stats] = out[6];
     const range = logarithms(product), dots = [], largest = Math.max(...w);
     for (let i = 0; i < s.M; i++) {
@@ -38,12 +38,12 @@ bisFigure.define({
       dots.push(Object.assign(at, {radius: chosen[i] ? 3 + Math.min(chosen[i], 6) / 2 : 0.8 + 2.2 * Math.sqrt(w[i] / largest),
         colour: chosen[i] ? (kind[i] & 2 ? '#7fe0ff' : '#05050d') : kind[i] & 1 ? '#e5a93c' : '#3cc4b6', ring: chosen[i] ? '#fff' : undefined}));
     }
-    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, columns: W, rows: H, values: product, log: true, lo: range.lo, hi: range.hi,
+    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, most: wide, columns: W, rows: H, values: product, log: true, lo: range.lo, hi: range.hi,
       text: s.M + ' candidates, ' + s.N + ' rays; ' + bisPlot.number(sum[2], 3) + ' effective candidates', dots: dots.sort((a, b) => a.radius - b.radius),
       x: {label: 'phi', min: 0, max: 360, ticks: [0, 90, 180, 270, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}, label: 'f cos L'});
     const cells = 40, hi = Math.max(2.5 * exact[0], 1e-9), counts = new Array(cells).fill(0), edges = [...Array(cells + 1).keys()].map((i) => i * hi / cells);
     for (const v of L) counts[Math.min(cells - 1, Math.floor(v / hi * cells))]++;
-    const histogram = bisPlot.chart({title: REPEATS + ' estimates', width: 400, height: 260, text: 'mean ' + bisPlot.number(stats[0]) + ', exact ' + bisPlot.number(exact[0]),
+    const histogram = bisPlot.chart({title: REPEATS + ' estimates', width: Math.min(400, wide), height: 260, text: 'mean ' + bisPlot.number(stats[0]) + ', exact ' + bisPlot.number(exact[0]),
       x: {label: 'estimate of r + g + b (the last cell: all above)', min: 0, max: hi}, y: {label: 'how many', min: 0},
       series: [{kind: 'steps', x: edges, y: counts, colour: 'sir'}],
       marks: [{x: exact[0], label: 'exact', colour: 'exact'}]});
