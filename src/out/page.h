@@ -35,7 +35,7 @@ bis_status bis_page_end(bis_page *p, bis_status status, const char *path, const 
  * by 2^exposure; with 0 the colours appear as they are. NULL: no memory, as diag says. */
 char *bis_page_png(const bis_image *image, double exposure, bis_diag *diag);
 
-/* bis_page_numbers writes v[0..n-1] under key as a text: of each the lowest `size` bytes (1 to 4), the highest first, in
- * base64 (RFC 4648). Errors: BIS_NOMEM, and diag then names what. */
+/* bis_page_numbers writes v[0..n-1] under key as a text: of each number the lowest `size` bytes (1 to 4), the highest
+ * first, in base64 (RFC 4648). Errors: BIS_NOMEM, and diag then names what. */
 bis_status bis_page_numbers(bis_json *j, const char *key, const uint32_t *v, size_t n, int size, const char *what,
                             bis_diag *diag);
