@@ -133,7 +133,7 @@ for picture; do
     pixel)
         "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --html --output "$tmp/pixel" >/dev/null
         draw_part maps pixel-densities 720
-        draw_part samples pixel-samples 1060
+        draw_part samples pixel-samples 1130
         ;;
     thesis)
         for figure in 3.3 3.4 3.8 3.9 4.3 4.4; do
