@@ -159,8 +159,8 @@ $B/%.o: %.c $B/.flags
 $B/pic/%.o: %.c $B/.flags
 	$(COMPILE)
 
-# src/tools/NAME/page.html, with what it loads put in by page.awk, as the string bis_NAME_page: a line of the page is a line of C.
-$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: src/tools/page.awk docs/live/plot.js docs/live/page.css $B/.flags
+# src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string bis_NAME_page: a line of the page is a line of C.
+$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: src/tools/page.awk src/tools/frame.html docs/live/plot.js docs/live/page.css $B/.flags
 $(PAGES:%.html=$B/%.o): $B/%.o: %.html
 	$(PAGE)
 $(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
@@ -168,7 +168,7 @@ $(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
 define PAGE
 @mkdir -p $(@D)
 $(call say,CC,$<)
-$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; awk -f src/tools/page.awk $< | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 endef
 
 compile_commands.json: FORCE

@@ -14,7 +14,7 @@
  *   map            true: the visitor's own map may take the place of the page's
  *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map of bisFigure.shape, [width, height]
  *   draw(state, out, wide)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show; wide: how
- *                  many pixels a drawing across the page may take
+ *                  many pixels a drawing across the page may take. A drawing's title stands above it
  *   touch          {name of a control: (x, y) => value}: a click on the first drawing's field, x and y in [0,1]
  *   tasks          [{ask, check(state, out), answer}]; check returns '' if it is solved, else a hint; answer is a link's state
  *                  that solves it, for tests
@@ -76,7 +76,7 @@ var bisFigure = (function () {
       return element('div', {class: 'live-control'}, element('label', {for: id}, c.label), select);
     }
     if (c.add) {
-      const button = element('button', {type: 'button'}, c.label), back = element('button', {type: 'button', 'aria-label': 'back to 0: ' + c.label}, '0');
+      const button = element('button', {type: 'button'}, c.label), back = element('button', {type: 'button', 'aria-label': 'Back to 0: ' + c.label}, 'Back to 0');
       button.addEventListener('click', () => { s[c.name] = s[c.name] + c.add > c.most ? 0 : s[c.name] + c.add; f.changed(); });
       back.addEventListener('click', () => { s[c.name] = 0; f.changed(); });
       return element('div', {class: 'live-control live-buttons'}, button, back);
@@ -188,6 +188,11 @@ var bisFigure = (function () {
     const drawing = f.spec.draw(state, answer.out, Math.min(WIDE, f.picture.clientWidth)), link = linkOf(f.spec, state);
     seen[f.spec.name] = {state, calls, hash: answer.hash, out: answer.out, seconds, error: null};
     f.picture.innerHTML = drawing.html;
+    for (const svg of f.picture.querySelectorAll('svg')) { /* a title inside a drawing is for people who do not see it */
+      const box = element('div', {class: 'live-drawing'}, element('div', {class: 'live-caption', 'aria-hidden': 'true'}, svg.querySelector('title').textContent));
+      svg.replaceWith(box);
+      box.append(svg);
+    }
     f.words.textContent = drawing.words;
     f.foot.replaceChildren('These numbers have the hash ', element('code', {'data-hash': answer.hash}, answer.hash),
       ' and took ' + bisPlot.duration(answer.seconds) + '. ', element('a', {href: link}, 'A link to this state'));

@@ -28,6 +28,7 @@
  * picture.
  *   title, text, width, height, standalone    as above; width and height are those of the field without its
  *                                             surroundings
+ *   most            of pixels across for all of it: a wider field becomes smaller, its texts do not
  *   columns, rows, values    row after row, the first at the top; absent values: image is shown instead
  *   image           the address of a picture (data:...), drawn below everything else
  *   lo, hi, log     the values of both ends of the colours; log: their logarithms count. What is below lo is night, or
@@ -586,7 +587,7 @@ function heatPixels(spec) {
   return {columns: spec.columns, rows: spec.rows, rgb: rgb};
 }
 
-/* The scale of colours at the right: [from left, top] with the field's height. */
+/* The scale of colours at the right, from [left, top] with the field's height: its drawing, and its width in pixels. */
 function drawScale(spec, left, top, height) {
   const of = colourFunction(spec.colours), axis = makeAxis({log: spec.log, min: spec.lo, max: spec.hi,
     format: spec.format}, []);
@@ -604,7 +605,9 @@ function drawScale(spec, left, top, height) {
     out += '<path class="p-axis" d="M' + (left + 16) + ' ' + place(axis.at(t.at)) + 'h5"/>' + text(left + 25,
       axis.at(t.at) + 4, 'start', t.text);
   }
-  return out + (spec.label ? text(left, top + height + 19, 'start', spec.label) : '');
+  out += spec.label ? text(left + 8, top + height + 19, 'start', spec.label) : '';
+  const texts = axis.list.map(function (t) { return 25 + textWidth(t.text || '', 12); }).concat(8 + textWidth(spec.label || '', 12));
+  return {body: out, width: Math.max(58, Math.ceil(Math.max.apply(null, texts)) + 4)};
 }
 
 /* On a dark disc that sets it off from the ground. */
@@ -628,12 +631,13 @@ function drawCross(m, x, y) {
 }
 
 function heat(spec) {
-  const w = spec.width || 480, h = spec.height || 240, scale = spec.scale !== false && spec.values;
+  const scale = spec.scale !== false && spec.values;
   const x = makeAxis(Object.assign({min: 0, max: spec.columns || 1, ticks: []}, spec.x), []);
   const y = makeAxis(Object.assign({min: 0, max: spec.rows || 1, ticks: []}, spec.y), []);
-  const left = y.list.length || y.label ? 34 + (y.label ? 20 : 0) : 2, bottom = x.list.length || x.label ? 22 +
-    (x.label ? 20 : 0) : 2;
-  const top = y.list.length ? 8 : 2;
+  const left = y.list.length || y.label ? 34 + (y.label ? 20 : 0) : 2;
+  const bottom = (x.list.length ? 22 : 2) + (x.label ? 20 : 0); /* the label stands below the texts of the ticks, if there are any */
+  const top = y.list.length || scale ? 8 : 2, asked = spec.width || 480;
+  const w = Math.min(asked, (spec.most || Infinity) - left - (scale ? 86 : 14)), h = Math.round((spec.height || 240) * w / asked);
   x.from = left, x.to = left + w, y.from = top, y.to = top + h;
   const pixels = spec.values && heatPixels(spec);
   const href = pixels ? png(pixels.columns, pixels.rows, pixels.rgb, spec.deflate) : spec.image;
@@ -646,13 +650,14 @@ function heat(spec) {
     text(x.at(t.at), y.to + 18, 'middle', t.text);
   for (const t of y.list) body += '<path class="p-axis" d="M' + (x.from - 5) + ' ' + place(y.at(t.at)) + 'h4"/>' +
     text(x.from - 8, y.at(t.at) + 4, 'end', t.text);
-  if (x.label) body += text((x.from + x.to) / 2, y.to + 38, 'middle', x.label);
+  if (x.label) body += text((x.from + x.to) / 2, y.to + bottom - 4, 'middle', x.label);
   if (y.label) body += text(14, (y.from + y.to) / 2, 'middle', y.label, {turn: true});
   for (const c of spec.curves || []) body += path(linePath(x, y, c.x, c.y), colour(c.colour), c.width || 1.6);
   (spec.dots || []).forEach(function (d, i) { body += drawDot(d, i, x, y); });
   for (const m of spec.marks || []) body += drawCross(m, x, y);
-  if (scale) body += drawScale(spec, left + w + 14, top, h);
-  return wrap(spec, left + w + (scale ? 72 : x.list.length ? 14 : 2), top + h + Math.max(bottom, scale && spec.label ?
+  const colours = scale && drawScale(spec, left + w + 14, top, h);
+  if (scale) body += colours.body;
+  return wrap(spec, left + w + (scale ? 14 + colours.width : x.list.length ? 14 : 2), top + h + Math.max(bottom, scale ?
     24 : 0), body);
 }
 

@@ -72,7 +72,7 @@ for defect in "no nowhere.html" "no place index.html#nowhere" "no picture nothin
     echo "$found" | grep -q "twin.html: .*$defect" || { echo "check_site: FAILED: a page with \"$defect\" passes: $found"; exit 1; }
 done
 rm -f twin.html
-found=$(look $(find . -name '*.html' ! -name '*.[ch].html' ! -name '*.js.html' ! -name '*.bib.html' ! -name '*.json.html' ! -name '*.sh.html' ! -name '*.awk.html' ! -name '*.txt.html' ! -name '*.py.html' ! -name '*.ipynb.html' ! -name check.html ! -name Makefile.html \
+found=$(look $(find . -name '*.html' ! -name '*.[ch].html' ! -name '*.js.html' ! -name '*.sh.html' ! -name '*.awk.html' ! -name '*.txt.html' ! -name '*.py.html' ! -name '*.ipynb.html' ! -name check.html ! -name Makefile.html \
     ! -name LICENSE.html ! -name CITATION.cff.html | sed 's|^\./||' | sort))
 echo "$found" | grep -q '^SEEN .*"formulas":[1-9]' || { echo "check_site: FAILED: not all pages were seen, or none with mathematics: $found"; exit 1; }
 if echo "$found" | grep -qv '^SEEN'; then

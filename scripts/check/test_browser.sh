@@ -35,7 +35,7 @@ fail() {
 }
 
 page=$(cd "$folder/trade" && pwd)/report.html
-expected='data-selftest="cut-moves picture-changes fetched-0 drawn visible"'
+expected='data-selftest="cut-moves picture-changes drawn visible fetched-0"'
 browse --dump-dom "file://$page#selftest" > "$folder/dom.html"
 grep -q "$expected" "$folder/dom.html" || fail "the page says $(grep -o 'data-selftest="[^"]*"' "$folder/dom.html")"
 grep -q 'data-selftest="' "$page" && fail "the page claims to have tested itself before it was opened"

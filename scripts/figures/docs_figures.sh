@@ -6,8 +6,8 @@
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
-# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (results): librsvg's rsvg-convert draws
-# these. Those of a page (pixel, live) are drawn by a headless chromium, live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
+# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel, live): a
+# headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
 # and none above 300 KB. pbrt needs Mitsuba 3 (docs/bench.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
@@ -41,11 +41,18 @@ copy() {
     echo "$out/$2.svg"
 }
 
+# browse FILE WIDTH HEIGHT: as a browser shows it, into $tmp/drawn.png
+browse() {
+    "${CHROMIUM:-chromium}" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$tmp/profile" \
+        --screenshot="$tmp/drawn.png" --window-size="$2,$3" "file://$(realpath "$1")" 2>/dev/null
+}
+
 # keep FILE NAME [DITHER [COLOURS]]: into docs/figures as PNG; without dither where areas are flat
 keep() {
     case $1 in
     *.svg)
-        rsvg-convert "$1" -o "$tmp/drawn.png"
+        # shellcheck disable=SC2046 # two words
+        browse "$1" $(sed -n '1s/.* width="\([0-9]*\)" height="\([0-9]*\)".*/\1 \2/p' "$1")
         shift
         set -- "$tmp/drawn.png" "$@"
         ;;
@@ -58,12 +65,11 @@ keep() {
     echo "$out/$2.png"
 }
 
-# draw_part PART NAME HEIGHT: a part of the page of a pixel, as a browser shows it, into docs/figures as PNG
+# draw_part PART NAME HEIGHT: a part of the page of a pixel, into docs/figures as PNG
 draw_part() {
     node scripts/figures/page_part.js "$tmp/pixel/pixel.html" "$1" >"$tmp/part.html"
-    "${CHROMIUM:-chromium}" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$tmp/profile" \
-        --screenshot="$tmp/part.png" --window-size=1240,"$3" "file://$tmp/part.html" 2>/dev/null
-    keep "$tmp/part.png" "$2"
+    browse "$tmp/part.html" 1240 "$3"
+    keep "$tmp/drawn.png" "$2"
 }
 
 # shown METHOD COLUMN ROW WORDS: its picture and what stands below it, as items of a drawing. All have one exposure.
@@ -133,7 +139,7 @@ for picture; do
     pixel)
         "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --html --output "$tmp/pixel" >/dev/null
         draw_part maps pixel-densities 720
-        draw_part samples pixel-samples 1060
+        draw_part samples pixel-samples 1130
         ;;
     thesis)
         for figure in 3.3 3.4 3.8 3.9 4.3 4.4; do

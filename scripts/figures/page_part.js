@@ -10,6 +10,6 @@ const data = text.match(/<script type="application\/json" id="data">([^]*?)<\/sc
 const places = {data: {textContent: data}, page: {}};
 const document = {head: {appendChild: function (e) { styles.push(e.textContent); }}, createElement: function () { return {}; },
   getElementById: function (id) { return places[id] || null; }};
-const part = {maps: '`<div class="maps">${maps()}</div>`', samples: '`<div class="drawing many">${drawing()}</div>`'}[process.argv[3]];
-const body = new Function('document', 'location', 'module', scripts.join('\n') + '\nreturn ' + part)(document, {hash: '#all'}, undefined);
+const name = process.argv[3], part = {maps: '<div class="maps">${maps()}</div>', samples: '<div class="drawing many">${drawing()}</div>'}[name];
+const body = new Function('document', 'location', 'module', scripts.join('\n') + '\nreturn `<p><b>${esc(document.title)}.</b> ${KEYS.' + name + '()}</p>' + part + '`')(document, {hash: '#all'}, undefined);
 process.stdout.write('<!DOCTYPE html><meta charset="utf-8"/><style>' + styles.join('\n') + 'body{padding:20px 26px}</style>' + body + '\n');

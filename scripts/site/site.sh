@@ -55,7 +55,7 @@ page() {
 source() {
     mkdir -p "$out/$(dirname "$1")"
     {
-        printf '<!DOCTYPE html>\n<html><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>%s</title></head>\n<body><pre>' "$1"
+        printf '<!DOCTYPE html>\n<html><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>%s</title><style>pre { overflow-x: auto; }</style></head>\n<body><pre>' "$1"
         sed 's/&/\&amp;/g; s/</\&lt;/g' "$1"
         printf '</pre></body></html>\n'
     } >"$out/$1.html" || exit 1

@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "bis/base/file.h"
+#include "bis/base/mem.h"
 #include "files/image_png.h"
 
 #include <stdlib.h>
@@ -107,7 +108,7 @@ bis_status bis_page_end(bis_page *p, bis_status status, const char *path, const 
     return status;
 }
 
-void bis_page_base64(FILE *out, const unsigned char *data, size_t n)
+static void put_base64(FILE *out, const unsigned char *data, size_t n)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < n; i += 3) {
@@ -118,6 +119,25 @@ void bis_page_base64(FILE *out, const unsigned char *data, size_t n)
         fputc(i + 1 < n ? digits[v >> 6 & 63] : '=', out);
         fputc(i + 2 < n ? digits[v & 63] : '=', out);
     }
+}
+
+bis_status bis_page_numbers(bis_json *j, const char *key, const uint32_t *v, size_t n, int size, const char *what,
+                            bis_diag *diag)
+{
+    const size_t width = (size_t)size;
+    unsigned char *bytes = bis_alloc(n, width);
+    char *text = NULL;
+    size_t length = 0;
+    FILE *out = bytes ? open_memstream(&text, &length) : NULL;
+
+    for (size_t i = 0; bytes && i < n; i++)
+        for (size_t k = 0; k < width; k++) bytes[i * width + k] = (unsigned char)(v[i] >> 8 * (width - 1 - k));
+    if (out) put_base64(out, bytes, n * width);
+    const bool ok = out && fclose(out) == 0;
+    if (ok) bis_json_text(j, key, text);
+    free(text); /* the C library's, not ours */
+    bis_free(bytes);
+    return ok ? BIS_OK : no_memory(what, diag);
 }
 
 char *bis_page_png(const bis_image *image, double exposure, bis_diag *diag)
@@ -132,7 +152,7 @@ char *bis_page_png(const bis_image *image, double exposure, bis_diag *diag)
     picture.exposure = exposure;
     bool ok = binary && base64 && bis_png_write(binary, &picture, "picture", NULL) == BIS_OK;
     ok = (!binary || fclose(binary) == 0) && ok;
-    if (ok) fputs("data:image/png;base64,", base64), bis_page_base64(base64, (const unsigned char *)png, n);
+    if (ok) fputs("data:image/png;base64,", base64), put_base64(base64, (const unsigned char *)png, n);
     ok = (!base64 || fclose(base64) == 0) && ok;
     free(png);
     if (ok) return text;

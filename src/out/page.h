@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* page: a file of HTML that shows a JSON object by its own script and needs nothing but itself. The page is a file of
- * the sources, with docs/live/plot.js and docs/live/page.css put into it by make. It has two places to be filled:
+ * the sources, put by make into the frame of all pages (src/tools/frame.html) with docs/live/plot.js and page.css. The
+ * frame has two places to be filled:
  *
  *     <script type="application/json" id="data">null</script>    the object
  *     <pre id="text"></pre>                                      the same as text, for a browser without JavaScript */
 #pragma once
 
 #include "bis/base/image.h"
+#include "out/json.h"
 
 #include <stdio.h>
 
@@ -33,5 +35,7 @@ bis_status bis_page_end(bis_page *p, bis_status status, const char *path, const 
  * by 2^exposure; with 0 the colours appear as they are. NULL: no memory, as diag says. */
 char *bis_page_png(const bis_image *image, double exposure, bis_diag *diag);
 
-/* bis_page_base64 prints n bytes in base64 (RFC 4648). */
-void bis_page_base64(FILE *out, const unsigned char *data, size_t n);
+/* bis_page_numbers writes v[0..n-1] under key as a text: of each number the lowest `size` bytes (1 to 4), the highest
+ * first, in base64 (RFC 4648). Errors: BIS_NOMEM, and diag then names what. */
+bis_status bis_page_numbers(bis_json *j, const char *key, const uint32_t *v, size_t n, int size, const char *what,
+                            bis_diag *diag);

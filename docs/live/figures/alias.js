@@ -21,17 +21,17 @@ bisFigure.define({
     ['bis_flat_alias_sample', 6, '#0.0', '#0.1', s.m, '#4.0', s.m],
     ['bis_flat_fit', 6, '#2.1', s.m, '#5.0', 6, 3]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const [prob, alias] = out[0], [order, height] = out[1], P = out[2][1], list = out[3][0].slice(0, out[3][1][0]), [counts, fit] = out[6];
     const filled = new Set(order.slice(0, s.k)), bins = [...prob.keys()], series = [];
     for (const i of bins) series.push({kind: 'bars', x: [i], y: [height[i]], width: 0.8, colour: i, titles: ['item ' + i + ': ' + height[i]]});
     for (const i of bins.filter((j) => filled.has(j) && prob[j] < 1))
       series.push({kind: 'errors', x: [], y: []}, {kind: 'area', x: [i - 0.4, i + 0.4], lo: [prob[i], prob[i]], hi: [1, 1], colour: alias[i]});
-    const table = bisPlot.chart({title: 'The alias table after ' + s.k + ' steps', width: 400, height: 300, series,
+    const table = bisPlot.chart({title: 'The alias table after ' + s.k + (s.k === 1 ? ' step' : ' steps'), width: Math.min(400, wide), height: 300, series,
       text: bins.map((i) => 'item ' + i + ' has ' + bisPlot.number(height[i]) + ' of a bin').join(', '),
       x: {label: 'bin', min: -0.6, max: 5.6, ticks: bins, grid: false}, y: {label: 'N P, 1 is full', min: 0},
       marks: [{y: 1, label: 'average'}].concat(bins.filter((j) => filled.has(j) && prob[j] < 1).map((j) => ({x: j, y: (1 + prob[j]) / 2, label: 'from ' + alias[j]})))});
-    const histogram = bisPlot.chart({title: 'Draws against the probabilities', width: 400, height: 300, legend: 'top',
+    const histogram = bisPlot.chart({title: 'Draws against the probabilities', width: Math.min(400, wide), height: 300, legend: 'top',
       text: bins.map((i) => 'item ' + i + ': ' + counts[i] + ' of ' + s.m + ', P = ' + bisPlot.number(P[i])).join('; '),
       x: {label: 'item', min: -0.6, max: 5.6, ticks: bins, grid: false}, y: {label: 'share of the draws', min: 0},
       series: [{kind: 'bars', x: bins, y: [...counts].map((c) => c / s.m), label: 'drawn', colour: 0},

@@ -22,18 +22,18 @@ bisFigure.define({
     ['bis_flat_alias_pmf', N, s.w, N, N],
     ['bis_flat_fit', N, '#4.1', s.m, '#3.0', N, 3]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const [c, guide, [n]] = out[0], i = item(out), [counts, fit] = out[5], items = [...Array(N).keys()], P = out[4][1];
-    const steps = bisPlot.chart({title: 'The CDF, u and its item', width: 420, height: 300, text: 'u = ' + s.u + ' gives item ' + i,
+    const steps = bisPlot.chart({title: 'The CDF, u and its item', width: Math.min(420, wide), height: 300, text: 'u = ' + s.u + ' gives item ' + i,
       x: {label: 'item', min: 0, max: N, ticks: items.map((k) => ({at: k + 0.5, text: String(k)})), grid: false}, y: {label: 'C', min: 0, max: 1},
       series: [{kind: 'steps', x: items.concat(N), y: [...c.slice(1)], colour: 0}, {kind: 'line', x: [0, i + 0.5, i + 0.5], y: [s.u, s.u, 0], colour: 1},
         {kind: 'points', x: [start(out) + 0.5], y: [part(out) / n], colour: 3, shape: 'square'}],
       marks: items.slice(0, n).map((g) => ({y: g / n}))});
-    const histogram = bisPlot.chart({title: 'Draws against the probabilities', width: 400, height: 300, legend: 'top', text: 'chi-square ' + bisPlot.number(fit[0], 3),
+    const histogram = bisPlot.chart({title: 'Draws against the probabilities', width: Math.min(400, wide), height: 300, legend: 'top', text: 'chi-square ' + bisPlot.number(fit[0], 3),
       x: {label: 'item', min: -0.6, max: N - 0.4, ticks: items, grid: false}, y: {label: 'share of the draws', min: 0},
       series: [{kind: 'bars', x: items, y: [...counts].map((v) => v / s.m), label: 'drawn', colour: 0}, {kind: 'points', x: items, y: [...P], label: 'P', colour: 'ink', shape: 'diamond'}]});
     return {html: steps + histogram, words: 'u = ' + s.u + ' lies in part ' + part(out) + ' of the guide’s ' + n + '; the search begins at item ' + start(out) + ' (square) and ends at item ' + i +
-      ' after ' + (i - start(out)) + ' steps. Chi-square of ' + s.m + ' draws is ' + bisPlot.number(fit[0], 3) + ' with ' + fit[1] + ' degrees of freedom, p = ' + bisPlot.number(fit[2], 3) + '.'};
+      ' after ' + (i - start(out)) + (i - start(out) === 1 ? ' step.' : ' steps.') + ' Chi-square of ' + s.m + ' draws is ' + bisPlot.number(fit[0], 3) + ' with ' + fit[1] + ' degrees of freedom, p = ' + bisPlot.number(fit[2], 3) + '.'};
   },
   tasks: [
     {ask: 'With the first weights, find a u whose search takes two steps or more.', answer: 'u=0.49', check: (s, out) => item(out) - start(out) >= 2 ? '' : 'This one takes ' + (item(out) - start(out)) + '.'},

@@ -63,9 +63,9 @@ bisFigure.define({
   draw(s, all, wide) {
     if (s.which === 'E14') return drawTable(all, wide);
     const out = all.slice(2); /* behind the map's two calls */
-    const most = WHICH[s.which][3] || 0.3, common = {width: 230, height: 153, columns: WIDE, rows: HIGH, y: {label: '', min: 0, max: 1, ticks: []}}, x = (label) => ({label, min: 0, max: 1, ticks: []});
-    const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5)), x: x(title)}, common));
-    const difference = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, colours: 'difference', night: false, lo: -most, hi: most, label: '', x: x(title + ', green'),
+    const most = WHICH[s.which][3] || 0.3, common = {width: 230, height: 153, columns: WIDE, rows: HIGH, most: wide};
+    const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))}, common));
+    const difference = (title, pixels) => bisPlot.heat(Object.assign({title: title + ', green', text: title, colours: 'difference', night: false, lo: -most, hi: most, label: '',
       values: [...Array(WIDE * HIGH).keys()].map((i) => pixels[4 * i + 1] - out[1][0][4 * i + 1])}, common));
     return {html: '<div>' + show('as printed', out[5][0]) + show('right', out[3][0]) + show('exact', out[1][0]) + '</div><div>' + difference('printed - exact', out[5][0]) + difference('right - exact', out[3][0]) + '</div>',
       words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) + ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' + bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').' + (s.which === 'E6' ? ' The sum of the three colours is the same; look at the colours of the shadows.' : '')};

@@ -27,14 +27,14 @@ bisFigure.define({
     ['bis_flat_light_find', 'light', s.m, '#4.0', s.m],
     ['bis_flat_light_rows', 'light', s.m, '#5.0', 30, bisFigure.shape[1], 2]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const [W, H] = bisFigure.shape, rows = out[2][2], dots = [];
     for (const p of out[5][0])
       dots.push({x: (p % W + 0.5) * 360 / W, y: (Math.floor(p / W) + 0.5) * 180 / H, radius: 2.2, colour: '#7fe0ff', ring: '#05050d'});
-    const field = bisPlot.heat({title: 'The map and ' + s.m + ' directions', width: 480, height: 240, columns: W, rows: H, image: bisPlot.png(W, H, bisFigure.screen(out[1][0], W * H, 3, 1)),
+    const field = bisPlot.heat({title: 'The map and ' + s.m + ' directions', width: 480, height: 240, most: wide, columns: W, rows: H, image: bisPlot.png(W, H, bisFigure.screen(out[1][0], W * H, 3, 1)),
       text: 'points stand where directions were drawn', dots, x: {label: 'phi', min: 0, max: 360, ticks: [0, 90, 180, 270, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}, scale: false});
     const edges = [...Array(H + 1).keys()].map((y) => y * 180 / H);
-    const chart = bisPlot.chart({title: 'Share of each row', width: 360, height: 280, legend: 'top', text: 'drawn against probability, by theta', x: {label: 'theta', min: 0, max: 180, ticks: [0, 45, 90, 135, 180]}, y: {label: 'share of the directions', min: 0},
+    const chart = bisPlot.chart({title: 'Share of each row', width: Math.min(360, wide), height: 280, legend: 'top', text: 'drawn against probability, by theta', x: {label: 'theta', min: 0, max: 180, ticks: [0, 45, 90, 135, 180]}, y: {label: 'share of the directions', min: 0},
       series: [{kind: 'steps', x: edges, y: [...out[6][0]].map((c) => c / s.m), label: 'drawn', colour: 0}, {kind: 'line', x: [...rows].map((v, y) => (y + 0.5) * 180 / H), y: [...rows], label: 'probability', colour: 1}]});
     return {html: field + chart, words: 'Of ' + s.m + ' directions ' + polar(out) + ' (' + bisPlot.percent(polar(out) / s.m) + ') lie within 30 degrees of a pole; by the density that estimators divide by, it should be ' + bisPlot.percent(due(out) / s.m) + '.'};
   },

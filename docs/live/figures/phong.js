@@ -26,13 +26,13 @@ bisFigure.define({
     ['bis_flat_bsdf_albedo', 'bsdf', UP, 400, 3],
     ['bis_flat_bsdf_below', 'bsdf', s.m, '#3.0', s.m, 1]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const [f, pdf] = out[1].map((v) => [...v]), wi = out[3][0], [isBelow, [lower]] = out[5], above = [[], []], below = [[], []];
     for (let i = 0; i < s.m; i++) { const to = isBelow[i] ? below : above; to[0].push(wi[3 * i]); to[1].push(wi[3 * i + 1]); }
-    const lobe = bisPlot.chart({title: 'Density and f cos in the plane of the eye', width: 430, height: 300, legend: 'top', text: 'exponent ' + s.n + ', eye at ' + s.a + ' degrees',
+    const lobe = bisPlot.chart({title: 'Density and f cos in the plane of the eye', width: Math.min(430, wide), height: 300, legend: 'top', text: 'exponent ' + s.n + ', eye at ' + s.a + ' degrees',
       x: {label: 'angle to the normal', min: -90, max: 90, ticks: [-90, -45, 0, 45, 90]}, y: {label: 'per steradian', min: 0},
       series: [{kind: 'line', x: degrees, y: pdf, label: 'density', colour: 'brdf'}, {kind: 'line', x: degrees, y: f, label: 'f cos', colour: 'sir', dash: true}], marks: [{x: s.a, label: 'mirror'}]});
-    const top = bisPlot.chart({title: 'Directions from above', width: 320, height: 300, legend: 'top', text: lower + ' of ' + s.m + ' lie below the horizon', x: {label: 'x', min: -1, max: 1}, y: {label: 'y', min: -1, max: 1},
+    const top = bisPlot.chart({title: 'Directions from above', width: Math.min(320, wide), height: 300, legend: 'top', text: lower + ' of ' + s.m + ' lie below the horizon', x: {label: 'x', min: -1, max: 1}, y: {label: 'y', min: -1, max: 1},
       series: [{kind: 'points', x: above[0], y: above[1], label: 'above', colour: 'brdf', radius: 1.6, shape: 'disc'}, {kind: 'points', x: below[0], y: below[1], label: 'below', colour: 3, radius: 1.8, shape: 'square'}]});
     return {html: lobe + top, words: 'The material reflects ' + bisPlot.percent(out[4][0][0]) + ' of the light that comes from the eye’s side; ' + bisPlot.percent(Math.max(0, lost(out))) + ' of the directions are drawn below the horizon and lost.'};
   },

@@ -59,8 +59,7 @@ bisFigure.define({
       ['bis_flat_compare', WIDE, HIGH, '#' + (place(s, i, k) + 1) + '.0', '#' + EXACT + '.0', 3]]))
   ],
   draw(s, out, wide) {
-    const show = (title, pixels) => bisPlot.heat({title, text: title, width: 200, height: 133, columns: WIDE, rows: HIGH, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5)),
-      x: {label: title, min: 0, max: 1, ticks: []}, y: {label: '', min: 0, max: 1, ticks: []}});
+    const show = (title, pixels) => bisPlot.heat({title, text: title, width: 200, height: 133, columns: WIDE, rows: HIGH, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))});
     const first = Math.min(...chosen(s).map((m) => used(s, m, 0))), last = Math.max(...chosen(s).map((m) => used(s, m, MOST)));
     const chart = bisPlot.chart({title: 'Error against ' + unit(s), width: wide, height: 320, text: chosen(s).map((m) => m + ' ' + bisPlot.number(errorOf(s, out, m), 3)).join(', '), x: {label: unit(s), log: true, min: first / 1.2, max: 1.2 * last}, y: {label: 'RMSE against the exact picture', log: true},
       series: chosen(s).map((m) => ({kind: 'line', x: steps(s).map((k) => used(s, m, k)), y: steps(s).map((k) => errorAt(s, out, m, k)), label: m, colour: m, points: true}))});

@@ -24,13 +24,13 @@ bisFigure.define({
     ['bis_flat_stage_densities', 'stage', W, H, W * H, W * H, W * H, W * H, 4],
     ['bis_flat_stage_exact', 'stage', 1, 4]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const [q_L, q_f, product, seen, peaks] = out[4];
-    const picture = bisPlot.heat({title: 'The picture: click a pixel', width: 360, height: 240, columns: WIDE, rows: HIGH, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(out[1][0], WIDE * HIGH, 4, 1.5)),
+    const picture = bisPlot.heat({title: 'The picture: click a pixel', width: 360, height: 240, most: wide, columns: WIDE, rows: HIGH, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(out[1][0], WIDE * HIGH, 4, 1.5)),
       text: 'three balls, a wall and a floor', x: {label: 'x', min: 0, max: WIDE, ticks: [0, 40, 80, 120]}, y: {label: 'y', min: 0, max: HIGH, ticks: [0, 40, 80]}, scale: false, marks: [{x: s.x + 0.5, y: s.y + 0.5, label: ''}]});
-    const field = (title, values, peak, label) => bisPlot.heat({title, text: title, width: 300, height: 150, columns: W, rows: H, values, log: true, lo: peak / 1e4 || 1e-9, hi: peak || 1, label,
-      x: {label: title, min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}});
-    return {html: picture + '<div>' + field('q_L, the map', q_L, peaks[0], '1/sr') + field('q_f, the BRDF', q_f, peaks[1], '1/sr') + field('f cos L, the product', product, peaks[2], '') + field('f cos L V, what is seen', seen, peaks[3], '') + '</div>',
+    const field = (title, values, peak, label) => bisPlot.heat({title, text: title, width: 300, height: 150, most: wide, columns: W, rows: H, values, log: true, lo: peak / 1e4 || 1e-9, hi: peak || 1, label,
+      x: {label: 'phi', min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}});
+    return {html: picture + '<div>' + field('q_L, the map', q_L, peaks[0], '1/sr') + field('q_f, the BRDF', q_f, peaks[1], '1/sr') + field('f cos L, the product', product, peaks[2], 'f cos L') + field('f cos L V, what is seen', seen, peaks[3], 'f cos L V') + '</div>',
       words: 'At pixel (' + s.x + ', ' + s.y + ') the exact value of r + g + b is ' + bisPlot.number(out[5][0][0]) + '; without shadows it would be ' + bisPlot.number(out[5][0][2]) + ': ' + bisPlot.percent(share(out)) + ' is seen.'};
   },
   tasks: [

@@ -26,7 +26,7 @@ bisFigure.define({
   draw(s, out, wide) {
     const [c_em, c_brdf] = out[2][0], bound = s.q === 'em' ? c_em : c_brdf, w = out[3][1], [height, taken, [accepted]] = out[5], yes = [[], []], no = [[], []];
     for (let i = 0; i < s.M; i++) { const to = taken[i] ? yes : no; to[0].push(i); to[1].push(height[i]); }
-    const range = {log: true, min: bound / 1e5, max: 2 * bound};
+    const range = {log: true, min: bound / 1e5, max: 8 * bound};
     const chart = bisPlot.chart({title: 'Heights and weights', width: wide, height: 340, legend: 'top', text: accepted + ' of ' + s.M + ' are accepted', x: {label: 'candidate', min: 0, max: s.M}, y: Object.assign({label: 'weight'}, range),
       series: [{kind: 'points', x: [...w.keys()], y: [...w], label: 'weight', colour: 0, radius: 1.6, shape: 'square'}, {kind: 'points', x: no[0], y: no[1], label: 'refused', colour: 'exact', radius: 1.2, shape: 'disc'},
         {kind: 'points', x: yes[0], y: yes[1], label: 'accepted', colour: 'rejection', radius: 3.5, shape: 'down'}],

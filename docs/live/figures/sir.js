@@ -29,7 +29,7 @@ bisFigure.define({
     ['bis_flat_stage_runs', 'stage', settings(s), s.seed, REPEATS, REPEATS, 3],
     ['bis_flat_histogram', REPEATS, '#6.0', '#2.0', TOP, CELLS, CELLS]
   ],
-  draw(s, out) {
+  draw(s, out, wide) {
     const exact = out[2][0], product = out[3][2], most = out[3][4][2], [, w, chosen, kind, sum] = out[4], cell = out[5][0], stats = out[6][1];
     const dots = [], largest = Math.max(...w);
     for (let i = 0; i < s.M; i++) {
@@ -38,11 +38,11 @@ bisFigure.define({
       dots.push(Object.assign(at, {radius: chosen[i] ? 3 + Math.min(chosen[i], 6) / 2 : 0.8 + 2.2 * Math.sqrt(w[i] / largest),
         colour: chosen[i] ? (kind[i] & 2 ? '#7fe0ff' : '#05050d') : kind[i] & 1 ? '#e5a93c' : '#3cc4b6', ring: chosen[i] ? '#fff' : undefined}));
     }
-    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, columns: W, rows: H, values: product, log: true, lo: most / 1e4, hi: most || 1,
+    const field = bisPlot.heat({title: 'The product p and the candidates', width: 360, height: 180, most: wide, columns: W, rows: H, values: product, log: true, lo: most / 1e4, hi: most || 1,
       text: s.M + ' candidates, ' + s.N + ' rays; ' + bisPlot.number(sum[2], 3) + ' effective candidates', dots: dots.sort((a, b) => a.radius - b.radius),
       x: {label: 'phi', min: 0, max: 360, ticks: [0, 90, 180, 270, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}, label: 'f cos L'});
     const hi = Math.max(TOP * exact[0], 1e-9), edges = [...Array(CELLS + 1).keys()].map((i) => i * hi / CELLS);
-    const histogram = bisPlot.chart({title: REPEATS + ' estimates', width: 400, height: 260, text: 'mean ' + bisPlot.number(stats[0]) + ', exact ' + bisPlot.number(exact[0]),
+    const histogram = bisPlot.chart({title: REPEATS + ' estimates', width: Math.min(400, wide), height: 260, text: 'mean ' + bisPlot.number(stats[0]) + ', exact ' + bisPlot.number(exact[0]),
       x: {label: 'estimate of r + g + b (the last cell: all above)', min: 0, max: hi}, y: {label: 'how many', min: 0},
       series: [{kind: 'steps', x: edges, y: [...out[7][0]], colour: 'sir'}],
       marks: [{x: exact[0], label: 'exact', colour: 'exact'}]});

@@ -85,6 +85,11 @@ static void scale(float *density, double divisor)
     for (size_t i = 0; divisor > 0 && i < PLACES; i++) density[i] = (float)((double)density[i] / divisor);
 }
 
+static bis_status no_memory(bis_diag *diag)
+{
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sphere of %d x %d", WIDTH, HEIGHT);
+}
+
 static void densities_clear(densities *d)
 {
     for (int k = 0; k < N_DENSITIES; k++) bis_free(d->of[k]);
@@ -104,7 +109,7 @@ static bis_status densities_init(densities *d, const bis_pixel_report *r, bis_di
     for (int k = 0; k < N_DENSITIES; k++) ok = (d->of[k] = bis_alloc(PLACES, sizeof(float))) && ok;
     if (!ok) {
         densities_clear(d);
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sphere of %d x %d", WIDTH, HEIGHT);
+        return no_memory(diag);
     }
 #pragma omp parallel for schedule(dynamic, 4)
     for (int y = 0; y < HEIGHT; y++) {
@@ -131,26 +136,19 @@ static int find_top(const densities *d)
     return most > 0 ? (int)ceil(log10(most)) : 0;
 }
 
-/* Two bytes for each place, the higher one first, in base64: 0 is below the scale, else 1 + (CODES - 1) t. */
+/* Codes of two bytes: 0 is below the scale, else 1 + (CODES - 1) t. */
 static bis_status put_codes(bis_json *j, const char *key, const float *density, int top, bis_diag *diag)
 {
-    unsigned char *bytes = bis_alloc(PLACES, 2);
-    char *text = NULL;
-    size_t n = 0;
-    FILE *out = bytes ? open_memstream(&text, &n) : NULL;
+    uint32_t *codes = bis_alloc(PLACES, sizeof *codes);
 
-    for (size_t i = 0; bytes && i < PLACES; i++) {
+    if (!codes) return no_memory(diag);
+    for (size_t i = 0; i < PLACES; i++) {
         const double t = 1 + (log10((double)density[i]) - top) / DECADES; /* of 0: -inf */
-        const unsigned code = t >= 0 ? 1 + (unsigned)lround((CODES - 1) * fmin(t, 1)) : 0;
-        bytes[2 * i] = (unsigned char)(code >> 8);
-        bytes[2 * i + 1] = (unsigned char)(code & 255);
+        codes[i] = t >= 0 ? 1 + (uint32_t)lround((CODES - 1) * fmin(t, 1)) : 0;
     }
-    if (out) bis_page_base64(out, bytes, 2 * (size_t)PLACES);
-    const bool ok = out && fclose(out) == 0;
-    if (ok) bis_json_text(j, key, text);
-    free(text); /* the C library's, not ours */
-    bis_free(bytes);
-    return ok ? BIS_OK : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sphere of %d x %d", WIDTH, HEIGHT);
+    const bis_status status = bis_page_numbers(j, key, codes, PLACES, 2, "a sphere of directions", diag);
+    bis_free(codes);
+    return status;
 }
 
 static void put_mark(bis_json *j, const char *key, const bis_pixel_report *r, vec3 w)

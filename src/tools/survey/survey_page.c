@@ -49,24 +49,7 @@ static double density_of(const places *p, const bis_importance *im, size_t i)
     return sum / n;
 }
 
-/* Numbers of `size` bytes each, the highest byte first, in base64. Errors: BIS_NOMEM. */
-static bis_status put_numbers(bis_json *j, const char *key, const uint32_t *v, size_t n, int size, bis_diag *diag)
-{
-    unsigned char *bytes = bis_alloc(n, (size_t)size);
-    char *text = NULL;
-    size_t length = 0;
-    FILE *out = bytes ? open_memstream(&text, &length) : NULL;
-
-    for (size_t i = 0; bytes && i < n; i++)
-        for (int k = 1; k <= size; k++)
-            bytes[(i + 1) * (size_t)size - (size_t)k] = (unsigned char)(v[i] >> 8 * (k - 1));
-    if (out) bis_page_base64(out, bytes, n * (size_t)size);
-    const bool ok = out && fclose(out) == 0;
-    if (ok) bis_json_text(j, key, text);
-    free(text); /* the C library's, not ours */
-    bis_free(bytes);
-    return ok ? BIS_OK : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the page of a map");
-}
+static const char what[] = "the page of a map";
 
 /* Codes of the density: 0 is a density of 0, else 1 + (CODES - 1) log(q/least)/log(most/least). */
 static bis_status put_densities(bis_json *j, const places *p, const bis_importance *im, uint32_t *v, bis_diag *diag)
@@ -74,7 +57,7 @@ static bis_status put_densities(bis_json *j, const places *p, const bis_importan
     const size_t n = (size_t)p->width * (size_t)p->height;
     double *q = bis_alloc(n, sizeof *q), least = DBL_MAX, most = 0;
 
-    if (!q) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the page of a map");
+    if (!q) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %s", what);
     for (size_t i = 0; i < n; i++) {
         q[i] = density_of(p, im, i);
         most = fmax(most, q[i]);
@@ -86,7 +69,7 @@ static bis_status put_densities(bis_json *j, const places *p, const bis_importan
     }
     bis_free(q);
     BIS_JSON_NUMBERS(j, {"least", most > 0 ? least : 0}, {"most", most});
-    return put_numbers(j, "density", v, n, 2, diag);
+    return bis_page_numbers(j, "density", v, n, 2, what, diag);
 }
 
 /* Where directions are drawn, as those of the picture (bis_survey_importance_picture): theta and phi in turns. */
@@ -131,14 +114,14 @@ bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_envma
     const bis_levels levels = bis_levels_of(em, s->n_levels ? s->n_levels : 1); /* none: all is black, in no level */
     uint32_t *v = bis_alloc(n, sizeof *v);
 
-    if (!v) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the page of a map");
+    if (!v) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %s", what);
     bis_json_open(j, "places", '{');
     BIS_JSON_NUMBERS(j, {"width", p.width}, {"height", p.height}, {"step", p.step});
     bis_status status = put_picture(j, &p, s, diag);
     for (size_t i = 0; i < n; i++) v[i] = bis_level_of_intensity(&levels, rgb_sum(em->pixels[pixel_of(&p, i)]));
-    if (!status) status = put_numbers(j, "level", v, n, 1, diag);
+    if (!status) status = bis_page_numbers(j, "level", v, n, 1, what, diag);
     for (size_t i = 0; i < n; i++) v[i] = regions->label[pixel_of(&p, i)];
-    if (!status) status = put_numbers(j, "region", v, n, 4, diag);
+    if (!status) status = bis_page_numbers(j, "region", v, n, 4, what, diag);
     if (!status) status = put_densities(j, &p, im, v, diag);
     bis_json_close(j);
     bis_free(v);
