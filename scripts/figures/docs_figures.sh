@@ -116,7 +116,7 @@ for picture; do
     live)
         mkdir "$tmp/live"
         python3 scripts/figures/live_frames.py "$tmp/live" sir "M=1;N=1" "M=4;N=4" "M=16;N=8" "M=64;N=8" "M=256;N=8" "M=1024;N=8" "M=1024;N=32"
-        convert -delay 200 "$tmp"/live/*.png +dither -colors 48 -layers optimize "$out/live-sir.gif"
+        convert -delay 200 "$tmp"/live/*.png +dither -colors 40 -layers optimize "$out/live-sir.gif"
         echo "$out/live-sir.gif"
         ;;
     microfacet)
