@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall, make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
-#   make MPI=1           bis-mpi, too, for several machines (docs/many-machines.md)
+#   make MPI=1           bis-mpi, too, for several machines (docs/command-line.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
 # All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order.
@@ -254,7 +254,7 @@ coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/check/coverage.sh build/coverage
 
-# The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set. C computes
+# The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where it is set. C computes
 # them; docs/live/plot.js draws, under node, which a clone does not need.
 figures: $B/bis $B/figures $(STAMP)
 	@sh scripts/figures/figures.sh $B

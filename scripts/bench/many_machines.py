@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""many_machines: how long bis-mpi takes on more ranks than anybody here has, by simulation. docs/many-machines.md has the
+"""many_machines: how long bis-mpi takes on more ranks than anybody here has, by simulation. docs/command-line.md has the
 table.
 
     python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--svg FILE]

@@ -9,7 +9,7 @@ the box filter of one pixel, each picture is rendered SEEDS times, and the error
 the means together. A row fails if a channel is off by more than 1 % and by more than 3 such errors. Substrates and coats
 are those of that page, which are near pbrt's; a row "by pbrt", which does not judge, has pbrt's own in their place. Where
 bis resamples the map, which moves edges that the camera sees, it is judged by a row with a map of 2048 pixels, as wide as
-Mitsuba's. Exit status: 0, 1 where a scene fails, 77 without Mitsuba 3, numpy or LLVM (docs/bench.md says how to get them).
+Mitsuba's. Exit status: 0, 1 where a scene fails, 77 without Mitsuba 3, numpy or LLVM (docs/measured.md says how to get them).
 
 Left out of data/scenes/pbrt are those that only --approximate renders: approximate-v2, -v3 and -v4 (thin lenses, point
 and area lights, glass), and every-word (a dozen materials and shapes that bis replaces by others)."""

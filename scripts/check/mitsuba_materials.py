@@ -16,7 +16,7 @@ try:
     dr.eval(dr.arange(mi.Float, 4))
 except Exception as e:  # whatever is missing: a module, its compiled half, LLVM
     print(f'{os.path.basename(sys.argv[0])}: SKIPPED: {sys.executable} cannot use Mitsuba 3, numpy and LLVM ({e}); '
-          'docs/bench.md says how to get them')
+          'docs/measured.md says how to get them')
     sys.exit(77)
 
 

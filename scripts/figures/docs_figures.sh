@@ -8,7 +8,7 @@
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel, live): a
 # headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
-# and none above 300 KB. pbrt needs Mitsuba 3 (docs/bench.md; BENCH_PYTHON is its python3) and half an hour.
+# and none above 300 KB. pbrt needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
 plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch

@@ -13,7 +13,7 @@
  * (em, mis in 5.7 and 5.8), M/N as in the thesis: em's 12 seconds are the yardstick between the machines of then and
  * now. "equal rays": N such that all trace as many shadow rays as the thesis's N, M as in the thesis. 5.9, sir against
  * the converged picture, has the first row alone. Below each picture stands its relative error in false colours.
- * FIGURE-time.png has a few columns of the row of equal time, for docs/results.md.
+ * FIGURE-time.png has a few columns of the row of equal time, for docs/measured.md.
  *
  * Time is processor time of one thread, the smallest over the seeds; error is measure.h's, the mean over the seeds.
  * Lines of words go to standard output:

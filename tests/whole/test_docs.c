@@ -117,13 +117,13 @@ static void every_command_of_the_guide_works(void **state)
     assert_true(program_exists(DIR "/pixel_350_300/pixel.html") && program_exists(DIR "/sky-importance.png"));
 }
 
-/* Copies the block of code behind the line `mark` of docs/many-machines.md to the file. */
+/* Copies the block of code behind the line `mark` of docs/command-line.md to the file. */
 static void copy_block(const char *mark, const char *path)
 {
     char line[1024];
     bool is_near = false, is_in = false;
     int n_lines = 0;
-    FILE *page = fopen("docs/many-machines.md", "r"), *script = fopen(path, "w");
+    FILE *page = fopen("docs/command-line.md", "r"), *script = fopen(path, "w");
 
     assert_non_null(page);
     assert_non_null(script);
@@ -164,9 +164,9 @@ static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 static void links_of_the_pages_lead_to_files(void **state)
 {
     (void)state;
-    const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
-                           "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
-                           "docs/guide.md", "docs/theory.md", "docs/many-machines.md", "docs/library.md",
+    const char *pages[] = {"README.md", "docs/command-line.md", "src/README.md", "docs/integrators.md", "docs/scene-format.md",
+                           "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/measured.md",
+                           "docs/guide.md", "docs/theory.md", "docs/json.md", "docs/live.md", "docs/library.md",
                            "docs/teaching.md", "docs/assignments/README.md", "docs/paper.md", "docs/SECURITY.md",
                            "docs/CODE_OF_CONDUCT.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {

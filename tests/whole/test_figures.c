@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* `make figures` knows every figure that docs/results.md speaks of, and each one that the thesis shows as a result or
+/* `make figures` knows every figure that docs/measured.md speaks of, and each one that the thesis shows as a result or
  * a plot; pictures in that page are there and small. scripts/figures/docs_figures.sh makes every picture that the docs
  * show. Rendering them all takes minutes and is no part of the tests. */
 #include "program.h"
@@ -19,7 +19,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-#define PAGE "docs/results.md"
+#define PAGE "docs/measured.md"
 
 static void read_text(char *text, size_t size, const char *path)
 {
