@@ -21,8 +21,25 @@ static volatile sig_atomic_t running; /* the process group to end with us */
 
 static void end_all(int number)
 {
-    if (running) kill(-(pid_t)running, SIGKILL);
+    if (running) {
+        kill(-(pid_t)running, SIGKILL);
+        kill((pid_t)running, SIGKILL); /* it has no group yet, perhaps */
+    }
     _exit(128 + number);
+}
+
+/* The signals that end us wait while `running` does not say yet what has begun, because end_all would end nothing: the
+ * child would die with us by PR_SET_PDEATHSIG, but what it has forked by then would not. */
+static sigset_t hold_signals(void)
+{
+    sigset_t ours, before;
+
+    sigemptyset(&ours);
+    sigaddset(&ours, SIGINT);
+    sigaddset(&ours, SIGTERM);
+    sigaddset(&ours, SIGHUP);
+    sigprocmask(SIG_BLOCK, &ours, &before);
+    return before;
 }
 
 void box_end_with_us(void)
@@ -46,7 +63,7 @@ double box_now(void)
 /* A macro, because the type of RLIMIT_* has no name that every libc knows. */
 #define LIMIT(resource, value) setrlimit(resource, &(struct rlimit){(rlim_t)(value), (rlim_t)(value)})
 
-static _Noreturn void become(const box_limits *l, char *const words[], int output, int channel)
+static _Noreturn void become(const box_limits *l, char *const words[], int output, int channel, const sigset_t *mask)
 {
     const struct rlimit cpu = {(rlim_t)(l->cpu + 0.999),
                                (rlim_t)(l->cpu + 0.999) + 1}; /* SIGXCPU, a second later SIGKILL */
@@ -58,6 +75,7 @@ static _Noreturn void become(const box_limits *l, char *const words[], int outpu
     signal(SIGTERM, SIG_DFL);
     signal(SIGHUP, SIG_DFL);
     signal(SIGQUIT, SIG_DFL);
+    sigprocmask(SIG_SETMASK, mask, NULL);
     dup2(nothing, STDIN_FILENO);
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
@@ -126,8 +144,11 @@ bool box_start(box *b, const box_limits *limits, char *const words[], int channe
     if (pipe2(ends, O_CLOEXEC) != 0) return false;
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     fflush(NULL);
+    const sigset_t mask = hold_signals();
     const pid_t child = fork();
-    if (child == 0) become(limits, words, ends[1], channel);
+    if (child == 0) become(limits, words, ends[1], channel, &mask);
+    if (child > 0) running = child;
+    sigprocmask(SIG_SETMASK, &mask, NULL);
     close(ends[1]);
     if (channel >= 0) close(channel);
     b->output = ends[0];
@@ -136,7 +157,7 @@ bool box_start(box *b, const box_limits *limits, char *const words[], int channe
         close(ends[0]);
         return false;
     }
-    running = b->child = child;
+    b->child = child;
     return true;
 }
 
