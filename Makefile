@@ -40,7 +40,7 @@ WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-proto
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
-SRC     := $(filter-out src/cli/main.c src/cli/crew_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
+SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 PAGES   := $(wildcard src/tools/*/page.html)
 OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o)
 LIB     := $B/libbis.a
@@ -100,12 +100,12 @@ endef
 $B/bis: $B/src/cli/main.o $(LIB)
 	$(LINK) $(LIBS)
 # MPICC is a wrapper of the compiler CC, which Open MPI and MPICH take from the environment.
-$B/bis-mpi $B/src/cli/crew_mpi.o: export OMPI_CC = $(CC)
-$B/bis-mpi $B/src/cli/crew_mpi.o: export MPICH_CC = $(CC)
-$B/bis-mpi: $B/src/cli/main.o $B/src/cli/crew_mpi.o $(LIB)
+$B/bis-mpi $B/src/cli/ranks_mpi.o: export OMPI_CC = $(CC)
+$B/bis-mpi $B/src/cli/ranks_mpi.o: export MPICH_CC = $(CC)
+$B/bis-mpi: $B/src/cli/main.o $B/src/cli/ranks_mpi.o $(LIB)
 	$(call say,LINK,$@)
 	$Q$(MPICC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $^ $(LIBS)
-$B/src/cli/crew_mpi.o: src/cli/crew_mpi.c $B/.flags
+$B/src/cli/ranks_mpi.o: src/cli/ranks_mpi.c $B/.flags
 	@mkdir -p $(@D)
 	$(call say,MPICC,$<)
 	$Q$(MPICC) $(CFLAGS) $(OURS) -Wformat=2 -MMD -MP -c -o $@ $<

@@ -6,7 +6,7 @@ table.
 
 1, 10, 100, 1000 and 10000 threads work together, at most T (32) of them in a rank: one rank for each machine.
 
-Simulated is what src/render/team_deal.c does: rank 0 deals out batches, each rank has one at work and one waiting; a
+Simulated is what src/render/scheduler_deal.c does: rank 0 deals out batches, each rank has one at work and one waiting; a
 rank gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends
 to it between two of its own tiles; costly tiles come first from the second pass on; finished tiles come back some
 together, and rank 0 looks after the others alone (more than 16 ranks). Every message to rank 0 comes one after the

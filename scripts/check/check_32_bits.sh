@@ -27,7 +27,7 @@ mkdir "$stubs/gnu" && : >"$stubs/gnu/stubs-32.h"
 compile="${BIS_COMPILE:-cc -std=c11} -m32 -fsyntax-only -Werror -Wno-conversion -Wno-psabi -I$stubs -isystem /usr/include/$(uname -m)-linux-gnu"
 printf '#include <stdio.h>\n_Static_assert(sizeof(void *) == 4, "");\n' >"$stubs/probe.c"
 $compile "$stubs/probe.c" 2>/dev/null || { echo "32 bits: not checked: the compiler has no -m32"; exit 0; }
-[ $# -gt 0 ] || set -- $(find src -name "*.c" ! -name "crew_mpi.c")
+[ $# -gt 0 ] || set -- $(find src -name "*.c" ! -name "ranks_mpi.c")
 bad=0
 for file; do
     $compile "$file" || bad=1

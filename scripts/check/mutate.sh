@@ -351,7 +351,7 @@ exit
 # + const float scale = (k % 16 ? 1 : 2) * (float)bis_product_scale(p, c, k);
 #
 # * guide test_verify_picture : learned visibility is not divided out
-# - x->y.h[j] = g->foresight.h[k];
+# - x->y.h[j] = g->guess.h[k];
 # + x->y.h[j] = 1;
 #
 # * pass test_verify_picture : edge pixels count 1.5 times
@@ -567,7 +567,7 @@ exit
 # + i + 1 < w->n; i++) finish(
 #
 # * gather test_layers : a layer's L_ns puts its rays off
-# - open.later = NULL;
+# - open.ray_sink = NULL;
 # + ;
 #
 # * pass test_wave : all camera samples of a pass are the first

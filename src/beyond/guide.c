@@ -42,7 +42,7 @@ static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, 
     bis_product_guide *g = (bis_product_guide *)guide;
     double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
 
-    if (!bis_product_weigh(&g->product, g->clusters, g->foresight.h, &pt->bsdf)) return false;
+    if (!bis_product_weigh(&g->product, g->clusters, g->guess.h, &pt->bsdf)) return false;
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     bis_product_draw(&g->product, g->clusters, &x->own, x->part, n, marks[0][0], phase[0][0], stream->pixel);
@@ -74,7 +74,7 @@ static void weigh_half(bis_set *x, const bis_half *half, const float *h)
 
 static void weigh(bis_guide *guide, bis_set *x)
 {
-    const float *h = ((const bis_product_guide *)guide)->foresight.h;
+    const float *h = ((const bis_product_guide *)guide)->guess.h;
 
     weigh_half(x, &x->map, h);
     weigh_half(x, &x->brdf, h);
@@ -86,8 +86,8 @@ static void chosen(bis_guide *guide, bis_set *x)
 
     for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
         const uint32_t k = x->part[x->choice.item[j]];
-        x->y.h[j] = g->foresight.h[k];
-        x->y.seen[j] = guide->learns ? bis_foresight_count(&g->foresight, k, g->clusters->n) : NULL;
+        x->y.h[j] = g->guess.h[k];
+        x->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n) : NULL;
     }
 }
 
@@ -96,7 +96,7 @@ static bool has_control(const bis_guide *guide, const bis_set *x, const bis_poin
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
-    return g->foresight.knows && x->brdf.n == 0 && !rgb_is_black(pt->bsdf.material->Kd);
+    return g->guess.knows && x->brdf.n == 0 && !rgb_is_black(pt->bsdf.material->Kd);
 }
 
 /* Z times the sum of F/(phat h) g over what was chosen. */
@@ -105,7 +105,7 @@ static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *x, doub
     rgbd sum = {0, 0, 0};
 
     for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
-        const float control = g->foresight.control[x->part[x->choice.item[j]]];
+        const float control = g->guess.control[x->part[x->choice.item[j]]];
         const rgbd share = {(double)x->y.r[j], (double)x->y.g[j], (double)x->y.b[j]};
         sum = rgbd_add(sum, rgbd_scale(share, Z * x->choice.times[j] * (double)control));
     }
@@ -117,7 +117,7 @@ static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *x, doub
 static rgbd expected(const bis_guide *guide, const bis_set *x, double Z)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
-    const rgbd all = bis_shares_sum(x, 0, bis_lanes_round_up(x->map.n), g->foresight.control);
+    const rgbd all = bis_shares_sum(x, 0, bis_lanes_round_up(x->map.n), g->guess.control);
     const rgbd mean = rgbd_scale(all, x->unit_of_f * x->unit_of_Le / x->M), chosen_only = control_of_chosen(g, x, Z);
     const rgb L = rgbd_round(rgbd_add(mean, rgbd_scale(chosen_only, -1)));
 
@@ -138,7 +138,7 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
     bis_product_claim(&g->product, &claims);
     if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
     if (!status && visibility) {
-        status = bis_foresight_init(&g->foresight, clusters->n, diag);
+        status = bis_guess_init(&g->guess, clusters->n, diag);
         g->steps.weigh = weigh;
         g->steps.chosen = chosen;
         g->steps.has_control = has_control;
@@ -151,7 +151,7 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
 void bis_product_guide_clear(bis_product_guide *g)
 {
     bis_product_clear(&g->product);
-    bis_foresight_clear(&g->foresight);
+    bis_guess_clear(&g->guess);
     *g = (bis_product_guide){.clusters = NULL};
 }
 
@@ -162,12 +162,12 @@ size_t bis_product_guide_bytes(const bis_product_guide *g)
 
     if (!g->clusters) return 0;
     bis_product_claim(&p, &claims);
-    return claims.bytes + (g->visibility ? bis_foresight_bytes(g->clusters->n) : 0);
+    return claims.bytes + (g->visibility ? bis_guess_bytes(g->clusters->n) : 0);
 }
 
 void bis_product_guide_look(bis_product_guide *g, size_t cell)
 {
-    if (g->visibility) bis_foresight_look(&g->foresight, g->clusters->n, g->visibility, cell);
+    if (g->visibility) bis_guess_look(&g->guess, g->clusters->n, g->visibility, cell);
 }
 
 /* ---- single points ---- */

@@ -29,7 +29,7 @@ typedef struct bis_product_guide {
     bis_product product;
     const bis_clusters *clusters;  /* borrowed, shared by all threads */
     bis_visibility *visibility;    /* borrowed, shared by all threads; NULL: nothing is learned */
-    bis_foresight foresight;       /* what the cell at hand has learned */
+    bis_visibility_guess guess;        /* what the cell at hand has learned */
 } bis_product_guide;
 
 /* bis_product_guide_init makes a thread's guide. visibility may be NULL. Errors: BIS_NOMEM. */

@@ -111,13 +111,13 @@ static void doubt(float *h, uint32_t n_parts)
     for (uint32_t i = 0; i < n_parts; i++) h[i] += sum / (4 * (float)n_parts);
 }
 
-size_t bis_foresight_bytes(uint32_t n) { return 2 * (size_t)bis_lanes_round_up(n) * sizeof(float); }
+size_t bis_guess_bytes(uint32_t n) { return 2 * (size_t)bis_lanes_round_up(n) * sizeof(float); }
 
-bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
+bis_status bis_guess_init(bis_visibility_guess *f, uint32_t n, bis_diag *diag)
 {
     const size_t padded = bis_lanes_round_up(n);
 
-    *f = (bis_foresight){.memory = bis_alloc(2 * padded, sizeof *f->memory)};
+    *f = (bis_visibility_guess){.memory = bis_alloc(2 * padded, sizeof *f->memory)};
     if (!f->memory)
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)n);
     f->h = f->memory;
@@ -126,13 +126,13 @@ bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
     return BIS_OK;
 }
 
-void bis_foresight_clear(bis_foresight *f)
+void bis_guess_clear(bis_visibility_guess *f)
 {
     bis_free(f->memory);
-    *f = (bis_foresight){0};
+    *f = (bis_visibility_guess){0};
 }
 
-void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell)
+void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v, size_t cell)
 {
     const size_t first = cell / v->cells * v->cells;
     const uint32_t n_parts = parts_of(n);
@@ -155,7 +155,7 @@ void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, s
     f->counted = &v->counted[cell];
 }
 
-uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n)
+uint16_t *bis_guess_count(const bis_visibility_guess *f, uint32_t k, uint32_t n)
 {
     const uint32_t part = bis_visibility_part(k, n);
 

@@ -2,7 +2,7 @@
 /* choice: integrator "auto" under `bis render`: a pilot renders a little, and chooses. */
 #include "choice.h"
 
-#include "render/crew.h"
+#include "render/ranks.h"
 #include "tools/describe.h"
 
 /* desc->view.settings becomes what the pilot chose, or the default if the render is too short for one, and is told. */
@@ -31,18 +31,18 @@ static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bi
     if (!quiet) fprintf(stderr, "bis: note: auto goes on with %s, as the checkpoint says\n", line);
 }
 
-/* What rank 0 has chosen, to all ranks of the crew. */
+/* What rank 0 has chosen, to all ranks. */
 static bis_status tell_choice(bis_scene_desc *desc, bis_status status, bis_diag *diag)
 {
-    bis_crew *crew = bis_cli_crew;
+    bis_ranks *ranks = bis_cli_ranks;
     char name[32] = "";
 
-    status = bis_crew_agree(crew, status, diag);
-    if (status || !crew) return status;
+    status = bis_ranks_agree(ranks, status, diag);
+    if (status || !ranks) return status;
     bis_settings s = desc->view.settings;
     snprintf(name, sizeof name, "%s", s.integrator->name);
-    crew->broadcast(crew, name, sizeof name);
-    crew->broadcast(crew, &s, sizeof s);
+    ranks->broadcast(ranks, name, sizeof name);
+    ranks->broadcast(ranks, &s, sizeof s);
     s.integrator = bis_integrator_find(name); /* an address is of one process */
     desc->view.settings = s;
     return BIS_OK;
@@ -54,7 +54,7 @@ bis_status bis_choice_make(bis_auto_report *choice, const bis_scene *scene, bis_
 {
     bis_status status = BIS_OK;
 
-    if (bis_crew_leads(bis_cli_crew)) {
+    if (bis_rank_leads(bis_cli_ranks)) {
         if (checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, quiet);
         else status = run_pilot(choice, scene, desc, options, quiet, diag);
     }

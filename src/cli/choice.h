@@ -6,7 +6,7 @@
 #include "render/checkpoint.h"
 #include "tools/auto/auto.h"
 
-/* bis_choice_make puts into desc->view.settings, on all ranks of the crew, what a checkpoint says that was chosen, or
+/* bis_choice_make puts into desc->view.settings, on all ranks, what a checkpoint says that was chosen, or
  * else what a pilot chooses, and says so on standard error unless quiet. *choice is set on rank 0. Errors: those of
  * bis_auto_choose, of any rank. */
 bis_status bis_choice_make(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,

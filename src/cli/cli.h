@@ -147,11 +147,11 @@ extern volatile sig_atomic_t bis_cli_signal;
  * and kills. */
 void bis_cli_catch_signals(void);
 
-/* The crew that this process belongs to; NULL: it is alone. bis_cli_crew_open finds it, first of all in main, and on
- * ranks other than 0 lets standard output and standard error go nowhere. bis_cli_crew_close leaves it. */
-extern bis_crew *bis_cli_crew;
-void bis_cli_crew_open(int *argc, char ***argv);
-void bis_cli_crew_close(void);
+/* The ranks that this process belongs to; NULL: it is alone. bis_cli_ranks_open finds it, first of all in main, and on
+ * ranks other than 0 lets standard output and standard error go nowhere. bis_cli_ranks_close leaves it. */
+extern bis_ranks *bis_cli_ranks;
+void bis_cli_ranks_open(int *argc, char ***argv);
+void bis_cli_ranks_close(void);
 
 /* The commands: arguments behind the command's name, exit status out. */
 int bis_cmd_render(int argc, char **argv);

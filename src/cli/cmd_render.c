@@ -15,7 +15,7 @@
 #include "override.h"
 #include "progress.h"
 #include "render/checkpoint.h"
-#include "render/crew.h"
+#include "render/ranks.h"
 #include "render_part.h"
 #include "tools/memory.h"
 
@@ -37,7 +37,7 @@ typedef struct render_options {
     bool quiet, plan, approximate, has_every;
     double seconds, error, every, write_every;
     bis_render_part part;
-    bool agreed; /* the crew has */
+    bool agreed; /* all ranks have */
     double start; /* of the command, on bis_clock_now's clock */
 } render_options;
 
@@ -114,7 +114,7 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
     if (o->has_every && !c->path) bis_warn(diag, bis_cli_loc, "--checkpoint-every has no effect without --checkpoint");
     if (o->write_every > 0 && o->part.share.n)
         bis_warn(diag, bis_cli_loc, "--write-every has no effect with --part, whose file is no picture");
-    if (!resume || !bis_crew_leads(bis_cli_crew)) return BIS_OK;
+    if (!resume || !bis_rank_leads(bis_cli_ranks)) return BIS_OK;
     if (access(resume, F_OK) == 0) return bis_checkpoint_read(c, resume, diag);
     if (!o->quiet) fprintf(stderr, "bis: note: there is no \"%s\" yet: the render starts afresh\n", resume);
     return BIS_OK;
@@ -123,7 +123,7 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
 static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, bis_checkpoint *checkpoint,
                          const bis_scene *scene, bis_scene_desc *desc, render_options *o, bis_diag *diag)
 {
-    const bool chooses = bis_auto_is_wanted(&desc->view.settings), leads = bis_crew_leads(bis_cli_crew);
+    const bool chooses = bis_auto_is_wanted(&desc->view.settings), leads = bis_rank_leads(bis_cli_ranks);
     bis_status status = BIS_OK;
     bool show = leads && !o->quiet && isatty(STDERR_FILENO);
     bis_render_options options = {
@@ -134,7 +134,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
         .part = o->part.share,
-        .crew = bis_cli_crew,
+        .ranks = bis_cli_ranks,
     };
     bis_cli_catch_signals();
     o->shows_progress = show;
@@ -144,7 +144,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     if (chooses) status = bis_choice_make(choice, scene, desc, &options, checkpoint, o->quiet, diag);
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
-    options.first_light = !options.checkpoint && !bis_cli_crew; /* not for the pilot's pictures */
+    options.first_light = !options.checkpoint && !bis_cli_ranks; /* not for the pilot's pictures */
     options.glimpse = options.first_light && o->viewer ? show_glimpse : NULL;
     options.so_far = leads && o->write_every > 0 && !o->part.share.n ? write_so_far : NULL;
     options.every = o->write_every;
@@ -155,7 +155,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     if (!status && o->viewer) {
         const char *name = o->files.part ? o->files.part : o->files.pictures.text[0];
         if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);
-        status = bis_crew_agree(bis_cli_crew, status, diag);
+        status = bis_ranks_agree(bis_cli_ranks, status, diag);
     }
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
     bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
@@ -233,10 +233,10 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_diag_clear(diag);
     if (!o->quiet) note_resampling(scene->light);
     o->agreed = true;
-    status = bis_crew_agree(bis_cli_crew, BIS_OK, diag);
+    status = bis_ranks_agree(bis_cli_ranks, BIS_OK, diag);
     if (status) goto done;
     status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
-    if (status || !bis_crew_leads(bis_cli_crew)) goto done;
+    if (status || !bis_rank_leads(bis_cli_ranks)) goto done;
     *interrupted = bis_cli_signal;
     if (result.missing > 0 && !result.interrupted && !o->quiet)
         bis_warn(diag, bis_cli_loc, "--time %g was over in the first pass: %s of the pixels have no camera sample and "
@@ -293,7 +293,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     bool interrupted = false;
 
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
-    const bool leads = bis_crew_leads(bis_cli_crew);
+    const bool leads = bis_rank_leads(bis_cli_ranks);
     const unsigned approximate = o->approximate ? BIS_PARSE_APPROXIMATE | (o->plan ? BIS_PARSE_LIST_MISSING : 0) : 0;
     const unsigned how = approximate | (o->over.light ? BIS_PARSE_OTHER_LIGHT : 0);
     bis_status status = o->plan ? BIS_OK : bis_render_part_name(o->part.share, &o->files, diag);
@@ -317,7 +317,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     if (!status && leads) status = bis_render_files_check_distinct(&o->files, desc, diag);
     if (!status) status = run(o, desc, parse_seconds, &interrupted, diag);
 done:
-    if (!o->agreed) status = bis_crew_agree(bis_cli_crew, status, diag);
+    if (!o->agreed) status = bis_ranks_agree(bis_cli_ranks, status, diag);
     bis_scene_desc_free(desc);
     const int exit_status = bis_cli_exit_status(status);
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;

@@ -4,7 +4,7 @@
 #include "help.h"
 
 #include "bis/base/mem.h"
-#include "render/crew.h"
+#include "render/ranks.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ static int run(int argc, char **argv)
         return BIS_EXIT_USAGE;
     }
     const bis_subcommand *command = bis_subcommand_find(argv[1]);
-    if (!bis_crew_leads(bis_cli_crew) && command && command->run != bis_cmd_render)
+    if (!bis_rank_leads(bis_cli_ranks) && command && command->run != bis_cmd_render)
         return BIS_EXIT_DONE; /* only renders are shared */
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) return bis_cmd_help(argc - 2, argv + 2);
     if (strcmp(argv[1], "version") == 0) {
@@ -48,9 +48,9 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    bis_cli_crew_open(&argc, &argv);
+    bis_cli_ranks_open(&argc, &argv);
     const int status = run(argc, argv);
-    bis_cli_crew_close();
+    bis_cli_ranks_close();
 
     /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
     if (bis_mem_live() != 0 && !bis_display_is_left())

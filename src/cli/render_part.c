@@ -74,7 +74,7 @@ bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const
     const char *what = NULL;
 
     if (!share.n) return BIS_OK;
-    if (bis_cli_crew) what = "MPI: its ranks share the tiles already. Leave out --part";
+    if (bis_cli_ranks) what = "MPI: its ranks share the tiles already. Leave out --part";
     else if (budget->seconds > 0)
         what = "--time: each part would end after another number of camera samples. Give --spp N";
     else if (budget->error > 0)

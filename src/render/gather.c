@@ -33,7 +33,7 @@ static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_str
     open.accel = NULL;
     open.ng = open.n;
     open.counters = &ignored;
-    open.later = NULL;
+    open.ray_sink = NULL;
     const bool learns = scratch->guide && scratch->guide->learns;
     if (scratch->guide) scratch->guide->learns = false; /* V = 1 is not to be learned from */
     const rgb L_ns = settings->integrator->Lo(settings, &open, stream, scratch);

@@ -14,7 +14,7 @@
 #include "edges.h"
 #include "first_light.h"
 #include "gather.h"
-#include "team.h"
+#include "scheduler.h"
 #include "wave.h"
 
 #include "bis/base/clock.h"
@@ -160,14 +160,14 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
 /* The tiles that rank 0 gives to this process. */
 static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
 {
-    bis_team_begin(w->team, progress, user);
+    bis_sched_begin(w->sched, progress, user);
 #pragma omp parallel num_threads(w->n_threads)
-    for (int t; (t = bis_team_next(w->team, this_thread())) >= 0;) {
+    for (int t; (t = bis_sched_next(w->sched, this_thread())) >= 0;) {
         const double begin = bis_clock_now();
         render_tile(w, &w->workers[this_thread()], t, pass, false);
-        bis_team_finish(w->team, this_thread(), t, bis_clock_now() - begin);
+        bis_sched_finish(w->sched, this_thread(), t, bis_clock_now() - begin);
     }
-    bis_team_end(w->team);
+    bis_sched_end(w->sched);
 }
 
 /* All tiles: glimpses, or what they are. The latter ends when it is late. */
@@ -202,7 +202,7 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
     if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
     if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
-    if (w->team) render_as_team(w, pass, progress, user);
+    if (w->sched) render_as_team(w, pass, progress, user);
     else render_alone(w, pass, progress, user);
     return !bis_workspace_interrupted(w);
 }
@@ -231,7 +231,7 @@ void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)
         keep_pixels(w, w->own ? bis_film_tile_of_crop(f, BIS_RENDER_TILE, w->own[i]) : row, pass->weight);
     }
     for (int i = 0; i < w->n_threads; i++) bis_counters_add(sum, &w->workers[i].counters);
-    if (w->team) bis_team_learn(w->team);
+    if (w->sched) bis_sched_learn(w->sched);
     else bis_visibility_learn(&w->visibility, w->own, (size_t)w->n_own, w->n_threads);
     bis_film_end_pass(f, pass->weight);
 }

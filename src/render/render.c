@@ -25,7 +25,7 @@
 #include "checkpoint.h"
 #include "first_light.h"
 #include "pass.h"
-#include "team.h"
+#include "scheduler.h"
 
 #include <assert.h>
 #include <math.h>
@@ -189,7 +189,7 @@ static bool render_pass(render *r)
                            .weight = (double)r->size};
 
     r->work.film->most = expected_spp(r);
-    if (r->work.team) bis_team_call(r->work.team, &pass, BIS_OK);
+    if (r->work.sched) bis_sched_call(r->work.sched, &pass, BIS_OK);
     const bool is_whole = bis_pass_render(&r->work, &pass, report_tile, r);
     if (r->work.fine && pass.first == 0) {
         if (!bis_first_light_fill(&r->work, &r->missing)) return false;
@@ -207,7 +207,7 @@ static void keep(render *r)
     const uint32_t passes = r->work.film->passes;
 
     if (!r->work.options->checkpoint || passes == r->kept) return;
-    if (r->work.team) bis_team_gather(r->work.team);
+    if (r->work.sched) bis_sched_gather(r->work.sched);
     r->done.seconds = bis_clock_now() - r->start;
     bis_checkpoint_save(r->work.options->checkpoint, &r->work, &r->done);
     r->kept = passes;
@@ -225,7 +225,7 @@ static void fill_result(bis_render_result *result, const render *r, bis_film_mem
     result->missing = r->missing;
     result->passes = film->passes;
     result->spp = r->done.spp;
-    result->bytes = bis_workspace_bytes(&r->work) + (r->work.team ? bis_team_bytes(r->work.team) : 0);
+    result->bytes = bis_workspace_bytes(&r->work) + (r->work.sched ? bis_sched_bytes(r->work.sched) : 0);
 }
 
 /* A look at the error changes what its memory holds, which is the render's own. So it gets a copy. */
@@ -281,12 +281,12 @@ static bis_status prepare(render *r, bis_film *film, const bis_scene *scene, con
                           const bis_view *view, const bis_render_options *options, int *n_threads, bis_diag *diag)
 {
     bis_workspace *w = &r->work;
-    bis_crew *crew = options->crew;
+    bis_ranks *ranks = options->ranks;
     bis_status status = bis_workspace_init(w, film, scene, desc, view, options, diag);
 
-    if (!status && crew) {
-        w->team = bis_team_new(crew, w);
-        if (!w->team) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a team of %d", crew->size);
+    if (!status && ranks) {
+        w->sched = bis_sched_new(ranks, w);
+        if (!w->sched) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d ranks", ranks->size);
     }
     r->start = bis_clock_now();
     if (!status && w->fine && options->glimpse) {
@@ -294,11 +294,11 @@ static bis_status prepare(render *r, bis_film *film, const bis_scene *scene, con
         if (!r->glimpse) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the picture's first light");
     }
     if (!status) status = bis_workspace_find_edges(w, diag);
-    status = bis_crew_agree(crew, status, diag);
+    status = bis_ranks_agree(ranks, status, diag);
     if (status) return status;
     bis_workspace_join_edges(w);
     *n_threads = w->n_threads;
-    return crew ? bis_team_meet(w->team, w, n_threads, diag) : BIS_OK;
+    return ranks ? bis_sched_meet(w->sched, w, n_threads, diag) : BIS_OK;
 }
 
 static void ignore_progress(double share, void *user) { (void)share, (void)user; }
@@ -309,7 +309,7 @@ static bis_status follow(render *r)
     bis_pass pass;
     bis_status status;
 
-    while (bis_team_follow(r->work.team, &pass, &status)) bis_pass_render(&r->work, &pass, ignore_progress, NULL);
+    while (bis_sched_follow(r->work.sched, &pass, &status)) bis_pass_render(&r->work, &pass, ignore_progress, NULL);
     return status;
 }
 
@@ -323,28 +323,28 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
     r->last_report = r->last_kept = r->last_glimpse = r->last_so_far = start;
     if (r->budget.seconds > 0) r->work.late = r->start + r->budget.seconds;
     if (!status) render_passes(r, result);
-    if (r->work.team) bis_team_call(r->work.team, NULL, status);
+    if (r->work.sched) bis_sched_call(r->work.sched, NULL, status);
     return status;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    const bool leads = bis_crew_leads(options->crew);
+    const bool leads = bis_rank_leads(options->ranks);
     render r = {.budget = options->budget,
                 .done = {.next_check = MIN_ERROR_PASSES, .rmse_upper = (double)NAN}};
 
     *result = (bis_render_result){.error = {.relative_rmse = (double)NAN, .upper = (double)NAN}};
     assert(film->passes == 0);
     film->independent = view->sampler.kind == BIS_SAMPLER_RANDOM;
-    assert(!options->first_light || !(options->part.n || options->crew || options->checkpoint));
+    assert(!options->first_light || !(options->part.n || options->ranks || options->checkpoint));
     assert(!options->part.n || !(options->budget.error > 0)); /* the error is that of the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
     bis_status status = prepare(&r, film, scene, desc, view, options, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
-    bis_team_free(r.work.team);
+    bis_sched_free(r.work.sched);
     bis_workspace_clear(&r.work);
     bis_free(r.glimpse);
     return status;

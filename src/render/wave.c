@@ -29,7 +29,7 @@ typedef struct sample {
 } sample;
 
 struct bis_wave {
-    bis_later later; /* first: points lead to it */
+    bis_ray_sink ray_sink; /* first: points lead to it */
     bis_wave_task task;
     bis_scratch *scratch;
     bis_product_guide *guide;
@@ -65,9 +65,9 @@ static void trace(bis_wave *w)
     w->n_rays = 0;
 }
 
-static void note_ray(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
+static void note_ray(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
 {
-    bis_wave *w = (bis_wave *)later;
+    bis_wave *w = (bis_wave *)ray_sink;
     const uint32_t i = w->n_rays++;
 
     w->rays[i] = (ray){pt->origin, wi, INFINITY};
@@ -91,7 +91,7 @@ static void find_points(bis_wave *w)
         bis_point *pt = &w->samples[i].pt;
         bis_own_material *own = w->materials ? &w->materials[i] : NULL;
         bis_scene_point_at(pt, own, w->task.scene, w->task.desc, w->eyes[i], w->prim[i], w->counters);
-        pt->later = w->task.view->settings.as_printed ? NULL : &w->later;
+        pt->ray_sink = w->task.view->settings.as_printed ? NULL : &w->ray_sink;
     }
 }
 
@@ -194,7 +194,7 @@ bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_prod
             return NULL;
         }
     }
-    w->later.add = note_ray;
+    w->ray_sink.add = note_ray;
     w->task = *task;
     w->scratch = scratch;
     w->guide = guide;

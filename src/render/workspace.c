@@ -5,7 +5,7 @@
 #include "thesis/set.h"
 
 #include "bis/base/mem.h"
-#include "crew.h"
+#include "ranks.h"
 #include "share.h"
 
 #include <inttypes.h>
@@ -176,9 +176,9 @@ static bool find_edges_of(bis_workspace *w, const int *tiles, int n, const doubl
 }
 
 /* The share of this rank; the others' pixels stay 0. */
-static bool find_edges_of_rank(bis_workspace *w, const bis_crew *crew, const double *turns)
+static bool find_edges_of_rank(bis_workspace *w, const bis_ranks *ranks, const double *turns)
 {
-    const bis_part share = {(uint32_t)crew->rank + 1, (uint32_t)crew->size};
+    const bis_part share = {(uint32_t)ranks->rank + 1, (uint32_t)ranks->size};
     int *tiles, n;
 
     if (bis_share_tiles(&tiles, &n, w->film, share, NULL)) return false;
@@ -190,7 +190,7 @@ static bool find_edges_of_rank(bis_workspace *w, const bis_crew *crew, const dou
 bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 {
     const int width = w->area.x1 - w->area.x0, height = w->area.y1 - w->area.y0;
-    const bis_crew *crew = w->options->crew;
+    const bis_ranks *ranks = w->options->ranks;
 
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     for (int kind = 0; kind < BIS_EDGE_KINDS; kind++) {
@@ -203,7 +203,7 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     w->edge = bis_alloc(bis_edges_bytes(w->area), 1);
     double *turns = bis_edges_turns(w->desc);
     bool good = w->edge && turns;
-    if (good && crew) good = find_edges_of_rank(w, crew, turns);
+    if (good && ranks) good = find_edges_of_rank(w, ranks, turns);
     else if (good && w->own) good = find_edges_of(w, w->own, w->n_own, turns);
     else if (good) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, turns, w->n_threads);
     bis_free(turns);
@@ -213,9 +213,9 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 
 void bis_workspace_join_edges(bis_workspace *w)
 {
-    bis_crew *crew = w->options->crew;
+    bis_ranks *ranks = w->options->ranks;
 
-    if (crew && w->edge) crew->join_bits(crew, w->edge, bis_edges_bytes(w->area));
+    if (ranks && w->edge) ranks->join_bits(ranks, w->edge, bis_edges_bytes(w->area));
 }
 
 size_t bis_workspace_bytes(const bis_workspace *w)

@@ -41,7 +41,7 @@ typedef struct bis_workspace {
     bis_visibility visibility; /* n_tiles = 0: none */
 
     int n_tiles;              /* bis_film_tiles */
-    struct bis_team *team;    /* other processes that render tiles, see team.h; NULL: none */
+    struct bis_sched *sched;    /* other processes that render tiles, see scheduler.h; NULL: none */
     int *own, n_own;          /* own[n_own]: the tiles that are rendered, ascending; NULL: all n_tiles */
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
@@ -60,11 +60,11 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
                               const bis_view *view, const bis_render_options *options, bis_diag *diag);
 void bis_workspace_clear(bis_workspace *w);
 
-/* bis_workspace_find_edges traces the rays of edges.h, where there are edges to find. Each rank of a crew looks at a
+/* bis_workspace_find_edges traces the rays of edges.h, where there are edges to find. Each rank looks at a
  * share of the tiles. Errors: BIS_NOMEM. */
 bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag);
 
-/* bis_workspace_join_edges gives all edges to all ranks of a crew, which must all call it. */
+/* bis_workspace_join_edges gives all edges to all ranks, which must all call it. */
 void bis_workspace_join_edges(bis_workspace *w);
 
 /* bis_workspace_edge_rays returns how many rays find the edges of what is rendered, by all ranks together. */

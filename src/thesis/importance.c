@@ -29,7 +29,7 @@ struct bis_importance {
     double total;     /* sum of w dO */
     double max_ratio;
     bis_table table;
-    bis_trail trail;
+    bis_curve curve;
     bool has_table, has_curve;
 };
 
@@ -151,7 +151,7 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         if (status) goto done;
     }
     if (im->total > 0 && im->has_curve) {
-        status = bis_trail_init(&im->trail, &im->weights, largest, diag);
+        status = bis_curve_init(&im->curve, &im->weights, largest, diag);
         if (status) goto done;
     }
     if (im->weights.as_printed & BIS_E20) forget_area_factors(im, row_weight);
@@ -167,7 +167,7 @@ void bis_importance_free(bis_importance *im)
 {
     if (!im) return;
     bis_table_clear(&im->table);
-    bis_trail_clear(&im->trail);
+    bis_curve_clear(&im->curve);
     bis_free(im->area);
     bis_free(im);
 }
@@ -192,7 +192,7 @@ bool bis_importance_sample_curve(const bis_importance *im, double t, const doubl
     if (im->total == 0) return false;
     const bis_envmap *em = im->weights.em;
     const size_t width = (size_t)em->width;
-    s->pixel = bis_trail_draw(&im->trail, t);
+    s->pixel = bis_curve_draw(&im->curve, t);
     s->w_local = bis_envmap_direction(em, (int)(s->pixel % width), (int)(s->pixel / width), u[0], u[1]);
     s->pdf = bis_importance_pdf_pixel(im, s->pixel);
     return true;
@@ -214,8 +214,8 @@ bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n,
                               uint32_t *side)
 {
     assert(im->has_curve && im->total > 0);
-    *side = im->trail.side;
-    return bis_trail_cut(&im->trail, K, n, t, of_tile);
+    *side = im->curve.side;
+    return bis_curve_cut(&im->curve, K, n, t, of_tile);
 }
 
 double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio; }
@@ -223,7 +223,7 @@ double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio
 size_t bis_importance_bytes(const bis_importance *im)
 {
     const size_t area = im->area ? n_pixels(im->weights.em) * sizeof *im->area : 0;
-    return sizeof *im + area + bis_table_bytes(&im->table) + bis_trail_bytes(&im->trail);
+    return sizeof *im + area + bis_table_bytes(&im->table) + bis_curve_bytes(&im->curve);
 }
 
 bis_status bis_importance_implied_pmf(const bis_importance *im, double *pmf, bis_diag *diag)

@@ -25,7 +25,7 @@
 static const size_t tiled_from = 1 << 16; /* pixels */
 
 /* Finds the tiles in the order of the curve. */
-static bis_status find_tiles(bis_trail *t)
+static bis_status find_tiles(bis_curve *t)
 {
     const uint32_t width = (uint32_t)t->weights.em->width, height = (uint32_t)t->weights.em->height;
     t->side = (size_t)width * height < tiled_from ? 1 : 4;
@@ -45,7 +45,7 @@ typedef struct block {
 
 static uint32_t least(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
-static block block_of(const bis_trail *t, uint32_t tile)
+static block block_of(const bis_curve *t, uint32_t tile)
 {
     const uint32_t width = (uint32_t)t->weights.em->width, height = (uint32_t)t->weights.em->height;
     const uint32_t x = t->side * (tile % t->across), y = t->side * (tile / t->across);
@@ -53,14 +53,14 @@ static block block_of(const bis_trail *t, uint32_t tile)
 }
 
 /* Adds a pixel's weight, as accumulate of cdf.c does. */
-static void add_weight(bis_trail_sum *s, double weight)
+static void add_weight(bis_curve_sum *s, double weight)
 {
     const double next = s->sum + weight, added = next - s->sum;
     s->low += (s->sum - (next - added)) + (weight - added);
     s->sum = next;
 }
 
-static bis_trail_sum plus(bis_trail_sum a, bis_trail_sum b)
+static bis_curve_sum plus(bis_curve_sum a, bis_curve_sum b)
 {
     add_weight(&a, b.sum);
     a.low += b.low;
@@ -68,37 +68,37 @@ static bis_trail_sum plus(bis_trail_sum a, bis_trail_sum b)
 }
 
 /* The scaled weight times solid angle of the pixel in column x of row y. */
-static double pixel_weight(const bis_trail *t, uint32_t x, uint32_t y)
+static double pixel_weight(const bis_curve *t, uint32_t x, uint32_t y)
 {
     const bis_weights *w = &t->weights;
     const double weight = bis_weight(w, (size_t)y * (size_t)w->em->width + x);
     return weight_scaled(t->scale, weight * bis_row_measure(w, y));
 }
 
-static bis_trail_sum sum_tile(const bis_trail *t, uint32_t tile)
+static bis_curve_sum sum_tile(const bis_curve *t, uint32_t tile)
 {
     const block b = block_of(t, tile);
-    bis_trail_sum sum = {0, 0};
+    bis_curve_sum sum = {0, 0};
     for (uint32_t y = 0; y < b.rows; y++)
         for (uint32_t x = 0; x < b.columns; x++) add_weight(&sum, pixel_weight(t, b.x + x, b.y + y));
     return sum;
 }
 
 /* The share of the importance that this sum is. */
-static double share_of(const bis_trail *t, bis_trail_sum s)
+static double share_of(const bis_curve *t, bis_curve_sum s)
 {
-    const bis_trail_sum *all = &t->before[t->n_tiles];
+    const bis_curve_sum *all = &t->before[t->n_tiles];
     return (s.sum + s.low) / (all->sum + all->low);
 }
 
 /* The share of the importance that lies before tile i. */
-static double share_before(const bis_trail *t, size_t i) { return share_of(t, t->before[i]); }
+static double share_before(const bis_curve *t, size_t i) { return share_of(t, t->before[i]); }
 
 /* Finds the sums before all tiles. The tiles themselves are summed row by row, on all threads, because along the curve
  * each would wait for memory. */
-static bis_status sum_tiles(bis_trail *t)
+static bis_status sum_tiles(bis_curve *t)
 {
-    bis_trail_sum *sum = bis_alloc(t->n_tiles, sizeof *sum);
+    bis_curve_sum *sum = bis_alloc(t->n_tiles, sizeof *sum);
 
     t->before = bis_alloc(t->n_tiles + 1, sizeof *t->before);
     if (!sum || !t->before) {
@@ -113,7 +113,7 @@ static bis_status sum_tiles(bis_trail *t)
 }
 
 /* The guide of cdf.c, over tiles: guide[g] is the last tile that begins at g / n_guide or before. */
-static bis_status make_guide(bis_trail *t)
+static bis_status make_guide(bis_curve *t)
 {
     size_t i = 0;
 
@@ -127,28 +127,28 @@ static bis_status make_guide(bis_trail *t)
     return BIS_OK;
 }
 
-bis_status bis_trail_init(bis_trail *t, const bis_weights *w, double largest, bis_diag *diag)
+bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double largest, bis_diag *diag)
 {
-    *t = (bis_trail){.weights = *w, .scale = weight_scale_of(&largest, 1)};
+    *t = (bis_curve){.weights = *w, .scale = weight_scale_of(&largest, 1)};
     bis_status status = find_tiles(t);
     if (!status) status = sum_tiles(t);
     if (!status) status = make_guide(t);
     if (!status) return BIS_OK;
-    bis_trail_clear(t);
+    bis_curve_clear(t);
     return bis_error(diag, status, (bis_loc){0}, "no memory for the curve through a %d x %d environment map",
                      w->em->width, w->em->height);
 }
 
-void bis_trail_clear(bis_trail *t)
+void bis_curve_clear(bis_curve *t)
 {
     bis_free(t->tile);
     bis_free(t->before);
     bis_free(t->guide);
-    *t = (bis_trail){0};
+    *t = (bis_curve){0};
 }
 
 /* The last tile that begins at s or before. */
-static size_t find_tile(const bis_trail *t, double s)
+static size_t find_tile(const bis_curve *t, double s)
 {
     const size_t g = (size_t)(s * (double)t->n_guide); /* exact: n_guide is a power of two */
     size_t i = t->guide[g], last = t->guide[g + 1];
@@ -163,11 +163,11 @@ static size_t find_tile(const bis_trail *t, double s)
 
 /* The pixel of tile i that lies at s. All of the tile's pixels add up to the sum before the next tile, bit for bit, and
  * that lies beyond s: so a pixel is found, and it is not black. */
-static size_t find_pixel(const bis_trail *t, size_t i, double s)
+static size_t find_pixel(const bis_curve *t, size_t i, double s)
 {
     const size_t width = (size_t)t->weights.em->width;
     const block b = block_of(t, t->tile[i]);
-    bis_trail_sum sum = {0, 0};
+    bis_curve_sum sum = {0, 0};
     uint32_t x = 0, y = 0;
 
     for (;;) {
@@ -181,19 +181,19 @@ static size_t find_pixel(const bis_trail *t, size_t i, double s)
     }
 }
 
-size_t bis_trail_draw(const bis_trail *t, double s)
+size_t bis_curve_draw(const bis_curve *t, double s)
 {
     assert(t->scale.half1 > 0 && s >= 0 && s < 1);
     const size_t i = find_tile(t, s);
     return t->side == 1 ? t->tile[i] : find_pixel(t, i, s);
 }
 
-size_t bis_trail_bytes(const bis_trail *t)
+size_t bis_curve_bytes(const bis_curve *t)
 {
     return t->n_tiles * (sizeof *t->tile + sizeof *t->before) + t->n_guide * sizeof *t->guide;
 }
 
-static double tile_solid_angle(const bis_trail *t, uint32_t tile)
+static double tile_solid_angle(const bis_curve *t, uint32_t tile)
 {
     const block b = block_of(t, tile);
     double sum = 0;
@@ -202,19 +202,19 @@ static double tile_solid_angle(const bis_trail *t, uint32_t tile)
     return sum;
 }
 
-bis_status bis_trail_cut(const bis_trail *trail, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile)
+bis_status bis_curve_cut(const bis_curve *curve, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile)
 {
     double sphere = 0; /* solid angle of the current piece */
     uint32_t k = 0;
 
     assert(2 * (uint64_t)K + 2 <= UINT16_MAX);
     *t = bis_alloc(2 * (size_t)K + 3, sizeof **t);
-    *of_tile = bis_alloc(trail->n_tiles, sizeof **of_tile);
+    *of_tile = bis_alloc(curve->n_tiles, sizeof **of_tile);
     if (!*t || !*of_tile) return BIS_NOMEM;
-    for (size_t i = 0; i < trail->n_tiles; i++) {
-        const double end = share_before(trail, i + 1);
-        (*of_tile)[trail->tile[i]] = (uint16_t)k;
-        sphere += tile_solid_angle(trail, trail->tile[i]);
+    for (size_t i = 0; i < curve->n_tiles; i++) {
+        const double end = share_before(curve, i + 1);
+        (*of_tile)[curve->tile[i]] = (uint16_t)k;
+        sphere += tile_solid_angle(curve, curve->tile[i]);
         /* Neither this piece nor the rest may be without importance. */
         if (end > (*t)[k] && end < 1 && ((end - (*t)[k]) * K >= 1 || sphere * K >= 4 * PI)) {
             (*t)[++k] = end;

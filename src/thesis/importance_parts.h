@@ -70,35 +70,35 @@ size_t bis_table_bytes(const bis_table *t);
 bis_status bis_table_implied_pmf(const bis_table *t, double *pmf, bis_diag *diag);
 
 /* A sum of weights, and what its additions have rounded off. */
-typedef struct bis_trail_sum {
+typedef struct bis_curve_sum {
     double sum, low;
-} bis_trail_sum;
+} bis_curve_sum;
 
 /* One CDF along a space-filling curve. It takes 1.5 bytes a pixel with its guide, 24 in maps below 2^16 pixels. */
-typedef struct bis_trail {
+typedef struct bis_curve {
     bis_weights weights; /* em and area are borrowed */
 
     uint32_t side;        /* pixels along a tile's side: 1 or 4 */
     uint32_t across;      /* tiles in a row of tiles */
     uint32_t *tile;       /* tile[n_tiles] in the order of the curve: column + across * row of each tile */
     size_t n_tiles;
-    bis_trail_sum *before; /* before[n_tiles + 1]: the scaled weights of all pixels before a tile of the curve */
+    bis_curve_sum *before; /* before[n_tiles + 1]: the scaled weights of all pixels before a tile of the curve */
     weight_scale scale;
     uint32_t *guide; /* guide[n_guide + 1]: see bis_cdf */
     size_t n_guide;
-} bis_trail;
+} bis_curve;
 
-/* bis_trail_init builds the curve. largest > 0 is the largest weight times measure of a pixel. Errors: BIS_NOMEM. */
-bis_status bis_trail_init(bis_trail *t, const bis_weights *w, double largest, bis_diag *diag);
+/* bis_curve_init builds the curve. largest > 0 is the largest weight times measure of a pixel. Errors: BIS_NOMEM. */
+bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double largest, bis_diag *diag);
 
-/* bis_trail_clear frees the curve. */
-void bis_trail_clear(bis_trail *t);
+/* bis_curve_clear frees the curve. */
+void bis_curve_clear(bis_curve *t);
 
-/* bis_trail_draw returns the pixel at s in [0,1), the share of the importance that lies before it on the curve. */
-size_t bis_trail_draw(const bis_trail *t, double s);
+/* bis_curve_draw returns the pixel at s in [0,1), the share of the importance that lies before it on the curve. */
+size_t bis_curve_draw(const bis_curve *t, double s);
 
-/* bis_trail_bytes returns the bytes that the curve takes. */
-size_t bis_trail_bytes(const bis_trail *t);
+/* bis_curve_bytes returns the bytes that the curve takes. */
+size_t bis_curve_bytes(const bis_curve *t);
 
-/* bis_trail_cut does the work of bis_importance_cut. */
-bis_status bis_trail_cut(const bis_trail *trail, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile);
+/* bis_curve_cut does the work of bis_importance_cut. */
+bis_status bis_curve_cut(const bis_curve *curve, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile);

@@ -210,10 +210,10 @@ static void open_workspace(workspace *w, const bis_light *light, const bis_setti
     if (learned) assert_int_equal(bis_visibility_init(&w->v, 1, 1, NULL), BIS_OK);
     assert_int_equal(bis_product_guide_init(&w->guide, &w->c, learned ? &w->v : NULL, NULL), BIS_OK);
     bis_product_guide_look(&w->guide, 0);
-    w->guide.foresight.knows = learned;
+    w->guide.guess.knows = learned;
     for (uint32_t k = 0; learned && k < w->c.n; k++) {
-        w->guide.foresight.h[k] = k % 3 ? 0.15f : 1;
-        w->guide.foresight.control[k] = k % 5 ? 0.7f : 2.5f;
+        w->guide.guess.h[k] = k % 3 ? 0.15f : 1;
+        w->guide.guess.control[k] = k % 5 ? 0.7f : 2.5f;
     }
     assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
     bis_scratch_share(&w->scratch, NULL, &w->guide.steps);
@@ -315,7 +315,7 @@ static void candidates_have_the_density_that_they_say(void **state)
             bis_stream_init(&stream, &sampler, run_number, 0);
             bis_rng_init(&pick, SEED, run_number, 0, 9);
             assert_true(bis_set_draw(x, M, s.proposal, true, &l.pt, &stream));
-            const float *h = w.guide.foresight.h, *bound = w.guide.product.clusters.w; /* bound: with h */
+            const float *h = w.guide.guess.h, *bound = w.guide.product.clusters.w; /* bound: with h */
             observed[x->part[bis_rng_below(&pick, x->map.n)]]++; /* one of a set: independent */
             W = 0;
             for (uint32_t k = 0; k < w.c.n; k++) W += (double)bound[k];
@@ -454,11 +454,11 @@ static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
 /* ---- what is learned ---- */
 
 /* Counts `rays` of cell 2, tile 1, towards the part of cluster k of n, of which `seen` came through. */
-static void count(bis_foresight *f, bis_visibility *v, uint32_t k, uint32_t n, int rays, int seen)
+static void count(bis_visibility_guess *f, bis_visibility *v, uint32_t k, uint32_t n, int rays, int seen)
 {
-    bis_foresight_look(f, n, v, v->cells + 2);
+    bis_guess_look(f, n, v, v->cells + 2);
     for (int i = 0; i < rays; i++) {
-        uint16_t *counted = bis_foresight_count(f, k, n);
+        uint16_t *counted = bis_guess_count(f, k, n);
         assert_non_null(counted);
         if (i < seen) ++*counted;
     }
@@ -480,7 +480,7 @@ static double expected_mean(const int rays[128], const int seen[128], int part)
 }
 
 /* All h and g of a cell that has counted own and own_seen of the rays of its tile. */
-static void assert_foresees(const bis_foresight *f, uint32_t n, const int rays[128], const int seen[128],
+static void assert_foresees(const bis_visibility_guess *f, uint32_t n, const int rays[128], const int seen[128],
                             const int own[128], const int own_seen[128])
 {
     double g[128], h[128], sum = 0;
@@ -505,11 +505,11 @@ static void foresight_follows_what_was_seen_before(void **state)
     enum { N = 300 };
     static const int none[128], rays[128] = {998, 998, 6}, seen[128] = {0, 998, 3}, wrong[128] = {0, 998, 4};
     bis_visibility v;
-    bis_foresight f;
+    bis_visibility_guess f;
 
     (void)state;
     assert_int_equal(bis_visibility_init(&v, 2, 1 << 23, NULL), BIS_OK);
-    assert_int_equal(bis_foresight_init(&f, N, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
     assert_int_equal(v.cells, 16);
     count(&f, &v, 0, N, 998, 0);
     count(&f, &v, 3, N, 998, 998);
@@ -520,21 +520,21 @@ static void foresight_follows_what_was_seen_before(void **state)
     bis_visibility_counted(&all, &through, &v, 0);
     assert_true(all == 0 && through == 0);
     for (size_t cell = 16; cell <= 16 + 2; cell++) { /* of this pass a cell knows only what came before it */
-        bis_foresight_look(&f, N, &v, cell);
+        bis_guess_look(&f, N, &v, cell);
         assert_foresees(&f, N, none, none, none, none);
         assert_false(f.knows);
     }
     for (size_t cell = 16 + 3; cell < 32; cell++) { /* the cells that follow in the tile know them */
-        bis_foresight_look(&f, N, &v, cell);
+        bis_guess_look(&f, N, &v, cell);
         assert_true(f.knows);
         assert_foresees(&f, N, rays, seen, none, none);
     }
     for (size_t cell = 0; cell < 16; cell++) {
-        bis_foresight_look(&f, N, &v, cell);
+        bis_guess_look(&f, N, &v, cell);
         assert_false(f.knows);
     }
     bis_visibility_learn(&v, NULL, v.n_tiles, 1);
-    bis_foresight_look(&f, N, &v, 16 + 2);
+    bis_guess_look(&f, N, &v, 16 + 2);
     assert_true(f.knows);
     assert_foresees(&f, N, rays, seen, rays, seen);
     /* twin: one ray more of 2002 would be found */
@@ -542,11 +542,11 @@ static void foresight_follows_what_was_seen_before(void **state)
     /* dark parts are left a fifth of the rays at most, and light ones are known as such */
     assert_true(f.h[0] < 0.15f && f.h[0] > 0.05f && f.control[0] == 0 && f.control[4] * f.h[4] > 0.999f);
     /* another cell of the tile knows what the tile knows; another tile knows nothing */
-    bis_foresight_look(&f, N, &v, 16 + 3);
+    bis_guess_look(&f, N, &v, 16 + 3);
     assert_foresees(&f, N, rays, seen, none, none);
-    bis_foresight_look(&f, N, &v, 2);
+    bis_guess_look(&f, N, &v, 2);
     assert_foresees(&f, N, none, none, none, none);
-    bis_foresight_clear(&f);
+    bis_guess_clear(&f);
     bis_visibility_clear(&v);
 }
 
@@ -554,26 +554,26 @@ static void foresight_follows_what_was_seen_before(void **state)
 static void counts_keep_their_mean_beyond_16_bits(void **state)
 {
     bis_visibility v;
-    bis_foresight f;
+    bis_visibility_guess f;
 
     (void)state;
     assert_int_equal(bis_visibility_init(&v, 1, (1 << 23) + 1, NULL), BIS_OK);
-    assert_int_equal(bis_foresight_init(&f, 128, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, 128, NULL), BIS_OK);
     assert_int_equal(v.cells, 1);
     for (int pass = 0; pass < 3; pass++) {
-        bis_foresight_look(&f, 128, &v, 0);
+        bis_guess_look(&f, 128, &v, 0);
         for (int i = 0; i < 65535; i++) {
-            uint16_t *seen = bis_foresight_count(&f, 9, 128);
+            uint16_t *seen = bis_guess_count(&f, 9, 128);
             assert_non_null(seen);
             *seen = (uint16_t)(*seen + (i % 4 == 0));
         }
-        assert_null(bis_foresight_count(&f, 9, 128));
-        assert_non_null(bis_foresight_count(&f, 10, 128));
+        assert_null(bis_guess_count(&f, 9, 128));
+        assert_non_null(bis_guess_count(&f, 10, 128));
         bis_visibility_learn(&v, NULL, v.n_tiles, 1);
     }
-    bis_foresight_look(&f, 128, &v, 0);
+    bis_guess_look(&f, 128, &v, 0);
     assert_true(fabs((double)(f.control[9] * f.h[9]) - 0.25) <= 1e-4);
-    bis_foresight_clear(&f);
+    bis_guess_clear(&f);
     bis_visibility_clear(&v);
 }
 
@@ -594,10 +594,10 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
             open_workspace(&w, light, &s[i], true);
             bis_clusters_fill(&w.c, light, SEED, 0, 1);
             for (uint32_t k = 0; k < w.c.n; k++) {
-                w.guide.foresight.h[k] = 0.1f + 0.3f * (float)(k % 2);
-                w.guide.foresight.control[k] = 1 / w.guide.foresight.h[k];
+                w.guide.guess.h[k] = 0.1f + 0.3f * (float)(k % 2);
+                w.guide.guess.control[k] = 1 / w.guide.guess.h[k];
             }
-            w.guide.foresight.knows = known;
+            w.guide.guess.knows = known;
             L[known][i] = lit_once(&l, &s[i], &w.scratch, SEED, 3);
             close_workspace(&w);
         }
@@ -670,9 +670,9 @@ static void without_memory_nothing_is_held(void **state)
         if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
         bis_mem_fail_at(k);
         if (bis_visibility_init(&v, 3, 1, NULL) == BIS_OK) bis_visibility_clear(&v);
-        bis_foresight f;
+        bis_visibility_guess f;
         bis_mem_fail_at(k);
-        if (bis_foresight_init(&f, 100, NULL) == BIS_OK) bis_foresight_clear(&f);
+        if (bis_guess_init(&f, 100, NULL) == BIS_OK) bis_guess_clear(&f);
         bis_mem_fail_at(k);
         if (bis_product_guide_init(&g, &whole, &seen, NULL) == BIS_OK) bis_product_guide_clear(&g);
         bis_mem_fail_at(0);

@@ -71,7 +71,7 @@ static void look_one_by_one(const world *w, bis_workspace *work, int t)
                       y = t / ACROSS * TILE + 8 * (quarter / 2) + 4 * (c / 2 % 2) + bits[1] + 2 * bits[3];
             bool hit;
             if (x >= WIDTH || y >= HEIGHT) continue;
-            bis_foresight_look(&work->workers[0].guide.foresight, work->clusters.n, &work->visibility, (size_t)(16 * t + c));
+            bis_guess_look(&work->workers[0].guide.guess, work->clusters.n, &work->visibility, (size_t)(16 * t + c));
             radiance(w, work, &sampler, false, x, y, 0, &hit);
         }
         for (int c = 16 * t; c < 16 * (t + 1); c++) {
@@ -102,7 +102,7 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
             rgbd sum = {0, 0, 0};
             double hits = 0;
             if (work->visibility.n_tiles)
-                bis_foresight_look(&work->workers[0].guide.foresight, work->clusters.n, &work->visibility, cell);
+                bis_guess_look(&work->workers[0].guide.guess, work->clusters.n, &work->visibility, cell);
             for (uint32_t i = 0; i < n * k; i++) {
                 bool hit;
                 const rgb L = radiance(w, work, edge ? &work->edge_samplers[edge] : &w->desc.view.sampler, k > 1, x, y, before * k + i, &hit);

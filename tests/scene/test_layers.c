@@ -534,7 +534,7 @@ static float open_red;
 static rgb open_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     (void)s, (void)stream;
-    assert_true(!pt->accel && !pt->later && pt->ng.x == 0 && pt->ng.y == 1 && pt->ng.z == 0);
+    assert_true(!pt->accel && !pt->ray_sink && pt->ng.x == 0 && pt->ng.y == 1 && pt->ng.z == 0);
     assert_false(scratch->guide->learns);
     pt->counters->shadow_rays += 1000; /* of no picture */
     return (rgb){open_red, 5, 6};

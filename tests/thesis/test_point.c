@@ -177,18 +177,18 @@ static void in_an_empty_scene_nothing_is_hit(void **state)
 
 /* Takes what is put off: its last ray, and how many there were. */
 typedef struct listener {
-    bis_later later;
+    bis_ray_sink ray_sink;
     int n;
     vec3 wi;
     rgbd C;
     uint16_t *seen;
 } listener;
 
-static void listen(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
+static void listen(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
 {
     listener *l = (listener *)later;
-    assert_ptr_equal(pt->later, later);
-    *l = (listener){l->later, l->n + 1, wi, C, seen};
+    assert_ptr_equal(pt->ray_sink, later);
+    *l = (listener){l->ray_sink, l->n + 1, wi, C, seen};
 }
 
 static void terms_are_added_where_light_arrives_and_never_below_the_surface(void **state)
@@ -200,14 +200,14 @@ static void terms_are_added_where_light_arrives_and_never_below_the_surface(void
     for (int k = 0; k < 2; k++) {
         bis_accel *a = backend(&g, k);
         uint64_t seed = 9;
-        listener l = {.later = {listen}};
+        listener l = {.ray_sink = {listen}};
         bis_counters now = {0}, put_off = {0}, single = {0};
         for (int c = 0; a && c < 3000; c++) {
             const bis_point pt = {.ng = random_direction(&seed), .origin = {0.5f, 0.4f, 0.6f}, .accel = a, .counters = &now};
             bis_point later = pt, one = pt;
             const vec3 wi = random_direction(&seed);
             const bool above = dot(pt.ng, wi) > 0;
-            later.later = &l.later, later.counters = &put_off, one.counters = &single;
+            later.ray_sink = &l.ray_sink, later.counters = &put_off, one.counters = &single;
             rgbd sum = {1, 2, 3}, untouched = {1, 2, 3};
             uint16_t seen = 40, waiting = 40;
             bis_point_add(&sum, &pt, wi, (rgbd){4, 5, 6}, c % 2 ? &seen : NULL);

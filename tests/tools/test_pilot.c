@@ -6,7 +6,7 @@
 #include "tools/auto/auto_pilot.h"
 
 #include "bis/base/mem.h"
-#include "render/crew.h"
+#include "render/ranks.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
@@ -97,9 +97,9 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
     };
     volatile sig_atomic_t interrupted = 1;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        bis_crew crew = {.size = cases[i].n_ranks};
+        bis_ranks ranks = {.size = cases[i].n_ranks};
         const bis_render_options options = {.budget = cases[i].budget, .n_threads = cases[i].n_threads, .interrupted = &interrupted,
-                                            .crew = crew.size > 1 ? &crew : NULL};
+                                            .ranks = ranks.size > 1 ? &ranks : NULL};
         const bool has_pilot = cases[i].passes != NO_PILOT;
         bis_auto_report r;
         world w;

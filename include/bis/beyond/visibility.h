@@ -37,13 +37,13 @@ typedef struct bis_visibility {
 } bis_visibility;
 
 /* What a cell knows of each cluster. Arrays are as long as the clusters, in whole blocks of lanes. */
-typedef struct bis_foresight {
+typedef struct bis_visibility_guess {
     float *h;          /* > 0, below 0.71: what the weights of candidates are multiplied by */
     float *control;    /* g/h, where g in [0,1] is the mean of V */
     bool knows;        /* something was counted */
     float *memory;     /* what holds both arrays */
     bis_seen *counted; /* borrowed: of the cell; NULL: do not count */
-} bis_foresight;
+} bis_visibility_guess;
 
 /* bis_visibility_init allocates the counts of n_tiles tiles, all 0, for a picture of n_pixels. Errors: BIS_NOMEM. */
 bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, uint64_t n_pixels, bis_diag *diag);
@@ -60,23 +60,23 @@ static inline uint32_t bis_visibility_part(uint32_t k, uint32_t n)
     return n <= BIS_VISIBILITY_PARTS ? k : (uint32_t)((uint64_t)k * BIS_VISIBILITY_PARTS / n);
 }
 
-/* bis_foresight_init allocates the arrays for n clusters; all h are equal, and no g is known. Errors: BIS_NOMEM. */
-bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag);
+/* bis_guess_init allocates the arrays for n clusters; all h are equal, and no g is known. Errors: BIS_NOMEM. */
+bis_status bis_guess_init(bis_visibility_guess *f, uint32_t n, bis_diag *diag);
 
-/* bis_foresight_bytes returns the bytes that the arrays for n clusters take. */
-size_t bis_foresight_bytes(uint32_t n);
+/* bis_guess_bytes returns the bytes that the arrays for n clusters take. */
+size_t bis_guess_bytes(uint32_t n);
 
-/* bis_foresight_clear frees the arrays. */
-void bis_foresight_clear(bis_foresight *f);
+/* bis_guess_clear frees the arrays. */
+void bis_guess_clear(bis_visibility_guess *f);
 
-/* bis_foresight_look stores what the counts say about each of n clusters in cell number `cell` = tile * cells + cell in
+/* bis_guess_look stores what the counts say about each of n clusters in cell number `cell` = tile * cells + cell in
  * the tile, and lets f->counted lead to this cell's counts. What this pass counted is used from the cells of the tile
  * with smaller numbers, so these must be complete. */
-void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell);
+void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v, size_t cell);
 
-/* bis_foresight_count counts a ray towards cluster k of n. It returns where another 1 is to be added if light arrives,
+/* bis_guess_count counts a ray towards cluster k of n. It returns where another 1 is to be added if light arrives,
  * or NULL if nothing is to be counted. */
-uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n);
+uint16_t *bis_guess_count(const bis_visibility_guess *f, uint32_t k, uint32_t n);
 
 /* bis_visibility_counted stores how many rays this pass counted in a tile, and how many of them came through. */
 void bis_visibility_counted(uint32_t *rays, uint32_t *seen, const bis_visibility *v, int tile);

@@ -38,7 +38,7 @@ typedef struct bis_part {
     uint32_t k, n;
 } bis_part;
 
-typedef struct bis_crew bis_crew;             /* src/render/crew.h */
+typedef struct bis_ranks bis_ranks;             /* src/render/ranks.h */
 typedef struct bis_checkpoint bis_checkpoint; /* src/render/checkpoint.h */
 
 typedef struct bis_render_result {
@@ -68,7 +68,7 @@ typedef struct bis_render_options {
     /* called once, unless the first passes are enough or there is no error budget; may be NULL */
     void (*forecast)(const bis_forecast *f, void *user);
     /* A glimpse of every 8th pixel of every 8th row comes before the first pass (src/render/first_light.h), which may
-     * then end before it is complete: by `seconds` or `interrupted`. Neither with a part or a crew, nor with a
+     * then end before it is complete: by `seconds` or `interrupted`. Neither with a part or the ranks, nor with a
      * checkpoint, because these hold whole passes only */
     bool first_light;
     /* called in the first pass every half second by one thread with what there is, if first_light is set:
@@ -80,7 +80,7 @@ typedef struct bis_render_options {
     double every;
     void *user;
     bis_part part;              /* only these tiles are rendered, the rest of the film stays 0 */
-    bis_crew *crew;             /* other processes that take part; NULL: none. All of them call bis_render */
+    bis_ranks *ranks;             /* other processes that take part; NULL: none. All of them call bis_render */
     bis_checkpoint *checkpoint; /* what to go on from, and where to keep the state; NULL: neither */
 } bis_render_options;
 
@@ -91,7 +91,7 @@ int bis_render_threads(const bis_render_options *options);
  * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on
  * desc, view and the number of passes, never on threads, time, or checkpoints. *result receives what was done. Errors:
  * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for;
- * there are fewer tiles than parts; a rank of the crew renders another scene). With a crew only rank 0 has the
+ * there are fewer tiles than parts; a rank renders another scene). With ranks only rank 0 has the
  * result. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag);

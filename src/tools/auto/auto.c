@@ -22,7 +22,7 @@
 #include "auto_fit.h"
 #include "auto_pilot.h"
 
-#include "render/crew.h"
+#include "render/ranks.h"
 
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
@@ -293,7 +293,7 @@ static double covered(const bis_scene *scene, const bis_view *view)
 static double samples_to_come(const bis_auto_pilot *p, const bis_render_options *o)
 {
     const bis_view *v = &p->desc->view;
-    const double threads = (double)p->n_threads * (o->crew ? o->crew->size : 1);
+    const double threads = (double)p->n_threads * (o->ranks ? o->ranks->size : 1);
     const double by_spp = pixels_of(&v->film) * (double)(o->budget.spp ? o->budget.spp : v->sampler.spp) * p->covered /
                           fmax(1, threads / busy_threads);
 

@@ -37,7 +37,7 @@ double bis_auto_cost_of(const bis_auto_report *r, int i);
 bool bis_auto_is_wanted(const bis_settings *s);
 
 /* bis_auto_choose chooses the settings to render desc with: *report receives them, or desc->view.settings where these
- * leave nothing open. scene is built for desc; options are those of the render to come: budget, threads, crew (only
+ * leave nothing open. scene is built for desc; options are those of the render to come: budget, threads, ranks (only
  * its size is read), interrupted. A render that is too short for a pilot of less than 5% of its time has none.
  * The pilot has other random numbers than the render. What it chooses does not depend on the render's, so an unbiased
  * method stays unbiased. But it depends on the clock: to make the same picture again, give the chosen settings.

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* team: ranks that are threads of this program, and a crew that is a box of letters for each. So what travels can be
+/* scheduler: ranks that are threads of this program, whose messages are a box of letters for each. So what travels can be
  * counted, and a rank can be made slow. The expected pictures are those of one process. What a tile has learned is
  * worth more than its pixels, in bytes: a rank that sends to another one than rank 0, or rank 0 more than numbers of
  * tiles, moves what was learned. */
 #include "bis/base/mem.h"
 #include "render/checkpoint.h"
-#include "render/crew.h"
-#include "render/team_parts.h"
+#include "render/ranks.h"
+#include "render/scheduler_parts.h"
 
 #include "world.h"
 
@@ -24,12 +24,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define DIR_NAME "build/test_team"
+#define DIR_NAME "build/test_scheduler"
 #define STATE DIR_NAME "/state"
 
 enum { MOST_RANKS = 18, SIDE = 100, TILES = 49, LEARNED = 8192 /* bytes of a tile */ };
 
-/* ---- a crew of threads ---- */
+/* ---- the ranks of threads ---- */
 
 typedef struct letter {
     struct letter *next;
@@ -41,7 +41,7 @@ typedef struct letter {
 typedef struct post post;
 
 typedef struct member {
-    bis_crew crew; /* first: the crew leads to it */
+    bis_ranks ranks; /* first: ranks lead to it */
     post *post;
     letter *first, **last, *opened;
     int nap; /* microseconds, each time that it looks for a letter */
@@ -61,7 +61,7 @@ struct post {
     int n_batches, n_too_early;
 };
 
-/* A letter begins with its kind and its number of tiles (team.c). A rank is to have at most one batch besides the one
+/* A letter begins with its kind and its number of tiles (scheduler.c). A rank is to have at most one batch besides the one
  * that it gets. */
 enum { LETTER_WORK, LETTER_DONE };
 
@@ -80,50 +80,50 @@ static void count_held(post *p, int rank, const unsigned char *data)
 static volatile sig_atomic_t interrupted;
 static int broadcasts_left;
 
-static void broadcast(bis_crew *crew, void *data, size_t n)
+static void broadcast(bis_ranks *ranks, void *data, size_t n)
 {
-    post *p = ((member *)crew)->post;
-    if (crew->rank == 0) {
+    post *p = ((member *)ranks)->post;
+    if (ranks->rank == 0) {
         p->shared = data;
         broadcasts_left--;
     }
     pthread_barrier_wait(&p->all);
-    if (crew->rank > 0) memcpy(data, p->shared, n);
+    if (ranks->rank > 0) memcpy(data, p->shared, n);
     pthread_barrier_wait(&p->all);
 }
 
-static void join_bits(bis_crew *crew, unsigned char *data, size_t n)
+static void join_bits(bis_ranks *ranks, unsigned char *data, size_t n)
 {
-    post *p = ((member *)crew)->post;
-    if (crew->rank == 0) p->shared = data;
+    post *p = ((member *)ranks)->post;
+    if (ranks->rank == 0) p->shared = data;
     pthread_barrier_wait(&p->all);
     pthread_mutex_lock(&p->lock);
-    for (size_t i = 0; i < n && crew->rank > 0; i++) ((unsigned char *)p->shared)[i] |= data[i];
+    for (size_t i = 0; i < n && ranks->rank > 0; i++) ((unsigned char *)p->shared)[i] |= data[i];
     pthread_mutex_unlock(&p->lock);
     pthread_barrier_wait(&p->all);
-    if (crew->rank > 0) memcpy(data, p->shared, n);
+    if (ranks->rank > 0) memcpy(data, p->shared, n);
     pthread_barrier_wait(&p->all);
 }
 
-static void send_letter(bis_crew *crew, int to, const void *data, size_t n)
+static void send_letter(bis_ranks *ranks, int to, const void *data, size_t n)
 {
-    post *p = ((member *)crew)->post;
+    post *p = ((member *)ranks)->post;
     letter *l = malloc(sizeof *l + n);
     if (!l) abort();
-    *l = (letter){.from = crew->rank, .n = n};
+    *l = (letter){.from = ranks->rank, .n = n};
     memcpy(l->data, data, n);
     pthread_mutex_lock(&p->lock);
-    *(crew->rank == 0 ? &p->from_0 : to == 0 ? &p->to_0 : &p->between_others) += n;
+    *(ranks->rank == 0 ? &p->from_0 : to == 0 ? &p->to_0 : &p->between_others) += n;
     if (to == 0 && broadcasts_left == 0) __atomic_store_n(&interrupted, 1, __ATOMIC_RELAXED);
-    if (crew->rank == 0) count_held(p, to, data);
+    if (ranks->rank == 0) count_held(p, to, data);
     *p->members[to].last = l;
     p->members[to].last = &l->next;
     pthread_mutex_unlock(&p->lock);
 }
 
-static unsigned char *receive(bis_crew *crew, int *from, size_t *n, bool wait)
+static unsigned char *receive(bis_ranks *ranks, int *from, size_t *n, bool wait)
 {
-    member *me = (member *)crew;
+    member *me = (member *)ranks;
 
     free(me->opened);
     me->opened = NULL;
@@ -133,7 +133,7 @@ static unsigned char *receive(bis_crew *crew, int *from, size_t *n, bool wait)
         letter *l = me->opened = me->first;
         if (l) me->first = l->next;
         if (!me->first) me->last = &me->first;
-        if (l && crew->rank == 0 && !wait) count_held(me->post, l->from, l->data);
+        if (l && ranks->rank == 0 && !wait) count_held(me->post, l->from, l->data);
         pthread_mutex_unlock(&me->post->lock);
         if (!l && wait) continue;
         if (!l) return NULL;
@@ -154,12 +154,12 @@ typedef struct job {
 
 static const double all[4] = {0, 1, 0, 1};
 
-static bis_status render_one(bis_film *f, bis_render_result *result, const job *j, bis_crew *crew)
+static bis_status render_one(bis_film *f, bis_render_result *result, const job *j, bis_ranks *ranks)
 {
     bis_render_options options = j->options;
 
-    options.crew = crew;
-    if (!bis_crew_leads(crew)) options.checkpoint = NULL, options.interrupted = NULL;
+    options.ranks = ranks;
+    if (!bis_rank_leads(ranks)) options.checkpoint = NULL, options.interrupted = NULL;
     bis_status status = bis_film_init(f, SIDE, SIDE, all, (bis_loc){0}, NULL);
     if (!status) status = bis_film_want(f, BIS_LAYERS_ALL, NULL);
     if (!status) status = bis_render(result, f, &j->w->scene, &j->w->desc, &j->w->desc.view, &options, NULL);
@@ -173,7 +173,7 @@ static void *run_rank(void *argument)
     bis_film film;
     bis_render_result result;
 
-    me->status = render_one(&film, &result, me->job, &me->crew);
+    me->status = render_one(&film, &result, me->job, &me->ranks);
     bis_film_clear(&film);
     return NULL;
 }
@@ -187,7 +187,7 @@ static const post *render_team(int ranks, int slow, const job *j)
     assert_int_equal(pthread_barrier_init(&p.all, NULL, (unsigned)ranks), 0);
     for (int i = 0; i < ranks; i++) {
         member *m = &p.members[i];
-        m->crew = (bis_crew){.rank = i, .size = ranks, .host = "here", .broadcast = broadcast, .join_bits = join_bits,
+        m->ranks = (bis_ranks){.rank = i, .size = ranks, .host = "here", .broadcast = broadcast, .join_bits = join_bits,
                              .send = send_letter, .receive = receive};
         m->post = &p;
         m->last = &m->first;
@@ -196,7 +196,7 @@ static const post *render_team(int ranks, int slow, const job *j)
     }
     for (int i = 1; i < ranks; i++)
         assert_int_equal(pthread_create(&p.members[i].thread, NULL, run_rank, &p.members[i]), 0);
-    assert_int_equal(render_one(j->film, j->result, j, &p.members[0].crew), BIS_OK);
+    assert_int_equal(render_one(j->film, j->result, j, &p.members[0].ranks), BIS_OK);
     for (int i = 1; i < ranks; i++) {
         assert_int_equal(pthread_join(p.members[i].thread, NULL), 0);
         assert_int_equal(p.members[i].status, BIS_OK);
@@ -227,7 +227,7 @@ static void assert_same(const bis_film *a, const bis_film *b, const bis_render_r
     assert_memory_equal(&r->counters, &s->counters, sizeof r->counters);
 }
 
-/* The picture of one process; then that of a team. */
+/* The picture of one process; then that of a scheduler. */
 static const post *assert_team_makes_the_same(const world *w, bis_render_options options, int ranks, int slow)
 {
     bis_film one, many;
@@ -384,35 +384,35 @@ enum { MOST_SENT = 128, MOST_DEALT = 32 };
 
 typedef struct sent {
     int to;
-    bis_team_head head;
+    bis_sched_head head;
     int tiles[MOST_DEALT];
-    bis_team_tile last;   /* before the last tile */
+    bis_sched_tile last;   /* before the last tile */
     unsigned char known;  /* the last byte of what the last tile has learned */
     bool are_own;         /* of DONE: each pixel has the number of its tile */
 } sent;
 
-/* A crew that notes what rank 0 sends and answers with the letters that the test has left for it. */
+/* ranks that note what rank 0 sends and answer with the letters that the test has left for them. */
 typedef struct desk {
-    bis_crew crew; /* first: the crew leads to it */
+    bis_ranks ranks; /* first: ranks lead to it */
     world world;
     bis_film film;
     bis_workspace w;
     bis_render_options options;
-    bis_team *team;
+    bis_sched *sched;
     sent sent[MOST_SENT];
     int n_sent, answer_from;
-    unsigned char answer[sizeof(bis_team_head) + MOST_DEALT * (sizeof(bis_team_tile) + LEARNED)];
+    unsigned char answer[sizeof(bis_sched_head) + MOST_DEALT * (sizeof(bis_sched_tile) + LEARNED)];
     size_t n_answer;
     bool stops;              /* once nothing else is left */
     bool answers_all, gives; /* each letter is answered in its turn; or only where tiles are to go to rank 0 */
     int n_answered;
-    bis_team_step step; /* the last that was broadcast */
+    bis_sched_step step; /* the last that was broadcast */
     double progress;
 } desk;
 
-static void note(bis_crew *crew, int to, const void *data, size_t n)
+static void note(bis_ranks *ranks, int to, const void *data, size_t n)
 {
-    desk *d = (desk *)crew;
+    desk *d = (desk *)ranks;
     const unsigned char *m = data;
     sent *s = &d->sent[d->n_sent++];
 
@@ -426,7 +426,7 @@ static void note(bis_crew *crew, int to, const void *data, size_t n)
         m += sizeof s->last;
         s->tiles[i] = s->last.tile;
         const bis_rect r = bis_film_tile(&d->film, BIS_RENDER_TILE, s->last.tile);
-        const int n_pixels = s->head.kind == BIS_TEAM_DONE ? (r.x1 - r.x0) * (r.y1 - r.y0) : 0;
+        const int n_pixels = s->head.kind == BIS_SCHED_DONE ? (r.x1 - r.x0) * (r.y1 - r.y0) : 0;
         for (int k = 0; k < n_pixels; k++, m += sizeof(bis_pixel_mean)) {
             bis_pixel_mean mean;
             memcpy(&mean, m, sizeof mean);
@@ -437,9 +437,9 @@ static void note(bis_crew *crew, int to, const void *data, size_t n)
     assert_int_equal(m - (const unsigned char *)data, n);
 }
 
-static void note_step(bis_crew *crew, void *data, size_t n)
+static void note_step(bis_ranks *ranks, void *data, size_t n)
 {
-    desk *d = (desk *)crew;
+    desk *d = (desk *)ranks;
     assert_int_equal(n, sizeof d->step);
     memcpy(&d->step, data, n);
 }
@@ -449,16 +449,16 @@ static void note_progress(double share, void *user) { ((desk *)user)->progress =
 /* Rank `from` has done n tiles: their pixels are as many as a tile has in the picture, each with the tile's number. */
 static void leave_done(desk *d, int from, double seconds, const int *tiles, int n)
 {
-    const bis_team_head h = {.kind = BIS_TEAM_DONE, .n_tiles = n};
-    unsigned char *m = bis_team_put(d->answer, &h, sizeof h);
+    const bis_sched_head h = {.kind = BIS_SCHED_DONE, .n_tiles = n};
+    unsigned char *m = bis_sched_put(d->answer, &h, sizeof h);
 
     for (int k = 0; k < n; k++) {
         const int t = tiles[k];
         const bis_rect r = bis_film_tile(&d->film, BIS_RENDER_TILE, t);
-        const bis_team_tile head = {.tile = t, .seconds = seconds};
+        const bis_sched_tile head = {.tile = t, .seconds = seconds};
         const bis_pixel_mean mean = {{(float)t, (float)(2 * t), 1}, 0.5f};
-        m = bis_team_put(m, &head, sizeof head);
-        for (int i = 0; i < (r.x1 - r.x0) * (r.y1 - r.y0); i++) m = bis_team_put(m, &mean, sizeof mean);
+        m = bis_sched_put(m, &head, sizeof head);
+        for (int i = 0; i < (r.x1 - r.x0) * (r.y1 - r.y0); i++) m = bis_sched_put(m, &mean, sizeof mean);
     }
     d->answer_from = from;
     d->n_answer = (size_t)(m - d->answer);
@@ -467,11 +467,11 @@ static void leave_done(desk *d, int from, double seconds, const int *tiles, int 
 /* Rank `from` gives n tiles to rank 0: what a tile has learned is its number, byte for byte. */
 static void leave_work(desk *d, int from, const int *tiles, int n)
 {
-    const bis_team_head h = {.kind = BIS_TEAM_WORK, .n_tiles = n, .learned = true};
-    unsigned char *m = bis_team_put(d->answer, &h, sizeof h);
+    const bis_sched_head h = {.kind = BIS_SCHED_WORK, .n_tiles = n, .learned = true};
+    unsigned char *m = bis_sched_put(d->answer, &h, sizeof h);
 
     for (int k = 0; k < n; k++) {
-        m = bis_team_put(m, &(bis_team_tile){.tile = tiles[k]}, sizeof(bis_team_tile));
+        m = bis_sched_put(m, &(bis_sched_tile){.tile = tiles[k]}, sizeof(bis_sched_tile));
         memset(m, tiles[k], LEARNED);
         m += LEARNED;
     }
@@ -481,21 +481,21 @@ static void leave_work(desk *d, int from, const int *tiles, int n)
 
 static void answer_letter(desk *d, const sent *s)
 {
-    if (s->head.kind == BIS_TEAM_GIVE && s->head.to == 0) leave_work(d, s->to, s->tiles, s->head.n_tiles);
-    else if (d->answers_all && s->head.kind == BIS_TEAM_GIVE) leave_done(d, s->head.to, 1, s->tiles, s->head.n_tiles);
-    else if (d->answers_all && s->head.kind == BIS_TEAM_WORK) leave_done(d, s->to, 1, s->tiles, s->head.n_tiles);
+    if (s->head.kind == BIS_SCHED_GIVE && s->head.to == 0) leave_work(d, s->to, s->tiles, s->head.n_tiles);
+    else if (d->answers_all && s->head.kind == BIS_SCHED_GIVE) leave_done(d, s->head.to, 1, s->tiles, s->head.n_tiles);
+    else if (d->answers_all && s->head.kind == BIS_SCHED_WORK) leave_done(d, s->to, 1, s->tiles, s->head.n_tiles);
 }
 
-static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
+static unsigned char *answer(bis_ranks *ranks, int *from, size_t *n, bool wait)
 {
-    desk *d = (desk *)crew;
+    desk *d = (desk *)ranks;
 
     while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
         answer_letter(d, &d->sent[d->n_answered++]);
     if (!d->n_answer && d->stops) {
-        const bis_team_head stop = {.kind = BIS_TEAM_STOP};
+        const bis_sched_head stop = {.kind = BIS_SCHED_STOP};
         d->stops = false;
-        d->n_answer = (size_t)(bis_team_put(d->answer, &stop, sizeof stop) - d->answer);
+        d->n_answer = (size_t)(bis_sched_put(d->answer, &stop, sizeof stop) - d->answer);
     }
     assert_true(d->n_answer || !wait);
     if (!d->n_answer) return NULL;
@@ -505,10 +505,10 @@ static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
     return d->answer;
 }
 
-/* A team of so many ranks, rank i with threads[i], none of them there; a picture of so many tiles. */
+/* A scheduler of so many ranks, rank i with threads[i], none of them there; a picture of so many tiles. */
 static void open_desk(desk *d, int ranks, const int *threads, int columns, int rows, bool learns)
 {
-    *d = (desk){.crew = {.size = ranks, .host = "here", .broadcast = note_step, .send = note,
+    *d = (desk){.ranks = {.size = ranks, .host = "here", .broadcast = note_step, .send = note,
                         .receive = answer}, .options = {.n_threads = 1}};
     if (learns) make_learning_world(&d->world);
     else make_world(&d->world, &bis_em);
@@ -516,16 +516,16 @@ static void open_desk(desk *d, int ranks, const int *threads, int columns, int r
     assert_int_equal(bis_workspace_init(&d->w, &d->film, &d->world.scene, &d->world.desc, &d->world.desc.view,
                                         &d->options, NULL), BIS_OK);
     assert_int_equal(d->w.n_tiles, columns * rows);
-    d->team = bis_team_new(&d->crew, &d->w);
+    d->sched = bis_sched_new(&d->ranks, &d->w);
     for (int i = 0; i < ranks; i++) {
-        d->team->threads[i] = threads ? threads[i] : 1;
-        d->team->n_all_threads += d->team->threads[i];
+        d->sched->threads[i] = threads ? threads[i] : 1;
+        d->sched->n_all_threads += d->sched->threads[i];
     }
 }
 
 static void close_desk(desk *d)
 {
-    bis_team_free(d->team);
+    bis_sched_free(d->sched);
     bis_workspace_clear(&d->w);
     bis_film_clear(&d->film);
     clear_world(&d->world);
@@ -534,7 +534,7 @@ static void close_desk(desk *d)
 #define LIST(...) (const int[]){__VA_ARGS__}, (int)(sizeof((int[]){__VA_ARGS__}) / sizeof(int))
 
 /* The next letter; of GIVE with the rank that is to get the tiles. */
-static void expect_letter(const desk *d, int *at, int to, bis_team_kind kind, int give_to, bool learned,
+static void expect_letter(const desk *d, int *at, int to, bis_sched_kind kind, int give_to, bool learned,
                           const int *tiles, int n)
 {
     const sent *s = &d->sent[(*at)++];
@@ -543,14 +543,14 @@ static void expect_letter(const desk *d, int *at, int to, bis_team_kind kind, in
     assert_int_equal(s->to, to);
     assert_int_equal(s->head.kind, kind);
     assert_int_equal(s->head.learned, learned);
-    if (kind == BIS_TEAM_GIVE) assert_int_equal(s->head.to, give_to);
+    if (kind == BIS_SCHED_GIVE) assert_int_equal(s->head.to, give_to);
     assert_int_equal(s->head.n_tiles, n);
     for (int i = 0; i < n; i++) assert_int_equal(s->tiles[i], tiles[i]);
 }
 
 static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
 {
-    expect_letter(d, at, to, BIS_TEAM_WORK, 0, false, tiles, n);
+    expect_letter(d, at, to, BIS_SCHED_WORK, 0, false, tiles, n);
 }
 
 /* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each
@@ -563,22 +563,22 @@ static void the_first_batches_are_those_by_hand(void **state)
     int at = 0;
 
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     expect_work(&d, &at, 2, LIST(6, 7));
     expect_work(&d, &at, 2, LIST(8, 9));
     assert_int_equal(d.n_sent, at);
-    assert_int_equal(bis_team_deal_next(d.team), 10); /* its own; 38 are left */
+    assert_int_equal(bis_sched_deal_next(d.sched), 10); /* its own; 38 are left */
     assert_int_equal(d.n_sent, at);
-    bis_team_finish(d.team, 0, 10, 1);
+    bis_sched_finish(d.sched, 0, 10, 1);
     assert_true(d.progress == 1 / 49.0);
 
     /* 2 of 4 come back, and 38/16 = 2.4 go; rank 0 takes the next */
     leave_done(&d, 2, 0.25, LIST(6, 7));
-    assert_int_equal(bis_team_deal_next(d.team), 13);
+    assert_int_equal(bis_sched_deal_next(d.sched), 13);
     expect_work(&d, &at, 2, LIST(11, 12));
     assert_true(d.progress == 3 / 49.0);
-    assert_true(d.team->seconds[6] == 0.25 && d.team->seconds[7] == 0.25 && d.team->seconds[8] == 0);
+    assert_true(d.sched->seconds[6] == 0.25 && d.sched->seconds[7] == 0.25 && d.sched->seconds[8] == 0);
     for (int y = 0; y < d.film.height; y++)
         for (int x = 0; x < d.film.width; x++) {
             const int t = y / 16 * 7 + x / 16;
@@ -589,10 +589,10 @@ static void the_first_batches_are_those_by_hand(void **state)
 
     /* one of 4 is not enough: 3 held; 35 x 2/16 = 4.4 */
     leave_done(&d, 1, 1, LIST(0));
-    assert_int_equal(bis_team_deal_next(d.team), 14);
+    assert_int_equal(bis_sched_deal_next(d.sched), 14);
     assert_int_equal(d.n_sent, at); /* holds 5, and may hold 4 */
     leave_done(&d, 1, 1, LIST(1));
-    assert_int_equal(bis_team_deal_next(d.team), 19); /* 34 x 2/16 = 4.25 */
+    assert_int_equal(bis_sched_deal_next(d.sched), 19); /* 34 x 2/16 = 4.25 */
     expect_work(&d, &at, 1, LIST(15, 16, 17, 18));
     assert_int_equal(d.n_sent, at);
     close_desk(&d);
@@ -609,22 +609,22 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     int at = 0;
 
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
-    for (int t = 0; t < 49; t++) d.team->seconds[t] = t == 20 ? 0.64 : t == 33 ? 0.32 : t == 7 ? 0.325 : 0.01;
-    d.team->knows = true;
-    bis_team_begin(d.team, note_progress, &d);
+    for (int t = 0; t < 49; t++) d.sched->seconds[t] = t == 20 ? 0.64 : t == 33 ? 0.32 : t == 7 ? 0.325 : 0.01;
+    d.sched->knows = true;
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(20, 7));
     expect_work(&d, &at, 2, LIST(33));
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4));
     expect_work(&d, &at, 2, LIST(5, 6));
     assert_int_equal(d.n_sent, at);
-    assert_int_equal(bis_team_deal_next(d.team), 8);
-    assert_int_equal(bis_team_deal_next(d.team), 9);
+    assert_int_equal(bis_sched_deal_next(d.sched), 8);
+    assert_int_equal(bis_sched_deal_next(d.sched), 9);
     /* nothing is known: no order, whatever stands in the seconds */
-    d.team->knows = false;
-    for (int t = 0; t < 49; t++) d.team->seconds[t] *= 100;
-    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.sched->knows = false;
+    for (int t = 0; t < 49; t++) d.sched->seconds[t] *= 100;
+    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
     d.n_sent = at = 0;
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     close_desk(&d);
 }
@@ -642,79 +642,79 @@ static void tiles_go_to_their_owners_first(void **state)
     assert_true(d.w.visibility.n_tiles == 49 && d.w.visibility.cells * sizeof(bis_seen) == LEARNED);
 
     /* 10 of rank 1, 10 of rank 2, 10 of rank 0, 19 of nobody */
-    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 10 ? 1 : t < 20 ? 2 : t < 30 ? 0 : BIS_TEAM_NOBODY;
-    bis_team_begin(d.team, note_progress, &d);
+    for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 10 ? 1 : t < 20 ? 2 : t < 30 ? 0 : BIS_SCHED_NOBODY;
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     expect_work(&d, &at, 2, LIST(10, 11));
     expect_work(&d, &at, 2, LIST(12, 13));
     assert_int_equal(d.n_sent, at);
     leave_done(&d, 1, 1, LIST(0, 1, 2, 3, 4, 5)); /* 39 left: 4.9, but there are 4 in its list */
-    assert_int_equal(bis_team_deal_next(d.team), 20);
+    assert_int_equal(bis_sched_deal_next(d.sched), 20);
     expect_work(&d, &at, 1, LIST(6, 7, 8, 9));
     leave_done(&d, 1, 1, LIST(6, 7, 8, 9)); /* 34 left: 4.25 */
-    assert_int_equal(bis_team_deal_next(d.team), 21);
+    assert_int_equal(bis_sched_deal_next(d.sched), 21);
     expect_work(&d, &at, 1, LIST(30, 31, 32, 33));
     assert_int_equal(d.n_sent, at);
     for (int t = 28; t < 37; t++)
-        assert_int_equal(d.team->owner[t], t < 30 ? 0 : t < 34 ? 1 : BIS_TEAM_NOBODY);
+        assert_int_equal(d.sched->owner[t], t < 30 ? 0 : t < 34 ? 1 : BIS_SCHED_NOBODY);
 
     /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
-    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
-    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
+    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
     d.n_sent = at = 0;
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
-    expect_letter(&d, &at, 2, BIS_TEAM_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
+    expect_letter(&d, &at, 2, BIS_SCHED_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
     expect_work(&d, &at, 2, LIST(9, 10));
     assert_int_equal(d.n_sent, at);
-    assert_true(d.team->owner[4] == 1 && d.team->owner[8] == 1 && d.team->owner[9] == 2);
+    assert_true(d.sched->owner[4] == 1 && d.sched->owner[8] == 1 && d.sched->owner[9] == 2);
 
     /* 1 of rank 1, 1 of nobody: two batches are all that is dealt ahead, though rank 1 could hold a third; 48/16 = 3 */
-    for (int t = 0; t < 49; t++) d.team->owner[t] = t == 0 ? 1 : t == 1 ? BIS_TEAM_NOBODY : t >= 10 && t < 20 ? 2 : 0;
-    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    for (int t = 0; t < 49; t++) d.sched->owner[t] = t == 0 ? 1 : t == 1 ? BIS_SCHED_NOBODY : t >= 10 && t < 20 ? 2 : 0;
+    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
     d.n_sent = at = 0;
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0));
     expect_work(&d, &at, 2, LIST(10, 11, 12));
     expect_work(&d, &at, 1, LIST(1));
     assert_int_equal(d.n_sent, at);
 
     /* 10 of rank 2, 37 of rank 0 */
-    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
-    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
+    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
     d.n_sent = at = 0;
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
-    expect_letter(&d, &at, 1, BIS_TEAM_WORK, 0, true, LIST(12, 13, 14, 15, 16));
+    expect_letter(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(12, 13, 14, 15, 16));
     expect_work(&d, &at, 2, LIST(4, 5));
     assert_int_equal(d.n_sent, at);
 
     /* all of rank 1: rank 2 gets 43/16 = 2.7 and 41/16; rank 0 has none, and asks for 39/16 */
-    for (int t = 0; t < 49; t++) d.team->owner[t] = 1;
-    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    for (int t = 0; t < 49; t++) d.sched->owner[t] = 1;
+    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
     d.n_sent = at = 0;
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, LIST(6, 7));
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, LIST(8, 9));
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(6, 7));
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(8, 9));
     assert_int_equal(d.n_sent, at);
-    assert_int_equal(bis_team_deal_take(d.team), -1);
+    assert_int_equal(bis_sched_deal_take(d.sched), -1);
     /* rank 1 has done 4, and gets 39 x 2/16 = 4.9; rank 0 asks for 35/16 = 2.2 and waits; later for 33/16 */
     leave_done(&d, 1, 1, LIST(0, 1, 2, 3));
     d.gives = true;
     d.n_answered = d.n_sent;
-    assert_int_equal(bis_team_deal_next(d.team), 14);
+    assert_int_equal(bis_sched_deal_next(d.sched), 14);
     expect_work(&d, &at, 1, LIST(10, 11, 12, 13));
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, LIST(14, 15));
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(14, 15));
     assert_int_equal(d.n_sent, at);
-    assert_true(d.team->owner[14] == 0 && d.team->owner[16] == 1 && d.team->held[0] == 0);
+    assert_true(d.sched->owner[14] == 0 && d.sched->owner[16] == 1 && d.sched->held[0] == 0);
     const unsigned char *known = (const unsigned char *)d.w.visibility.known;
     for (size_t i = 0; i < 49 * LEARNED; i++)
         assert_int_equal(known[i], i / LEARNED == 14 || i / LEARNED == 15 ? i / LEARNED : 0);
-    assert_int_equal(bis_team_deal_next(d.team), 15);
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, LIST(16, 17));
+    assert_int_equal(bis_sched_deal_next(d.sched), 15);
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(16, 17));
     assert_int_equal(d.n_sent, at);
     close_desk(&d);
 }
@@ -729,7 +729,7 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
     int at = 0;
 
     open_desk(&d, 17, NULL, 16, 10, false);
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     for (int i = 1; i <= 13; i++) expect_work(&d, &at, i, LIST(2 * i - 2, 2 * i - 1));
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(12 + i));
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
@@ -740,11 +740,11 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
     for (int ranks = 16; ranks <= 17; ranks++) {
         at = 0;
         open_desk(&d, ranks, NULL, 7, 7, false);
-        bis_team_begin(d.team, note_progress, &d);
+        bis_sched_begin(d.sched, note_progress, &d);
         for (int i = 1; i < ranks; i++) expect_work(&d, &at, i, LIST(i - 1));
         for (int i = 1; i < ranks && ranks == 16; i++) expect_work(&d, &at, i, LIST(14 + i));
         assert_int_equal(d.n_sent, at);
-        if (ranks == 16) assert_int_equal(bis_team_deal_next(d.team), 30);
+        if (ranks == 16) assert_int_equal(bis_sched_deal_next(d.sched), 30);
         close_desk(&d);
     }
 }
@@ -759,25 +759,25 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
     int at = 0;
 
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
-    d.crew.rank = 1;
+    d.ranks.rank = 1;
     for (int i = 0; i < d.film.width * d.film.height; i++)
         d.w.pass[i].L.r = (float)(i / d.film.width / 16 * 7 + i % d.film.width / 16);
-    bis_team_begin(d.team, note_progress, &d);
+    bis_sched_begin(d.sched, note_progress, &d);
     assert_int_equal(d.n_sent, 0);
     leave_work(&d, 0, LIST(40, 41, 42, 43, 44, 45, 46, 47, 48, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20));
     for (int k = 1; k <= 20; k++) {
         const int wanted = k < 10 ? 39 + k : k;
-        assert_int_equal(bis_team_work_next(d.team), wanted);
-        bis_team_finish(d.team, 0, wanted, 0.5 * k);
+        assert_int_equal(bis_sched_work_next(d.sched), wanted);
+        bis_sched_finish(d.sched, 0, wanted, 0.5 * k);
         if (k < 20) continue;
         d.stops = true;
-        assert_int_equal(bis_team_work_next(d.team), -1);
-        assert_true(d.team->over);
+        assert_int_equal(bis_sched_work_next(d.sched), -1);
+        assert_true(d.sched->over);
     }
     for (int k = 1; k <= 20; k++) {
         if (!batches[k]) continue;
         const sent *s = &d.sent[at++];
-        assert_true(s->to == 0 && s->head.kind == BIS_TEAM_DONE && s->are_own && s->head.n_tiles == batches[k]);
+        assert_true(s->to == 0 && s->head.kind == BIS_SCHED_DONE && s->are_own && s->head.n_tiles == batches[k]);
         for (int i = 0; i < s->head.n_tiles; i++) {
             const int number = k - s->head.n_tiles + 1 + i;
             assert_int_equal(s->tiles[i], number < 10 ? 39 + number : number);
@@ -788,16 +788,16 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
 
     /* the next pass: rank 0 wants two of those tiles for rank 2, and one itself */
     for (int to = 2; to >= 0; to -= 2) {
-        bis_team_head give = {.kind = BIS_TEAM_GIVE, .n_tiles = to ? 2 : 1, .to = to};
-        unsigned char *m = bis_team_put(d.answer, &give, sizeof give);
-        m = bis_team_put(m, &(bis_team_tile){.tile = 10}, sizeof(bis_team_tile));
-        if (to) m = bis_team_put(m, &(bis_team_tile){.tile = 47}, sizeof(bis_team_tile));
+        bis_sched_head give = {.kind = BIS_SCHED_GIVE, .n_tiles = to ? 2 : 1, .to = to};
+        unsigned char *m = bis_sched_put(d.answer, &give, sizeof give);
+        m = bis_sched_put(m, &(bis_sched_tile){.tile = 10}, sizeof(bis_sched_tile));
+        if (to) m = bis_sched_put(m, &(bis_sched_tile){.tile = 47}, sizeof(bis_sched_tile));
         d.n_answer = (size_t)(m - d.answer);
         d.stops = true; /* the next letter */
-        bis_team_begin(d.team, note_progress, &d);
-        assert_int_equal(bis_team_work_next(d.team), -1);
-        if (to) expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(10, 47));
-        else expect_letter(&d, &at, 0, BIS_TEAM_WORK, 0, true, LIST(10));
+        bis_sched_begin(d.sched, note_progress, &d);
+        assert_int_equal(bis_sched_work_next(d.sched), -1);
+        if (to) expect_letter(&d, &at, 2, BIS_SCHED_WORK, 0, true, LIST(10, 47));
+        else expect_letter(&d, &at, 0, BIS_SCHED_WORK, 0, true, LIST(10));
         const sent *s = &d.sent[at - 1];
         assert_true(s->known == s->last.tile);
     }
@@ -813,11 +813,11 @@ static void tiles_that_took_no_time_are_dealt_out_too(void **state)
     int at = 0, tiles[49];
 
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
-    for (int t = 0; t < 49; t++) tiles[t] = t, d.team->owner[t] = 1;
-    d.team->knows = true;
-    bis_team_begin(d.team, note_progress, &d);
+    for (int t = 0; t < 49; t++) tiles[t] = t, d.sched->owner[t] = 1;
+    d.sched->knows = true;
+    bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, tiles, 32);
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, tiles + 32, 17);
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, tiles + 32, 17);
     assert_int_equal(d.n_sent, at);
     close_desk(&d);
 }
@@ -830,49 +830,49 @@ static void what_others_have_learned_is_asked_for(void **state)
     int at = 0, tiles[40];
 
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
-    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_TEAM_NOBODY;
+    for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_SCHED_NOBODY;
     for (int i = 0; i < 40; i++) tiles[i] = 2 + i;
     d.film.passes = 7;
     d.gives = true;
-    bis_team_gather(d.team);
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, tiles, 32);
-    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, tiles + 32, 8);
-    expect_letter(&d, &at, 1, BIS_TEAM_STOP, 0, false, tiles, 0);
-    expect_letter(&d, &at, 2, BIS_TEAM_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
-    expect_letter(&d, &at, 2, BIS_TEAM_STOP, 0, false, tiles, 0);
+    bis_sched_gather(d.sched);
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, tiles, 32);
+    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, tiles + 32, 8);
+    expect_letter(&d, &at, 1, BIS_SCHED_STOP, 0, false, tiles, 0);
+    expect_letter(&d, &at, 2, BIS_SCHED_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
+    expect_letter(&d, &at, 2, BIS_SCHED_STOP, 0, false, tiles, 0);
     assert_int_equal(d.n_sent, at);
-    assert_true(d.step.next == BIS_TEAM_GATHER && d.step.passes == 7 && d.step.status == BIS_OK);
+    assert_true(d.step.next == BIS_SCHED_GATHER && d.step.passes == 7 && d.step.status == BIS_OK);
     const unsigned char *known = (const unsigned char *)d.w.visibility.known;
     for (size_t i = 0; i < 49 * LEARNED; i++) {
         const size_t t = i / LEARNED;
         assert_int_equal(known[i], t >= 2 && t < 47 ? t : 0);
     }
     for (int t = 0; t < 49; t++) /* they stay the owners */
-        assert_int_equal(d.team->owner[t], t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_TEAM_NOBODY);
+        assert_int_equal(d.sched->owner[t], t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_SCHED_NOBODY);
 
     /* the first pass after a checkpoint that was read: rank 0 has it all, and sends it with its tiles */
     d.n_sent = at = 0;
-    bis_team_begin(d.team, note_progress, &d);
-    expect_letter(&d, &at, 1, BIS_TEAM_WORK, 0, true, LIST(0, 1, 2, 3, 4, 5));
-    expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(6, 7));
-    assert_int_equal(bis_team_deal_next(d.team), 10);
-    assert_true(d.team->owner[0] == 1 && d.team->owner[6] == 2 && d.team->owner[10] == 0 && d.team->owner[48] == 0);
+    bis_sched_begin(d.sched, note_progress, &d);
+    expect_letter(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(0, 1, 2, 3, 4, 5));
+    expect_letter(&d, &at, 2, BIS_SCHED_WORK, 0, true, LIST(6, 7));
+    assert_int_equal(bis_sched_deal_next(d.sched), 10);
+    assert_true(d.sched->owner[0] == 1 && d.sched->owner[6] == 2 && d.sched->owner[10] == 0 && d.sched->owner[48] == 0);
     close_desk(&d);
 
     /* nothing is learned: nothing is asked for, and nobody owns anything */
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
     d.film.passes = 7;
-    bis_team_gather(d.team);
+    bis_sched_gather(d.sched);
     assert_true(d.n_sent == 0 && d.step.passes == 0);
-    bis_team_begin(d.team, note_progress, &d);
-    for (int t = 0; t < 49; t++) assert_int_equal(d.team->owner[t], BIS_TEAM_NOBODY);
+    bis_sched_begin(d.sched, note_progress, &d);
+    for (int t = 0; t < 49; t++) assert_int_equal(d.sched->owner[t], BIS_SCHED_NOBODY);
 
     const bis_pass pass = {.number = 8, .first = 9, .n = 10, .weight = 11};
-    bis_team_call(d.team, &pass, BIS_OK);
-    assert_true(d.step.next == BIS_TEAM_PASS && d.step.passes == 7 && d.step.status == BIS_OK);
+    bis_sched_call(d.sched, &pass, BIS_OK);
+    assert_true(d.step.next == BIS_SCHED_PASS && d.step.passes == 7 && d.step.status == BIS_OK);
     assert_memory_equal(&d.step.pass, &pass, sizeof pass);
-    bis_team_call(d.team, NULL, BIS_INPUT);
-    assert_true(d.step.next == BIS_TEAM_END && d.step.status == BIS_INPUT);
+    bis_sched_call(d.sched, NULL, BIS_INPUT);
+    assert_true(d.step.next == BIS_SCHED_END && d.step.status == BIS_INPUT);
     close_desk(&d);
 }
 
@@ -886,26 +886,26 @@ static void every_tile_is_rendered_once(void **state)
         int times[49] = {0}, stops[17] = {0}, t;
 
         open_desk(&d, kind < 4 ? 4 : 17, NULL, 7, 7, kind & 1);
-        for (int i = 0; i < 49 && kind & 1; i++) d.team->owner[i] = kind == 1 ? 1 : kind == 3 ? i % 5 - 1 : i % 18 - 1;
+        for (int i = 0; i < 49 && kind & 1; i++) d.sched->owner[i] = kind == 1 ? 1 : kind == 3 ? i % 5 - 1 : i % 18 - 1;
         d.answers_all = true;
-        bis_team_begin(d.team, note_progress, &d);
-        while ((t = bis_team_deal_next(d.team)) >= 0) {
+        bis_sched_begin(d.sched, note_progress, &d);
+        while ((t = bis_sched_deal_next(d.sched)) >= 0) {
             times[t]++;
-            bis_team_finish(d.team, 0, t, 1);
+            bis_sched_finish(d.sched, 0, t, 1);
         }
         for (int i = 0; i < d.n_sent; i++) {
             const sent *s = &d.sent[i];
-            if (s->head.kind == BIS_TEAM_STOP) stops[s->to]++;
-            for (int k = 0; k < s->head.n_tiles && s->head.to + (s->head.kind == BIS_TEAM_WORK) > 0; k++)
+            if (s->head.kind == BIS_SCHED_STOP) stops[s->to]++;
+            for (int k = 0; k < s->head.n_tiles && s->head.to + (s->head.kind == BIS_SCHED_WORK) > 0; k++)
                 times[s->tiles[k]]++;
         }
         for (int i = 0; i < 49; i++) assert_int_equal(times[i], 1);
-        for (int i = 0; i < d.crew.size; i++) {
+        for (int i = 0; i < d.ranks.size; i++) {
             assert_int_equal(stops[i], i > 0);
-            assert_int_equal(d.team->held[i], 0);
+            assert_int_equal(d.sched->held[i], 0);
         }
-        assert_true(d.progress == 1 && d.team->over);
-        assert_int_equal(bis_team_next(d.team, 1), -1); /* the other threads stop */
+        assert_true(d.progress == 1 && d.sched->over);
+        assert_int_equal(bis_sched_next(d.sched, 1), -1); /* the other threads stop */
         close_desk(&d);
     }
 }

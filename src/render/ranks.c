@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* crew: all ranks agree before they begin. */
-#include "crew.h"
+/* ranks: all ranks agree before they begin. */
+#include "ranks.h"
 
 #include "base/text.h"
 
@@ -15,11 +15,11 @@ typedef struct report {
     uint64_t parts[BIS_IDENTITY_PARTS];
 } report;
 
-static report report_of(const bis_crew *crew)
+static report report_of(const bis_ranks *ranks)
 {
     report r;
     memset(&r, 0, sizeof r);
-    bis_append(r.host, sizeof r.host, "%s", crew->host);
+    bis_append(r.host, sizeof r.host, "%s", ranks->host);
     return r;
 }
 
@@ -35,51 +35,51 @@ static const char *first_error(const bis_diag *diag)
     return "no memory for a message";
 }
 
-bis_status bis_crew_agree(bis_crew *crew, bis_status status, bis_diag *diag)
+bis_status bis_ranks_agree(bis_ranks *ranks, bis_status status, bis_diag *diag)
 {
-    if (!crew) return status;
-    report own = report_of(crew);
+    if (!ranks) return status;
+    report own = report_of(ranks);
     own.status = (int32_t)status;
     if (status) bis_append(own.text, sizeof own.text, "%s", first_error(diag));
-    if (crew->rank > 0) crew->send(crew, 0, &own, sizeof own);
-    int failing = status ? 0 : crew->size;
+    if (ranks->rank > 0) ranks->send(ranks, 0, &own, sizeof own);
+    int failing = status ? 0 : ranks->size;
     report worst = own;
-    for (int i = 1; i < crew->size && crew->rank == 0; i++) {
+    for (int i = 1; i < ranks->size && ranks->rank == 0; i++) {
         int from;
         size_t n;
         report r;
-        memcpy(&r, crew->receive(crew, &from, &n, true), sizeof r);
+        memcpy(&r, ranks->receive(ranks, &from, &n, true), sizeof r);
         if (r.status && from < failing) worst = r, failing = from;
     }
-    if (crew->rank == 0 && !status && worst.status)
+    if (ranks->rank == 0 && !status && worst.status)
         bis_error(diag, (bis_status)worst.status, (bis_loc){0}, "rank %d on \"%s\" cannot go on: %s", failing,
                   worst.host, worst.text);
-    crew->broadcast(crew, &worst.status, sizeof worst.status);
+    ranks->broadcast(ranks, &worst.status, sizeof worst.status);
     return (bis_status)worst.status;
 }
 
-bis_status bis_crew_compare(bis_crew *crew, const uint64_t parts[BIS_IDENTITY_PARTS], int n_threads, int *threads,
+bis_status bis_ranks_compare(bis_ranks *ranks, const uint64_t parts[BIS_IDENTITY_PARTS], int n_threads, int *threads,
                             bis_diag *diag)
 {
-    report own = report_of(crew);
+    report own = report_of(ranks);
     int32_t status = BIS_OK;
 
     own.n_threads = n_threads;
     memcpy(own.parts, parts, sizeof own.parts);
-    if (crew->rank > 0) crew->send(crew, 0, &own, sizeof own);
-    for (int i = 1; i < crew->size && crew->rank == 0; i++) {
+    if (ranks->rank > 0) ranks->send(ranks, 0, &own, sizeof own);
+    for (int i = 1; i < ranks->size && ranks->rank == 0; i++) {
         int from;
         size_t n;
         char list[1024];
         report r;
-        memcpy(&r, crew->receive(crew, &from, &n, true), sizeof r);
+        memcpy(&r, ranks->receive(ranks, &from, &n, true), sizeof r);
         threads[from] = r.n_threads;
         if (!bis_identity_differs(list, sizeof list, parts, r.parts)) continue;
         status = BIS_INPUT;
         bis_error(diag, BIS_INPUT, (bis_loc){0}, "rank %d on \"%s\" has read another scene than rank 0 on \"%s\". "
-                  "These differ: %s. Give all machines the same files", from, r.host, crew->host, list);
+                  "These differ: %s. Give all machines the same files", from, r.host, ranks->host, list);
     }
     threads[0] = n_threads;
-    crew->broadcast(crew, &status, sizeof status);
+    ranks->broadcast(ranks, &status, sizeof status);
     return (bis_status)status;
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* crew_mpi: the crew of bis-mpi, by MPI 3.1. The only file that knows MPI; `make MPI=1` compiles it, and links it in
- * the place of crew_none.c.
+/* ranks_mpi: the ranks of bis-mpi, by MPI 3.1. The only file that knows MPI; `make MPI=1` compiles it, and links it in
+ * the place of ranks_none.c.
  *
- * Ranks other than 0 say nothing: what fails on one of them is told by rank 0 (bis_crew_agree). Where MPI itself fails,
- * it ends the job. */
+ * Ranks other than 0 say nothing: what fails on one of them is told by rank 0 (bis_ranks_agree). Where MPI itself
+ * fails, it ends the job. */
 #include "cli.h"
 
-#include "render/crew.h"
+#include "render/ranks.h"
 
 #include <mpi.h>
 #include <stdlib.h>
@@ -22,18 +22,18 @@ typedef struct slot {
     size_t capacity;
 } slot;
 
-typedef struct mpi_crew {
-    bis_crew crew;
+typedef struct mpi_ranks {
+    bis_ranks ranks;
     char host[MPI_MAX_PROCESSOR_NAME + 1];
     slot *slots;
     size_t n_slots;
     unsigned char *received;
     size_t capacity;
-} mpi_crew;
+} mpi_ranks;
 
-bis_crew *bis_cli_crew;
+bis_ranks *bis_cli_ranks;
 
-static mpi_crew own;
+static mpi_ranks own;
 
 /* Out of malloc and not bis_alloc: it lives until the end, and MPI frees nothing of ours. */
 static void *larger(void *old, size_t bytes)
@@ -53,18 +53,18 @@ static void wait_for(MPI_Request *request)
         nap();
 }
 
-static void broadcast(bis_crew *crew, void *data, size_t n)
+static void broadcast(bis_ranks *ranks, void *data, size_t n)
 {
     MPI_Request request;
 
-    (void)crew;
+    (void)ranks;
     MPI_Ibcast(data, (int)n, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
     wait_for(&request);
 }
 
-static void join_bits(bis_crew *crew, unsigned char *data, size_t n)
+static void join_bits(bis_ranks *ranks, unsigned char *data, size_t n)
 {
-    (void)crew;
+    (void)ranks;
     for (size_t at = 0; at < n; at += MOST_AT_ONCE) {
         const size_t left = n - at < MOST_AT_ONCE ? n - at : MOST_AT_ONCE;
         MPI_Request request;
@@ -86,22 +86,22 @@ static slot *free_slot(void)
     return &own.slots[own.n_slots++];
 }
 
-static void send_bytes(bis_crew *crew, int to, const void *data, size_t n)
+static void send_bytes(bis_ranks *ranks, int to, const void *data, size_t n)
 {
     slot *s = free_slot();
 
-    (void)crew;
+    (void)ranks;
     if (s->capacity < n) s->data = larger(s->data, n), s->capacity = n;
     memcpy(s->data, data, n);
     MPI_Isend(s->data, (int)n, MPI_BYTE, to, TAG, MPI_COMM_WORLD, &s->request);
 }
 
-static unsigned char *receive(bis_crew *crew, int *from, size_t *n, bool wait)
+static unsigned char *receive(bis_ranks *ranks, int *from, size_t *n, bool wait)
 {
     MPI_Status status;
     int there, count;
 
-    (void)crew;
+    (void)ranks;
     for (;;) {
         MPI_Iprobe(MPI_ANY_SOURCE, TAG, MPI_COMM_WORLD, &there, &status);
         if (there) break;
@@ -116,27 +116,27 @@ static unsigned char *receive(bis_crew *crew, int *from, size_t *n, bool wait)
     return own.received;
 }
 
-void bis_cli_crew_open(int *argc, char ***argv)
+void bis_cli_ranks_open(int *argc, char ***argv)
 {
     int provided, length;
 
     MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
-    own.crew = (bis_crew){.host = own.host, .broadcast = broadcast, .join_bits = join_bits, .send = send_bytes,
+    own.ranks = (bis_ranks){.host = own.host, .broadcast = broadcast, .join_bits = join_bits, .send = send_bytes,
                           .receive = receive};
-    MPI_Comm_rank(MPI_COMM_WORLD, &own.crew.rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &own.crew.size);
+    MPI_Comm_rank(MPI_COMM_WORLD, &own.ranks.rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &own.ranks.size);
     MPI_Get_processor_name(own.host, &length);
     if (provided < MPI_THREAD_FUNNELED) {
         fputs("bis: error: this MPI library allows no threads (MPI_THREAD_FUNNELED)\n", stderr);
         MPI_Abort(MPI_COMM_WORLD, BIS_EXIT_FAILED);
     }
-    if (own.crew.size > 1) bis_cli_crew = &own.crew;
-    if (own.crew.rank == 0) return;
+    if (own.ranks.size > 1) bis_cli_ranks = &own.ranks;
+    if (own.ranks.rank == 0) return;
     if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr))
         MPI_Abort(MPI_COMM_WORLD, BIS_EXIT_FAILED);
 }
 
-void bis_cli_crew_close(void)
+void bis_cli_ranks_close(void)
 {
     MPI_Request all;
 
