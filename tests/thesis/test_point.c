@@ -186,8 +186,8 @@ typedef struct listener {
 
 static void listen(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
 {
-    listener *l = (listener *)later;
-    assert_ptr_equal(pt->ray_sink, later);
+    listener *l = (listener *)ray_sink;
+    assert_ptr_equal(pt->ray_sink, ray_sink);
     *l = (listener){l->ray_sink, l->n + 1, wi, C, seen};
 }
 
