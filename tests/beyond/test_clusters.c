@@ -500,7 +500,7 @@ static void assert_foresees(const bis_visibility_guess *f, uint32_t n, const int
 }
 
 /* k = 0, 1, 2 of 300 are of part 0, k = 3, 4 of part 1, k = 5, 6, 7 of part 2. */
-static void foresight_follows_what_was_seen_before(void **state)
+static void guess_follows_what_was_seen_before(void **state)
 {
     enum { N = 300 };
     static const int none[128], rays[128] = {998, 998, 6}, seen[128] = {0, 998, 3}, wrong[128] = {0, 998, 4};
@@ -744,7 +744,7 @@ int main(void)
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
         cmocka_unit_test(product_is_unbiased_for_every_M_from_1_to_17),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
-        cmocka_unit_test(foresight_follows_what_was_seen_before),
+        cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(rays_are_counted_and_V_1_of_a_layer_is_not_learned_from),

@@ -1092,7 +1092,7 @@ static void nothing_to_compare_is_no_success(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "pixels"), "0");
 }
 
-/* OpenMP tells the size of each scheduler that it forms: GNU's on standard error, LLVM's on standard output. A map, a mesh, both accelerators, all with N threads where the
+/* OpenMP tells the size of each team that it forms: GNU's on standard error, LLVM's on standard output. A map, a mesh, both accelerators, all with N threads where the
  * system's default is another number. */
 static void nthreads_holds_for_everything(void **state)
 {
@@ -1102,13 +1102,13 @@ static void nthreads_holds_for_everything(void **state)
 
     (void)state;
     setenv("OMP_DISPLAY_AFFINITY", "true", 1);
-    setenv("OMP_AFFINITY_FORMAT", "a scheduler of %N", 1);
+    setenv("OMP_AFFINITY_FORMAT", "a team of %N", 1);
     setenv("OMP_NUM_THREADS", "5", 1);
     for (int a = 0; a < (bis_accel_embree_version() ? 2 : 1); a++) {
         program_expect(&r, 0, SCENE " --nthreads 3 --accelerator %s --outfile " DIR "/n.exr", accelerators[a]);
         for (int i = 0; i < 2; i++) {
             const char *at = i ? r.output : r.messages;
-            for (; (at = strstr(at, "a scheduler of ")); at++, n_teams++) assert_int_equal(atoi(at + 10), 3);
+            for (; (at = strstr(at, "a team of ")); at++, n_teams++) assert_int_equal(atoi(at + 10), 3);
         }
     }
 #ifdef _OPENMP

@@ -15,8 +15,8 @@
 #include "bis/scene/light_load.h"
 #include "lit.h"
 #include "map_help.h"
-#include "render/crew.h"
-#include "render/team.h"
+#include "render/ranks.h"
+#include "render/scheduler.h"
 #include "render/workspace.h"
 #include "world.h"
 
@@ -186,7 +186,7 @@ static void what_a_thread_knows_beyond_the_thesis(void **state)
         assert_true(is_true(before, bis_product_guide_bytes(&guide)));
         assert_int_equal(bis_product_guide_init(&guide, &clusters, learns ? &visibility : NULL, NULL), BIS_OK);
         expect(before, bis_product_guide_bytes(&guide));
-        assert_true(learns == (guide.foresight.memory != NULL)); /* what is not learned takes nothing */
+        assert_true(learns == (guide.guess.memory != NULL)); /* what is not learned takes nothing */
         bis_product_guide_clear(&guide);
     }
     bis_visibility_clear(&visibility);
@@ -256,23 +256,23 @@ static void what_a_render_works_with(void **state)
         }
 }
 
-static void what_a_team_has_for_tiles_and_ranks(void **state)
+static void what_a_scheduler_has_for_tiles_and_ranks(void **state)
 {
     static const struct { int ranks, side; } cases[] = {{2, 16}, {2, 1600}, {1000, 16}, {900, 3200}};
     size_t said[4], taken[4];
 
     (void)state;
     for (int i = 0; i < 4; i++) {
-        bis_crew crew = {.size = cases[i].ranks};
+        bis_ranks ranks = {.size = cases[i].ranks};
         bis_film film;
         int across;
         assert_int_equal(bis_film_init(&film, cases[i].side, cases[i].side, whole, (bis_loc){0}, NULL), BIS_OK);
         bis_workspace w = {.film = &film, .n_tiles = bis_film_tiles(&film, BIS_RENDER_TILE, &across)};
         const account before = begin();
-        bis_team *team = bis_team_new(&crew, &w);
+        bis_sched *sched = bis_sched_new(&ranks, &w);
         taken[i] = in_use() - before.bytes;
-        said[i] = bis_team_bytes(team);
-        bis_team_free(team);
+        said[i] = bis_sched_bytes(sched);
+        bis_sched_free(sched);
         bis_film_clear(&film);
         /* 14 blocks more or less aligned, some of them rounded up to pages; what begins with 0 has one number more */
         assert_true(fabs((double)taken[i] - (double)said[i]) < 14 * 208 + (i == 3 ? 14 * 4096 : 0));
@@ -305,7 +305,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_a_thread_knows_beyond_the_thesis),
         cmocka_unit_test(a_film_and_its_layers),
         cmocka_unit_test(what_a_render_works_with),
-        cmocka_unit_test(what_a_team_has_for_tiles_and_ranks),
+        cmocka_unit_test(what_a_scheduler_has_for_tiles_and_ranks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -190,11 +190,11 @@ static bool (*honest_draw)(bis_guide *, bis_set *, uint32_t, const bis_point *, 
 static bool draw_unsteered(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
     bis_product_guide *g = (bis_product_guide *)guide;
-    float *const h = g->foresight.h;
+    float *const h = g->guess.h;
 
-    g->foresight.h = even;
+    g->guess.h = even;
     const bool drawn = honest_draw(guide, x, n, pt, stream);
-    g->foresight.h = h;
+    g->guess.h = h;
     return drawn;
 }
 
@@ -211,8 +211,8 @@ static void take_away(bis_product_guide *g, missing lack)
     if (lack == STEERED_CLUSTERS) g->steps.draw = draw_unsteered;
     if (lack == CONTROL) g->steps.has_control = has_none;
     for (uint32_t k = 0; lack == STEERING && k < g->clusters->n; k++) {
-        g->foresight.control[k] *= g->foresight.h[k];
-        g->foresight.h[k] = 1;
+        g->guess.control[k] *= g->guess.h[k];
+        g->guess.h[k] = 1;
     }
 }
 
