@@ -5,7 +5,7 @@
 
 Needs numpy. Each scene is rendered by default, without its Sampler and Integrator lines, and with --only default,named also as it stands. --own adds scenes that are made here: maps of few
 pixels, a room with a window, checkerboards, small spheres under a sun. The truth is the mean of two long renders by default with seeds of their own; half their difference tells its noise,
-which is taken off. Columns: the true error at 8 samples; for n = 4, 8 and 32 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many say
+which is taken off. Columns: the true error at 8 samples; for n = 4, 8, 16 and 32 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many say
 "unknown", and the median of printed / true. E is the largest true error that a seed has at 20 samples, so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by
 --error E have a true error of at most E, and how many camera samples they take, over 20. References are kept in FOLDER.
 """
@@ -24,7 +24,7 @@ ap.add_argument('--reference', type=int, default=256, help='camera samples of ea
 ap.add_argument('--jobs', type=int, default=2)
 a = ap.parse_args()
 os.makedirs(a.out, exist_ok=True)
-SPP = (4, 8, 32)
+SPP = (4, 8, 16, 32)
 
 
 def pixels(path):
@@ -153,7 +153,7 @@ def row(scene, name):
 
 
 scenes = a.scenes + (own_scenes(os.path.join(a.out, 'own')) if a.own else [])
-print('| scene | true(8) | 4 | 8 | 32 | E kept | samples / 20 |\n| --- | --- | --- | --- | --- | --- | --- |')
+print('| scene | true(8) | 4 | 8 | 16 | 32 | E kept | samples / 20 |\n| --- | --- | --- | --- | --- | --- | --- | --- |')
 with cf.ThreadPoolExecutor(a.jobs) as pool:
     rows = [r for r in pool.map(lambda t: row(*t), [(s, v) for s in scenes for v in a.only.split(',')]) if r]
 for n in SPP:

@@ -161,8 +161,8 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
     char text[BIS_PERCENT];
-    if (!status && leads && o->error > 0 && !(result->error.is_known && result->error.upper <= o->error)) {
-        if (!result->error.is_known)
+    if (!status && leads && o->error > 0 && !(result->error.is_bounded && result->error.upper <= o->error)) {
+        if (!result->error.is_bounded)
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown after %u pass%s, because %s",
                      o->error, result->passes, result->passes == 1 ? "" : "es",
                      bis_render_files_why_unknown(&result->error));

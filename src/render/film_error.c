@@ -273,23 +273,26 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
  * and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every
  * third pixel (tests/render/test_film_error.c).
  *
- * If the standard deviation is more than 0.4, the error of this picture is within a fifth of the figure in two of three
- * renders at best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the
- * figure is unknown. It is unknown, too, where R is more than (1/2)^2: pixels that have not yet found their light look
- * black and exact, so that the means of the pixels cannot stand for the truth. */
+ * The figure is known where the standard deviation of the squared error is at most 0.25. The error of this picture
+ * is then within a fifth of it in 85 of 100 renders at least, and in 91 of 100 over many scenes (docs/budgets.md).
+ * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. Beyond that
+ * few pixels carry most of R, and in pictures of this kind R itself is often wrong. Neither holds where R is more
+ * than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of the pixels
+ * cannot stand for the truth. */
 bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory)
 {
-    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_doubt = 0.4, most_rmse = 0.5;
+    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_rmse = 0.5;
+    const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.25, doubt_of_bound = 0.4;
     const prior usual = {0.6, 0.35}, cautious = {0, 0.35};
     total t[N_VARIANCES];
 
-    if (f->passes < 2) return (bis_film_error){nan, nan, false};
+    if (f->passes < 2) return (bis_film_error){nan, nan, false, false};
     const double floor = floor_of(f);
-    if (floor == 0) return (bis_film_error){0, 0, true}; /* black, hence without scatter */
+    if (floor == 0) return (bis_film_error){0, 0, true, true}; /* black, hence without scatter */
     sum_over(f, floor, t);
     const total *seen = &t[f->independent ? PASSES : HALVES];
-    if (seen->sum == 0) return (bis_film_error){0, 0, true};
-    if (!is_weighable(seen->doubt)) return (bis_film_error){nan, nan, false};
+    if (seen->sum == 0) return (bis_film_error){0, 0, true, true};
+    if (!is_weighable(seen->doubt)) return (bis_film_error){nan, nan, false, false};
     verdict middle = {log(seen->sum), seen->doubt}, high = middle;
     if (!f->independent) {
         bis_film_pair pairs[MOST_PAIRS];
@@ -298,9 +301,10 @@ bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memor
         high = fit(f, pairs, n_pairs, cautious);
     }
     const double draw = seen->doubt * (f->independent ? f->passes - 1.0 : 1), bias = 1 + skew / f->weight;
-    const double rmse = sqrt(exp(middle.log_sum) / n);
+    const double rmse = sqrt(exp(middle.log_sum) / n), doubt = sqrt(middle.doubt + draw);
     return (bis_film_error){
         .relative_rmse = rmse,
         .upper = sqrt(exp(high.log_sum) / n * bias * exp(normal_95 * sqrt(high.doubt + draw))),
-        .is_known = sqrt(middle.doubt + draw) <= most_doubt && rmse <= most_rmse};
+        .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
+        .is_bounded = doubt <= doubt_of_bound && rmse <= most_rmse};
 }

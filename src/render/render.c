@@ -162,9 +162,9 @@ static bool budget_left(render *r)
     }
     if (b->error > 0 && passes >= done->next_check) {
         const bis_film_error error = bis_film_estimate_error(r->work.film, &r->done.memory);
-        done->rmse_upper = error.is_known ? error.upper : HUGE_VAL;
+        done->rmse_upper = error.is_bounded ? error.upper : HUGE_VAL;
         done->next_check = passes + 1 + passes / 20;
-        if (!r->has_forecast && error.is_known && error.upper > b->error) forecast(r);
+        if (!r->has_forecast && error.is_bounded && error.upper > b->error) forecast(r);
     }
     return !(b->error > 0 && done->rmse_upper <= b->error); /* also where a checkpoint says so */
 }

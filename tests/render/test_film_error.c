@@ -351,16 +351,16 @@ static void an_earlier_estimate_makes_the_bound_smaller(void **state)
 }
 
 /* 300 pixels of 1, whose passes differ in `noisy` of them by as much as their mean, in both directions. */
-static bis_film_error error_of_pixels(int noisy, double noise)
+static bis_film_error error_of_pixels(int noisy, double noise, double weight)
 {
     bis_film f;
     init(&f, 300, 1);
     for (int pass = 0; pass < 4; pass++) {
         for (int x = 0; x < 300; x++) {
             const float L = x < noisy ? (float)(1 + (pass % 2 ? noise : -noise)) : 1;
-            bis_film_add(&f, x, 0, (rgb){L, L, L}, 1, 1);
+            bis_film_add(&f, x, 0, (rgb){L, L, L}, 1, weight);
         }
-        bis_film_end_pass(&f, 1);
+        bis_film_end_pass(&f, weight);
     }
     const bis_film_error e = bis_film_estimate_error(&f, NULL);
     bis_film_clear(&f);
@@ -369,14 +369,21 @@ static bis_film_error error_of_pixels(int noisy, double noise)
 
 /* n noisy pixels have the same error X, so the sum of X^2 is 1/n of the square of the sum. Four passes have three degrees
  * of freedom: the sum's doubt is 2/(3 + 2) of that, and the draw's is three times as much. Together 1.6/n must be at most
- * 0.4^2: 10 pixels. The mean of four passes has the variance noise^2/3: half of the mean at noise 0.87. */
+ * 0.3^2 for a figure: 17.8 pixels; at most 0.4^2 for a bound: 10 pixels. The same 1.6/n of four passes of two samples must
+ * be at most 0.25^2: 25.6 pixels. The mean of four passes has the variance noise^2/3: half of the mean at noise 0.87. */
 static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
 {
     (void)state;
-    assert_false(error_of_pixels(9, 0.1).is_known);
-    assert_true(error_of_pixels(11, 0.1).is_known);
-    assert_true(error_of_pixels(300, 0.8).is_known);
-    assert_false(error_of_pixels(300, 0.9).is_known);
+    assert_false(error_of_pixels(9, 0.1, 1).is_bounded);
+    assert_true(error_of_pixels(11, 0.1, 1).is_bounded);
+    assert_false(error_of_pixels(17, 0.1, 1).is_known);
+    assert_true(error_of_pixels(18, 0.1, 1).is_known);
+    assert_false(error_of_pixels(25, 0.1, 2).is_known);
+    assert_true(error_of_pixels(26, 0.1, 2).is_known);
+    assert_true(error_of_pixels(300, 0.8, 1).is_known);
+    assert_true(error_of_pixels(300, 0.8, 1).is_bounded);
+    assert_false(error_of_pixels(300, 0.9, 1).is_known);
+    assert_false(error_of_pixels(300, 0.9, 1).is_bounded);
 }
 
 int main(void)

@@ -102,7 +102,10 @@ double bis_film_raised(const bis_film *f);
 typedef struct bis_film_error {
     double relative_rmse; /* sqrt(relMSE), estimated without a reference; NAN: fewer than two passes */
     double upper;         /* a bound that the error of this picture exceeds in one of 20 renders; NAN as above */
-    bool is_known;        /* false: few pixels carry the error, and the figure may be wrong by a quarter or more */
+    /* false: few pixels carry the error, and the figure may be wrong by a fifth or more, with fewer than 8 samples by a
+     * third */
+    bool is_known;
+    bool is_bounded;      /* false: the bound may be wrong, too. True wherever is_known is */
 } bis_film_error;
 
 /* The sum over pixels of the relative squared error, as the difference of the first samples, of weight P, from the
