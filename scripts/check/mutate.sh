@@ -258,15 +258,15 @@ exit
 # - key = bis_hash(key + sample);
 # + key = bis_hash(key);
 #
-# * sampler test_sampler : a bit lost in Sobol's second matrix
+# * scramble.h test_sampler : a bit lost in Sobol's second matrix
 # - x ^= x >> 2 & 0x33333333u;
 # + x ^= x >> 2 & 0x33333331u;
 #
-# * sampler test_sampler : an order that is not turned where some ranks are likelier
+# * scramble.h test_sampler : an order that is not turned where some ranks are likelier
 # - is_power ? 0 : number_of(key, 0) % n;
 # + 0;
 #
-# * sampler test_sampler : cells along rows, so that halves are halves of rows
+# * scramble.h test_sampler : cells along rows, so that halves are halves of rows
 # - const int k = side[0] < side[1];
 # + const int k = side[0] <= 1;
 #
@@ -506,11 +506,11 @@ exit
 # - if (w->n > 0 && pixel->cell != w->cell) bis_wave_end(w);
 # + ;
 #
-# * sampler test_sampler : camera samples do not mirror each other through the centre
+# * scramble.h test_sampler : camera samples do not mirror each other through the centre
 # -     return (first & 1 ? ~after : after) << 1 | (first & 1);
 # +     return after << 1 | (first & 1);
 #
-# * sampler test_sampler : camera samples do not mirror each other within halves
+# * scramble.h test_sampler : camera samples do not mirror each other within halves
 # -     after = (first & 2 ? ~after : after) << 1 | first >> 1;
 # +     after = after << 1 | first >> 1;
 #

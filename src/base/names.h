@@ -14,13 +14,16 @@ typedef struct bis_names {
     size_t n, capacity_names, capacity_values, n_slots;
 } bis_names;
 
+/* bis_names_clear frees all names. */
 void bis_names_clear(bis_names *t);
 
-/* False: not there, *value is untouched. value may be NULL. */
+/* bis_names_find returns whether the name is there, and stores its value. If not, *value is untouched. value may be
+ * NULL. */
 bool bis_names_find(const bis_names *t, const char *name, uint32_t *value);
 
-/* Add or replace. Copies the name. False: no memory, nothing changed. */
+/* bis_names_set adds a name, which it copies, or replaces its value. Returns false without memory; nothing has changed
+ * then. */
 bool bis_names_set(bis_names *t, const char *name, uint32_t value);
 
-/* The name most like a misspelt one, or NULL; looks at the first thousand only. */
+/* bis_names_nearest returns the name most like a misspelt one, or NULL. It looks at the first thousand only. */
 const char *bis_names_nearest(const bis_names *t, const char *name);

@@ -16,20 +16,24 @@ size_t bis_utf8_length(const char *s, const char *end);
 /* bis_append appends to the text in buf[size]. What does not fit is cut off. */
 void bis_append(char *buf, size_t size, const char *fmt, ...) BIS_PRINTF(3, 4);
 
-/* bis_hint writes ` (did you mean "NEAREST"?)` to buf, or "" for NULL, and returns it. */
 enum { BIS_HINT = 128 };
+
+/* bis_hint writes ` (did you mean "NEAREST"?)` to buf, or "" for NULL, and returns it. */
 const char *bis_hint(char buf[BIS_HINT], const char *nearest);
+
+enum { BIS_DURATION = 24 };
 
 /* bis_duration writes a duration to buf, with two to three digits in the unit that keeps the number small, and returns
  * it: "42 ms", "3.1 s", "90 s", "6.5 min", "2.5 h", "12 days". */
-enum { BIS_DURATION = 24 };
 const char *bis_duration(char buf[BIS_DURATION], double seconds);
+
+enum { BIS_PERCENT = 24 };
 
 /* bis_percent writes a share >= 0 to buf in percent as a person does, with two digits or as a whole number, and returns
  * it: "0.034%", "3.4%", "12%", "170%"; "below 0.0001%" and "over 1000000%" beyond these. */
-enum { BIS_PERCENT = 24 };
 const char *bis_percent(char buf[BIS_PERCENT], double share);
 
-/* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */
 #define BIS_FNV1A UINT64_C(0xcbf29ce484222325)
+
+/* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n);

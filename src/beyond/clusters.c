@@ -3,7 +3,7 @@
  * pass, 80 ns a direction, some 30,000 of them. */
 #include "bis/beyond/clusters.h"
 
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/thesis/envmap.h"

@@ -5,7 +5,7 @@
 
 #include "thesis/light_many.h"
 
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/base/mem.h"
 
 #include <assert.h>

@@ -7,7 +7,7 @@
 #include "share.h"
 
 #include "bis/base/mem.h"
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 
 bis_status bis_share_tiles(int **tiles, int *n, const bis_film *f, bis_part part, bis_diag *diag)
 {

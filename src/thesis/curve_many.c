@@ -3,7 +3,7 @@
  * below its last cells, 2^-12 wide, the place is random. Cost: 2 ns a point with AVX-512. */
 #include "curve_many.h"
 
-#include "hilbert.h"
+#include "base/hilbert.h"
 
 #include "bis/thesis/lanes.h"
 #include "bis/thesis/rng.h"

@@ -11,7 +11,7 @@
  * every lit patch above the horizon: ground truth for small maps. */
 #include "proposal.h"
 
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 
 static unsigned light_needs(const bis_settings *s)
 {

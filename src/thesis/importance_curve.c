@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* importance_curve: draws a pixel by one number, along a curve that visits all lit pixels.
  *
- * Neighbours on the curve (bis/thesis/curve.h) are neighbours in the map. N equal steps of s are therefore N compact
+ * Neighbours on the curve (bis/base/curve.h) are neighbours in the map. N equal steps of s are therefore N compact
  * pieces of the map with equal importance. One stratified set of numbers then fills the map evenly in both
  * dimensions, for every N; two passes cannot do this. The systematic resampling of chapter 4 walks along the same
  * curve.
@@ -16,7 +16,7 @@
  * matter, because a render draws some thousand directions in a pass and shares them.
  *
  * Build O(W H), draw O(1). Monotone in s. */
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "importance_parts.h"
 

@@ -11,7 +11,7 @@
  * edge. */
 #include "bis/thesis/light.h"
 
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/warp.h"
 #include "bis/thesis/envmap.h"

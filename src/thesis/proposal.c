@@ -2,7 +2,7 @@
 /* proposal: draws one direction from the map or from the BRDF. */
 #include "proposal.h"
 
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 
 bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stream, const double u[2])
 {

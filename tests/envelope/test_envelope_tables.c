@@ -6,7 +6,7 @@
 
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/thesis/marsaglia.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/sampler.h"

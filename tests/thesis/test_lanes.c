@@ -6,7 +6,7 @@
 #include "thesis/curve_many.h"
 #include "bis/thesis/lanes.h"
 
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"

@@ -2,7 +2,7 @@
 /* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are
  * independent.
  * Family-wise significance 0.01. */
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/thesis/sampler.h"
 #include "stat.h"
 

@@ -7,21 +7,11 @@
  * can be drawn again. A render can therefore be resumed or split over machines, and one pixel of it can be examined. */
 #pragma once
 
-#include <stdint.h>
+#include "bis/base/hash.h"
 
 typedef struct bis_rng {
     uint64_t key, counter;
 } bis_rng;
-
-/* bis_hash mixes 64 bits into 64 bits. It is a bijection. */
-static inline uint64_t bis_hash(uint64_t x)
-{
-    x ^= x >> 30;
-    x *= 0xbf58476d1ce4e5b9u;
-    x ^= x >> 27;
-    x *= 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
 
 /* bis_rng_init starts a stream. pixel is y * width + x of the full image. purpose separates the streams of one
  * sample: 0 is for the light integrals, the others are named where they are used. */

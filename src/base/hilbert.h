@@ -33,7 +33,7 @@ static inline uint32_t parity_above(uint32_t x)
 }
 
 /* hilbert_x returns the column of the cell whose digits have the upper bits a and the lower bits b, on a curve of so
- * many levels as `levels` has bits, all of which are 1. hilbert_y returns the row, of the column and b. */
+ * many levels as `levels` has bits, all of which are 1. */
 static inline uint32_t hilbert_x(uint32_t a, uint32_t b, uint32_t levels)
 {
     const uint32_t swap = parity_above(~(a ^ b) & levels), complement = parity_above(a & b);
@@ -41,4 +41,5 @@ static inline uint32_t hilbert_x(uint32_t a, uint32_t b, uint32_t levels)
     return a ^ (swap & b) ^ complement; /* swap ? a ^ b : a */
 }
 
-static inline uint32_t hilbert_y(uint32_t x, uint32_t b) { return x ^ b; } /* the other one: a and a ^ b differ by b */
+/* hilbert_y returns the row, of the column x and b: a and a ^ b differ by b, so it is the other of the two. */
+static inline uint32_t hilbert_y(uint32_t x, uint32_t b) { return x ^ b; }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* curve: Hilbert's curve against the recursive definition, rectangles by walking them. */
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 

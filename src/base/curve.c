@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* curve: Hilbert's curve (hilbert.h) in double, and a curve of the same kind on rectangles. */
-#include "bis/thesis/curve.h"
+#include "bis/base/curve.h"
 
 #include "hilbert.h"
 
