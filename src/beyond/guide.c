@@ -16,6 +16,8 @@
 
 #include "thesis/proposal.h"
 
+#include <math.h>
+
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
 {
     const bool is_sir = s->integrator == &bis_sir || s->integrator == &bis_auto;
@@ -36,6 +38,22 @@ bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *
 }
 
 /* ---- proposal "product" ---- */
+
+/* The candidates of the product find a lobe by themselves, down to the size of a cluster. The BRDF's share is then as
+ * if there were 64 times as many candidates, and the half that it gets at most (candidates.c) shrinks with them. It may
+ * round to none, because a single one costs as much as a whole block. Under wide clusters lobes are not found, and the
+ * BRDF gets its share of a mixture. A single candidate comes from the map, because the product reaches all that
+ * reflects light, and because its density is known only where it draws. */
+static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *pt)
+{
+    const bis_product_guide *g = (const bis_product_guide *)guide;
+
+    /* no stream: with M > 1 nothing is drawn */
+    if (bis_clusters_are_wide(g->clusters) && M > 1) return bis_candidates_divide(M, BIS_PROPOSAL_MIX, pt, NULL);
+    const double share = pt->bsdf.p_specular / 2 / (1 + 64 * bis_candidates_in_lobe(M, pt));
+    const uint32_t n_brdf = (uint32_t)floor(share * M); /* < M: share <= 1/2 */
+    return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
+}
 
 static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
@@ -133,8 +151,7 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
     bis_status status = BIS_OK;
 
     *g = (bis_product_guide){.clusters = clusters, .visibility = visibility};
-    g->steps = (bis_guide){
-        .draw = draw, .density = density, .is_coarse = bis_clusters_are_wide(clusters), .learns = true};
+    g->steps = (bis_guide){.divide = divide, .draw = draw, .density = density, .learns = true};
     bis_product_claim(&g->product, &claims);
     if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
     if (!status && visibility) {

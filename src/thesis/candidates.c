@@ -27,6 +27,11 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
     return bis_bsdf_max_ratio(&pt->bsdf) * bis_light_max_intensity(pt->light);
 }
 
+double bis_candidates_in_lobe(uint32_t M, const bis_point *pt)
+{
+    return M / (4 * PI * bis_bsdf_pdf(&pt->bsdf, pt->bsdf.r));
+}
+
 /* Returns the BRDF's share of a mixture.
  *
  * The thesis's own measure (4.3) compares the proposals' bounds: the smaller a bound, the larger the share. Here the
@@ -38,24 +43,18 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
  * therefore gets up to half.
  *
  * Every share is unbiased. With this one, the error of independent candidates stays within 1.5 times that of the
- * better proposal alone (tests/thesis/test_sir.c, E26).
- *
- * The candidates of the product find the lobe by themselves, down to the size of a cluster. The BRDF's share is then
- * as if there were 64 times as many candidates. */
-static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *pt)
+ * better proposal alone (tests/thesis/test_sir.c, E26). */
+static double share_of_brdf(uint32_t M, const bis_point *pt)
 {
     double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
-    double k = M / (4 * PI * bis_bsdf_pdf(&pt->bsdf, pt->bsdf.r)), r = c_brdf / c_em;
+    double k = bis_candidates_in_lobe(M, pt), r = c_brdf / c_em;
 
-    if (proposal == BIS_PROPOSAL_PRODUCT) return pt->bsdf.p_specular / 2 / (1 + 64 * k);
     return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 / (1 + k));
 }
 
 /* Under a constant light q_f alone is nearly the product, so all candidates come from the BRDF. A specular lobe
- * always gets at least one candidate, except with the product: it needs none, and a single one would cost as much as
- * a whole block. A diffuse surface gets none if its share rounds to 0. M = 1 cannot be divided: its technique is
- * drawn at random, and the density is that of the mixture. The product's only candidate comes from the map, because
- * the product reaches all that reflects light, and because its density is known only where it draws. */
+ * always gets at least one candidate. A diffuse surface gets none if its share rounds to 0. M = 1 cannot be divided:
+ * its technique is drawn at random, and the density is that of the mixture. */
 bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
 {
     const bis_mixture em = {M, 0, 1}, brdf = {0, M, 0};
@@ -63,14 +62,13 @@ bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_p
     if (proposal == BIS_PROPOSAL_EM) return em;
     if (proposal == BIS_PROPOSAL_BRDF || bis_light_is_constant(pt->light)) return brdf;
 
-    const double share = share_of_brdf(M, proposal, pt);
-    const bool product = proposal == BIS_PROPOSAL_PRODUCT, always = pt->bsdf.p_specular > 0 && !product;
-    if (M == 1 && !product) {
+    const double share = share_of_brdf(M, pt);
+    const bool always = pt->bsdf.p_specular > 0;
+    if (M == 1) {
         uint32_t n_brdf = bis_stream_random(stream) < share;
         return (bis_mixture){1 - n_brdf, n_brdf, 1 - share};
     }
-    const double n = product ? floor(share * M) : round(share * M);
-    const uint32_t n_brdf = (uint32_t)fmax(always, fmin(n, M - 1));
+    const uint32_t n_brdf = (uint32_t)fmax(always, fmin(round(share * M), M - 1));
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
 }
 

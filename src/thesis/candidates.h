@@ -24,7 +24,12 @@ typedef struct bis_mixture {
     double beta;
 } bis_mixture;
 
-/* bis_candidates_divide divides M candidates between the map and the BRDF. It takes a random number only if M = 1. */
+/* bis_candidates_in_lobe returns how many of M directions, spread evenly over the sphere, would fall into the lobe
+ * about R: k = M/(4 pi q_f(R)). */
+double bis_candidates_in_lobe(uint32_t M, const bis_point *pt);
+
+/* bis_candidates_divide divides M candidates between the map and the BRDF. "product" is divided as "mix"; a guide may
+ * know better (src/thesis/set.h). It takes a random number only if M = 1. */
 bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream);
 
 /* bis_one_of_set returns the index of the i-th of n directions that are evenly spread over a set of M: every (M/n)-th

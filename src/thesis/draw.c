@@ -6,7 +6,6 @@
  * BRDF take one in each equal part of Hilbert's curve over (u1, u2). Independent ones take plain random numbers. */
 #include "set.h"
 
-#include "candidates.h"
 #include "curve_many.h"
 #include "light_many.h"
 #include "proposal.h"
@@ -76,14 +75,11 @@ static void draw_brdf(bis_set *x, uint32_t n, bool stratify, const bis_point *pt
     x->brdf.n = n;
 }
 
-/* How the candidates are divided. Only a guide finds lobes by itself; without one, or with a coarse one, "product"
- * needs as many candidates from the BRDF as "mix". A single candidate of a guide is the map's
- * (bis_candidates_divide). */
-static bis_proposal divided_as(bis_proposal proposal, const bis_guide *guide, uint32_t M)
+static bis_mixture divide(const bis_set *x, uint32_t M, bis_proposal proposal, const bis_point *pt,
+                          bis_stream *stream)
 {
-    if (proposal != BIS_PROPOSAL_PRODUCT) return proposal;
-    if (!guide || !guide->draw) return BIS_PROPOSAL_MIX;
-    return guide->is_coarse && M > 1 ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_PRODUCT;
+    if (proposal == BIS_PROPOSAL_PRODUCT && x->guide && x->guide->divide) return x->guide->divide(x->guide, M, pt);
+    return bis_candidates_divide(M, proposal, pt, stream);
 }
 
 bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
@@ -93,7 +89,7 @@ bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, 
     x->map.n = x->brdf.n = x->n_unused = x->choice.n = x->choice.n_chosen = 0;
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return false;
     pt->counters->candidates += M;
-    const bis_mixture m = bis_candidates_divide(M, divided_as(proposal, x->guide, M), pt, stream);
+    const bis_mixture m = divide(x, M, proposal, pt, stream);
     const bool guided = x->guide && x->guide->draw && m.n_em > 0;
 
     x->beta = m.beta;

@@ -14,6 +14,7 @@
  * be large, and what earlier rays say of V (bis_guide). Without it all verbs are the thesis's own. */
 #pragma once
 
+#include "candidates.h"
 #include "choose.h"
 
 #include "bis/thesis/integrator.h"
@@ -66,6 +67,8 @@ struct bis_set {
  * unbiased, because each step says with which density, or with which factor, it was done. */
 typedef struct bis_guide bis_guide;
 struct bis_guide {
+    /* divide says how many of the M candidates of proposal "product" the BRDF draws; NULL: as many as of "mix" */
+    bis_mixture (*divide)(const bis_guide *guide, uint32_t M, const bis_point *pt);
     /* draw puts n candidates from the map into x->map, with their density in q. false: the map sends nothing that can
      * be reflected at pt. density puts the density of such a draw into q of x->brdf */
     bool (*draw)(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream);
@@ -77,8 +80,6 @@ struct bis_guide {
      * (1/M) sum_i F/q g - Z sum_j F/(phat h) g, whose mean is 0 (sir.c) */
     bool (*has_control)(const bis_guide *guide, const bis_set *x, const bis_point *pt);
     rgbd (*expected)(const bis_guide *guide, const bis_set *x, double Z);
-    /* draw does not find lobes: the BRDF's share of the candidates is that of proposal "mix" */
-    bool is_coarse;
     bool learns; /* rays that are traced now are counted, so that later points know more of V */
 };
 
