@@ -6,6 +6,8 @@
  * ((eta - 1)/(eta + 1))^2. What is perfectly smooth gets the roughness SMOOTH: a lobe of some two degrees, because a
  * narrower one is noisier and shows no more of a map of usual size. */
 #include "approximate.h"
+#include "parser_ask.h"
+#include "parser_colours.h"
 
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"

@@ -45,25 +45,29 @@ typedef struct bis_lexer {
     bis_diag *diag; /* may be NULL */
 } bis_lexer;
 
-/* Go on with the file of this name, which must outlive all locs; at: the place that names it. A .gz is expanded.
- * Errors: those of bis_scene_peek_text; BIS_INPUT: a cycle, too deep. */
+/* bis_lexer_push goes on with the file of this name, which must outlive all locs; at: the place that names it. A .gz is
+ * expanded. Errors: those of bis_scene_peek_text; BIS_INPUT: a cycle, too deep. */
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at);
 
-/* The same with text of the caller, which is copied, in the place of a file. Errors: BIS_NOMEM. */
+/* bis_lexer_push_text does the same with text of the caller, which is copied, in the place of a file. Errors:
+ * BIS_NOMEM. */
 bis_status bis_lexer_push_text(bis_lexer *l, const char *name, const char *text);
 
-/* Back to the including file. False: there is none. */
+/* bis_lexer_pop goes back to the including file. It returns false if there is none. bis_lexer_clear leaves all files.
+ */
 bool bis_lexer_pop(bis_lexer *l);
 void bis_lexer_clear(bis_lexer *l);
 
-/* The next token of the file on top. */
+/* bis_lexer_next returns the next token of the file on top. */
 bis_token bis_lexer_next(bis_lexer *l);
 
-/* Copy a string token to s, which has room for length + 1 bytes, with escapes resolved; returns its length. */
+/* bis_token_unescape copies a string token to s, which has room for length + 1 bytes, with escapes resolved. It returns
+ * the length. */
 size_t bis_token_unescape(char *s, const bis_token *t);
 
-/* The token as a person would name it, in buf: quoted, cut to 40 characters, unprintable bytes as '?'. */
+/* bis_token_name writes the token to buf as a person would name it: quoted, cut to 40 characters, unprintable bytes as
+ * '?'. */
 const char *bis_token_name(char buf[64], const bis_token *t);
 
-/* Text for a message, cut to 100 bytes, unprintable bytes as '?'. */
+/* bis_printable writes text for a message to buf, cut to 100 bytes, with unprintable bytes as '?'. */
 const char *bis_printable(char buf[128], const char *text, size_t length);

@@ -6,7 +6,8 @@
  * mistake the parser goes on with the next directive and reports up to 50 errors in one go; a description is handed out
  * only when there is none. Nothing here recurses: includes, blocks and instances are explicit stacks with limits. */
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_ask.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"

@@ -7,7 +7,7 @@
  * look at all of its parameters. */
 #include "approximate.h"
 #include "bis/base/file.h"
-#include "parser.h"
+#include "parser_ask.h"
 
 #include <string.h>
 

@@ -5,7 +5,8 @@
  * an instance adds each of them again under CTM * theirs (pbrt's rule). Meshes are shared, see bis_mesh_desc. */
 #include "base/grow.h"
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_shapes.h"
 
 #include <string.h>
 

@@ -8,7 +8,8 @@
 #include "bis/base/spectrum.h"
 #include "approximate.h"
 #include "base/grow.h"
-#include "parser.h"
+#include "parser_ask.h"
+#include "parser_colours.h"
 
 #include <float.h>
 #include <string.h>

@@ -3,7 +3,8 @@
  * than rgb becomes rgb, and with --approximate a texture becomes its mean. */
 #include "approximate.h"
 #include "base/grow.h"
-#include "parser.h"
+#include "parser_colours.h"
+#include "parser_textures.h"
 
 /* The mean of an image's values, or what is typical of it where it cannot be read. */
 static rgbd mean_of_image(const bis_parser *p, const bis_texture *x)

@@ -6,7 +6,8 @@
  * what comes nearest. */
 #include "bis/base/file.h"
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_ask.h"
 
 #include <assert.h>
 #include <string.h>

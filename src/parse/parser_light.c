@@ -6,7 +6,9 @@
  * made exactly orthonormal. */
 #include "base/grow.h"
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_ask.h"
+#include "parser_colours.h"
 
 #include <string.h>
 

@@ -4,7 +4,8 @@
 #include "approximate.h"
 #include "bis/base/mem.h"
 #include "bis/shape/make.h"
-#include "parser.h"
+#include "parser_ask.h"
+#include "parser_shapes.h"
 
 #include <string.h>
 

@@ -10,7 +10,9 @@
 #include "bis/base/spectrum.h"
 #include "bis/beyond/coat.h"
 #include "bis/beyond/microfacet.h"
-#include "parser.h"
+#include "parser_colours.h"
+#include "parser_materials.h"
+#include "parser_textures.h"
 
 #include <string.h>
 

@@ -10,7 +10,9 @@
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
 #include "approximate.h"
-#include "parser.h"
+#include "parser_materials.h"
+#include "parser_shapes.h"
+#include "parser_textures.h"
 #include "scene/scene_peek.h"
 
 #include <string.h>

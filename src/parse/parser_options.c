@@ -6,7 +6,8 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_ask.h"
 
 #include <string.h>
 

@@ -8,6 +8,7 @@
 #include "base/grow.h"
 #include "approximate.h"
 #include "parser.h"
+#include "parser_params.h"
 
 #include <float.h>
 #include <string.h>

@@ -3,7 +3,8 @@
  * one another here, where the place is known. */
 #include "bis/base/file.h"
 #include "base/grow.h"
-#include "parser.h"
+#include "parser_ask.h"
+#include "parser_shapes.h"
 
 bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
 {

@@ -6,7 +6,9 @@
 #include "bis/base/file.h"
 #include "base/grow.h"
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_ask.h"
+#include "parser_shapes.h"
 
 #include <string.h>
 

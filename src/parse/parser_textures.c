@@ -7,7 +7,9 @@
 #include "approximate.h"
 #include "bis/base/file.h"
 #include "base/grow.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_colours.h"
+#include "parser_textures.h"
 
 #include <stdlib.h>
 #include <string.h>

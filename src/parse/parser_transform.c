@@ -5,7 +5,7 @@
  * Invariant: the CTM and its inverse are finite. A step that would break this is an error at its place, and is left
  * out. */
 #include "base/grow.h"
-#include "parser.h"
+#include "directives.h"
 
 #include "bis/base/file.h"
 

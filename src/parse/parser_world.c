@@ -4,7 +4,9 @@
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
 #include "approximate.h"
-#include "parser.h"
+#include "directives.h"
+#include "parser_materials.h"
+#include "parser_textures.h"
 
 #include <float.h>
 #include <string.h>

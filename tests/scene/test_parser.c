@@ -5,7 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
 #include "image_help.h"
-#include "parse/parser.h"
+#include "parse/directives.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* parser_textures: textures, and the parameters that a texture may give. */
+#pragma once
+
+#include "parser_ask.h"
+
+/* bis_params_colour asks for a colour, or a texture of colours or numbers. *texture stays as it was where *value says
+ * all; else it is the texture's index, and *value a typical value. bis_params_number does the same for a number. */
+bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval range, uint32_t *texture);
+bool bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture);
+
+/* bis_parser_find_texture stores the index of the texture that a parameter names. A colour may be given by a texture of
+ * numbers, and is then grey. Returns false after a complaint. */
+bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floats, uint32_t *index);
+
+/* bis_parser_add_texture adds a texture to the scene and stores its index. Returns false after a complaint. */
+bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
+
+/* bis_parser_add_image adds the image file that is named at `at`, and stores its index. It takes over the path; NULL:
+ * it was complained of already. Returns false after a complaint. */
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
