@@ -3,6 +3,7 @@
  * E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
 #include "errata_plots.h"
 
+#include "bis/scene/parameters.h"
 #include "bis/thesis/phong.h"
 
 #include "drawing.h"

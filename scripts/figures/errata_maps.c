@@ -3,6 +3,7 @@
  * E18, E19. */
 #include "errata_plots.h"
 
+#include "bis/scene/parameters.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/regions.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* parameters: the table of bis/thesis/settings.h as options and as help. No parameter is known here by its name. */
+/* parameters: the table of bis/scene/parameters.h as options and as help. No parameter is known here by its name. */
 #include "parameters.h"
 
 #include "base/text.h"

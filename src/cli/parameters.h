@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* parameters: what the command line says of the integrators' parameters, from the table of bis/thesis/settings.h: the
+/* parameters: what the command line says of the integrators' parameters, from the table of bis/scene/parameters.h: the
  * options of `bis render`, and the words of --help and `bis help`. */
 #pragma once
 
-#include "bis/thesis/integrator.h"
+#include "bis/scene/parameters.h"
 #include "cli.h"
 
 enum { BIS_PARAMETER_OPTIONS = 16 /* rows of the table that are options */, BIS_PARAMETER_WORDS = 256 };
@@ -32,6 +32,7 @@ void bis_parameter_override(bis_settings *s, const bis_parameter_option values[B
  * each camera sample". */
 const char *bis_parameter_words(char buf[BIS_PARAMETER_WORDS], const char *name);
 
-/* bis_integrator_words writes what an integrator does, its parameters with their defaults, and its claim. */
 enum { BIS_INTEGRATOR_WORDS = 1024 };
+
+/* bis_integrator_words writes what an integrator does, its parameters with their defaults, and its claim. */
 const char *bis_integrator_words(char buf[BIS_INTEGRATOR_WORDS], const bis_integrator *integrator);

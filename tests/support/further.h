@@ -4,7 +4,7 @@
 #ifndef TESTS_FURTHER_H
 #define TESTS_FURTHER_H
 
-#include "bis/thesis/settings.h"
+#include "bis/scene/parameters.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -5,6 +5,7 @@
 #ifndef TESTS_LIT_H
 #define TESTS_LIT_H
 
+#include "bis/scene/parameters.h"
 #include "bis/thesis/integrator.h"
 #include "stat.h"
 

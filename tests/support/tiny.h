@@ -9,6 +9,7 @@
 #ifndef TESTS_TINY_H
 #define TESTS_TINY_H
 
+#include "bis/scene/parameters.h"
 #include "bis/thesis/integrator.h"
 #include "stat.h"
 

@@ -258,7 +258,7 @@ static char *read_text(const char *path)
 static int blocks_found(const char *page, bool expected)
 {
     static const char *const sources[] = {"tests/whole/test_extending.c", "tests/whole/uniform.c", "tests/support/beyond/moon.c",
-                                          "tests/support/beyond/moon_formulas.h", "src/thesis/settings.c",
+                                          "tests/support/beyond/moon_formulas.h", "src/scene/parameters.c",
                                           "tests/beyond/test_microfacet.c", "include/bis/thesis/bsdf.h"};
     int n = 0;
 
@@ -298,7 +298,7 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
         skip();
     }
     /* those that ask for every integrator and take less than 7 s; all programs take as long as make test */
-    const char *tests = getenv("BIS_LONG") ? "all" : "test_help test_verify test_settings test_bytes test_errata test_layers test_render "
+    const char *tests = getenv("BIS_LONG") ? "all" : "test_help test_verify test_parameters test_bytes test_errata test_layers test_render "
                                                      "test_verify_view test_survey test_options test_parser test_scene test_flat";
     char command[256];
     snprintf(command, sizeof command, "sh scripts/check/check_extending.sh %s", tests);

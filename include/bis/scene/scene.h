@@ -7,6 +7,7 @@
 #include "bis/shape/accel.h"
 #include "bis/scene/camera.h"
 #include "bis/shape/geometry.h"
+#include "bis/scene/parameters.h"
 #include "bis/thesis/integrator.h"
 #include "bis/scene/layers.h"
 #include "bis/scene/light_load.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* settings: the list of integrators, and the table of their parameters. A new integrator stands in the list and beside
- * the parameters that it reads; a new parameter is a row here and a field of bis_settings. */
-#include "bis/thesis/settings.h"
+/* parameters: the table of the integrators' parameters. A new parameter is a row here and a field of bis_settings; a
+ * new integrator stands beside the parameters that it reads. */
+#include "bis/scene/parameters.h"
 
 #include "base/text.h"
 #include "bis/base/file.h"
@@ -10,9 +10,6 @@
 #include <stdio.h>
 #include <math.h>
 #include <string.h>
-
-const bis_integrator *const bis_integrators[] = {&bis_em,  &bis_brdf,  &bis_mis,        &bis_rejection,
-                                                 &bis_sir, &bis_exact, &bis_unoccluded, NULL};
 
 /* ---- the table ---- */
 
@@ -73,14 +70,6 @@ const bis_parameter bis_parameters[] = {
 };
 
 /* ---- reading it ---- */
-
-const bis_integrator *bis_integrator_find(const char *name)
-{
-    for (const bis_integrator *const *p = bis_integrators; *p; p++) {
-        if (strcmp((*p)->name, name) == 0) return *p;
-    }
-    return strcmp(bis_auto.name, name) == 0 ? &bis_auto : NULL;
-}
 
 bool bis_parameter_reads(const bis_parameter *p, const bis_integrator *integrator)
 {
