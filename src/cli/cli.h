@@ -61,8 +61,9 @@ typedef struct bis_option {
     const char *rule;
 } bis_option;
 
-/* bis_cli_term writes "--spp N". */
 enum { BIS_CLI_TERM = 128 };
+
+/* bis_cli_term writes "--spp N". */
 static inline const char *bis_cli_term(char term[BIS_CLI_TERM], const bis_option *o)
 {
     snprintf(term, BIS_CLI_TERM, "--%s%s%s", o->name, o->argument ? " " : "", o->argument ? o->argument : "");
@@ -79,19 +80,21 @@ typedef struct bis_command {
     const char *notes;   /* further text of the help, wrapped by hand; may be NULL */
 } bis_command;
 
-/* Read argv[0..argc-1] (behind the command's name). operands[max_operands]: what is no option, n_operands of them.
- * Options and operands may be mixed, "--name=value" is "--name value", "--" ends the options, "-" is an operand or a
- * value. All mistakes are reported, not only the first; but after an unknown option no operand is one too many, because
- * it may be that option's value. `-h` is `--help`, `-V` is `--version`.
- * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a
- * message printed. */
+/* bis_cli_parse reads argv[0..argc-1], which stands behind the command's name. What is no option goes to
+ * operands[max_operands], n_operands of them. Options and operands may be mixed, "--name=value" is "--name value", "--"
+ * ends the options, "-" is an operand or a value. All mistakes are reported, not only the first; but after an unknown
+ * option no operand is one too many, because it may be that option's value. `-h` is `--help`, `-V` is `--version`.
+ * Returns false if the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad
+ * and a message printed. */
 bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands,
                    int *exit_status);
 
-/* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish.
- * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands; NULL: it is not given. */
 enum { BIS_CLI_MAX_OPERANDS = 3 };
 typedef int bis_cli_body(void *options, const char *const *operands, bis_diag *diag);
+
+/* bis_cli_run takes a command from its arguments to its exit status: it parses, runs the body (exit status out), prints
+ * its messages and finishes. `options` is what the table of options writes to. There are at most BIS_CLI_MAX_OPERANDS
+ * operands; NULL: it is not given. */
 int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, void *options);
 
 /* bis_cli_digits reads an integer in [lo, hi] of digits alone; returns what follows, NULL where there is none.
@@ -100,33 +103,35 @@ const char *bis_cli_digits(const char *text, int lo, int hi, int *value);
 bool bis_cli_read_size(void *value, const char *text);
 #define BIS_SIZE_RULE "WxH with sides in [1, 32768], as in 640x480"
 
-/* The help of one command, at most 80 columns wide; what it consists of: a paragraph, a term with its text.
- * `--help=man` prints the same as a part of the man page (help.h). */
+/* bis_cli_help prints the help of one command, at most 80 columns wide. The next two print what it consists of: a
+ * paragraph, and a term with its text. `--help=man` prints the same as a part of the man page (help.h). */
 void bis_cli_help(const bis_command *c, FILE *out);
 void bis_cli_print_text(FILE *out, const char *text);
 void bis_cli_print_entry(FILE *out, const char *term, const char *text);
 
-/* `--version`: bis, the accelerators that are built in, the libraries. */
+/* bis_cli_version prints what `--version` says: bis, the accelerators that are built in, the libraries. */
 void bis_cli_version(FILE *out);
 
-/* The messages to standard error; warnings are left out when quiet. */
+/* bis_cli_print_diag prints the messages to standard error, without warnings if quiet. */
 void bis_cli_print_diag(const bis_diag *diag, bool quiet);
 
-/* The exit status of an error in scenes and usage: input 2, disk and memory 1. */
+/* bis_cli_exit_status returns the exit status of an error in scenes and usage: 2 for input, 1 for disk and memory. */
 int bis_cli_exit_status(bis_status status);
 
-/* Standard output flushed: status, or 1 with a message where it could not be written (`bis --help > /dev/full`). */
+/* bis_cli_finish flushes standard output. It returns status, or 1 with a message if the output could not be written
+ * (`bis --help > /dev/full`). */
 int bis_cli_finish(int status);
 
 /* The place of complaints about the command line: they start with "bis: error: ". */
 extern const bis_loc bis_cli_loc;
 
-/* Can a file be made at path? Its folder, behind all links, must exist and be writable, path must not be a folder, its
- * name not too long. For a check before hours of rendering; the write itself is checked again. */
+/* bis_cli_check_writable checks whether a file can be made at path: its folder, behind all links, must exist and be
+ * writable, path must not be a folder, and its name not too long. It stands before hours of rendering; the write itself
+ * is checked again. Errors: BIS_INPUT, BIS_IO. */
 bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 
-/* bis_cli_check_distinct: refuse, before any work, an output that is one of the inputs or another output: what it holds
- * would be lost. A pipe, a device or "-" may stand for several. Errors: BIS_INPUT. */
+/* bis_cli_check_distinct refuses, before any work, an output that is one of the inputs or another output, because what
+ * it holds would be lost. A pipe, a device or "-" may stand for several. Errors: BIS_INPUT. */
 bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs,
                                   size_t n_outputs, bis_diag *diag);
 
@@ -136,8 +141,8 @@ bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, co
 int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, const char *mapping, unsigned needs,
                      bis_diag *diag);
 
-/* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there
- * are. */
+/* bis_cli_use_threads sets (--nthreads) that from now on n threads work wherever nobody says how many, as for the
+ * tables of a map. 0: as many as there are. */
 void bis_cli_use_threads(uint64_t n);
 
 /* Set by the first SIGINT, SIGTERM or SIGHUP after bis_cli_catch_signals; render threads read it. */
@@ -147,13 +152,16 @@ extern volatile sig_atomic_t bis_cli_signal;
  * and kills. */
 void bis_cli_catch_signals(void);
 
-/* The ranks that this process belongs to; NULL: it is alone. bis_cli_ranks_open finds it, first of all in main, and on
- * ranks other than 0 lets standard output and standard error go nowhere. bis_cli_ranks_close leaves it. */
+/* The ranks that this process belongs to; NULL: it is alone. */
 extern bis_ranks *bis_cli_ranks;
+
+/* bis_cli_ranks_open finds the ranks, first of all in main, and on ranks other than 0 lets standard output and standard
+ * error go nowhere. bis_cli_ranks_close leaves them. */
 void bis_cli_ranks_open(int *argc, char ***argv);
 void bis_cli_ranks_close(void);
 
-/* The commands: arguments behind the command's name, exit status out. */
+/* bis_cmd_render and the others are the commands: they take the arguments behind the command's name and return the exit
+ * status. */
 int bis_cmd_render(int argc, char **argv);
 int bis_cmd_trade(int argc, char **argv);
 int bis_cmd_compare(int argc, char **argv);

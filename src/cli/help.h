@@ -40,10 +40,10 @@ typedef struct bis_help_page {
 /* bis_help_open fills the page with t's entries and returns the first. */
 const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t);
 
-/* NULL: no such command. */
+/* bis_subcommand_find returns the command with this name, or NULL. */
 const bis_subcommand *bis_subcommand_find(const char *name);
 
-/* `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help NAME`, `bis help --man`. */
+/* bis_cmd_help answers `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help NAME` and `bis help --man`. */
 int bis_cmd_help(int argc, char **argv);
 
 /* bis_man_page prints the whole page for man(1): the intro, the commands (ended by a NULL name), the topics. It returns

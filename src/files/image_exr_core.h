@@ -4,5 +4,5 @@
 
 #include <openexr.h>
 
-/* How to begin a context that allocates through bis/mem.h and prints nothing. */
+/* bis_exr_context returns OpenEXR's settings of a context that allocates by bis/base/mem.h and prints nothing. */
 exr_context_initializer_t bis_exr_context(void *user_data);

@@ -16,23 +16,24 @@ typedef struct image_input {
     bis_diag *diag;
 } image_input;
 
-/* The error `cannot read "PATH": TEXT`; returns code. */
+/* bis_image_refuse adds the error `cannot read "PATH": TEXT` and returns code. */
 bis_status bis_image_refuse(const image_input *in, bis_status code, const char *fmt, ...) BIS_PRINTF(3, 4);
 
-/* The warning `"PATH": TEXT`. */
+/* bis_image_remark adds the warning `"PATH": TEXT`. */
 void bis_image_remark(const image_input *in, const char *fmt, ...) BIS_PRINTF(2, 3);
 
-/* Allocate *image after its size was held against BIS_IMAGE_MAX_SIDE; the caller has held it against the file's size.
- * Errors: BIS_INPUT, BIS_NOMEM. */
+/* bis_image_make allocates *image. It holds the size against BIS_IMAGE_MAX_SIDE; the caller has held it against the
+ * file's size. Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_image_make(bis_image *image, const image_input *in, long long width, long long height);
 
-/* (*table)[2^depth] becomes what numbers of this many bits stand for, in [0,1]: v^gamma, or sRGB's curve
- * (BIS_GAMMA_SRGB). It comes from bis_alloc. Errors: BIS_NOMEM. */
+/* bis_image_table makes (*table)[2^depth], by bis_alloc: what numbers of this many bits stand for, in [0,1]: v^gamma,
+ * or sRGB's curve (BIS_GAMMA_SRGB). Errors: BIS_NOMEM. */
 bis_status bis_image_table(float **table, int depth, double gamma, const image_input *in);
 
 /* ---- the formats; of the writers: the stream keeps the errors of the disk ---- */
 
-/* Is a file of this format? Read it. Errors: BIS_INPUT, BIS_NOMEM. */
+/* bis_hdr_is_mine and the next two return whether a file is of this format; bis_hdr_read and the next two read it.
+ * Errors: BIS_INPUT, BIS_NOMEM. */
 bool bis_hdr_is_mine(const unsigned char *data, size_t size);
 bool bis_exr_is_mine(const unsigned char *data, size_t size);
 bool bis_pfm_is_mine(const unsigned char *data, size_t size);
@@ -40,8 +41,8 @@ bis_status bis_hdr_read(bis_image *image, const image_input *in);
 bis_status bis_exr_read(bis_image *image, const image_input *in);
 bis_status bis_pfm_read(bis_image *image, const image_input *in);
 
-/* The same for colours of a screen, as bis_image_read_colours says. A TGA has no mark of its own: what is asked last is
- * whether its header makes sense. */
+/* bis_bmp_is_mine and the next ones do the same for colours of a screen, as bis_image_read_colours says. A TGA has no
+ * mark of its own: what is asked last is whether its header makes sense. */
 bool bis_bmp_is_mine(const unsigned char *data, size_t size);
 bool bis_jpeg_is_mine(const unsigned char *data, size_t size);
 bool bis_tga_is_mine(const unsigned char *data, size_t size);
@@ -49,15 +50,16 @@ bis_status bis_bmp_read(bis_image *image, const image_input *in, double gamma);
 bis_status bis_jpeg_read(bis_image *image, const image_input *in, double gamma);
 bis_status bis_tga_read(bis_image *image, const image_input *in, double gamma);
 
-/* OpenEXR's older reader: the first part's R, G, B, or Y, RY, BY, with half precision. (x0, y0): the corner of the data
- * window, which the image, already made, fills; OpenEXRCore has read it from the same header. */
+/* bis_exr_read_rgba reads by OpenEXR's older reader: the first part's R, G, B, or Y, RY, BY, with half precision. (x0,
+ * y0) is the corner of the data window, which the image, already made, fills; OpenEXRCore has read it from the same
+ * header. */
 bis_status bis_exr_read_rgba(bis_image *image, const image_input *in, int x0, int y0);
 
-/* Can an .hdr hold every R, G, B of the picture? Else BIS_INPUT, naming the first that it cannot. */
+/* bis_hdr_check returns BIS_INPUT if an .hdr cannot hold every R, G, B of the picture; the message names the first. */
 bis_status bis_hdr_check(const bis_picture *picture, const char *path, bis_diag *diag);
 
-/* The picture of bis_hdr_write has passed bis_hdr_check. Errors: BIS_NOMEM; of bis_exr_write also BIS_INPUT (the name
- * of an attribute that OpenEXR reserves) and BIS_IO. */
+/* bis_hdr_write, bis_exr_write and bis_pfm_write write a picture; that of bis_hdr_write has passed bis_hdr_check.
+ * Errors: BIS_NOMEM; of bis_exr_write also BIS_INPUT (the name of an attribute that OpenEXR reserves) and BIS_IO. */
 bis_status bis_hdr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
 bis_status bis_exr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
 bis_status bis_pfm_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);

@@ -13,9 +13,10 @@
  * picture's own exposure where it has one, else what takes its log-average, weighted by channel "A", to middle grey. */
 double bis_png_exposure(const bis_picture *picture);
 
-/* Errors: BIS_NOMEM, BIS_IO. */
+/* bis_png_write writes a picture with 8 bits a channel. Errors: BIS_NOMEM, BIS_IO. */
 bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
 
-/* Is a file a PNG? Read its colours, as bis_image_read_colours says. Errors: BIS_INPUT, BIS_NOMEM. */
+/* bis_png_is_mine returns whether a file is a PNG; bis_png_read reads its colours, as bis_image_read_colours says.
+ * Errors: BIS_INPUT, BIS_NOMEM. */
 bool bis_png_is_mine(const unsigned char *data, size_t size);
 bis_status bis_png_read(bis_image *image, const image_input *in, double gamma);

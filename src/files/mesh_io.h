@@ -13,18 +13,19 @@ typedef struct mesh_input {
     bis_diag *diag;
 } mesh_input;
 
-/* The error "PATH:LINE: error: TEXT", or "SCENE:LINE:COLUMN: error: PATH:LINE: TEXT" for a mesh that a scene names.
- * line 0: not a line of text. Returns code. */
+/* bis_mesh_refuse adds the error "PATH:LINE: error: TEXT", or "SCENE:LINE:COLUMN: error: PATH:LINE: TEXT" for a mesh
+ * that a scene names. line 0: not a line of text. Returns code. */
 bis_status bis_mesh_refuse(const mesh_input *in, int line, bis_status code, const char *fmt, ...) BIS_PRINTF(4, 5);
 
-/* The same as a warning. */
+/* bis_mesh_remark adds the same as a warning. */
 void bis_mesh_remark(const mesh_input *in, const char *fmt, ...) BIS_PRINTF(2, 3);
 
-/* The line, from 1, in which byte p of the file stands. Lines end with \n, \r or both. O(p): for messages. */
+/* bis_mesh_line returns the line, from 1, in which byte p of the file stands. Lines end with \n, \r or both. O(p): for
+ * messages. */
 int bis_mesh_line(const mesh_input *in, const unsigned char *p);
 
-/* Append a triangle; *capacity in triangles. */
+/* bis_mesh_add_triangle appends a triangle; *capacity counts triangles. Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_mesh_add_triangle(bis_mesh *m, size_t *capacity, const uint32_t v[3], const mesh_input *in);
 
-/* Give back what the index array has too much, and warn of an empty mesh. */
+/* bis_mesh_finish gives back what the index array has too much, and warns of an empty mesh. Errors: BIS_NOMEM. */
 bis_status bis_mesh_finish(bis_mesh *m, size_t capacity, const mesh_input *in);

@@ -5,8 +5,8 @@
 #include "base/names.h"
 #include "bis/shape/geometry.h"
 
-/* v, vn and f are read (polygons as fans; v, v/vt, v//vn, v/vt/vn; negative indices count from the last one); all else
- * is skipped.
+/* bis_obj_read reads v, vn and f (polygons as fans; v, v/vt, v//vn, v/vt/vn; negative indices count from the last one)
+ * and skips all else.
  * A vertex that faces use with several normals is split, so that each (v, vn) pair is one vertex; vertices keep the
  * file's order, the further pairs follow. Every index is in range and every coordinate finite on return. On failure m
  * is empty. `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (the message names the line),

@@ -4,8 +4,8 @@
 
 #include "bis/shape/geometry.h"
 
-/* Vertices x y z (and nx ny nz), faces (polygons as fans), tristrips; ascii and both binary orders; anything else in
- * the file is skipped.
+/* bis_ply_read reads vertices x y z (and nx ny nz), faces (polygons as fans) and tristrips, in ascii and both binary
+ * orders, and skips anything else.
  * Every index is in range and every coordinate finite on return; a normal that is not is (0,0,0), with a warning. On
  * failure m is empty.
  * `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (damaged: the message names line or

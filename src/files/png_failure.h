@@ -14,6 +14,7 @@ typedef struct png_failure {
     bool out_of_memory;
 } png_failure;
 
+/* png_on_error keeps what libpng says when it gives up, and leaves it. */
 static void png_on_error(png_structp png, png_const_charp text)
 {
     png_failure *failure = png_get_error_ptr(png);
@@ -21,12 +22,14 @@ static void png_on_error(png_structp png, png_const_charp text)
     png_longjmp(png, 1);
 }
 
+/* png_on_warning says nothing: what libpng warns of does not change the picture. */
 static void png_on_warning(png_structp png, png_const_charp text)
 {
     (void)png;
     (void)text;
 }
 
+/* png_allocate gives libpng memory by bis/base/mem.h, and remembers if there is none. */
 static png_voidp png_allocate(png_structp png, png_alloc_size_t size)
 {
     png_failure *failure = png_get_mem_ptr(png);
@@ -35,6 +38,7 @@ static png_voidp png_allocate(png_structp png, png_alloc_size_t size)
     return p;
 }
 
+/* png_release frees it. */
 static void png_release(png_structp png, png_voidp p)
 {
     (void)png;

@@ -7,6 +7,7 @@
 
 #include <math.h>
 
+/* bis_csv_numbers writes n fields, each behind a comma. */
 static inline void bis_csv_numbers(FILE *out, const double *v, size_t n)
 {
     char text[32];

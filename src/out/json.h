@@ -22,22 +22,25 @@ typedef struct bis_json {
     bool any[BIS_JSON_DEPTH];   /* has the level a member yet? */
 } bis_json;
 
-/* key: the member's name, NULL inside an array and for the outermost value. kind: '{' or '['. */
+/* bis_json_open opens an object or an array (kind: '{' or '['); bis_json_close closes the last one that is open. key:
+ * the member's name, here as in all that follows; NULL inside an array and for the outermost value. */
 void bis_json_open(bis_json *j, const char *key, char kind);
 void bis_json_close(bis_json *j);
 
-/* NaN and infinities become null; -0.0 is kept; the shortest text that reads back as the same double. */
+/* bis_json_number writes the shortest text that reads back as the same double. NaN and infinities become null; -0.0 is
+ * kept. The next three write a count, true or false, and null. */
 void bis_json_number(bis_json *j, const char *key, double v);
 void bis_json_count(bis_json *j, const char *key, uint64_t v);
 void bis_json_bool(bis_json *j, const char *key, bool v);
 void bis_json_null(bis_json *j, const char *key);
 
-/* bis_json_numbers writes n members that are numbers; a count below 10^15 looks as bis_json_count writes it.
- * bis_json_triple writes an array of three. BIS_JSON_OBJECT writes an object of numbers. */
 typedef struct bis_json_member {
     const char *key;
     double value;
 } bis_json_member;
+
+/* bis_json_numbers writes n members that are numbers; a count below 10^15 looks as bis_json_count writes it.
+ * bis_json_triple writes an array of three. BIS_JSON_OBJECT writes an object of numbers. */
 void bis_json_numbers(bis_json *j, const bis_json_member *members, size_t n);
 void bis_json_triple(bis_json *j, const char *key, double x, double y, double z);
 #define BIS_JSON_NUMBERS(j, ...)                                                                                       \
@@ -46,5 +49,6 @@ void bis_json_triple(bis_json *j, const char *key, double x, double y, double z)
 #define BIS_JSON_OBJECT(j, key, ...)                                                                                   \
     (bis_json_open(j, key, '{'), BIS_JSON_NUMBERS(j, __VA_ARGS__), bis_json_close(j))
 
-/* NULL becomes null. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD. */
+/* bis_json_text writes a string. NULL becomes null. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD.
+ */
 void bis_json_text(bis_json *j, const char *key, const char *v);

@@ -5,9 +5,9 @@
 
 #include "bis/base/vec.h"
 
-/* As it appears: components in [0,1] of sRGB. */
+/* bis_palette_srgb returns a colour as it appears: its components in [0,1] are those of sRGB. */
 rgb bis_palette_srgb(double r, double g, double b);
 
-/* Dark blue over purple, red and orange to pale yellow, t in [0,1] (beyond: the ends), each lighter than the one
- * before: reads in grey print, too. */
+/* bis_palette_heat returns dark blue over purple, red and orange to pale yellow for t in [0,1] (beyond: the ends). Each
+ * is lighter than the one before, so that it reads in grey print, too. */
 rgb bis_palette_heat(double t);

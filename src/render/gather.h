@@ -6,14 +6,15 @@
 #include "bis/base/xform.h"
 #include "bis/thesis/integrator.h"
 
-/* The surface that was hit: add to values[layers->n_values], which begin as zeros. stream and scratch: as the
- * integrator had them when it made L of pt; scratch is used again. False: an L_ns that is not finite, left out. */
+/* bis_gather_surface adds what is said of the surface that was hit to values[layers->n_values], which begin as zeros.
+ * stream and scratch: as the integrator had them when it made L of pt; scratch is used again. It returns false if an
+ * L_ns is not finite and was left out. */
 bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings,
                         const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch,
                         rgb L);
 
-/* What was counted meanwhile. */
+/* bis_gather_counts adds what was counted between before and after. */
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after);
 
-/* values are sums over camera samples: divide them by n, but for counts. */
+/* bis_gather_mean divides values, which are sums over camera samples, by n, but for counts. */
 void bis_gather_mean(float *values, const bis_layers *layers, double n);

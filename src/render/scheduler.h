@@ -23,9 +23,10 @@ bis_status bis_sched_meet(bis_sched *sched, const bis_workspace *w, int *n_threa
 void bis_sched_call(bis_sched *sched, const struct bis_pass *pass, bis_status status);
 bool bis_sched_follow(bis_sched *sched, struct bis_pass *pass, bis_status *status);
 
-/* A pass, on every rank: begin; then each thread takes tiles, and says when one is done and how many seconds it took,
- * until there is none (-1); then end, which adds what the others have counted to that of the first worker of rank 0.
- * Thread 0 sends and receives between its tiles. progress is called by thread 0 of rank 0. */
+/* bis_sched_begin begins a pass, on every rank. Each thread then takes tiles (bis_sched_next), and says when one is
+ * done and how many seconds it took (bis_sched_finish), until there is none (-1). bis_sched_end adds what the others
+ * have counted to that of the first worker of rank 0. Thread 0 sends and receives between its tiles. progress is called
+ * by thread 0 of rank 0. */
 void bis_sched_begin(bis_sched *sched, void (*progress)(double share, void *user), void *user);
 int bis_sched_next(bis_sched *sched, int thread);
 void bis_sched_finish(bis_sched *sched, int thread, int tile, double seconds);

@@ -9,16 +9,17 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* .hdr, .pfm, .exr (the first part's data window), .png. */
+/* bis_scene_peek_image stores the size of an image: .hdr, .pfm, .exr (the first part's data window), .png. */
 bool bis_scene_peek_image(const char *path, long *width, long *height);
 
-/* .ply: what the header claims. */
+/* bis_scene_peek_ply stores what the header of a .ply claims. */
 bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces);
 
-/* .obj: whether it begins with text, as far as one looks. */
+/* bis_scene_peek_is_text returns whether an .obj begins with text, as far as one looks. */
 bool bis_scene_peek_is_text(const char *path);
 
-/* .obj: what it says of materials. Here a strange file is an error, as for bis_obj_read_materials. */
+/* bis_scene_peek_obj reads what an .obj says of materials. Here a strange file is an error, as for
+ * bis_obj_read_materials. */
 bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag);
 
 /* bis_scene_peek_text reads a scene's text whole, expanded if it is compressed by gzip. *data receives *size bytes and
@@ -37,5 +38,5 @@ typedef enum bis_stranger_kind {
  * it is no regular file, or it cannot be read. */
 const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind);
 
-/* Of the whole file; 0: unknown. */
+/* bis_scene_peek_bytes returns the bytes of the whole file, or 0 if they are unknown. */
 size_t bis_scene_peek_bytes(const char *path);

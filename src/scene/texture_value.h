@@ -9,19 +9,20 @@ enum { BIS_MARBLE_COLOURS = 9 };
 extern const double bis_marble_colours[BIS_MARBLE_COLOURS][3];
 #define BIS_MARBLE_SCALE 1.5
 
-/* bis_texture_of_image, bis_texture_coated and bis_texture_own_alpha return what IMAGE makes of a texel, COAT and ALPHA
- * of their part's value. A coat's values above 1 pass only where they are cut off. */
+/* bis_texture_of_image returns what IMAGE makes of a texel. */
 static inline double bis_texture_of_image(const bis_texture *x, double v)
 {
     return x->invert ? 1 - x->scale * v : x->scale * v;
 }
 
+/* bis_texture_coated returns what COAT makes of its part's value. Values above 1 pass only where they are cut off. */
 static inline double bis_texture_coated(const bis_texture *x, double v)
 {
     v = fmin(v, 1);
     return (1 - x->scale) * v / (1 - x->scale * v);
 }
 
+/* bis_texture_own_alpha returns what ALPHA makes of its part's value. */
 static inline double bis_texture_own_alpha(double roughness) { return fmin(bis_texture_alpha(roughness), 1); }
 
 /* bis_texture_n_parts returns how many textures of[] names. */

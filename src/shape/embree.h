@@ -4,5 +4,6 @@
 
 #include "bis/shape/accel.h"
 
-/* Errors: BIS_INPUT (not built in, or Embree refuses this processor: the message names the way out), BIS_NOMEM. */
+/* bis_embree_new builds Embree's tree. Errors: BIS_INPUT (not built in, or Embree refuses this processor: the message
+ * names the way out), BIS_NOMEM. */
 bis_status bis_embree_new(bis_accel **out, const bis_geometry *g, int n_threads, bis_diag *diag);

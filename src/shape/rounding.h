@@ -9,11 +9,12 @@
 #include <stdint.h>
 #include <string.h>
 
+/* larger returns the larger of two numbers, smaller the smaller. */
 static inline BIS_INLINE double larger(double a, double b) { return a > b ? a : b; }
 static inline BIS_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 
-/* The smallest float >= v; v within the range of floats. Floats of one sign are ordered as their bits are. There is no
- * branch, because no processor can predict whether a number was rounded up or down. */
+/* round_up returns the smallest float >= v; v lies within the range of floats. Floats of one sign are ordered as their
+ * bits are. There is no branch, because no processor can predict whether a number was rounded up or down. */
 static inline float round_up(double v)
 {
     const float nearest = (float)v, from = nearest + 0.0f; /* -0 becomes 0 */
@@ -26,5 +27,5 @@ static inline float round_up(double v)
     return up;
 }
 
-/* The largest float <= v. */
+/* round_down returns the largest float <= v. */
 static inline float round_down(double v) { return -round_up(-v); }

@@ -31,6 +31,7 @@ typedef struct sheared_ray {
     int kx, ky, kz;
 } sheared_ray;
 
+/* shear_ray makes a ray ready. */
 static inline sheared_ray shear_ray(const ray *r)
 {
     const double d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
@@ -41,8 +42,8 @@ static inline sheared_ray shear_ray(const ray *r)
                          d[kx] / d[kz], d[ky] / d[kz], 1 / d[kz], kx, ky, kz};
 }
 
-/* Does the line meet the triangle v[9] = a, b, c? Then e[3] are a, b and c's weights times det (all of one sign, or 0),
- * *z the ray parameter times det. No for a triangle seen edge-on (det = 0). */
+/* shear_test returns whether the line meets the triangle v[9] = a, b, c. Then e[3] are a, b and c's weights times det
+ * (all of one sign, or 0), *z the ray parameter times det. A triangle seen edge-on (det = 0) is not met. */
 static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *s, const float v[9], double e[3],
                                                              double *det, double *z)
 {
@@ -67,7 +68,7 @@ static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *
     return *det != 0;
 }
 
-/* Twice the area vector. In double: no float triangle overflows or underflows here. */
+/* area_vector stores twice the area vector. In double no float triangle overflows or underflows here. */
 static inline void area_vector(const vec3 v[3], double n[3])
 {
     double e[3] = {(double)v[1].x - (double)v[0].x, (double)v[1].y - (double)v[0].y, (double)v[1].z - (double)v[0].z};
@@ -78,8 +79,9 @@ static inline void area_vector(const vec3 v[3], double n[3])
     n[2] = e[0] * f[1] - e[1] * f[0];
 }
 
-/* Does the ray r meet the plane of triangle v[9] at a t > 0? The sign of a.n / d.n, a = v0 - o, n = (v1 - v0) x (v2 -
- * v0). Its error is bounded in surface.c (triangle_error); a plane across an axis has none. */
+/* plane_is_ahead returns whether the ray r meets the plane of triangle v[9] at a t > 0, by the sign of a.n / d.n, a =
+ * v0 - o, n = (v1 - v0) x (v2 - v0). Its error is bounded in surface.c (triangle_error); a plane across an axis has
+ * none. */
 static inline bool plane_is_ahead(const ray *r, const float v[9])
 {
     const double a[3] = {(double)v[0] - (double)r->o.x, (double)v[1] - (double)r->o.y, (double)v[2] - (double)r->o.z};
@@ -91,7 +93,7 @@ static inline bool plane_is_ahead(const ray *r, const float v[9])
     return (height > 0 && descent > 0) || (height < 0 && descent < 0);
 }
 
-/* Do all vertices of v[9] lie ahead of the origin, along the axis kz? */
+/* all_ahead returns whether all vertices of v[9] lie ahead of the origin, along the axis kz. */
 static inline bool all_ahead(const sheared_ray *s, const float v[9])
 {
     const double a = (double)v[s->kz] - s->o[s->kz], b = (double)v[3 + s->kz] - s->o[s->kz],
@@ -100,7 +102,8 @@ static inline bool all_ahead(const sheared_ray *s, const float v[9])
     return s->sz > 0 ? a > 0 && b > 0 && c > 0 : a < 0 && b < 0 && c < 0;
 }
 
-/* Does the ray meet triangle v at a t in (0, best], whose float lies in (0, tmax)? s: the ray r, sheared. */
+/* shear_hit returns whether the ray meets triangle v at a t in (0, best] whose float lies in (0, tmax). s: the ray r,
+ * sheared. */
 static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s, const ray *r, const float v[9],
                                                             double best, double *t)
 {
@@ -115,7 +118,7 @@ static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s
     return all_ahead(s, v) || plane_is_ahead(r, v);
 }
 
-/* A triangle without area is never hit, whichever the accelerator. */
+/* has_area returns whether a triangle has an area. Without one it is never hit, whichever the accelerator. */
 static inline bool has_area(const vec3 v[3])
 {
     double n[3];

@@ -23,8 +23,7 @@ FORMULA REAL OF(power)(vec3 axis, REAL n, OF(direction) wi)
     return OF(choose)(ahead, power, 0);
 }
 
-/* constants_of returns the coefficients of eq. 3.14; f returns f, and the density of the mixture of both lobes (E35).
- * */
+/* constants_of returns the coefficients of eq. 3.14. */
 /* [phong-f] */
 FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
 {
@@ -42,6 +41,7 @@ FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
     return k;
 }
 
+/* f returns f, and the density of the mixture of both lobes (E35). */
 FORMULA OF(reflection) OF(f)(const OF(constants) *k, OF(direction) wi, const int kind)
 {
     const REAL cos_theta = OF(along)(k->n, wi);

@@ -16,6 +16,7 @@ typedef struct weight_scale {
     int exponent; /* half1 * half2 = 2^-exponent */
 } weight_scale;
 
+/* weight_scale_of returns the scale of n weights >= 0. */
 static inline weight_scale weight_scale_of(const double *w, size_t n)
 {
     double largest = 0;
@@ -29,4 +30,5 @@ static inline weight_scale weight_scale_of(const double *w, size_t n)
     return (weight_scale){ldexp(1, -(e / 2)), ldexp(1, -(e - e / 2)), e};
 }
 
+/* weight_scaled returns a weight, scaled. */
 static inline double weight_scaled(weight_scale s, double w) { return w * s.half1 * s.half2; }

@@ -10,12 +10,12 @@
 enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 16, BIS_MAX_LINE = 512,
        BIS_APPROXIMATED_TEXT = 4096 };
 
-/* The parameters that the integrator reads, in the order of docs/scene-format.md; returns their number. Texts are
- * static. */
+/* bis_describe_settings stores the parameters that the integrator reads, in the order of docs/scene-format.md, and
+ * returns their number. Texts are static. */
 int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MAX_PARAMETERS]);
 
-/* The same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... all: what has its default, too;
- * else counts and what differs. */
+/* bis_describe_line writes the same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... all:
+ * what has its default, too; else counts and what differs. */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
 /* bis_describe_choice writes one line: what auto has chosen, and how much longer the best of each other method would
@@ -46,10 +46,11 @@ typedef struct bis_stats {
 bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
                        const bis_film *film, const bis_render_result *result);
 
-/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), bis:auto (the line for
- * a scene, where auto chose), bis:approximated (where something is), spp, seed, render_seconds,
- * estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
+/* bis_describe_picture stores the header attributes of an EXR and returns their number: scene, integrator, its
+ * parameters, asprinted (where some are), bis:auto (the line for a scene, where auto chose), bis:approximated (where
+ * something is), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is
+ * reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
-/* The JSON of --stats, keys as docs/command-line.md; what does not apply is null. */
+/* bis_stats_print prints the JSON of --stats, with the keys of docs/command-line.md. What does not apply is null. */
 void bis_stats_print(const bis_stats *s, FILE *out);

@@ -38,15 +38,16 @@ typedef struct bis_truth {
     size_t patches, rays;
 } bis_truth;
 
-/* Sums over all patches. weight: of red, green, blue, >= 0. cells: no ray adds more than about a (cells)-th of what
- * were there without shadows; there are so many cells to four times as many, and all patches. q[n]: n <=
- * BIS_TRUTH_MAX_DENSITIES; the light must have its table where from_map is not 0. The result does not depend on the
- * number of threads. Cost: 15 values of F and 2 rays for each of these. Errors: BIS_NOMEM. */
+/* bis_truth_of sums over all patches. weight: of red, green, blue, >= 0. cells: no ray adds more than about a
+ * (cells)-th of what were there without shadows; there are so many cells to four times as many, and all patches. q[n]:
+ * n <= BIS_TRUTH_MAX_DENSITIES; the light must have its table where from_map is not 0. The result does not depend on
+ * the number of threads. Cost: 15 values of F and 2 rays for each of these. Errors: BIS_NOMEM. */
 bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells,
                         const bis_truth_density *q, size_t n, uint64_t seed, bis_diag *diag);
 
-/* e such that |mean[3] - what it should be| > e has at most that chance, 0 < chance < 1, over the seeds. */
+/* bis_truth_bound returns e such that |mean[3] - what it should be| > e has at most that chance, 0 < chance < 1, over
+ * the seeds. */
 double bis_truth_bound(const bis_truth_sum *s, double chance);
 
-/* The same for the standard deviation alone: what it exceeds with at most that chance. */
+/* bis_truth_deviation returns what the standard deviation alone exceeds with at most that chance. */
 double bis_truth_deviation(const bis_truth_sum *s, double chance);

@@ -292,7 +292,7 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
 /* --- docstrings
  * ----------------------------------------------------------------------------------------------------- */
 
-static void each_public_function_has_a_docstring_that_begins_with_its_name(void **state)
+static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(void **state)
 {
     (void)state;
     assert_int_equal(shell("sh scripts/check/check_docstrings.sh > build/test_docs.out"), 0);
@@ -300,11 +300,11 @@ static void each_public_function_has_a_docstring_that_begins_with_its_name(void 
 
 #define COLUMNS_50 "12345678901234567890123456789012345678901234567890"
 
-/* The twin: a fresh tree with one public header, and one file of src. */
+/* The twin: a fresh tree with a public header, a private one, and one file of src. */
 static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(void **state)
 {
     (void)state;
-    const struct { const char *header, *source, *message; } cases[] = {
+    const struct { const char *header, *source, *message, *private; } cases[] = {
         {"/* f does it. */\nint f(int x);\n", "\n", NULL},
         {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return f(1);\n}\n", "\n", NULL},
         {"/* g does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f does not begin with its name"},
@@ -315,12 +315,17 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
         {"/* f does it. */\nint f(int x);\n", "/* As SP" "EC 5. */\n", "src/base/x.c:1:/* As SP" "EC 5. */"},
         {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "12345678901234 */\n", NULL},
         {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "123456789012345 */\n", "src/base/x.c:1: 121 columns"},
+        {"/* f does it. */\nint f(int x);\n", "\n", NULL, "/* g does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
+        {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g", "/* Does it. */\nint g(int x);\n"},
+        {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g",
+         "/* Does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024] = "";
         assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
         program_write_file("build/docstrings/include/bis/base/x.h", cases[i].header);
         program_write_file("build/docstrings/src/base/x.c", cases[i].source);
+        program_write_file("build/docstrings/src/base/y.h", cases[i].private ? cases[i].private : "\n");
         int status = shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out");
         FILE *f = fopen("build/docstrings.out", "r");
         text[fread(text, 1, sizeof text - 1, f)] = '\0';
@@ -602,7 +607,7 @@ int main(void)
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
-        cmocka_unit_test(each_public_function_has_a_docstring_that_begins_with_its_name),
+        cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(each_job_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),

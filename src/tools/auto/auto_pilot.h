@@ -35,7 +35,10 @@ typedef struct bis_auto_pilot {
     bis_auto_report *report;
 } bis_auto_pilot;
 
+/* bis_auto_no_memory adds that error and returns BIS_NOMEM. */
 bis_status bis_auto_no_memory(const bis_scene_desc *desc, bis_diag *diag);
+
+/* bis_auto_is_interrupted returns whether the user has interrupted the pilot. */
 bool bis_auto_is_interrupted(const bis_auto_pilot *p);
 
 /* bis_auto_pilot_start makes room; desc, passes, scale, options and n_pixels are known. Errors: BIS_NOMEM. */

@@ -24,12 +24,13 @@ typedef struct bis_pixel_hit {
     bis_own_material own;           /* what the point's bsdf may point to: the hit must outlive the point, unmoved */
 } bis_pixel_hit;
 
-/* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no
- * surface. The scene must have been built with BIS_VERIFY_LIGHT_NEEDS (verify.h); counters are borrowed by pt. */
+/* bis_pixel_find stores the point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. It
+ * returns false if the ray meets no surface. The scene must have been built with BIS_VERIFY_LIGHT_NEEDS (verify.h);
+ * counters are borrowed by pt. */
 bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc,
                     int x, int y, bis_counters *counters);
 
-/* "phong, exponent 50", "microfacet, alpha 0.1". Returns buf. */
+/* bis_pixel_material_name writes "phong, exponent 50", "microfacet, alpha 0.1". Returns buf. */
 const char *bis_pixel_material_name(char buf[64], const bis_material *m);
 
 /* Red, green, blue, and their sum: the mean and its standard error. */
@@ -54,7 +55,7 @@ typedef struct bis_pixel_exact {
         third[3]; /* by patches: variance and third central moment of F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
 } bis_pixel_exact;
 
-/* max_patches: BIS_PIXEL_MAX_PATCHES; a test may choose. Errors: BIS_NOMEM. */
+/* bis_pixel_exact_of computes it. max_patches is BIS_PIXEL_MAX_PATCHES; a test may choose. Errors: BIS_NOMEM. */
 bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed,
                               bis_diag *diag);
 
@@ -87,11 +88,13 @@ typedef struct bis_pixel_method {
     double rays, accepted; /* shadow rays and accepted candidates in the mean of one estimate */
 } bis_pixel_method;
 
-/* The methods worth a row, with the scene's parameters where they apply: all but `exact`. Returns their number. */
 enum { BIS_PIXEL_MAX_METHODS = 12 };
+
+/* bis_pixel_methods stores the methods worth a row, with the scene's parameters where they apply: all but `exact`. It
+ * returns their number. */
 size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis_settings *own);
 
-/* repeats >= 2. Fills all from L on. Errors: BIS_NOMEM. */
+/* bis_pixel_method_run runs a method and fills all from L on. repeats >= 2. Errors: BIS_NOMEM. */
 bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact,
                                 bis_sampler_kind kind, uint32_t repeats, uint64_t seed, bis_diag *diag);
 
@@ -142,14 +145,13 @@ typedef struct bis_pixel_rays {
     uint32_t runs;
 } bis_pixel_rays;
 
-/* The shadow rays of camera samples 0 ... runs - 1 of a pixel, found by an accelerator that writes down what it is
- * asked: true for any integrator.
- * Errors: BIS_NOMEM. */
+/* bis_pixel_rays_record stores the shadow rays of camera samples 0 ... runs - 1 of a pixel. An accelerator that writes
+ * down what it is asked finds them, so this is true for any integrator. Errors: BIS_NOMEM. */
 bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s,
                                  const bis_sampler *sampler, uint64_t pixel, uint32_t runs, bis_diag *diag);
 void bis_pixel_rays_clear(bis_pixel_rays *r);
 
-/* f cos Le towards wi, r+g+b: phat of the thesis. */
+/* bis_pixel_product returns f cos Le towards wi, r+g+b: phat of the thesis. */
 double bis_pixel_product(const bis_point *pt, vec3 wi);
 
 /* Directions as the map has them: z up, row 0 at +z, theta from it and phi with the columns, in degrees. */

@@ -26,8 +26,10 @@ typedef struct bis_pixel_report {
     bis_pixel_candidates candidates;
 } bis_pixel_report;
 
-void bis_pixel_report_clear(bis_pixel_report *r); /* NULL is fine */
+/* bis_pixel_report_clear frees what was found. NULL is fine. */
+void bis_pixel_report_clear(bis_pixel_report *r);
 
+/* bis_pixel_print_text prints the report as text, bis_pixel_print_json as JSON. */
 void bis_pixel_print_text(FILE *out, const bis_pixel_report *r);
 void bis_pixel_print_json(FILE *out, const bis_pixel_report *r);
 
@@ -43,9 +45,10 @@ bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag);
 
 /* --- pixel_page.c --- */
 
+enum { BIS_PIXEL_SPHERE_WIDTH = 720, BIS_PIXEL_SPHERE_HEIGHT = 360, BIS_PIXEL_SPHERE_DECADES = 7 };
+
 /* bis_pixel_put_page writes what the page shows beyond the report, into an open object: the densities q_L (eq. 4.2),
  * q_f (4.3), their product p (4.4) and what of it is seen over the whole sphere, all rays, all candidates that weigh
  * something. bis_pixel_write_page writes the page. Errors: BIS_IO, BIS_NOMEM. */
-enum { BIS_PIXEL_SPHERE_WIDTH = 720, BIS_PIXEL_SPHERE_HEIGHT = 360, BIS_PIXEL_SPHERE_DECADES = 7 };
 bis_status bis_pixel_put_page(bis_json *j, const bis_pixel_report *r, bis_diag *diag);
 bis_status bis_pixel_write_page(const char *path, const bis_pixel_report *r, bis_diag *diag);

@@ -42,20 +42,23 @@ typedef struct bis_survey {
     bis_survey_region largest[BIS_SURVEY_LARGEST]; /* by power */
 } bis_survey;
 
-/* Errors: BIS_NOMEM. */
+/* bis_survey_init surveys a map and its regions. Errors: BIS_NOMEM. */
 bis_status bis_survey_init(bis_survey *s, const bis_envmap *em, const bis_regions *regions, int levels, bis_diag *diag);
 
-/* False-colour pictures as large as the map, to be shown without any exposure. Errors: BIS_NOMEM. */
+/* bis_survey_levels_picture and bis_survey_regions_picture make false-colour pictures as large as the map, to be shown
+ * without any exposure. Errors: BIS_NOMEM. */
 bis_status bis_survey_levels_picture(bis_image *out, const bis_envmap *em, int levels, bis_diag *diag);
 bis_status bis_survey_regions_picture(bis_image *out, const bis_envmap *em, const bis_regions *regions, bis_diag *diag);
 
-/* The density q of each pixel on a logarithmic scale, and n_samples directions drawn by it as dots (figure 3.5). */
+/* bis_survey_importance_picture shows the density q of each pixel on a logarithmic scale, and n_samples directions
+ * drawn by it as dots (figure 3.5). Errors: BIS_NOMEM. */
 bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples,
                                          bis_diag *diag);
 
+enum { BIS_SURVEY_PAGE_WIDTH = 720 };
+
 /* bis_survey_put_page writes what the page of a map shows beyond its survey, into an open object: "places", of each
  * pixel or of each step x step of them, and "samples", n_samples directions. Errors: BIS_NOMEM. */
-enum { BIS_SURVEY_PAGE_WIDTH = 720 };
 bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_envmap *em, const bis_regions *regions,
                                const bis_importance *im, int n_samples, bis_diag *diag);
 

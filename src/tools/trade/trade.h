@@ -172,11 +172,12 @@ typedef struct bis_trade {
     uint64_t nonfinite;
     bool made_folder;     /* it was not there before */
     bool is_complete;     /* every run of the plan was measured */
-    bool is_reported;     /* the tables and the page were written from what is in runs and result */
+    bool is_reported;     /* true once tables and page agree with runs */
 } bis_trade;
 
-/* The whole measurement, into o->folder. t is zero-initialised; bis_trade_clear it. *interrupted: by the signal flag,
- * with what was measured written. Errors: BIS_INPUT (scene, budget, reference, folder), BIS_IO, BIS_NOMEM. */
+/* bis_trade_measure makes the whole measurement, into o->folder. t is zero-initialised, and to be cleared by
+ * bis_trade_clear. *interrupted: by the signal flag, with what was measured written. Errors: BIS_INPUT (scene, budget,
+ * reference, folder), BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_measure(bis_trade *t, const bis_trade_options *o, bool *interrupted, bis_diag *diag);
 void bis_trade_clear(bis_trade *t);
 
@@ -186,103 +187,127 @@ static inline uint64_t bis_trade_seed(const bis_trade_plan *plan, unsigned purpo
     return bis_hash(bis_hash(plan->seed + purpose) + place) >> 11;
 }
 
-/* Channel k of a colour. */
+/* bis_trade_channel returns channel k of a colour. */
 static inline double bis_trade_channel(rgb c, int k) { return (double)(k == 0 ? c.r : k == 1 ? c.g : c.b); }
 
 /* --- trade_settings.c --- */
 
-/* The table: the scene's own setting, then all others that make sense for its light. */
+/* bis_trade_list_settings makes the table: the scene's own setting, then all others that make sense for its light. */
 void bis_trade_list_settings(bis_trade *t, bool small_map);
+
+/* bis_trade_find_setting returns the index of the setting with this name, or -1. */
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
-/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out;
- * nor is `auto`. */
+/* bis_trade_is_rival returns whether an integrator is compared. `exact` and `unoccluded` are not, because one is a
+ * reference and the other leaves the shadows out; nor is `auto`. */
 bool bis_trade_is_rival(const bis_integrator *i);
 
-/* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */
+/* bis_trade_judge_of returns which reference judges this setting: 0, by mis, or 1, by sir. It is never one of its own
+ * family. */
 int bis_trade_judge_of(const bis_trade_setting *s);
 
-/* May it make reference 0 (a mis) or 1 (a sir)? trade_plan.c */
+/* bis_trade_may_be_reference returns whether the setting may make reference 0 (a mis) or 1 (a sir); trade_plan.c. */
 bool bis_trade_may_be_reference(const bis_trade_setting *s, int which);
 
-/* As text: what differs from the defaults, for a scene file; and options for the command line, "" where it has none. */
+/* bis_trade_scene_text writes what differs from the defaults as a scene file says it, bis_trade_option_text as options
+ * of the command line say it, or "" if there are none. */
 void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double scenes_b);
 void bis_trade_option_text(char text[128], const bis_trade_setting *s, double scenes_b);
 
 /* --- trade_scene.c --- */
 
+/* bis_trade_interrupted returns whether the user has interrupted the measurement. */
 bool bis_trade_interrupted(const bis_trade *t);
+
+/* bis_trade_tell tells the caller's progress, if there is one. */
 void bis_trade_tell(const bis_trade *t, const char *what, double share, double seconds_left);
 
-/* Parse, apply the options, build everything that the settings need. */
+/* bis_trade_load parses the scene, applies the options, and builds everything that the settings need. bis_trade_unload
+ * frees it. Errors: BIS_INPUT, BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_load(bis_trade *t, bis_diag *diag);
 void bis_trade_unload(bis_trade *t);
 
-/* The film that is measured, of each step x step pixels one; step 0: a film of one pixel that sees all. How many pixels
- * it has. */
+/* bis_trade_film returns the film that is measured, of each step x step pixels one; step 0: a film of one pixel that
+ * sees all. bis_trade_pixels returns how many pixels it has. */
 bis_film bis_trade_film(const bis_trade *t, int step);
 double bis_trade_pixels(const bis_trade *t, int step);
 
-/* Render `passes` into it; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from
- * the passes' scatter. An interrupted render leaves result->passes < passes. */
+/* bis_trade_render renders `passes` into that film. image may be NULL; the caller clears it. An interrupted render
+ * leaves result->passes < passes. Errors: those of bis_render. */
 bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
                             bis_image *image, bis_render_result *result, bis_diag *diag);
 
 /* --- trade_plan.c --- */
 
+/* bis_trade_make_plan runs the pilot and makes the plan. Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_trade_make_plan(bis_trade *t, bis_diag *diag);
 
 /* bis_trade_fit_plan fits the plan to `left` seconds: its size, levels, run_seconds and references, from what the pilot
  * found: pass_seconds of a pixel, which become those of a pass, and pass_relmse. Errors: BIS_INPUT. */
 bis_status bis_trade_fit_plan(bis_trade *t, double left, bis_diag *diag);
+
+/* bis_trade_planned_runs returns the number of runs of the plan, bis_trade_planned_seconds what one of them takes. */
 size_t bis_trade_planned_runs(const bis_trade_plan *plan);
 double bis_trade_planned_seconds(const bis_trade_plan *plan, int setting, int level);
 
 /* --- trade_files.c --- */
 
-/* folder/name in buf. */
+/* bis_trade_path writes folder/name to buf and returns it. */
 const char *bis_trade_path(char buf[4096], const bis_trade *t, const char *name);
 
-/* bis_trade_write writes a file of the folder: what put prints. Errors: BIS_IO, BIS_NOMEM. */
 typedef void bis_trade_put(FILE *out, const bis_trade *t);
+
+/* bis_trade_write writes a file of the folder: what put prints. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_write(const bis_trade *t, const char *name, bis_trade_put *put, bis_diag *diag);
 
-/* Make the folder. Is it new or empty, or, with --resume, one of ours? An empty one turns o.resume off. */
+/* bis_trade_check_folder makes the folder. It must be new or empty or, with --resume, one of ours; an empty one turns
+ * o.resume off. bis_trade_make_folder makes one in it. Errors: BIS_INPUT, BIS_IO. */
 bis_status bis_trade_check_folder(bis_trade *t, bis_diag *diag);
 bis_status bis_trade_make_folder(const bis_trade *t, const char *name, bis_diag *diag);
+
+/* bis_trade_write_plan writes plan.txt, bis_trade_write_runs runs.csv; the others read them. Errors: BIS_INPUT, BIS_IO,
+ * BIS_NOMEM. */
 bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag);
 bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag);
 bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag);
 bis_status bis_trade_read_runs(bis_trade *t, bis_diag *diag);
+
 /* bis_trade_find_run returns the run of these, or NULL. */
 const bis_trade_run *bis_trade_find_run(const bis_trade *t, int setting, int level, int replicate);
+
+/* bis_trade_add_run adds a run to the list and to runs.csv. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *diag);
 
 /* --- trade_reference.c --- */
 
-/* Read what references/ holds, render what it lacks. Interrupted: is_ready stays false where replicates are missing. */
+/* bis_trade_make_references reads what references/ holds and renders what it lacks. If it is interrupted, is_ready
+ * stays false where replicates are missing. */
 bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag);
 
-/* Of a given one, of the size of film `all`, the pixels that the thin film `some` of the same picture has. */
+/* bis_trade_thin makes of a given reference, which has the size of film `all`, that of the thin film `some` of the same
+ * picture. Errors: BIS_NOMEM. */
 bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some,
                           bis_diag *diag);
 
 /* --- trade_stats.c, trade_advice.c --- */
 
+/* bis_trade_summarise computes t->result of the runs. Errors: BIS_NOMEM. */
 bis_status bis_trade_summarise(bis_trade *t, bis_diag *diag);
 
-/* By interpolation between budgets in log-log; beyond the longest by the root law, *extrapolated; NAN below one pass or
- * for a biased setting beyond its measurements. */
+/* bis_trade_error_at returns the error of a setting after so many seconds, bis_trade_seconds_to the seconds to an
+ * error: by interpolation between budgets in log-log; beyond the longest by the root law, *extrapolated. NAN below one
+ * pass, or for a biased setting beyond its measurements. */
 double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds,
                           bool *extrapolated);
 double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error,
                             bool *extrapolated);
 
-/* The setting of an integrator with the least cost x variance, its standard error added; NULL: of all that are
- * unbiased. -1: none was measured. */
+/* bis_trade_best_of returns the setting of an integrator with the least cost x variance, its standard error added;
+ * NULL: of all that are unbiased. -1: none was measured. */
 int bis_trade_best_of(const bis_trade *t, const char *integrator);
-/* The best of each integrator and the scene's own, in the order of the table, those that were measured. Returns how
- * many. */
+
+/* bis_trade_heads stores the best of each integrator and the scene's own, in the order of the table, those that were
+ * measured. It returns how many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
 /* bis_trade_is_head returns whether setting is one of bis_trade_heads. */
@@ -293,15 +318,19 @@ bool bis_trade_is_head(const bis_trade *t, int setting);
  * good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/tools/test_trade.c). */
 uint32_t bis_trade_square_passes(const bis_trade *t, double least);
 
-void bis_trade_advise(bis_trade *t); /* seconds by the sweep's thin film */
+/* bis_trade_advise makes the advice; its seconds are those of the sweep's thin film. */
+void bis_trade_advise(bis_trade *t);
 
-/* Columns of the two tables: each at most so many, ascending; returns how many. */
 enum { BIS_TRADE_COLUMNS = 6 };
+
+/* bis_trade_times stores the columns of the table by time, bis_trade_errors those of the table by error: each at most
+ * so many, ascending. They return how many. */
 int bis_trade_times(const bis_trade *t, double seconds[BIS_TRADE_COLUMNS]);
 int bis_trade_errors(const bis_trade *t, double error[BIS_TRADE_COLUMNS]);
 
 /* --- trade_tables.c --- */
 
+/* bis_trade_write_tables writes the tables of the folder. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_write_tables(const bis_trade *t, bis_diag *diag);
 
 /* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or
@@ -310,32 +339,37 @@ const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const 
 
 /* --- trade_pictures.c --- */
 
-/* Equal-time pictures of the best setting of each integrator: read from pictures/ or rendered. */
+/* bis_trade_make_pictures reads from pictures/, or renders, pictures of equal time of the best setting of each
+ * integrator. */
 bis_status bis_trade_make_pictures(bis_trade *t, bis_diag *diag);
 
 /* --- trade_check.c --- */
 
-/* Replaces the advice's passes and errors by such as were measured with that many passes, as far as there is time. */
+/* bis_trade_check_advice replaces the advice's passes and errors by such as were measured with that many passes, as far
+ * as there is time. */
 bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag);
+
+enum { BIS_TRADE_MOST_SPARED = 5 };
 
 /* bis_trade_scatter returns the relMSE of one of n >= 2 renders that differ in their seeds alone: in each pixel and
  * channel their variance (over n - 1), divided by b^2 + m^2/100 as in bis_compare. b is the mean of the reference and
  * of the renders, weighted by 1/variance; with relmse = 0 the reference alone. m is the mean of b. The `spared` pixels
  * of the largest errors count as 0. All have one size. What noise is left in b makes the result biased, by terms of the
  * order of b's own relMSE. */
-enum { BIS_TRADE_MOST_SPARED = 5 };
 double bis_trade_scatter(const bis_image *images, int n, int spared, const bis_trade_reference *reference);
 
 /* --- trade_seconds.c --- */
 
-/* Replaces the advice's seconds, which are the sweep's times the pixels, by better ones. */
+/* bis_trade_time_advice replaces the advice's seconds, which are the sweep's times the pixels, by better ones. */
 bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag);
 
-/* An earlier advice takes the same setting: seconds from that one's, as many for each pass. False: there is none. */
+/* bis_trade_take_known_seconds takes the seconds from an earlier advice with the same setting, as many for each pass.
+ * It returns false if there is none. */
 bool bis_trade_take_known_seconds(bis_trade_advice *all, int i);
 
 /* --- trade_page.c; its parts are in trade_page.h --- */
 
+/* bis_trade_write_report writes report.html. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 
 /* bis_trade_print_summary prints what a user wants to know at once: the advice in short, and where the page is. */

@@ -49,22 +49,24 @@ typedef struct bis_verify {
     bool no_memory;                            /* a test was lost: then bis_verify_judge returns BIS_NOMEM */
 } bis_verify;
 
-/* Thresholds and verdicts. Errors: BIS_NOMEM. */
+/* bis_verify_judge sets thresholds and verdicts. Errors: BIS_NOMEM. */
 bis_status bis_verify_judge(bis_verify *v, bis_diag *diag);
+
+/* bis_verify_clear frees the tests. */
 void bis_verify_clear(bis_verify *v);
 
-/* The random numbers of one test, by its name: so they do not change when another test comes before it. All tests of
- * all runs see different numbers. */
+/* bis_verify_seed returns the seed of one test, by its name, so that it does not change when another test comes before
+ * it. All tests of all runs see different numbers. */
 uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...) BIS_PRINTF(2, 3);
 
 /* ---- one test each, with the name as by printf ---- */
 
-/* 0 <= value <= limit. */
+/* bis_verify_bound tests that 0 <= value <= limit. */
 void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name,
                       ...) BIS_PRINTF(6, 7);
 
-/* Pearson's chi-square of counts: cells that expect fewer than 5 are pooled in order, the rest joins the last pool; a
- * hit in a cell that expects 0 rejects. */
+/* bis_verify_fit tests counts by Pearson's chi-square: cells that expect fewer than 5 are pooled in order, the rest
+ * joins the last pool; a hit in a cell that expects 0 rejects. */
 void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n,
                     const char *name, ...) BIS_PRINTF(6, 7);
 
@@ -73,6 +75,7 @@ typedef struct bis_verify_moments {
     double n, mean, m2, m3; /* sums of squares and cubes about the mean */
 } bis_verify_moments;
 
+/* bis_verify_add adds a run. */
 void bis_verify_add(bis_verify_moments *m, double x);
 
 /* bis_verify_skewness returns the skewness of the mean of these runs, 0 where they do not scatter. */
@@ -84,16 +87,19 @@ double bis_verify_skewness(const bis_verify_moments *m);
 double bis_verify_t(double z, double dof, double skewness);
 #define BIS_VERIFY_MOST_SKEWNESS 0.15
 
-/* Is the mean of these runs `expected`, but for `slack` that rounding or quadrature may have? By bis_verify_t. */
+/* bis_verify_mean tests by bis_verify_t that the mean of these runs is `expected`, but for `slack` that rounding or
+ * quadrature may have. */
 void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack,
                      const char *name, ...) BIS_PRINTF(6, 7);
 
-/* Any p, or a bound of it. */
+/* bis_verify_p tests any p, or a bound of it. */
 void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...)
     BIS_PRINTF(6, 7);
 
+/* bis_verify_skip adds a test that was skipped, and why. */
 void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...) BIS_PRINTF(4, 5);
 
+/* bis_verify_begin tells the caller's progress that a new part begins. */
 void bis_verify_begin(const bis_verify *v, const char *what);
 
 /* ---- the checks; errors: BIS_NOMEM ---- */
@@ -105,46 +111,56 @@ typedef struct bis_verify_sampler {
     const void *self;
 } bis_verify_sampler;
 
-/* All of a map: solid angles, and its importance by alias tables, CDFs and the curve. */
+/* bis_verify_map tests all of a map: solid angles, and its importance by alias tables, CDFs and the curve. */
 bis_status bis_verify_map(bis_verify *v, const bis_envmap *em, double area_exponent, int levels, bis_diag *diag);
 
+/* bis_verify_solid_angles tests that a map's solid angles add up to the sphere, and each row's by its integral. */
 void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em);
 
-/* pmf[height * width] by definition, w dO / sum: from pixels and regions alone. False: no light. */
+/* bis_verify_definition computes pmf[height * width] by definition, w dO / sum, from pixels and regions alone. *lit:
+ * there is light. */
 bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels,
                                  bis_diag *diag);
 
-/* Its density is the definition's and integrates to 1; its table (name: "alias", "cdf") gives each pixel the
- * probability that the density claims. */
+/* bis_verify_importance tests that the density of an importance is the definition's and integrates to 1, and that its
+ * table (name: "alias", "cdf") gives each pixel the probability that the density claims. */
 bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
                                  const bis_envmap *em, const double *pmf, bis_diag *diag);
 
-/* Drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
+/* bis_verify_draws tests drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf,
                             bis_diag *diag);
 
-/* src/tools/verify/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler
- * draws by it; under a constant light the integrators (n of them) give what quadrature gives. */
+/* ---- src/tools/verify/verify_bsdf.c ---- */
+
+/* bis_verify_material tests one material seen at an angle to the normal: its density integrates to 1, its sampler draws
+ * by it; under a constant light the integrators (n of them) give what quadrature gives. */
 bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
                                size_t n, const char *name, bis_diag *diag);
 
-/* src/tools/verify/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over
- * all patches of the light, which must have table and curve. *tested: false where too little of the light is seen from
- * there for a fair test; nothing is added then. */
+/* ---- src/tools/verify/verify_view.c ---- */
+
 #define BIS_VERIFY_MAX_INTEGRATORS 16 /* BIS_TRUTH_MAX_DENSITIES */
+
+/* bis_verify_point tests one shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all
+ * patches of the light, which must have table and curve. *tested: false where too little of the light is seen from
+ * there for a fair test; nothing is added then. */
 bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
                             bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag);
 
-/* Estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of (seed, pixel = r).
+/* bis_verify_runs makes estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of
+ * (seed, pixel = r).
  * Each is independent of the others: proposal "product" draws the directions of its clusters anew for each, and nothing
  * is learned. counters: shadow rays, accepted candidates and fallbacks are added to it. */
 bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
                            uint64_t seed, bis_counters *counters, bis_diag *diag);
 
-/* About how long one estimate takes, in units of 60 ns: 8 for a shadow ray, 1 for a candidate. */
+/* bis_verify_cost returns about how long one estimate takes, in units of 60 ns: 8 for a shadow ray, 1 for a candidate.
+ */
 double bis_verify_cost(const bis_settings *s, size_t patches);
 
-/* One number for a colour, to be tested: 4r + 2g + b, so that an exchange of channels is seen. */
+/* bis_verify_measure returns one number for a colour, to be tested: 4r + 2g + b, so that an exchange of channels is
+ * seen. */
 static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
 
 /* src/tools/verify/verify_pixels.c. Sums of bis_verify_measure times solid angle over the light's patches. */
@@ -194,26 +210,33 @@ typedef bis_status bis_verify_render(bis_render_result *result, bis_film *film, 
 bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
                               const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag);
 
-/* src/tools/verify/verify_oracle.c. What an accelerator says of a ray: the distance to the nearest hit, infinite for
- * none, and whether there is any. Which of n answers are right, within the rounding of floats? By a search over all
- * primitives but `left`, which the ray starts from by bis_surface_offset (a triangle or a disk; BIS_NO_PRIM: none). */
+/* ---- src/tools/verify/verify_oracle.c ---- */
+
+/* What an accelerator says of a ray: the distance to the nearest hit, infinite for none, and whether there is any. */
 enum { BIS_VERIFY_ANSWERS = 2 };
 typedef struct bis_verify_answer {
     double t;
     bool occluded;
 } bis_verify_answer;
+
+/* bis_verify_search stores which of n answers are right, within the rounding of floats, by a search over all primitives
+ * but `left`, which the ray starts from by bis_surface_offset (a triangle or a disk; BIS_NO_PRIM: none). */
 void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left,
                        const bis_verify_answer *answer, int n);
 
-/* src/tools/verify/verify_accel.c. One backend (b NULL) or two of the same geometry by n random rays, and as many from
- * the surfaces that they meet. */
+/* ---- src/tools/verify/verify_accel.c ---- */
+
+/* bis_verify_backends tests one backend (b NULL), or two of the same geometry, by n random rays, and as many from the
+ * surfaces that they meet. */
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n);
 
 /* What the scene's description must ask of its light (bis_scene_desc.light_needs), here and for bis_pixel_find: all
  * that any integrator needs of it. */
 #define BIS_VERIFY_LIGHT_NEEDS (BIS_NEED_TABLE | BIS_NEED_CURVE | BIS_NEED_SPREAD)
 
-/* src/tools/verify/verify_scene.c. Whatever applies of the above. */
+/* ---- src/tools/verify/verify_scene.c ---- */
+
+/* bis_verify_scene makes whatever tests of the above apply. */
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,
                             const bis_settings *settings, bis_diag *diag);
 
