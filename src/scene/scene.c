@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* scene: from the description to what rays can be shot at: geometry, then light, then accelerator.
  *
- * Only what a scene requires is built. The integrators say what it needs of the light (tables, a curve, or nothing);
- * without geometry no integrator is ever asked, so neither tables nor an accelerator are made. A mesh file is read when
+ * Only what a scene requires is built (scene_needs.h). A mesh file is read when
  * its first shape comes and dropped after its last, so that at most the meshes in use are held twice. */
 #include "bis/scene/scene.h"
 
@@ -12,6 +11,7 @@
 #include "bump.h"
 #include "files/obj.h"
 #include "files/ply.h"
+#include "scene_needs.h"
 
 #include <assert.h>
 #include <float.h>
@@ -113,9 +113,7 @@ static bis_status add_quadric(bis_geometry *g, const bis_shape_desc *shape, bis_
     return bis_geometry_add_quadric(g, &q, diag);
 }
 
-static bool is_mesh(bis_shape_kind kind) { return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK; }
-
-static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
+static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, const bis_scene_needs *needs, bis_diag *diag)
 {
     bis_status status = BIS_OK;
     bis_geometry *g = &s->geometry;
@@ -126,16 +124,12 @@ static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_di
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
         goto done;
     }
-    for (size_t i = 0; i < desc->n_shapes; i++) {
-        if (!is_mesh(desc->shapes[i].kind)) continue;
-        loaded *l = &meshes[desc->shapes[i].mesh];
-        l->shapes_left++;
-        const bis_material_textures *textures = bis_textures_of(&desc->textures, desc->shapes[i].material);
-        l->wants_uv |= textures && bis_textures_want_uv(&desc->textures, textures);
-    }
+    for (size_t i = 0; i < desc->n_meshes; i++)
+        meshes[i] = (loaded){.shapes_left = needs->uses[i], .wants_uv = needs->with_uv[i]};
     for (size_t i = 0; i < desc->n_shapes && !status; i++) {
         const bis_shape_desc *shape = &desc->shapes[i];
-        if (is_mesh(shape->kind)) status = add_mesh(g, &meshes[shape->mesh], &desc->meshes[shape->mesh], shape, diag);
+        if (bis_shape_is_mesh(shape->kind))
+            status = add_mesh(g, &meshes[shape->mesh], &desc->meshes[shape->mesh], shape, diag);
         else status = add_quadric(g, shape, diag);
         s->shape_end[i] = g->n_triangles;
     }
@@ -146,48 +140,35 @@ done:
 }
 
 /* The images that shapes show are read, and the textures of each of their materials looked at once. */
-static bis_status load_textures(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
+static bis_status load_textures(bis_scene *s, const bis_scene_desc *desc, const bis_scene_needs *needs, bis_diag *diag)
 {
     const bis_textures *t = &desc->textures;
-    bool *is_used = bis_alloc(t->n_files, sizeof *is_used), *is_shown = bis_alloc(t->n_of_material, sizeof *is_shown);
     bis_status status = BIS_OK;
 
     s->images = bis_alloc(t->n_files, sizeof *s->images);
-    if (!is_used || !is_shown || !s->images) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu textures", t->n);
-        goto done;
-    }
+    if (!s->images)
+        return bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu textures", t->n);
     s->n_images = t->n_files;
-    for (size_t i = 0; i < desc->n_shapes; i++) {
-        const uint32_t material = desc->shapes[i].material;
-        const bis_material_textures *m = bis_textures_of(t, material);
-        if (!m || is_shown[material]) continue;
-        is_shown[material] = true;
-        bis_textures_mark_all(is_used, t, m);
-    }
     for (size_t i = 0; i < t->n_files && !status; i++)
-        if (is_used[i]) status = bis_textures_load(&s->images[i], &t->files[i], diag);
-    for (size_t i = 0; i < t->n_of_material && !status; i++)
-        if (is_shown[i]) status = bis_textures_check(t, s->images, &t->of_material[i], &desc->materials[i], diag);
-done:
-    bis_free(is_used);
-    bis_free(is_shown);
+        if (needs->images[i]) status = bis_textures_load(&s->images[i], &t->files[i], diag);
+    for (uint32_t i = 0; i < t->n_of_material && !status; i++) {
+        const bis_material_textures *m = needs->materials[i] ? bis_textures_of(t, i) : NULL;
+        if (m) status = bis_textures_check(t, s->images, m, &desc->materials[i], diag);
+    }
     return status;
 }
 
-static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
+/* Shapes may turn out to be empty: then nothing is drawn from the light. */
+static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, const bis_scene_needs *needs, bis_diag *diag)
 {
-    const bool seen = bis_geometry_primitives(&s->geometry) > 0;
-    const unsigned own = desc->view.settings.integrator->light_needs(&desc->view.settings);
-    const unsigned asked = desc->light_needs ? desc->light_needs : own;
-    const unsigned needs = seen ? asked : 0;
+    const unsigned wanted = bis_geometry_primitives(&s->geometry) > 0 ? needs->light : 0;
     double seconds[2] = {0, 0};
     bis_light_desc light = desc->light;
 
     if (!desc->has_light) return bis_light_constant(&s->light, (rgb){0, 0, 0}, diag);
-    light.table_kind = bis_light_table_kind(&light, needs, desc->view.sampler.kind);
+    light.table_kind = needs->table;
     light.as_printed = desc->view.settings.as_printed;
-    bis_status status = bis_light_load(&s->light, &light, needs, seconds, diag);
+    bis_status status = bis_light_load(&s->light, &light, wanted, seconds, diag);
     s->seconds.load += seconds[0];
     s->seconds.envmap = seconds[1];
     return status;
@@ -226,21 +207,23 @@ bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_
 
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag)
 {
-    bis_status status;
     bis_scene *s = bis_alloc(1, sizeof *s);
     double start = bis_clock_now();
+    bis_scene_needs needs;
+    bis_status status = bis_scene_needs_of(&needs, desc, diag);
 
     *out = NULL;
+    if (status) goto done;
     if (!s) {
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for a scene");
         goto done;
     }
     status = bis_threads_check(desc->accel.n_threads, (bis_loc){desc->path, 0, 0}, diag);
-    if (!status) status = load_geometry(s, desc, diag);
-    if (!status && desc->textures.n_of_material > 0) status = load_textures(s, desc, diag);
+    if (!status) status = load_geometry(s, desc, &needs, diag);
+    if (!status && desc->textures.n_of_material > 0) status = load_textures(s, desc, &needs, diag);
     if (status) goto done;
     s->seconds.load = bis_clock_now() - start;
-    status = load_light(s, desc, diag);
+    status = load_light(s, desc, &needs, diag);
     if (status) goto done;
     if (bis_geometry_primitives(&s->geometry) > 0) {
         start = bis_clock_now();
@@ -251,6 +234,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
     *out = s;
     s = NULL;
 done:
+    bis_scene_needs_clear(&needs);
     bis_scene_free(s);
     return status;
 }
@@ -322,7 +306,7 @@ bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, con
 static size_t quadric_shape(const bis_scene_desc *desc, size_t number)
 {
     size_t i = 0;
-    while (is_mesh(desc->shapes[i].kind) || number-- > 0) i++;
+    while (bis_shape_is_mesh(desc->shapes[i].kind) || number-- > 0) i++;
     return i;
 }
 

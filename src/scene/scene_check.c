@@ -7,6 +7,7 @@
 #include "bis/files/image_file.h"
 #include "files/obj.h"
 #include "files/ply.h"
+#include "scene_needs.h"
 #include "scene_peek.h"
 
 #include <unistd.h>
@@ -44,64 +45,48 @@ static bis_status check_mesh(const bis_mesh_desc *m, bis_diag *diag)
     return status;
 }
 
-/* uses[n_meshes], is_shown[n_materials]: what shapes want. */
-static void find_used(const bis_scene_desc *d, bool *uses, bool *is_shown)
-{
-    for (size_t i = 0; i < d->n_shapes; i++) {
-        const bis_shape_desc *s = &d->shapes[i];
-        if (s->kind != BIS_SHAPE_SPHERE && s->kind != BIS_SHAPE_DISK) uses[s->mesh] = true;
-        is_shown[s->material] = true;
-    }
-}
-
-/* Marks the images of a material in own[n_files] and in all[n_files]. Returns whether there are any. */
-static bool mark_images(bool *own, bool *all, const bis_textures *t, const bis_material_textures *m)
+/* Does a material need images? own[n_files] is room. */
+static bool needs_images(bool *own, const bis_textures *t, const bis_material_textures *m)
 {
     bool any = false;
 
     for (size_t k = 0; k < t->n_files; k++) own[k] = false;
     bis_textures_mark_all(own, t, m);
-    for (size_t k = 0; k < t->n_files; k++) {
-        any |= own[k];
-        all[k] |= own[k];
-    }
+    for (size_t k = 0; k < t->n_files; k++) any |= own[k];
     return any;
 }
 
-static bis_status check_textures(const bis_scene_desc *d, const bool *is_shown, bool *own, bool *all, bis_diag *diag)
+static bis_status check_textures(const bis_scene_desc *d, const bis_scene_needs *needs, bool *own, bis_diag *diag)
 {
     const bis_textures *t = &d->textures;
     bis_status status = BIS_OK;
 
     for (uint32_t i = 0; i < t->n_of_material; i++) {
-        const bis_material_textures *m = is_shown[i] ? bis_textures_of(t, i) : NULL;
-        if (m && !mark_images(own, all, t, m))
+        const bis_material_textures *m = needs->materials[i] ? bis_textures_of(t, i) : NULL;
+        if (m && !needs_images(own, t, m))
             keep_first(&status, bis_textures_check(t, NULL, m, &d->materials[i], diag));
     }
     for (size_t k = 0; k < t->n_files; k++)
-        if (all[k] && is_there(t->files[k].filename))
+        if (needs->images[k] && is_there(t->files[k].filename))
             keep_first(&status, bis_image_check_head(t->files[k].filename, true, t->files[k].loc, diag));
     return status;
 }
 
 bis_status bis_scene_check_files(const bis_scene_desc *desc, bis_diag *diag)
 {
-    bool *uses = bis_alloc(desc->n_meshes, sizeof *uses), *is_shown = bis_alloc(desc->n_materials, sizeof *is_shown);
-    bool *own = bis_alloc(desc->textures.n_files, sizeof *own), *all = bis_alloc(desc->textures.n_files, sizeof *all);
-    bis_status status = BIS_OK;
+    bool *own = bis_alloc(desc->textures.n_files, sizeof *own);
+    bis_scene_needs needs;
+    bis_status status = bis_scene_needs_of(&needs, desc, diag);
 
-    if (!uses || !is_shown || !own || !all) {
+    if (!status && !own)
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory to look at the scene's files");
-    } else {
-        find_used(desc, uses, is_shown);
-        keep_first(&status, check_light(&desc->light, diag));
-        for (size_t i = 0; i < desc->n_meshes; i++)
-            if (uses[i]) keep_first(&status, check_mesh(&desc->meshes[i], diag));
-        keep_first(&status, check_textures(desc, is_shown, own, all, diag));
-    }
-    bis_free(uses);
-    bis_free(is_shown);
+    if (status) goto done;
+    keep_first(&status, check_light(&desc->light, diag));
+    for (size_t i = 0; i < desc->n_meshes; i++)
+        if (needs.uses[i]) keep_first(&status, check_mesh(&desc->meshes[i], diag));
+    keep_first(&status, check_textures(desc, &needs, own, diag));
+done:
+    bis_scene_needs_clear(&needs);
     bis_free(own);
-    bis_free(all);
     return status;
 }

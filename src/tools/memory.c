@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* memory: bytes a pixel, a texel and a triangle.
+/* memory: bytes a pixel, a texel and a triangle, for what scene_needs.h says that is built.
  *
- * The sizes of arrays are known. What is measured: the tables of a map, what building a curve takes beside it, and an
- * accelerator (Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much). */
+ * Sizes of arrays follow from their types. Three things are measured (tests/tools/test_memory.c holds them to 15 %):
+ * the program itself, an accelerator, and how long the line of a triangle is in a text file. */
 #include "memory.h"
 
 #include "base/text.h"
@@ -11,19 +11,29 @@
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
 #include "scene/distant.h"
+#include "scene/scene_needs.h"
 #include "scene/scene_peek.h"
 
 #include <math.h>
 
-static const double program = 14e6;
-static const double film_sums = BIS_FILM_BYTES, pass = 16 + 1.0 / 4 /* kind of edge */; /* a pixel */
-static const double layer_sum = 8, layer_pass = 4; /* a pixel's value */
+static const double program = 14e6; /* measured: a sphere under a constant light, 1 x 1 pixel (time -f %M) */
+/* a pixel: its sums; the pass under way, with the kind of its edge */
+static const double film_sums = BIS_FILM_BYTES, pass = BIS_PASS_BYTES + 1.0 / 4;
+static const double layer_sum = BIS_LAYER_SUM_BYTES, layer_pass = BIS_LAYER_PASS_BYTES; /* a pixel's value */
 static const double chunk_rows = 16, chunk_copies = 3; /* of an EXR: packed, its bytes in another order, compressed */
-static const double cells = 64, tiles = 4; /* of learned visibility, a pixel; cells up to 2^23 pixels */
-static const double texel = 12, table = 10.4, curve = 1.5, area = 4, regions = 5, curve_beside = 1;
-static const double vertex = 12, uv = 8, triangle = 12;
+/* of learned visibility, a pixel: what is known and what is counted, in cells up to 2^23 pixels, else in tiles */
+static const double tiles = 2.0 * sizeof(bis_seen) / (BIS_RENDER_TILE * BIS_RENDER_TILE);
+static const double cells = 2.0 * sizeof(bis_seen) * BIS_VISIBILITY_CELLS / (BIS_RENDER_TILE * BIS_RENDER_TILE);
+/* a texel of the map: radiance; table: a probability, an alias, and 0.4 for the tables of rows, which are long; curve:
+ * of each 4 x 4 texels its place, the sum before it and a guide; area: a float; regions: a label and a level;
+ * curve_beside: of each 4 x 4 texels their sum (src/thesis/importance_parts.h) */
+static const double texel = sizeof(rgb), table = 8 + 2 + 0.4, curve = (4 + 16 + 4) / 16.0, area = 4, regions = 4 + 1,
+                    curve_beside = 16 / 16.0;
+static const double vertex = sizeof(vec3), uv = sizeof(bis_uv), triangle = 3 * sizeof(uint32_t);
+/* a triangle, measured: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps less of many
+ * (BIS_EMBREE_COMPACT) */
 static const double accel_kept = 82, accel_built = 100, compact_kept = 35, compact_built = 40;
-static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a file for each of them */
+static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a text file for each of them, measured */
 
 typedef struct counts {
     double vertices, triangles;
@@ -43,16 +53,17 @@ static counts counts_of(const bis_mesh_desc *m, bool *guessed)
 }
 
 /* Each shape has vertices and triangles of its own; a mesh of several shapes is kept until the last one has them. */
-static double add_meshes(bis_memory *m, const bis_scene_desc *d, size_t *uses)
+static double add_meshes(bis_memory *m, const bis_scene_desc *d, const bis_scene_needs *needs)
 {
+    const size_t *uses = needs->uses;
     double triangles = 0, kept = 0;
+    bool has_uv = false; /* of one mesh, then of all */
 
-    for (size_t i = 0; i < d->n_shapes; i++)
-        if (d->shapes[i].kind != BIS_SHAPE_SPHERE && d->shapes[i].kind != BIS_SHAPE_DISK) uses[d->shapes[i].mesh]++;
+    for (size_t i = 0; i < d->n_meshes; i++) has_uv |= needs->with_uv[i];
     for (size_t i = 0; i < d->n_meshes; i++) {
         if (!uses[i]) continue;
         const counts c = counts_of(&d->meshes[i], &m->guessed);
-        const double a_vertex = vertex * (d->meshes[i].smooth ? 2 : 1) + (d->textures.n ? uv : 0);
+        const double a_vertex = vertex * (d->meshes[i].smooth ? 2 : 1) + (has_uv ? uv : 0);
         const double bytes = c.vertices * a_vertex + c.triangles * triangle;
         m->meshes += bytes * (double)uses[i];
         triangles += c.triangles * (double)uses[i];
@@ -62,11 +73,12 @@ static double add_meshes(bis_memory *m, const bis_scene_desc *d, size_t *uses)
     return triangles;
 }
 
-static void add_textures(bis_memory *m, const bis_scene_desc *d)
+static void add_textures(bis_memory *m, const bis_scene_desc *d, const bis_scene_needs *needs)
 {
     long w, h;
 
     for (size_t i = 0; i < d->textures.n_files; i++) {
+        if (!needs->images[i]) continue;
         if (bis_scene_peek_image(d->textures.files[i].filename, &w, &h)) m->textures += texel * (double)w * (double)h;
         else m->guessed = true;
     }
@@ -115,10 +127,8 @@ bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height,
 
 /* Returns what stands beside it at worst: the file while it is read, the regions while areas are found,
  * or the sums of tiles while the curve is made. */
-static double add_map(bis_memory *m, const bis_scene_desc *d)
+static double add_map(bis_memory *m, const bis_scene_desc *d, const bis_scene_needs *needs)
 {
-    const bis_settings *s = &d->view.settings;
-    const unsigned needs = d->n_shapes ? s->integrator->light_needs(s) : 0;
     bis_mapping mapping;
     long w, h;
 
@@ -129,7 +139,7 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
         h = 1;
     }
     const double texels = (double)w * (double)h;
-    const bool has_table = needs & BIS_NEED_TABLE, has_curve = needs & BIS_NEED_CURVE;
+    const bool has_table = needs->light & BIS_NEED_TABLE, has_curve = needs->light & BIS_NEED_CURVE;
     const bool has_area = (has_table || has_curve) && d->light.area_exponent > 0;
     m->map = texels * (texel + (has_table ? table : 0) + (has_curve ? curve : 0) + (has_area ? area : 0));
     const double file = d->light.filename ? (double)bis_scene_peek_bytes(d->light.filename) : 0;
@@ -138,25 +148,17 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
     return fmax(fmax(with_regions, has_curve ? texels * curve_beside : 0), while_read);
 }
 
-/* Embree keeps less of many triangles. */
-static bool is_compact(const bis_scene_desc *d, double triangles)
-{
-    const bool by_default = d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version();
-    return (d->accel.kind == BIS_ACCEL_EMBREE || by_default) && triangles >= BIS_EMBREE_COMPACT;
-}
-
 bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_diag *diag)
 {
-    size_t *uses = bis_alloc(desc->n_meshes, sizeof *uses);
+    bis_scene_needs needs;
+    const bis_status status = bis_scene_needs_of(&needs, desc, diag);
 
     *m = (bis_memory){0};
-    if (!uses)
-        return bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
-    const double triangles = add_meshes(m, desc, uses), beside = add_map(m, desc);
-    bis_free(uses);
+    if (status) goto done;
+    const double triangles = add_meshes(m, desc, &needs), beside = add_map(m, desc, &needs);
     const double written = add_film(m, desc);
-    add_textures(m, desc);
-    const bool compact = is_compact(desc, triangles);
+    add_textures(m, desc, &needs);
+    const bool compact = needs.embree && triangles >= BIS_EMBREE_COMPACT;
     const double built = triangles * (compact ? compact_built : accel_built);
     m->accel = triangles * (compact ? compact_kept : accel_kept);
     /* the film is zeros of the system, which take nothing, until the first pass */
@@ -164,7 +166,9 @@ bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_dia
     m->before = kept + fmax(beside, built);
     m->peak = fmax(m->before, kept + m->accel + fmax(m->film, written));
     m->merged = program + written;
-    return BIS_OK;
+done:
+    bis_scene_needs_clear(&needs);
+    return status;
 }
 
 /* Adds a way, if it takes less. */

@@ -6,6 +6,9 @@
 
 enum { BIS_MEMORY_ADVICE = 320 };
 
+/* Bytes of a pixel in the pass under way; of a value of a layer, in its sum and in the pass. */
+enum { BIS_PASS_BYTES = 16, BIS_LAYER_SUM_BYTES = 8, BIS_LAYER_PASS_BYTES = 4 };
+
 /* Bytes. */
 typedef struct bis_memory {
     double film;   /* sums, the pass under way, layers, learned visibility */

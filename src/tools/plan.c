@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* plan: what a scene requires, what will be built for it, what is left out, and why (`bis --plan`).
  *
- * It draws the same conclusions as scene.c from the description alone. Each line starts with what it is about, so that
- * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
+ * It reads what scene.c reads (src/scene/scene_needs.h), and decides nothing by itself. Each line starts with what it
+ * is about, so that a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
 #include "beyond/guide.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "scene/distant.h"
+#include "scene/scene_needs.h"
 #include "scene/scene_peek.h"
 
 #include "tools/describe.h"
@@ -15,8 +16,8 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* Upper bounds that importance.h promises. */
-enum { PIXEL_BYTES = 12, DRAWING_BYTES = 16 };
+/* The upper bound that importance.h promises. */
+enum { DRAWING_BYTES = 16 };
 
 static const char *megabytes(char buf[32], double bytes)
 {
@@ -93,16 +94,14 @@ static void print_tiles(const bis_scene_desc *d, FILE *out)
             width, height, f.width, f.height, (int)BIS_RENDER_TILE, (int)BIS_RENDER_TILE);
 }
 
-/* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
 static void print_film(const bis_scene_desc *d, FILE *out)
 {
-    enum { PASS_BYTES = 16, VALUE_BYTES = 12 };
     const double pixels = (double)d->view.film.width * d->view.film.height *
                           (d->view.film.crop[1] - d->view.film.crop[0]) * (d->view.film.crop[3] - d->view.film.crop[2]);
     char buf[32];
     int n = 0;
 
-    fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (BIS_FILM_BYTES + PASS_BYTES)));
+    fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (BIS_FILM_BYTES + BIS_PASS_BYTES)));
     if (!d->view.film.layers) {
         fprintf(out, "skip         layers: none is asked for\n");
         return;
@@ -113,7 +112,7 @@ static void print_film(const bis_scene_desc *d, FILE *out)
         fprintf(out, " %s", bis_layer_name((bis_layer)i));
         n += bis_layer_values((bis_layer)i);
     }
-    fprintf(out, ": about %s\n", megabytes(buf, pixels * VALUE_BYTES * n));
+    fprintf(out, ": about %s\n", megabytes(buf, pixels * (BIS_LAYER_SUM_BYTES + BIS_LAYER_PASS_BYTES) * n));
 }
 
 static void print_light(const bis_scene_desc *d, FILE *out)
@@ -132,7 +131,7 @@ static void print_light(const bis_scene_desc *d, FILE *out)
     } else if (bis_memory_map_size(light, &w, &h, &mapping)) {
         fprintf(out, "light        map %s, %s%s, %ld x %ld: %s of pixels\n", light->filename,
                 bis_mapping_names[mapping], mapping == BIS_MAPPING_LATLONG ? "" : ", resampled to latlong", w, h,
-                megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
+                megabytes(buf, (double)w * (double)h * sizeof(rgb)));
     } else {
         fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, bis_mapping_names[mapping],
                 megabytes(buf, (double)bis_scene_peek_bytes(light->filename)));
@@ -141,8 +140,6 @@ static void print_light(const bis_scene_desc *d, FILE *out)
 }
 
 /* ---- what is built ---- */
-
-static bool is_mesh(const bis_shape_desc *s) { return s->kind != BIS_SHAPE_SPHERE && s->kind != BIS_SHAPE_DISK; }
 
 static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
 {
@@ -160,40 +157,22 @@ static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
                 megabytes(buf, (double)bis_scene_peek_bytes(m->filename)), uses, times);
 }
 
-static void print_geometry(const bis_scene_desc *d, FILE *out)
+static void print_geometry(const bis_scene_desc *d, const bis_scene_needs *needs, FILE *out)
 {
-    size_t n_quadrics = 0;
-    size_t *uses = bis_alloc(d->n_meshes, sizeof *uses);
-    for (size_t i = 0; i < d->n_shapes; i++) {
-        if (!is_mesh(&d->shapes[i])) n_quadrics++;
-        else if (uses) uses[d->shapes[i].mesh]++;
-    }
     fprintf(out, "geometry     %zu shapes with instances: %zu of meshes, %zu spheres and disks\n", d->n_shapes,
-            d->n_shapes - n_quadrics, n_quadrics);
-    for (size_t i = 0; uses && i < d->n_meshes; i++) {
-        if (uses[i]) print_mesh(&d->meshes[i], uses[i], out);
+            d->n_shapes - needs->n_quadrics, needs->n_quadrics);
+    for (size_t i = 0; i < d->n_meshes; i++) {
+        if (needs->uses[i]) print_mesh(&d->meshes[i], needs->uses[i], out);
         else fprintf(out, "skip         mesh %s: no shape or instance uses it\n",
                      d->meshes[i].filename ? d->meshes[i].filename : "of the scene file");
     }
-    bis_free(uses);
 }
 
-/* Why there is nothing to draw from the light, or NULL. */
-static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
-{
-    if (!d->n_shapes) return "there is no geometry to light";
-    if (!d->has_light) return "there is no light";
-    if (!bis_light_desc_has_map(&d->light)) return "a constant light is drawn from without tables";
-    if (!(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE))) return "this integrator, so set, draws nothing from the map";
-    return NULL;
-}
-
-static void print_drawing(const bis_scene_desc *d, FILE *out)
+static void print_drawing(const bis_scene_desc *d, const bis_scene_needs *needs, FILE *out)
 {
     const bis_light_desc *light = &d->light;
-    const unsigned needs = d->view.settings.integrator->light_needs(&d->view.settings);
-    const char *why = why_no_drawing(d, needs);
-    const bool cdf = bis_light_table_kind(light, needs, d->view.sampler.kind) == BIS_TABLE_CDF;
+    const char *why = needs->why_no_drawing;
+    const bool cdf = needs->table == BIS_TABLE_CDF;
     char size[32] = "", bound[64] = "";
     bis_mapping mapping;
     long w, h;
@@ -205,11 +184,11 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
     }
     if (bis_memory_map_size(light, &w, &h, &mapping))
         snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * DRAWING_BYTES));
-    if (needs & BIS_NEED_TABLE)
+    if (needs->light & BIS_NEED_TABLE)
         fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
-                needs & BIS_NEED_COMPENSATED ? ", compensated for mis" : "", bound);
+                needs->light & BIS_NEED_COMPENSATED ? ", compensated for mis" : "", bound);
     else fprintf(out, "skip         light table: this integrator, so set, draws along the curve\n");
-    if (needs & BIS_NEED_CURVE)
+    if (needs->light & BIS_NEED_CURVE)
         fprintf(out, "build        light curve, one CDF along a space-filling curve%s\n", bound);
     else fprintf(out, "skip         light curve: this integrator, so set, draws from the table\n");
     if (light->area_exponent > 0)
@@ -244,29 +223,23 @@ static void print_texture(const char *name, const bis_textures *t, uint32_t text
 }
 
 /* Every image, and the texture coordinates. */
-static void print_textures(const bis_scene_desc *d, FILE *out)
+static void print_textures(const bis_scene_desc *d, const bis_scene_needs *needs, FILE *out)
 {
     const bis_textures *t = &d->textures;
-    bool *is_used = bis_alloc(t->n_files, sizeof *is_used), any = false;
-    for (size_t i = 0; i < d->n_shapes && is_used; i++) {
-        const bis_material_textures *m = bis_textures_of(t, d->shapes[i].material);
-        if (!m) continue;
-        bis_textures_mark_all(is_used, t, m);
-        any |= is_mesh(&d->shapes[i]) && bis_textures_want_uv(t, m);
-    }
-    for (size_t i = 0; i < t->n_files && is_used; i++) {
+    bool any = false;
+    for (size_t i = 0; i < d->n_meshes; i++) any |= needs->with_uv[i];
+    for (size_t i = 0; i < t->n_files; i++) {
         const char *file = t->files[i].filename;
         char buf[32];
         long w, h;
-        if (!is_used[i]) fprintf(out, "skip         texture %s: no shape shows it\n", file);
+        if (!needs->images[i]) fprintf(out, "skip         texture %s: no shape shows it\n", file);
         else if (bis_scene_peek_image(file, &w, &h))
             fprintf(out, "build        texture %s, %ld x %ld: %s\n", file, w, h,
-                    megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
+                    megabytes(buf, (double)w * (double)h * sizeof(rgb)));
         else fprintf(out, "build        texture %s, a file of %s\n", file,
                      megabytes(buf, (double)bis_scene_peek_bytes(file)));
     }
     if (any) fprintf(out, "build        texture coordinates: %zu bytes for each vertex of the scene\n", sizeof(bis_uv));
-    bis_free(is_used);
 }
 
 /* By number, see src/scene/scene_materials.c. */
@@ -303,13 +276,11 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
     bis_free(number);
 }
 
-static void print_lobes(const bis_scene_desc *d, FILE *out)
+static void print_lobes(const bis_scene_desc *d, const bis_scene_needs *needs, FILE *out)
 {
     size_t n = 0, no_diffuse = 0, no_specular = 0;
-    bool *used = bis_alloc(d->n_materials, sizeof *used);
-    for (size_t i = 0; used && i < d->n_shapes; i++) used[d->shapes[i].material] = true;
-    for (size_t i = 0; used && i < d->n_materials; i++) {
-        if (!used[i]) continue;
+    for (size_t i = 0; i < d->n_materials; i++) {
+        if (!needs->materials[i]) continue;
         n++;
         no_diffuse += rgb_is_black(d->materials[i].Kd);
         no_specular += rgb_is_black(d->materials[i].Ks);
@@ -319,16 +290,13 @@ static void print_lobes(const bis_scene_desc *d, FILE *out)
     if (no_diffuse) fprintf(out, "skip         diffuse candidates: Kd is 0 in %zu of %zu materials\n", no_diffuse, n);
     if (no_specular)
         fprintf(out, "skip         specular candidates: Ks is 0 in %zu of %zu materials\n", no_specular, n);
-    bis_free(used);
 }
 
-static void print_accel(const bis_scene_desc *d, FILE *out)
+static void print_accel(const bis_scene_desc *d, const bis_scene_needs *needs, FILE *out)
 {
-    const bool by_default = d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version();
-    const bool embree = d->accel.kind == BIS_ACCEL_EMBREE || by_default;
     char buf[32];
     if (!d->n_shapes) fprintf(out, "skip         accelerator: there is no geometry\n");
-    else if (embree) fprintf(out, "build        accelerator embree\n");
+    else if (needs->embree) fprintf(out, "build        accelerator embree\n");
     else if (d->accel.density > 0)
         fprintf(out, "build        accelerator grid, density %s\n", bis_format_double(buf, d->accel.density));
     else fprintf(out, "build        accelerator grid, default density\n");
@@ -355,17 +323,28 @@ static void print_memory(const bis_scene_desc *d, FILE *out)
             m.guessed ? "; a file does not tell its size: guessed by its length" : "");
 }
 
+/* No memory: a plan without what is built. */
+static void print_needs(const bis_scene_desc *desc, FILE *out)
+{
+    bis_scene_needs needs;
+
+    if (!bis_scene_needs_of(&needs, desc, NULL)) {
+        print_drawing(desc, &needs, out);
+        print_geometry(desc, &needs, out);
+        print_lobes(desc, &needs, out);
+        print_textures(desc, &needs, out);
+        print_accel(desc, &needs, out);
+    }
+    bis_scene_needs_clear(&needs);
+}
+
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
 {
     print_approximations(desc, out);
     print_view(desc, out);
     print_integrators(desc, out);
     print_light(desc, out);
-    print_drawing(desc, out);
-    print_geometry(desc, out);
-    print_lobes(desc, out);
-    print_textures(desc, out);
-    print_accel(desc, out);
+    print_needs(desc, out);
     print_tiles(desc, out);
     print_film(desc, out);
     print_memory(desc, out);

@@ -25,6 +25,9 @@ typedef enum bis_shape_kind {
     BIS_SHAPE_DISK
 } bis_shape_kind;
 
+/* bis_shape_is_mesh returns whether a shape of this kind is made of triangles. */
+static inline bool bis_shape_is_mesh(bis_shape_kind kind) { return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK; }
+
 /* A mesh of a file or of the scene. It is read once, however many shapes and instances use it. */
 typedef struct bis_mesh_desc {
     bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */

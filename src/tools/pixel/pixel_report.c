@@ -33,7 +33,7 @@ static const char *file_of(const bis_pixel_report *r)
 static bool is_mesh(const bis_pixel_report *r)
 {
     const bis_shape_kind kind = r->desc->shapes[r->hit.shape].kind;
-    return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK;
+    return bis_shape_is_mesh(kind);
 }
 
 /* What the camera sees where there is no surface. */
