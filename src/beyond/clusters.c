@@ -11,8 +11,37 @@
 
 #include <assert.h>
 #include <float.h>
+#include <math.h>
 
 static const uint64_t purpose_clusters = 0x636c7573; /* no pixel's stream has it */
+
+/* Divides the curve into runs of tiles. A run ends when it holds 1/K of the importance or of the sphere. Run k is the
+ * interval [t[k], t[k+1]) of the curve; each has some importance, and there are at most 2 K + 2 of them, because each
+ * but the last has 1/K of the one or the other. */
+static bis_status cut(bis_clusters *c, const bis_importance *im, uint32_t K)
+{
+    const size_t n_tiles = bis_importance_n_tiles(im, &c->side);
+    double sphere = 0; /* solid angle of the current run */
+    uint32_t k = 0;
+
+    assert(2 * (uint64_t)K + 2 <= UINT16_MAX);
+    c->t = bis_alloc(2 * (size_t)K + 3, sizeof *c->t);
+    c->of_tile = bis_alloc(n_tiles, sizeof *c->of_tile);
+    if (!c->t || !c->of_tile) return BIS_NOMEM;
+    for (size_t i = 0; i < n_tiles; i++) {
+        const bis_curve_tile tile = bis_importance_tile(im, i);
+        c->of_tile[tile.tile] = (uint16_t)k;
+        sphere += tile.solid_angle;
+        /* Neither this run nor the rest may be without importance. */
+        if (tile.end > c->t[k] && tile.end < 1 && ((tile.end - c->t[k]) * K >= 1 || sphere * K >= 4 * PI)) {
+            c->t[++k] = tile.end;
+            sphere = 0;
+        }
+    }
+    c->n = k + 1;
+    c->t[c->n] = 1;
+    return BIS_OK;
+}
 
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag)
 {
@@ -22,7 +51,7 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
     bis_status status;
 
     *c = (bis_clusters){.width = (uint32_t)bis_light_envmap(light)->width};
-    status = bis_importance_cut(im, K, &c->n, &c->t, &c->of_tile, &c->side);
+    status = cut(c, im, K);
     if (status) goto done;
     c->columns = (c->width + c->side - 1) / c->side;
     const uint32_t padded = bis_lanes_round_up(c->n);

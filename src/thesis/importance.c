@@ -210,13 +210,14 @@ double bis_importance_pdf(const bis_importance *im, vec3 w_local)
     return bis_importance_pdf_pixel(im, bis_envmap_pixel(im->weights.em, w_local));
 }
 
-bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile,
-                              uint32_t *side)
+size_t bis_importance_n_tiles(const bis_importance *im, uint32_t *side)
 {
     assert(im->has_curve && im->total > 0);
     *side = im->curve.side;
-    return bis_curve_cut(&im->curve, K, n, t, of_tile);
+    return im->curve.n_tiles;
 }
+
+bis_curve_tile bis_importance_tile(const bis_importance *im, size_t i) { return bis_curve_tile_at(&im->curve, i); }
 
 double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio; }
 

@@ -193,35 +193,11 @@ size_t bis_curve_bytes(const bis_curve *t)
     return t->n_tiles * (sizeof *t->tile + sizeof *t->before) + t->n_guide * sizeof *t->guide;
 }
 
-static double tile_solid_angle(const bis_curve *t, uint32_t tile)
+bis_curve_tile bis_curve_tile_at(const bis_curve *t, size_t i)
 {
-    const block b = block_of(t, tile);
-    double sum = 0;
+    const block b = block_of(t, t->tile[i]);
+    double solid_angle = 0;
 
-    for (uint32_t y = b.y; y < b.y + b.rows; y++) sum += b.columns * t->weights.em->row_solid_angle[y];
-    return sum;
-}
-
-bis_status bis_curve_cut(const bis_curve *curve, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile)
-{
-    double sphere = 0; /* solid angle of the current piece */
-    uint32_t k = 0;
-
-    assert(2 * (uint64_t)K + 2 <= UINT16_MAX);
-    *t = bis_alloc(2 * (size_t)K + 3, sizeof **t);
-    *of_tile = bis_alloc(curve->n_tiles, sizeof **of_tile);
-    if (!*t || !*of_tile) return BIS_NOMEM;
-    for (size_t i = 0; i < curve->n_tiles; i++) {
-        const double end = share_before(curve, i + 1);
-        (*of_tile)[curve->tile[i]] = (uint16_t)k;
-        sphere += tile_solid_angle(curve, curve->tile[i]);
-        /* Neither this piece nor the rest may be without importance. */
-        if (end > (*t)[k] && end < 1 && ((end - (*t)[k]) * K >= 1 || sphere * K >= 4 * PI)) {
-            (*t)[++k] = end;
-            sphere = 0;
-        }
-    }
-    *n = k + 1;
-    (*t)[*n] = 1;
-    return BIS_OK;
+    for (uint32_t y = b.y; y < b.y + b.rows; y++) solid_angle += b.columns * t->weights.em->row_solid_angle[y];
+    return (bis_curve_tile){t->tile[i], share_before(t, i + 1), solid_angle};
 }

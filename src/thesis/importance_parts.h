@@ -100,5 +100,5 @@ size_t bis_curve_draw(const bis_curve *t, double s);
 /* bis_curve_bytes returns the bytes that the curve takes. */
 size_t bis_curve_bytes(const bis_curve *t);
 
-/* bis_curve_cut does the work of bis_importance_cut. */
-bis_status bis_curve_cut(const bis_curve *curve, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile);
+/* bis_curve_tile_at does the work of bis_importance_tile. */
+bis_curve_tile bis_curve_tile_at(const bis_curve *t, size_t i);

@@ -74,13 +74,19 @@ double bis_importance_pdf_pixel(const bis_importance *im, size_t pixel);
 /* bis_importance_pdf returns the density in 1/sr at the unit direction w_local of the light's frame. */
 double bis_importance_pdf(const bis_importance *im, vec3 w_local);
 
-/* bis_importance_cut divides the curve into pieces. A piece is a run of tiles of *side x *side pixels. It ends when
- * it holds 1/K of the importance or of the sphere. *n receives the number of pieces: each has some importance, and *n
- * <= 2 K + 2 <= 65535. Piece k is the interval [(*t)[k], (*t)[k+1]) of the curve. (*of_tile)[rows][columns] is the
- * piece of each tile of the map. The caller frees *t and *of_tile with bis_free. Needs options.curve and a map with
- * light. Errors: BIS_NOMEM, without a message. */
-bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile,
-                              uint32_t *side);
+/* A tile of the curve: pixels that it visits one after the other. */
+typedef struct bis_curve_tile {
+    uint32_t tile;      /* column + across * row of it among the tiles of the map */
+    double end;         /* the share of the importance that lies before the tile's end */
+    double solid_angle; /* of its pixels */
+} bis_curve_tile;
+
+/* bis_importance_n_tiles returns the number of tiles, and stores the pixels along a tile's side. Needs options.curve
+ * and a map with light. */
+size_t bis_importance_n_tiles(const bis_importance *im, uint32_t *side);
+
+/* bis_importance_tile returns the i-th tile of the curve. */
+bis_curve_tile bis_importance_tile(const bis_importance *im, size_t i);
 
 /* bis_importance_max_ratio returns the largest I/pdf over all lit pixels, I = r+g+b. It is the sum times the maximum
  * of I/w. Rejection from the map uses it as its bound (E27). Returns INFINITY with options.compensate. */
