@@ -39,7 +39,8 @@ static double turn_of(const bis_material *m)
     const double p = b.p_specular, diffuse = (1 - p) / PI; /* at the peak, of the density of both */
     if (bis_bsdf_is_black(&b) || p <= 0) return 0.5;
     const double cone = 1 - p / (2 * PI * (bis_bsdf_pdf(&b, b.r) - diffuse));
-    const double lobe = acos(fmax(cone, 0.5)); /* no lobe is wider than the diffuse one */
+    /* A diffuse lobe is the widest, 60 degrees by this measure: any turn below its width is harmless. */
+    const double lobe = acos(fmax(cone, 0.5));
     const double turn = pow(lobe, p) * pow(PI / 3, 1 - p);
     return cos(fmax(turn, PI / 180)); /* on a plane, normals differ by rounding */
 }
@@ -63,11 +64,19 @@ static double place_of(const bis_film *film, int first, int i)
     return (first + i / n) * film->step + film->step / 2 + i % n;
 }
 
+/* The corners of a rectangle's pixels. */
+typedef struct corners {
+    corner *c; /* c[down][across] */
+    int across, down;
+    bis_rect rect;
+} corners;
+
 /* What the rays through the corners of one square see: side by side in fours, so that each packet of 16 is a square,
- * too. (x, y) is the square's first corner of across x down. */
-static void look_at_square(corner *c, int across, int down, int x, int y, bis_rect rect, const bis_film *film,
-                           const bis_scene *scene, const bis_view *view, const double *turns)
+ * too. (x, y) is the square's first corner. */
+static void look_at_square(const corners *all, int x, int y, const bis_edge_eye *from)
 {
+    const bis_film *film = from->film;
+    corner *c = all->c;
     ray eye[SQUARE * SQUARE];
     uint32_t prim[SQUARE * SQUARE];
     ptrdiff_t at[SQUARE * SQUARE];
@@ -75,19 +84,19 @@ static void look_at_square(corner *c, int across, int down, int x, int y, bis_re
 
     for (int i = 0; i < SQUARE * SQUARE; i++) {
         const int column = x + i / 16 % 2 * 4 + i % 4, row = y + i / 32 * 4 + i / 4 % 4;
-        if (column >= across || row >= down) continue;
-        eye[n] = bis_camera_ray(&view->camera, film->picture_width, film->picture_height,
-                                place_of(film, rect.x0, column), place_of(film, rect.y0, row));
-        at[n++] = row * (ptrdiff_t)across + column;
+        if (column >= all->across || row >= all->down) continue;
+        eye[n] = bis_camera_ray(&from->view->camera, film->picture_width, film->picture_height,
+                                place_of(film, all->rect.x0, column), place_of(film, all->rect.y0, row));
+        at[n++] = row * (ptrdiff_t)all->across + column;
     }
-    bis_accel_intersect_many(scene->accel, eye, (uint32_t)n, prim);
-    bis_geometry_prefetch(&scene->geometry, prim, (uint32_t)n);
+    bis_accel_intersect_many(from->scene->accel, eye, (uint32_t)n, prim);
+    bis_geometry_prefetch(&from->scene->geometry, prim, (uint32_t)n);
     for (int i = 0; i < n; i++) {
         bis_surface s;
         c[at[i]] = (corner){.hit = prim[i] != BIS_NO_PRIM};
         if (!c[at[i]].hit) continue;
-        bis_geometry_surface(&scene->geometry, prim[i], &eye[i], &s);
-        c[at[i]] = (corner){true, s.material, turns[s.material], s.n};
+        bis_geometry_surface(&from->scene->geometry, prim[i], &eye[i], &s);
+        c[at[i]] = (corner){true, s.material, from->turns[s.material], s.n};
     }
 }
 
@@ -120,19 +129,21 @@ size_t bis_edges_bytes(bis_rect area)
            (BIS_RENDER_TILE * BIS_RENDER_TILE / 4);
 }
 
-bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
-                    const bis_view *view, const double *turns, int n_threads)
+bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_edge_eye *from, int n_threads)
 {
+    const bis_film *film = from->film;
     const int width = rect.x1 - rect.x0, height = rect.y1 - rect.y0, n = corners_a_pixel(film);
     const int across = corners_of(film, width), down = corners_of(film, height);
     corner *c = bis_alloc((size_t)across * (size_t)down, sizeof *c);
+
+    const corners all = {c, across, down, rect};
 
     if (!c) return false;
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(dynamic) num_threads(n_threads)
     for (int y = 0; y < down; y += SQUARE)
         for (int x = 0; x < across; x += SQUARE)
-            look_at_square(c, across, down, x, y, rect, film, scene, view, turns);
+            look_at_square(&all, x, y, from);
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;

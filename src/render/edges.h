@@ -42,11 +42,17 @@ static inline int bis_edges_kind(const unsigned char *edge, bis_rect area, int x
     return edge[place / 4] >> 2 * (place % 4) & 3;
 }
 
+/* Who looks at what. */
+typedef struct bis_edge_eye {
+    const bis_film *film;
+    const bis_scene *scene;
+    const bis_view *view;
+    const double *turns; /* of bis_edges_turns */
+} bis_edge_eye;
+
 /* bis_edges_find sets the bits of the pixels of rect, a part of the area, which must be 0; those of other pixels stay
- * as they are. turns are those of bis_edges_turns. It traces one ray a pixel, four with a thin film. False: no
- * memory. */
-bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
-                    const bis_view *view, const double *turns, int n_threads);
+ * as they are. It traces one ray a pixel, four with a thin film. False: no memory. */
+bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_edge_eye *from, int n_threads);
 
 /* bis_edges_rays returns the number of corners of rect's pixels; of those that the next rectangle of the area has as
  * well, none. Over rectangles that tile the area they sum up to those of the area. */

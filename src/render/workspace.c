@@ -165,12 +165,13 @@ uint64_t bis_workspace_edge_rays(const bis_workspace *w)
 
 static bool find_edges_of(bis_workspace *w, const int *tiles, int n, const double *turns)
 {
+    const bis_edge_eye from = {w->film, w->scene, w->view, turns};
     bool good = true;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads) reduction(&& : good)
     for (int i = 0; i < n; i++) {
         const bis_rect tile = bis_workspace_tile(w, tiles[i]);
-        good = bis_edges_find(w->edge, w->area, tile, w->film, w->scene, w->view, turns, 1) && good;
+        good = bis_edges_find(w->edge, w->area, tile, &from, 1) && good;
     }
     return good;
 }
@@ -202,10 +203,11 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     w->edge_settings = bis_settings_thin(&w->view->settings, share);
     w->edge = bis_alloc(bis_edges_bytes(w->area), 1);
     double *turns = bis_edges_turns(w->desc);
+    const bis_edge_eye from = {w->film, w->scene, w->view, turns};
     bool good = w->edge && turns;
     if (good && ranks) good = find_edges_of_rank(w, ranks, turns);
     else if (good && w->own) good = find_edges_of(w, w->own, w->n_own, turns);
-    else if (good) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, turns, w->n_threads);
+    else if (good) good = bis_edges_find(w->edge, w->area, w->area, &from, w->n_threads);
     bis_free(turns);
     if (good) return BIS_OK;
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);

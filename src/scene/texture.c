@@ -214,10 +214,17 @@ void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_tex
 /* ---- materials ---- */
 
 /* What a texture's values are called, and where they must lie. */
-static bis_status check_range(range *found, const bis_textures *t, const bis_texture_image *images, uint32_t texture,
-                              const char *what, double lo, double hi, bis_loc at, bis_diag *diag)
+typedef struct use {
+    uint32_t texture;
+    const char *what;
+    double lo, hi;
+} use;
+
+static bis_status check_range(range *found, const bis_textures *t, const bis_texture_image *images, use u, bis_loc at,
+                              bis_diag *diag)
 {
-    const range r = range_of(t, images, texture);
+    const range r = range_of(t, images, u.texture);
+    const double lo = u.lo, hi = u.hi;
 
     *found = r;
     for (int k = 0; k < 3 && t->cuts_off; k++) {
@@ -233,13 +240,13 @@ static bis_status check_range(range *found, const bis_textures *t, const bis_tex
         else snprintf(rule, sizeof rule, "in [%g, %g]", lo, hi);
         if (t->cuts_off) {
             bis_warn(diag, at, "the texture of \"%s\" has values %s %.7g, must be %s: what lies outside is cut off",
-                     what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
+                     u.what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
             return BIS_OK;
         }
         return bis_error(diag, BIS_INPUT, at,
                          "the texture of \"%s\" has values %s %.7g, must be %s: change it by its \"float scale\", or "
                          "by a Texture \"scale\" or \"mix\"",
-                         what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
+                         u.what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
     }
     return BIS_OK;
 }
@@ -273,12 +280,13 @@ bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *im
         return bis_error(diag, BIS_INPUT, of->loc,
                          "a texture of material \"%s\", whose model has no `remake`: give constants",
                          base->model->name);
-    if (of->Kd != BIS_NO_TEXTURE) status = check_range(&Kd, t, images, of->Kd, "Kd", 0, 1, of->loc, diag);
+    if (of->Kd != BIS_NO_TEXTURE) status = check_range(&Kd, t, images, (use){of->Kd, "Kd", 0, 1}, of->loc, diag);
     if (!status && of->Ks != BIS_NO_TEXTURE)
-        status = check_range(&Ks, t, images, of->Ks, "Ks", 0, 1, of->loc, diag);
-    if (!status && of->width != BIS_NO_TEXTURE)
-        status = check_range(&width, t, images, of->width, w.scene_name, pow(w.least, 1 / of->power),
-                             pow(w.most, 1 / of->power), of->loc, diag);
+        status = check_range(&Ks, t, images, (use){of->Ks, "Ks", 0, 1}, of->loc, diag);
+    if (!status && of->width != BIS_NO_TEXTURE) {
+        const use u = {of->width, w.scene_name, pow(w.least, 1 / of->power), pow(w.most, 1 / of->power)};
+        status = check_range(&width, t, images, u, of->loc, diag);
+    }
     if (!status && base->model->gains_beyond_1) warn_energy(&Kd, &Ks, of->loc, diag);
     return status;
 }

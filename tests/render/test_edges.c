@@ -36,7 +36,7 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     const bis_rect all = {0, 0, WIDTH, HEIGHT};
     unsigned char *edge = bis_alloc(bis_edges_bytes(all), 1);
     double *turns = bis_edges_turns(&w.desc);
-    assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, turns, 2));
+    assert_true(bis_edges_find(edge, all, all, &(bis_edge_eye){&film, &w.scene, &w.desc.view, turns}, 2));
     bis_free(turns);
     for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
         const double share = (double)film.hits[i] / 256;
@@ -110,7 +110,7 @@ static int count_ridge(double angle_deg, int left, int right, bis_material m, in
     const bis_rect all = {0, 0, WIDTH, HEIGHT};
     unsigned char *edge = bis_alloc(bis_edges_bytes(all), 1);
     double *turns = bis_edges_turns(&desc);
-    assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, turns, 1));
+    assert_true(bis_edges_find(edge, all, all, &(bis_edge_eye){&film, &w.scene, &w.desc.view, turns}, 1));
     bis_free(turns);
     for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++) {
         const int k = bis_edges_kind(edge, all, i % WIDTH, i / WIDTH);

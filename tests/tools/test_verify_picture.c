@@ -92,7 +92,7 @@ static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const 
     const bis_rect all = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
     unsigned char *bits = bis_alloc(bis_edges_bytes(all), 1), *edge = bis_alloc(pixels_of(f), 1);
     double *turns = bis_edges_turns(desc);
-    assert_true(bis_edges_find(bits, all, all, f, scene, view, turns, 1));
+    assert_true(bis_edges_find(bits, all, all, &(bis_edge_eye){f, scene, view, turns}, 1));
     bis_free(turns);
     for (size_t i = 0; i < pixels_of(f); i++)
         edge[i] = bis_edges_kind(bits, all, f->x0 + (int)(i % (size_t)f->width), f->y0 + (int)(i / (size_t)f->width)) != 0;
