@@ -4,7 +4,9 @@
  *
  * Ctrl-C (SIGTERM, SIGHUP) abandons the render under way; what was measured is written, tables and page included, and
  * the exit status is 130. A second one kills, and loses a second of measurements at most. */
-#include "tools/trade/trade.h"
+#include "tools/trade/trade_page.h"
+#include "tools/trade/trade_plan.h"
+#include "tools/trade/trade_settings.h"
 
 #include "base/text.h"
 #include "bis/base/file.h"

@@ -2,7 +2,13 @@
 /* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the
  * tables, replicates read back for the references), its folder through interruption and --resume, its page through a
  * checker that is itself checked, and bad input. */
+#include "tools/trade/trade_advice.h"
+#include "tools/trade/trade_files.h"
 #include "tools/trade/trade_page.h"
+#include "tools/trade/trade_pictures.h"
+#include "tools/trade/trade_scene.h"
+#include "tools/trade/trade_settings.h"
+#include "tools/trade/trade_stats.h"
 
 #include "bis/tools/compare.h"
 #include "bis/base/file.h"
@@ -666,7 +672,7 @@ static void what_is_promised_comes_out(void **state)
         t.plan.full_width = t.plan.width = 24;
         t.plan.full_height = t.plan.height = 16;
         const int em = bis_trade_find_setting(&t.plan, "em 16"), mis = bis_trade_find_setting(&t.plan, "mis 16");
-        assert_int_equal(bis_trade_render(&t, &t.plan.settings[mis], 1, 4, 5, &t.both.image, &result, NULL), BIS_OK);
+        assert_int_equal(bis_trade_render(&t, &(bis_trade_job){&t.plan.settings[mis], 1, 4, 5}, &t.both.image, &result, NULL), BIS_OK);
         bis_comparison reference;
         assert_int_equal(bis_compare(&reference, &t.both.image, &truth, NULL), BIS_OK);
         t.both.relmse = reference.relmse;

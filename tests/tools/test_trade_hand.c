@@ -3,7 +3,15 @@
  * advice, tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a
  * damaged folder. One small measurement is resumed, for its order and its progress. */
 #include "base/text.h"
+#include "tools/trade/trade_advice.h"
+#include "tools/trade/trade_files.h"
 #include "tools/trade/trade_page.h"
+#include "tools/trade/trade_pictures.h"
+#include "tools/trade/trade_plan.h"
+#include "tools/trade/trade_scene.h"
+#include "tools/trade/trade_settings.h"
+#include "tools/trade/trade_stats.h"
+#include "tools/trade/trade_tables.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -1183,7 +1191,7 @@ static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
             const bis_trade_setting *s = &t.plan.settings[i];
             bis_render_result result;
             if (!(s->pass_seconds > 0)) continue;
-            assert_int_equal(bis_trade_render(&t, s, 1, passes, 10, NULL, &result, NULL), BIS_OK);
+            assert_int_equal(bis_trade_render(&t, &(bis_trade_job){s, 1, passes, 10}, NULL, &result, NULL), BIS_OK);
             assert_near(s->pass_relmse, result.error.relative_rmse * result.error.relative_rmse * passes);
             if (s->is_swept) longest = fmax(longest, s->pass_seconds);
             n++;
@@ -1243,7 +1251,7 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
         assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
         t.plan.full_width = 24, t.plan.full_height = 16;
         const bis_trade_setting *s = &t.plan.settings[bis_trade_find_setting(&t.plan, cases[i % 3].setting)];
-        assert_int_equal(bis_trade_render(&t, s, 1, 2, 7, &image, &result, NULL), BIS_OK);
+        assert_int_equal(bis_trade_render(&t, &(bis_trade_job){s, 1, 2, 7}, &image, &result, NULL), BIS_OK);
         program_expect(&r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
         assert_int_equal(bis_image_read(&right, DIR "/own/right.pfm", (bis_loc){0}, NULL), BIS_OK);
         assert_memory_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
@@ -1853,8 +1861,8 @@ static bis_trade_advice checked_from(uint32_t first, uint32_t passes, double err
         for (int k = 0; k < n; k++) {
             bis_render_result result;
             const uint64_t seed = bis_trade_seed(&t.plan, 3, ADVICE * TURNS * RENDERS + (uint64_t)k);
-            assert_int_equal(bis_trade_render(&t, &t.plan.settings[em], t.plan.step, first, seed, &images[k], &result,
-                                              NULL), BIS_OK);
+            assert_int_equal(bis_trade_render(&t, &(bis_trade_job){&t.plan.settings[em], t.plan.step, first, seed},
+                                              &images[k], &result, NULL), BIS_OK);
         }
         *variance = first * bis_trade_scatter(images, n, 0, &t.both);
         for (int k = 0; k < RENDERS; k++) bis_image_clear(&images[k]);
@@ -1989,8 +1997,8 @@ static void the_promise_is_what_half_of_the_pictures_have(void **state)
         for (int k = 0; k < RENDERS; k++) {
             bis_render_result result;
             const uint64_t seed = bis_trade_seed(&t.plan, 3, ADVICE * TURNS * RENDERS + (uint64_t)k);
-            assert_int_equal(bis_trade_render(&t, &t.plan.settings[em], t.plan.step, 1, seed, &images[k], &result,
-                                              NULL), BIS_OK);
+            assert_int_equal(bis_trade_render(&t, &(bis_trade_job){&t.plan.settings[em], t.plan.step, 1, seed},
+                                              &images[k], &result, NULL), BIS_OK);
             for (int i = 0; i < n; i++) m += rgb_sum(images[k].pixels[i]) / (3 * n * RENDERS);
         }
         for (int i = 0; i < n; i++) {

@@ -6,7 +6,15 @@
  * because the time is used up, has measured all of them equally far. Each run has a seed of its own, written beside it:
  * no two settings share noise. */
 #include "base/text.h"
-#include "trade.h"
+#include "trade_advice.h"
+#include "trade_files.h"
+#include "trade_page.h"
+#include "trade_pictures.h"
+#include "trade_plan.h"
+#include "trade_scene.h"
+#include "trade_settings.h"
+#include "trade_stats.h"
+#include "trade_tables.h"
 
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
@@ -30,7 +38,8 @@ static bis_status measure_run(bis_trade *t, int setting, int level, int replicat
     bis_comparison c, both;
     bis_render_result result;
 
-    bis_status status = bis_trade_render(t, s, t->plan.step, (uint32_t)1 << level, run.seed, &image, &result, diag);
+    const bis_trade_job job = {s, t->plan.step, (uint32_t)1 << level, run.seed};
+    bis_status status = bis_trade_render(t, &job, &image, &result, diag);
     *complete = !status && !result.interrupted;
     if (*complete) status = bis_compare(&c, &image, &t->references[bis_trade_judge_of(s)].image, diag);
     if (!status && *complete) status = bis_compare(&both, &image, &t->both.image, diag);

@@ -8,7 +8,8 @@
  * since a render has whole ones, on a square grid: the fewest that reach the error by cost x variance, of whatever
  * setting needs the least time for them, standard error added, in the full picture. Half of a pixel's value will do
  * for a preview, and 5% for the eye. */
-#include "trade.h"
+#include "trade_advice.h"
+#include "trade_stats.h"
 
 #include <string.h>
 

@@ -19,7 +19,8 @@
  * law's, which is said. Time that one advice does not need is the next one's. With --passes, which asks for no clock,
  * there are eight renders, or so many that all together have at most 64 times the passes of the longest budget, two at
  * least, of that many passes at most, however long they take. */
-#include "trade.h"
+#include "trade_advice.h"
+#include "trade_scene.h"
 
 #include "bis/base/mem.h"
 
@@ -87,25 +88,27 @@ double bis_trade_scatter(const bis_image *images, int n, int spared, const bis_t
     return scatter(images, n, spared, &reference->image, w);
 }
 
-/* *variance: the scatter of renders of `passes`, times passes; NAN: fewer than two were complete. */
-static bis_status measure(double *variance, bis_trade *t, const check *c, const bis_trade_setting *s, uint32_t passes,
-                          double each, bis_diag *diag)
+/* *variance: the scatter of renders of `passes`, times passes; NAN: fewer than two were complete. a_pass: its seconds.
+ */
+static bis_status measure(double *variance, bis_trade *t, const check *c, bis_trade_job job, double a_pass,
+                          bis_diag *diag)
 {
+    const double each = job.passes * a_pass;
     bis_image images[MOST_RENDERS] = {{0}};
     bis_status status = BIS_OK;
     bool complete = true;
     int n = 0;
 
-    while (!status && complete && goes_on(t, c, n, passes, each)) {
+    while (!status && complete && goes_on(t, c, n, job.passes, each)) {
         bis_render_result result;
         const int place = (c->advice * MOST_TURNS + c->turn) * MOST_RENDERS + n;
-        const uint64_t seed = bis_trade_seed(&t->plan, 3, (uint64_t)place);
-        status = bis_trade_render(t, s, t->plan.step, passes, seed, &images[n], &result, diag);
+        job.seed = bis_trade_seed(&t->plan, 3, (uint64_t)place);
+        status = bis_trade_render(t, &job, &images[n], &result, diag);
         complete = !status && !result.interrupted;
         n += complete;
     }
-    const int spared = (int)(log(2) * n * bis_trade_pixels(t, t->plan.step) / bis_trade_pixels(t, 1));
-    *variance = n < LEAST_RENDERS ? (double)NAN : passes * bis_trade_scatter(images, n, spared, &t->both);
+    const int spared = (int)(log(2) * n * bis_trade_pixels(t, job.step) / bis_trade_pixels(t, 1));
+    *variance = n < LEAST_RENDERS ? (double)NAN : job.passes * bis_trade_scatter(images, n, spared, &t->both);
     for (int k = 0; k < MOST_RENDERS; k++) bis_image_clear(&images[k]);
     return status;
 }
@@ -123,7 +126,7 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
         const uint32_t fitting = bis_trade_square_passes(t, fmax(1, most / close_enough));
         const uint32_t measured = a->passes <= most ? a->passes : fitting;
         double variance;
-        status = measure(&variance, t, c, s, measured, measured * a_pass, diag);
+        status = measure(&variance, t, c, (bis_trade_job){s, t->plan.step, measured, 0}, a_pass, diag);
         if (status || !(variance > 0)) break; /* interrupted, or without noise: the curve's word stands */
         uint32_t needed = bis_trade_square_passes(t, variance / (a->error * a->error));
         if (needed > measured) too_few = measured;

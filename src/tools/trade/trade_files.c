@@ -5,7 +5,10 @@
  * under a temporary name and renamed: after a crash there is the older one. What is read is not trusted: a name that
  * the table has not, or a number out of range, is an error with its line. The plan belongs to one text of one scene and
  * to one version of bis, which its fingerprint tells. */
-#include "trade.h"
+#include "trade_files.h"
+#include "trade_plan.h"
+#include "trade_scene.h"
+#include "trade_settings.h"
 
 #include "base/grow.h"
 #include "base/text.h"

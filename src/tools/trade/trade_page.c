@@ -3,7 +3,11 @@
  * what each member is); page.html has the words, and its script draws them. Numbers are those of the measurement, in
  * seconds and shares: how they are printed and where they stand is the page's affair. */
 #include "base/text.h"
+#include "trade_files.h"
 #include "trade_page.h"
+#include "trade_plan.h"
+#include "trade_settings.h"
+#include "trade_stats.h"
 
 #include "bis/base/file.h"
 #include "bis/base/version.h"

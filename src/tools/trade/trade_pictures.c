@@ -5,7 +5,10 @@
  * The best setting of each integrator and the scene's own get as many passes as fit the time of the longest runs of the
  * sweep, one at least. The pictures stay in pictures/ as EXR, for `bis compare`; pictures.csv says what they are, and a
  * resumed measurement renders only those that have changed. */
-#include "trade.h"
+#include "trade_files.h"
+#include "trade_pictures.h"
+#include "trade_scene.h"
+#include "trade_stats.h"
 
 #include "bis/tools/compare.h"
 #include "bis/base/file.h"
@@ -72,8 +75,8 @@ static bis_status make_picture(bis_trade_picture *p, bis_trade *t, bool *complet
         status = bis_image_read(&p->image, path, (bis_loc){0}, diag);
     } else {
         if (bis_trade_interrupted(t)) return BIS_OK;
-        status = bis_trade_render(t, s, t->plan.step, p->passes, bis_trade_seed(&t->plan, 2, (uint64_t)p->setting),
-                                  &p->image, &result, diag);
+        const bis_trade_job job = {s, t->plan.step, p->passes, bis_trade_seed(&t->plan, 2, (uint64_t)p->setting)};
+        status = bis_trade_render(t, &job, &p->image, &result, diag);
         *complete = !status && !result.interrupted;
         if (*complete) status = bis_image_save(&p->image, path, diag);
         p->seconds = result.seconds;

@@ -17,7 +17,9 @@
  * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if
  * there are more than LEAST_PIXELS. */
 #include "base/text.h"
-#include "trade.h"
+#include "trade_plan.h"
+#include "trade_scene.h"
+#include "trade_settings.h"
 
 #include <string.h>
 
@@ -80,7 +82,7 @@ static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
     enum { PASSES = 4 };
     bis_render_result result;
 
-    bis_status status = bis_trade_render(t, s, 0, PASSES, t->o.seed, NULL, &result, diag);
+    bis_status status = bis_trade_render(t, &(bis_trade_job){s, 0, PASSES, t->o.seed}, NULL, &result, diag);
     s->fill_seconds = result.seconds / PASSES;
     return status;
 }
@@ -92,7 +94,7 @@ static bis_status probe(double *seconds, bis_trade *t, const bis_trade_setting *
     bis_render_result result;
     const int step = step_for(t, pixels);
 
-    const bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
+    const bis_status status = bis_trade_render(t, &(bis_trade_job){s, step, 1, t->o.seed}, NULL, &result, diag);
     *seconds = fmax(0, result.seconds - s->fill_seconds) / bis_trade_pixels(t, step);
     return status;
 }
@@ -133,12 +135,12 @@ static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double secon
     if (status || bis_trade_interrupted(t)) return status;
     const int step = step_for(t, pilot_pixels(t, s, of_pixel, seconds));
     const double pixels = bis_trade_pixels(t, step);
-    status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
+    status = bis_trade_render(t, &(bis_trade_job){s, step, 1, t->o.seed}, NULL, &result, diag);
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels;
     s->pass_relmse = (double)NAN;
     const uint32_t passes = (uint32_t)fmin(fmax(seconds / result.seconds, 2), MOST_PILOT_PASSES);
-    status = bis_trade_render(t, s, step, passes, t->o.seed + 1, NULL, &result, diag);
+    status = bis_trade_render(t, &(bis_trade_job){s, step, passes, t->o.seed + 1}, NULL, &result, diag);
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels / passes;
     s->pass_relmse = result.error.relative_rmse * result.error.relative_rmse * passes;

@@ -10,7 +10,9 @@
  * which adds to that of whoever is compared with it (the errors are independent) and can be subtracted. Each is a file
  * in references/, so an interrupted measurement loses one at most. A given reference is trusted: nothing tells its
  * noise. */
-#include "trade.h"
+#include "trade_files.h"
+#include "trade_pictures.h"
+#include "trade_scene.h"
 
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
@@ -73,13 +75,11 @@ static void combine(bis_trade_reference *ref, const bis_image *replicates)
 
 /* ---- making it ---- */
 
-static bis_status render_replicate(bis_image *image, bis_trade *t, int which, int replicate, const char *path,
+static bis_status render_replicate(bis_image *image, bis_trade *t, const bis_trade_job *job, const char *path,
                                    bool *complete, bis_diag *diag)
 {
-    const bis_trade_setting *s = &t->plan.settings[t->plan.reference[which]];
     bis_render_result result;
-    bis_status status = bis_trade_render(t, s, t->plan.step, t->plan.reference_passes[which],
-                                         seed_of(t, which, replicate), image, &result, diag);
+    bis_status status = bis_trade_render(t, job, image, &result, diag);
 
     *complete = !status && !result.interrupted;
     return *complete ? bis_image_save(image, path, diag) : status;
@@ -104,12 +104,13 @@ static bis_status make_reference(bis_trade *t, int which, bis_diag *diag)
     char path[4096];
 
     for (int r = 0; r < BIS_TRADE_REPLICATES && complete && !status; r++) {
-        const double pass = t->plan.settings[t->plan.reference[which]].pass_seconds * t->plan.reference_passes[which];
+        const bis_trade_job job = {&t->plan.settings[t->plan.reference[which]], t->plan.step,
+                                   t->plan.reference_passes[which], seed_of(t, which, r)};
         path_of(path, t, which, r);
         bis_trade_tell(t, which ? "reference by sir" : "reference by mis", (double)r / BIS_TRADE_REPLICATES,
-                       pass * (BIS_TRADE_REPLICATES - r));
+                       job.setting->pass_seconds * job.passes * (BIS_TRADE_REPLICATES - r));
         if (access(path, F_OK) == 0) status = bis_image_read(&replicates[r], path, (bis_loc){0}, diag);
-        else status = render_replicate(&replicates[r], t, which, r, path, &complete, diag);
+        else status = render_replicate(&replicates[r], t, &job, path, &complete, diag);
         if (!status && complete) status = check_size(t, &replicates[r], path, diag);
     }
     if (!status && complete) status = bis_image_init(&ref->image, replicates[0].width, replicates[0].height, diag);

@@ -5,7 +5,8 @@
  * and once more where mis wants it compensated: a setting then renders with a shallow copy of the scene that has its
  * light. What else a light holds changes no bit of what an integrator draws from it, so the picture is the one that
  * `bis render` makes with the same setting, passes and seed (tests/tools/test_trade.c). */
-#include "trade.h"
+#include "trade_scene.h"
+#include "trade_settings.h"
 
 #include "bis/base/mem.h"
 
@@ -142,23 +143,23 @@ double bis_trade_pixels(const bis_trade *t, int step)
     return (double)f.width * f.height;
 }
 
-bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
-                            bis_image *image, bis_render_result *result, bis_diag *diag)
+bis_status bis_trade_render(bis_trade *t, const bis_trade_job *job, bis_image *image, bis_render_result *result,
+                            bis_diag *diag)
 {
-    const bis_film place = bis_trade_film(t, step);
+    const bis_film place = bis_trade_film(t, job->step);
     bis_film film;
     bis_scene view = *t->scene;
-    bis_light *light = light_for(t, s);
+    bis_light *light = light_for(t, job->setting);
     const bis_render_options options = {
-        .budget = {.spp = passes}, .n_threads = t->o.n_threads, .interrupted = t->o.interrupted};
+        .budget = {.spp = job->passes}, .n_threads = t->o.n_threads, .interrupted = t->o.interrupted};
 
     if (image) *image = (bis_image){0};
     if (light) view.light = light; /* a constant one is the same for all b */
-    t->desc->view.settings = s->settings;
-    t->desc->view.sampler.seed = seed;
-    bis_sampler_set_spp(&t->desc->view.sampler, passes);
+    t->desc->view.settings = job->setting->settings;
+    t->desc->view.sampler.seed = job->seed;
+    bis_sampler_set_spp(&t->desc->view.sampler, job->passes);
     bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height,
-                                           step ? t->desc->view.film.crop : whole, place.step, (bis_loc){0}, diag);
+                                           job->step ? t->desc->view.film.crop : whole, place.step, (bis_loc){0}, diag);
     if (!status) status = bis_render(result, &film, &view, t->desc, &t->desc->view, &options, diag);
     if (!status && image) status = image_of(image, &film, diag);
     t->n_threads = result->n_threads;

@@ -5,7 +5,8 @@
  * its size, and thousands of pixels share what each of the map's pieces costs to fetch. On scene.txt the sweep's 100 x
  * 75 pixels said 93 s for what took 39. So a pass of each advised setting is rendered at the full size, or of as many
  * of its pixels as take `timing_share` of the measurement's time, which leaves little to extrapolate. */
-#include "trade.h"
+#include "trade_advice.h"
+#include "trade_scene.h"
 
 /* Each of the advised settings takes so much of the time for a pass. */
 static const double timing_share = 0.02;
@@ -23,7 +24,7 @@ static bis_status time_advice(bis_trade_advice *a, bis_trade *t, bis_diag *diag)
     bis_render_result result;
 
     if (step >= t->plan.step) return BIS_OK; /* the sweep knows as much */
-    bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
+    bis_status status = bis_trade_render(t, &(bis_trade_job){s, step, 1, t->o.seed}, NULL, &result, diag);
     if (status || result.interrupted) return status;
     const double pixels = bis_trade_pixels(t, 1) / bis_trade_pixels(t, step);
     const double fill = fmin(s->fill_seconds, result.seconds);

@@ -5,7 +5,7 @@
  * then M, then the proposal, the stratification, b. The thesis's own setting, 15 of 800, is there for rejection and
  * SIR. A new option of an integrator that changes cost or variance wants a row here; a new integrator without one is
  * swept with its defaults. */
-#include "trade.h"
+#include "trade_settings.h"
 
 #include "bis/base/file.h"
 #include "tools/describe.h"

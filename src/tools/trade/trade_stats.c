@@ -9,7 +9,10 @@
  * error comes from the seeds and the reference. Pixels of a run share their candidates, so their scatter within one run
  * would say too little. A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for
  * independent samples; its standard error is that of the seeds, and not known from fewer than three. */
-#include "trade.h"
+#include "trade_advice.h"
+#include "trade_files.h"
+#include "trade_settings.h"
+#include "trade_stats.h"
 
 #include "bis/base/mem.h"
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_tables: trade.csv, pareto.csv, equal_time.csv, equal_error.csv. Numbers are written so that they read back as
  * the same doubles; what is not known is an empty field. docs/command-line.md says what each column is. */
-#include "trade.h"
+#include "trade_files.h"
+#include "trade_stats.h"
+#include "trade_tables.h"
 
 #include "out/csv.h"
 
