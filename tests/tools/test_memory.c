@@ -189,6 +189,7 @@ static void assert_bytes(double found, double expected)
     if (!(fabs(found - expected) <= 1e-9 * expected)) fail_msg("%.10g bytes, must be %.10g", found, expected);
 }
 
+#define SHOW(texture) " Material \"diffuse\" \"texture reflectance\" \"" texture "\" Shape \"sphere\" "
 #define CONSTANT_LIGHT "LightSource \"infinite\" "
 #define PLY(name) "Shape \"plymesh\" \"string filename\" \"" name ".ply\" "
 #define SMALL "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 10 Integrator \"brdf\" "
@@ -247,24 +248,27 @@ static void a_file_that_tells_nothing_is_guessed_by_its_length(void **state)
     m = foreseen(SMALL, "LightSource \"infinite\" \"string filename\" \"odd.pfm\"");
     assert_bytes(m.map, 2500 * 12);
     assert_true(m.guessed);
-    m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"odd.pfm\"");
+    m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"odd.pfm\"" SHOW("t"));
     assert_true(m.textures == 0 && m.guessed);
 }
 
-static void every_texture_file_counts_once(void **state)
+static void every_texture_file_that_a_shape_shows_counts_once(void **state)
 {
     (void)state;
     write_pfm_head(DIR "/t.pfm", 30, 20);
     write_pfm_head(DIR "/u.pfm", 7, 5);
+    write_pfm_head(DIR "/v.pfm", 11, 9);
     const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
         "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \"t.pfm\" Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" \"u.pfm\" "
-        "Texture \"c\" \"spectrum\" \"checkerboard\"");
+        "Texture \"v\" \"spectrum\" \"imagemap\" \"string filename\" \"v.pfm\" "
+        "Texture \"c\" \"spectrum\" \"checkerboard\"" SHOW("t") SHOW("again") SHOW("u") SHOW("c")); /* nothing shows v */
     assert_bytes(m.textures, 12 * (30 * 20 + 7 * 5));
     assert_false(m.guessed);
     /* by whatever path; another encoding makes another image */
     const bis_memory n = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
         "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \".././test_memory/t.pfm\" "
-        "Texture \"other\" \"float\" \"imagemap\" \"string filename\" \"./t.pfm\" \"string encoding\" \"gamma 3\"");
+        "Texture \"other\" \"float\" \"imagemap\" \"string filename\" \"./t.pfm\" \"string encoding\" \"gamma 3\"" SHOW("t")
+        SHOW("again") SHOW("other"));
     assert_bytes(n.textures, 2 * 12 * 30 * 20);
 }
 
@@ -290,7 +294,7 @@ static void a_claim_that_no_file_can_keep_takes_nothing(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_png_head(DIR "/claim.png", cases[i].width, cases[i].height, cases[i].bytes);
-        const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"claim.png\"");
+        const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"claim.png\"" SHOW("t"));
         assert_bytes(m.textures, cases[i].possible ? 12.0 * cases[i].width * cases[i].height : 0);
         assert_true(m.guessed == !cases[i].possible);
     }
@@ -463,7 +467,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(meshes_take_their_arrays_for_each_shape),
         cmocka_unit_test(a_file_that_tells_nothing_is_guessed_by_its_length),
-        cmocka_unit_test(every_texture_file_counts_once),
+        cmocka_unit_test(every_texture_file_that_a_shape_shows_counts_once),
         cmocka_unit_test(a_claim_that_no_file_can_keep_takes_nothing),
         cmocka_unit_test(a_film_takes_its_pixels_in_the_crop),
         cmocka_unit_test(advice_names_what_takes_less_and_how_much),
