@@ -33,11 +33,9 @@ static int order_materials(const bis_material *a, const bis_material *b)
 static int order_textures(const bis_material_textures *a, const bis_material_textures *b)
 {
     if (!a || !b) return (a != NULL) - (b != NULL);
-    int c = order(a->Kd, b->Kd);
-    if (!c) c = order(a->Ks, b->Ks);
-    if (!c) c = order(a->width, b->width);
-    if (!c) c = order(a->power, b->power);
-    if (!c) c = order(a->bump, b->bump);
+    const bis_texture_slots x = bis_texture_slots_of(a), y = bis_texture_slots_of(b);
+    int c = order(a->power, b->power);
+    for (int i = 0; i < BIS_MATERIAL_TEXTURES && !c; i++) c = order(x.of[i], y.of[i]);
     return c ? c : order(a->normals, b->normals);
 }
 

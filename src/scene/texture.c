@@ -47,17 +47,19 @@ static bool wants_uv(const bis_textures *t, uint32_t texture)
 
 void bis_textures_mark_all(bool *is_used, const bis_textures *t, const bis_material_textures *of)
 {
-    bis_textures_mark(is_used, t, of->Kd);
-    bis_textures_mark(is_used, t, of->Ks);
-    bis_textures_mark(is_used, t, of->width);
-    bis_textures_mark(is_used, t, of->bump);
+    const bis_texture_slots slots = bis_texture_slots_of(of);
+
+    for (int i = 0; i < BIS_MATERIAL_TEXTURES; i++) bis_textures_mark(is_used, t, slots.of[i]);
     if (of->normals != BIS_NO_TEXTURE) is_used[of->normals] = true;
 }
 
 bool bis_textures_want_uv(const bis_textures *t, const bis_material_textures *of)
 {
-    return wants_uv(t, of->Kd) || wants_uv(t, of->Ks) || wants_uv(t, of->width) || wants_uv(t, of->bump) ||
-           of->normals != BIS_NO_TEXTURE;
+    const bis_texture_slots slots = bis_texture_slots_of(of);
+    bool wants = of->normals != BIS_NO_TEXTURE;
+
+    for (int i = 0; i < BIS_MATERIAL_TEXTURES; i++) wants |= wants_uv(t, slots.of[i]);
+    return wants;
 }
 
 /* ---- images ---- */

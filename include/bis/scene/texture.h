@@ -112,11 +112,26 @@ double bis_texture_alpha(double roughness);
 /* bis_textures_clear frees everything. *t is empty afterwards. */
 void bis_textures_clear(bis_textures *t);
 
+/* The textures of a material, one after the other, for whatever concerns all of them. */
+enum { BIS_MATERIAL_TEXTURES = 4 };
+typedef struct bis_texture_slots {
+    uint32_t of[BIS_MATERIAL_TEXTURES];
+} bis_texture_slots;
+
+/* bis_texture_slots_of returns them; normals is not among them, because it is an image and no texture. */
+static inline bis_texture_slots bis_texture_slots_of(const bis_material_textures *m)
+{
+    return (bis_texture_slots){{m->Kd, m->Ks, m->width, m->bump}};
+}
+
 /* bis_textures_any returns whether a material has textures at all. */
 static inline bool bis_textures_any(const bis_material_textures *m)
 {
-    return m->Kd != BIS_NO_TEXTURE || m->Ks != BIS_NO_TEXTURE || m->width != BIS_NO_TEXTURE ||
-           m->bump != BIS_NO_TEXTURE || m->normals != BIS_NO_TEXTURE;
+    const bis_texture_slots slots = bis_texture_slots_of(m);
+    bool any = m->normals != BIS_NO_TEXTURE;
+
+    for (int i = 0; i < BIS_MATERIAL_TEXTURES; i++) any |= slots.of[i] != BIS_NO_TEXTURE;
+    return any;
 }
 
 /* bis_textures_of returns the textures of a material, or NULL if it has none. */
