@@ -96,8 +96,8 @@ static bool read_count(uint64_t *value, const char *text, double lo, double hi)
     return true;
 }
 
-/* What may follow a number, and what the number is then divided by or multiplied by. Of several in one row of a table
- * the first is the empty one. Dividing by 100 and not multiplying by 0.01 makes 5% the double nearest to 0.05. */
+/* What may follow a number, and what the number is then divided by or multiplied by. Each table's first entry is the
+ * unit "", a plain number. Dividing by 100 and not multiplying by 0.01 makes 5% the double nearest to 0.05. */
 typedef struct unit {
     const char *name;
     double times, over;

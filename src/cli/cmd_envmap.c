@@ -211,7 +211,8 @@ static bis_status write_pictures(const envmap_options *o, const char *out, const
     return status;
 }
 
-/* Where pictures go: --out itself, or --outdir with the map's name and .png; *any: is there one? */
+/* Stores where pictures go: --out itself, or --outdir with the map's name and .png. Sets *any if at least one picture
+ * was asked for. */
 static bis_status find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
 {
     const char *slash = strrchr(map, '/'), *name = slash ? slash + 1 : map, *dot = strrchr(name, '.');

@@ -30,7 +30,7 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
                            uint64_t offset, exr_stream_error_func_ptr_t complain)
 {
     exr_output *out = user_data;
-    (void)context; /* whoever complains here, waits for ever: see image_exr_core.c */
+    (void)context; /* OpenEXR waits for ever if this callback calls `complain`: see image_exr_core.c */
     (void)complain;
     for (uint64_t done = 0; done < n;) {
         ssize_t wrote = pwrite(out->fd, (const char *)buffer + done, n - done, (off_t)(offset + done));

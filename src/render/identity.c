@@ -25,6 +25,7 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
     "the accelerator",
 };
 
+/* Bits and not values: -0 and 0 may give different pictures. */
 static bis_walk *hash_f32s(bis_walk *w, const float *v, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -49,6 +50,7 @@ static void hash_xform(bis_walk *w, const bis_xform *x)
     for (int i = 0; i < 16; i++) hash_real(w, x->m[i / 4][i % 4]);
 }
 
+/* With its end, so that "ab", "c" and "a", "bc" differ. */
 static void hash_text(bis_walk *w, const char *text)
 {
     for (size_t i = 0; i <= strlen(text); i++) bis_walk_field(w, (unsigned char)text[i], 1);
@@ -82,6 +84,7 @@ static void hash_settings(bis_walk *w, const bis_settings *s)
     hash_count(w, s->as_printed);
 }
 
+/* Counts come before arrays, so that no number can move from one array to the next. */
 static void hash_geometry(bis_walk *w, const bis_geometry *g)
 {
     hash_count(w, g->n_vertices);
@@ -100,6 +103,7 @@ static void hash_geometry(bis_walk *w, const bis_geometry *g)
     }
 }
 
+/* Numbers of the model, and not bytes of the struct, whose padding is anything. */
 static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
 {
     for (size_t i = 0; i < desc->n_materials; i++) {
@@ -128,8 +132,10 @@ static void hash_textures(bis_walk *w, const bis_textures *t, const bis_scene *s
 {
     for (size_t i = 0; i < t->n_of_material; i++) {
         const bis_material_textures *m = &t->of_material[i];
-        const uint64_t counts[] = {i, m->Kd, m->Ks, m->width, m->bump, m->normals};
-        for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) hash_count(w, counts[k]);
+        const bis_texture_slots slots = bis_texture_slots_of(m);
+        hash_count(w, i);
+        for (int k = 0; k < BIS_MATERIAL_TEXTURES; k++) hash_count(w, slots.of[k]);
+        hash_count(w, m->normals);
         hash_real(w, m->power);
     }
     for (size_t i = 0; i < t->n; i++) hash_texture(w, &t->list[i]);
@@ -149,6 +155,7 @@ static void hash_map(bis_walk *w, const bis_light *light)
     for (size_t i = 0; i < (size_t)em->width * (size_t)em->height; i++) hash_rgb(w, em->pixels[i]);
 }
 
+/* What a scene leaves open is hashed as open: table_kind is set when the light is built, and follows from the rest. */
 static void hash_light(bis_walk *w, const bis_light_desc *l)
 {
     const uint64_t counts[] = {l->mapping, (uint64_t)l->width, (uint64_t)l->levels, l->has_table_kind,
@@ -160,6 +167,7 @@ static void hash_light(bis_walk *w, const bis_light_desc *l)
     hash_xform(w, &l->to_world);
 }
 
+/* Part by part, in the order of part_names. What is not hashed must not change a picture (see above). */
 void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
 {
     const bis_view *view = of->view;

@@ -100,6 +100,8 @@ static void find_area(bis_workspace *w)
     w->area = (bis_rect){first.x0, first.y0, last.x1, last.y1};
 }
 
+/* The pass under way has sums of its own, because the film gets whole passes only, in their order: so an interrupted
+ * pass leaves no trace, and threads need no lock. */
 static bis_status make_pass(bis_workspace *w, bis_diag *diag)
 {
     const bis_film *f = w->film;
@@ -112,6 +114,7 @@ static bis_status make_pass(bis_workspace *w, bis_diag *diag)
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
+/* The tiles of a part, or all. A part must have a tile, because an empty file would say nothing when it is merged. */
 static bis_status find_own_tiles(bis_workspace *w, bis_diag *diag)
 {
     const bis_part part = w->options->part;

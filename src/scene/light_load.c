@@ -92,6 +92,7 @@ static bis_status make_white(bis_image *image, bis_diag *diag)
     return status;
 }
 
+/* The factor is checked by itself, too: L and scale may overflow where every pixel is 0. */
 static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
 {
     const rgb scale = rgb_scale(desc->L, desc->scale);

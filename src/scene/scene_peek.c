@@ -121,12 +121,14 @@ bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
            number_after(&h, "element face ", n_faces);
 }
 
+/* A text has no zero byte. What cannot be read counts as text: the loader will say why. */
 bool bis_scene_peek_is_text(const char *path)
 {
     head h;
     return !read_head(&h, path) || strlen(h.text) == h.n;
 }
 
+/* These two stand here because the parser may not include src/files: it knows files by what a scene may ask of them. */
 bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
 {
     return bis_obj_read_materials(out, path, at, diag);

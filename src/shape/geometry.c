@@ -68,7 +68,8 @@ static bis_status reserve_uv(bis_geometry *g, size_t n_vertices, size_t capacity
     return BIS_OK;
 }
 
-/* Room for so many vertices and triangles in all; with normals and texture coordinates if g has or shall have them. */
+/* Makes room for so many vertices and triangles in all; with normals and texture coordinates if g has them, or if the
+ * new mesh brings them (normals, uv). */
 static bis_status reserve(bis_geometry *g, size_t n_vertices, size_t n_triangles, bool normals, bool uv, bis_diag *diag)
 {
     size_t nv = grown(g->capacity_vertices, n_vertices), nt = grown(g->capacity_triangles, n_triangles);

@@ -25,7 +25,7 @@ static double sin_polar(double j, int n) { return sin(PI * fmin(j, n - j) / n); 
 
 static double cos_polar(double j, int n)
 {
-    if (2 * j == n) return 0;
+    if (2 * j == n) return 0; /* the equator: cos(PI / 2) is 6e-17 in double */
     return 2 * j < n ? cos(PI * j / n) : -cos(PI * (n - j) / n);
 }
 
@@ -52,6 +52,8 @@ bis_status bis_envmap_init_rows(bis_envmap *em, int width, int height, bis_diag 
 
 static bool is_radiance(float v) { return v >= 0 && v <= FLT_MAX; } /* false for a NaN */
 
+/* A bad channel becomes 0 and the others stay, because a single NaN of a map would spoil every pixel that sees it. The
+ * first place is kept for the warning, and what kind it was decides which warning. */
 static float clean_channel(bis_envmap_defects *d, float v, char name, int x, int y)
 {
     if (is_radiance(v)) return v;
@@ -73,13 +75,14 @@ static float clean_channel(bis_envmap_defects *d, float v, char name, int x, int
 rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double solid_angle)
 {
     if (is_radiance(c.r) && is_radiance(c.g) && is_radiance(c.b)) return c;
-    defects->solid_angle += solid_angle;
+    defects->solid_angle += solid_angle; /* of the whole pixel, once: the warning says what share of the sphere it is */
     const float r = clean_channel(defects, c.r, 'R', x, y);
     const float g = clean_channel(defects, c.g, 'G', x, y);
     const float b = clean_channel(defects, c.b, 'B', x, y);
     return (rgb){r, g, b};
 }
 
+/* No branch in the loop: good maps are looked at whole, and this one becomes vectors. */
 static bool is_row_of_radiance(const rgb *row, int width)
 {
     bool is = true;
@@ -97,9 +100,12 @@ bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *d
         bis_envmap_clear(em);
         return status;
     }
-    int first = height; /* the first row with a bad value: usually there is none */
+    /* The first row with a bad value: usually there is none. All threads look for it; one thread then cleans, so that
+     * the first place and the counts do not depend on how many there are. */
+    int first = height;
 #pragma omp parallel for reduction(min : first)
     for (int y = 0; y < height; y++) {
+        /* `first` is a thread's own here: it spares rows behind the first bad one that this thread has seen */
         if (y < first && !is_row_of_radiance(em->pixels + (size_t)y * (size_t)width, width)) first = y;
     }
     for (int y = first; y < height; y++) {
@@ -126,7 +132,7 @@ bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag)
     assert(is_radiance(scale.r) && is_radiance(scale.g) && is_radiance(scale.b));
     if (scale.r == 1 && scale.g == 1 && scale.b == 1) return BIS_OK;
     const size_t n = n_pixels(em);
-    float r = 0, g = 0, b = 0;
+    float r = 0, g = 0, b = 0; /* the largest of each channel. Rounding is monotone: their products bound all others */
 #pragma omp parallel for reduction(max : r, g, b)
     for (size_t i = 0; i < n; i++) {
         const rgb c = em->pixels[i];
@@ -189,7 +195,9 @@ vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double 
 
 double bis_envmap_power(const bis_envmap *em)
 {
-    enum { TOGETHER = 1024 /* rows: summed by all threads, and then added by one, in their order */ };
+    /* All threads make sums of rows, and one adds them, in their order: the bits do not depend on the number of
+     * threads. TOGETHER rows at a time, because their sums lie on the stack. */
+    enum { TOGETHER = 1024 };
     double power = 0, sum[TOGETHER];
     for (int first = 0; first < em->height; first += TOGETHER) {
         const int n = em->height - first < TOGETHER ? em->height - first : TOGETHER;

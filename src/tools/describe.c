@@ -60,6 +60,7 @@ static bool same_method(const bis_settings *a, const bis_settings *b)
     return a->integrator == b->integrator && strcmp(proposal_of(a), proposal_of(b)) == 0;
 }
 
+/* Cost x variance: the time to a given error, but for a factor that all methods share. */
 static double product(const bis_auto_report *r, int i) { return bis_auto_cost_of(r, i) * r->tried[i].variance; }
 
 /* The best of a method. */
@@ -126,6 +127,8 @@ bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_
     return s;
 }
 
+/* Names of our own begin with "bis:", because other programs may give a plain one another meaning. What was not the
+ * case has no attribute. */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES])
 {
     const bis_render_result *r = s->result;

@@ -20,8 +20,9 @@ static const uint64_t purpose_pixels = (uint64_t)0x79 << 40;
 
 enum { X, Y, MAP, LOBE, ANGLE, HEIGHT, DIMENSIONS };
 
-/* 1/p and 1/p^2 with p^3 = p + 1 (Roberts's R2), the golden ratio, and roots of 7, 2, 3 less whole numbers: no sum of
- * them with whole factors is whole. */
+/* 1/p and 1/p^2 with p^3 = p + 1 (Roberts's R2), the golden ratio, and the fractional parts of the roots of 7, 2 and 3.
+ * They are rationally independent: no sum of them with whole factors is whole. So the points k step (mod 1) never
+ * repeat and fill all dimensions together evenly (Weyl). */
 static const double step[DIMENSIONS] = {0.75487766624669276, 0.56984029099805327, 0.61803398874989485,
                                         0.64575131106459059, 0.41421356237309505, 0.73205080756887729};
 
