@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* .hdr, .pfm, .exr (the first part's data window), .png. */
+/* .hdr, .pfm, .exr (the first part's data window), .png, .jpg, .bmp, .tga. */
 bool bis_scene_peek_image(const char *path, long *width, long *height);
 
 /* .ply: what the header claims. */
