@@ -330,8 +330,9 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     if (!bis_params_string(p, "filename", &name))
         return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
     const bis_loc at = bis_params_at(p, "filename");
+    const bis_stand_in no_image = {"an image that is not there", "grey", false};
     bool lacks;
-    char *path = bis_approximate_path(p, &lacks, at, name, &(bis_stand_in){"an image that is not there", "grey", false});
+    char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
     if (!lacks) return bis_parser_add_image(p, path, gamma, at, &x->image) && ok;
     *x = constant((rgbd){0.5, 0.5, 0.5});
     return ok;

@@ -91,7 +91,7 @@ static bool png_size(const head *h, long *width, long *height)
 static long big_endian_2(const char *s) { return (long)(unsigned char)s[0] << 8 | (long)(unsigned char)s[1]; }
 
 /* Segments: 0xff, a kind, then its length, which counts itself but not these two bytes. The frame, 0xc0 to 0xcf but for
- * three kinds of tables, holds them. A thumbnail has a frame of its own, inside a segment: so the segments are walked. */
+ * three kinds of tables, holds them. The segments are walked, because a thumbnail inside one has a frame of its own. */
 static bool jpeg_size(const head *h, long *width, long *height)
 {
     size_t at = 2;
