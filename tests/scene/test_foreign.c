@@ -148,6 +148,10 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
     assert_true(ends(d->missing[0], "spds/Au.eta.spd") && ends(d->missing[2], "spds/red.spd"));
     bis_scene_desc_free(d);
     assert_int_equal(parse(&d, LIT "Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
+    d = good(LIT "Shape \"objmesh\" \"string filename\" \"gone.obj\" \"bool materials\" true", BIS_PARSE_LIST_MISSING, said);
+    assert_int_equal(d->n_missing, 1); /* nor are its libraries asked for */
+    assert_int_equal(d->n_shapes, 1);
+    bis_scene_desc_free(d);
     d = good(LIT "Include \"gone.pbrt\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* so is a part of the scene */
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
