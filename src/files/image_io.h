@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* image_io: what the readers of .hdr, .exr and .pfm share, and the functions of the formats. For src/files/image*.c
- * alone. */
+ * alone, but for bis_tga_is_mine, which a look at a file's head needs, too. */
 #pragma once
 
 #include "bis/files/image_file.h"

@@ -152,6 +152,13 @@ void bis_approximate_note(bis_parser *p, bis_loc at, const char *consequence, co
     note(p, at, effect_now(p), consequence, kind);
 }
 
+char *bis_approximate_path(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other)
+{
+    char *path = bis_parser_path_or(p, lacks, at, name, other);
+    if (*lacks) bis_approximate_note(p, at, other->consequence, "%s", other->kind);
+    return path;
+}
+
 void bis_approximate_pass(bis_parser *p, bis_loc at, const char *consequence, const char *fmt, ...)
 {
     bis_approximation one = {.n = 1, .consequence = consequence, .loc = at, .effect = BIS_EFFECT_SETTING};

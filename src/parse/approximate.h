@@ -28,6 +28,10 @@ const char *bis_approximate_unknown(bis_parser *p, const char *directive, const 
  * effect is that of the directive that is read. */
 void bis_approximate_note(bis_parser *p, bis_loc at, const char *consequence, const char *fmt, ...) BIS_PRINTF(4, 5);
 
+/* bis_approximate_path returns what bis_parser_path does of a file that --approximate can do without; the complaint
+ * says so. *lacks becomes whether it does without: then it returns NULL and has noted it. */
+char *bis_approximate_path(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other);
+
 /* bis_approximate_integrator notes what the picture lacks because pbrt's integrator `name` is not there. */
 void bis_approximate_integrator(bis_parser *p, bis_loc at, const char *directive, const char *name);
 

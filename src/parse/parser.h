@@ -171,13 +171,20 @@ void bis_parser_advance(bis_parser *p);
 
 /* bis_parser_path returns the resolved path of a file that a scene names at `at`: beside the main scene, in the working
  * directory, or beside the file that names it. It returns NULL after a complaint: the file must exist. The caller owns
- * it. bis_parser_path_beside looks only beside the file that names it, as for the libraries of a mesh. */
+ * it. */
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
-char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name);
 
-/* bis_parser_lacks returns whether, with --approximate, the file is at none of these places, so that something else
- * takes its place. It complains of nothing, but a plan lists the file. */
-bool bis_parser_lacks(bis_parser *p, bis_loc at, const char *name, bool is_beside);
+/* What --approximate takes for a file that is not there: "1 x KIND: CONSEQUENCE". Both are string constants. is_beside:
+ * the file lies only beside the one that names it, as the libraries of a mesh. */
+typedef struct bis_stand_in {
+    const char *kind, *consequence;
+    bool is_beside;
+} bis_stand_in;
+
+/* bis_parser_path_or returns what bis_parser_path does of a file that --approximate can do without, for
+ * bis_approximate_path alone. *lacks becomes whether it does without: then it returns NULL, and a plan lists the file.
+ */
+char *bis_parser_path_or(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other);
 
 /* bis_parser_is_missing returns whether a path that was returned names a file that is not there (lists_missing). */
 bool bis_parser_is_missing(const bis_parser *p, const char *path);

@@ -190,6 +190,10 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
     return true;
 }
 
+static const bis_stand_in no_image = {"an image of a library that is not there", "the material without it", true};
+static const bis_stand_in no_library = {"a library of materials that is not there", "its materials are diffuse grey",
+                                        true};
+
 /* A map, whose options go to *x and its image to *image. False: there is none, and that was said. */
 static bool read_map(bis_parser *p, const line *l, double gamma, bis_texture *x, uint32_t *image)
 {
@@ -197,11 +201,9 @@ static bool read_map(bis_parser *p, const line *l, double gamma, bis_texture *x,
     if (!read_options(p, l, &name, x, &gamma)) return false;
     for (char *s = name; *s; s++)
         if (*s == '\\') *s = '/'; /* written on another system */
-    if (bis_parser_lacks(p, l->at, name, true)) {
-        bis_approximate_note(p, l->at, "the material without it", "an image of a library that is not there");
-        return false;
-    }
-    return bis_parser_add_image(p, bis_parser_path_beside(p, l->at, name), gamma, l->at, image);
+    bool lacks;
+    char *path = bis_approximate_path(p, &lacks, l->at, name, &no_image);
+    return !lacks && bis_parser_add_image(p, path, gamma, l->at, image);
 }
 
 static const bis_texture plain_map = {.kind = BIS_TEXTURE_IMAGE, .value = {0.5, 0.5, 0.5}, .factor = {1, 1},
@@ -319,11 +321,9 @@ static void read_libraries(bis_parser *p, const char *obj_path, const bis_obj_ma
         const bis_loc at = {obj_path, obj->libraries[i].line, 0};
         unsigned char *data;
         size_t size;
-        if (bis_parser_lacks(p, at, obj->libraries[i].name, true)) {
-            bis_approximate_note(p, at, "its materials are diffuse grey", "a library of materials that is not there");
-            continue;
-        }
-        char *path = bis_parser_path_beside(p, at, obj->libraries[i].name);
+        bool lacks;
+        char *path = bis_approximate_path(p, &lacks, at, obj->libraries[i].name, &no_library);
+        if (lacks) continue;
         const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
         if (path && !name) bis_parser_nomem(p, at);
         if (!name) return;

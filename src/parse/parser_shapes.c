@@ -89,9 +89,12 @@ void bis_parser_drop_uv(bis_parser *p)
     bis_free(is_used);
 }
 
+/* A missing file, which a plan lists, has none that are known. */
 static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
 {
-    return shape->kind == BIS_SHAPE_OBJ && p->desc->meshes[shape->mesh].has_parts;
+    if (shape->kind != BIS_SHAPE_OBJ) return false;
+    const bis_mesh_desc *m = &p->desc->meshes[shape->mesh];
+    return m->has_parts && !bis_parser_is_missing(p, m->filename);
 }
 
 void bis_directive_shape(bis_parser *p, bis_loc at)

@@ -183,6 +183,8 @@ static const char *why_unreadable(const char *path, bis_status *status)
     return strerror(errno);
 }
 
+static bool is_absent(const char *path) { return access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR); }
+
 /* One of the places where a file may lie. False: it is not there, or there is no memory (*path is then NULL). */
 static bool lies_at(char **path, const char *beside, const char *name)
 {
@@ -209,8 +211,9 @@ static char *find_file(bis_parser *p, bis_loc at, const char *name)
     return first;
 }
 
-/* Takes over path, which is NULL where there was no memory for it. */
-static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path)
+/* Takes over path, which is NULL where there was no memory for it. otherwise: what --approximate makes of a file that
+ * is not there; NULL: nothing. */
+static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path, const char *otherwise)
 {
     bis_status status = BIS_INPUT;
     const char *why = "the name is empty";
@@ -229,7 +232,9 @@ static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path)
         bis_parser_nomem(p, at);
         return path;
     }
-    snprintf(text, sizeof text, "cannot read \"%s\": %s", bis_parser_word(p, path), why);
+    const bool has_way_out = otherwise && name[0] && is_absent(path);
+    snprintf(text, sizeof text, "cannot read \"%s\": %s%s%s", bis_parser_word(p, path), why,
+             has_way_out ? "; with --approximate: " : "", has_way_out ? otherwise : "");
     complain(p, status, at, text);
     bis_free(path);
     return NULL;
@@ -239,20 +244,15 @@ bool bis_parser_is_missing(const bis_parser *p, const char *path) { return bis_n
 
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
 {
-    return check_path(p, at, name, find_file(p, at, name));
+    return check_path(p, at, name, find_file(p, at, name), NULL);
 }
 
-char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name)
+char *bis_parser_path_or(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other)
 {
-    return check_path(p, at, name, bis_path_relative_to(at.file, name));
-}
-
-bool bis_parser_lacks(bis_parser *p, bis_loc at, const char *name, bool is_beside)
-{
-    if (!p->approximate || !name[0]) return false;
-    char *path = is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
-    const bool lacks = path && access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
-    if (lacks && p->lists_missing) path = check_path(p, at, name, path);
+    char *path = other->is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
+    *lacks = p->approximate && name[0] && path && is_absent(path);
+    if (!*lacks || p->lists_missing) path = check_path(p, at, name, path, other->consequence);
+    if (!*lacks) return path;
     bis_free(path);
-    return lacks;
+    return NULL;
 }

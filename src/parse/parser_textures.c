@@ -332,12 +332,12 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     if (!bis_params_string(p, "filename", &name))
         return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
     const bis_loc at = bis_params_at(p, "filename");
-    if (bis_parser_lacks(p, at, name, false)) {
-        bis_approximate_note(p, at, "grey", "an image that is not there");
-        *x = constant((rgbd){0.5, 0.5, 0.5});
-        return ok;
-    }
-    return bis_parser_add_image(p, bis_parser_path(p, at, name), gamma, at, &x->image) && ok;
+    const bis_stand_in no_image = {"an image that is not there", "grey", false};
+    bool lacks;
+    char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
+    if (!lacks) return bis_parser_add_image(p, path, gamma, at, &x->image) && ok;
+    *x = constant((rgbd){0.5, 0.5, 0.5});
+    return ok;
 }
 
 static rgbd value_of(const bis_parser *p, uint32_t texture) { return p->desc->textures.list[texture].value; }

@@ -81,15 +81,17 @@ static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
 static void read_bump(bis_parser *p, bis_material_textures *t)
 {
     static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
+    static const bis_stand_in no_normals = {"a normal map that is not there", "the surface is as smooth as its shape",
+                                            false};
     const char *name;
     double constant;
 
     bis_params_number(p, bis_params_has(p, "displacement") ? "displacement" : "bumpmap", &constant, any, &t->bump);
     if (!bis_params_string(p, "normalmap", &name)) return;
     const bis_loc at = bis_params_at(p, "normalmap");
-    if (bis_parser_lacks(p, at, name, false))
-        bis_approximate_note(p, at, "the surface is as smooth as its shape", "a normal map that is not there");
-    else bis_parser_add_image(p, bis_parser_path(p, at, name), 1, at, &t->normals);
+    bool lacks;
+    char *path = bis_approximate_path(p, &lacks, at, name, &no_normals);
+    if (!lacks) bis_parser_add_image(p, path, 1, at, &t->normals);
 }
 
 static bis_material_reader *const readers[] = {

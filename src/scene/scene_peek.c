@@ -5,6 +5,7 @@
 #include "bis/base/file.h"
 #include "bis/base/image.h"
 #include "files/gzip.h"
+#include "files/image_io.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -87,31 +88,77 @@ static bool png_size(const head *h, long *width, long *height)
     return *width > 0 && *height > 0;
 }
 
+static long big_endian_2(const char *s) { return (long)(unsigned char)s[0] << 8 | (long)(unsigned char)s[1]; }
+
+/* Segments: 0xff, a kind, then its length, which counts itself but not these two bytes. The frame, 0xc0 to 0xcf but for
+ * three kinds of tables, holds them. The segments are walked, because a thumbnail inside one has a frame of its own. */
+static bool jpeg_size(const head *h, long *width, long *height)
+{
+    size_t at = 2;
+    while (at + 9 <= h->n && (unsigned char)h->text[at] == 0xff) {
+        const int kind = (unsigned char)h->text[at + 1];
+        if (kind == 0xff) {
+            at++; /* a byte that only fills */
+            continue;
+        }
+        if (kind >= 0xc0 && kind <= 0xcf && kind != 0xc4 && kind != 0xc8 && kind != 0xcc) {
+            *height = big_endian_2(h->text + at + 5);
+            *width = big_endian_2(h->text + at + 7);
+            return *width > 0 && *height > 0;
+        }
+        at += 2 + (size_t)big_endian_2(h->text + at + 2);
+    }
+    return false;
+}
+
+/* The header behind the file's own has them; a negative height counts from the top. */
+static bool bmp_size(const head *h, long *width, long *height)
+{
+    if (h->n < 26) return false;
+    *width = (long)little_endian(h->text + 18);
+    *height = labs((long)little_endian(h->text + 22));
+    return *width > 0 && *height > 0;
+}
+
+static bool tga_size(const head *h, long *width, long *height)
+{
+    if (!bis_tga_is_mine((const unsigned char *)h->text, h->n)) return false;
+    *width = (unsigned char)h->text[12] | (long)(unsigned char)h->text[13] << 8;
+    *height = (unsigned char)h->text[14] | (long)(unsigned char)h->text[15] << 8;
+    return true;
+}
+
 size_t bis_scene_peek_bytes(const char *path)
 {
     struct stat st;
     return stat(path, &st) == 0 && st.st_size > 0 ? (size_t)st.st_size : 0;
 }
 
-/* A claim that reading would refuse: a side is at most BIS_IMAGE_MAX_SIDE, and deflate makes at most 1032 bytes of one,
- * each of eight pixels at most. */
-static bool is_possible(const char *path, bool is_png, long width, long height)
-{
-    if (width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE) return false;
-    return !is_png || (double)width * (double)height <= 8 * 1032 * (double)bis_scene_peek_bytes(path);
-}
+/* How a format's size is found; how many pixels a byte of it can hold, which bounds what its header may claim: deflate
+ * makes at most 1032 bytes of one, each of eight pixels at most; a JPEG spends a bit on 8 x 8; a run of a TGA has 128
+ * pixels and takes two bytes; a BMP has eight in a byte. 0: a loader refuses what does not fit, but not by this. */
+typedef struct peeked_format {
+    const char *magic; /* NULL: none, the size knows its own */
+    size_t n_magic;
+    bool (*size)(const head *h, long *width, long *height);
+    double most_pixels;
+} peeked_format;
+
+static const peeked_format formats[] = {
+    {"\x76\x2f\x31\x01", 4, exr_size, 0}, {"PF", 2, pfm_size, 0},    {"Pf", 2, pfm_size, 0},
+    {"\x89PNG", 4, png_size, 8 * 1032},     {"#?", 2, hdr_size, 0},    {"\xff\xd8\xff", 3, jpeg_size, 8 * 64},
+    {"BM", 2, bmp_size, 8},                 {NULL, 0, tga_size, 64},
+};
 
 bool bis_scene_peek_image(const char *path, long *width, long *height)
 {
     head h;
     if (!read_head(&h, path)) return false;
-    const bool is_png = starts_with(&h, "\x89PNG", 4), is_exr = starts_with(&h, "\x76\x2f\x31\x01", 4);
-    const bool is_pfm = starts_with(&h, "PF", 2) || starts_with(&h, "Pf", 2);
-    const bool is_known = is_exr   ? exr_size(&h, width, height)
-                          : is_pfm ? pfm_size(&h, width, height)
-                          : is_png ? png_size(&h, width, height)
-                                   : starts_with(&h, "#?", 2) && hdr_size(&h, width, height);
-    return is_known && is_possible(path, is_png, *width, *height);
+    const peeked_format *f = formats;
+    while (f->magic && !starts_with(&h, f->magic, f->n_magic)) f++;
+    if (!f->size(&h, width, height) || *width > BIS_IMAGE_MAX_SIDE || *height > BIS_IMAGE_MAX_SIDE) return false;
+    return f->most_pixels == 0 ||
+           (double)*width * (double)*height <= f->most_pixels * (double)bis_scene_peek_bytes(path);
 }
 
 bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)

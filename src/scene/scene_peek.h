@@ -9,7 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* bis_scene_peek_image stores the size of an image: .hdr, .pfm, .exr (the first part's data window), .png. */
+/* bis_scene_peek_image stores the size of an image: .hdr, .pfm, .exr (the first part's data window), .png, .jpg,
+ * .bmp, .tga. */
 bool bis_scene_peek_image(const char *path, long *width, long *height);
 
 /* bis_scene_peek_ply stores what the header of a .ply claims. */

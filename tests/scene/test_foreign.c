@@ -148,6 +148,10 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
     assert_true(ends(d->missing[0], "spds/Au.eta.spd") && ends(d->missing[2], "spds/red.spd"));
     bis_scene_desc_free(d);
     assert_int_equal(parse(&d, LIT "Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
+    d = good(LIT "Shape \"objmesh\" \"string filename\" \"gone.obj\" \"bool materials\" true", BIS_PARSE_LIST_MISSING, said);
+    assert_int_equal(d->n_missing, 1); /* nor are its libraries asked for */
+    assert_int_equal(d->n_shapes, 1);
+    bis_scene_desc_free(d);
     d = good(LIT "Include \"gone.pbrt\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* so is a part of the scene */
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
@@ -519,7 +523,9 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     write_file("m.obj", "mtllib none.mtl\nmtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl lost\nf 1 3 2\n");
     write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nmap_Kd -texres 512 none.jpg\n");
     assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
-    assert_says(said, "cannot read \"");
+    assert_says(said, "m.obj:1: error: cannot read \"");
+    assert_says(said, "none.mtl\": No such file or directory; with --approximate: its materials are diffuse grey");
+    assert_says(said, "none.png\": No such file or directory; with --approximate: grey");
     d = good(scene, BIS_PARSE_APPROXIMATE, said);
     assert_int_equal(d->n_shapes, 3);
     const float Kd[3] = {.8f, .5f, .5f};
@@ -536,6 +542,9 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     d = good(scene, BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* and a plan lists them */
     assert_int_equal(d->n_missing, 3);
     bis_scene_desc_free(d);
+    write_file("m.obj", "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
+    assert_says(said, "none.jpg\": No such file or directory; with --approximate: the material without it");
 }
 
 /* ---- light ---- */

@@ -443,6 +443,37 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), 1);
 }
 
+/* Textures of a screen: a plan foretells their memory by their heads. By hand from the formats' descriptions. */
+static void a_size_of_a_screen_is_read_where_the_format_has_it(void **state)
+{
+    /* APP1 of 12 bytes holds a thumbnail's frame (9 x 9); a byte that fills; DHT; the frame: 8 bits, 80 rows of 80 */
+    static const char jpeg[] = "\xff\xd8\xff\xe1\0\x0c\xff\xc0\0\x11\x08\0\x09\0\x09\x03\xff\xff\xc4\0\x02"
+                               "\xff\xc2\0\x0b\x08\0\x50\0\x50\x01\x01\x11\0";
+    static const char bmp[] = "BM\0\0\0\0\0\0\0\0\0\0\0\0\x28\0\0\0\x0c\0\0\0\xf0\xff\xff\xff";
+    static const char tga[] = "\0\0\x0a\0\0\0\0\0\0\0\0\0\x20\0\x28\0\x18\0\0\0"; /* 32 x 40 of 24 bits, in runs */
+    char changed[sizeof jpeg];
+
+    (void)state;
+    assert_true(peeked("p.jpg", jpeg, sizeof jpeg - 1, 80, 80)); /* 34 bytes have 34 x 512 pixels at most */
+    assert_false(peeked("p.jpg", jpeg, 29, 80, 80));             /* the head ends within the frame */
+    memcpy(changed, jpeg, sizeof jpeg);
+    changed[26] = '\x04'; /* 1104 rows */
+    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 1104));
+    memcpy(changed, jpeg, sizeof jpeg);
+    changed[22] = '\xda'; /* no frame */
+    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 80));
+    assert_true(peeked("p.bmp", bmp, 26, 12, 16));
+    assert_false(peeked("p.bmp", bmp, 25, 12, 16));
+    memcpy(changed, bmp, 26);
+    changed[18] = '\x0e'; /* 14 x 16 are more than 26 bytes of 8 */
+    assert_false(peeked("p.bmp", changed, 26, 14, 16));
+    assert_true(peeked("p.tga", tga, 20, 32, 40));
+    assert_false(peeked("p.tga", tga, 17, 32, 40));
+    memcpy(changed, tga, 20);
+    changed[14] = '\x29';
+    assert_false(peeked("p.tga", changed, 20, 32, 41));
+}
+
 /* What a file is that is no scene: by its first bytes, be they all of it; or else by its name. */
 static void strangers_are_known_by_their_bytes_or_their_names(void **state)
 {
@@ -603,6 +634,7 @@ int main(void)
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(image_sizes_are_read_from_headers),
         cmocka_unit_test(a_size_is_read_where_the_format_has_it),
+        cmocka_unit_test(a_size_of_a_screen_is_read_where_the_format_has_it),
     };
     return cmocka_run_group_tests_name("scene", tests, NULL, scratch_remove);
 }
