@@ -657,3 +657,15 @@ exit
 # * flat_taught test_flat_taught : the printed test of the alias table is the right one
 # - x - (double)i > a.prob[i]
 # + x - (double)i >= a.prob[i]
+#
+# * surface test_bump : the third part of a triangle's tangents is left out
+# - t->u[i] = (d[1][1] * e[0][i] - d[0][1] * e[1][i]) * scale;
+# + t->u[i] = i == 2 ? 0 : (d[1][1] * e[0][i] - d[0][1] * e[1][i]) * scale;
+#
+# * parser_light test_foreign : the last distant light is forgotten; the scene keeps it in the wrong frame
+# - for (size_t i = 0; i < p->n_distants; i++) {
+# + for (size_t i = 0; i + 1 < p->n_distants; i++) {
+#
+# * render test_budgets : the progress of an error budget is not told
+# - if (r->budget.error > 0 && r->done.rmse_upper > 0)
+# + if (r->budget.error > 0 && !(r->done.rmse_upper > 0))

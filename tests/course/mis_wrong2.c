@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The samples of the map come in full, without their weight: what the BRDF also finds counts twice. */
 /* loses: a_diffuse_surface_in_the_open_is_right */
-/* loses: a_glossy_surface_half_in_shadow_is_right */
-/* loses: uneven_counts_are_right */
-/* loses: the_power_heuristic_is_right */
-/* loses: a_constant_light_is_right */
-/* loses: the_noise_is_that_of_the_balance_heuristic */
-/* loses: the_noise_is_that_of_the_power_heuristic */
 /* [mis-em] */
 static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
 {

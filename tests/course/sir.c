@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Assignment sir: src/thesis/set.c, src/thesis/choose.c and src/thesis/sir.c. Weights by the textbooks' formulas,
  * choices by hand, means against brute force, and rays counted (tests/support/lit.h): not even the right mean counts
- * where more are cast than N. Statistical tests: 24. */
+ * where more are cast than N. Statistical tests: 24.
+ *
+ * Each estimate is made from weights, so one slip in `weigh` would fail all claims about estimates. It counts once, in
+ * the claims about weights: where these are wrong, an estimate must be what the student's own weights make of it
+ * (struct own). */
 #include "mark.h"
 
 #include "bis/base/mem.h"
@@ -37,78 +41,113 @@ static double weight_of(const weighed *g, uint32_t number)
     return (double)g->w[number] * g->x->unit_of_f * g->x->unit_of_Le;
 }
 
-/* Candidate i of a half against F = f Le and w = phat/q, q = beta q_L + (1 - beta) q_f. Le and q_L are those that it
- * was drawn with. */
+static rgbd F_of(const weighed *g, uint32_t number)
+{
+    const double unit = g->x->unit_of_f * g->x->unit_of_Le;
+
+    return rgbd_scale((rgbd){(double)g->F[0][number], (double)g->F[1][number], (double)g->F[2][number]}, unit);
+}
+
+/* Candidate i of a half: F = f Le and w = phat/q, q = beta q_L + (1 - beta) q_f. Le and q_L are those that it was
+ * drawn with. */
+typedef struct right_weight {
+    double cosine, w;
+    rgbd F;
+} right_weight;
+
+static right_weight right_weight_of(const lit *l, const bis_set *x, const bis_half *half, uint32_t i, double beta)
+{
+    const bis_lanes y = half->x;
+    const double wi[3] = {(double)y.x[i], (double)y.y[i], (double)y.z[i]};
+    const double cosine = dot(l->pt.n, (vec3){y.x[i], y.y[i], y.z[i]});
+    double q_f;
+    const rgbd f = lit_f(l, wi, &q_f);
+    const rgbd F = {f.r * (double)y.r[i] * x->unit_of_Le, f.g * (double)y.g[i] * x->unit_of_Le,
+                    f.b * (double)y.b[i] * x->unit_of_Le};
+    const double q = beta * (double)y.q[i] + (1 - beta) * q_f;
+
+    return (right_weight){cosine, cosine > 0 ? rgbd_sum(F) * cosine / q : 0, F};
+}
+
 static bool check_candidate(const lit *l, const weighed *g, const bis_half *half, uint32_t i, double beta,
                             const char *what)
 {
-    const bis_lanes y = half->x;
     const uint32_t number = half->first + i;
-    const double wi[3] = {(double)y.x[i], (double)y.y[i], (double)y.z[i]}, unit_of_Le = g->x->unit_of_Le,
-        unit = g->x->unit_of_f * unit_of_Le;
-    const double cosine = dot(l->pt.n, (vec3){y.x[i], y.y[i], y.z[i]}), w = weight_of(g, number);
-    double q_f;
-    const rgbd f = lit_f(l, wi, &q_f);
-    const rgbd F = {f.r * (double)y.r[i] * unit_of_Le, f.g * (double)y.g[i] * unit_of_Le,
-                    f.b * (double)y.b[i] * unit_of_Le};
-    const double q = beta * (double)y.q[i] + (1 - beta) * q_f, degrees = acos(fmin(1, cosine)) * 180 / PI;
+    const right_weight must = right_weight_of(l, g->x, half, i, beta);
+    const double w = weight_of(g, number), degrees = acos(fmin(1, must.cosine)) * 180 / PI;
+    const rgbd F = F_of(g, number);
 
-    if (cosine <= 0) {
+    if (must.cosine <= 0) {
         if (w != 0) mark_wrong("%s: candidate %u lies below the horizon, but has weight %g", what, number, w);
         return false;
     }
-    mark_near(w, rgbd_sum(F) * cosine / q, 0, 1e-3, "%s: the weight of candidate %u, %.0f degrees from the normal, "
+    mark_near(w, must.w, 0, 1e-3, "%s: the weight of candidate %u, %.0f degrees from the normal, "
               "phat/q = (f cos Le summed over RGB)/q,", what,
               number, degrees);
-    mark_near((double)g->F[0][number] * unit, F.r, 0, 1e-3, "%s: F_r of candidate %u, f Le without the cosine,", what,
-              number);
-    mark_near((double)g->F[1][number] * unit, F.g, 0, 1e-3, "%s: F_g of candidate %u, f Le without the cosine,", what,
-              number);
-    mark_near((double)g->F[2][number] * unit, F.b, 0, 1e-3, "%s: F_b of candidate %u, f Le without the cosine,", what,
-              number);
+    mark_near(F.r, must.F.r, 0, 1e-3, "%s: F_r of candidate %u, f Le without the cosine,", what, number);
+    mark_near(F.g, must.F.g, 0, 1e-3, "%s: F_g of candidate %u, f Le without the cosine,", what, number);
+    mark_near(F.b, must.F.b, 0, 1e-3, "%s: F_b of candidate %u, f Le without the cosine,", what, number);
     return w > 0;
 }
 
 enum { CANDIDATES = 400 };
 
-/* The candidates of the claims about weights: the same ones here and in the student's process. The unit of f, which
- * weighing stores in a set, is asked of the material. */
-static ask_scene drawn(lit *l, bis_scratch *scratch, bis_proposal proposal)
+/* M candidates of a scene: the same ones here and in the student's process. The unit of f, which weighing stores in a
+ * set, is asked of the material. */
+static ask_scene drawn(lit *l, bis_scratch *scratch, const ask_scene *of, uint32_t M, uint64_t seed)
 {
-    bis_settings s = sir(proposal, CANDIDATES, 1, false);
-    ask_scene scene = mark_scene(LIT_SMOOTH, glossy(), LIT_OPEN, ASK_SIR, &s);
+    ask_scene scene = *of;
+    bis_settings *s = &scene.settings;
     bis_sampler sampler;
 
-    scene.seed = mark_seed(9);
+    s->candidates = M;
+    s->stratify = false;
+    scene.seed = seed;
     mark_lit(l, &scene);
-    if (bis_scratch_init(scratch, &s, NULL)) mark_wrong("no memory");
-    bis_stream stream = answers_stream(scene.seed, 1, &sampler);
+    const bis_settings with = sir(s->proposal, M, 1, false); /* the scene's has no integrator */
+    if (bis_scratch_init(scratch, &with, NULL)) mark_wrong("no memory");
+    bis_stream stream = answers_stream(seed, 1, &sampler);
     bis_set *x = scratch->set;
-    bis_set_draw(x, CANDIDATES, proposal, false, &l->pt, &stream);
+    bis_set_draw(x, M, s->proposal, false, &l->pt, &stream);
     float memory[5][BIS_LANES_BLOCK];
     const bis_reflected f = {memory[0], memory[1], memory[2], memory[3], memory[4]};
     x->unit_of_f = bis_bsdf_f_many(&f, &l->pt.bsdf, x->map.n ? &x->map.x : &x->brdf.x, 1);
     return scene;
 }
 
-static void check_weights(bis_proposal proposal, double beta, const char *what)
+static weighed weigh(const ask_scene *scene, const bis_set *x)
 {
+    const size_t n = x->brdf.first + bis_lanes_round_up(x->brdf.n);
+    weighed g = {.x = x, .w = mark_alloc(n, sizeof *g.w)};
+
+    for (int c = 0; c < 3; c++) g.F[c] = mark_alloc(n, sizeof *g.F[c]);
+    ASK(ASK_WEIGHTS, GIVE(scene, 1), TAKE(&g.Zhat, 1), TAKE(g.w, n), TAKE(g.F[0], n), TAKE(g.F[1], n),
+        TAKE(g.F[2], n));
+    return g;
+}
+
+static void weighed_clear(weighed *g)
+{
+    bis_free(g->w);
+    for (int c = 0; c < 3; c++) bis_free(g->F[c]);
+}
+
+static void check_weights(bis_proposal proposal, const char *what)
+{
+    const bis_settings s = sir(proposal, CANDIDATES, 1, false);
+    const ask_scene of = mark_scene(LIT_SMOOTH, glossy(), LIT_OPEN, ASK_SIR, &s);
     bis_scratch scratch;
     uint32_t lit_ones = 0;
     double sum = 0;
     lit l;
 
-    const ask_scene scene = drawn(&l, &scratch, proposal);
+    const ask_scene scene = drawn(&l, &scratch, &of, CANDIDATES, mark_seed(9));
     const bis_set *x = scratch.set;
     const bis_half *halves[] = {&x->map, &x->brdf};
-    const size_t n = x->brdf.first + bis_lanes_round_up(x->brdf.n);
-    weighed g = {.x = x, .w = mark_alloc(n, sizeof *g.w)};
-    for (int c = 0; c < 3; c++) g.F[c] = mark_alloc(n, sizeof *g.F[c]);
-    ASK(ASK_WEIGHTS, GIVE(&scene, 1), TAKE(&g.Zhat, 1), TAKE(g.w, n), TAKE(g.F[0], n), TAKE(g.F[1], n),
-        TAKE(g.F[2], n));
+    weighed g = weigh(&scene, x);
     for (int k = 0; k < 2; k++) {
         for (uint32_t i = 0; i < halves[k]->n; i++) {
-            lit_ones += check_candidate(&l, &g, halves[k], i, beta, what);
+            lit_ones += check_candidate(&l, &g, halves[k], i, x->beta, what);
             sum += weight_of(&g, halves[k]->first + i);
         }
     }
@@ -118,28 +157,20 @@ static void check_weights(bis_proposal proposal, double beta, const char *what)
     }
     mark_near(g.Zhat, sum / CANDIDATES, 0, 1e-5, "%s: the mean of the weights (have you written beyond the n "
               "candidates?)", what);
-    bis_free(g.w);
-    for (int c = 0; c < 3; c++) bis_free(g.F[c]);
+    weighed_clear(&g);
     bis_scratch_clear(&scratch);
     bis_light_free(l.light);
 }
 
-static void weights_from_the_map_are_phat_over_q(void) { check_weights(BIS_PROPOSAL_EM, 1, "candidates from the map"); }
+static void weights_from_the_map_are_phat_over_q(void) { check_weights(BIS_PROPOSAL_EM, "candidates from the map"); }
 static void weights_from_the_brdf_are_phat_over_q(void)
 {
-    check_weights(BIS_PROPOSAL_BRDF, 0, "candidates from the BRDF");
+    check_weights(BIS_PROPOSAL_BRDF, "candidates from the BRDF");
 }
 
 static void weights_of_a_mixture_have_the_mixed_density(void)
 {
-    bis_scratch scratch;
-    lit l;
-
-    drawn(&l, &scratch, BIS_PROPOSAL_MIX);
-    const double beta = scratch.set->beta;
-    bis_scratch_clear(&scratch);
-    bis_light_free(l.light);
-    check_weights(BIS_PROPOSAL_MIX, beta, "candidates of a mixture");
+    check_weights(BIS_PROPOSAL_MIX, "candidates of a mixture");
 }
 
 /* ---- choices ---- */
@@ -274,6 +305,88 @@ static void candidates_are_chosen_in_proportion_to_their_weights(void)
 }
 static void multinomial_choices_are_independent(void) { check_choice(BIS_RESAMPLING_MULTINOMIAL, "multinomial"); }
 
+/* ---- one cause, one claim ---- */
+
+/* What the student's own weights are worth: the value of candidate i is w_i F/phat V, in each channel, and the mean of
+ * these values is the mean of a right estimate, whatever w is, for all M and N. value[3]: r + g + b, of each
+ * candidate. */
+enum { SETS = 10, OWN = 4000 };
+typedef struct own {
+    bool is_right; /* all weights are phat/q: then brute force judges, and nothing here is needed */
+    bool some_below_0;
+    stat_moments value[4];
+    double *sums;  /* [SETS * OWN] */
+} own;
+
+static bool is_near(double value, double expected) { return fabs(value - expected) <= 1e-3 * fabs(expected); }
+
+static void add_half(own *o, uint32_t *lit_ones, const lit *l, const weighed *g, const bis_half *half, double *sums)
+{
+    for (uint32_t i = 0; i < half->n; i++) {
+        const right_weight must = right_weight_of(l, g->x, half, i, g->x->beta);
+        const rgbd F = F_of(g, half->first + i);
+        const double w = weight_of(g, half->first + i), phat = rgbd_sum(F),
+            scale = phat > 0 && !lit_is_hidden(l->accel.hidden, (double)half->x.y[i]) ? w / phat : 0;
+        const bool is_grazing = fabs(must.cosine) < 1e-3; /* a cosine of floats is good to 1e-7 */
+        if (!is_grazing && !is_near(w, must.w)) o->is_right = false;
+        if (!is_grazing && must.w > 0 &&
+            !(is_near(F.r, must.F.r) && is_near(F.g, must.F.g) && is_near(F.b, must.F.b))) o->is_right = false;
+        o->some_below_0 = o->some_below_0 || w < 0;
+        *lit_ones += w > 0 && phat > 0;
+        stat_add(&o->value[0], scale * F.r);
+        stat_add(&o->value[1], scale * F.g);
+        stat_add(&o->value[2], scale * F.b);
+        stat_add(&o->value[3], sums[i] = scale * phat);
+    }
+}
+
+static own own_under(const ask_scene *of, uint32_t *lit_ones)
+{
+    own o = {.is_right = true, .sums = mark_alloc((size_t)SETS * OWN, sizeof *o.sums)};
+
+    for (uint32_t k = 0; k < SETS; k++) {
+        bis_scratch scratch;
+        lit l;
+        const ask_scene scene = drawn(&l, &scratch, of, OWN, mark_seed(100 + k));
+        const bis_set *x = scratch.set;
+        weighed g = weigh(&scene, x);
+        add_half(&o, lit_ones, &l, &g, &x->map, o.sums + (size_t)k * OWN);
+        add_half(&o, lit_ones, &l, &g, &x->brdf, o.sums + (size_t)k * OWN + x->map.n);
+        weighed_clear(&g);
+        bis_scratch_clear(&scratch);
+        bis_light_free(l.light);
+    }
+    return o;
+}
+
+/* Candidates below the horizon may have weights below 0, which are no shares of anything. Then the scene gets a map
+ * whose light all lies above the horizon. */
+static own own_of(ask_scene *scene, const char *what)
+{
+    uint32_t lit_ones = 0, other = 0;
+    own o = own_under(scene, &lit_ones);
+
+    if (!o.is_right && lit_ones < SETS * OWN / 8) {
+        mark_wrong("%s: only %u of %d candidates have a weight and an F; light comes from all sides here", what,
+                   lit_ones, SETS * OWN);
+    }
+    if (!o.some_below_0) return o;
+    bis_free(o.sums);
+    scene->map = LIT_ONE_BLOCK;
+    return own_under(scene, &other);
+}
+
+/* MARK_ALPHA is 5.2 standard errors. */
+static void check_same_mean(const stat_moments *m, const stat_moments *must, const char *what, const char *why)
+{
+    const double chance = sqrt(stat_variance(m) / m->n + stat_variance(must) / must->n);
+
+    if (!(fabs(m->mean - must->mean) <= 5.2 * chance)) {
+        mark_wrong("%s: the mean of %.0f estimates is %.6g, must be %.6g with the weights of yours (+- %.2g). %s", what,
+                   m->n, m->mean, must->mean, chance, why);
+    }
+}
+
 /* ---- the estimate ---- */
 
 /* N rays at most, whatever M: they are what is dear. */
@@ -291,13 +404,21 @@ static void check_rays(const ask_estimate *e, const bis_settings *s, uint32_t ru
 
 static void check(bis_settings s, lit_hidden hidden, uint32_t runs, const char *what)
 {
-    const ask_scene scene = mark_scene(LIT_SMOOTH, glossy(), hidden, ASK_SIR, &s);
+    ask_scene scene = mark_scene(LIT_SMOOTH, glossy(), hidden, ASK_SIR, &s);
+    own o = own_of(&scene, what);
     ask_estimate *e = mark_run(&scene, runs, mark_seed(2));
     lit l;
 
     check_rays(e, &s, runs, what);
     mark_lit(&l, &scene);
-    mark_estimates(e, &l, runs, MARK_ALPHA, what, hint);
+    if (o.is_right) {
+        mark_estimates(e, &l, runs, MARK_ALPHA, what, hint);
+    } else {
+        stat_moments m[4];
+        mark_moments(m, e, runs);
+        for (int i = 0; i < 3; i++) check_same_mean(&m[i], &o.value[i], what, hint);
+    }
+    bis_free(o.sums);
     bis_light_free(l.light);
     bis_free(e);
 }
@@ -315,26 +436,37 @@ static void unbiased_for_few_candidates(void)
     check(sir(BIS_PROPOSAL_EM, 3, 7, true), LIT_OPEN, 20000, "M = 3, N = 7: more rays than candidates");
 }
 
-/* The squared error of r + g + b must be that of M plain samples of the map. */
-static void check_noise(uint32_t M, uint32_t N, double degrees, uint32_t runs, const char *what, const char *why)
+/* The squared error of r + g + b must be that of M plain samples of the map; with wrong weights, that of the mean of M
+ * of them. timed: it is the load, whose weights have to be right. */
+static void check_noise(uint32_t M, uint32_t N, double degrees, uint32_t runs, bool timed, const char *what,
+                        const char *why)
 {
     const bis_settings s = sir(BIS_PROPOSAL_EM, M, N, false);
     ask_scene scene = mark_scene(LIT_SPOTTY, bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), LIT_OPEN,
                                  ASK_SIR, &s);
     scene.degrees = degrees;
+    own o = {.is_right = true};
+    if (!timed) o = own_of(&scene, what);
     ask_estimate *e = mark_run(&scene, runs, mark_seed(3));
-    stat_moments square = {0};
+    stat_moments square = {0}, must = {0};
     lit l;
 
     check_rays(e, &s, runs, what);
     mark_lit(&l, &scene);
-    const double truth = rgbd_sum(lit_truth(&l, false)), variance = lit_variance_em(&l);
+    const double mean = o.is_right ? rgbd_sum(lit_truth(&l, false)) : o.value[3].mean;
     for (uint32_t run = 0; run < runs; run++) {
-        const double d = rgb_sum(e[run].L) - truth;
+        const double d = rgb_sum(e[run].L) - mean;
         stat_add(&square, d * d);
     }
-    mark_mean(&square, variance / M, MARK_ALPHA, what, why);
+    for (uint32_t k = 0; !o.is_right && k + M <= SETS * OWN; k += M) {
+        double sum = 0;
+        for (uint32_t i = 0; i < M; i++) sum += o.sums[k + i];
+        stat_add(&must, (sum / M - mean) * (sum / M - mean));
+    }
+    if (o.is_right) mark_mean(&square, lit_variance_em(&l) / M, MARK_ALPHA, what, why);
+    else check_same_mean(&square, &must, what, why);
     mark_repeats(&scene, e, runs, mark_seed(3));
+    bis_free(o.sums);
     bis_light_free(l.light);
     bis_free(e);
 }
@@ -342,21 +474,22 @@ static void check_noise(uint32_t M, uint32_t N, double degrees, uint32_t runs, c
 static void unbiased_for_many_candidates(void)
 {
     check(sir(BIS_PROPOSAL_MIX, 64, 4, true), LIT_HALF, 3000, "M = 64, N = 4, stratified");
-    check_noise(32, 1, 40, 30000, "M = 32, N = 1, in the open: the squared error",
+    check_noise(32, 1, 40, 30000, false, "M = 32, N = 1, in the open: the squared error",
                 "It must be that of 32 samples: all candidates count, in Zhat, and not only the one that is traced.");
 }
 
 /* In the open and without colour all F/phat are equal: the noise is that of Zhat alone, however few the rays. */
 static void rays_add_no_noise_where_nothing_is_hidden(void)
 {
-    check_noise(8, 3, 40, 30000, "M = 8, N = 3, in the open: the squared error",
+    check_noise(8, 3, 40, 30000, false, "M = 8, N = 3, in the open: the squared error",
                 "It must be that of 8 samples, not of 3: the rays only ask for visibility.");
 }
 
 /* The noise of it is looked at, too; from where, nobody knows before. */
 static void work(void)
 {
-    check_noise((uint32_t)mark_size(128), 8, (double)mark_size(40), 5000, "the load that is timed: the squared error",
+    check_noise((uint32_t)mark_size(128), 8, (double)mark_size(40), 5000, true,
+                "the load that is timed: the squared error",
                 "It must be that of its M samples.");
 }
 

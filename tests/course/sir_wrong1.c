@@ -3,10 +3,6 @@
 /* loses: weights_from_the_map_are_phat_over_q */
 /* loses: weights_from_the_brdf_are_phat_over_q */
 /* loses: weights_of_a_mixture_have_the_mixed_density */
-/* loses: unbiased_for_one_candidate_and_one_ray */
-/* loses: unbiased_for_few_candidates */
-/* loses: unbiased_for_many_candidates */
-/* loses: rays_add_no_noise_where_nothing_is_hidden */
 /* [weigh] */
 BIS_LANES
 static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,

@@ -3,7 +3,6 @@
 /* loses: weights_from_the_brdf_are_phat_over_q */
 /* loses: weights_of_a_mixture_have_the_mixed_density */
 /* loses: candidates_are_chosen_in_proportion_to_their_weights */
-/* loses: unbiased_for_one_candidate_and_one_ray */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */
 /* [weigh] */

@@ -323,6 +323,38 @@ static void tangents_are_the_derivatives_of_the_point(void **state)
     }
 }
 
+/* A triangle of p = o + u p_u + v p_v, anywhere in space: its tangents are p_u and p_v. */
+static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
+{
+    (void)state;
+    uint64_t random = 7;
+    for (int i = 0; i < 100; i++) {
+        const vec3 o = random_point(&random, -1, 1), p[2] = {random_direction(&random), random_direction(&random)};
+        if ((double)length(cross(p[0], p[1])) < .3) continue; /* a splinter */
+        bis_geometry g = {0};
+        bis_mesh m = new_mesh(3, 1);
+        bis_tangents t;
+        double u[3], v[3];
+        m.uv = bis_alloc(3, sizeof *m.uv);
+        assert_non_null(m.uv);
+        for (int k = 0; k < 3; k++) {
+            u[k] = (k == 1) + random_between(&random, -.2, .2);
+            v[k] = (k == 2) + random_between(&random, -.2, .2);
+            m.uv[k] = (bis_uv){(float)u[k], (float)v[k]};
+            m.p[k] = add(o, add(mul(p[0], (float)u[k]), mul(p[1], (float)v[k])));
+            m.index[k] = (uint32_t)k;
+        }
+        const vec3 middle = mul(add(m.p[0], add(m.p[1], m.p[2])), 1 / 3.f), side = normalize(cross(p[0], p[1]));
+        const ray eye = {add(middle, side), neg(side), INFINITY};
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_tangents(&g, 0, &eye, &t);
+        const double wrong = fmax((double)length(sub(vec3_from(t.u[0], t.u[1], t.u[2]), p[0])),
+                                  (double)length(sub(vec3_from(t.v[0], t.v[1], t.v[2]), p[1])));
+        assert_true(wrong < 1e-5); /* corners are good to 2^-23, and are some 0.6 apart: 1e-6 */
+        bis_geometry_clear(&g);
+    }
+}
+
 static void a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump(void **state)
 {
     (void)state;
@@ -356,6 +388,7 @@ int main(void)
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
         cmocka_unit_test(a_normal_map_turns_with_the_surface),
         cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
+        cmocka_unit_test(a_triangles_tangents_are_those_that_it_was_made_of),
         cmocka_unit_test(a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
