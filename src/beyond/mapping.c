@@ -2,7 +2,7 @@
 /* mapping: resamples a picture of one mapping to another.
  *
  * Each pixel becomes the mean of k x k directions that are spread over it, weighted by solid angle; each direction is
- * looked up in the nearest pixel of the source. Gathering in this way leaves no holes, keeps a constant map constant
+ * looked up in the nearest pixel of the source, in lanes (mapping_models.c). Gathering in this way leaves no holes, keeps a constant map constant
  * and gives a lamp of few pixels its shape. Distributing the source's pixels would need far more samples for that,
  * where pixels of the result are narrow, as near the poles of a lat-long map.
  *
@@ -21,6 +21,7 @@
 #include "mapping_models.h"
 
 #include "bis/base/mem.h"
+#include "bis/thesis/lanes.h"
 #include "thesis/envmap_parts.h"
 
 #include <assert.h>
@@ -30,9 +31,18 @@
 #define BRIGHT_SHARE 1e-3 /* of the energy, in one pixel */
 enum { MOST_LAMPS = 3000, FINE = 32 };
 
+/* The places of k x k samples in each of some neighbours in a row, which are looked up together: a call for 16 samples
+ * alone would take half as long again, because it waits for each of its results. */
+typedef struct pattern {
+    int k;
+    uint32_t samples; /* k x k */
+    int pixels;       /* that fit into one bis_samples, or 1 */
+    float *dx, *dy;   /* for whole blocks: pixels from the centre of the first one */
+} pattern;
+
 typedef struct resampling {
     const bis_raster *to, *from;
-    int k;
+    pattern usual, fine;
     uint16_t *lamp_of; /* lamp_of[pixel of the source]: the lamp that it is; 0: none */
     int n_lamps;       /* they are 1 to n_lamps */
     size_t pixel_of[MOST_LAMPS];
@@ -43,6 +53,12 @@ static const bis_mapping_model *model_of(const bis_raster *r) { return &bis_mapp
 
 /* In sr; 0: outside. */
 static double solid_angle(const bis_raster *r, int x, int y) { return r->scale * model_of(r)->solid_angle(r, x, y); }
+
+/* The same, if that of the pixel before is known: in a row of a lat-long map all are equal. */
+static double next_solid_angle(const bis_raster *r, int x, int y, double before)
+{
+    return x > 0 && r->mapping == BIS_MAPPING_LATLONG ? before : solid_angle(r, x, y);
+}
 
 static double solid_angle_at(const bis_raster *r, size_t i)
 {
@@ -63,67 +79,151 @@ static bis_raster raster_of(bis_mapping mapping, int width, int height, rgb *pix
     return r;
 }
 
+/* The width of a cell of the picture. */
+static int cell_of(const bis_raster *r)
+{
+    if (r->mapping == BIS_MAPPING_LATLONG) return r->width;
+    const bool is_column = r->mapping == BIS_MAPPING_CUBE_STRIP && r->height > r->width;
+    return is_column ? r->width : r->width / model_of(r)->columns;
+}
+
 /* Pixels around the sphere. */
 static double turn_of(const bis_raster *r)
 {
-    const bis_mapping_model *m = model_of(r);
     if (r->mapping == BIS_MAPPING_LATLONG) return fmax(r->width, 2.0 * r->height);
-    const bool is_strip = r->mapping == BIS_MAPPING_CUBE_STRIP && r->height > r->width;
-    return m->turn * (is_strip ? r->width : r->width / m->columns);
+    return model_of(r)->turn * cell_of(r);
 }
 
-/* Stores k x k samples of pixel (x, y) of the result, added up, and in met[] the weight of those that meet each lamp.
- * Returns the weight of all; *last: the lamp of the last one. */
-static double gather(const resampling *s, int x, int y, int k, double sum[3], double met[MOST_LAMPS], int *last)
+static bool pattern_init(pattern *p, int k)
+{
+    const uint32_t samples = (uint32_t)k * (uint32_t)k, pixels = samples < BIS_SAMPLES ? BIS_SAMPLES / samples : 1;
+    const uint32_t n = pixels * samples, lanes = bis_lanes_round_up(n);
+    *p = (pattern){k, samples, (int)pixels, bis_alloc(lanes, 2 * sizeof *p->dx), NULL};
+    if (!p->dx) return false;
+    p->dy = p->dx + lanes;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t within = i % samples;
+        p->dx[i] = (float)(i / samples + (within / (uint32_t)k + 0.5) / k - 0.5);
+        p->dy[i] = (float)((within % (uint32_t)k + 0.5) / k - 0.5);
+    }
+    return true;
+}
+
+/* Looks up n samples of the pattern from sample `first` on. */
+static void look_up(const resampling *s, int x, int y, const pattern *p, uint32_t first, uint32_t n, bis_samples *at)
+{
+    model_of(s->to)->directions(s->to, x, y, p->dx + first, p->dy + first, at, bis_lanes_round_up(n));
+    model_of(s->from)->pixels(s->from, at, bis_lanes_round_up(n));
+}
+
+/* Adds n samples to sum and met. Returns their weight; *last: the lamp of the last one. */
+static double add_samples(const resampling *s, const bis_samples *at, uint32_t n, double sum[3], double met[MOST_LAMPS],
+                          int *last)
 {
     double weights = 0;
-    sum[0] = sum[1] = sum[2] = 0;
-    memset(met, 0, ((size_t)s->n_lamps + 1) * sizeof *met);
-    for (int i = 0; i < k; i++) {
-        for (int j = 0; j < k; j++) {
-            double d[3];
-            const double weight =
-                model_of(s->to)->direction(s->to, x, y, (i + 0.5) / k - 0.5, (j + 0.5) / k - 0.5, d);
-            if (weight <= 0) continue;
-            const size_t pixel = model_of(s->from)->pixel(s->from, d);
-            const rgb c = s->from->pixels[pixel];
-            *last = s->lamp_of[pixel];
-            const double w = weight * s->factor[*last];
-            sum[0] += w * (double)c.r;
-            sum[1] += w * (double)c.g;
-            sum[2] += w * (double)c.b;
-            met[*last] += weight;
-            weights += weight;
-        }
+    for (uint32_t i = 0; i < n; i++) {
+        const double weight = (double)at->weight[i];
+        if (weight <= 0) continue;
+        const rgb c = s->from->pixels[at->pixel[i]];
+        *last = s->lamp_of[at->pixel[i]];
+        const double w = weight * s->factor[*last];
+        sum[0] += w * (double)c.r;
+        sum[1] += w * (double)c.g;
+        sum[2] += w * (double)c.b;
+        met[*last] += weight;
+        weights += weight;
     }
     return weights;
+}
+
+/* Stores the samples of pixel (x, y) of the result, added up, and in met[], which is all 0, the weight of those that
+ * meet each lamp. Returns the weight of all; *last: the lamp of the last one. */
+static double gather(const resampling *s, int x, int y, const pattern *p, double sum[3], double met[MOST_LAMPS],
+                     int *last)
+{
+    double weights = 0;
+    bis_samples at;
+    sum[0] = sum[1] = sum[2] = 0;
+    for (uint32_t i = 0; i < p->samples; i += BIS_SAMPLES) {
+        const uint32_t n = p->samples - i < BIS_SAMPLES ? p->samples - i : BIS_SAMPLES;
+        look_up(s, x, y, p, i, n, &at);
+        weights += add_samples(s, &at, n, sum, met, last);
+    }
+    return weights;
+}
+
+static void forget(const resampling *s, double met[MOST_LAMPS])
+{
+    memset(met, 0, ((size_t)s->n_lamps + 1) * sizeof *met);
 }
 
 /* The same with as many samples as the pixel needs. */
 static double look(const resampling *s, int x, int y, double sum[3], double met[MOST_LAMPS])
 {
     int lamp = 0;
-    const double weights = gather(s, x, y, s->k, sum, met, &lamp);
-    if (met[lamp] == weights || s->k >= FINE) return weights;
-    return gather(s, x, y, FINE, sum, met, &lamp);
+    const double weights = gather(s, x, y, &s->usual, sum, met, &lamp);
+    if (met[lamp] == weights || s->usual.k >= FINE) return weights;
+    forget(s, met);
+    return gather(s, x, y, &s->fine, sum, met, &lamp);
 }
 
-/* Gathers all pixels, or, if `again`, those that met a lamp the first time, which marked them by a red of -1. Adds to
- * received[lamp] its solid angle in the result. */
-static void gather_all(const resampling *s, bool again, double received[MOST_LAMPS])
+/* Whether no sample of pixel i among these meets a lamp. If so, *c is their mean. */
+static bool mean_of(const resampling *s, const bis_samples *at, uint32_t i, rgb *c)
+{
+    const uint32_t first = i * s->usual.samples;
+    double r = 0, g = 0, b = 0, weights = 0;
+    unsigned lamps = 0;
+    for (uint32_t k = first; k < first + s->usual.samples; k++) {
+        const double w = (double)at->weight[k];
+        const rgb seen = s->from->pixels[at->pixel[k]];
+        lamps |= s->lamp_of[at->pixel[k]];
+        r += w * (double)seen.r;
+        g += w * (double)seen.g;
+        b += w * (double)seen.b;
+        weights += w;
+    }
+    *c = rgb_from(r / weights, g / weights, b / weights);
+    return !lamps;
+}
+
+/* Gathers all pixels that meet no lamp. The others are marked by a red of -1; so are all, if the samples of one are too
+ * many to be looked up together. */
+static void gather_plain(const resampling *s)
+{
+    const bis_raster *to = s->to;
+    const int cell = cell_of(to);
+#pragma omp parallel for schedule(dynamic)
+    for (int y = 0; y < to->height; y++) {
+        bis_samples at;
+        double area = 0;
+        for (int x = 0, n; x < to->width; x += n) {
+            n = cell - x % cell < s->usual.pixels ? cell - x % cell : s->usual.pixels;
+            const bool together = s->usual.samples <= BIS_SAMPLES;
+            if (together) look_up(s, x, y, &s->usual, 0, (uint32_t)n * s->usual.samples, &at);
+            for (int i = 0; i < n; i++) {
+                area = next_solid_angle(to, x + i, y, area);
+                rgb *const c = &to->pixels[(size_t)y * (size_t)to->width + (size_t)(x + i)];
+                if (area > 0 && !(together && mean_of(s, &at, (uint32_t)i, c))) *c = (rgb){-1, 0, 0};
+            }
+        }
+    }
+}
+
+/* Gathers the pixels that are marked. Those that meet a lamp stay marked the first time. Adds to received[lamp] its
+ * solid angle in the result. */
+static void gather_marked(const resampling *s, bool again, double received[MOST_LAMPS])
 {
     const bis_raster *to = s->to;
 #pragma omp parallel for ordered schedule(dynamic)
     for (int y = 0; y < to->height; y++) {
-        double row[MOST_LAMPS] = {0}, met[MOST_LAMPS], sum[3];
+        double row[MOST_LAMPS] = {0}, met[MOST_LAMPS] = {0}, sum[3];
         for (int x = 0; x < to->width; x++) {
-            const double area = solid_angle(to, x, y);
             rgb *const c = &to->pixels[(size_t)y * (size_t)to->width + (size_t)x];
-            if (area <= 0 || (again && c->r >= 0)) continue; /* what is outside stays black */
-            const double weights = look(s, x, y, sum, met);
+            if (c->r >= 0) continue; /* what is outside stays black */
+            const double weights = look(s, x, y, sum, met), area = solid_angle(to, x, y);
+            if (again || met[0] == weights) *c = rgb_from(sum[0] / weights, sum[1] / weights, sum[2] / weights);
             for (int lamp = 1; lamp <= s->n_lamps; lamp++) row[lamp] += met[lamp] / weights * area;
-            if (met[0] < weights && !again) *c = (rgb){-1, 0, 0};
-            else *c = rgb_from(sum[0] / weights, sum[1] / weights, sum[2] / weights);
+            forget(s, met);
         }
 #pragma omp ordered
         for (int lamp = 1; lamp <= s->n_lamps; lamp++) received[lamp] += row[lamp];
@@ -133,10 +233,11 @@ static void gather_all(const resampling *s, bool again, double received[MOST_LAM
 /* The integrals of red, green and blue. */
 static void power_of(const bis_raster *r, double power[3])
 {
+    double area = 0;
     power[0] = power[1] = power[2] = 0;
     for (int y = 0; y < r->height; y++)
         for (int x = 0; x < r->width; x++) {
-            const double area = solid_angle(r, x, y);
+            area = next_solid_angle(r, x, y, area);
             const rgb c = r->pixels[(size_t)y * (size_t)r->width + (size_t)x];
             if (area <= 0) continue;
             power[0] += (double)c.r * area;
@@ -180,9 +281,11 @@ static void add_lamp(const resampling *s, size_t pixel)
 {
     const bis_raster *to = s->to, *from = s->from;
     const int x = (int)(pixel % (size_t)from->width), y = (int)(pixel / (size_t)from->width);
-    double d[3];
-    model_of(from)->direction(from, x, y, 0, 0, d);
-    const size_t i = model_of(to)->pixel(to, d);
+    const float centre[BIS_LANES_BLOCK] = {0};
+    bis_samples at;
+    model_of(from)->directions(from, x, y, centre, centre, &at, BIS_LANES_BLOCK);
+    model_of(to)->pixels(to, &at, BIS_LANES_BLOCK);
+    const size_t i = at.pixel[0];
     const double times = solid_angle(from, x, y) / solid_angle_at(to, i);
     to->pixels[i] = rgb_add(to->pixels[i], rgb_scale(from->pixels[pixel], times));
 }
@@ -198,26 +301,43 @@ static void scale_to(const bis_raster *to, const double power[3])
     }
 }
 
-/* Fills `to`. power: the integrals of r+g+b before and after. */
-static bis_status resample(const bis_raster *to, const bis_raster *from, double power[2], bis_diag *diag)
+static void resampling_clear(resampling *s)
+{
+    bis_free(s->lamp_of);
+    bis_free(s->usual.dx);
+    bis_free(s->fine.dx);
+}
+
+static bis_status resampling_init(resampling *s, const bis_raster *to, const bis_raster *from, bis_diag *diag)
 {
     const int per_pixel = from->mapping == BIS_MAPPING_ANGULAR ? 8 : 4;
     const int k = (int)ceil(per_pixel * turn_of(from) / turn_of(to));
-    resampling s = {to, from, k > 2 ? k : 2, bis_alloc((size_t)from->width * (size_t)from->height, 2), .factor = {1}};
-    double before[3], after[3], received[MOST_LAMPS] = {0};
+    *s = (resampling){.to = to, .from = from, .factor = {1}};
+    s->lamp_of = bis_alloc((size_t)from->width * (size_t)from->height, sizeof *s->lamp_of);
+    if (s->lamp_of && pattern_init(&s->usual, k > 2 ? k : 2) && pattern_init(&s->fine, FINE)) return BIS_OK;
+    resampling_clear(s);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the lamps of a map of %d x %d", from->width,
+                     from->height);
+}
 
-    if (!s.lamp_of)
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the lamps of a map of %d x %d", from->width,
-                         from->height);
+/* Fills `to`. power: the integrals of r+g+b before and after. */
+static bis_status resample(const bis_raster *to, const bis_raster *from, double power[2], bis_diag *diag)
+{
+    double before[3], after[3], received[MOST_LAMPS] = {0};
+    resampling s;
+
+    const bis_status status = resampling_init(&s, to, from, diag);
+    if (status) return status;
     power_of(from, before);
     find_lamps(&s, before);
-    gather_all(&s, false, received);
+    gather_plain(&s);
+    gather_marked(&s, false, received);
     for (int lamp = 1; lamp <= s.n_lamps; lamp++)
         if (received[lamp] > 0) s.factor[lamp] = solid_angle_at(from, s.pixel_of[lamp]) / received[lamp];
-    gather_all(&s, true, received); /* which has served */
+    gather_marked(&s, true, received); /* which has served */
     for (int lamp = 1; lamp <= s.n_lamps; lamp++)
         if (s.factor[lamp] == 0) add_lamp(&s, s.pixel_of[lamp]);
-    bis_free(s.lamp_of);
+    resampling_clear(&s);
     scale_to(to, before);
     power_of(to, after);
     power[0] = before[0] + before[1] + before[2];

@@ -10,34 +10,58 @@
  * |cos theta| = 1 - r^2, and the azimuth goes linearly along the diagonals of constant r; the corners are the lower
  * hemisphere, folded out.
  * cube: the pixel at (a, b) in [-1, 1]^2 of a face is the direction (1, a, b)/|(1, a, b)| of the face's own axes. The
- * solid angle of [0, a] x [0, b] is atan(a b / sqrt(1 + a^2 + b^2)). */
+ * solid angle of [0, a] x [0, b] is atan(a b / sqrt(1 + a^2 + b^2)).
+ *
+ * Places and directions are floats in lanes, because a map of 10^6 pixels is looked up at 2 * 10^7 places: 2 to 4 ns
+ * each, where one place after the other in double took 90. A direction is wrong by less than 10^-6, so a place that
+ * close to an edge of a pixel may be given to the neighbour: a thousandth of a pixel in a map 8192 wide. */
 #include "mapping_models.h"
+
+#include "bis/thesis/lanes.h"
+#include "thesis/light_many.h"
 
 #include <math.h>
 #include <string.h>
 
 #include <assert.h>
 
-static int clamp(int i, int n) { return i < 0 ? 0 : i < n ? i : n - 1; }
+/* Of a loop over lanes: i within [0, n). */
+static inline BIS_INLINE int32_t clamp(int32_t i, int32_t n) { return i < 0 ? 0 : i < n ? i : n - 1; }
 
-static size_t index_of(const bis_raster *r, int x, int y) { return (size_t)y * (size_t)r->width + (size_t)x; }
+/* |x|, and x with the sign of `of`. */
+static inline BIS_INLINE float magnitude(float x) { return bis_lanes_choose(x < 0, -x, x); }
+static inline BIS_INLINE float with_sign(float x, float of) { return bis_lanes_choose(of < 0, -x, x); }
 
 /* ---- lat-long ---- */
 
-static double latlong_direction(const bis_raster *r, int x, int y, double dx, double dy, double d[3])
+BIS_LANES
+static void latlong_lanes(float u0, float v0, float column, float row, const float *dx, const float *dy,
+                          bis_samples *s, uint32_t n)
 {
-    const double phi = 2 * PI * (x + dx + 0.5) / r->width, v = (y + dy + 0.5) / r->height;
-    const double theta = PI * fmin(fmax(v, 0), 1);
-    d[0] = sin(theta) * cos(phi);
-    d[1] = sin(theta) * sin(phi);
-    d[2] = cos(theta);
-    return sin(theta);
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        float sin_theta, cos_theta, sin_phi, cos_phi;
+        bis_lanes_sincos2pi((v0 + dy[i] * row) / 2, &sin_theta, &cos_theta);
+        bis_lanes_sincos2pi(u0 + dx[i] * column, &sin_phi, &cos_phi);
+        s->x[i] = sin_theta * cos_phi;
+        s->y[i] = sin_theta * sin_phi;
+        s->z[i] = cos_theta;
+        s->weight[i] = sin_theta;
+    }
 }
 
-static size_t latlong_pixel(const bis_raster *r, const double d[3])
+static void latlong_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
+                               uint32_t n)
 {
+    latlong_lanes((float)((x + 0.5) / r->width), (float)((y + 0.5) / r->height), 1 / (float)r->width,
+                  1 / (float)r->height, dx, dy, s, n);
+}
+
+static void latlong_pixels(const bis_raster *r, bis_samples *s, uint32_t n)
+{
+    static const vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const bis_envmap size = {.width = r->width, .height = r->height};
-    return bis_envmap_pixel(&size, vec3_from(d[0], d[1], d[2]));
+    bis_envmap_pixels(&size, axis, s->pixel, &(bis_lanes){.x = s->x, .y = s->y, .z = s->z}, n);
 }
 
 static double latlong_solid_angle(const bis_raster *r, int x, int y)
@@ -48,132 +72,174 @@ static double latlong_solid_angle(const bis_raster *r, int x, int y)
 
 /* ---- discs ---- */
 
-/* Stores the centre of pixel (x, y) on the disc: q[0] to the right, q[1] up, |q| = 1 at the rim. x and y may be
- * fractional. */
-static void disc_position(const bis_raster *r, double x, double y, double q[2])
+/* Stores the centre of pixel (x, y) on the disc: q[0] to the right, q[1] up, |q| = 1 at the rim. */
+static void disc_position(const bis_raster *r, int x, int y, double q[2])
 {
     q[0] = 2 * (x + 0.5) / r->width - 1;
     q[1] = 1 - 2 * (y + 0.5) / r->width;
 }
 
-static bool in_disc(const bis_raster *r, int x, int y)
+/* Whether a pixel's centre lies on the disc: in integers, so that all who ask have one answer. A side has at most 2^15
+ * pixels, so the sum of the two squares is at most 2^31. */
+static inline BIS_INLINE bool in_disc(int32_t side, int32_t x, int32_t y)
 {
-    double q[2];
-    disc_position(r, x, y, q);
-    return q[0] * q[0] + q[1] * q[1] <= 1;
+    const uint32_t a = (uint32_t)(2 * x + 1 - side), b = (uint32_t)(2 * y + 1 - side);
+    return a * a + b * b <= (uint32_t)side * (uint32_t)side;
 }
 
-/* The pixel at distance `radius` of the middle, on the ray along (cos_a, sin_a). */
-static size_t disc_pixel(const bis_raster *p, double radius, double cos_a, double sin_a)
+static inline BIS_INLINE int32_t column_of(float place, float sides, int32_t side)
 {
-    const int side = p->width;
-    for (;;) {
-        int column = (int)((radius * cos_a + 1) / 2 * side), row = (int)((1 - radius * sin_a) / 2 * side);
-        if (column == side) column--; /* the rim itself */
-        if (row == side) row--;
+    return clamp((int32_t)((place + 1) / 2 * sides), side);
+}
 
-        /* All points of a pixel lie within half a diagonal, sqrt(2)/side, of its centre. A rim pixel whose centre
-         * lies outside the disc is ignored; its neighbour towards the centre is used instead. */
-        const double surely_inside = 1 - sqrt(2) / side;
-        if (radius < surely_inside || in_disc(p, column, row)) return index_of(p, column, row);
-        radius -= sqrt(2) / side;
+/* The pixel at distance `radius` of the middle, on the ray along (cos_a, sin_a). All points of a pixel lie within half a
+ * diagonal, sqrt(2)/side, of its centre. A pixel on the rim whose centre lies outside the disc is ignored; the one half a
+ * diagonal nearer to the middle (and a little more, for the rounding of floats) is used instead, which is inside. */
+static inline BIS_INLINE uint32_t disc_pixel(int32_t side, float radius, float cos_a, float sin_a)
+{
+    const float sides = (float)side, step = 1.4143f / sides;
+    const bool inside = in_disc(side, column_of(radius * cos_a, sides, side), column_of(-radius * sin_a, sides, side));
+    const float r = bis_lanes_choose(inside, radius, radius - step);
+    return (uint32_t)(column_of(-r * sin_a, sides, side) * side + column_of(r * cos_a, sides, side));
+}
+
+BIS_LANES
+static void angular_lanes(float u0, float v0, float pixel, const float *dx, const float *dy, bis_samples *s, uint32_t n)
+{
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float u = u0 + dx[i] * pixel, v = v0 - dy[i] * pixel, radius = sqrtf(u * u + v * v);
+        float sine, cosine;
+        bis_lanes_sincos2pi(radius / 2, &sine, &cosine);
+        const float times = bis_lanes_choose(radius > 0, sine / radius, 3.14159265f);
+        s->x[i] = -cosine;
+        s->y[i] = -times * u;
+        s->z[i] = times * v;
+        s->weight[i] = bis_lanes_choose(radius > 1, 0, times);
     }
 }
 
-/* The direction's angle from the middle of the disc, in [0, pi], and its azimuth there. */
-static double angle_from_middle(const double d[3], double *cos_a, double *sin_a)
-{
-    const double h = sqrt(d[1] * d[1] + d[2] * d[2]);
-    *cos_a = h > 0 ? -d[1] / h : 1;
-    *sin_a = h > 0 ? d[2] / h : 0;
-    return atan2(h, -d[0]);
-}
-
-static double sinc(double t) { return t > 0 ? sin(t) / t : 1; }
-
-static double angular_direction(const bis_raster *r, int x, int y, double dx, double dy, double d[3])
+static void angular_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
+                               uint32_t n)
 {
     double q[2];
-    disc_position(r, x + dx, y + dy, q);
-    const double radius = hypot(q[0], q[1]);
-    if (q[0] * q[0] + q[1] * q[1] > 1) return 0;
-    const double s = radius > 0 ? sin(PI * radius) / radius : 0;
-    d[0] = -cos(PI * radius);
-    d[1] = -s * q[0];
-    d[2] = s * q[1];
-    return sinc(PI * radius);
+    disc_position(r, x, y, q);
+    angular_lanes((float)q[0], (float)q[1], 2 / (float)r->width, dx, dy, s, n);
 }
 
-static size_t angular_pixel(const bis_raster *r, const double d[3])
+BIS_LANES
+static void angular_pixel_lanes(int32_t side, bis_samples *s, uint32_t n)
 {
-    double cos_a, sin_a;
-    const double angle = angle_from_middle(d, &cos_a, &sin_a);
-    return disc_pixel(r, angle / PI, cos_a, sin_a);
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float h = sqrtf(s->y[i] * s->y[i] + s->z[i] * s->z[i]), radius = bis_lanes_atan2(h, -s->x[i]) * 0.318309886f;
+        const float cos_a = -s->y[i] / bis_lanes_choose(h > 0, h, 1), sin_a = s->z[i] / bis_lanes_choose(h > 0, h, 1);
+        s->pixel[i] = disc_pixel(side, radius, cos_a, sin_a);
+    }
 }
+
+static void angular_pixels(const bis_raster *r, bis_samples *s, uint32_t n) { angular_pixel_lanes(r->width, s, n); }
+
+static double sinc(double t) { return t > 0 ? sin(t) / t : 1; }
 
 /* Returns pi^2 sinc(pi r) dA, see above. */
 static double angular_solid_angle(const bis_raster *r, int x, int y)
 {
     double q[2];
     disc_position(r, x, y, q);
-    if (!in_disc(r, x, y)) return 0;
+    if (!in_disc(r->width, x, y)) return 0;
     return 4 * PI * PI * sinc(PI * hypot(q[0], q[1])) / r->width / r->width;
 }
 
-static double ball_direction(const bis_raster *r, int x, int y, double dx, double dy, double d[3])
+BIS_LANES
+static void ball_lanes(float u0, float v0, float pixel, const float *dx, const float *dy, bis_samples *s, uint32_t n)
 {
-    double q[2];
-    disc_position(r, x + dx, y + dy, q);
-    const double radius2 = q[0] * q[0] + q[1] * q[1];
-    if (radius2 > 1) return 0;
-    const double s = 2 * sqrt(1 - radius2); /* sin t / r, where r = sin(t/2) */
-    d[0] = 2 * radius2 - 1;
-    d[1] = -s * q[0];
-    d[2] = s * q[1];
-    return 1;
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float u = u0 + dx[i] * pixel, v = v0 - dy[i] * pixel, radius2 = u * u + v * v;
+        const float times = 2 * sqrtf(bis_lanes_choose(radius2 > 1, 0, 1 - radius2)); /* sin t / r, r = sin(t/2) */
+        s->x[i] = bis_lanes_choose(radius2 > 1, 1, 2 * radius2 - 1);
+        s->y[i] = -times * u;
+        s->z[i] = times * v;
+        s->weight[i] = bis_lanes_choose(radius2 > 1, 0, 1);
+    }
 }
 
-static size_t ball_pixel(const bis_raster *r, const double d[3])
+static void ball_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
+                            uint32_t n)
 {
-    double cos_a, sin_a;
-    const double angle = angle_from_middle(d, &cos_a, &sin_a);
-    return disc_pixel(r, sin(angle / 2), cos_a, sin_a);
+    double q[2];
+    disc_position(r, x, y, q);
+    ball_lanes((float)q[0], (float)q[1], 2 / (float)r->width, dx, dy, s, n);
 }
+
+/* Of the angle t from the middle, -x is the cosine and h the sine: sin(t/2) = h / sqrt(2 (1 - x)) in front and
+ * sqrt((1 + x) / 2) behind, where neither cancels. */
+BIS_LANES
+static void ball_pixel_lanes(int32_t side, bis_samples *s, uint32_t n)
+{
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float x = s->x[i], h = sqrtf(s->y[i] * s->y[i] + s->z[i] * s->z[i]);
+        const float ahead = bis_lanes_choose(x < 0, 1 - x, 1), behind = bis_lanes_choose(x < 0, 0, 1 + x);
+        const float radius = bis_lanes_choose(x < 0, h / sqrtf(2 * ahead), sqrtf(behind / 2));
+        const float cos_a = -s->y[i] / bis_lanes_choose(h > 0, h, 1), sin_a = s->z[i] / bis_lanes_choose(h > 0, h, 1);
+        s->pixel[i] = disc_pixel(side, radius, cos_a, sin_a);
+    }
+}
+
+static void ball_pixels(const bis_raster *r, bis_samples *s, uint32_t n) { ball_pixel_lanes(r->width, s, n); }
 
 static double ball_solid_angle(const bis_raster *r, int x, int y)
 {
-    return in_disc(r, x, y) ? 16.0 / r->width / r->width : 0;
+    return in_disc(r->width, x, y) ? 16.0 / r->width / r->width : 0;
 }
 
 /* ---- equal-area square ---- */
 
-static double equalarea_direction(const bis_raster *r, int x, int y, double dx, double dy, double d[3])
+BIS_LANES
+static void equalarea_lanes(float u0, float v0, float pixel, const float *dx, const float *dy, bis_samples *s,
+                            uint32_t n)
 {
-    const double u = 2 * (x + dx + 0.5) / r->width - 1, v = 2 * (y + dy + 0.5) / r->width - 1;
-    if (fabs(u) > 1 || fabs(v) > 1) return 0;
-    const double above = 1 - fabs(u) - fabs(v), radius = 1 - fabs(above); /* above 0: the upper hemisphere */
-    const double phi = radius > 0 ? PI / 4 * ((fabs(v) - fabs(u)) / radius + 1) : 0;
-    const double sin_theta = radius * sqrt(2 - radius * radius);
-    d[0] = copysign(sin_theta * cos(phi), u);
-    d[1] = copysign(sin_theta * sin(phi), v);
-    d[2] = copysign(1 - radius * radius, above);
-    return 1;
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float u = u0 + dx[i] * pixel, v = v0 + dy[i] * pixel, au = magnitude(u), av = magnitude(v);
+        const float above = 1 - au - av, radius = 1 - magnitude(above); /* above 0: the upper hemisphere */
+        const float turn = (av - au) / bis_lanes_choose(radius > 0, radius, 1) / 8 + 0.125f;
+        const float sin_theta = radius * sqrtf(2 - radius * radius);
+        float sine, cosine;
+        bis_lanes_sincos2pi(turn, &sine, &cosine);
+        s->x[i] = with_sign(sin_theta * cosine, u);
+        s->y[i] = with_sign(sin_theta * sine, v);
+        s->z[i] = with_sign(1 - radius * radius, above);
+        s->weight[i] = 1;
+    }
 }
 
-static size_t equalarea_pixel(const bis_raster *r, const double d[3])
+static void equalarea_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
+                                 uint32_t n)
 {
-    /* 1 - |z| without cancellation */
-    const double radius = sqrt((d[0] * d[0] + d[1] * d[1]) / (1 + fabs(d[2])));
-    const double share = atan2(fabs(d[1]), fabs(d[0])) / (PI / 2);
-    double u = radius * (1 - share), v = radius * share;
-    if (d[2] < 0) {
-        const double folded = 1 - v;
-        v = 1 - u;
-        u = folded;
-    }
-    return index_of(r, clamp((int)((copysign(u, d[0]) + 1) / 2 * r->width), r->width),
-                    clamp((int)((copysign(v, d[1]) + 1) / 2 * r->width), r->width));
+    equalarea_lanes((float)(2 * (x + 0.5) / r->width - 1), (float)(2 * (y + 0.5) / r->width - 1), 2 / (float)r->width,
+                    dx, dy, s, n);
 }
+
+BIS_LANES
+static void equalarea_pixel_lanes(int32_t side, bis_samples *s, uint32_t n)
+{
+    const float sides = (float)side;
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float x = s->x[i], y = s->y[i], z = s->z[i];
+        const float radius = sqrtf((x * x + y * y) / (1 + magnitude(z))); /* 1 - |z| without cancellation */
+        const float share = bis_lanes_atan2(magnitude(y), magnitude(x)) * 0.636619772f; /* 2/pi */
+        const float u = radius * (1 - share), v = radius * share;
+        const float folded_u = bis_lanes_choose(z < 0, 1 - v, u), folded_v = bis_lanes_choose(z < 0, 1 - u, v);
+        s->pixel[i] = (uint32_t)(column_of(with_sign(folded_v, y), sides, side) * side +
+                                 column_of(with_sign(folded_u, x), sides, side));
+    }
+}
+
+static void equalarea_pixels(const bis_raster *r, bis_samples *s, uint32_t n) { equalarea_pixel_lanes(r->width, s, n); }
 
 static double equalarea_solid_angle(const bis_raster *r, int x, int y)
 {
@@ -234,48 +300,77 @@ static const cube_face *face_at(const bis_raster *r, int x, int y, double *a, do
     return NULL;
 }
 
-static void add_axis(double d[3], int axis, double times)
+/* The unit vector of an axis in the light's frame. */
+static vec3 axis_vector(int axis)
 {
-    const double t = axis < 0 ? -times : times;
+    const float sign = axis < 0 ? -1.f : 1.f;
     switch (axis < 0 ? -axis : axis) {
-    case FRONT: d[0] -= t; break;
-    case RIGHT: d[1] -= t; break;
-    default: d[2] += t;
+    case FRONT: return (vec3){-sign, 0, 0};
+    case RIGHT: return (vec3){0, -sign, 0};
+    default: return (vec3){0, 0, sign};
     }
 }
 
-static double along(const double d[3], int axis)
+static inline BIS_INLINE float along(vec3 axis, float x, float y, float z)
 {
-    const double v[4] = {0, -d[0], -d[1], d[2]};
-    return axis < 0 ? -v[-axis] : v[axis];
+    return x * axis.x + y * axis.y + z * axis.z;
 }
 
-static double cube_direction(const bis_raster *r, int x, int y, double dx, double dy, double d[3])
+BIS_LANES
+static void cube_lanes(const vec3 axis[3], float a0, float b0, float pixel, const float *dx, const float *dy,
+                       bis_samples *s, uint32_t n)
+{
+    const vec3 ahead = axis[0], right = axis[1], up = axis[2];
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float a = a0 + dx[i] * pixel, b = b0 - dy[i] * pixel, t = 1 / sqrtf(1 + a * a + b * b);
+        s->x[i] = t * (ahead.x + a * right.x + b * up.x);
+        s->y[i] = t * (ahead.y + a * right.y + b * up.y);
+        s->z[i] = t * (ahead.z + a * right.z + b * up.z);
+        s->weight[i] = t * t * t;
+    }
+}
+
+static void cube_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
+                            uint32_t n)
 {
     double a, b;
     int side;
     const cube_face *f = face_at(r, x, y, &a, &b, &side);
-    if (!f) return 0;
-    a += 2 * dx / side;
-    b -= 2 * dy / side;
-    const double length = sqrt(1 + a * a + b * b);
-    d[0] = d[1] = d[2] = 0;
-    add_axis(d, f->ahead, 1 / length);
-    add_axis(d, f->right, a / length);
-    add_axis(d, f->up, b / length);
-    return 1 / (length * length * length);
+    if (!f) { /* where a picture shows nothing; x, y and z only have to be numbers */
+        memset(s, 0, sizeof *s);
+        return;
+    }
+    const vec3 axis[3] = {axis_vector(f->ahead), axis_vector(f->right), axis_vector(f->up)};
+    cube_lanes(axis, (float)a, (float)b, 2 / (float)side, dx, dy, s, n);
 }
 
-static size_t cube_pixel(const bis_raster *r, const double d[3])
+/* The pixels of the directions that this face shows; first: its first pixel. A direction on an edge has two faces, of
+ * which the later one stays. */
+BIS_LANES
+static void cube_pixel_lanes(const vec3 axis[3], int32_t first, int32_t width, int32_t side, bis_samples *s, uint32_t n)
 {
-    int side, best = 0;
+    const vec3 ahead = axis[0], right = axis[1], up = axis[2];
+    const float sides = (float)side;
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float x = s->x[i], y = s->y[i], z = s->z[i], c = along(ahead, x, y, z);
+        const float divisor = bis_lanes_choose(c > 0, c, 1);
+        const float a = along(right, x, y, z) / divisor, b = along(up, x, y, z) / divisor;
+        const int32_t here = first + column_of(-b, sides, side) * width + column_of(a, sides, side);
+        const int32_t mask = -(int32_t)((c > 0) & (magnitude(a) <= 1) & (magnitude(b) <= 1));
+        s->pixel[i] = (s->pixel[i] & (uint32_t)~mask) | (uint32_t)(here & mask);
+    }
+}
+
+static void cube_pixels(const bis_raster *r, bis_samples *s, uint32_t n)
+{
+    int side;
     const cube_face *faces = faces_of(r, &side);
-    for (int i = 1; i < 6; i++)
-        if (along(d, faces[i].ahead) > along(d, faces[best].ahead)) best = i;
-    const cube_face *f = &faces[best];
-    const double ahead = along(d, f->ahead), a = along(d, f->right) / ahead, b = along(d, f->up) / ahead;
-    return index_of(r, f->column * side + clamp((int)((a + 1) / 2 * side), side),
-                    f->row * side + clamp((int)((1 - b) / 2 * side), side));
+    for (const cube_face *f = faces; f < faces + 6; f++) {
+        const vec3 axis[3] = {axis_vector(f->ahead), axis_vector(f->right), axis_vector(f->up)};
+        cube_pixel_lanes(axis, (f->row * r->width + f->column) * side, r->width, side, s, n);
+    }
 }
 
 static double solid_angle_to(double a, double b) { return atan(a * b / sqrt(1 + a * a + b * b)); }
@@ -294,13 +389,13 @@ static double cube_solid_angle(const bis_raster *r, int x, int y)
 
 /* turn: of an equal-area pixel, of solid angle 4 pi / n^2, the side is 2 sqrt(pi) / n; of a mirror ball's it is 4/n. */
 const bis_mapping_model bis_mapping_models[BIS_N_MAPPINGS] = {
-    {"latlong", "twice as wide as high", 2, 1, 2, 2, latlong_direction, latlong_pixel, latlong_solid_angle},
-    {"angular", "square", 1, 1, 1, 2, angular_direction, angular_pixel, angular_solid_angle},
-    {"equalarea", "square", 1, 1, 1.7724538509055161, 2, equalarea_direction, equalarea_pixel, equalarea_solid_angle},
-    {"mirrorball", "square", 1, 1, PI / 2, 2, ball_direction, ball_pixel, ball_solid_angle},
-    {"verticalcross", "of 3 x 4 square faces", 3, 4, 4, 4, cube_direction, cube_pixel, cube_solid_angle},
-    {"horizontalcross", "of 4 x 3 square faces", 4, 3, 4, 4, cube_direction, cube_pixel, cube_solid_angle},
-    {"cubestrip", "a row or column of 6 square faces", 6, 1, 4, 4, cube_direction, cube_pixel, cube_solid_angle},
+    {"latlong", "twice as wide as high", 2, 1, 2, 2, latlong_directions, latlong_pixels, latlong_solid_angle},
+    {"angular", "square", 1, 1, 1, 2, angular_directions, angular_pixels, angular_solid_angle},
+    {"equalarea", "square", 1, 1, 1.7724538509055161, 2, equalarea_directions, equalarea_pixels, equalarea_solid_angle},
+    {"mirrorball", "square", 1, 1, PI / 2, 2, ball_directions, ball_pixels, ball_solid_angle},
+    {"verticalcross", "of 3 x 4 square faces", 3, 4, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
+    {"horizontalcross", "of 4 x 3 square faces", 4, 3, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
+    {"cubestrip", "a row or column of 6 square faces", 6, 1, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
 };
 
 const char *const bis_mapping_names[BIS_N_MAPPINGS + 1] = {

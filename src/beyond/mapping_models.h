@@ -12,6 +12,15 @@ typedef struct bis_raster {
     rgb *pixels;
 } bis_raster;
 
+enum { BIS_SAMPLES = 1024 /* that are looked up together: a whole number of lane blocks */ };
+
+/* Places of a picture and what they show, in lanes (bis/thesis/lanes.h). */
+typedef struct bis_samples {
+    float x[BIS_SAMPLES], y[BIS_SAMPLES], z[BIS_SAMPLES]; /* unit directions */
+    float weight[BIS_SAMPLES]; /* the solid angle by area there, up to a factor of the whole picture; 0: outside */
+    uint32_t pixel[BIS_SAMPLES];
+} bis_samples;
+
 typedef struct bis_mapping_model {
     const char *name, *shape;
     int columns, rows; /* the picture consists of square cells: faces of a cube, or 1 x 1; lat-long: 2 x 1 */
@@ -19,12 +28,11 @@ typedef struct bis_mapping_model {
      * with the corners: four faces make a turn. */
     double turn;
     int detail; /* the width in cells of the lat-long map that shows all detail */
-    /* The direction d (a unit vector) that the picture shows at a distance of (dx, dy) pixels from the centre of pixel
-     * (x, y), at most one: beyond the edge of a cube's face it is the direction there, on the next face. Returns the
-     * solid angle by area there, up to a factor of the whole picture; 0: no part of the sphere. */
-    double (*direction)(const bis_raster *r, int x, int y, double dx, double dy, double d[3]);
-    /* The pixel that shows unit direction d. */
-    size_t (*pixel)(const bis_raster *r, const double d[3]);
+    /* Stores the direction and the weight of n places, (dx[i], dy[i]) pixels from the centre of pixel (x, y), in its row
+     * and cell. A weight of 0: no part of the sphere. n is a whole number of blocks, at most BIS_SAMPLES. */
+    void (*directions)(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s, uint32_t n);
+    /* Stores the pixels that show n directions. */
+    void (*pixels)(const bis_raster *r, bis_samples *s, uint32_t n);
     /* The solid angle of pixel (x, y) in sr, by the formula; 0: outside. */
     double (*solid_angle)(const bis_raster *r, int x, int y);
 } bis_mapping_model;
