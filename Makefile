@@ -112,9 +112,7 @@ $B/src/cli/ranks_mpi.o: src/cli/ranks_mpi.c $B/.flags
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
 $B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/bench/measure.o
-$B/figures: $B/scripts/figures/drawing.o $B/scripts/figures/figures.o $B/scripts/figures/figures_plots.o $B/scripts/bench/measure.o $(LIB)
-	$(LINK) $(LIBS)
-$B/errata_plots: $B/scripts/figures/drawing.o $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/errata_*.c)) $(LIB)
+$B/figures: $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/*.c)) $B/scripts/bench/measure.o $(LIB)
 	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/bench/%.o $(LIB)
 	$(LINK) $(LIBS)
@@ -182,7 +180,7 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	@touch $@
 
 # Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED))
+test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
 	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
 	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)

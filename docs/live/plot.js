@@ -7,7 +7,8 @@
  *   title, text     what it is, and what one sees in it: for people who do not see it; title is required
  *   width, height   in pixels (720 x 420)
  *   x, y            an axis: {label, log, min, max, ticks, format, grid}. Absent min and max are those of the data,
- *                   made round. ticks: [numbers] or [{at, text}]; format(v) is the text at a tick; grid false: no lines
+ *                   made round. ticks: [numbers] or [{at, text}]; format(v) is the text at a tick; grid false: no lines;
+ *                   above true: the label of y stands above the axis, where a long one has room
  *   series          in the order of drawing, each {kind, x, y, lo, hi, label, colour, ...}, x and y of one length:
  *       kind        'line'; 'points'; 'errors' (points with bars from lo to hi); 'steps' (a histogram's outline: y[i]
  *                   from x[i] to x[i + 1], so x may have one more); 'bars' (x is the middle); 'area' (lo to hi, or from
@@ -36,12 +37,22 @@
  *   colours         'heat', 'grey', 'difference' (blue below the middle, red above) or a function of t in [0,1]
  *   label           of the scale of colours; scale: false leaves it out
  *   x, y            {label, min, max, ticks, format}: what the left and right, the top and bottom edge stand for
- *   dots            [{x, y, radius, colour, ring, title, data}] in units of x and y; data becomes data-i of the element
+ *   dots            [{x, y, radius, colour, ring, title, data, rim}] in units of x and y; data becomes data-i of the
+ *                   element; rim false: without a dark rim, for many on a pale ground
  *   marks           [{x, y, label, below, left}], each a cross, open in the middle
  *   curves          [{x, y, colour}], lines through places
  *
- * bisPlot.draw(list) returns a drawing whose places were computed by the C program (scripts/figures/drawing.h has the
- *   items), as a file of SVG on white paper.
+ * bisPlot.together({title, text, columns, foot}) returns drawings side by side, as a file of SVG of its own. A column:
+ *   {head, colour, note, drawings, feet}: its name, a line below it, what chart and heat have returned, from the top
+ *   down, and lines of text below all of them. foot: a line below all columns.
+ *
+ * bisPlot.draw({width, height, items}) returns a drawing whose places are given, as a file of SVG on white paper. Items
+ *   lie above those before them; null is none. Places and sizes are in pixels from the upper left corner, y downwards:
+ *     {box: [x, y, width, height], fill}            {line: [[x, y], ...], width, stroke}
+ *     {disc: [x, y, radius], fill}                  {ring: [x, y, radius], width, stroke}
+ *     {text, at: [x, y], size, anchor, fill}        size: of a capital; anchor: start, middle, end
+ *     {picture: name, size: [width, height], png}   a picture, not shown yet
+ *     {show: name, at: [x, y]}                      the picture of that name, any number of times
  *
  * bisPlot.heatPixels(spec) returns {columns, rows, rgb}: the field's colours, three bytes a value (for a canvas).
  * bisPlot.png(columns, rows, rgb, deflate) returns a PNG as an address (data:...). deflate(bytes) compresses as zlib
@@ -207,11 +218,11 @@ function linearTicks(min, max, n) {
 }
 
 function logTicks(min, max) {
-  const decades = Math.log10(max / min), list = [];
+  const decades = Math.log10(max / min), list = [], every = Math.ceil(decades / 13); /* so many texts have room */
   for (let k = Math.floor(Math.log10(min)); k <= Math.ceil(Math.log10(max)); k++) {
     for (const s of decades > 6 ? [1] : [1, 2, 5]) {
       const at = +(s + 'e' + k);
-      if (at >= min && at <= max) list.push({at: at, main: decades < 2.6 || s === 1});
+      if (at >= min && at <= max) list.push({at: at, main: decades < 2.6 || (s === 1 && k % every === 0)});
     }
   }
   return list;
@@ -223,7 +234,7 @@ function defaultFormat(axis) {
   return function (v) {
     if (!axis.log) return number(v, 6);
     const k = Math.round(Math.log10(v));
-    return Math.abs(k) > 3 && Math.abs(v / Math.pow(10, k) - 1) < 1e-9 ? power(k) : number(v, 3);
+    return Math.abs(k) > 3 && Math.abs(v / Math.pow(10, k) - 1) < 1e-9 ? power(k) : number(v, 4);
   };
 }
 
@@ -454,7 +465,8 @@ function drawAxes(x, y, width) {
   }
   out += '<path class="p-axis" d="M' + x.from + ' ' + y.to + 'V' + y.from + 'H' + x.to + '"/>\n';
   if (x.label) out += text((x.from + x.to) / 2, y.from + 40, 'middle', x.label, {kind: 'p-strong'});
-  if (y.label) out += text(16, (y.from + y.to) / 2, 'middle', y.label, {kind: 'p-strong', turn: true});
+  if (y.label && y.above) out += text(8, y.to - 10, 'start', y.label, {kind: 'p-strong'});
+  else if (y.label) out += text(16, (y.from + y.to) / 2, 'middle', y.label, {kind: 'p-strong', turn: true});
   return out;
 }
 
@@ -504,12 +516,12 @@ function chart(spec) {
   const legend = spec.legend || (named.length > 1 ? 'top' : 'none');
   const widest = function (list, size) { return list.reduce(function (w, t) { return Math.max(w, textWidth(t, size));
     }, 0); };
-  x.from = Math.round(widest(y.list.map(function (t) { return t.text; }), 12) + 16 + (y.label ? 20 : 0));
+  x.from = Math.round(widest(y.list.map(function (t) { return t.text; }), 12) + 16 + (y.label && !y.above ? 20 : 0));
   x.to = width - (legend === 'end' ? Math.round(Math.max(widest(named.map(function (s) { return s.label; }), 14),
     widest(named.map(function (s) { return s.note || ''; }), 11))) + 20 : 18);
   const top = legend === 'top' ? drawTopLegend(named, x.from, x.to) : {height: 12, body: ''};
   y.from = height - (x.label ? 50 : 28);
-  y.to = top.height;
+  y.to = top.height + (y.label && y.above ? 20 : 0);
   let body = drawAxes(x, y, width) + top.body;
   for (const m of spec.marks || []) body += drawMark(m, x, y);
   const id = idOf(spec.title + body);
@@ -615,7 +627,7 @@ function drawDot(d, i, x, y) {
   const r = d.radius || 3.6, at = ' cx="' + place(x.at(d.x)) + '" cy="' + place(y.at(d.y)) + '"', c = colour(d.colour);
   return '<g' + (d.data === undefined ? '' : ' data-i="' + escape(d.data) + '"') + '>' + (d.title ? '<title>' +
     escape(d.title) + '</title>' : '') +
-    '<circle' + at + ' r="' + place(r + 1.2) + '" fill="#05050d"/><circle' + at + ' r="' + place(d.ring ? r - 0.6 :
+    (d.rim === false ? '' : '<circle' + at + ' r="' + place(r + 1.2) + '" fill="#05050d"/>') + '<circle' + at + ' r="' + place(d.ring ? r - 0.6 :
       r) + '" ' +
     (d.ring ? 'fill="none" stroke-width="1.7" stroke' : 'fill') + '="' + c + '"/>' +
     (d.chosen ? '<circle' + at + ' r="' + place(r + 3) + '" fill="none" stroke="#fff" stroke-width="1.5"/>' : '') +
@@ -661,6 +673,40 @@ function heat(spec) {
     24 : 0), body);
 }
 
+/* ---- drawings side by side ---- */
+
+/* The part of a column from (left, top): {body, width, height}. */
+function drawColumn(c, left, top) {
+  const parts = c.drawings.map(function (d) {
+    const m = d.match(/^<svg[^>]*? width="([0-9.]+)" height="([0-9.]+)"[^>]*>/);
+    return {width: +m[1], height: +m[2], inside: d.slice(m[0].length, d.lastIndexOf('</svg>'))};
+  });
+  const width = Math.max.apply(null, parts.map(function (p) { return p.width; })), middle = left + width / 2;
+  let at = top, body = '';
+  const say = function (words, more) { at += 17; body += text(middle, at, 'middle', words, more); };
+  if (c.head) say(c.head, {kind: 'p-name', fill: colour(c.colour), size: 13});
+  if (c.note) say(c.note);
+  at += at > top ? 10 : 0;
+  for (const p of parts) {
+    body += '<g transform="translate(' + place(left + (width - p.width) / 2) + ' ' + place(at) + ')">' + p.inside + '</g>\n';
+    at += p.height;
+  }
+  for (const f of c.feet || []) say(f, {fill: colour(c.colour)});
+  return {body: body, width: width, height: at - top};
+}
+
+function together(spec) {
+  let left = 10, height = 0, body = '';
+  for (const c of spec.columns) {
+    const column = drawColumn(c, left, 6);
+    body += column.body;
+    left += column.width + 20;
+    height = Math.max(height, column.height);
+  }
+  if (spec.foot) body += text((left - 10) / 2, height + 26, 'middle', spec.foot);
+  return wrap(Object.assign({standalone: true}, spec), left - 10, height + (spec.foot ? 38 : 18), body);
+}
+
 /* ---- a list of shapes ---- */
 
 /* One item as an element. Of a font without serifs, capitals are about .72 of its size high. */
@@ -696,7 +742,7 @@ function draw(list) {
       '</svg>\n';
 }
 
-return {chart: chart, heat: heat, draw: draw, heatPixels: heatPixels, png: png, linearTicks: linearTicks,
+return {chart: chart, heat: heat, together: together, draw: draw, heatPixels: heatPixels, png: png, linearTicks: linearTicks,
   logTicks: logTicks, number: number,
   fixed: fixed, duration: duration, percent: percent, power: power, escape: escape, rich: rich, colour: colour,
   heatColour: heatColour, greyColour: greyColour, css: css};

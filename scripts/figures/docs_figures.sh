@@ -4,8 +4,8 @@
 #     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel, thesis,
 #                                                          errata, plots, results, machines (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
-# From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
-# without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
+# From the root, after make bis data and, for thesis, plots (of the errata without a switch) and results, make
+# build/release/figures. What is timed differs from run to run, and so does its picture.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel, live): a
 # headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
 # and none above 300 KB. pbrt needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
@@ -72,13 +72,10 @@ draw_part() {
     keep "$tmp/drawn.png" "$2"
 }
 
-# shown METHOD COLUMN ROW WORDS: its picture and what stands below it, as items of a drawing. All have one exposure.
+# shown METHOD WORDS: its picture and what stands below it, in JSON. All have one exposure.
 shown() {
     "$build/bis" convert "$tmp/$1.exr" "$tmp/$1.png" --exposure 0 >/dev/null
-    at_x=$(($2 * 412)) at_y=$(($3 * 346))
-    printf '{"picture":"%s","size":[400,300],"png":"data:image/png;base64,%s"},\n' "$1" "$(base64 -w 0 "$tmp/$1.png")"
-    printf '{"show":"%s","at":[%d,%d]},\n' "$1" $at_x $at_y
-    printf '{"text":"%s","at":[%d,%d],"size":11,"anchor":"start","fill":"#1c1f25"},\n' "$4" $((at_x + 4)) $((at_y + 322))
+    printf '{"name":"%s","words":"%s","png":"data:image/png;base64,%s"}' "$1" "$2" "$(base64 -w 0 "$tmp/$1.png")"
 }
 
 # error_of METHOD: its squared error relative to the picture, as `compare` prints it, in two digits
@@ -94,13 +91,13 @@ panel() {
         "$build/bis" scene.txt --quiet --resolution 400x300 ${method#* } --outfile "$tmp/${method%% *}.exr"
     done
     {
-        echo '{"width":812,"height":684,"items":[null,'
-        shown em 0 0 "em, the map alone: relmse $(error_of em)"
-        shown brdf 1 0 "brdf, the BRDF alone: relmse $(error_of brdf)"
-        shown sir 0 1 "sir, the product: relmse $(error_of sir)"
-        shown clean 1 1 "the reference, 96 times as many rays" | sed '$s/,$/]}/'
+        echo '{"pictures":['
+        shown em "em, the map alone: relmse $(error_of em)" && echo ,
+        shown brdf "brdf, the BRDF alone: relmse $(error_of brdf)" && echo ,
+        shown sir "sir, the product: relmse $(error_of sir)" && echo ,
+        shown clean "the reference, 96 times as many rays" && echo ']}'
     } >"$tmp/methods.json"
-    node scripts/figures/draw.js "$tmp/methods.json"
+    node scripts/figures/still.js "$tmp/methods.json"
 }
 
 for picture; do
@@ -151,9 +148,9 @@ for picture; do
         sh scripts/figures/errata_figures.sh "$build/bis"
         ;;
     plots)
-        "$build/errata_plots" "$tmp" $plots
-        node scripts/figures/draw.js "$tmp"/errata-*.json
-        for item in $plots; do copy "$tmp/errata-$item.svg" errata-$item; done
+        "$build/figures" still "$tmp" $plots
+        node scripts/figures/still.js "$tmp"/E*.json
+        for item in $plots; do copy "$tmp/$item.svg" errata-$item; done
         ;;
     results)
         sh scripts/figures/figures.sh "$build" 4.5 5.2 5.5 5.8 >/dev/null

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_estimators: pictures of the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E24, E25, E26,
+/* errata_estimators: the numbers behind the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E24, E25, E26,
  * E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
-#include "errata_plots.h"
+#include "still.h"
 
 #include "bis/scene/parameters.h"
 #include "bis/thesis/phong.h"
 
-#include "drawing.h"
 #include "thesis/candidates.h"
 #include "thesis/set.h"
 
@@ -48,11 +47,10 @@ static rgb uniform(int x, int y, int width, int height)
 
 /* ---- E9: error against N ---- */
 
-void errata_E9(FILE *svg)
+void errata_E9(bis_json *j)
 {
     enum { N = 6 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
-    errata_plane p = errata_plane_over(svg, 1, 1024, 1e-3, 3);
     double n[N], error[N], root[N], printed[N];
     errata_spot s;
 
@@ -65,24 +63,20 @@ void errata_E9(FILE *svg)
         root[i] = error[0] / sqrt(n[i]);
         printed[i] = error[0] / (n[i] * n[i]);
     }
-    p.log_x = p.log_y = true;
-    errata_axes(&p, "N", "1 4 16 64 256 1024", "relative error", "1e-3 1e-2 1e-1 1");
-    errata_line(&p, n, printed, N, errata_printed());
-    errata_line(&p, n, root, N, errata_right());
-    errata_dots(&p, n, error, N, errata_right());
-    errata_say(svg, 60, 180, errata_printed(), "as printed: N^-2");
-    errata_say(svg, 250, 60, errata_right(), "right: N^-1/2, dots: measured");
+    still_list(j, "N", n, N);
+    still_list(j, "measured", error, N);
+    still_list(j, "printed", printed, N);
+    still_list(j, "right", root, N);
     bis_light_free(light);
 }
 
 /* ---- E24: which f, and where w stands ---- */
 
-void errata_E24(FILE *svg)
+void errata_E24(bis_json *j)
 {
     enum { TILTS = 17, DRAWS = 40000 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_settings sir = settings(&bis_sir, 16, 4, BIS_PROPOSAL_EM);
-    errata_plane p = errata_plane_over(svg, 0, 160, 0, 2);
     double degrees[TILTS], ours[TILTS], over[TILTS] = {0}, times[TILTS] = {0};
 
     for (int i = 0; i < TILTS; i++) {
@@ -101,24 +95,19 @@ void errata_E24(FILE *svg)
             times[i] += F * w / DRAWS;
         }
     }
-    errata_axes(&p, "tilt of a patch, degrees", "0 40 80 120 160", "mean estimate of what a patch reflects", "0 0.5 1 1.5 2");
-    errata_line(&p, degrees, over, TILTS, errata_printed());
-    errata_line(&p, degrees, times, TILTS, errata_printed());
-    errata_line(&p, degrees, ours, TILTS, errata_right());
-    errata_dots(&p, degrees, ours, TILTS, errata_right());
-    errata_say(svg, 60, 60, errata_right(), "right: F w/phat, resampled");
-    errata_say(svg, 250, errata_y(&p, times[9]) + 28, errata_printed(), "eq. 4.9 with the f of eq. 4.8: F w");
-    errata_say(svg, 150, errata_y(&p, over[9]) - 8, errata_printed(), "the line before it: F/(w q)");
+    still_list(j, "tilt_deg", degrees, TILTS);
+    still_list(j, "right", ours, TILTS);
+    still_list(j, "printed_times", times, TILTS);
+    still_list(j, "printed_over", over, TILTS);
     bis_light_free(light);
 }
 
 /* ---- E25: sets without weight ---- */
 
-void errata_E25(FILE *svg)
+void errata_E25(bis_json *j)
 {
     enum { N = 8, RUNS = 40000 };
     bis_light *light = errata_light(64, 32, uniform, BIS_TABLE_ALIAS);
-    errata_plane p = errata_plane_over(svg, 0.5, N + 0.5, 0, 2.2);
     double M[N], ours[N], left_out[N];
     bis_scratch scratch;
     errata_spot s;
@@ -129,7 +118,7 @@ void errata_E25(FILE *svg)
         const bis_settings sir = settings(&bis_sir, (uint32_t)i + 1, 1, BIS_PROPOSAL_EM);
         double sum = 0;
         int n = 0;
-        errata_check(bis_scratch_init(&scratch, &sir, NULL));
+        still_check(bis_scratch_init(&scratch, &sir, NULL));
         for (uint64_t run = 0; run < RUNS; run++) {
             bis_stream stream;
             bis_stream_init(&stream, &sampler, run, 0);
@@ -142,13 +131,9 @@ void errata_E25(FILE *svg)
         ours[i] = sum / RUNS;
         left_out[i] = sum / n;
     }
-    errata_axes(&p, "M", "1 2 3 4 5 6 7 8", "light of a white patch under L = 1", "0 0.5 1 1.5 2");
-    errata_line(&p, M, left_out, N, errata_printed());
-    errata_dots(&p, M, left_out, N, errata_printed());
-    errata_line(&p, M, ours, N, errata_right());
-    errata_dots(&p, M, ours, N, errata_right());
-    errata_say(svg, 130, 70, errata_printed(), "0/0 as printed; such sets left out of the mean: 1/(1 - 2^-M)");
-    errata_say(svg, 130, 140, errata_right(), "right: they count as 0");
+    still_list(j, "M", M, N);
+    still_list(j, "printed", left_out, N);
+    still_list(j, "right", ours, N);
     bis_light_free(light);
 }
 
@@ -180,13 +165,12 @@ static double error_of_candidates(const bis_point *pt, double beta, double M)
     return sqrt((square - beta * from_L * from_L - (1 - beta) * from_f * from_f) / M) / mean;
 }
 
-void errata_E26(FILE *svg)
+void errata_E26(bis_json *j)
 {
     enum { N = 9 };
     enum { M = 256 };
     bis_light *light = errata_light(128, 64, sun_and_sky, BIS_TABLE_ALIAS);
     const bis_settings sir = settings(&bis_sir, M, 15, BIS_PROPOSAL_MIX);
-    errata_plane p = errata_plane_over(svg, 1, 1e4, 1e-3, 30);
     double n[N], error[3][N], measured[N];
     errata_spot s;
 
@@ -198,13 +182,11 @@ void errata_E26(FILE *svg)
         for (int k = 0; k < 3; k++) error[k][i] = error_of_candidates(&s.pt, k == 0 ? 1 : k == 1 ? 0 : beta, M);
         measured[i] = sqrt(m.variance) / m.mean;
     }
-    p.log_x = p.log_y = true;
-    errata_axes(&p, "exponent n", "1 1e1 1e2 1e3 1e4", "relative error, 15 rays of 256 candidates, sun and sky", "1e-3 1e-2 1e-1 1 1e1");
-    for (int k = 0; k < 3; k++) errata_line(&p, n, error[k], N, k == 2 ? errata_right() : errata_printed());
-    errata_dots(&p, n, measured, N, errata_right());
-    errata_say(svg, 60, 180, errata_right(), "right: from both; dots: measured");
-    errata_say(svg, 345, 90, errata_printed(), "from the map");
-    errata_say(svg, 60, 48, errata_printed(), "from the BRDF");
+    still_list(j, "exponent", n, N);
+    still_list(j, "from_map", error[0], N);
+    still_list(j, "from_brdf", error[1], N);
+    still_list(j, "right", error[2], N);
+    still_list(j, "measured", measured, N);
     bis_light_free(light);
 }
 
@@ -218,7 +200,7 @@ static rgb one_sun(int x, int y, int width, int height)
     return grey(x == SUN_X && y == SUN_Y ? 1 : 0);
 }
 
-void errata_E28(FILE *svg)
+void errata_E28(bis_json *j)
 {
     enum { N = 8, RUNS = 4000, M = 800 };
     bis_light *light = errata_light(MAP_WIDTH, MAP_HEIGHT, one_sun, BIS_TABLE_ALIAS);
@@ -227,7 +209,6 @@ void errata_E28(FILE *svg)
     const frame about_sun = frame_about(sun);
     const double solid_angle = em->row_solid_angle[SUN_Y];
     const bis_settings s = settings(&bis_rejection, M, 15, BIS_PROPOSAL_BRDF);
-    errata_plane p = errata_plane_over(svg, 0, 90, 100, 1e5);
     double degrees[N], measured[N], derived[N], printed[N];
 
     for (int i = 0; i < N; i++) {
@@ -239,24 +220,20 @@ void errata_E28(FILE *svg)
         derived[i] = PI / (cos(a) * solid_angle);
         printed[i] = 1 / solid_angle;
     }
-    p.log_y = true;
-    errata_axes(&p, "angle between the normal and the sun, degrees", "0 30 60 90", "candidates for one accepted; one lit pixel", "1e2 1e3 1e4 1e5");
-    errata_line(&p, degrees, printed, N, errata_printed());
-    errata_line(&p, degrees, derived, N, errata_right());
-    errata_dots(&p, degrees, measured, N, errata_right());
-    errata_say(svg, 80, 157, errata_printed(), "as printed: 1/dOmega = %.0f", printed[0]);
-    errata_say(svg, 80, 90, errata_right(), "right: pi/(cos dOmega); dots: measured");
+    still_list(j, "angle_deg", degrees, N);
+    still_list(j, "printed", printed, N);
+    still_list(j, "right", derived, N);
+    still_list(j, "measured", measured, N);
     bis_light_free(light);
 }
 
 /* ---- E30: how many are accepted ---- */
 
-void errata_E30(FILE *svg)
+void errata_E30(bis_json *j)
 {
     enum { N = 9, RUNS = 3000 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_settings s = settings(&bis_rejection, 800, 15, BIS_PROPOSAL_EM);
-    errata_plane p = errata_plane_over(svg, 1, 1e4, 0.01, 1000);
     double n[N], accepted[N], printed[N];
 
     for (int i = 0; i < N; i++) {
@@ -267,25 +244,20 @@ void errata_E30(FILE *svg)
         accepted[i] = (double)spot.counters.accepted / RUNS;
         printed[i] = 15;
     }
-    p.log_x = p.log_y = true;
-    errata_axes(&p, "exponent n", "1 1e1 1e2 1e3 1e4", "accepted of 800 candidates from the map", "1e-2 1 1e2");
-    errata_line(&p, n, printed, N, errata_printed());
-    errata_line(&p, n, accepted, N, errata_right());
-    errata_dots(&p, n, accepted, N, errata_right());
-    errata_say(svg, 310, errata_y(&p, 15) - 6, errata_printed(), "as printed: 15 of 800");
-    errata_say(svg, 60, 170, errata_right(), "measured: %.0f to %.2g", accepted[0], accepted[N - 1]);
+    still_list(j, "exponent", n, N);
+    still_list(j, "printed", printed, N);
+    still_list(j, "right", accepted, N);
     bis_light_free(light);
 }
 
 /* ---- E31: the second term ---- */
 
-void errata_E31(FILE *svg)
+void errata_E31(bis_json *j)
 {
     enum { K = 9, M = 64, RUNS = 20000 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_material m = bis_phong(grey(0.8), grey(0), 1);
     const bis_settings one = settings(&bis_sir, 1, 1, BIS_PROPOSAL_EM);
-    errata_plane p = errata_plane_over(svg, 1, 256, 1e-3, 3);
     double N[K], measured[K], both[K], printed[K];
     errata_spot open, s;
 
@@ -301,14 +273,10 @@ void errata_E31(FILE *svg)
         printed[i] = rays / LL;
         both[i] = (single.variance / M + (1 - 1.0 / M) * rays) / LL;
     }
-    p.log_x = p.log_y = true;
-    errata_axes(&p, "N rays of M = 64 candidates", "1 4 16 64 256", "variance / L^2", "1e-3 1e-2 1e-1 1");
-    errata_line(&p, N, printed, K, errata_printed());
-    errata_line(&p, N, both, K, errata_right());
-    errata_dots(&p, N, measured, K, errata_right());
-    errata_say(svg, 60, 180, errata_printed(), "as printed: that of the rays, L`ns^2  var(V)/N");
-    errata_say(svg, 160, 60, errata_right(), "right: plus that of the candidates; dots: measured");
-    errata_say(svg, 160, 76, errata_right(), "at N = 256 it is %.0f times as printed", measured[K - 1] / printed[K - 1]);
+    still_list(j, "N", N, K);
+    still_list(j, "printed", printed, K);
+    still_list(j, "right", both, K);
+    still_list(j, "measured", measured, K);
     bis_light_free(light);
 }
 
@@ -338,7 +306,7 @@ static void rays_of_one_set(double *x, const errata_spot *s, uint64_t run)
     bis_stream stream;
     int n = 0;
 
-    errata_check(bis_scratch_init(&scratch, &sir, NULL));
+    still_check(bis_scratch_init(&scratch, &sir, NULL));
     bis_set *set = scratch.set;
     bis_stream_init(&stream, &sampler, run, 0);
     bis_set_draw(set, SET, BIS_PROPOSAL_MIX, false, &s->pt, &stream);
@@ -358,7 +326,7 @@ static void replicates(double *x, errata_spot *s, uint64_t run)
     const bis_settings sir = settings(&bis_sir, SET, 1, BIS_PROPOSAL_MIX);
     bis_scratch scratch;
 
-    errata_check(bis_scratch_init(&scratch, &sir, NULL));
+    still_check(bis_scratch_init(&scratch, &sir, NULL));
     for (uint32_t j = 0; j < RAYS; j++) {
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, j);
@@ -367,32 +335,30 @@ static void replicates(double *x, errata_spot *s, uint64_t run)
     bis_scratch_clear(&scratch);
 }
 
-static void intervals(FILE *svg, int left, errata_spot *s, double truth, bool shared)
+static void intervals(bis_json *j, const char *key, errata_spot *s, double truth, bool shared)
 {
     enum { SHOWN = 36, SETS = 4000 };
-    const rgb hit = shared ? errata_printed() : errata_right(), miss = errata_ink();
-    const errata_plane p = {svg, left, 42, 216, 160, -1, SHOWN, 0, 2 * truth, false, false};
+    double mean[SHOWN], half[SHOWN];
     int held = 0;
 
     for (int k = 0; k < SETS; k++) {
-        double x[RAYS], mean, half;
+        double x[RAYS], m, h;
         if (shared)
             rays_of_one_set(x, s, (uint64_t)k);
         else
             replicates(x, s, (uint64_t)k);
-        interval(&mean, &half, x);
-        const bool holds = fabs(mean - truth) <= half;
-        held += holds;
-        if (k >= SHOWN) continue;
-        drawing_line(svg, errata_x(&p, k), errata_y(&p, fmax(0, mean - half)), errata_x(&p, k), errata_y(&p, fmin(2 * truth, mean + half)), 2,
-                        holds ? hit : miss);
-        errata_dots(&p, &(double){k}, &mean, 1, holds ? hit : miss);
+        interval(&m, &h, x);
+        held += fabs(m - truth) <= h;
+        if (k < SHOWN) mean[k] = m, half[k] = h;
     }
-    drawing_line(svg, p.x, errata_y(&p, truth), p.x + p.w, errata_y(&p, truth), 1, errata_ink());
-    errata_say_middle(svg, left + p.w / 2, 222, hit, "%.1f %% of %d hold the truth", 100.0 * held / SETS, SETS);
+    bis_json_open(j, key, '{');
+    still_list(j, "mean", mean, SHOWN);
+    still_list(j, "half", half, SHOWN);
+    BIS_JSON_NUMBERS(j, {"intervals", SETS}, {"held", (double)held / SETS});
+    bis_json_close(j);
 }
 
-void errata_E32(FILE *svg)
+void errata_E32(bis_json *j)
 {
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_settings sir = settings(&bis_sir, SET, 4, BIS_PROPOSAL_MIX);
@@ -400,8 +366,8 @@ void errata_E32(FILE *svg)
 
     errata_spot_init(&s, light, bis_phong(grey(0.6), grey(0.3), 5), up, 40, true);
     const double truth = errata_run(&s, &sir, 400000).mean;
-    errata_heads(svg, "95 % from 16 rays of one set", "95 % from 16 sets of one ray");
-    intervals(svg, 12, &s, truth, true);
-    intervals(svg, 252, &s, truth, false);
+    bis_json_number(j, "truth", truth);
+    intervals(j, "printed", &s, truth, true);
+    intervals(j, "right", &s, truth, false);
     bis_light_free(light);
 }

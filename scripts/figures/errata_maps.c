@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_maps: pictures of the errata of the map (thesis 3.1, 3.3) and of area weighting (3.4): E1, E2, E4, E5, E17,
+/* errata_maps: the numbers behind the errata of the map (thesis 3.1, 3.3) and of area weighting (3.4): E1, E2, E4, E5, E17,
  * E18, E19. */
-#include "errata_plots.h"
+#include "still.h"
 
 #include "bis/scene/parameters.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/regions.h"
 
-#include "drawing.h"
-#include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
 
@@ -26,11 +24,10 @@ static rgb upper_half(int x, int y, int width, int height)
     return grey(y < height / 2 ? 1 : 0);
 }
 
-void errata_E1(FILE *svg)
+void errata_E1(bis_json *j)
 {
     enum { TILTS = 18, DRAWS = 40000 };
     bis_light *sky = errata_light(64, 32, upper_half, BIS_TABLE_ALIAS);
-    errata_plane p = errata_plane_over(svg, 0, 180, 0, 1.3);
     bis_settings em = bis_settings_default(&bis_em);
     double degrees[TILTS], ours[TILTS], printed[TILTS];
 
@@ -55,13 +52,9 @@ void errata_E1(FILE *svg)
         }
         printed[i] = above ? sum / above : 0;
     }
-    errata_axes(&p, "tilt from the zenith, degrees", "0 45 90 135 180", "reflected by a white patch, sky L = 1 above", "0 0.5 1");
-    errata_line(&p, degrees, printed, TILTS, errata_printed());
-    errata_line(&p, degrees, ours, TILTS, errata_right());
-    errata_dots(&p, degrees, printed, TILTS, errata_printed());
-    errata_dots(&p, degrees, ours, TILTS, errata_right());
-    errata_say(svg, 225, 50, errata_printed(), "as printed: below the horizon, not counted");
-    errata_say(svg, 60, 180, errata_right(), "right: (1 + cos tilt)/2");
+    still_list(j, "tilt_deg", degrees, TILTS);
+    still_list(j, "printed", printed, TILTS);
+    still_list(j, "right", ours, TILTS);
     bis_light_free(sky);
 }
 
@@ -76,13 +69,13 @@ static rgb window(int x, int y, int width, int height)
 
 /* A square of side 0.6 hovers at height 1; how much of the window is seen from each place of the floor, by side^2
  * directions a pixel of the map. */
-static void shadow(FILE *svg, int left, const bis_envmap *em, int side)
+static void shadow(bis_json *j, const char *key, const bis_envmap *em, int side)
 {
-    enum { SIZE = 190, TOP = 42, MAX = 6 * 64 };
+    enum { SIZE = 190, MAX = 6 * 64 };
     vec3 w[MAX];
     double weight[MAX], all = 0;
     int n = 0;
-    bis_image field = errata_field(SIZE, SIZE);
+    bis_image field = still_field(SIZE, SIZE);
 
     for (int y = 3; y < 5; y++) {
         for (int x = 3; x < 6; x++) {
@@ -101,26 +94,25 @@ static void shadow(FILE *svg, int left, const bis_envmap *em, int side)
                 const double dx = x + (double)w[k].x / (double)w[k].z - 0.65, dy = y + (double)w[k].y / (double)w[k].z - 0.76;
                 if (fabs(dx) > 0.3 || fabs(dy) > 0.3) E += weight[k];
             }
-            field.pixels[py * SIZE + px] = rgb_scale(bis_palette_srgb(1, 0.97, 0.9), E / all);
+            field.pixels[py * SIZE + px] = rgb_scale(rgb_from(1, 0.93, 0.79), E / all);
         }
     }
-    errata_show(svg, left, TOP, &field);
+    still_picture(j, key, &field);
 }
 
-void errata_E2(FILE *svg)
+void errata_E2(bis_json *j)
 {
     bis_envmap em;
 
     errata_map(&em, 32, 16, window);
-    errata_heads(svg, "6 lit pixels are 6 point lights", "6 lit pixels are 6 patches");
-    shadow(svg, 25, &em, 1);
-    shadow(svg, 265, &em, 8);
+    shadow(j, "printed", &em, 1);
+    shadow(j, "right", &em, 8);
     bis_envmap_clear(&em);
 }
 
 /* ---- E4: one lit pixel ---- */
 
-enum { LIT_X = 20, LIT_Y = 14, ZOOM = 36, AROUND = 5 };
+enum { LIT_X = 20, LIT_Y = 14, ZOOM = 20, AROUND = 5 };
 
 static rgb one_lit(int x, int y, int width, int height)
 {
@@ -145,42 +137,40 @@ static double bilinear(double x, double y)
 
 static double nearest(double x, double y) { return floor(x) == LIT_X && floor(y) == LIT_Y; }
 
-static void lit_pixel(FILE *svg, int left, const bis_light *light, double (*look_up)(double x, double y), rgb colour)
+/* What the look-up finds in AROUND x AROUND pixels about the lit one, ZOOM x ZOOM places in each; the first draws, in
+ * pixels from their corner; and the share of the flux that all draws find. */
+static void lit_pixel(bis_json *j, const char *key, const bis_light *light, double (*look_up)(double x, double y))
 {
-    enum { DRAWS = 100000, SHOWN = 120, TOP = 38, SIZE = ZOOM * AROUND };
+    enum { DRAWS = 100000, SHOWN = 120, SIZE = ZOOM * AROUND };
     const double x0 = LIT_X - AROUND / 2, y0 = LIT_Y - AROUND / 2;
-    double found = 0, u[4], x, y;
-    bis_image field = errata_field(SIZE, SIZE);
+    double found = 0, u[4], L[SIZE * SIZE], x[SHOWN], y[SHOWN];
     bis_rng r;
 
-    for (int i = 0; i < SIZE * SIZE; i++) {
-        const double L = look_up(x0 + (i % SIZE + 0.5) / ZOOM, y0 + ((int)(i / SIZE) + 0.5) / ZOOM);
-        field.pixels[i] = bis_palette_heat(0.95 * sqrt(L));
-    }
-    errata_show(svg, left, TOP, &field);
-    for (int k = 0; k <= AROUND; k++) {
-        drawing_line(svg, left + ZOOM * k, TOP, left + ZOOM * k, TOP + SIZE, 1, errata_grey(0.4));
-        drawing_line(svg, left, TOP + ZOOM * k, left + SIZE, TOP + ZOOM * k, 1, errata_grey(0.4));
-    }
+    for (int i = 0; i < SIZE * SIZE; i++) L[i] = look_up(x0 + (i % SIZE + 0.5) / ZOOM, y0 + ((int)(i / SIZE) + 0.5) / ZOOM);
     bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
     for (int k = 0; k < DRAWS; k++) {
+        double px, py;
         bis_light_point s;
         draw_numbers(u, &r);
         bis_light_sample(light, u, &s);
-        place_in_map(&x, &y, s.wi);
-        found += look_up(x, y) / s.pdf / DRAWS;
-        if (k < SHOWN) drawing_disc(svg, left + ZOOM * (x - x0), TOP + ZOOM * (y - y0), 1.5, errata_ink());
+        place_in_map(&px, &py, s.wi);
+        found += look_up(px, py) / s.pdf / DRAWS;
+        if (k < SHOWN) x[k] = px - x0, y[k] = py - y0;
     }
-    errata_say_middle(svg, left + SIZE / 2.0, 234, colour, "found: %.2f %% of the flux", 300 * found / bis_light_power(light));
+    bis_json_open(j, key, '{');
+    BIS_JSON_NUMBERS(j, {"pixels", AROUND}, {"side", SIZE}, {"found", 3 * found / bis_light_power(light)});
+    still_list(j, "radiance", L, SIZE * SIZE);
+    still_list(j, "x", x, SHOWN);
+    still_list(j, "y", y, SHOWN);
+    bis_json_close(j);
 }
 
-void errata_E4(FILE *svg)
+void errata_E4(bis_json *j)
 {
     bis_light *light = errata_light(64, 32, one_lit, BIS_TABLE_ALIAS);
 
-    errata_heads(svg, "bilinear look-up", "nearest pixel");
-    lit_pixel(svg, 30, light, bilinear, errata_printed());
-    lit_pixel(svg, 270, light, nearest, errata_right());
+    lit_pixel(j, "printed", light, bilinear);
+    lit_pixel(j, "right", light, nearest);
     bis_light_free(light);
 }
 
@@ -195,28 +185,29 @@ static rgb red_blue(int x, int y, int width, int height)
 
 enum { BALL_DRAWS = 4096 };
 
-static void ball(FILE *svg, int x, int y, int radius, const bis_light_point *s, const rgb *value)
+static void ball(bis_json *j, const char *key, const bis_light_point *s, const rgb *value)
 {
-    const int side = 2 * radius + 1;
-    bis_image field = errata_field(side, side);
+    enum { radius = 92, side = 2 * radius + 1 };
+    bis_image field = still_field(side, side);
 
-    for (int j = -radius; j <= radius; j++) {
+    for (int j0 = -radius; j0 <= radius; j0++) {
         for (int i = -radius; i <= radius; i++) {
-            const double a = (double)i / radius, b = -(double)j / radius, c = 1 - a * a - b * b;
+            const double a = (double)i / radius, b = -(double)j0 / radius, c = 1 - a * a - b * b;
             rgbd L = {0, 0, 0};
+            field.pixels[(j0 + radius) * side + i + radius] = rgb_from(1, 1, 1);
             if (c <= 0) continue;
             const vec3 n = vec3_from(a, sqrt(c), b);
             for (int k = 0; k < BALL_DRAWS; k++) {
                 const double share = fmax(0, dot(n, s[k].wi)) / PI / BALL_DRAWS;
                 L = rgbd_add(L, (rgbd){(double)value[k].r * share, (double)value[k].g * share, (double)value[k].b * share});
             }
-            field.pixels[(j + radius) * side + i + radius] = rgbd_round(L);
+            field.pixels[(j0 + radius) * side + i + radius] = rgbd_round(L);
         }
     }
-    errata_show(svg, x - radius, y - radius, &field);
+    still_picture(j, key, &field);
 }
 
-void errata_E5(FILE *svg)
+void errata_E5(bis_json *j)
 {
     static bis_light_point s[BALL_DRAWS];
     static rgb ours[BALL_DRAWS], printed[BALL_DRAWS];
@@ -231,20 +222,18 @@ void errata_E5(FILE *svg)
         ours[k] = rgb_scale(s[k].Le, 1 / s[k].pdf); /* F_rgb/q */
         printed[k] = grey(power / 3);               /* L/q cancelled: the same for all */
     }
-    errata_heads(svg, "L/q is one number", "L is red, green, blue");
-    ball(svg, 120, 136, 92, s, printed);
-    ball(svg, 360, 136, 92, s, ours);
+    ball(j, "printed", s, printed);
+    ball(j, "right", s, ours);
     bis_light_free(light);
 }
 
 /* ---- E17: what area a light's importance is multiplied with ---- */
 
-void errata_E17(FILE *svg)
+void errata_E17(bis_json *j)
 {
     enum { N = 101 };
     const double b = 0.15, pixel = 2 * PI / 512 * 2 * sin(PI / 512); /* 512 x 256, at the equator */
     double A[N], ours[N], unlimited[N], of_sphere[N], own[N];
-    errata_plane p = errata_plane_over(svg, 1e-5, 10, 0.2, 2.8);
 
     for (int i = 0; i < N; i++) {
         A[i] = 1e-5 * pow(10, 6.0 * i / (N - 1));
@@ -253,17 +242,12 @@ void errata_E17(FILE *svg)
         of_sphere[i] = pow(fmin(0.01 * 4 * PI, A[i]) / 0.01, b);
         own[i] = pow(fmin(0.01, pixel) / 0.01, b);
     }
-    p.log_x = true;
-    errata_axes(&p, "solid angle A of the light, sr", "1e-5 1e-4 1e-3 1e-2 1e-1 1 10", "factor of its importance", "0.5 1 1.5 2 2.5");
-    errata_line(&p, A, unlimited, N, errata_printed());
-    errata_line(&p, A, of_sphere, N, errata_printed());
-    errata_line(&p, A, own, N, errata_printed());
-    errata_line(&p, A, ours, N, errata_right());
-    errata_say(svg, 60, 50, errata_printed(), "as printed, three readings; b = %.2f", b);
-    errata_say(svg, 350, 60, errata_printed(), "no limit");
-    errata_say(svg, 365, errata_y(&p, of_sphere[N - 1]) + 13, errata_printed(), "0.01 of the sphere");
-    errata_say(svg, 330, errata_y(&p, own[N - 1]) - 6, errata_printed(), "the pixel's own dOmega");
-    errata_say(svg, 260, errata_y(&p, 1) + 13, errata_right(), "right: min(0.01 sr, A)^b");
+    bis_json_number(j, "b", b);
+    still_list(j, "A", A, N);
+    still_list(j, "unlimited", unlimited, N);
+    still_list(j, "of_sphere", of_sphere, N);
+    still_list(j, "own_pixel", own, N);
+    still_list(j, "right", ours, N);
 }
 
 /* ---- E18: levels of a sky, as it is and in another exposure ---- */
@@ -283,37 +267,35 @@ enum { LEVELS = 8 };
 
 static int level_by_log_1_plus_I(double I, double most) { return (int)fmin(LEVELS - 1, floor(LEVELS * log1p(I) / log1p(most))); }
 
-static void levels(FILE *svg, int left, int top, errata_paint *paint, bool as_printed)
+static void levels(bis_json *j, errata_paint *paint, bool as_printed)
 {
     enum { WIDTH = 170, HEIGHT = 85 };
-    bis_image field = errata_field(WIDTH, HEIGHT);
     bis_envmap em;
-    int used[LEVELS] = {0}, n = 0;
 
     errata_map(&em, WIDTH, HEIGHT, paint);
     const bis_levels scale = bis_levels_of(&em, LEVELS);
     const double most = bis_envmap_max_intensity(&em);
+    bis_json_open(j, NULL, '{');
+    BIS_JSON_NUMBERS(j, {"width", WIDTH}, {"height", HEIGHT}, {"levels", LEVELS});
+    bis_json_open(j, "level", '[');
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         const double I = rgb_sum(em.pixels[i]);
-        const int level = as_printed ? level_by_log_1_plus_I(I, most) : bis_level_of_intensity(&scale, I);
-        field.pixels[i] = bis_palette_heat((level + 0.5) / LEVELS);
-        used[level] = 1;
+        bis_json_number(j, NULL, as_printed ? level_by_log_1_plus_I(I, most) : bis_level_of_intensity(&scale, I));
     }
-    errata_show(svg, left, top, &field);
-    for (int k = 0; k < LEVELS; k++) n += used[k];
-    errata_say(svg, left + WIDTH + 5, top + 40, errata_ink(), "%d of", n);
-    errata_say(svg, left + WIDTH + 5, top + 54, errata_ink(), "%d levels", LEVELS);
+    bis_json_close(j);
+    bis_json_close(j);
     bis_envmap_clear(&em);
 }
 
-void errata_E18(FILE *svg)
+/* Of each, the sky and the same, exposed 1000 times shorter. */
+void errata_E18(bis_json *j)
 {
-    errata_heads(svg, "nothing said of the steps: log(1 + I)", "equal steps of log I");
     for (int k = 0; k < 2; k++) {
-        levels(svg, k ? 245 : 5, 42, sky, k == 0);
-        levels(svg, k ? 245 : 5, 142, dim_sky, k == 0);
+        bis_json_open(j, k ? "right" : "printed", '[');
+        levels(j, sky, k == 0);
+        levels(j, dim_sky, k == 0);
+        bis_json_close(j);
     }
-    errata_say_middle(svg, ERRATA_WIDTH / 2.0, 237, errata_faint(), "above: a sky; below: the same, exposed 1000 times shorter");
 }
 
 /* ---- E19: a sun on the seam ---- */
@@ -334,39 +316,38 @@ static rgb sun_before_the_end(int x, int y, int width, int height)
     return x == width - 1 ? grey(0) : sun_on_the_seam(x, y, width - 1, height);
 }
 
-static void seam(FILE *svg, int left, errata_paint *paint, int width, rgb colour)
+/* Pixels about the seam, which is in their middle: 0 sky, 1 the first light, 2 another. */
+static void seam(bis_json *j, const char *key, errata_paint *paint, int width)
 {
-    enum { CELL = 15, ACROSS = 14, DOWN = 10, TOP = 40 };
+    enum { ACROSS = 14, DOWN = 10 };
     bis_regions regions;
     uint32_t first = BIS_REGION_NONE;
     bis_envmap em;
-    double A = 0, b = 0.15;
+    double A = 0;
     int n = 0;
 
     errata_map(&em, width, SEAM_H, paint);
-    errata_check(bis_regions_init(&regions, &em, 8, NULL));
+    still_check(bis_regions_init(&regions, &em, 8, NULL));
     for (uint32_t k = 0; k < regions.n; k++)
         if (regions.solid_angle[k] < 1) n++, A = regions.solid_angle[k];
-    for (int j = 0; j < DOWN; j++) {
-        for (int i = 0; i < ACROSS; i++) {
-            const int x = (i - ACROSS / 2 + SEAM_W) % SEAM_W, y = SUN_ROW - DOWN / 2 + j;
-            const uint32_t label = regions.label[y * width + x];
-            const bool is_sun = regions.solid_angle[label] < 1;
-            if (is_sun && first == BIS_REGION_NONE) first = label;
-            drawing_box(svg, left + CELL * i, TOP + CELL * j, CELL - 1, CELL - 1,
-                           !is_sun ? errata_grey(0.85) : label == first ? colour : rgb_add(rgb_scale(colour, 0.35), grey(0.3)));
-        }
+    bis_json_open(j, key, '{');
+    BIS_JSON_NUMBERS(j, {"lights", n}, {"solid_angle", A}, {"factor", bis_area_factor(A, 0.15)}, {"columns", ACROSS}, {"rows", DOWN});
+    bis_json_open(j, "light", '[');
+    for (int i = 0; i < ACROSS * DOWN; i++) {
+        const int x = (i % ACROSS - ACROSS / 2 + SEAM_W) % SEAM_W, y = SUN_ROW - DOWN / 2 + i / ACROSS;
+        const uint32_t label = regions.label[y * width + x];
+        const bool is_sun = regions.solid_angle[label] < 1;
+        if (is_sun && first == BIS_REGION_NONE) first = label;
+        bis_json_number(j, NULL, !is_sun ? 0 : label == first ? 1 : 2);
     }
-    drawing_line(svg, left + CELL * ACROSS / 2.0 - 0.5, TOP - 6, left + CELL * ACROSS / 2.0 - 0.5, TOP + CELL * DOWN + 6, 2, errata_ink());
-    errata_say_middle(svg, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 20, colour, n == 1 ? "%d light of %.4f sr" : "%d lights of %.4f sr", n, A);
-    errata_say_middle(svg, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 36, colour, "importance x %.3f", bis_area_factor(A, b));
+    bis_json_close(j);
+    bis_json_close(j);
     bis_regions_clear(&regions);
     bis_envmap_clear(&em);
 }
 
-void errata_E19(FILE *svg)
+void errata_E19(bis_json *j)
 {
-    errata_heads(svg, "the map ends at its edge", "its edges are joined");
-    seam(svg, 15, sun_before_the_end, SEAM_W + 1, errata_printed());
-    seam(svg, 255, sun_on_the_seam, SEAM_W, errata_right());
+    seam(j, "printed", sun_before_the_end, SEAM_W + 1);
+    seam(j, "right", sun_on_the_seam, SEAM_W);
 }

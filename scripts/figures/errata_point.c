@@ -1,27 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* errata_point: a point under a painted map, in the open or half hidden, and what an integrator says of it. */
-#include "errata_plots.h"
+#include "still.h"
 
 #include "bis/base/mem.h"
 #include "bis/scene/light_load.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-
-void errata_check(bis_status status)
-{
-    if (!status) return;
-    fprintf(stderr, "errata_plots: the library returned status %d\n", (int)status);
-    exit(1);
-}
 
 void errata_map(bis_envmap *em, int width, int height, errata_paint *paint)
 {
     bis_image image;
 
-    errata_check(bis_image_init(&image, width, height, NULL));
+    still_check(bis_image_init(&image, width, height, NULL));
     for (int i = 0; i < width * height; i++) image.pixels[i] = paint(i % width, i / width, width, height);
-    errata_check(bis_envmap_from_latlong(em, &image, NULL));
+    still_check(bis_envmap_from_latlong(em, &image, NULL));
 }
 
 bis_light *errata_light(int width, int height, errata_paint *paint, bis_table_kind kind)
@@ -31,7 +21,7 @@ bis_light *errata_light(int width, int height, errata_paint *paint, bis_table_ki
     bis_envmap em;
 
     errata_map(&em, width, height, paint);
-    errata_check(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL));
+    still_check(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL));
     return light;
 }
 
@@ -67,7 +57,7 @@ errata_moments errata_run(errata_spot *s, const bis_settings *settings, uint32_t
     double mean = 0, m2 = 0;
     bis_scratch scratch;
 
-    errata_check(bis_scratch_init(&scratch, settings, NULL));
+    still_check(bis_scratch_init(&scratch, settings, NULL));
     for (uint32_t run = 0; run < runs; run++) { /* Welford 1962 */
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_surfaces: pictures of the errata of the BRDF (thesis 3.5) and of normals: E33, E35, E36, E37. */
-#include "errata_plots.h"
+/* errata_surfaces: the numbers behind the errata of the BRDF (thesis 3.5) and of normals: E33, E35, E36, E37. */
+#include "still.h"
 
 #include "bis/thesis/phong.h"
 #include "bis/shape/geometry.h"
 #include "bis/base/xform.h"
 
-#include "drawing.h"
-#include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
 
@@ -31,11 +29,10 @@ static double integral_of_f(const bis_bsdf *b, bool with_cosine)
     return 2 * sum * (PI / 2 / ROWS) * (PI / COLUMNS); /* both sides of the plane of incidence */
 }
 
-void errata_E33(FILE *svg)
+void errata_E33(bis_json *j)
 {
     enum { N = 45 };
     const bis_material diffuse = bis_phong(grey(1), grey(0), 1), glossy = bis_phong(grey(0), grey(1), 10);
-    errata_plane p = errata_plane_over(svg, 0, 90, 0, 2.2);
     double degrees[N], value[4][N];
 
     for (int i = 0; i < N; i++) {
@@ -46,21 +43,19 @@ void errata_E33(FILE *svg)
             value[k][i] = integral_of_f(&b, k % 2 == 1);
         }
     }
-    errata_axes(&p, "angle of wo to the normal, degrees", "0 30 60 90", "reflected under L = 1 (cannot be above 1)", "0 0.5 1 1.5 2");
-    for (int k = 0; k < 4; k++) errata_line(&p, degrees, value[k], N, k % 2 ? errata_right() : errata_printed());
-    errata_say(svg, 150, 60, errata_printed(), "eq. 3.13 as printed, diffuse: %.3f", value[0][0]);
-    errata_say(svg, 56, 106, errata_right(), "right, diffuse: %.3f", value[1][0]);
-    errata_say(svg, 215, 106, errata_printed(), "as printed, lobe of n = 10: %.3f", value[2][0]);
-    errata_say(svg, 56, 180, errata_right(), "right, lobe of n = 10: %.3f = 11/12", value[3][0]);
+    still_list(j, "angle_deg", degrees, N);
+    still_list(j, "printed_diffuse", value[0], N);
+    still_list(j, "right_diffuse", value[1], N);
+    still_list(j, "printed_lobe", value[2], N);
+    still_list(j, "right_lobe", value[3], N);
 }
 
 /* ---- E35: the two lobes ---- */
 
-void errata_E35(FILE *svg)
+void errata_E35(bis_json *j)
 {
     enum { BINS = 30, DRAWS = 200000, FINE = 20, COLUMNS = 180 };
     const bis_material m = bis_phong(grey(0.5), grey(0.5), 50);
-    errata_plane p = errata_plane_over(svg, 0, 90, 0, 0.036);
     double degrees[BINS], ours[BINS] = {0}, printed[BINS] = {0}, density[BINS] = {0};
     bis_bsdf b;
     bis_rng r;
@@ -78,17 +73,14 @@ void errata_E35(FILE *svg)
     }
     for (int i = 0; i < BINS * FINE; i++) {
         const double theta = PI / 2 * (i + 0.5) / (BINS * FINE);
-        for (int j = 0; j < COLUMNS; j++)
-            density[i / FINE] += bis_bsdf_pdf(&b, at_angles(theta, 2 * PI * (j + 0.5) / COLUMNS)) * sin(theta) * (2 * PI / COLUMNS) * (PI / 2) / (90 * FINE);
+        for (int k = 0; k < COLUMNS; k++)
+            density[i / FINE] += bis_bsdf_pdf(&b, at_angles(theta, 2 * PI * (k + 0.5) / COLUMNS)) * sin(theta) * (2 * PI / COLUMNS) * (PI / 2) / (90 * FINE);
     }
     for (int i = 0; i < BINS; i++) degrees[i] = 3 * (i + 0.5);
-    errata_axes(&p, "angle of wi to the normal, degrees", "0 30 60 90", "draws per degree, ks = kd = 0.5, n = 50, wo at 40", "0 0.01 0.02 0.03");
-    errata_line(&p, degrees, density, BINS, errata_ink());
-    errata_dots(&p, degrees, printed, BINS, errata_printed());
-    errata_dots(&p, degrees, ours, BINS, errata_right());
-    errata_say(svg, 300, 60, errata_ink(), "line: density of the mixture");
-    errata_say(svg, 300, 76, errata_right(), "right: diffuse by cosine");
-    errata_say(svg, 300, 92, errata_printed(), "nothing printed: uniform, say");
+    still_list(j, "angle_deg", degrees, BINS);
+    still_list(j, "density", density, BINS);
+    still_list(j, "printed", printed, BINS);
+    still_list(j, "right", ours, BINS);
 }
 
 /* ---- E36: large exponents, float and double ---- */
@@ -124,10 +116,9 @@ static void errors_of_exponent(double n, double of_mean[2], double of_pdf[2])
     }
 }
 
-void errata_E36(FILE *svg)
+void errata_E36(bis_json *j)
 {
     enum { N = 22 };
-    errata_plane p = errata_plane_over(svg, 1, 1e8, 1e-12, 10);
     double n[N], mean[2][N], pdf[2][N];
 
     for (int i = 0; i < N; i++) {
@@ -136,23 +127,20 @@ void errata_E36(FILE *svg)
         errors_of_exponent(n[i], of_mean, of_pdf);
         for (int k = 0; k < 2; k++) mean[k][i] = of_mean[k], pdf[k][i] = of_pdf[k];
     }
-    p.log_x = p.log_y = true;
-    errata_axes(&p, "exponent n", "1 1e2 1e4 1e6 1e8", "relative error: line, of the density; dots, of the mean of 1 - cos", "1e-12 1e-8 1e-4 1");
-    for (int k = 0; k < 2; k++) {
-        errata_line(&p, n, pdf[k], N, k ? errata_right() : errata_printed());
-        errata_dots(&p, n, mean[k], N, k ? errata_right() : errata_printed());
-    }
-    errata_say(svg, 60, 48, errata_printed(), "the obvious forms, in float");
-    errata_say(svg, 330, 152, errata_right(), "right: expm1 and log1p");
+    still_list(j, "exponent", n, N);
+    still_list(j, "printed_pdf", pdf[0], N);
+    still_list(j, "printed_mean", mean[0], N);
+    still_list(j, "right_pdf", pdf[1], N);
+    still_list(j, "right_mean", mean[1], N);
 }
 
 /* ---- E37: a ball that must not shadow itself ---- */
 
-static void sunlit_ball(FILE *svg, int left, const bis_accel *a, bool offset)
+static void sunlit_ball(bis_json *j, const char *key, const bis_accel *a, bool offset)
 {
-    enum { SIZE = 180, TOP = 40 };
+    enum { SIZE = 180 };
     const vec3 sun = normalize(vec3_from(-0.75, 0.45, -0.5));
-    bis_image field = errata_field(SIZE, SIZE);
+    bis_image field = still_field(SIZE, SIZE);
     int lit = 0, lost = 0;
 
     for (int y = 0; y < SIZE; y++) {
@@ -160,7 +148,7 @@ static void sunlit_ball(FILE *svg, int left, const bis_accel *a, bool offset)
             const ray eye = {vec3_from(2.2 * ((x + 0.5) / SIZE - 0.5) + 3, 3 - 2.2 * ((y + 0.5) / SIZE - 0.5), 0), {0, 0, 1}, INFINITY};
             bis_surface s;
             bis_hit hit;
-            rgb colour = errata_grey(0.93);
+            rgb colour = grey(0.85);
             if (bis_accel_intersect(a, &eye, &hit)) {
                 bis_geometry_surface(a->geometry, hit.prim, &eye, &s);
                 const ray shadow = {offset ? bis_surface_offset(&s) : s.p, sun, INFINITY};
@@ -173,22 +161,22 @@ static void sunlit_ball(FILE *svg, int left, const bis_accel *a, bool offset)
             field.pixels[y * SIZE + x] = colour;
         }
     }
-    errata_show(svg, left, TOP, &field);
-    errata_say_middle(svg, left + SIZE / 2.0, 234, offset ? errata_right() : errata_printed(), "%.1f %% of the lit side in its own shadow",
-                      100.0 * lost / lit);
+    bis_json_open(j, key, '{');
+    still_picture(j, "picture", &field);
+    bis_json_number(j, "in_own_shadow", (double)lost / lit);
+    bis_json_close(j);
 }
 
-void errata_E37(FILE *svg)
+void errata_E37(bis_json *j)
 {
     const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(3, 3, 3), 0};
     bis_geometry g = {0};
     bis_accel *a;
 
-    errata_check(bis_geometry_add_quadric(&g, &q, NULL));
-    errata_check(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL));
-    errata_heads(svg, "shadow rays start at the point", "and beyond its error bound");
-    sunlit_ball(svg, 30, a, false);
-    sunlit_ball(svg, 270, a, true);
+    still_check(bis_geometry_add_quadric(&g, &q, NULL));
+    still_check(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL));
+    sunlit_ball(j, "printed", a, false);
+    sunlit_ball(j, "right", a, true);
     bis_accel_free(a);
     bis_geometry_clear(&g);
 }

@@ -1,31 +1,27 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* figures: chapter 5 of the thesis, rendered and measured again; its other figures are in figures_plots.c. For
- * scripts/figures/figures.sh (make figures).
+/* figures: what the figures of docs show, as JSON (docs/json.md): chapter 5 of the thesis, rendered and measured again,
+ * and those that need no scene (still.h). For scripts/figures/figures.sh (make figures).
  *
- *     figures plots FOLDER                           figures 3.3, 3.4, 3.8, 3.9, 4.3 to 4.5
- *     figures chapter5 SECONDS FOLDER FIGURE SCENE   the table `figures` below says what FIGURE is; SCENE is a template
- * (measure.h)
+ *     figures still FOLDER [FIGURE...]               FOLDER/FIGURE.json: 3.3, ..., E1, ...; all by default
+ *     figures chapter5 SECONDS FOLDER FIGURE SCENE   FOLDER/FIGURE.json; the table `figures` below says what FIGURE is,
+ * SCENE is a template (measure.h)
  *     figures price SECONDS SCENE                    prices and noise of candidates and rays, and what M/N should be,
  * for each material
  *
- * SECONDS: processor time for a reference, made once. Each picture of chapter 5 has three rows. "as printed": the
- * thesis's numbers of samples. "equal time": N such that all take what the first method takes with the thesis's number
- * (em, mis in 5.7 and 5.8), M/N as in the thesis: em's 12 seconds are the yardstick between the machines of then and
- * now. "equal rays": N such that all trace as many shadow rays as the thesis's N, M as in the thesis. 5.9, sir against
- * the converged picture, has the first row alone. Below each picture stands its relative error in false colours.
- * FIGURE-time.png has a few columns of the row of equal time, for docs/measured.md.
+ * SECONDS: processor time for a reference, made once. Each figure of chapter 5 has three rows. "printed": the thesis's
+ * numbers of samples. "time": N such that all take what the first method takes with the thesis's number (em, mis in 5.7
+ * and 5.8), M/N as in the thesis: em's 12 seconds are the yardstick between the machines of then and now. "rays": N
+ * such that all trace as many shadow rays as the thesis's N, M as in the thesis. 5.9, sir against the converged
+ * picture, has the first row alone.
  *
  * Time is processor time of one thread, the smallest over the seeds; error is measure.h's, the mean over the seeds.
  * Lines of words go to standard output:
  *     FIGURE row method N M us-per-shaded-pixel rays-per-shaded-pixel relMSE trimmed reference's-own */
-#include "figures.h"
+#include "still.h"
 #include "../bench/measure.h"
 
+#include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
-
-#include "drawing.h"
-#include "out/palette.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,116 +81,40 @@ static const figure figures[] = {
 
 static int n_rows(const figure *fig) { return fig->methods & (SET(EM) | SET(MIS)) ? ROWS : 1; }
 
-/* ---- sheets ---- */
+/* ---- pictures ---- */
 
-rgb figures_ink(void) { return bis_palette_srgb(0.12, 0.13, 0.16); }
-rgb figures_faint(void) { return bis_palette_srgb(0.45, 0.47, 0.52); }
-
-FILE *figures_paper(const char *folder, const char *name, int width, int height)
+static bis_image exposed(int width, int height, const double *L, double scale)
 {
-    char path[1024];
+    bis_image image = still_field(width, height);
 
-    snprintf(path, sizeof path, "%s/%s.json", folder, name);
-    FILE *svg = fopen(path, "w");
-    if (!svg) {
-        perror(path);
-        exit(1);
+    for (int i = 0; i < width * height; i++) {
+        const double *v = L + 3 * i;
+        image.pixels[i] = rgb_from(fmin(1, v[0] * scale), fmin(1, v[1] * scale), fmin(1, v[2] * scale));
     }
-    drawing_begin(svg, width, height);
-    return svg;
+    return image;
 }
 
-void figures_save(FILE *svg)
+/* The relative error of each pixel; dark ones count as if they were 0.003 of what is shown as white. */
+static void put_errors(bis_json *j, const bis_film *film, const measure_reference *ref, double exposure)
 {
-    drawing_end(svg);
-    if (fclose(svg) == 0) return;
-    perror("figures");
-    exit(1);
-}
-
-enum { GAP = 6, HEAD = 58, LINE = 44, FOOT = 10 };
-
-/* One method's column is as wide as the picture; a row is the picture, its error, and two lines of text. The strip is
- * the row of equal time once more, in five columns at most; NULL where there is none. */
-typedef struct sheet {
-    FILE *svg, *strip;
-    int strip_x;       /* of its next column */
-    int n_pictures;    /* their names' numbers */
-    int width, height; /* of a picture, in the sheet's pixels */
-    int zoom;          /* by which small pictures are enlarged, for the words above them to fit */
-    double exposure;
-} sheet;
-
-static sheet sheet_new(const figure *fig, const char *folder, const measure_reference *ref, const bis_film *film)
-{
-    int columns = 1, strip_columns = 1;
-    double mean = 0;
-    size_t n = (size_t)ref->width * (size_t)ref->height;
-    char name[32];
-
-    for (int m = 0; m < N_METHODS; m++) {
-        columns += (fig->methods & SET(m)) != 0;
-        strip_columns += (fig->methods & IN_STRIP & SET(m)) != 0;
+    bis_json_open(j, "errors", '[');
+    for (int i = 0; i < ref->width * ref->height; i++) {
+        double difference = 0, truth = 0;
+        for (int c = 3 * i; c < 3 * i + 3; c++) difference += fabs(film->sum[c] / film->passes - ref->L[c]), truth += fabs(ref->L[c]);
+        bis_json_number(j, NULL, (double)(float)(difference / fmax(truth, 0.003 / exposure)));
     }
-    for (size_t i = 0; i < n; i++) mean += film->hits[i] > 0 ? ref->L[3 * i] + ref->L[3 * i + 1] + ref->L[3 * i + 2] : 0;
-    mean /= 3 * (double)measure_shaded(film);
-    const int zoom = ref->width < 150 ? 2 : 1, rows = n_rows(fig);
-    sheet s = {.width = zoom * ref->width, .height = zoom * ref->height, .zoom = zoom, .exposure = mean > 0 ? 0.2 / mean : 1};
-    s.svg = figures_paper(folder, fig->name, GAP + columns * (s.width + GAP), HEAD + rows * (2 * s.height + LINE + GAP) + FOOT);
-    s.strip_x = GAP + s.width + GAP;
-    snprintf(name, sizeof name, "%s-time", fig->name);
-    if (rows > 1) s.strip = figures_paper(folder, name, GAP + strip_columns * (s.width + GAP), LINE + 2 * s.height + FOOT);
-    return s;
+    bis_json_close(j);
 }
 
-/* False colours of a relative error: 0.01 or less is dark, 10 or more pale. */
-static double heat_of(double error) { return error > 0 ? (log10(error) + 2) / 3 : 0; }
-
-static void draw_scale(FILE *svg, int x, int y)
+/* The mean of the shaded pixels becomes 0.2. */
+static double exposure_of(const measure_reference *ref, const bis_film *film)
 {
-    enum { WIDTH = 16, HEIGHT = 150 };
-    static const double ticks[] = {0.01, 0.1, 1, 10};
+    double sum = 0;
 
-    drawing_text(svg, x, y + 12, 8, DRAWING_LEFT, figures_faint(), "relative error");
-    for (int i = 0; i < HEIGHT; i += 2) drawing_box(svg, x, y + 30 + i, WIDTH, 2, bis_palette_heat(1 - (i + 1.0) / HEIGHT));
-    for (int i = 0; i < 4; i++) {
-        const double at = y + 30 + HEIGHT * (1 - heat_of(ticks[i]));
-        char text[16];
-        snprintf(text, sizeof text, "%g", ticks[i]);
-        drawing_line(svg, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
-        drawing_text(svg, x + WIDTH + 9, at + 4, 8, DRAWING_LEFT, figures_faint(), text);
-    }
+    for (size_t i = 0; i < (size_t)ref->width * (size_t)ref->height; i++)
+        sum += film->hits[i] > 0 ? ref->L[3 * i] + ref->L[3 * i + 1] + ref->L[3 * i + 2] : 0;
+    return sum > 0 ? 0.2 * 3 * (double)measure_shaded(film) / sum : 1;
 }
-
-/* The colour of a pixel: that of `a`, or, where `b` is given, that of its relative error. */
-static rgb colour_of_pixel(const sheet *s, const double *a, double share, const double *b)
-{
-    double difference = 0, truth = 0, v[3];
-
-    for (int c = 0; c < 3; c++) v[c] = fmin(1, a[c] * share * s->exposure);
-    if (!b) return rgb_from(v[0], v[1], v[2]);
-    for (int c = 0; c < 3; c++) difference += fabs(a[c] * share - b[c]), truth += fabs(b[c]);
-    return bis_palette_heat(heat_of(difference / fmax(truth, 0.003 / s->exposure)));
-}
-
-/* A picture at (x, y): that of `L`, or, where `against` is given, its relative error. */
-static void put_picture(sheet *s, FILE *svg, int x, int y, const double *L, double share, const double *against)
-{
-    bis_diag diag = {0};
-    bis_image image;
-    char name[32];
-
-    measure_check(bis_image_init(&image, s->width / s->zoom, s->height / s->zoom, &diag), &diag);
-    for (int i = 0; i < image.width * image.height; i++) {
-        image.pixels[i] = colour_of_pixel(s, L + 3 * i, share, against ? against + 3 * i : NULL);
-    }
-    snprintf(name, sizeof name, "p%d", s->n_pictures++);
-    measure_check(drawing_picture(svg, name, s->width, s->height, &image, &diag), &diag);
-    drawing_show(svg, name, x, y);
-    bis_image_clear(&image);
-}
-
-static int row_top(const sheet *s, int row) { return HEAD + row * (2 * s->height + LINE + GAP); }
 
 /* ---- one method at one setting ---- */
 
@@ -210,8 +130,8 @@ typedef struct job {
     measure_reference ref;
     bis_film film;
     bis_scene *built; /* for the method under way */
-    sheet sheet;
-    double yardstick, us_camera; /* us a shaded pixel */
+    bis_json json;
+    double exposure, yardstick, us_camera; /* us a shaded pixel */
 } job;
 
 static bis_scene_desc *parse(const char *scene, const char *material, const method *m, unsigned N, unsigned M)
@@ -292,52 +212,19 @@ static unsigned tune_rays(job *j, int m, const trial *printed)
     return (unsigned)N;
 }
 
-/* A method's column of a row whose upper left corner is (x, y). */
-static void draw_trial(job *j, FILE *svg, int x, int y, int m, const trial *t)
+static void show(job *j, int row, int m, const trial *t)
 {
-    char text[96];
-
-    put_picture(&j->sheet, svg, x, y + LINE, j->film.sum, 1.0 / j->film.passes, NULL);
-    put_picture(&j->sheet, svg, x, y + LINE + j->sheet.height, j->film.sum, 1.0 / j->film.passes, j->ref.L);
-    if (t->M) snprintf(text, sizeof text, "%s %u/%u", methods[m].name, t->N, t->M);
-    else snprintf(text, sizeof text, "%s %u", methods[m].name, t->N);
-    drawing_text(svg, x, y + 16, 9, DRAWING_LEFT, figures_ink(), text);
-    snprintf(text, sizeof text, t->error.mean < 10 ? "%.3g us, %.3g rays, %.2g" : "%.3g us, %.3g rays, %.0f", t->us, t->rays, t->error.mean);
-    drawing_text(svg, x, y + 34, 7, DRAWING_LEFT, figures_faint(), text);
-}
-
-static void show(job *j, int row, int column, int m, const trial *t)
-{
-    sheet *s = &j->sheet;
+    bis_image image = exposed(j->ref.width, j->ref.height, j->film.sum, j->exposure / j->film.passes);
 
     printf("%s %s %s %u %u %.2f %.2f %.3e %.3e %.1e\n", j->fig->name, row_names[row], methods[m].name, t->N, t->M, t->us, t->rays, t->error.mean, t->error.trimmed,
            j->ref.error);
     fflush(stdout);
-    draw_trial(j, s->svg, GAP + (column + 1) * (s->width + GAP), row_top(s, row), m, t);
-    if (row != EQUAL_TIME || !(IN_STRIP & SET(m))) return;
-    draw_trial(j, s->strip, s->strip_x, 0, m, t);
-    s->strip_x += s->width + GAP;
-}
-
-/* The first column of a row that begins at y. */
-static void draw_reference(job *j, FILE *svg, int row, int y)
-{
-    static const char *const words[ROWS] = {"as printed", "equal time", "equal rays"};
-
-    drawing_text(svg, GAP, y + 16, 10, DRAWING_LEFT, figures_ink(), words[row]);
-    drawing_text(svg, GAP, y + 34, 7, DRAWING_LEFT, figures_faint(), "converged");
-    put_picture(&j->sheet, svg, GAP, y + LINE, j->ref.L, 1, NULL);
-    draw_scale(svg, GAP, y + LINE + j->sheet.height + GAP);
-}
-
-static void show_reference(job *j)
-{
-    FILE *svg = j->sheet.svg;
-
-    drawing_text(svg, GAP, 24, 13, DRAWING_LEFT, figures_ink(), j->fig->title);
-    drawing_text(svg, GAP, 46, 8, DRAWING_LEFT, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
-    for (int row = 0; row < n_rows(j->fig); row++) draw_reference(j, svg, row, row_top(&j->sheet, row));
-    if (j->sheet.strip) draw_reference(j, j->sheet.strip, EQUAL_TIME, 0);
+    bis_json_open(&j->json, NULL, '{');
+    bis_json_text(&j->json, "row", row_names[row]);
+    BIS_JSON_NUMBERS(&j->json, {"N", t->N}, {"M", t->M}, {"us", t->us}, {"rays", t->rays}, {"relmse", t->error.mean}, {"trimmed", t->error.trimmed});
+    still_picture(&j->json, "picture", &image);
+    put_errors(&j->json, &j->film, &j->ref, j->exposure);
+    bis_json_close(&j->json);
 }
 
 /* Camera rays and film: a black material. */
@@ -351,39 +238,58 @@ static double camera_us(bis_film *film, const char *scene, const measure_referen
     return t.us;
 }
 
-static void show_method(job *j, int m, int column)
+static void show_method(job *j, int m, bool first)
 {
     const figure *fig = j->fig;
     trial printed, t;
 
     j->built = build(j->scene, fig->material, &methods[m]);
     printed = run_method(j, m, printed_N(fig, m), printed_M(fig, m), SEEDS);
-    if (column == 0) j->yardstick = printed.us;
-    show(j, AS_PRINTED, column, m, &printed);
+    if (first) j->yardstick = printed.us;
+    bis_json_open(&j->json, NULL, '{');
+    bis_json_text(&j->json, "method", methods[m].name);
+    bis_json_bool(&j->json, "in_strip", (IN_STRIP & SET(m)) != 0);
+    bis_json_open(&j->json, "trials", '[');
+    show(j, AS_PRINTED, m, &printed);
     if (n_rows(fig) > 1) {
         unsigned N = tune(j, m, &printed);
         t = run_method(j, m, N, (unsigned)lround(methods[m].M * fig->M / fig->N * N), SEEDS);
-        show(j, EQUAL_TIME, column, m, &t);
+        show(j, EQUAL_TIME, m, &t);
         N = tune_rays(j, m, &printed);
         t = run_method(j, m, N, printed_M(fig, m), SEEDS);
-        show(j, EQUAL_RAYS, column, m, &t);
+        show(j, EQUAL_RAYS, m, &t);
     }
+    bis_json_close(&j->json);
+    bis_json_close(&j->json);
     bis_scene_free(j->built);
 }
 
 static void chapter5(const figure *fig, const char *scene, double seconds, const char *folder)
 {
     job j = {.scene = scene, .fig = fig, .ref = measure_reference_get(scene, fig->material, seconds)};
-    int column = 0;
+    bis_outfile *file;
+    bool first = true;
+    char path[1024];
 
+    snprintf(path, sizeof path, "%s/%s.json", folder, fig->name);
+    still_check(bis_outfile_open(&file, path, NULL));
     j.us_camera = camera_us(&j.film, scene, &j.ref);
-    j.sheet = sheet_new(fig, folder, &j.ref, &j.film);
-    show_reference(&j);
+    j.exposure = exposure_of(&j.ref, &j.film);
+    bis_image image = exposed(j.ref.width, j.ref.height, j.ref.L, j.exposure);
+    j.json = (bis_json){.out = bis_outfile_stream(file)};
+    bis_json_open(&j.json, NULL, '{');
+    bis_json_text(&j.json, "title", fig->title);
+    BIS_JSON_NUMBERS(&j.json, {"width", j.ref.width}, {"height", j.ref.height}, {"reference_error", j.ref.error});
+    still_picture(&j.json, "reference", &image);
+    bis_json_open(&j.json, "methods", '[');
     for (int m = 0; m < N_METHODS; m++) {
-        if (fig->methods & SET(m)) show_method(&j, m, column++);
+        if (!(fig->methods & SET(m))) continue;
+        show_method(&j, m, first);
+        first = false;
     }
-    if (j.sheet.strip) figures_save(j.sheet.strip);
-    figures_save(j.sheet.svg);
+    bis_json_close(&j.json);
+    bis_json_close(&j.json);
+    still_check(bis_outfile_commit(file, NULL));
     bis_film_clear(&j.film);
     measure_reference_free(&j.ref);
 }
@@ -450,10 +356,7 @@ static void prices(const char *scene, double seconds)
 
 int main(int argc, char **argv)
 {
-    if (argc == 3 && strcmp(argv[1], "plots") == 0) {
-        figures_plots(argv[2]);
-        return 0;
-    }
+    if (argc >= 3 && strcmp(argv[1], "still") == 0 && still_write(argv[2], argv + 3, argc - 3)) return 0;
     if (argc == 4 && strcmp(argv[1], "price") == 0) {
         prices(argv[3], atof(argv[2]));
         return 0;
@@ -463,6 +366,6 @@ int main(int argc, char **argv)
         chapter5(&figures[i], argv[5], atof(argv[2]), argv[3]);
         return 0;
     }
-    fprintf(stderr, "usage: figures plots FOLDER | chapter5 SECONDS FOLDER FIGURE SCENE | price SECONDS SCENE\n");
+    fprintf(stderr, "usage: figures still FOLDER [FIGURE...] | chapter5 SECONDS FOLDER FIGURE SCENE | price SECONDS SCENE\n");
     return 2;
 }

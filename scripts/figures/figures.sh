@@ -97,15 +97,15 @@ chapter5() {
     echo "== $1"
     "$build/figures" chapter5 "$seconds" "$out" "$1" "$out/$2.scene" > "$out/$1.part"
     mv "$out/$1.part" "$out/$1.txt"
-    node scripts/figures/draw.js "$out/$1"*.json
+    node scripts/figures/still.js "$out/$1.json"
     awk -f scripts/figures/figures.awk "$out/$1.txt"
 }
 
-plots=no
+plots=
 [ $# -gt 0 ] || set -- $all
 for figure; do
     case $figure in
-    3.3 | 3.4 | 3.8 | 3.9 | 4.3 | 4.4 | 4.5) plots=yes ;;
+    3.3 | 3.4 | 3.8 | 3.9 | 4.3 | 4.4 | 4.5) plots="$plots $figure" ;;
     3.5 | 3.6) [ -r "$out/3.6.txt" ] && [ "$out/3.6.txt" -nt "$out/hall.scene" ] || maps ;;
     4.1 | 4.2) [ -r "$out/4.1.txt" ] && [ "$out/4.1.txt" -nt "$out/hall.scene" ] || pixel ;;
     5.4) chapter5 5.4 other ;;
@@ -119,8 +119,9 @@ for figure; do
         ;;
     esac
 done
-if [ $plots = yes ]; then
-    "$build/figures" plots "$out"
-    node scripts/figures/draw.js "$out"/[34].[0-9].json
+if [ -n "$plots" ]; then
+    # shellcheck disable=SC2086 # names
+    "$build/figures" still "$out" $plots
+    for figure in $plots; do node scripts/figures/still.js "$out/$figure.json"; done
 fi
 echo "pictures and numbers: $out"

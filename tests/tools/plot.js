@@ -29,7 +29,7 @@ const drawings = {
     series: [{kind: 'errors', x: [1, 2], y: [2, 3], lo: [1, 2], hi: [3, 4]}, {kind: 'area', x: [1, 2], y: [1, 2]}]},
 };
 
-/* What scripts/figures/drawing.h describes. */
+/* Each kind of item that draw takes. */
 const list = {width: 320, height: 200, items: [null, {box: [-1, 2.25, 30, 0.5], fill: '#ffffff'}, {box: [1 / 3, 2 / 3, 1234.567, 1e-9], fill: '#000000'},
   {line: [[1, 2], [1000.5, -4]], width: 1.5, stroke: '#000000'}, {line: [[0, 1], [10, 2], [20.5, 3]], width: 1, stroke: '#000000'},
   {disc: [3, 4, 5], fill: '#ff0000'}, {ring: [3, 4, 5], width: 2, stroke: '#0000ff'},

@@ -159,6 +159,40 @@ static void every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB(void **st
     assert_int_equal(n_files, n_listed); /* each listed file is there */
 }
 
+/* Those that take less than half a second each, but the rest, too, where BIS_LONG is set. */
+static const char fast[] = "3.3 3.4 3.8 3.9 4.3 4.4 4.5 E1 E2 E4 E8 E10 E11 E12 E15 E17 E18 E19 E24 E25 E33 E35 E36 E37";
+static const char slow[] = "E5 E9 E14 E26 E28 E30 E31 E32";
+
+/* Draws build/test_figures/NAME.svg from NAME.json, which edit (of sed) may change, and compares it with what is
+ * committed, but for the pictures in it: their bytes are zlib's. 0: they are the same. */
+static int drawn_otherwise(const char *name, const char *edit)
+{
+    char command[1200];
+
+    snprintf(command, sizeof command,
+             "cd build/test_figures && sed '%s' %s.json > drawn.new && mv drawn.new %s.json && node ../../scripts/figures/still.js %s.json && "
+             "for f in errata thesis results; do g=../../docs/figures/$f-%s.svg; if [ -f $g ]; then "
+             "sed 's/base64,[^\"]*//g' $g > there && sed 's/base64,[^\"]*//g' %s.svg | cmp -s - there; exit $?; fi; done; exit 3",
+             edit, name, name, name, name, name);
+    return WEXITSTATUS(system(command));
+}
+
+static void each_drawing_of_the_docs_is_drawn_again_the_same(void **state)
+{
+    char names[512], command[700];
+
+    (void)state;
+    if (system("command -v node > /dev/null") != 0) skip();
+    snprintf(names, sizeof names, "%s %s", fast, getenv("BIS_LONG") ? slow : "");
+    snprintf(command, sizeof command, "mkdir -p build/test_figures && \"$(dirname \"$BIS_PROGRAM\")\"/figures still build/test_figures %s", names);
+    assert_int_equal(system(command), 0);
+    for (char *name = strtok(names, " "); name; name = strtok(NULL, " ")) {
+        if (drawn_otherwise(name, "") != 0) fail_msg("docs/figures has another %s: sh scripts/figures/docs_figures.sh build/release thesis plots", name);
+    }
+    assert_int_equal(drawn_otherwise("E11", "s/0.45/0.46/"), 1);         /* twin: another P */
+    assert_int_equal(drawn_otherwise("3.9", "s/\"below\": [0-9]*/\"below\": 7/"), 1); /* twin: another count */
+}
+
 static void a_figure_that_is_not_in_the_list_is_bad_usage(void **state)
 {
     (void)state;
@@ -174,6 +208,7 @@ int main(void)
         cmocka_unit_test(the_page_of_results_has_a_row_for_every_figure),
         cmocka_unit_test(links_of_the_page_of_results_lead_to_files_and_its_pictures_are_below_100_KB),
         cmocka_unit_test(every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB),
+        cmocka_unit_test(each_drawing_of_the_docs_is_drawn_again_the_same),
         cmocka_unit_test(a_figure_that_is_not_in_the_list_is_bad_usage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
