@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """error_truth: is the error that `bis` prints the true one, and does --error keep its word? Prints the table of docs/budgets.md, "Error".
 
-    error_truth.py BIS [--seeds 8] [--size 96x72] [--only NAME,...] [--out FOLDER] [--own] [SCENE...]
+    error_truth.py BIS [SCENE...] [--own] [--seeds 8] [--size 96x72] [--only METHOD,...] [--error-seeds 8] [--halves] [--out FOLDER]
 
-Needs numpy. Each scene is rendered by default, without its Sampler and Integrator lines, and with --only default,named also as it stands. --own adds scenes that are made here: maps of few
-pixels, a room with a window, checkerboards, small spheres under a sun. The truth is the mean of two long renders by default with seeds of their own; half their difference tells its noise,
-which is taken off. Columns: the true error at 8 samples; for n = 4, 8, 16 and 32 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many say
-"unknown", and the median of printed / true. E is the largest true error that a seed has at 20 samples, so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by
---error E have a true error of at most E, and how many camera samples they take, over 20. References are kept in FOLDER.
+Needs numpy. Each scene is rendered without its Sampler and Integrator lines: by default, or by the methods of --only. `named` is the scene as it stands. --own adds scenes that are made here: maps
+of few pixels, a room with a window, checkerboards, small spheres under a sun. The truth of a picture is the mean of the default pictures of the other seeds with 32 samples, whose own noise is
+taken off: the square of what parts picture and truth, less the variance of that mean, by the scatter of the pictures in it.
+Columns: the true error at 8 samples; for n = 4, 8, 16 and 32 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many print none, and the median
+of printed / true. E is the largest true error that a seed has at 20 samples, so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by --error E have a true error of
+at most E, and how many camera samples they take, over 20. At the end how often a line "error at most X" holds; --halves counts the scenes of even and of odd places apart.
+The films are kept in FOLDER as checkpoints. Where they are there already, only the estimate and the renders by --error are made anew: remove them when pictures change.
 """
-import argparse, concurrent.futures as cf, json, os, re, subprocess, sys, tempfile
+import argparse, concurrent.futures as cf, json, os, re, shutil, subprocess, sys, tempfile
 import numpy as np
 
 ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -20,11 +22,15 @@ ap.add_argument('--seeds', type=int, default=8)
 ap.add_argument('--size', default='96x72')
 ap.add_argument('--only', default='default')
 ap.add_argument('--out', default=os.path.join(tempfile.gettempdir(), 'error-truth'))
-ap.add_argument('--reference', type=int, default=256, help='camera samples of each of the two references')
+ap.add_argument('--error-seeds', type=int, help='seeds that are rendered by --error (0: none); default: all')
+ap.add_argument('--halves', action='store_true')
 ap.add_argument('--jobs', type=int, default=2)
 a = ap.parse_args()
 os.makedirs(a.out, exist_ok=True)
 SPP = (4, 8, 16, 32)
+LIMIT = {4: .35, 8: .2, 16: .2, 32: .2}
+METHODS = {'default': (), 'named': (), 'em': ('--integrator', 'em'), 'brdf': ('--integrator', 'brdf'), 'mis': ('--integrator', 'mis'), 'sir': ('--integrator', 'sir', '--proposal', 'product'),
+           'sir-mix': ('--integrator', 'sir', '--proposal', 'mix'), 'rejection': ('--integrator', 'rejection')}
 
 
 def pixels(path):
@@ -36,9 +42,9 @@ def pixels(path):
 
 
 def render(scene, seed, *options):
-    """Returns the picture and the statistics, or None if the scene is refused."""
+    """Returns the picture, its statistics and what the last line says that its error is at most (NaN: it does not say so); None if the scene is refused."""
     out = os.path.join(a.out, 'p%d-%s' % (os.getpid(), abs(hash((scene, seed, options)))))
-    command = ['nice', a.bis, scene, '--quiet', '--nthreads', '1', '--resolution', a.size, '--seed', str(seed), '--outfile', out + '.pfm', '--stats', out + '.json', *options]
+    command = [a.bis, scene, '--nthreads', '1', '--resolution', a.size, '--seed', str(seed), '--outfile', out + '.pfm', '--stats', out + '.json', *options]
     r = subprocess.run(command, capture_output=True, text=True)
     if r.returncode:
         print('%s: %s' % (scene, r.stderr.strip()[-200:]), file=sys.stderr)
@@ -46,7 +52,23 @@ def render(scene, seed, *options):
     picture, stats = pixels(out + '.pfm'), json.load(open(out + '.json'))
     os.remove(out + '.pfm')
     os.remove(out + '.json')
-    return picture, stats
+    bound = re.search(r'error at most ([0-9.]+)%', r.stderr)
+    return picture, stats, float(bound.group(1)) / 100 if bound else np.nan
+
+
+def film(scene, method, seed, n):
+    """Does the same with n samples, by a checkpoint that is kept in FOLDER and made from that of half of the samples. The bits are those of one render. Where the checkpoint is there already, nothing is
+    rendered, and the program only says what it now thinks of the film. The scene as it stands may have a sampler that divides the pixel by n, so it has no checkpoints."""
+    if method == 'named':
+        return render(scene, seed, '--spp', str(n))
+    path = lambda n: os.path.join(a.out, 'films', '%s-%s-%s-%d-%d.bis' % (os.path.basename(scene), method, a.size, seed, n))
+    before = {8: 4, 16: 8, 20: 16, 32: 16}.get(n)
+    os.makedirs(os.path.dirname(path(n)), exist_ok=True)
+    if before and not os.path.exists(path(n)):
+        if not os.path.exists(path(before)) and film(scene, method, seed, before) is None:
+            return None
+        shutil.copy(path(before), path(n))
+    return render(scene, seed, '--spp', str(n), '--resume', path(n), *METHODS[method])
 
 
 def variant(scene, name):
@@ -108,55 +130,72 @@ def own_scenes(folder):
     return [os.path.join(folder, name + '.txt') for name in scenes]
 
 
-def reference(scene):
-    path = os.path.join(a.out, '%s-%s-%d.npy' % (os.path.basename(scene), a.size, a.reference))
-    if not os.path.exists(path):
-        two = [render(scene, seed, '--spp', str(a.reference)) for seed in (100001, 100002)]
-        if None in two:
-            return None
-        np.save(path, np.stack([p for p, _ in two]))
-    r = np.load(path)
-    mean = r.mean(0)
-    scale = mean ** 2 + mean.mean() ** 2 / 100
-    return mean, scale, ((r[0] - r[1]) ** 2 / 4 / scale).mean()
-
-
-def row(scene, name):
-    path = variant(scene, name)
-    truth = reference(variant(scene, 'default'))
-    if truth is None:
+def truths(scene):
+    """Returns, for each seed, a function that tells the true error of its pictures."""
+    long = [film(scene, 'default', seed, max(SPP)) for seed in range(1, a.seeds + 1)]
+    if None in long:
         return None
-    mean, scale, noise = truth
-    error = lambda p: np.sqrt(max(0, ((p - mean) ** 2 / scale).mean() - noise))
-    cells, curve, good = [], {}, {}
+    long = np.stack([p[0] for p in long])
+
+    def of(seed):
+        others = np.delete(long, seed - 1, 0)
+        mean = others.mean(0)
+        scale = mean ** 2 + mean.mean() ** 2 / 100
+        noise = (((others - mean) ** 2).sum(0) / (len(others) - 1) / len(others) / scale).mean()
+        return lambda p: np.sqrt(max(0, ((p - mean) ** 2 / scale).mean() - noise))
+    return {seed: of(seed) for seed in range(1, a.seeds + 1)}
+
+
+def row(scene, method, error):
+    """Prints a row and returns its counts: for each n (within, known, runs, held, bounded), renders by --error that kept E, all of them, their samples over 20."""
+    path = variant(scene, method)
+    cells, curve, counts = [], {}, {}
     for n in SPP:
-        runs = [render(path, seed, '--spp', str(n)) for seed in range(1, a.seeds + 1)]
-        true = np.array([error(p) for p, _ in runs])
+        runs = [film(path, method, seed, n) for seed in error]
+        true = np.array([error[seed](r[0]) for seed, r in zip(error, runs)])
         curve[n] = np.sqrt((true ** 2).mean())
-        printed = np.array([np.nan if s['estimated_relative_rmse'] is None else s['estimated_relative_rmse'] for _, s in runs])
+        printed = np.array([np.nan if r[1]['estimated_relative_rmse'] is None else r[1]['estimated_relative_rmse'] for r in runs])
+        bound = np.array([r[2] for r in runs])
         known = ~np.isnan(printed)
         ratio = printed[known] / np.maximum(true[known], 1e-12)
-        within = int((np.abs(ratio - 1) <= (.35 if n == 4 else .2)).sum())
-        good[n] = (within, int(known.sum()), a.seeds, list(np.round(ratio, 2)))
+        within = int((np.abs(ratio - 1) <= LIMIT[n]).sum())
+        counts[n] = np.array([within, known.sum(), len(runs), (bound >= true).sum(), (~np.isnan(bound)).sum()])
         cells.append('%d of %d%s, %s' % (within, known.sum(), ', %d unknown' % (~known).sum() if not known.all() else '', '%.2f' % np.median(ratio) if known.any() else '-'))
-    E = max(error(render(path, seed, '--spp', '20')[0]) for seed in range(1, a.seeds + 1))
-    kept, samples = 0, []
-    for seed in range(1, a.seeds + 1):
-        p, s = render(path, seed, '--error', '%.6g' % E)
-        kept += error(p) <= E
-        samples.append(s['spp'])
-    title = os.path.basename(scene).rsplit('.', 1)[0] + (', default' if name == 'default' else '')
-    print('| %s | %.1f %% | %s | %d of %d | %.2f |' % (title, 100 * curve[8], ' | '.join(cells), kept, a.seeds, np.mean(samples) / 20), flush=True)
-    if os.environ.get('VERBOSE'):
-        print(good, samples, flush=True)
-    return good, kept, np.mean(samples) / 20
+        if os.environ.get('VERBOSE'):
+            print(scene, method, n, np.round(ratio, 2), flush=True)
+    samples, kept = [], 0
+    for seed in list(error)[:a.error_seeds]:
+        if not samples:
+            E = max(error[seed](film(path, method, seed, 20)[0]) for seed in error)
+        p, s, _ = render(path, seed, '--error', '%.6g' % E, *METHODS[method])
+        kept += error[seed](p) <= E
+        samples.append(s['spp'] / 20)
+    title = os.path.basename(scene).rsplit('.', 1)[0] + (', ' + method if a.only != 'default' else '')
+    print('| %s | %.1f %% | %s |%s' % (title, 100 * curve[8], ' | '.join(cells), ' %d of %d | %.2f |' % (kept, len(samples), np.mean(samples)) if samples else ''), flush=True)
+    return counts, kept, samples
+
+
+def rows_of(scene):
+    error = truths(variant(scene, 'default'))
+    return [row(scene, method, error) for method in a.only.split(',')] if error else []
+
+
+def tell(what, rows):
+    for n in SPP:
+        within, known, runs, held, bounded = sum(r[0][n] for r in rows)
+        print('%s%d samples: %d of %d figures within %d %% (%.1f %%), %d of %d unknown; "at most" holds in %d of %d' %
+              (what, n, within, known, round(100 * LIMIT[n]), 100 * within / max(known, 1), runs - known, runs, held, bounded))
+    rows = [r for r in rows if r[2]]
+    if rows:
+        over = np.array([np.mean(r[2]) for r in rows])
+        print('%s--error: kept in %d of %d; samples over 20, means of scenes: median %.2f, quartiles %.2f and %.2f, nine of ten at most %.2f, largest %.2f' %
+              (what, sum(r[1] for r in rows), sum(len(r[2]) for r in rows), np.median(over), *np.quantile(over, (.25, .75, .9)), over.max()))
 
 
 scenes = a.scenes + (own_scenes(os.path.join(a.out, 'own')) if a.own else [])
 print('| scene | true(8) | 4 | 8 | 16 | 32 | E kept | samples / 20 |\n| --- | --- | --- | --- | --- | --- | --- | --- |')
 with cf.ThreadPoolExecutor(a.jobs) as pool:
-    rows = [r for r in pool.map(lambda t: row(*t), [(s, v) for s in scenes for v in a.only.split(',')]) if r]
-for n in SPP:
-    within, known, runs = (sum(r[0][n][i] for r in rows) for i in range(3))
-    print('%d samples: %d of %d figures within %d %% (%.1f %%), %d of %d unknown' % (n, within, known, 35 if n == 4 else 20, 100 * within / max(known, 1), runs - known, runs))
-print('--error: kept in %d of %d; samples over 20: median %.2f, mean %.2f, largest %.2f' % (sum(r[1] for r in rows), a.seeds * len(rows), np.median([r[2] for r in rows]), np.mean([r[2] for r in rows]), max(r[2] for r in rows)))
+    of_scenes = list(pool.map(rows_of, scenes))
+tell('', sum(of_scenes, []))
+for first in range(2) if a.halves else ():
+    tell('%s places: ' % ('even', 'odd')[first], sum(of_scenes[first::2], []))
