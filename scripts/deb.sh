@@ -9,7 +9,8 @@
 #           warning
 #   test    the packages installed into a bare system: autopkgtest runs scripts/debian/tests
 # DEB_BUILD_OPTIONS=nocheck: no tests in the first build, either. Prints seconds and megabytes. The sources are the
-# tarball of scripts/release.sh and scripts/debian as its debian/.
+# tarball of scripts/release.sh and scripts/debian as its debian/. The maintainer of a package is who makes it:
+# "$DEBFULLNAME <$DEBEMAIL>", else who made the commit.
 set -eu
 version=$(sed -n 's/^#define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 say() {
@@ -63,12 +64,15 @@ row "chroot of $suite" "$bare"
 
 # ---- build, twice ----
 
+maintainer=$(git log -1 --format='%cn <%ce>')
+[ -z "${DEBEMAIL:-}" ] || maintainer="${DEBFULLNAME:-$DEBEMAIL} <$DEBEMAIL>"
 one=$folder/build/one two=$folder/build/somewhere/else
 for place in "$one" "$two"; do
     mkdir -p "$place"
     cp "build/dist/bis-$version.tar.gz" "$place/bis_$version.orig.tar.gz"
     tar -xzf "build/dist/bis-$version.tar.gz" -C "$place"
     cp -r scripts/debian "$place/bis-$version/debian"
+    (cd "$place/bis-$version/debian" && sed -i "s|@MAINTAINER@|$maintainer|" control changelog)
 done
 in_chroot build "apt-get -q update && apt-get -qy install --no-install-recommends build-essential lintian &&
     cd /one/bis-$version && apt-get -qy build-dep --no-install-recommends ./" >"$folder/log" 2>&1 ||

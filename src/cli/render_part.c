@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "progress.h"
 #include "render/checkpoint.h"
-#include "tools/auto/auto.h"
 
 #include <string.h>
 
@@ -68,8 +67,7 @@ bis_status bis_render_part_name(bis_part share, bis_render_files *files, bis_dia
                      "--outfile part-%u.bispart", (unsigned)share.k, (unsigned)share.n, (unsigned)share.k);
 }
 
-bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const bis_scene_desc *desc,
-                                 bis_diag *diag)
+bis_status bis_render_part_check(bis_part share, const bis_budget *budget, bis_diag *diag)
 {
     const char *what = NULL;
 
@@ -80,9 +78,6 @@ bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const
     else if (budget->error > 0)
         what = "--error: it is the error of the whole picture, which no part knows. Give --spp N; a small --resolution "
                "with --error tells how many";
-    else if (bis_auto_is_wanted(&desc->view.settings))
-        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --time 60 "
-               "--stats -` runs it once; give all parts the Integrator line in \"chosen\"";
     if (!what) return BIS_OK;
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u cannot have %s", (unsigned)share.k,
                      (unsigned)share.n, what);

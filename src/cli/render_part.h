@@ -24,8 +24,7 @@ bis_status bis_render_part_name(bis_part share, bis_render_files *files, bis_dia
 
 /* bis_render_part_check refuses what needs the whole picture, because it would make another picture of its parts.
  * Errors: BIS_INPUT. */
-bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const bis_scene_desc *desc,
-                                 bis_diag *diag);
+bis_status bis_render_part_check(bis_part share, const bis_budget *budget, bis_diag *diag);
 
 /* bis_render_part_write writes the sums of the part to files->part, unless the render was interrupted; says which. c is
  * the checkpoint of the render. Errors: those of bis_part_write. */

@@ -23,14 +23,10 @@ typedef struct bis_integrator bis_integrator; /* bis/thesis/integrator.h */
 
 extern const bis_integrator bis_em, bis_brdf, bis_mis, bis_rejection, bis_sir, bis_exact, bis_unoccluded;
 
-/* A placeholder and not an estimator: src/tools/auto/auto.c replaces it with the integrator that it selects. If
- * nobody has replaced it, it behaves like sir with default settings. It is not in the list below. */
-extern const bis_integrator bis_auto;
-
 /* All integrators. NULL ends the list. */
 extern const bis_integrator *const bis_integrators[];
 
-/* bis_integrator_find returns the integrator with this name, or NULL if there is none. It also finds "auto". */
+/* bis_integrator_find returns the integrator with this name, or NULL if there is none. */
 const bis_integrator *bis_integrator_find(const char *name);
 
 /* The values of all parameters (docs/scene-format.md, "Integrator"). Each integrator reads its own. A field has the
@@ -45,6 +41,5 @@ typedef struct bis_settings {
     bis_fallback fallback;
     double split;
     bool compensate, stratify, learn;
-    bool only_sir;       /* auto: choose only among the settings of sir */
     unsigned as_printed; /* all: BIS_E* of bis/thesis/errata.h, the equations to follow as printed; 0: none */
 } bis_settings;
