@@ -241,8 +241,8 @@ static bis_status run(rgb **estimate, bis_counters *counters, bis_flat_stage *st
     *estimate = bis_alloc(n, sizeof **estimate);
     if (!*estimate) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
     const bis_view *view = &stage->desc->view;
-    return bis_verify_runs(*estimate, (uint32_t)n, &stage->pt, &view->settings, view->sampler.kind, seed, counters,
-                           diag);
+    const bis_verify_job job = {&stage->pt, &view->settings, view->sampler.kind, (uint32_t)n, seed};
+    return bis_verify_runs(*estimate, &job, counters, diag);
 }
 
 static double deviation(const bis_verify_moments *m) { return sqrt(m->m2 / (m->n - 1)); }

@@ -86,9 +86,10 @@ static void directive_world_begin(bis_parser *p, bis_loc at)
 static void directive_world_end(bis_parser *p, bis_loc at)
 {
     (void)at;
-    p->ended = true;
+    p->ended = true; /* and not stop: what follows must be said */
 }
 
+/* Where a directive may stand: before WorldBegin, after it, or both. */
 enum { OPTIONS = 1, WORLD = 2, ANYWHERE = 3 };
 
 static const struct directive {
@@ -182,7 +183,7 @@ static void note_integrator(bis_parser *p, const char *directive, bis_loc at)
 static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 {
     const char *names[BIS_COUNT(directives)];
-    const bool takes_word = is_active_transform(p, name);
+    const bool takes_word = is_active_transform(p, name); /* asked before anything moves the token */
 
     for (size_t i = 0; i < BIS_COUNT(foreign); i++)
         if (foreign[i].is_v2 && strcmp(name, foreign[i].name) == 0) bis_parser_is_v2(p, foreign[i].name, at);
@@ -219,7 +220,7 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     while (d < end && strcmp(d->name, name) != 0) d++;
 
     bis_parser_advance(p);
-    p->directive = bis_approximate_begin(p, name);
+    p->directive = bis_approximate_begin(p, name); /* counts lights, shapes, ... that are left out, too */
     if (d == end) {
         unknown_directive(p, name, at);
     } else if (p->ended && p->approximate) {
@@ -240,6 +241,7 @@ static bool starts_directive(const bis_token *t)
     return t->kind == BIS_TOKEN_WORD && t->text[0] >= 'A' && t->text[0] <= 'Z' && t->length >= 4;
 }
 
+/* Takes one directive, or one token more of what is lost. */
 static void next_directive(bis_parser *p)
 {
     char name[64], buf[64];
@@ -262,6 +264,8 @@ static void next_directive(bis_parser *p)
 
 /* ---- the whole ---- */
 
+/* What only the end of the scene shows. The order is that of the messages, and materials must be there before shapes of
+ * interfaces are left out, and those before texture coordinates are dropped. */
 static void check_whole(bis_parser *p)
 {
     bis_parser_check_blocks(p);
@@ -337,6 +341,7 @@ bis_status bis_scene_parse_text(bis_scene_desc **out, const char *path, const ch
     if (status) goto done;
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);
+    /* after too many errors, or without memory, the whole is not known well enough to complain of it */
     if (p->n_listed < BIS_MAX_ERRORS && p->status != BIS_NOMEM) {
         p->stop = false;
         check_whole(p);

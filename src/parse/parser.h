@@ -77,66 +77,83 @@ typedef struct bis_cause {
     bis_loc others[4];
 } bis_cause;
 
+/* Each part of the state belongs to the files that it names; only the first is everybody's. */
 struct bis_parser {
-    bis_lexer lexer;
-    bis_token token; /* the next one, not yet taken */
-    bis_scene_desc *desc;
-    bis_diag *diag;
-    bis_status status; /* of the first error */
-    unsigned n_errors, n_listed, n_includes; /* n_listed: without those that are counted with another */
-    bis_cause causes[BIS_MAX_ERRORS];
-    size_t n_causes;
-    bool lost; /* the syntax is broken here: skip to the next directive */
-    bool stop; /* no memory, or too many errors */
-
-    bool in_world, ended;
-    bool is_v2;          /* the scene is of pbrt-v2 or v1, because it says v2_word at v2_at */
-    const char *v2_word; /* a constant; NULL: nothing says so */
-    bis_loc v2_at;
-    const char *v3_word; /* the same of pbrt-v1 to v3 */
-    bis_loc seen[BIS_N_SINGLES];
-    bis_attributes now;
-    bis_block *blocks;
-    size_t n_blocks, capacity_blocks;
-    bool in_object;
-
-    bis_params params;
-    size_t name; /* the string that follows a directive ("perspective"), in params.text */
-    bis_loc name_at;
-
-    bis_names mesh_names, material_names, object_names, system_names;
-    bis_names texture_names[2]; /* of colours, of numbers */
-    bis_names texture_file_names;
-    bool own_texture;           /* a Texture is being read */
-    bis_named_material *named; /* by the value of material_names */
-    size_t n_named, capacity_named;
-    bis_object *objects;
-    size_t n_objects, capacity_objects;
-    bis_shape_desc *object_shapes;
-    size_t n_object_shapes, capacity_object_shapes;
-    bis_xform *systems;
-    size_t n_systems, capacity_systems;
-
-    bool approximate;   /* --approximate, see approximate.h */
-    const char *directive; /* that is read now: a constant, or "" */
-    void (*convert)(struct bis_parser *p, bis_param *param, unsigned wanted); /* bis_parser_convert */
-    size_t n_of[BIS_N_EFFECTS]; /* lights, shapes, materials, textures of the scene so far */
-    bis_approximation *notes;   /* what pbrt-v1 to v3 let pass without a word, without --approximate */
-    size_t n_notes, capacity_notes;
-    bool other_light;   /* BIS_PARSE_OTHER_LIGHT */
-    double up[3];       /* of the last LookAt before WorldBegin; 0: there was none */
-    double film_scale;  /* multiplies the picture; 1 */
-    bis_distant *distants; /* in the world; they belong to the light at the end */
-    size_t n_distants, capacity_distants;
-    bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
-    bis_names missing;
-    bis_mix *mixes;
-    size_t n_mixes, capacity_mixes;
-    char way_out[256];
-
-    const char *warned[BIS_MAX_PARAMS]; /* names that have had their one warning */
-    size_t n_warned;
-    char word[128], hint[BIS_HINT]; /* of the message that is being made */
+    struct { /* all */
+        bis_scene_desc *desc;
+        bis_diag *diag;
+        bis_token token;       /* the next one, not yet taken */
+        bis_params params;     /* of the directive that is read */
+        size_t name;           /* the string that follows a directive ("perspective"), in params.text */
+        bis_loc name_at;
+        bis_attributes now;
+        bool approximate;      /* --approximate, see approximate.h */
+        const char *directive; /* that is read now: a constant, or "" */
+    };
+    struct { /* parser.c: the way through the files */
+        bis_lexer lexer;
+        bis_status status; /* of the first error */
+        unsigned n_includes;
+        bool lost; /* the syntax is broken here: skip to the next directive */
+        bool stop; /* no memory, or too many errors */
+        bool in_world, ended;
+        bool other_light;   /* BIS_PARSE_OTHER_LIGHT */
+        bis_loc seen[BIS_N_SINGLES]; /* parser_ask.c */
+        void (*convert)(struct bis_parser *p, bis_param *param, unsigned wanted); /* bis_parser_convert */
+    };
+    struct { /* parser_state.c: complaints and files that are missing */
+        unsigned n_errors, n_listed; /* n_listed: without those that are counted with another */
+        bis_cause causes[BIS_MAX_ERRORS];
+        size_t n_causes;
+        const char *warned[BIS_MAX_PARAMS]; /* names that have had their one warning */
+        size_t n_warned;
+        char word[128], hint[BIS_HINT]; /* of the message that is being made */
+        bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
+        bis_names missing;
+    };
+    struct { /* parser_state.c, parser_textures.c: what the scene says of pbrt's versions */
+        bool is_v2;          /* the scene is of pbrt-v2 or v1, because it says v2_word at v2_at */
+        const char *v2_word; /* a constant; NULL: nothing says so */
+        bis_loc v2_at;
+        const char *v3_word; /* the same of pbrt-v1 to v3 */
+    };
+    struct { /* parser_blocks.c: blocks and objects */
+        bis_block *blocks;
+        size_t n_blocks, capacity_blocks;
+        bool in_object;
+        bis_names object_names;
+        bis_object *objects;
+        size_t n_objects, capacity_objects;
+        bis_shape_desc *object_shapes;
+        size_t n_object_shapes, capacity_object_shapes;
+    };
+    struct { /* parser_transform.c */
+        bis_names system_names;
+        bis_xform *systems;
+        size_t n_systems, capacity_systems;
+        double up[3]; /* of the last LookAt before WorldBegin; 0: there was none */
+    };
+    struct { /* parser_world.c, parser_shapes.c, parser_textures.c: names of what is in the world */
+        bis_names material_names, mesh_names;
+        bis_names texture_names[2]; /* of colours, of numbers */
+        bis_names texture_file_names;
+        bool own_texture;          /* a Texture is being read */
+        bis_named_material *named; /* by the value of material_names */
+        size_t n_named, capacity_named;
+    };
+    struct { /* parser_light.c */
+        double film_scale;  /* multiplies the picture; 1 (parser_options.c) */
+        bis_distant *distants; /* in the world; they belong to the light at the end */
+        size_t n_distants, capacity_distants;
+    };
+    struct { /* approximate.c, approximate_materials.c */
+        size_t n_of[BIS_N_EFFECTS]; /* lights, shapes, materials, textures of the scene so far */
+        bis_approximation *notes;   /* what pbrt-v1 to v3 let pass without a word, without --approximate */
+        size_t n_notes, capacity_notes;
+        bis_mix *mixes;
+        size_t n_mixes, capacity_mixes;
+        char way_out[256];
+    };
 };
 
 /* bis_parser_error complains of the input: an error at `at`. The caller cuts pieces of the input to a readable length;

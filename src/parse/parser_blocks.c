@@ -16,6 +16,7 @@ static const char *const end_names[] = {"AttributeEnd", "TransformEnd", "ObjectE
 static bool open_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 {
     if (p->n_blocks == BIS_MAX_BLOCKS) {
+        /* stop: what follows would close other blocks than its author means, and each would be an error */
         p->stop = !bis_parser_error(p, at, "blocks nest deeper than %d", BIS_MAX_BLOCKS);
         return false;
     }
@@ -40,7 +41,7 @@ static void check_kind(bis_parser *p, const bis_block *top, bis_block_kind kind,
                          end_names[top->kind], begin_names[top->kind], top->at.file, top->at.line);
 }
 
-/* Close the block on top, whatever it is: after a wrong End the rest of the file makes most sense that way. */
+/* Closes the block on top, whatever it is: after a wrong End the rest of the file makes most sense that way. */
 static void close_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 {
     const bool ends_object = kind == BIS_BLOCK_OBJECT && p->in_object;
@@ -48,6 +49,7 @@ static void close_block(bis_parser *p, bis_block_kind kind, bis_loc at)
     if (p->n_blocks) {
         const bis_block *top = &p->blocks[--p->n_blocks];
         check_kind(p, top, kind, at);
+        /* as in pbrt, TransformEnd restores the transformation alone */
         const uint32_t material = top->kind == BIS_BLOCK_TRANSFORM ? p->now.material : top->saved.material;
         p->now = top->saved;
         p->now.material = material;
@@ -115,6 +117,7 @@ void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
 
 static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
 {
+    /* before anything is added: objects of instances could be 2^20 times 2^20 shapes */
     if (object->n > BIS_MAX_SHAPES - p->desc->n_shapes) {
         p->stop = !bis_parser_error(p, at, "more than %u shapes, instances included", BIS_MAX_SHAPES);
         return;

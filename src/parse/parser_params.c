@@ -71,6 +71,7 @@ static size_t add_text(bis_parser *p)
     return offset;
 }
 
+/* A mesh has millions of numbers: BIS_ROOM is asked only when the pool is full. */
 static bool add_number(bis_parser *p, double number)
 {
     bis_params *ps = &p->params;
@@ -104,6 +105,7 @@ static bool is_value(const bis_token *t)
     return t->kind == BIS_TOKEN_NUMBER || t->kind == BIS_TOKEN_STRING || is_truth(t);
 }
 
+/* A word and no number: the lexer's numbers are finite. It is known here, so that the message can say what it is. */
 static bool is_nonfinite_word(const bis_token *t)
 {
     static const char *const words[] = {"nan", "NaN", "NAN", "inf", "Inf", "INF", "infinity", "Infinity"};
@@ -151,6 +153,7 @@ bool bis_parser_name(bis_parser *p, const char *directive)
     return true;
 }
 
+/* Complains of a value of the wrong kind. After it nobody knows where the list ends, so the directive is lost. */
 static bool lost_value(bis_parser *p, const char *name, value_class wanted)
 {
     static const char *const wants[] = {"numbers", "strings", "true or false", "a value"};
@@ -171,6 +174,7 @@ static bool read_value(bis_parser *p, const bis_param *param, value_class values
 
     if (t->kind == BIS_TOKEN_NUMBER && values == NUMBERS) {
         char buf[64];
+        /* integers keep a double's range, because a seed may have 53 bits; all else becomes a float */
         if (param->type != BIS_TYPE_INTEGER && fabs(t->number) > (double)FLT_MAX)
             return bis_parser_lose(p, t->at, "non-finite number %s: the largest float is 3.4e38",
                                    bis_token_name(buf, t));
@@ -207,6 +211,7 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
                                bis_parser_text(p, param->name));
     }
     for (; p->token.kind != BIS_TOKEN_CLOSE; n++) {
+        /* a word begins the next directive: the ] was forgotten, and the place to name is that of the [ */
         if (p->token.kind == BIS_TOKEN_END ||
             (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token)))
             return bis_parser_lose(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));
@@ -225,7 +230,7 @@ static bool is_name(const char *s)
     return n > 0 && n <= 64 && s[n] == '\0';
 }
 
-/* Split the string at `offset` into type and name, by white space. */
+/* Splits the string at `offset` into type and name, by white space, in the pool itself. */
 static bool split_declaration(bis_parser *p, bis_param *param, size_t offset)
 {
     static const char space[] = " \t\r";
@@ -285,7 +290,7 @@ static bool read_param(bis_parser *p)
         !is_nonfinite_word(&p->token))
         return bis_parser_lose(p, param.at, "\"%s\" has no value", name);
     if (!read_values(p, &param, type->values)) return false;
-    if (!before) before = &p->params.list[p->params.n++];
+    if (!before) before = &p->params.list[p->params.n++]; /* else the last one counts, in the place of the first */
     *before = param;
     return true;
 }

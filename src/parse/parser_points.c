@@ -31,6 +31,7 @@ static vec3 *vectors(bis_parser *p, const bis_param *param, const char *name)
     return out;
 }
 
+/* Indices are doubles here, like all numbers of a scene: whole ones below 2^53 are exact. */
 static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t n_points)
 {
     char buf[32];
@@ -43,7 +44,7 @@ static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t 
 bool bis_parser_indices(bis_parser *p, const char *shape, size_t per_face, size_t n_points, uint32_t **index,
                         size_t *n_faces)
 {
-    const bool given = bis_params_has(p, "indices");
+    const bool given = bis_params_has(p, "indices"); /* asked first: `take` returns NULL after a complaint, too */
     const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
     if (!param && given) return false;
     if (!param && n_points != per_face)
@@ -100,7 +101,7 @@ bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m)
     if (!given) bis_parser_error(p, p->name_at, "%s needs \"point3 P\"", shape);
     if (!points) return false;
     m->p = vectors(p, points, "P");
-    m->n_vertices = points->n / 3;
+    m->n_vertices = points->n / 3; /* before N and uv, whose numbers are held against it */
     return m->p && (m->n_vertices <= UINT32_MAX || bis_parser_error(p, points->at, "more than 2^32 - 1 points")) &&
            read_normals(p, m) && read_uv(p, m);
 }

@@ -13,6 +13,7 @@
 
 /* ---- complaints ---- */
 
+/* The list ends, and so does the scene: after so many errors the file is probably no scene. */
 static void stop_at_many(bis_parser *p)
 {
     if (++p->n_listed != BIS_MAX_ERRORS || p->stop) return;
@@ -62,6 +63,7 @@ static bis_status complain(bis_parser *p, bis_status status, bis_loc at, const c
     name_cause(name, text);
     if (is_listed(p, name, at)) return status;
     bis_error(p->diag, status, at, "%s", text);
+    /* where there is no room, later errors like it are listed one by one */
     if (p->n_causes < BIS_COUNT(p->causes)) {
         bis_cause *c = &p->causes[p->n_causes++];
         *c = (bis_cause){.message = p->diag ? p->diag->n - 1 : 0};
@@ -131,7 +133,7 @@ bool bis_parser_lose(bis_parser *p, bis_loc at, const char *fmt, ...)
 
 bool bis_parser_nomem(bis_parser *p, bis_loc at)
 {
-    p->stop = p->lost = true;
+    p->stop = p->lost = true; /* without memory every directive would fail and be listed */
     bis_parser_note(p, bis_error(p->diag, BIS_NOMEM, at, "no memory for the scene's description"));
     return false;
 }
@@ -152,6 +154,7 @@ const char *bis_parser_hint(bis_parser *p, const char *nearest)
 
 const char *bis_parser_word(bis_parser *p, const char *text) { return bis_printable(p->word, text, strlen(text)); }
 
+/* The first word is kept: it is what a message names. */
 void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at)
 {
     if (p->v2_word) return;
@@ -164,6 +167,7 @@ void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at)
 void bis_parser_advance(bis_parser *p)
 {
     p->token = bis_lexer_next(&p->lexer);
+    /* the lexer has complained of it by itself, and knows no status of the whole */
     if (p->token.kind == BIS_TOKEN_BAD) bis_parser_note(p, BIS_INPUT);
 }
 

@@ -94,6 +94,7 @@ static void read_bump(bis_parser *p, bis_material_textures *t)
     if (!lacks) bis_parser_add_image(p, path, 1, at, &t->normals);
 }
 
+/* By the value of a choice. Each asks for its own parameters; what is left over is then an error. */
 static bis_material_reader *const readers[] = {
     [PHONG] = read_phong,
     [MICROFACET] = read_microfacet,
@@ -128,7 +129,7 @@ bool bis_parser_add_material(bis_parser *p, uint32_t *index)
     bis_scene_desc *d = p->desc;
     if (!BIS_ROOM(d->materials, d->capacity_materials, d->n_materials) || d->n_materials >= UINT32_MAX)
         return bis_parser_nomem(p, p->name_at);
-    d->materials[d->n_materials] = d->materials[0];
+    d->materials[d->n_materials] = d->materials[0]; /* the default, which a reader that complains leaves in place */
     *index = (uint32_t)d->n_materials++;
     return true;
 }

@@ -277,20 +277,20 @@ static bis_status resume(render *r, bis_diag *diag)
                      (unsigned long long)r->done.spp, (unsigned long long)r->most);
 }
 
-/* What all ranks do before the first pass; each step is begun by all or by none. */
-static bis_status prepare(render *r, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                          const bis_view *view, const bis_render_options *options, int *n_threads, bis_diag *diag)
+/* What all ranks do before the first pass, after bis_workspace_init, which gave `status`; each step is begun by all or
+ * by none. */
+static bis_status prepare(render *r, bis_status status, int *n_threads, bis_diag *diag)
 {
     bis_workspace *w = &r->work;
-    bis_ranks *ranks = options->ranks;
-    bis_status status = bis_workspace_init(w, film, scene, desc, view, options, diag);
+    bis_ranks *ranks = w->options->ranks;
+    const bis_film *film = w->film;
 
     if (!status && ranks) {
         w->sched = bis_sched_new(ranks, w);
         if (!w->sched) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d ranks", ranks->size);
     }
     r->start = bis_clock_now();
-    if (!status && w->fine && options->glimpse) {
+    if (!status && w->fine && w->options->glimpse) {
         r->glimpse = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *r->glimpse);
         if (!r->glimpse) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the picture's first light");
     }
@@ -342,7 +342,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     assert(!options->part.n || !(options->budget.error > 0)); /* the error is that of the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
-    bis_status status = prepare(&r, film, scene, desc, view, options, &result->n_threads, diag);
+    bis_status status = bis_workspace_init(&r.work, film, scene, desc, view, options, diag);
+    status = prepare(&r, status, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
     bis_sched_free(r.work.sched);

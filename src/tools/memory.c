@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* memory: bytes a pixel, a texel and a triangle, for what scene_needs.h says that is built.
  *
- * Sizes of arrays follow from their types. Three things are measured (tests/tools/test_memory.c holds them to 15 %):
- * the program itself, an accelerator, and how long the line of a triangle is in a text file. */
+ * Sizes of arrays follow from their types. The program itself, what a table takes beside its arrays, and an accelerator
+ * are measured (tests/tools/test_memory.c holds all to 15 %); how long a line of a text file is, is guessed. */
 #include "memory.h"
 
 #include "base/text.h"
@@ -16,7 +16,8 @@
 
 #include <math.h>
 
-static const double program = 14e6; /* measured: a sphere under a constant light, 1 x 1 pixel (time -f %M) */
+/* the program alone: `time -f %M bis` takes 12e6 for a sphere of 1 x 1 pixel with 2 threads, and more with more */
+static const double program = 14e6;
 /* a pixel: its sums; the pass under way, with the kind of its edge */
 static const double film_sums = BIS_FILM_BYTES, pass = BIS_PASS_BYTES + 1.0 / 4;
 static const double layer_sum = BIS_LAYER_SUM_BYTES, layer_pass = BIS_LAYER_PASS_BYTES; /* a pixel's value */
@@ -24,16 +25,16 @@ static const double chunk_rows = 16, chunk_copies = 3; /* of an EXR: packed, its
 /* of learned visibility, a pixel: what is known and what is counted, in cells up to 2^23 pixels, else in tiles */
 static const double tiles = 2.0 * sizeof(bis_seen) / (BIS_RENDER_TILE * BIS_RENDER_TILE);
 static const double cells = 2.0 * sizeof(bis_seen) * BIS_VISIBILITY_CELLS / (BIS_RENDER_TILE * BIS_RENDER_TILE);
-/* a texel of the map: radiance; table: a probability, an alias, and 0.4 for the tables of rows, which are long; curve:
- * of each 4 x 4 texels its place, the sum before it and a guide; area: a float; regions: a label and a level;
- * curve_beside: of each 4 x 4 texels their sum (src/thesis/importance_parts.h) */
+/* a texel of the map: radiance; table: a probability, an alias, and 0.4 more, measured; curve: of each 4 x 4 texels
+ * their place, the sum before them and a guide; area: a float; regions: a label and a level; curve_beside: of each
+ * 4 x 4 texels their sum (src/thesis/importance_parts.h) */
 static const double texel = sizeof(rgb), table = 8 + 2 + 0.4, curve = (4 + 16 + 4) / 16.0, area = 4, regions = 4 + 1,
                     curve_beside = 16 / 16.0;
 static const double vertex = sizeof(vec3), uv = sizeof(bis_uv), triangle = 3 * sizeof(uint32_t);
 /* a triangle, measured: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps less of many
  * (BIS_EMBREE_COMPACT) */
 static const double accel_kept = 82, accel_built = 100, compact_kept = 35, compact_built = 40;
-static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a text file for each of them, measured */
+static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a text file for each of them, guessed */
 
 typedef struct counts {
     double vertices, triangles;

@@ -533,7 +533,7 @@ static void too_few_accepted_candidates_are_counted(void **state)
     s.candidates = 8;
     s.shadowrays = 1;
     assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
-    assert_int_equal(bis_verify_runs(estimate, RUNS, &l.pt, &s, BIS_SAMPLER_RANDOM, bis_verify_seed(&v, "p: rejection"), &counters, NULL), BIS_OK);
+    assert_int_equal(bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")}, &counters, NULL), BIS_OK);
     assert_true(tested && v.n == 1 && counters.accepted > 50 && counters.accepted < 1000);
     snprintf(note, sizeof note, "only %u of its candidates were accepted: too few to judge", (unsigned)counters.accepted);
     const expected_test expected = {"p: rejection", note, (double)NAN, 0, (double)NAN, (double)NAN, BIS_VERDICT_SKIPPED};

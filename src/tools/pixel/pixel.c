@@ -93,12 +93,13 @@ static double skewness_of_runs(const rgb *estimate, uint32_t n, const bis_pixel_
     return sum / n / sqrt(n);
 }
 
-static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_point *pt, const bis_settings *s,
-                           bis_sampler_kind kind, uint32_t n, uint64_t seed, bis_counters *counters, bis_diag *diag)
+static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_verify_job *job, bis_counters *counters,
+                           bis_diag *diag)
 {
+    const uint32_t n = job->n;
     rgb *estimate = bis_alloc(n, sizeof *estimate);
     if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u estimates", (unsigned)n);
-    const bis_status status = bis_verify_runs(estimate, n, pt, s, kind, seed, counters, diag);
+    const bis_status status = bis_verify_runs(estimate, job, counters, diag);
     if (!status) *v = value_of_runs(estimate, n);
     if (!status && skewness) *skewness = skewness_of_runs(estimate, n, v);
     bis_free(estimate);
@@ -127,12 +128,10 @@ bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t ma
     bis_counters counters = {0};
     mis.samples = BIS_PIXEL_MIS_SAMPLES;
     e->by_patches = false;
-    bis_status status =
-        run_many(&e->lit, NULL, pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed), &counters, diag);
-    if (!status)
-        status = run_many(&e->open, NULL, &open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1),
-                          &counters, diag);
-    return status;
+    const bis_verify_job lit = {pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed)};
+    const bis_verify_job without = {&open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1)};
+    const bis_status status = run_many(&e->lit, NULL, &lit, &counters, diag);
+    return status ? status : run_many(&e->open, NULL, &without, &counters, diag);
 }
 
 /* ---- the methods ---- */
@@ -187,7 +186,8 @@ bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const 
 {
     const bis_pixel_value *truth = m->is_open ? &exact->open : &exact->lit;
     bis_counters counters = {0};
-    const bis_status status = run_many(&m->L, &m->skewness, pt, &m->settings, kind, repeats, seed, &counters, diag);
+    const bis_verify_job job = {pt, &m->settings, kind, repeats, seed};
+    const bis_status status = run_many(&m->L, &m->skewness, &job, &counters, diag);
 
     if (status) return status;
     const double se = hypot(m->L.se[3], truth->se[3]);

@@ -151,7 +151,7 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
     return status ? status : bis_trade_write(t, "plan.txt", put_plan, diag);
 }
 
-/* A number in [lo, hi] and the blank or comma behind it; NAN when there is none. */
+/* Takes a number in [lo, hi] and the blank or comma behind it; NAN when there is none. */
 static double read_number(const char **s, double lo, double hi)
 {
     const char *end;
@@ -183,6 +183,7 @@ static bool read_size(const char **s, int *width, int *height)
     return read_count(s, 1, BIS_IMAGE_MAX_SIDE, width) && read_count(s, 1, BIS_IMAGE_MAX_SIDE, height);
 }
 
+/* The hash of the scene's files and the options, as written: runs of another scene must not be mixed with these. */
 static bool read_fingerprint(const char **s, uint64_t *hash)
 {
     static const char digits[] = "0123456789abcdef";

@@ -34,13 +34,18 @@ static void put_point(bis_json *j, const bis_trade *t, const bis_trade_point *p)
 
 /* What a setting comes to at each of at[n]: the value, and whether it is extrapolated. */
 typedef double reach(const bis_trade_result *r, const bis_trade_plan *p, int setting, double at, bool *extrapolated);
-static void put_reach(bis_json *j, const char *key, const bis_trade *t, int setting, const double *at, int n, reach *of)
+typedef struct reached {
+    const double *at;
+    int n;
+    reach *of;
+} reached;
+static void put_reach(bis_json *j, const char *key, const bis_trade *t, int setting, reached r)
 {
     bis_json_open(j, key, '[');
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < r.n; k++) {
         bool extrapolated;
         bis_json_open(j, NULL, '{');
-        bis_json_number(j, "value", of(&t->result, &t->plan, setting, at[k], &extrapolated));
+        bis_json_number(j, "value", r.of(&t->result, &t->plan, setting, r.at[k], &extrapolated));
         bis_json_bool(j, "extrapolated", extrapolated);
         bis_json_close(j);
     }
@@ -64,8 +69,8 @@ static void put_setting(bis_json *j, const bis_trade *t, int i)
     bis_json_open(j, "points", '[');
     for (int k = 0; k < c->n; k++) put_point(j, t, &t->result.points[c->first + k]);
     bis_json_close(j);
-    put_reach(j, "error_at", t, i, seconds, bis_trade_times(t, seconds), bis_trade_error_at);
-    put_reach(j, "seconds_to", t, i, errors, bis_trade_errors(t, errors), bis_trade_seconds_to);
+    put_reach(j, "error_at", t, i, (reached){seconds, bis_trade_times(t, seconds), bis_trade_error_at});
+    put_reach(j, "seconds_to", t, i, (reached){errors, bis_trade_errors(t, errors), bis_trade_seconds_to});
     bis_json_close(j);
 }
 

@@ -71,21 +71,28 @@ static void put_curve(FILE *out, const bis_trade *t, int i)
 /* What a setting comes to at some time, or for some error: bis_trade_error_at, bis_trade_seconds_to. */
 typedef double reach(const bis_trade_result *r, const bis_trade_plan *p, int setting, double at, bool *extrapolated);
 
-/* A row a setting, a pair of columns for each of at[n], which stands in the heading between two words; no two columns
- * have one name. */
-static void put_curves(FILE *out, const bis_trade *t, const char *before, int digits, const char *after,
-                       const double *at, int n, reach *value)
+/* Pairs of columns: one for each of at[n], which stands in the heading between two words. */
+typedef struct columns {
+    const char *before, *after;
+    int digits, n;
+    const double *at;
+    reach *value;
+} columns;
+
+/* A row a setting. No two columns have one name. */
+static void put_curves(FILE *out, const bis_trade *t, const columns *c)
 {
     fputs("setting,cost_variance,cost_variance_se,slope,slope_se", out);
-    for (int k = 0; k < n; k++)
-        fprintf(out, ",%s%.*g%s,%s%.*g%s_extrapolated", before, digits, at[k], after, before, digits, at[k], after);
+    for (int k = 0; k < c->n; k++)
+        fprintf(out, ",%s%.*g%s,%s%.*g%s_extrapolated", c->before, c->digits, c->at[k], c->after, c->before, c->digits,
+                c->at[k], c->after);
     fputc('\n', out);
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!t->result.curves[i].n) continue;
         put_curve(out, t, i);
-        for (int k = 0; k < n; k++) {
+        for (int k = 0; k < c->n; k++) {
             bool extrapolated;
-            BIS_CSV(out, value(&t->result, &t->plan, i, at[k], &extrapolated));
+            BIS_CSV(out, c->value(&t->result, &t->plan, i, c->at[k], &extrapolated));
             fprintf(out, ",%d", extrapolated);
         }
         fputc('\n', out);
@@ -97,7 +104,7 @@ static void put_equal_time(FILE *out, const bis_trade *t)
     double seconds[BIS_TRADE_COLUMNS];
     const int n = bis_trade_times(t, seconds);
 
-    put_curves(out, t, "error_at_", 4, "s", seconds, n, bis_trade_error_at);
+    put_curves(out, t, &(columns){"error_at_", "s", 4, n, seconds, bis_trade_error_at});
 }
 
 static void put_equal_error(FILE *out, const bis_trade *t)
@@ -105,7 +112,7 @@ static void put_equal_error(FILE *out, const bis_trade *t)
     double error[BIS_TRADE_COLUMNS];
     const int n = bis_trade_errors(t, error);
 
-    put_curves(out, t, "seconds_to_", 6, "", error, n, bis_trade_seconds_to);
+    put_curves(out, t, &(columns){"seconds_to_", "", 6, n, error, bis_trade_seconds_to});
 }
 
 bis_status bis_trade_write_tables(const bis_trade *t, bis_diag *diag)

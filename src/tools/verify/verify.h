@@ -148,12 +148,19 @@ bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degr
 bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
                             bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag);
 
-/* bis_verify_runs makes estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of
- * (seed, pixel = r).
- * Each is independent of the others: proposal "product" draws the directions of its clusters anew for each, and nothing
- * is learned. counters: shadow rays, accepted candidates and fallbacks are added to it. */
-bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
-                           uint64_t seed, bis_counters *counters, bis_diag *diag);
+/* Estimates of reflected radiance at a point: n of them, the r-th from the stream of (seed, pixel = r). */
+typedef struct bis_verify_job {
+    const bis_point *pt;
+    const bis_settings *settings;
+    bis_sampler_kind kind;
+    uint32_t n;
+    uint64_t seed;
+} bis_verify_job;
+
+/* bis_verify_runs makes estimate[job->n] on all threads. Each is independent of the others: proposal "product" draws
+ * the directions of its clusters anew for each, and nothing is learned. counters: shadow rays, accepted candidates and
+ * fallbacks are added to it. Errors: BIS_NOMEM. */
+bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counters *counters, bis_diag *diag);
 
 /* bis_verify_cost returns about how long one estimate takes, in units of 60 ns: 8 for a shadow ray, 1 for a candidate.
  */

@@ -201,8 +201,9 @@ static bis_status check_furnace(bis_verify *v, const bis_bsdf *b, const cells *c
     for (size_t i = 0; i < n && !status; i++) {
         const char *integrator = settings[i].integrator->name;
         bis_verify_moments runs = {0};
-        status = bis_verify_runs(estimate, n_runs, &pt, &settings[i], BIS_SAMPLER_STRATIFIED,
-                                 bis_verify_seed(v, "%s: furnace, %s", name, integrator), &counters, diag);
+        const bis_verify_job job = {&pt, &settings[i], BIS_SAMPLER_STRATIFIED, n_runs,
+                                    bis_verify_seed(v, "%s: furnace, %s", name, integrator)};
+        status = bis_verify_runs(estimate, &job, &counters, diag);
         for (uint32_t run = 0; run < n_runs && !status; run++) {
             bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g,
                                                             (double)estimate[run].b}));

@@ -37,10 +37,12 @@ static const double weight[3] = {4, 2, 1}; /* bis_verify_measure */
 
 /* ---- many runs ---- */
 
-bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
-                           uint64_t seed, bis_counters *counters, bis_diag *diag)
+bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counters *counters, bis_diag *diag)
 {
-    const bis_sampler sampler = {.kind = kind, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    const bis_settings *s = job->settings;
+    const bis_point *pt = job->pt;
+    const bis_sampler sampler = {
+        .kind = job->kind, .seed = job->seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
     atomic_bool failed = false;
     uint64_t accepted = 0, fallbacks = 0, rays = 0;
 
@@ -53,11 +55,11 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
         mine.counters = &own;
         if (!ok) failed = true;
 #pragma omp for schedule(dynamic, 16)
-        for (uint32_t run = 0; run < n; run++) {
+        for (uint32_t run = 0; run < job->n; run++) {
             bis_stream stream;
             if (!ok) continue;
             bis_stream_init(&stream, &sampler, run, 0);
-            bis_probe_begin_pass(&probe, pt->light, seed, run); /* the runs share nothing */
+            bis_probe_begin_pass(&probe, pt->light, job->seed, run); /* the runs share nothing */
             estimate[run] = s->integrator->Lo(s, &mine, &stream, &probe.scratch);
         }
         accepted += own.accepted;
@@ -202,10 +204,18 @@ static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halving
     return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / bis_verify_cost(s, patches)), 64), 1 << 14);
 }
 
-static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings *s, const bis_truth_moments *sample,
-                          const sampling *how, const bis_truth *truth, bis_sampler_kind kind, const char *name,
-                          bis_diag *diag)
+/* Where all integrators are compared, and with what. */
+typedef struct place {
+    const bis_point *pt;
+    const bis_truth *truth;
+    bis_sampler_kind kind;
+    const char *name;
+} place;
+
+static bis_status compare(bis_verify *v, const place *at, const bis_settings *s, const bis_truth_moments *sample,
+                          const sampling *how, bis_diag *diag)
 {
+    const bis_truth *truth = at->truth;
     const bool is_exact = bis_parameter_of(s->integrator, "perpatch") != NULL;
     const uint32_t n = runs_for(s, truth->patches, v->halvings);
     rgb *estimate = bis_alloc(n, sizeof *estimate);
@@ -213,8 +223,9 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
     bis_verify_moments runs = {0};
 
     if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u runs", (unsigned)n);
-    bis_status status = bis_verify_runs(estimate, n, pt, s, kind,
-                                        bis_verify_seed(v, "%s: %s", name, s->integrator->name), &counters, diag);
+    const uint64_t seed = bis_verify_seed(v, "%s: %s", at->name, s->integrator->name);
+    bis_status status =
+        bis_verify_runs(estimate, &(bis_verify_job){at->pt, s, at->kind, n, seed}, &counters, diag);
     for (uint32_t run = 0; run < n; run++) {
         bis_verify_add(&runs, bis_verify_measure(
                                   (rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
@@ -226,7 +237,7 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
     const bis_truth_sum one_ray = {.variance = {0, 0, 0, fmax(0, truth->one_ray.variance)},
                                    .most = 2 * truth->lit.most};
     const comparison c = {
-        .name = name,
+        .name = at->name,
         .integrator = s->integrator,
         .runs = &runs,
         .truth = s->integrator->without_shadows ? &truth->open : &truth->lit,
@@ -235,7 +246,7 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
         .is_guess = how->is_guess,
         .deviation = is_exact ? bis_truth_deviation(&one_ray, chance) : (double)NAN,
         .accepted = counters.accepted,
-        .draws_independent = !bis_sampler_is_low_discrepancy(kind),
+        .draws_independent = !bis_sampler_is_low_discrepancy(at->kind),
     };
     judge(v, &c);
     return BIS_OK;
@@ -267,7 +278,7 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
     }
     for (size_t i = 0, known = 0; i < n && !status; i++) {
         const bis_truth_moments *sample = how[i].n > 0 ? &truth.sample[known++] : NULL;
-        status = compare(v, pt, &settings[i], sample, &how[i], &truth, kind, name, diag);
+        status = compare(v, &(place){pt, &truth, kind, name}, &settings[i], sample, &how[i], diag);
     }
     return status;
 }
