@@ -235,6 +235,26 @@ static void moments_are_the_sums_about_the_mean(void **state)
     assert_true(bis_verify_skewness(&still) == 0 && still.mean == 2 && still.m2 == 0);
 }
 
+/* Variances and third moments of independent values add up, and those of -b are those of b but for a sign. */
+static void the_skewness_beside_another_mean_is_that_of_added_moments(void **state)
+{
+    (void)state;
+    const double x[2][4] = {{1, 2, 4, 9}, {-3, 0, 0.5, 1}};
+    double m2[2] = {0}, m3[2] = {0};
+    bis_verify_moments m[2] = {{.n = 0}, {.n = 0}};
+    for (int k = 0; k < 2; k++) {
+        const double mean = (x[k][0] + x[k][1] + x[k][2] + x[k][3]) / 4;
+        for (int i = 0; i < 4; i++) {
+            bis_verify_add(&m[k], x[k][i]);
+            m2[k] += pow(x[k][i] - mean, 2);
+            m3[k] += pow(x[k][i] - mean, 3);
+        }
+    }
+    assert_true(m3[0] > 0 && m3[1] < 0);
+    assert_figure(bis_verify_skewness_beside(&m[0], &m[1], m2[0] / (m2[0] + m2[1])),
+                  (m3[0] - m3[1]) / pow(m2[0] + m2[1], 1.5), "skewness of a difference");
+}
+
 /* 1 2 3: the mean 2 has the standard error 1/sqrt 3; t of 2 degrees of freedom has the tails 1 - |t|/sqrt(2 + t^2). */
 static void a_mean_is_judged_by_what_is_beyond_its_slack(void **state)
 {
@@ -1260,6 +1280,7 @@ int main(void)
         cmocka_unit_test(cells_are_pooled_in_order_and_the_rest_joins_the_last),
         cmocka_unit_test(p_is_the_tail_of_a_shifted_gamma_distribution),
         cmocka_unit_test(moments_are_the_sums_about_the_mean),
+        cmocka_unit_test(the_skewness_beside_another_mean_is_that_of_added_moments),
         cmocka_unit_test(a_mean_is_judged_by_what_is_beyond_its_slack),
         cmocka_unit_test(the_bound_of_a_skewed_mean_is_that_of_the_page),
         cmocka_unit_test(the_tests_of_a_map_have_limits_by_hand),

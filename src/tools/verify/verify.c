@@ -185,6 +185,11 @@ void bis_verify_add(bis_verify_moments *m, double x)
 
 double bis_verify_skewness(const bis_verify_moments *m) { return m->m2 > 0 ? m->m3 / pow(m->m2, 1.5) : 0; }
 
+double bis_verify_skewness_beside(const bis_verify_moments *a, const bis_verify_moments *b, double of_a)
+{
+    return fabs(bis_verify_skewness(a)) * pow(of_a, 1.5) + fabs(bis_verify_skewness(b)) * pow(1 - of_a, 1.5);
+}
+
 /* The largest z up to which the bound of bis_verify_t falls. The tail of t falls by at least (dof - 1) z/(dof + z^2),
  * relative to itself: p(z) <= density(z) (dof + z^2)/((dof - 1) z), because 1 <= u/z below its integral. The factor
  * grows by s z^2. */

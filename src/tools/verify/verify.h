@@ -81,6 +81,10 @@ void bis_verify_add(bis_verify_moments *m, double x);
 /* bis_verify_skewness returns the skewness of the mean of these runs, 0 where they do not scatter. */
 double bis_verify_skewness(const bis_verify_moments *m);
 
+/* bis_verify_skewness_beside returns a bound of the |skewness| of the difference of two means. of_a: the share of a's
+ * mean in the difference's variance. */
+double bis_verify_skewness_beside(const bis_verify_moments *a, const bis_verify_moments *b, double of_a);
+
 /* bis_verify_t returns a bound of the probability that a mean of so many runs lies |z| or more of its own standard
  * errors from what is right; dof: runs less one, or INFINITY where the standard error is known. skewness: of the mean.
  * Never larger for a larger |z|. Beyond BIS_VERIFY_MOST_SKEWNESS no z is enough for a verdict. */

@@ -268,8 +268,7 @@ static void judge(bis_verify *v, const picture *p, int k)
     const double excess = fmax(0, fabs(d) - rounding * p->size[k]);
     const double of_a = se > 0 ? va / (va + vb) : 1, of_b = 1 - of_a; /* shares of the variance */
     const double dof = 1 / (of_a * of_a / (a->n - 1) + of_b * of_b / (b->n - 1)); /* Welch and Satterthwaite */
-    const double skewness =
-        fabs(bis_verify_skewness(a)) * pow(of_a, 1.5) + fabs(bis_verify_skewness(b)) * pow(of_b, 1.5);
+    const double skewness = bis_verify_skewness_beside(a, b, of_a);
     const double percent = p->size[k] > 0 ? 100 / p->size[k] : 0; /* of a black picture */
     const char *name = p->name[k], *integrator = p->view.settings.integrator->name;
     char note[120];
