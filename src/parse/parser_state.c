@@ -187,6 +187,7 @@ static const char *why_unreadable(const char *path, bis_status *status)
     return strerror(errno);
 }
 
+/* A file that is there and may not be read is no missing one: another takes its place only where there is none. */
 static bool is_absent(const char *path) { return access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR); }
 
 /* One of the places where a file may lie. False: it is not there, or there is no memory (*path is then NULL). */

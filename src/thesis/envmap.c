@@ -193,34 +193,42 @@ vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double 
 }
 /* [end] */
 
-double bis_envmap_power(const bis_envmap *em)
+void bis_envmap_measure(const bis_envmap *em, double *power, double *most)
 {
     /* All threads make sums of rows, and one adds them, in their order: the bits do not depend on the number of
      * threads. TOGETHER rows at a time, because their sums lie on the stack. */
     enum { TOGETHER = 1024 };
-    double power = 0, sum[TOGETHER];
+    double sum[TOGETHER], largest = 0;
+    *power = 0;
     for (int first = 0; first < em->height; first += TOGETHER) {
         const int n = em->height - first < TOGETHER ? em->height - first : TOGETHER;
-#pragma omp parallel for
+#pragma omp parallel for reduction(max : largest)
         for (int i = 0; i < n; i++) {
             const rgb *row = em->pixels + (size_t)(first + i) * (size_t)em->width;
-            sum[i] = 0;
-            for (int x = 0; x < em->width; x++) sum[i] += rgb_sum(row[x]);
+            double in_row = 0;
+            for (int x = 0; x < em->width; x++) {
+                const double intensity = rgb_sum(row[x]);
+                in_row += intensity;
+                largest = intensity > largest ? intensity : largest;
+            }
+            sum[i] = in_row;
         }
-        for (int i = 0; i < n; i++) power += sum[i] * em->row_solid_angle[first + i];
+        for (int i = 0; i < n; i++) *power += sum[i] * em->row_solid_angle[first + i];
     }
+    *most = largest;
+}
+
+double bis_envmap_power(const bis_envmap *em)
+{
+    double power, most;
+    bis_envmap_measure(em, &power, &most);
     return power;
 }
 
 double bis_envmap_max_intensity(const bis_envmap *em)
 {
-    double most = 0;
-    const size_t n = n_pixels(em);
-#pragma omp parallel for reduction(max : most)
-    for (size_t i = 0; i < n; i++) {
-        const double intensity = rgb_sum(em->pixels[i]);
-        if (intensity > most) most = intensity;
-    }
+    double power, most;
+    bis_envmap_measure(em, &power, &most);
     return most;
 }
 

@@ -69,36 +69,33 @@ static bis_status find_area_factors(bis_weights *w, float *least, int levels, do
  * map is drawn uncompensated. */
 static double mean_to_subtract(const bis_envmap *em)
 {
-    const double mean = bis_envmap_power(em) / (4 * PI);
-    const double rounding = (double)n_pixels(em) * DBL_EPSILON * mean;
-    return bis_envmap_max_intensity(em) - mean > rounding ? mean : 0;
+    double power, most;
+    bis_envmap_measure(em, &power, &most);
+    const double mean = power / (4 * PI), rounding = (double)n_pixels(em) * DBL_EPSILON * mean;
+    return most - mean > rounding ? mean : 0;
 }
 
-/* Sums over the rows, then over the sphere. The order does not depend on the number of threads. Returns the largest
- * product of a pixel's weight and its row's measure. */
-static double sum_rows(bis_importance *im, double *row_weight)
+/* Adds up the weights of each row. The order does not depend on the number of threads. */
+static void sum_rows(const bis_weights *w, double *row_weight)
+{
+    const size_t width = (size_t)w->em->width;
+#pragma omp parallel for
+    for (int y = 0; y < w->em->height; y++) {
+        double sum = 0;
+        for (size_t x = 0; x < width; x++) sum += bis_weight(w, (size_t)y * width + x);
+        row_weight[y] = sum;
+    }
+}
+
+/* Adds up the rows over the sphere, and makes their weights probabilities but for a factor. */
+static void sum_sphere(bis_importance *im, double *row_weight)
 {
     const bis_envmap *em = im->weights.em;
-    const size_t width = (size_t)em->width;
-    double largest = 0;
-#pragma omp parallel for reduction(max : largest)
-    for (int y = 0; y < em->height; y++) {
-        double sum = 0, most = 0;
-        for (size_t x = 0; x < width; x++) {
-            const double w = bis_weight(&im->weights, (size_t)y * width + x);
-            sum += w;
-            most = w > most ? w : most;
-        }
-        row_weight[y] = sum;
-        most *= bis_row_measure(&im->weights, (size_t)y);
-        largest = most > largest ? most : largest;
-    }
     im->total = 0;
     for (int y = 0; y < em->height; y++) {
         im->total += row_weight[y] * em->row_solid_angle[y];
         row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
     }
-    return largest;
 }
 
 /* Returns the largest I/q = sum * I/w. Without compensation I/w is 1 or 1/area. There are four roundings: of I *
@@ -117,7 +114,8 @@ static void forget_area_factors(bis_importance *im, double *row_weight)
 {
     im->weights.area = NULL;
     im->least_area = 1;
-    sum_rows(im, row_weight);
+    sum_rows(&im->weights, row_weight);
+    sum_sphere(im, row_weight);
     im->max_ratio = find_max_ratio(im);
 }
 
@@ -142,16 +140,16 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         if (status) goto done;
     }
     if (options->compensate) im->weights.mean = mean_to_subtract(em);
-    const double largest = sum_rows(im, row_weight);
-    im->max_ratio = find_max_ratio(im);
     im->has_table = options->table;
     im->has_curve = options->curve;
+    if (im->has_curve) status = bis_curve_init(&im->curve, &im->weights, row_weight, diag);
+    else sum_rows(&im->weights, row_weight);
+    if (status) goto done;
+    sum_sphere(im, row_weight);
+    im->max_ratio = find_max_ratio(im);
+    if (im->total == 0) bis_curve_clear(&im->curve); /* a black map */
     if (im->total > 0 && im->has_table) {
         status = bis_table_init(&im->table, &im->weights, row_weight, options->table_kind, diag);
-        if (status) goto done;
-    }
-    if (im->total > 0 && im->has_curve) {
-        status = bis_curve_init(&im->curve, &im->weights, largest, diag);
         if (status) goto done;
     }
     if (im->weights.as_printed & BIS_E20) forget_area_factors(im, row_weight);

@@ -15,6 +15,9 @@
  * of all pixels would, bit for bit, with 1.5 bytes a pixel instead of 10. It takes six times as long; that does not
  * matter, because a render draws some thousand directions in a pass and shares them.
  *
+ * The sums need no scale (weights.h): a pixel's weight is a float's intensity, at least 2^-149 and below 2^130, times an
+ * area factor, which is a float, too, and a solid angle. No sum of such numbers leaves the range of double.
+ *
  * Build O(W H), draw O(1). Monotone in s. */
 #include "bis/base/curve.h"
 #include "bis/base/mem.h"
@@ -67,20 +70,27 @@ static bis_curve_sum plus(bis_curve_sum a, bis_curve_sum b)
     return a;
 }
 
-/* The scaled weight times solid angle of the pixel in column x of row y. */
-static double pixel_weight(const bis_curve *t, uint32_t x, uint32_t y)
+/* The weight of the pixel in column x of row y. */
+static double weight_at(const bis_curve *t, uint32_t x, uint32_t y)
 {
-    const bis_weights *w = &t->weights;
-    const double weight = bis_weight(w, (size_t)y * (size_t)w->em->width + x);
-    return weight_scaled(t->scale, weight * bis_row_measure(w, y));
+    return bis_weight(&t->weights, (size_t)y * (size_t)t->weights.em->width + x);
 }
 
-static bis_curve_sum sum_tile(const bis_curve *t, uint32_t tile)
+/* Adds up the pixels of a tile, and adds each to the weight of its row. */
+static bis_curve_sum sum_tile(const bis_curve *t, uint32_t tile, double *row_weight)
 {
     const block b = block_of(t, tile);
     bis_curve_sum sum = {0, 0};
-    for (uint32_t y = 0; y < b.rows; y++)
-        for (uint32_t x = 0; x < b.columns; x++) add_weight(&sum, pixel_weight(t, b.x + x, b.y + y));
+    for (uint32_t y = b.y; y < b.y + b.rows; y++) {
+        const double measure = bis_row_measure(&t->weights, y);
+        double row = row_weight[y];
+        for (uint32_t x = b.x; x < b.x + b.columns; x++) {
+            const double weight = weight_at(t, x, y);
+            row += weight;
+            add_weight(&sum, weight * measure);
+        }
+        row_weight[y] = row;
+    }
     return sum;
 }
 
@@ -94,10 +104,11 @@ static double share_of(const bis_curve *t, bis_curve_sum s)
 /* The share of the importance that lies before tile i. */
 static double share_before(const bis_curve *t, size_t i) { return share_of(t, t->before[i]); }
 
-/* Finds the sums before all tiles. The tiles themselves are summed row by row, on all threads, because along the curve
- * each would wait for memory. */
-static bis_status sum_tiles(bis_curve *t)
+/* Finds the sums before all tiles, and of all rows. The tiles themselves are summed row by row, on all threads, because
+ * along the curve each would wait for memory. */
+static bis_status sum_tiles(bis_curve *t, double *row_weight)
 {
+    const uint32_t height = (uint32_t)t->weights.em->height;
     bis_curve_sum *sum = bis_alloc(t->n_tiles, sizeof *sum);
 
     t->before = bis_alloc(t->n_tiles + 1, sizeof *t->before);
@@ -106,7 +117,11 @@ static bis_status sum_tiles(bis_curve *t)
         return BIS_NOMEM;
     }
 #pragma omp parallel for
-    for (size_t i = 0; i < t->n_tiles; i++) sum[i] = sum_tile(t, (uint32_t)i);
+    for (uint32_t y = 0; y < height; y += t->side) {
+        const uint32_t first = y / t->side * t->across;
+        for (uint32_t i = y; i < y + t->side && i < height; i++) row_weight[i] = 0;
+        for (uint32_t i = first; i < first + t->across; i++) sum[i] = sum_tile(t, i, row_weight);
+    }
     for (size_t i = 0; i < t->n_tiles; i++) t->before[i + 1] = plus(t->before[i], sum[t->tile[i]]);
     bis_free(sum);
     return BIS_OK;
@@ -127,11 +142,11 @@ static bis_status make_guide(bis_curve *t)
     return BIS_OK;
 }
 
-bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double largest, bis_diag *diag)
+bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double *row_weight, bis_diag *diag)
 {
-    *t = (bis_curve){.weights = *w, .scale = weight_scale_of(&largest, 1)};
+    *t = (bis_curve){.weights = *w};
     bis_status status = find_tiles(t);
-    if (!status) status = sum_tiles(t);
+    if (!status) status = sum_tiles(t, row_weight);
     if (!status) status = make_guide(t);
     if (!status) return BIS_OK;
     bis_curve_clear(t);
@@ -171,7 +186,7 @@ static size_t find_pixel(const bis_curve *t, size_t i, double s)
     uint32_t x = 0, y = 0;
 
     for (;;) {
-        add_weight(&sum, pixel_weight(t, b.x + x, b.y + y));
+        add_weight(&sum, weight_at(t, b.x + x, b.y + y) * bis_row_measure(&t->weights, b.y + y));
         if (share_of(t, plus(t->before[i], sum)) > s) return (b.y + y) * width + b.x + x;
         if (++x == b.columns) {
             x = 0;
@@ -183,7 +198,7 @@ static size_t find_pixel(const bis_curve *t, size_t i, double s)
 
 size_t bis_curve_draw(const bis_curve *t, double s)
 {
-    assert(t->scale.half1 > 0 && s >= 0 && s < 1);
+    assert(t->n_tiles > 0 && s >= 0 && s < 1);
     const size_t i = find_tile(t, s);
     return t->side == 1 ? t->tile[i] : find_pixel(t, i, s);
 }

@@ -7,7 +7,6 @@
 #include "bis/thesis/cdf.h"
 #include "bis/thesis/importance.h"
 #include "bis/thesis/errata.h"
-#include "weights.h"
 
 /* The importance per steradian, w = max(0, I - mean) * area. It is never stored. The same function builds the tables
  * and computes the density, so that the two agree to the last bits. */
@@ -82,14 +81,14 @@ typedef struct bis_curve {
     uint32_t across;      /* tiles in a row of tiles */
     uint32_t *tile;       /* tile[n_tiles] in the order of the curve: column + across * row of each tile */
     size_t n_tiles;
-    bis_curve_sum *before; /* before[n_tiles + 1]: the scaled weights of all pixels before a tile of the curve */
-    weight_scale scale;
+    bis_curve_sum *before; /* before[n_tiles + 1]: the weights of all pixels before a tile of the curve */
     uint32_t *guide; /* guide[n_guide + 1]: see bis_cdf */
     size_t n_guide;
 } bis_curve;
 
-/* bis_curve_init builds the curve. largest > 0 is the largest weight times measure of a pixel. Errors: BIS_NOMEM. */
-bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double largest, bis_diag *diag);
+/* bis_curve_init builds the curve, and stores in row_weight[height] the sum of the weights of each row, because it adds
+ * up all pixels. Errors: BIS_NOMEM. */
+bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double *row_weight, bis_diag *diag);
 
 /* bis_curve_clear frees the curve. */
 void bis_curve_clear(bis_curve *t);

@@ -73,8 +73,7 @@ bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_wo
         for (int i = 0; i < 3; i++) light->rotation[axis][i] = rotation.m[i][axis];
     }
     /* both are asked for at every point, and the map does not change any more */
-    light->power = bis_envmap_power(&light->em);
-    light->max_intensity = bis_envmap_max_intensity(&light->em);
+    bis_envmap_measure(&light->em, &light->power, &light->max_intensity);
     if (importance) status = bis_importance_new(&light->importance, &light->em, importance, diag);
     if (status) goto done;
     *out = light;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* weights: scaling of weights, so that cdf and alias can sum any of them, 1e-300 or 1e300, without overflow. The
- * curve of a map needs it, too.
+/* weights: scaling of weights, so that cdf and alias can sum any of them, 1e-300 or 1e300, without overflow.
  *
  * A power of two scales the largest weight into [1/2, 1). This rounds nothing. */
 #pragma once

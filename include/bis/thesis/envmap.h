@@ -62,6 +62,9 @@ static inline rgb bis_envmap_Le(const bis_envmap *em, vec3 w_local)
  * direction is uniform by solid angle, because phi and cos(theta) are uniform between the edges (E2). */
 vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double u2);
 
+/* bis_envmap_measure computes the two following numbers in one pass over the map. */
+void bis_envmap_measure(const bis_envmap *em, double *power, double *most);
+
 /* bis_envmap_power returns the integral of r+g+b over the sphere, summed in double. */
 double bis_envmap_power(const bis_envmap *em);
 

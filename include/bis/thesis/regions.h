@@ -42,7 +42,7 @@ bis_levels bis_levels_of(const bis_envmap *em, int levels);
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity);
 
 /* bis_regions_init finds the components of a map. `levels` is in [1, 254]. Memory: 5 bytes a pixel at the peak
- * (label, level), 4 bytes a pixel afterwards, and 256 bytes a column for each thread. Errors: BIS_NOMEM. */
+ * (label, level), 4 bytes a pixel afterwards, and 64 bytes a column for each thread. Errors: BIS_NOMEM. */
 bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bis_diag *diag);
 
 /* bis_regions_clear frees the components. *r is empty afterwards. */
