@@ -330,8 +330,8 @@ int bis_cmd_render(int argc, char **argv)
     }
     for (; bis_integrators[i] && i < MAX_INTEGRATORS; i++) {
         integrators[i] = bis_integrators[i]->name;
-        bis_append(integrator_help, sizeof integrator_help, "%s%s", i == 0 ? "" : bis_integrators[i + 1] ? ", " : " or ",
-                   integrators[i]);
+        bis_append(integrator_help, sizeof integrator_help, "%s%s",
+                   i == 0 ? "" : bis_integrators[i + 1] ? ", " : " or ", integrators[i]);
     }
     bis_append(integrator_help, sizeof integrator_help, " (default: the scene's; see `bis help sir`)");
 
