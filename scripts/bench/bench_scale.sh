@@ -80,7 +80,8 @@ table() {
     for plot in "candidates M candidates" "shadowrays N shadowrays" "samples camera samples a pixel" "pixels pixels" "triangles triangles" "maps pixels of the map"; do
         what=${plot%% *}
         cat "$out"/scale-sweep.txt "$out"/scale-triangles.txt "$out"/scale-maps.txt 2>/dev/null |
-            awk -v what="$what" -v axis="${plot#* }" -v svg="$out/scale-$what.svg" -f scripts/bench/bench_plot.awk
+            awk -v what="$what" -v axis="${plot#* }" -v json="$out/scale-$what.json" -f scripts/bench/bench_plot.awk
+        [ ! -r "$out/scale-$what.json" ] || ! command -v node >/dev/null || node scripts/figures/still.js "$out/scale-$what.json"
     done
     [ -r "$out/scale-peak.txt" ] || return 0
     printf '\npeak memory, GiB (must: 8 at most, own report within 10%% of the system'\''s)\n'

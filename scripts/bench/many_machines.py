@@ -2,7 +2,7 @@
 """many_machines: how long bis-mpi takes on more ranks than anybody here has, by simulation. docs/command-line.md has the
 table.
 
-    python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--svg FILE]
+    python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--json FILE]
 
 1, 10, 100, 1000 and 10000 threads work together, at most T (32) of them in a rank: one rank for each machine.
 
@@ -16,6 +16,7 @@ alike, so the third of three is counted as often as one is made; those of 1 and 
 Costs: those marked with m are measured with scene.txt (sir, product, learn) on one processor, see the page; the network
 is assumed: 2 us from machine to machine, 10 Gbit/s at each, 1 us of software for a message."""
 import heapq
+import json
 import math
 import random
 import sys
@@ -225,31 +226,15 @@ def render(width, height, spp, ranks, threads, link):
     return total, parts, moved / tiles
 
 
-def svg(rows, name):
-    """Speed-up against threads, both axes logarithmic."""
-    colours = ["#1b6ca8", "#c0392b", "#2e8b57", "#8e44ad"]
-    lines = ['<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 520 360" font-family="sans-serif" font-size="11">',
-             '<rect width="520" height="360" fill="white"/>']
-
-    def place(n, speed):
-        return 50 + 105 * math.log10(n), 320 - 70 * math.log10(max(speed, 1))
-
-    for k in range(5):
-        x, y = place(10 ** k, 10 ** k)
-        lines.append(f'<path d="M{x} 40V320M50 {y}H470" stroke="#ddd"/><text x="{x}" y="336" text-anchor="middle">{10 ** k}'
-                     f'</text><text x="44" y="{y + 4}" text-anchor="end">{10 ** k}</text>')
-    lines.append('<path d="M50 320L470 40" stroke="#999" stroke-dasharray="4 3"/>'
-                 '<text x="260" y="354" text-anchor="middle">threads</text><text x="50" y="24">speed-up</text>')
-    for i, (title, points) in enumerate(rows):
-        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (place(*p) for p in points))
-        lines.append(f'<polyline points="{path}" fill="none" stroke="{colours[i]}" stroke-width="2"/>'
-                     f'<text x="62" y="{56 + 15 * i}" fill="{colours[i]}">{title}</text>')
-    with open(name, "w") as out:
-        out.write("\n".join(lines) + "\n</svg>\n")
+def curves_of(rows):
+    """Speed-up against threads, for scripts/figures/still.js (docs/json.md)."""
+    most = rows[0][1][-1][0]
+    return {"title": "Speed-up against threads, simulated", "x": "threads", "y": "speed-up", "diagonal": [1, most],
+            "curves": [{"label": title, "x": [p[0] for p in points], "y": [p[1] for p in points]} for title, points in rows]}
 
 
 def main(arguments):
-    options = {"--threads": "32", "--link": "1.25e9", "--svg": ""}
+    options = {"--threads": "32", "--link": "1.25e9", "--json": ""}
     if len(arguments) % 2 or any(a not in options for a in arguments[::2]):
         sys.exit(__doc__)
     options.update(zip(arguments[::2], arguments[1::2]))
@@ -274,8 +259,9 @@ def main(arguments):
                 print(f"| {width} x {height} | {spp} | {ranks} x {threads} | {total:.3g} | {speed:.3g} | {100 * speed / n:.0f} % "
                       f"| {names} | {f'{100 * moved:.1f} %' if ranks > 1 else ''} |", flush=True)
             curves.append((f"{width} x {height}, {spp} samples", points))
-    if options["--svg"]:
-        svg(curves, options["--svg"])
+    if options["--json"]:
+        with open(options["--json"], "w") as out:
+            json.dump(curves_of(curves), out)
 
 
 if __name__ == "__main__":

@@ -158,7 +158,8 @@ for picture; do
         for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.svg results-$figure; done
         ;;
     machines) # a simulation
-        python3 scripts/bench/many_machines.py --svg "$tmp/many-machines.svg" >/dev/null
+        python3 scripts/bench/many_machines.py --json "$tmp/many-machines.json" >/dev/null
+        node scripts/figures/still.js "$tmp/many-machines.json"
         copy "$tmp/many-machines.svg" many-machines
         ;;
     *)

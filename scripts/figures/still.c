@@ -14,8 +14,8 @@ static const struct item {
     const char *name;
     still_figure *write;
 } items[] = {
-    {"3.3", thesis_marsaglia}, {"3.4", thesis_alias}, {"3.8", thesis_phong}, {"3.9", thesis_draws}, {"4.3", thesis_rejection},
-    {"4.4", thesis_bounds}, {"4.5", thesis_resampling},
+    {"3.3", thesis_marsaglia}, {"3.4", thesis_alias}, {"3.8", thesis_phong}, {"3.9", thesis_draws},
+    {"4.3", thesis_rejection}, {"4.4", thesis_bounds}, {"4.5", thesis_resampling},
     {"E1", errata_E1}, {"E2", errata_E2}, {"E4", errata_E4}, {"E5", errata_E5}, {"E8", errata_E8},
     {"E9", errata_E9}, {"E10", errata_E10}, {"E11", errata_E11}, {"E12", errata_E12}, {"E14", errata_E14},
     {"E15", errata_E15}, {"E17", errata_E17}, {"E18", errata_E18}, {"E19", errata_E19}, {"E24", errata_E24},

@@ -59,10 +59,12 @@ errata_moments errata_run(errata_spot *s, const bis_settings *settings, uint32_t
 
 typedef void still_figure(bis_json *j);
 
-still_figure thesis_marsaglia, thesis_alias, thesis_phong, thesis_draws, thesis_rejection, thesis_bounds, thesis_resampling; /* thesis.c */
-still_figure errata_E1, errata_E2, errata_E4, errata_E5, errata_E17, errata_E18, errata_E19;                             /* errata_maps.c */
-still_figure errata_E8, errata_E10, errata_E11, errata_E12, errata_E14, errata_E15;                                    /* errata_tables.c */
-still_figure errata_E9, errata_E24, errata_E25, errata_E26, errata_E28, errata_E30, errata_E31, errata_E32;        /* errata_estimators.c */
-still_figure errata_E33, errata_E35, errata_E36, errata_E37;                                                        /* errata_surfaces.c */
+still_figure thesis_marsaglia, thesis_alias, thesis_phong, thesis_draws, thesis_rejection, thesis_bounds,
+    thesis_resampling; /* thesis.c */
+still_figure errata_E1, errata_E2, errata_E4, errata_E5, errata_E17, errata_E18, errata_E19; /* errata_maps.c */
+still_figure errata_E8, errata_E10, errata_E11, errata_E12, errata_E14, errata_E15; /* errata_tables.c */
+still_figure errata_E9, errata_E24, errata_E25, errata_E26, errata_E28, errata_E30, errata_E31,
+    errata_E32; /* errata_estimators.c */
+still_figure errata_E33, errata_E35, errata_E36, errata_E37; /* errata_surfaces.c */
 
 #endif

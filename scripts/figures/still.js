@@ -12,7 +12,8 @@ const COLOUR = ['#3361b8', '#e58021', '#389459', '#b8385c'], LIGHT = ['#d4d9e9',
 function box(x, y, width, height, fill) { return {box: [x, y, width, height], fill: fill}; }
 function line(points, width, stroke) { return {line: points, width: width, stroke: stroke}; }
 function disc(x, y, r, fill) { return {disc: [x, y, r], fill: fill}; }
-function text(x, y, size, anchor, fill, words) { return {text: words, at: [x, y], size: size, anchor: anchor, fill: fill}; }
+function text(x, y, size, anchor, fill, words) { return {text: words, at: [x, y], size: size, anchor: anchor,
+  fill: fill}; }
 
 /* ---- 3.3, 3.4: P, and what is made of it ---- */
 
@@ -31,7 +32,8 @@ function marsaglia(d) {
     return [box(x, 110, 33, 60, COLOUR[item]), text(x + 16.5, 147, 14, 'middle', WHITE, String(item)),
       text(x + 16.5, 192, 10, 'middle', FAINT, String(i + 1))];
   });
-  return plot.draw({width: 720, height: 260, items: [text(30, 30, 12, 'start', INK, 'P')].concat(bars(d.P, 40, 215, 380),
+  return plot.draw({width: 720, height: 260, items: [text(30, 30, 12, 'start', INK, 'P')].concat(bars(d.P, 40, 215,
+    380),
     text(330, 30, 12, 'start', INK, 'L: one integer in [1, 10] is one look-up'), cells.flat())});
 }
 
@@ -45,7 +47,8 @@ function alias(d) {
       text(x + 28, y0 + 20, 11, 'middle', INK, String(i))];
   });
   return plot.draw({width: 660, height: 290, items: [text(30, 30, 12, 'start', INK, 'P and the cutoff 1/N')].concat(
-    bars(d.P, 40, y0, scale), line([[30, cutoff], [280, cutoff]], 1.5, FAINT), text(286, cutoff + 4, 10, 'start', FAINT, '1/N'),
+    bars(d.P, 40, y0, scale), line([[30, cutoff], [280, cutoff]], 1.5, FAINT), text(286, cutoff + 4, 10, 'start',
+      FAINT, '1/N'),
     text(360, 30, 12, 'start', INK, 'prob (full) and alias (light)'), bins.flat())});
 }
 
@@ -58,8 +61,10 @@ function lobes(d) {
     text(x - 4, y - length - 6, 11, 'start', FAINT, 'n'), text(x - diagonal - 4, y - diagonal, 11, 'end', FAINT, 'eye'),
     text(x + 1.08 * diagonal, y - 1.08 * diagonal + 4, 11, 'start', FAINT, 'R')];
   d.lobes.forEach(function (l, i) {
-    items.push(line(l.angle.map(function (a, k) { return [x + scale * l.f[k] * Math.sin(a), y - scale * l.f[k] * Math.cos(a)]; }),
-      2, COLOUR[i]), text(420, 60 + 22 * i, 11, 'start', COLOUR[i], l.ks ? 'specular, n = ' + l.exponent : 'diffuse: 1/pi'));
+    items.push(line(l.angle.map(function (a, k) { return [x + scale * l.f[k] * Math.sin(a),
+      y - scale * l.f[k] * Math.cos(a)]; }),
+      2, COLOUR[i]), text(420, 60 + 22 * i, 11, 'start', COLOUR[i],
+        l.ks ? 'specular, n = ' + l.exponent : 'diffuse: 1/pi'));
   });
   return plot.draw({width: 560, height: 330, items: items});
 }
@@ -69,7 +74,8 @@ function draws(d) {
   const items = d.materials.map(function (m, i) {
     const x = 145 + 275 * i;
     return [{ring: [x, y, radius], width: 1.5, stroke: INK}, disc(x, y, 2.5, INK)].concat(
-      m.x.map(function (v, k) { return disc(x + radius * v, y - radius * m.y[k], 2.2, COLOUR[m.is_specular[k] ? 3 : 0]); }),
+      m.x.map(function (v, k) { return disc(x + radius * v, y - radius * m.y[k], 2.2,
+        COLOUR[m.is_specular[k] ? 3 : 0]); }),
       text(x, 32, 12, 'middle', INK, titles[i]),
       text(x, 312, 9, 'middle', FAINT, m.specular + ' specular, ' + m.diffuse + ' diffuse, ' + m.below + ' below'));
   });
@@ -81,7 +87,8 @@ function draws(d) {
 const X0 = 50, W = 620, H = 250, Y0 = 300;
 
 function curve(values, factor, top, width, stroke) {
-  return line(values.map(function (v, i) { return [X0 + W * i / (values.length - 1), Y0 - H * v * factor / top]; }), width, stroke);
+  return line(values.map(function (v, i) { return [X0 + W * i / (values.length - 1), Y0 - H * v * factor / top]; }),
+    width, stroke);
 }
 
 function ground() { return line([[X0, Y0], [X0 + W, Y0]], 1.5, INK); }
@@ -92,7 +99,8 @@ function rejection(d) {
     return disc(X0 + W * x, Y0 - H * d.y[i] / top, 2, d.accepted[i] ? COLOUR[2] : '#d4a5ad');
   }).concat(curve(d.map, d.most_of_brdf, top, 2, FAINT), curve(d.product, 1, top, 2.5, COLOUR[2]), ground(),
     text(X0, 24, 11, 'start', FAINT, 'c q(x)'), text(X0 + 60, 24, 11, 'start', COLOUR[2], 'p(x)'),
-    text(X0 + 120, 24, 11, 'start', INK, plot.fixed(100 * d.share, 0) + '% of ' + d.candidates + ' candidates accepted; integrated: ' +
+    text(X0 + 120, 24, 11, 'start', INK, plot.fixed(100 * d.share,
+      0) + '% of ' + d.candidates + ' candidates accepted; integrated: ' +
       plot.fixed(100 * d.integrated, 0) + '%'))});
 }
 
@@ -112,9 +120,12 @@ function resampling(d) {
     return [disc(at, Y0 + 20, 2.2 * Math.sqrt(d.weight[i]), colour),
       d.times[i] > 0 && line([[at, Y0 + 12], [at, Y0 - H * d.at_product[i] / top]], 1.5, colour)];
   });
-  return plot.draw({width: 720, height: 350, items: [curve(d.brdf, 1, top, 2, FAINT), curve(d.product, 1, top, 2.5, COLOUR[2]),
-    ground()].concat(marks.flat(), text(X0, 24, 11, 'start', INK, d.candidates + ' candidates from q`f, areas by weight; ' + d.chosen +
-    ' chosen for rays'), text(X0 + 480, 24, 11, 'start', FAINT, 'q`f'), text(X0 + 530, 24, 11, 'start', COLOUR[2], 'f L'))});
+  return plot.draw({width: 720, height: 350, items: [curve(d.brdf, 1, top, 2, FAINT), curve(d.product, 1, top, 2.5,
+    COLOUR[2]),
+    ground()].concat(marks.flat(), text(X0, 24, 11, 'start', INK,
+      d.candidates + ' candidates from q`f, areas by weight; ' + d.chosen +
+    ' chosen for rays'), text(X0 + 480, 24, 11, 'start', FAINT, 'q`f'), text(X0 + 530, 24, 11, 'start', COLOUR[2],
+      'f L'))});
 }
 
 /* ---- chapter 5: a column for each method, below each picture its relative error in false colours ---- */
@@ -138,7 +149,8 @@ function errors(d, values) {
 
 function scaleOfErrors(x, y) {
   const height = 150, items = [text(x, y + 12, 8, 'start', FAINT, 'relative error')];
-  for (let i = 0; i < height; i += 2) items.push(box(x, y + 30 + i, 16, 2, 'rgb(' + plot.heatColour(1 - (i + 1) / height).join() + ')'));
+  for (let i = 0; i < height; i += 2) items.push(box(x, y + 30 + i, 16, 2,
+    'rgb(' + plot.heatColour(1 - (i + 1) / height).join() + ')'));
   for (const v of [0.01, 0.1, 1, 10]) {
     const at = y + 30 + height * (1 - Math.log(v / HEAT.lo) / Math.log(HEAT.hi / HEAT.lo));
     items.push(line([[x + 16, at], [x + 20, at]], 1, FAINT), text(x + 25, at + 4, 8, 'start', FAINT, String(v)));
@@ -154,8 +166,10 @@ function reference(d, row, y) {
 
 function trial(d, m, t, x, y) {
   const size = sizeOf(d), name = m.method + '-' + t.row, number = plot.number;
-  return picture(name, size, x, y + LINE, t.picture).concat(picture(name + '-errors', size, x, y + LINE + size[1], errors(d, t.errors)),
-    text(x, y + 16, 9, 'start', INK, m.method + ' ' + t.N + (t.M ? '/' + t.M : '')), text(x, y + 34, 7, 'start', FAINT, number(t.us, 3) +
+  return picture(name, size, x, y + LINE, t.picture).concat(picture(name + '-errors', size, x, y + LINE + size[1],
+    errors(d, t.errors)),
+    text(x, y + 16, 9, 'start', INK, m.method + ' ' + t.N + (t.M ? '/' + t.M : '')), text(x, y + 34, 7, 'start', FAINT,
+      number(t.us, 3) +
     ' us, ' + number(t.rays, 3) + ' rays, ' + (t.relmse < 10 ? number(t.relmse, 2) : plot.fixed(t.relmse, 0))));
 }
 
@@ -172,14 +186,16 @@ function rowsOf(d, rows, methods, top) {
 
 function sheet(d) {
   const size = sizeOf(d), rows = d.methods[0].trials.map(function (t) { return t.row; });
-  return plot.draw({width: GAP + (1 + d.methods.length) * (size[0] + GAP), height: HEAD + rows.length * (2 * size[1] + LINE + GAP) + FOOT,
+  return plot.draw({width: GAP + (1 + d.methods.length) * (size[0] + GAP),
+    height: HEAD + rows.length * (2 * size[1] + LINE + GAP) + FOOT,
     items: [text(GAP, 24, 13, 'start', INK, d.title), text(GAP, 46, 8, 'start', FAINT,
       'us and rays a shaded pixel, relMSE; below each picture, its error')].concat(rowsOf(d, rows, d.methods, HEAD))});
 }
 
 function strip(d) {
   const size = sizeOf(d), methods = d.methods.filter(function (m) { return m.in_strip; });
-  return plot.draw({width: GAP + (1 + methods.length) * (size[0] + GAP), height: LINE + 2 * size[1] + FOOT, items: rowsOf(d, ['time'], methods, 0)});
+  return plot.draw({width: GAP + (1 + methods.length) * (size[0] + GAP), height: LINE + 2 * size[1] + FOOT,
+    items: rowsOf(d, ['time'], methods, 0)});
 }
 
 /* ---- README's panel: pictures of 400 x 300, two in a row, each above its words ---- */
@@ -191,10 +207,21 @@ function panel(d) {
   }).flat()});
 }
 
-const drawings = Object.assign({3.3: marsaglia, 3.4: alias, 3.8: lobes, 3.9: draws, 4.3: rejection, 4.4: bounds, 4.5: resampling,
+/* ---- curves on two logarithmic axes: what grows with what ---- */
+
+function curves(d) {
+  return plot.chart({title: d.title, width: 640, height: 380, standalone: true, legend: 'top', x: {label: d.x,
+    log: true}, y: {label: d.y, log: true, above: true, max: d.diagonal && d.diagonal[1]},
+    series: d.curves.map(function (c, i) { return {kind: 'line', points: true, radius: 3, colour: i, label: c.label,
+      x: c.x, y: c.y}; }),
+    marks: d.diagonal ? [{x0: d.diagonal[0], y0: d.diagonal[0], x1: d.diagonal[1], y1: d.diagonal[1]}] : []});
+}
+
+const drawings = Object.assign({3.3: marsaglia, 3.4: alias, 3.8: lobes, 3.9: draws, 4.3: rejection, 4.4: bounds,
+  4.5: resampling,
   methods: panel}, errata);
 for (const file of process.argv.slice(2)) {
   const d = JSON.parse(fs.readFileSync(file, 'utf8')), base = file.replace(/\.json$/, '');
-  fs.writeFileSync(base + '.svg', (d.methods ? sheet : drawings[path.basename(base)])(d));
+  fs.writeFileSync(base + '.svg', (d.methods ? sheet : d.curves ? curves : drawings[path.basename(base)])(d));
   if (d.methods && d.methods[0].trials.length > 1) fs.writeFileSync(base + '-time.svg', strip(d));
 }

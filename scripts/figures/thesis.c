@@ -49,7 +49,10 @@ static const vec3 up = {0, 0, 1};
 
 static vec3 in_plane(double angle) { return vec3_from(sin(angle), 0, cos(angle)); }
 
-static bis_material material(double ks, double kd, double n) { return bis_phong(rgb_from(kd, kd, kd), rgb_from(ks, ks, ks), n); }
+static bis_material material(double ks, double kd, double n)
+{
+    return bis_phong(rgb_from(kd, kd, kd), rgb_from(ks, ks, ks), n);
+}
 
 /* f over the angle to the normal, in the plane of incidence. */
 static void lobe(bis_json *j, double ks, double kd, double n)
@@ -105,7 +108,8 @@ static void draws(bis_json *j, double ks, double kd)
         from_lobe[n++] = is_specular;
     }
     bis_json_open(j, NULL, '{');
-    BIS_JSON_NUMBERS(j, {"ks", ks}, {"kd", kd}, {"exponent", 50}, {"specular", specular}, {"diffuse", N - specular}, {"below", below});
+    BIS_JSON_NUMBERS(j, {"ks", ks}, {"kd", kd}, {"exponent", 50}, {"specular", specular},
+                     {"diffuse", N - specular}, {"below", below});
     still_list(j, "x", x, n);
     still_list(j, "y", y, n);
     still_list(j, "is_specular", from_lobe, n);
@@ -123,12 +127,19 @@ void thesis_draws(bis_json *j)
 
 /* ---- 4.3 to 4.5: one dimension, x in [0,1) ---- */
 
-static double bump(double x, double centre, double width) { return exp(-0.5 * (x - centre) * (x - centre) / (width * width)); }
+static double bump(double x, double centre, double width)
+{
+    return exp(-0.5 * (x - centre) * (x - centre) / (width * width));
+}
 
 typedef double curve(double x);
 
 /* A map: a wide light, two narrow ones, dark between. A BRDF: one broad lobe. */
-static double map_light(double x) { return 0.15 + 1.6 * bump(x, 0.28, 0.07) + 3.2 * bump(x, 0.55, 0.018) + 2.4 * bump(x, 0.86, 0.015); }
+static double map_light(double x)
+{
+    return 0.15 + 1.6 * bump(x, 0.28, 0.07) + 3.2 * bump(x, 0.55, 0.018) + 2.4 * bump(x, 0.86, 0.015);
+}
+
 static double brdf(double x) { return bump(x, 0.5, 0.16); }
 static double product(double x) { return map_light(x) * brdf(x); }
 
@@ -178,7 +189,8 @@ static void map_brdf_product(bis_json *j)
     values(j, "map", map_light);
     values(j, "brdf", brdf);
     values(j, "product", product);
-    BIS_JSON_NUMBERS(j, {"most_of_map", maximum(map_light)}, {"most_of_brdf", maximum(brdf)}, {"most_of_product", maximum(product)});
+    BIS_JSON_NUMBERS(j, {"most_of_map", maximum(map_light)}, {"most_of_brdf", maximum(brdf)},
+                     {"most_of_product", maximum(product)});
 }
 
 /* Candidates from the map, accepted with probability product/(bound f). */
@@ -198,7 +210,8 @@ void thesis_rejection(bis_json *j)
         n += accepted[i] > 0;
     }
     map_brdf_product(j);
-    BIS_JSON_NUMBERS(j, {"candidates", N}, {"share", (double)n / N}, {"integrated", integral(product) / (bound * integral(map_light))});
+    BIS_JSON_NUMBERS(j, {"candidates", N}, {"share", (double)n / N},
+                     {"integrated", integral(product) / (bound * integral(map_light))});
     still_list(j, "x", x, N);
     still_list(j, "y", y, N);
     still_list(j, "accepted", accepted, N);

@@ -14,19 +14,20 @@
 
 #include "bis/base/mem.h"
 #include "bis/base/image.h"
+#include "base/sine.h"
 #include "envmap_parts.h"
 
 #include <assert.h>
 #include <float.h>
 
 /* sin and cos of the polar angle pi j / n, computed from the distance to the nearer pole. They are exactly symmetric
- * and have full precision at both poles. */
-static double sin_polar(double j, int n) { return sin(PI * fmin(j, n - j) / n); }
+ * and have full precision at both poles. Not by libm, whose last bit depends on the machine. */
+static double sin_polar(double j, int n) { return bis_sine(PI * fmin(j, n - j) / n); }
 
 static double cos_polar(double j, int n)
 {
-    if (2 * j == n) return 0; /* the equator: cos(PI / 2) is 6e-17 in double */
-    return 2 * j < n ? cos(PI * j / n) : -cos(PI * (n - j) / n);
+    if (2 * j == n) return 0; /* the equator: the cosine of PI / 2, rounded to double, is 6e-17 */
+    return 2 * j < n ? bis_cosine(PI * j / n) : -bis_cosine(PI * (n - j) / n);
 }
 
 bis_status bis_envmap_init_rows(bis_envmap *em, int width, int height, bis_diag *diag)
@@ -40,7 +41,7 @@ bis_status bis_envmap_init_rows(bis_envmap *em, int width, int height, bis_diag 
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the %d rows of an environment map", height);
     }
     /* [solid-angle] */
-    const double sin_half = sin(PI / (2.0 * height));
+    const double sin_half = bis_sine(PI / (2.0 * height));
     for (int y = 0; y < height; y++) {
         em->cos_edge[y] = cos_polar(y, height);
         em->row_solid_angle[y] = 2 * PI / width * 2 * sin_polar(y + 0.5, height) * sin_half;

@@ -24,7 +24,7 @@ bisFigure.define({
   ],
   draw(s, out, wide) {
     const [W, H] = bisFigure.shape, level = out[1][1], pdf = out[3][0], hi = peak(out, 3);
-    const common = {width: 380, height: 190, most: wide, columns: W, rows: H, x: {label: 'phi', min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}};
+    const common = {width: 340, height: 170, most: wide, columns: W, rows: H, x: {label: 'phi', min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}};
     const levels = bisPlot.heat(Object.assign({title: 'The level of each pixel', text: s.levels + ' levels', values: [...level].map((v) => v > 254 ? -1 : v), lo: 0, hi: Math.max(1, s.levels - 1), colours: 'heat', label: 'level'}, common));
     const density = bisPlot.heat(Object.assign({title: 'The density of drawing', text: 'with b = ' + s.b, values: pdf, log: true, lo: hi / 1e5, hi, label: '1/sr'}, common));
     return {html: levels + density, words: s.levels + ' levels make ' + out[1][4][0] + ' components. The largest density is ' + bisPlot.number(hi, 3) + ' per steradian; without area weighting it is ' +
