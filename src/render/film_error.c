@@ -37,7 +37,6 @@
  *
  * No estimate knows of lights that no pass has found yet. */
 #include "bis/render/film.h"
-#include "film_expect.h"
 
 #include <assert.h>
 #include <math.h>
@@ -58,6 +57,34 @@ double bis_film_variance(const bis_film *f, size_t i)
 static double variance_of_halves(double A, double both, double P, double W)
 {
     return (A - both) * (A - both) * (P / (W - P));
+}
+
+/* What is expected of a film of W samples. */
+typedef struct expected {
+    double whole;  /* variance of the mean of all */
+    double halves; /* of the variance by the halves */
+} expected;
+
+/* The same if the mean over a block of n camera samples has the variance n^-p. W samples are a block of P and m = W - P
+ * others, about as many. Those of them that lie in the block of P that follows have with the first the covariance of
+ * the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence treats all parts of a half alike;
+ * later ones that of the halves of 4P, 2^-p times as much. */
+static expected blocks(double P, double W, double p)
+{
+    const double m = W - P, first = pow(P, -p), rest = pow(m, -p), next = fmin(m, P);
+    const double cov = (exp2(1 - p) - 1) * first * (next + (m - next) * exp2(-p)) / m;
+
+    return (expected){.whole = (P * P * first + 2 * P * m * cov + m * m * rest) / (W * W),
+                      .halves = (first + rest - 2 * cov) * P * m / (W * W)};
+}
+
+/* The same if V(n/2) - V(n) is 1 for n = unit, and edges have this share of it. */
+static expected expect(double P, double W, double share, double unit)
+{
+    const expected noise = blocks(P, W, 1), edges = blocks(P, W, 1.5);
+    const double a = (1 - share) * unit, b = share * pow(unit, 1.5) / (exp2(1.5) - 1);
+
+    return (expected){a * noise.whole + b * edges.whole, a * noise.halves + b * edges.halves};
 }
 
 /* A pixel's expected (a-b)^2 / (b^2 + m^2/100), the mean over its channels, with one variance after another in place of
@@ -178,8 +205,8 @@ typedef struct datum {
 
 static datum datum_of(const bis_film_pair *pair, prior share, double unit)
 {
-    const double here = log(bis_film_expect(pair->P, pair->W, share.middle, unit).halves);
-    const double beside = log(bis_film_expect(pair->P, pair->W, share.middle + share.spread, unit).halves);
+    const double here = log(expect(pair->P, pair->W, share.middle, unit).halves);
+    const double beside = log(expect(pair->P, pair->W, share.middle + share.spread, unit).halves);
 
     return (datum){log(pair->sum) - here, (beside - here) / share.spread, 1 / pair->doubt};
 }
@@ -194,8 +221,8 @@ typedef struct verdict {
  * With the data centred at their weighted means, the two have errors that do not depend on each other. */
 static verdict fit(const bis_film *f, const bis_film_pair *pairs, int n, prior share)
 {
-    const double here = log(bis_film_expect(f->half_weight, f->weight, share.middle, f->weight).whole);
-    const double beside = log(bis_film_expect(f->half_weight, f->weight, share.middle + share.spread, f->weight).whole);
+    const double here = log(expect(f->half_weight, f->weight, share.middle, f->weight).whole);
+    const double beside = log(expect(f->half_weight, f->weight, share.middle + share.spread, f->weight).whole);
     double weight = 0, level = 0, slope = 0, precision = 1 / (share.spread * share.spread), pull = 0;
     datum d[MOST_PAIRS];
 
