@@ -18,10 +18,12 @@
  * The edges' share of the difference. A picture has both. The film keeps its mean at a quarter of the samples, too. The
  * quarters of the first half tell V(n/4) - V(n/2) in the same way, and the ratio of the two sums over the picture is 2
  * if all is noise and 2^(3/2) if all is edges. A small picture's ratio is noisy. Before it is seen, the share is taken
- * for 0.6, give or take 0.35; the ratio changes this as far as its own noise lets it (see fit). Of 18 scenes with 8 and
- * 64 samples, in which the sums were known well, V was 0.8 to 1.2 of what this says. Smooth radiance falls faster, but
- * soon leaves the error to edges and noise: the share is never above 1. Some nets are better than others for an edge
- * that lies just so: in a picture of few edges V falls in steps.
+ * for 0.7, give or take 0.25; the ratio changes this as far as its own noise lets it (see fit). With 0.35 the ratio said
+ * more than it knows: the error at edges falls by steps, because the camera's points mirror each other (sampler.c).
+ * n^(3/2) V(n) of 100 000 lines at random through pixels is .087 .095 .091 .099 .107 .095 .090 for n = 4, 8, ... 256,
+ * and .093 to .095 for points that are not mirrored. A model with these steps was no better, because pixels on outlines
+ * have 8 samples for one of others. Smooth radiance falls faster, but soon leaves the error to edges and noise: the
+ * share is never above 1.
  *
  * n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see blocks).
  * Where it is not known (--error), the second part may be a few samples, whose difference says little. The quarters
@@ -273,8 +275,8 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
  * and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every
  * third pixel (tests/render/test_film_error.c).
  *
- * The figure is known where the standard deviation of the squared error is at most 0.25. The error of this picture
- * is then within a fifth of it in 85 of 100 renders at least, and in 91 of 100 over many scenes (docs/budgets.md).
+ * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
+ * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/budgets.md).
  * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. Beyond that
  * few pixels carry most of R, and in pictures of this kind R itself is often wrong. Neither holds where R is more
  * than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of the pixels
@@ -282,8 +284,8 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
 bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory)
 {
     const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_rmse = 0.5;
-    const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.25, doubt_of_bound = 0.4;
-    const prior usual = {0.6, 0.35}, cautious = {0, 0.35};
+    const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.2, doubt_of_bound = 0.4;
+    const prior usual = {0.7, 0.25}, cautious = {0, 0.35};
     total t[N_VARIANCES];
 
     if (f->passes < 2) return (bis_film_error){nan, nan, false, false};
