@@ -18,10 +18,12 @@
  * The edges' share of the difference. A picture has both. The film keeps its mean at a quarter of the samples, too. The
  * quarters of the first half tell V(n/4) - V(n/2) in the same way, and the ratio of the two sums over the picture is 2
  * if all is noise and 2^(3/2) if all is edges. A small picture's ratio is noisy. Before it is seen, the share is taken
- * for 0.6, give or take 0.35; the ratio changes this as far as its own noise lets it (see fit). Of 18 scenes with 8 and
- * 64 samples, in which the sums were known well, V was 0.8 to 1.2 of what this says. Smooth radiance falls faster, but
- * soon leaves the error to edges and noise: the share is never above 1. Some nets are better than others for an edge
- * that lies just so: in a picture of few edges V falls in steps.
+ * for 0.7, give or take 0.25; the ratio changes this as far as its own noise lets it (see fit). With 0.35 the ratio said
+ * more than it knows: the error at edges falls by steps, because the camera's points mirror each other (sampler.c).
+ * n^(3/2) V(n) of 100 000 lines at random through pixels is .087 .095 .091 .099 .107 .095 .090 for n = 4, 8, ... 256,
+ * and .093 to .095 for points that are not mirrored. A model with these steps was no better, because pixels on outlines
+ * have 8 samples for one of others. Smooth radiance falls faster, but soon leaves the error to edges and noise: the
+ * share is never above 1.
  *
  * n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see blocks).
  * Where it is not known (--error), the second part may be a few samples, whose difference says little. The quarters
@@ -37,7 +39,6 @@
  *
  * No estimate knows of lights that no pass has found yet. */
 #include "bis/render/film.h"
-#include "film_expect.h"
 
 #include <assert.h>
 #include <math.h>
@@ -58,6 +59,34 @@ double bis_film_variance(const bis_film *f, size_t i)
 static double variance_of_halves(double A, double both, double P, double W)
 {
     return (A - both) * (A - both) * (P / (W - P));
+}
+
+/* What is expected of a film of W samples. */
+typedef struct expected {
+    double whole;  /* variance of the mean of all */
+    double halves; /* of the variance by the halves */
+} expected;
+
+/* The same if the mean over a block of n camera samples has the variance n^-p. W samples are a block of P and m = W - P
+ * others, about as many. Those of them that lie in the block of P that follows have with the first the covariance of
+ * the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence treats all parts of a half alike;
+ * later ones that of the halves of 4P, 2^-p times as much. */
+static expected blocks(double P, double W, double p)
+{
+    const double m = W - P, first = pow(P, -p), rest = pow(m, -p), next = fmin(m, P);
+    const double cov = (exp2(1 - p) - 1) * first * (next + (m - next) * exp2(-p)) / m;
+
+    return (expected){.whole = (P * P * first + 2 * P * m * cov + m * m * rest) / (W * W),
+                      .halves = (first + rest - 2 * cov) * P * m / (W * W)};
+}
+
+/* The same if V(n/2) - V(n) is 1 for n = unit, and edges have this share of it. */
+static expected expect(double P, double W, double share, double unit)
+{
+    const expected noise = blocks(P, W, 1), edges = blocks(P, W, 1.5);
+    const double a = (1 - share) * unit, b = share * pow(unit, 1.5) / (exp2(1.5) - 1);
+
+    return (expected){a * noise.whole + b * edges.whole, a * noise.halves + b * edges.halves};
 }
 
 /* A pixel's expected (a-b)^2 / (b^2 + m^2/100), the mean over its channels, with one variance after another in place of
@@ -178,8 +207,8 @@ typedef struct datum {
 
 static datum datum_of(const bis_film_pair *pair, prior share, double unit)
 {
-    const double here = log(bis_film_expect(pair->P, pair->W, share.middle, unit).halves);
-    const double beside = log(bis_film_expect(pair->P, pair->W, share.middle + share.spread, unit).halves);
+    const double here = log(expect(pair->P, pair->W, share.middle, unit).halves);
+    const double beside = log(expect(pair->P, pair->W, share.middle + share.spread, unit).halves);
 
     return (datum){log(pair->sum) - here, (beside - here) / share.spread, 1 / pair->doubt};
 }
@@ -194,8 +223,8 @@ typedef struct verdict {
  * With the data centred at their weighted means, the two have errors that do not depend on each other. */
 static verdict fit(const bis_film *f, const bis_film_pair *pairs, int n, prior share)
 {
-    const double here = log(bis_film_expect(f->half_weight, f->weight, share.middle, f->weight).whole);
-    const double beside = log(bis_film_expect(f->half_weight, f->weight, share.middle + share.spread, f->weight).whole);
+    const double here = log(expect(f->half_weight, f->weight, share.middle, f->weight).whole);
+    const double beside = log(expect(f->half_weight, f->weight, share.middle + share.spread, f->weight).whole);
     double weight = 0, level = 0, slope = 0, precision = 1 / (share.spread * share.spread), pull = 0;
     datum d[MOST_PAIRS];
 
@@ -246,8 +275,8 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
  * and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every
  * third pixel (tests/render/test_film_error.c).
  *
- * The figure is known where the standard deviation of the squared error is at most 0.25. The error of this picture
- * is then within a fifth of it in 85 of 100 renders at least, and in 91 of 100 over many scenes (docs/budgets.md).
+ * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
+ * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/budgets.md).
  * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. Beyond that
  * few pixels carry most of R, and in pictures of this kind R itself is often wrong. Neither holds where R is more
  * than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of the pixels
@@ -255,8 +284,8 @@ static int pairs_of(const bis_film *f, const total t[N_VARIANCES], bis_film_pair
 bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory)
 {
     const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_rmse = 0.5;
-    const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.25, doubt_of_bound = 0.4;
-    const prior usual = {0.6, 0.35}, cautious = {0, 0.35};
+    const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.2, doubt_of_bound = 0.4;
+    const prior usual = {0.7, 0.25}, cautious = {0, 0.35};
     total t[N_VARIANCES];
 
     if (f->passes < 2) return (bis_film_error){nan, nan, false, false};

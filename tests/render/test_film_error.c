@@ -370,7 +370,7 @@ static bis_film_error error_of_pixels(int noisy, double noise, double weight)
 /* n noisy pixels have the same error X, so the sum of X^2 is 1/n of the square of the sum. Four passes have three degrees
  * of freedom: the sum's doubt is 2/(3 + 2) of that, and the draw's is three times as much. Together 1.6/n must be at most
  * 0.3^2 for a figure: 17.8 pixels; at most 0.4^2 for a bound: 10 pixels. The same 1.6/n of four passes of two samples must
- * be at most 0.25^2: 25.6 pixels. The mean of four passes has the variance noise^2/3: half of the mean at noise 0.87. */
+ * be at most 0.2^2: 40 pixels, give or take a rounding. The mean of four passes has the variance noise^2/3: half of the mean at noise 0.87. */
 static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
 {
     (void)state;
@@ -378,8 +378,8 @@ static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
     assert_true(error_of_pixels(11, 0.1, 1).is_bounded);
     assert_false(error_of_pixels(17, 0.1, 1).is_known);
     assert_true(error_of_pixels(18, 0.1, 1).is_known);
-    assert_false(error_of_pixels(25, 0.1, 2).is_known);
-    assert_true(error_of_pixels(26, 0.1, 2).is_known);
+    assert_false(error_of_pixels(39, 0.1, 2).is_known);
+    assert_true(error_of_pixels(41, 0.1, 2).is_known);
     assert_true(error_of_pixels(300, 0.8, 1).is_known);
     assert_true(error_of_pixels(300, 0.8, 1).is_bounded);
     assert_false(error_of_pixels(300, 0.9, 1).is_known);
