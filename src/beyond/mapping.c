@@ -2,9 +2,9 @@
 /* mapping: resamples a picture of one mapping to another.
  *
  * Each pixel becomes the mean of k x k directions that are spread over it, weighted by solid angle; each direction is
- * looked up in the nearest pixel of the source, in lanes (mapping_models.c). Gathering in this way leaves no holes, keeps a constant map constant
- * and gives a lamp of few pixels its shape. Distributing the source's pixels would need far more samples for that,
- * where pixels of the result are narrow, as near the poles of a lat-long map.
+ * looked up in the nearest pixel of the source, in lanes (mapping_models.c). Gathering in this way leaves no holes,
+ * keeps a constant map constant and gives a lamp of few pixels its shape. Distributing the source's pixels would need
+ * far more samples for that, where pixels of the result are narrow, as near the poles of a lat-long map.
  *
  * The weak point of gathering is energy: a pixel of the source counts by the samples that happen to fall on it, about
  * 16 (of an angular map 64, because its pixels get narrow towards the rim). Where much energy lies in one pixel, this

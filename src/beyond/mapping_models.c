@@ -92,9 +92,10 @@ static inline BIS_INLINE int32_t column_of(float place, float sides, int32_t sid
     return clamp((int32_t)((place + 1) / 2 * sides), side);
 }
 
-/* The pixel at distance `radius` of the middle, on the ray along (cos_a, sin_a). All points of a pixel lie within half a
- * diagonal, sqrt(2)/side, of its centre. A pixel on the rim whose centre lies outside the disc is ignored; the one half a
- * diagonal nearer to the middle (and a little more, for the rounding of floats) is used instead, which is inside. */
+/* The pixel at distance `radius` of the middle, on the ray along (cos_a, sin_a). All points of a pixel lie within half
+ * a diagonal, sqrt(2)/side, of its centre. A pixel on the rim whose centre lies outside the disc is ignored; the one
+ * half a diagonal nearer to the middle (and a little more, for the rounding of floats) is used instead, which is
+ * inside. */
 static inline BIS_INLINE uint32_t disc_pixel(int32_t side, float radius, float cos_a, float sin_a)
 {
     const float sides = (float)side, step = 1.4143f / sides;
@@ -132,7 +133,8 @@ static void angular_pixel_lanes(int32_t side, bis_samples *s, uint32_t n)
 {
 #pragma omp simd
     for (uint32_t i = 0; i < n; i++) {
-        const float h = sqrtf(s->y[i] * s->y[i] + s->z[i] * s->z[i]), radius = bis_lanes_atan2(h, -s->x[i]) * 0.318309886f;
+        const float h = sqrtf(s->y[i] * s->y[i] + s->z[i] * s->z[i]);
+        const float radius = bis_lanes_atan2(h, -s->x[i]) * 0.318309886f; /* 1/pi */
         const float cos_a = -s->y[i] / bis_lanes_choose(h > 0, h, 1), sin_a = s->z[i] / bis_lanes_choose(h > 0, h, 1);
         s->pixel[i] = disc_pixel(side, radius, cos_a, sin_a);
     }

@@ -28,8 +28,8 @@ typedef struct bis_mapping_model {
      * with the corners: four faces make a turn. */
     double turn;
     int detail; /* the width in cells of the lat-long map that shows all detail */
-    /* Stores the direction and the weight of n places, (dx[i], dy[i]) pixels from the centre of pixel (x, y), in its row
-     * and cell. A weight of 0: no part of the sphere. n is a whole number of blocks, at most BIS_SAMPLES. */
+    /* Stores the direction and the weight of n places, (dx[i], dy[i]) pixels from the centre of pixel (x, y), in its
+     * row and cell. A weight of 0: no part of the sphere. n is a whole number of blocks, at most BIS_SAMPLES. */
     void (*directions)(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s, uint32_t n);
     /* Stores the pixels that show n directions. */
     void (*pixels)(const bis_raster *r, bis_samples *s, uint32_t n);

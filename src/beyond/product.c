@@ -48,26 +48,54 @@ static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, flo
     to->q[i] = y->q_L * scale;
 }
 
+enum { TOGETHER = 64 };
+
+/* Directions that were chosen and not yet read. The rays of the last wave have driven the clusters' directions, 256 KiB
+ * of them, out of the fast caches: so all are asked for before the first is read, which else is waited for 60 times. */
+typedef struct chosen_points {
+    uint32_t n;
+    const bis_cluster_point *y[TOGETHER];
+    float scale[TOGETHER];
+} chosen_points;
+
+/* Puts them to lanes from i on. Returns where the next ones go. */
+static uint32_t put_chosen(const bis_lanes *to, uint32_t i, chosen_points *c)
+{
+    for (uint32_t k = 0; k < c->n; k++) put(to, i + k, c->y[k], c->scale[k]);
+    i += c->n;
+    c->n = 0;
+    return i;
+}
+
 void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, uint32_t n,
                       double offset, double phase, uint64_t pixel)
 {
-    const uint64_t D = c->directions, turn = (uint64_t)(phase * (double)(D << 16));
+    const uint64_t D = c->directions, whole = D << 16, turn = (uint64_t)(phase * (double)whole);
     const bis_cluster_point nothing = {.q_L = 1};
-    uint32_t i = 0;
+    chosen_points ahead;
+    uint32_t i = ahead.n = 0;
 
     bis_choose_systematic(&p->clusters, n, p->W, offset);
     for (uint32_t j = 0; j < p->clusters.n_chosen; j++) {
         const uint32_t k = p->clusters.item[j], times = p->clusters.times[j];
         const bis_cluster_point *y = c->y + (size_t)k * D;
         const float scale = (float)bis_product_scale(p, c, k);
-        /* evenly spread: every (D/times)-th from a random one, in 2^-16 of a direction. Each cluster begins elsewhere
-         */
-        const uint64_t first = bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % (D << 16) + turn;
-        for (uint32_t m = 0; m < times; m++, i++) {
-            put(x, i, &y[(first + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
-            part[i] = (uint16_t)k;
+        /* evenly spread: every (D/times)-th from a random one, in 2^-16 of a direction, rounded down. Each cluster
+         * begins elsewhere. One division for a cluster: its remainders are added up, and D is a power of two */
+        const uint64_t step = whole / times, left = whole % times;
+        uint64_t at = (bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) & (whole - 1)) + turn, remainder = 0;
+        for (uint32_t m = 0; m < times; m++) {
+            ahead.y[ahead.n] = &y[at >> 16 & (D - 1)];
+            remainder += left;
+            at += step + (remainder >= times);
+            remainder -= remainder >= times ? times : 0;
+            ahead.scale[ahead.n] = scale;
+            part[i + ahead.n] = (uint16_t)k;
+            __builtin_prefetch(ahead.y[ahead.n++]);
+            if (ahead.n == TOGETHER) i = put_chosen(x, i, &ahead);
         }
     }
+    i = put_chosen(x, i, &ahead);
     assert(i == n);
     for (; i < bis_lanes_round_up(n); i++) put(x, i, &nothing, 1);
 }

@@ -15,8 +15,8 @@
  * of all pixels would, bit for bit, with 1.5 bytes a pixel instead of 10. It takes six times as long; that does not
  * matter, because a render draws some thousand directions in a pass and shares them.
  *
- * The sums need no scale (weights.h): a pixel's weight is a float's intensity, at least 2^-149 and below 2^130, times an
- * area factor, which is a float, too, and a solid angle. No sum of such numbers leaves the range of double.
+ * The sums need no scale (weights.h): a pixel's weight is a float's intensity, at least 2^-149 and below 2^130, times
+ * an area factor, which is a float, too, and a solid angle. No sum of such numbers leaves the range of double.
  *
  * Build O(W H), draw O(1). Monotone in s. */
 #include "bis/base/curve.h"

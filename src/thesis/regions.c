@@ -110,8 +110,8 @@ static void find_bounds(double bound[BIS_LEVEL_NONE + 1], const bis_levels *l)
             const uint64_t more = bits | bit;
             double intensity;
             memcpy(&intensity, &more, sizeof intensity);
-            const bool is_below = intensity < l->least || (intensity < DBL_MAX && bis_level_of_intensity(l, intensity) < k);
-            if (is_below) bits = more;
+            if (intensity < l->least) bits = more; /* below all levels */
+            else if (intensity < DBL_MAX && bis_level_of_intensity(l, intensity) < k) bits = more;
         }
         bits++;
         memcpy(&bound[k], &bits, sizeof bits);
