@@ -6,7 +6,6 @@
 #include "bis/base/mem.h"
 
 #include "file_help.h"
-#include "json_check.h"
 #include "program.h"
 
 #include <setjmp.h>
@@ -193,7 +192,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(killed_at_any_moment_it_goes_on_to_the_same_picture, clean),
         cmocka_unit_test_teardown(after_a_signal_it_goes_on_with_more_samples, clean),
-        cmocka_unit_test_teardown(what_auto_chose_is_kept, clean),
         cmocka_unit_test_teardown(a_disk_that_is_full_costs_the_checkpoint_alone, clean),
         cmocka_unit_test_teardown(what_cannot_be_kept_or_gone_on_from_is_refused_at_once, clean),
         cmocka_unit_test_teardown(a_map_counts_by_what_it_holds, clean),
