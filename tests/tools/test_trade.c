@@ -992,6 +992,20 @@ static void bad_input_is_told_and_nothing_is_lost(void **state)
     assert_false(program_exists(DIR "/bad"));
 }
 
+static void resume_refuses_each_option_that_changes_the_plan(void **state)
+{
+    (void)state;
+    static const char *const changes[] = {"--quick", "--seeds 3", "--passes 4", "--seed 5", "--resolution 8x8",
+                                          "--reference none.exr", "--integrator em"};
+    program_run r;
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        char told[64];
+        snprintf(told, sizeof told, "which %.*s would change", (int)strcspn(changes[i], " "), changes[i]);
+        program_expect(&r, 2, "trade " SCENE " --resume %s --output " DIR "/none", changes[i]);
+        if (!strstr(r.messages, told)) fail_msg("%s: %s", changes[i], r.messages);
+    }
+}
+
 static void a_folder_with_other_things_is_left_alone(void **state)
 {
     (void)state;
@@ -1200,6 +1214,7 @@ int main(void)
         cmocka_unit_test(the_checker_of_pages_can_fail),
         cmocka_unit_test(odd_names_do_not_break_the_page),
         cmocka_unit_test(bad_input_is_told_and_nothing_is_lost),
+        cmocka_unit_test(resume_refuses_each_option_that_changes_the_plan),
         cmocka_unit_test(a_folder_with_other_things_is_left_alone),
         cmocka_unit_test(a_folder_of_another_scene_or_a_damaged_one_is_told),
         cmocka_unit_test(every_field_of_the_folder_is_checked),
