@@ -31,8 +31,7 @@ MESH, MAP = shared + '/mesh/dragon_871k.ply', shared + '/env/grace_latlong_pbrt2
 WIDTH, HEIGHT, FOV = 176, 248, 28
 EYE, LOOK = np.array([-0.09, 0.17, 0.30]), np.array([-0.007, 0.122, -0.004])
 MATERIALS = {'s10': (1, 0, 10), 's50': (1, 0, 50), 'm50': (.5, .5, 50), 'd': (0, 1, 1)}  # Ks, Kd, n
-SETTINGS = {'default': ('', []), 'auto': ('', ['--integrator', 'auto']),
-            'thesis': ('Sampler "stratified" Integrator "sir"', [])}
+SETTINGS = {'default': ('', []), 'thesis': ('Sampler "stratified" Integrator "sir"', [])}
 TARGETS, ENOUGH, LONGEST = (1e-2, 1e-3), 8e-4, 20  # errors; error and seconds after which no longer render is begun
 REFERENCES = ('Sampler "sobol" Integrator "mis" "integer samples" 64 "bool stratify" true',
               'Sampler "sobol" "integer edgesamples" 4 Integrator "sir" "string proposal" "product" '
@@ -132,13 +131,13 @@ Shape "plymesh" "string filename" "{MESH}" "bool smooth" true
 
 
 def bis_picture(scene, spp, seed, options=()):
-    """Picture and seconds; those in which auto chooses count."""
+    """Picture and seconds."""
     picture, stats = out + '/rival.pfm', out + '/rival.json'
     subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed), '--outfile', picture, '--stats', stats,
                     *options], check=True)
     with open(stats) as f:
         s = json.load(f)
-    return load(picture), s['seconds']['render'] + ((s.get('auto') or {}).get('seconds') or 0)
+    return load(picture), s['seconds']['render']
 
 
 def load(picture):

@@ -530,10 +530,6 @@ exit
 # - static double student_975(double dof)
 # + static double student_975(double dof) { return 1.96 + 0 * dof; } static double unused(double dof) __attribute__((unused)); static double unused(double dof)
 #
-# * auto_fit test_auto : the rays' noise falls as that of independent ones
-# - return 1 / (N * sqrt(N));
-# + return 1 / (double)N;
-#
 # * trade_stats test_trade : the reference's noise counts as the method's
 # - p.noise = mean_of(&both) - t->both.relmse;
 # + p.noise = mean_of(&both);

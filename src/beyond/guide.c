@@ -18,8 +18,8 @@
 
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
 {
-    const bool is_sir = s->integrator == &bis_sir || s->integrator == &bis_auto;
-    const bool product = is_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify && !s->as_printed;
+    const bool product = s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify &&
+                         !s->as_printed;
 
     return (bis_beyond_needs){
         .n_pool = bis_pool_needs(s), .clusters = product, .visibility = product && s->learn};

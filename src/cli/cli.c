@@ -187,8 +187,8 @@ static bis_status read_name(const bis_option *o, const char *text, bis_diag *dia
         }
         bis_append(list, sizeof list, "%s%s", n ? ", " : "", o->names[n]);
     }
-    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"%s; it is one of %s", o->name, text,
-                     bis_hint(hint, bis_nearest_name(text, o->names, n)), list);
+    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"%s; it is one of %s%s", o->name, text,
+                     bis_hint(hint, bis_nearest_name(text, o->names, n)), list, o->rule ? o->rule : "");
 }
 
 static bis_status read_text(const bis_option *o, const char *text, bis_diag *diag)

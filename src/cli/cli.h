@@ -56,7 +56,8 @@ typedef struct bis_option {
     double lo, hi;
     bool above;           /* REAL, SHARE, SECONDS: lo itself is out of range */
     const char *const *names;
-    /* OWN: false for a text that is no value; `rule` says what one looks like. */
+    /* OWN: false for a text that is no value; `rule` says what one looks like. NAME: `rule` ends the
+     * message of a wrong name; may be NULL. */
     bool (*read)(void *value, const char *text);
     const char *rule;
 } bis_option;

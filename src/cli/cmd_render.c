@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "bis/base/clock.h"
 
-#include "choice.h"
 #include "display.h"
 #include "override.h"
 #include "progress.h"
@@ -20,7 +19,6 @@
 #include "tools/memory.h"
 
 #include <assert.h>
-#include <float.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -78,8 +76,8 @@ static void write_so_far(const bis_render_result *result, void *user)
     bis_diag_clear(&diag);
 }
 
-/* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
- * that takes over ten minutes. */
+/* Said early, after the first passes, so that nobody waits for what cannot come: an error that another budget will cut
+ * off, or that takes over ten minutes. */
 static void print_forecast(const bis_forecast *f, void *user)
 {
     const render_options *o = user;
@@ -120,10 +118,10 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
     return BIS_OK;
 }
 
-static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, bis_checkpoint *checkpoint,
+static bis_status render(bis_render_result *result, bis_film *film, bis_checkpoint *checkpoint,
                          const bis_scene *scene, bis_scene_desc *desc, render_options *o, bis_diag *diag)
 {
-    const bool chooses = bis_auto_is_wanted(&desc->view.settings), leads = bis_rank_leads(bis_cli_ranks);
+    const bool leads = bis_rank_leads(bis_cli_ranks);
     bis_status status = BIS_OK;
     bool show = leads && !o->quiet && isatty(STDERR_FILENO);
     bis_render_options options = {
@@ -141,17 +139,13 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     o->film = film;
     o->scene = scene;
     o->desc = desc;
-    if (chooses) status = bis_choice_make(choice, scene, desc, &options, checkpoint, o->quiet, diag);
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
-    options.first_light = !options.checkpoint && !bis_cli_ranks; /* not for the pilot's pictures */
+    options.first_light = !options.checkpoint && !bis_cli_ranks;
     options.glimpse = options.first_light && o->viewer ? show_glimpse : NULL;
     options.so_far = leads && o->write_every > 0 && !o->part.share.n ? write_so_far : NULL;
     options.every = o->write_every;
     if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
-    checkpoint->head.pilot_seconds = choice->seconds;
-    /* the pilot's time is the user's: 0 would be no limit */
-    if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
     if (!status && o->viewer) {
         const char *name = o->files.part ? o->files.part : o->files.pictures.text[0];
         if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);
@@ -212,9 +206,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_film film = {0};
     bis_render_result result;
     bis_texts written = {.n = 0};
-    bis_auto_report choice = {.is_chosen = false};
     bis_checkpoint checkpoint;
-    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
     char text[BIS_PERCENT];
     bis_status status = open_checkpoint(&checkpoint, o, diag);
 
@@ -235,7 +227,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     o->agreed = true;
     status = bis_ranks_agree(bis_cli_ranks, BIS_OK, diag);
     if (status) goto done;
-    status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
+    status = render(&result, &film, &checkpoint, scene, desc, o, diag);
     if (status || !bis_rank_leads(bis_cli_ranks)) goto done;
     *interrupted = bis_cli_signal;
     if (result.missing > 0 && !result.interrupted && !o->quiet)
@@ -248,7 +240,6 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     }
 
     bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
-    stats.choice = chooses ? &choice : NULL;
     stats.extent = bis_geometry_primitives(&scene->geometry) > 0 ? &scene->geometry.box : NULL;
     stats.seconds.parse = parse_seconds;
     double before = bis_clock_now();
@@ -337,14 +328,12 @@ int bis_cmd_render(int argc, char **argv)
         list_errata();
         return bis_cli_finish(BIS_EXIT_DONE);
     }
-    for (; bis_integrators[i] && i < MAX_INTEGRATORS - 1; i++) {
+    for (; bis_integrators[i] && i < MAX_INTEGRATORS; i++) {
         integrators[i] = bis_integrators[i]->name;
-        bis_append(integrator_help, sizeof integrator_help, "%s, ", integrators[i]);
+        bis_append(integrator_help, sizeof integrator_help, "%s%s",
+                   i == 0 ? "" : bis_integrators[i + 1] ? ", " : " or ", integrators[i]);
     }
-    integrators[i] = bis_auto.name;
-    bis_append(integrator_help, sizeof integrator_help,
-               "or auto: a pilot chooses, if the render is long enough for it (default: the scene's; see `bis help "
-               "sir`)");
+    bis_append(integrator_help, sizeof integrator_help, " (default: the scene's; see `bis help sir`)");
 
     const bis_option before[] = {
         {.help = "output"},
@@ -389,7 +378,8 @@ int bis_cmd_render(int argc, char **argv)
         {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
          .value = &o.over.light_scale, .given = &o.over.has_light_scale, .above = true, .hi = 1e30},
         {.name = "integrator", .argument = "NAME",
-         .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o.over.integrator, .names = integrators},
+         .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o.over.integrator, .names = integrators,
+         .rule = ". Without it the default renders; `bis trade SCENE` recommends settings"},
     };
     const bis_option behind[] = {
         {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
@@ -438,7 +428,7 @@ int bis_cmd_render(int argc, char **argv)
         {.help = "a render on several machines (the picture has the bits of one run)"},
         {.name = "part", .argument = "K/N",
          .help = "render the K-th of N shares of the picture's tiles into --outfile F.bispart; `bis merge` makes the "
-                 "picture of them. Not with --time, --error or auto, which need the whole picture",
+                 "picture of them. Not with --time or --error, which need the whole picture",
          .kind = BIS_OPTION_OWN, .value = &o.part.share, .read = bis_render_part_read,
          .rule = "K/N with K from 1 to N, as in 2/5"},
     };

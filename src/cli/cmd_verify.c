@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as
  * JSON. `bis verify --bits`: are the bits of this build those of every build? */
-#include "tools/auto/auto.h"
 #include "tools/describe.h"
 #include "tools/verify/verify.h"
 
@@ -128,20 +127,6 @@ static int verify_map(bis_verify *v, const verify_options *o, const char *map, b
     return exit_status;
 }
 
-/* What `bis SCENE` would choose, told as there. */
-static bis_status choose(const bis_scene *scene, bis_scene_desc *desc, bis_diag *diag)
-{
-    const bis_render_options options = {.n_threads = 0};
-    char line[BIS_MAX_LINE];
-    bis_auto_report choice;
-    const bis_status status = bis_auto_choose(&choice, scene, desc, &options, diag);
-
-    if (status) return status;
-    desc->view.settings = choice.settings;
-    if (choice.is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, &choice));
-    return BIS_OK;
-}
-
 static int verify_scene(bis_verify *v, const verify_options *o, const char *path, bis_diag *diag)
 {
     bis_scene_desc *desc = NULL;
@@ -153,7 +138,6 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
     if (status) return bis_cli_exit_status(status);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
-    if (!status && bis_auto_is_wanted(&desc->view.settings)) status = choose(scene, desc, diag);
     if (!status) status = bis_verify_scene(v, scene, desc, &desc->view.settings, diag);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);

@@ -90,13 +90,6 @@ static size_t begin(const bis_display *d, int kind)
     return put_text(d->message, 6, d->name);
 }
 
-static double thread_seconds(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void fail(bis_display *d, const char *why)
 {
     pthread_mutex_lock(&d->lock);
@@ -231,7 +224,7 @@ static void done_with_picture(bis_display *d)
 {
     pthread_mutex_lock(&d->lock);
     d->busy = false;
-    d->cost = thread_seconds();
+    d->cost = bis_clock_processor();
     pthread_cond_broadcast(&d->change);
     pthread_mutex_unlock(&d->lock);
 }

@@ -224,7 +224,6 @@ static void add_integrators(bis_help_page *page, size_t *n)
 {
     for (const bis_integrator *const *i = bis_integrators; *i; i++)
         add_entry(page, n, (bis_help_entry){(*i)->name, bis_integrator_words(page->text[*n], *i)});
-    add_entry(page, n, (bis_help_entry){bis_auto.name, bis_integrator_words(page->text[*n], &bis_auto)});
 }
 
 static void add_parameters(bis_help_page *page, size_t *n)

@@ -44,14 +44,11 @@ static bis_status override_settings(bis_scene_desc *d, const bis_override *o, bi
         s->as_printed = as_printed;
         d->integrator_loc = bis_cli_loc;
     }
-    /* the scene left open what the command line says */
-    if (s->only_sir && bis_parameter_given(o->parameters, "candidates")) s->integrator = &bis_sir;
     bis_parameter_override(s, o->parameters, diag);
     if (bis_parameter_given(o->parameters, "learn") && s->learn && s->proposal != BIS_PROPOSAL_PRODUCT &&
         bis_parameter_of(s->integrator, "learn"))
         bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"",
                  bis_proposal_name(s->proposal));
-    bis_settings_leave_open(s);
     bis_status status = switch_errata(s, &o->as_printed, diag);
     return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }

@@ -14,7 +14,7 @@
 const char *bis_parameter_words(char buf[BIS_PARAMETER_WORDS], const char *name)
 {
     const bis_parameter *first = NULL;
-    char list[128], note[BIS_PARAMETER_WORDS] = "";
+    char list[128];
 
     *buf = '\0';
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
@@ -23,10 +23,9 @@ const char *bis_parameter_words(char buf[BIS_PARAMETER_WORDS], const char *name)
         const bool is_choice = p->type == BIS_PARAMETER_CHOICE;
         bis_append(buf, BIS_PARAMETER_WORDS, "%s%s", !*buf ? "" : is_choice ? "; " : ", ", (*i)->name);
         if (is_choice) bis_append(buf, BIS_PARAMETER_WORDS, ": %s", bis_parameter_list(list, p, ""));
-        if (p->or_auto) bis_append(note, sizeof note, "; %s, %s", (*i)->name, p->note);
     }
     for (first = bis_parameters; strcmp(first->name, name) != 0;) first++;
-    if (first->type != BIS_PARAMETER_CHOICE) bis_append(buf, BIS_PARAMETER_WORDS, ": %s%s", first->words, note);
+    if (first->type != BIS_PARAMETER_CHOICE) bis_append(buf, BIS_PARAMETER_WORDS, ": %s", first->words);
     return buf;
 }
 
@@ -70,7 +69,6 @@ static bis_option option_of(const bis_parameter *p, bis_parameter_option *value)
     for (const bis_parameter *q = p; q->name; q++) {
         if (strcmp(q->name, p->name) != 0) continue;
         choices |= q->choices;
-        if (q->or_auto) o.lo = 0;
     }
     o.hi = p->hi;
     if (p->type == BIS_PARAMETER_COUNT) {

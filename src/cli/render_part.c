@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "progress.h"
 #include "render/checkpoint.h"
-#include "tools/auto/auto.h"
 
 #include <string.h>
 
@@ -80,9 +79,6 @@ bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const
     else if (budget->error > 0)
         what = "--error: it is the error of the whole picture, which no part knows. Give --spp N; a small --resolution "
                "with --error tells how many";
-    else if (bis_auto_is_wanted(&desc->view.settings))
-        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --time 60 "
-               "--stats -` runs it once; give all parts the Integrator line in \"chosen\"";
     if (!what) return BIS_OK;
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u cannot have %s", (unsigned)share.k,
                      (unsigned)share.n, what);

@@ -215,7 +215,6 @@ static bis_status apply(bis_scene_desc *d, wishes *w, const char *const *setting
     if (status) return status;
     if (w->spp) bis_sampler_set_spp(&d->view.sampler, w->spp);
     if (w->threads) d->accel.n_threads = (int)w->threads;
-    bis_settings_leave_open(&d->view.settings);
     return bis_settings_check(&d->view.settings, nowhere, diag);
 }
 
@@ -301,7 +300,6 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
     bis_film film = {0};
     bis_image pixels;
     bis_render_result result;
-    bis_auto_report choice = {.is_chosen = false};
     const double start = bis_clock_now();
 
     bis_status status = parse(&desc, path, settings, w->light, diag);
@@ -310,7 +308,6 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
     if (status) goto done;
     const double parsed = bis_clock_now();
     const bis_film_desc *size = &desc->view.film;
-    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
     const bis_render_options options = {
         .budget = {.spp = (uint32_t)w->spp, .seconds = w->seconds, .error = w->error},
         .n_threads = (int)w->threads,
@@ -321,16 +318,13 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
     status = bis_film_init(&film, size->width, size->height, size->crop, nowhere, diag);
     if (!status) status = bis_film_want(&film, size->layers, diag);
     if (!status) status = bis_scene_build(&scene, desc, diag);
-    if (!status && chooses) status = bis_auto_choose(&choice, scene, desc, &options, diag);
     if (status) goto done;
-    if (chooses) desc->view.settings = choice.settings;
     status = bis_render(&result, &film, scene, desc, &desc->view, &options, diag);
     if (!status && result.passes == 0)
         status = bis_error(diag, BIS_INPUT, nowhere, "the render was stopped before its first pass was complete");
     if (status) goto done;
 
     bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
-    stats.choice = chooses ? &choice : NULL;
     stats.extent = bis_geometry_primitives(&scene->geometry) > 0 ? &scene->geometry.box : NULL;
     stats.seconds.parse = parsed - start;
     stats.seconds.total = bis_clock_now() - start;

@@ -41,7 +41,7 @@ static void read_parameter(bis_parser *p, const bis_parameter *parameter, bis_se
 
     switch (parameter->type) {
     case BIS_PARAMETER_COUNT: /* where lo is 2, bis_settings_check says why */
-        if (bis_params_uint32(p, parameter->name, &count, parameter->or_auto ? 0 : 1, (uint32_t)parameter->hi))
+        if (bis_params_uint32(p, parameter->name, &count, 1, (uint32_t)parameter->hi))
             bis_parameter_set(parameter, s, count);
         break;
     case BIS_PARAMETER_FRACTION:
@@ -60,7 +60,6 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
 
     s.as_printed = p->desc->view.settings.as_printed; /* an Option's, not an integrator's */
     for (const bis_parameter *q = NULL; (q = bis_parameter_next(integrator, q)) != NULL;) read_parameter(p, q, &s);
-    bis_settings_leave_open(&s);
     return s;
 }
 
@@ -77,9 +76,15 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
 
     for (; bis_integrators[n]; n++) choices[n] = (bis_choice){bis_integrators[n]->name, 0};
     assert(n < MAX_INTEGRATORS);
-    choices[n++] = (bis_choice){bis_auto.name, 0};
     for (size_t i = 0; i < BIS_COUNT(pbrt); i++) choices[n++] = (bis_choice){pbrt[i], BIS_REPLACED};
-    const bis_choice *chosen = bis_parser_begin(p, "Integrator", choices, n);
+    if (!bis_parser_name(p, "Integrator") || !bis_params_read(p)) return;
+    const char *name = bis_parser_text(p, p->name);
+    if (strcmp(name, "auto") == 0) { /* of builds before 0.1.0 */
+        bis_parser_error(p, p->name_at, "there is no Integrator \"auto\" any more: leave the line out, and the default "
+                         "renders without choosing; `bis trade SCENE` recommends settings");
+        return;
+    }
+    const bis_choice *chosen = bis_parser_choose(p, "Integrator", name, p->name_at, choices, n);
     if (!chosen) return;
     const bis_integrator *integrator = bis_integrator_find(chosen->name);
     bis_parser_single(p, BIS_SINGLE_INTEGRATOR, "Integrator", at);

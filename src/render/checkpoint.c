@@ -18,7 +18,7 @@ bis_status bis_checkpoint_read(bis_checkpoint *c, const char *path, bis_diag *di
 {
     bis_walk w;
 
-    c->head.settings = bis_settings_default(&bis_auto);
+    c->head.settings = bis_settings_default(&bis_sir);
     c->source = path;
     bis_status status = bis_file_read(&c->data, &c->size, path, (bis_loc){path, 0, 0}, diag);
     if (status) return status;
@@ -80,8 +80,7 @@ static bis_status restore(bis_checkpoint *c, bis_workspace *of, bis_done *done, 
 
 bis_status bis_checkpoint_begin(bis_checkpoint *c, bis_workspace *w, bis_done *done, bis_diag *diag)
 {
-    bis_state_head own = {.settings = w->view->settings, .pilot_seconds = c->head.pilot_seconds,
-                          .part = w->options->part};
+    bis_state_head own = {.settings = w->view->settings, .part = w->options->part};
 
     bis_identify(own.parts, w);
     bis_status status = c->data ? compare(c, &own, diag) : BIS_OK;

@@ -11,7 +11,7 @@ struct bis_checkpoint {
     double every;     /* seconds between two writes, looked at between passes */
     void (*warn)(const char *message); /* called if a write fails, unless the one before did; may be NULL */
     bool failed; /* the last write did */
-    bis_state_head head; /* the caller sets pilot_seconds; bis_checkpoint_begin the rest, bis_checkpoint_read all */
+    bis_state_head head; /* bis_checkpoint_begin and bis_checkpoint_read set it */
 
     /* bis_checkpoint_read: what it found; data is NULL where there is nothing to go on from */
     const char *source; /* where it read; borrowed */

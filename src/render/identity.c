@@ -173,7 +173,6 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
     hash_count(w, of->film->layers.asked);
     parts[n++] = bis_walk_take_hash(w);
     hash_camera(w, &view->camera);
-    hash_real(w, of->options->footprint);
     parts[n++] = bis_walk_take_hash(w);
     hash_count(w, s->kind);
     hash_count(w, s->seed);

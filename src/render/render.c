@@ -115,7 +115,8 @@ static void report_tile(double share, void *user)
     r->work.options->glimpse(r->glimpse, r->work.options->user);
 }
 
-/* What the error budget will take, as far as the pilot knows: the error falls with the root of the number of passes. */
+/* What the error budget will take, as far as the first passes know: the error falls with the root of the number of
+ * passes. */
 static void forecast(render *r)
 {
     const double factor = pow(r->done.rmse_upper / r->budget.error, 2);

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 8, MAGIC = 8 };
+enum { FORMAT = 9, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -106,7 +106,6 @@ static void walk_settings(bis_walk *w, bis_settings *s)
 void bis_state_walk_head(bis_walk *w, bis_state_head *h)
 {
     walk_settings(w, &h->settings);
-    bis_walk_f64(w, &h->pilot_seconds);
     bis_walk_u32(w, &h->part.k);
     bis_walk_u32(w, &h->part.n);
     w->bad |= h->part.k > h->part.n || (h->part.k == 0 && h->part.n > 0);

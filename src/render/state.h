@@ -19,7 +19,6 @@ typedef struct bis_done {
 /* Who did it. */
 typedef struct bis_state_head {
     bis_settings settings; /* of the render; integrator is NULL if this program does not know it */
-    double pilot_seconds;  /* that the choice of the settings took; 0: nobody chose */
     bis_part part;
     uint64_t parts[BIS_IDENTITY_PARTS];
 } bis_state_head;

@@ -157,7 +157,6 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
 {
     const bis_film *f = w->task.film;
     const bis_view *view = w->task.view;
-    const double footprint = w->task.options->footprint;
     double u[2] = {0.5, 0.5};
 
     /* A wave has the samples of one cell, because the next cell learns from the rays of this one. */
@@ -173,7 +172,6 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
     s->sampler = *sampler;
     bis_stream_init(&s->stream, &s->sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
     if (view->pixel_jitter) bis_stream_camera(&s->stream, u);
-    for (int i = 0; i < 2 && footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * footprint;
     w->eyes[w->n++] = bis_camera_ray(&view->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
     pixel->n++;
     if (w->n == SAMPLES) bis_wave_end(w);

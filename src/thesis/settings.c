@@ -40,9 +40,8 @@ _Static_assert(sizeof(bis_proposal) == sizeof(unsigned) && sizeof(bis_fallback) 
 /* A row is a parameter. An integrator that reads no row of a name has the default of the first: with it, it draws its
  * candidates. */
 const bis_parameter bis_parameters[] = {
-    {COUNT(candidates, 800, 1), .is_option = true, .or_auto = true, .note = "0: a pilot chooses",
-     .words = "candidates for each camera sample", .readers = {&bis_sir}},
-    {COUNT(candidates, 800, 1), .is_option = true, .readers = {&bis_rejection, &bis_unoccluded}},
+    {COUNT(candidates, 800, 1), .is_option = true, .words = "candidates for each camera sample",
+     .readers = {&bis_rejection, &bis_sir, &bis_unoccluded}},
     {COUNT(shadowrays, 15, 1), .is_option = true, .words = "candidates that are shadow-tested",
      .readers = {&bis_rejection, &bis_sir}},
     {COUNT(samples, 16, 1), .is_option = true, .words = "light samples for each camera sample",
@@ -79,7 +78,7 @@ const bis_integrator *bis_integrator_find(const char *name)
     for (const bis_integrator *const *p = bis_integrators; *p; p++) {
         if (strcmp((*p)->name, name) == 0) return *p;
     }
-    return strcmp(bis_auto.name, name) == 0 ? &bis_auto : NULL;
+    return NULL;
 }
 
 bool bis_parameter_reads(const bis_parameter *p, const bis_integrator *integrator)
@@ -199,14 +198,6 @@ bool bis_settings_equal(const bis_settings *a, const bis_settings *b)
     for (const bis_parameter *p = NULL; (p = bis_parameter_next(a->integrator, p)) != NULL;)
         if (bis_parameter_get(p, a) != bis_parameter_get(p, b)) return false;
     return true;
-}
-
-void bis_settings_leave_open(bis_settings *s)
-{
-    if (s->integrator != &bis_sir || s->candidates > 0) return;
-    s->integrator = &bis_auto;
-    s->only_sir = true;
-    s->candidates = bis_settings_default(&bis_sir).candidates;
 }
 
 static bis_status check(const bis_parameter *p, const bis_settings *s, bis_loc at, bis_diag *diag)

@@ -49,61 +49,6 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bo
     return line;
 }
 
-/* "product": what tells methods of one integrator apart, or "". */
-static const char *proposal_of(const bis_settings *s)
-{
-    return bis_parameter_of(s->integrator, "proposal") ? bis_proposal_name(s->proposal) : "";
-}
-
-static bool same_method(const bis_settings *a, const bis_settings *b)
-{
-    return a->integrator == b->integrator && strcmp(proposal_of(a), proposal_of(b)) == 0;
-}
-
-static double product(const bis_auto_report *r, int i) { return bis_auto_cost_of(r, i) * r->tried[i].variance; }
-
-/* The best of a method. */
-static double best_product(const bis_auto_report *r, const bis_settings *method)
-{
-    double least = (double)INFINITY;
-
-    for (int i = 0; i < r->n_tried; i++)
-        if (same_method(&r->tried[i].settings, method)) least = fmin(least, product(r, i));
-    return least;
-}
-
-static void append_settings(char line[BIS_MAX_LINE], const bis_settings *s)
-{
-    if (bis_parameter_of(s->integrator, "candidates"))
-        bis_append(line, BIS_MAX_LINE, "%s, %s, %u candidates, %u shadow rays", s->integrator->name, proposal_of(s),
-                   (unsigned)s->candidates, (unsigned)s->shadowrays);
-    else bis_append(line, BIS_MAX_LINE, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
-}
-
-const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r)
-{
-    const double chosen = product(r, r->chosen);
-    const char *separator = "; to the same error the best of ";
-
-    *line = '\0';
-    append_settings(line, &r->settings);
-    if (!r->is_chosen) {
-        bis_append(line, BIS_MAX_LINE, ": %s", r->reason);
-        return line;
-    }
-    for (int i = 0; i < r->n_tried && chosen > 0; i++) {
-        const bis_settings *s = &r->tried[i].settings;
-        const double own = product(r, i);
-        if (same_method(s, &r->settings) || own > best_product(r, s)) continue;
-        bis_append(line, BIS_MAX_LINE, "%s%s%s%s %.2g", separator, s->integrator->name, *proposal_of(s) ? " " : "",
-                   proposal_of(s), own / chosen);
-        separator = ", ";
-    }
-    bis_append(line, BIS_MAX_LINE, "%s (pilot: %d settings, %.2g s)", *separator == ',' ? " times as long" : "",
-               r->n_tried, r->seconds);
-    return line;
-}
-
 const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc)
 {
     *text = '\0';
@@ -139,8 +84,6 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
         attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->view.edge_samples};
     if (s->desc->view.edge_samples > 1 && s->desc->view.edge_light > 0 && s->desc->view.edge_light < 1)
         attributes[n++] = (bis_attribute){"edgelight", NULL, s->desc->view.edge_light};
-    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
-    if (s->choice && s->choice->reason) attributes[n++] = (bis_attribute){"bis:auto-reason", s->choice->reason, 0};
     if (*s->approximated) attributes[n++] = (bis_attribute){"bis:approximated", s->approximated, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     if (r->missing > 0) attributes[n++] = (bis_attribute){"bis:missing", NULL, r->missing};
@@ -182,34 +125,6 @@ static void print_memory(bis_json *j, const bis_stats *s)
     BIS_JSON_OBJECT(j, "memory", {"mesh", s->scene.mesh}, {"accel", s->scene.accel},
                     {"envmap", s->scene.envmap},
                     {"film", (double)(bis_film_bytes(s->film) + s->result->bytes)});
-}
-
-static void print_tried(bis_json *j, const bis_auto_report *r, int i)
-{
-    const bis_auto_tried *t = &r->tried[i];
-    char line[BIS_MAX_LINE];
-
-    bis_json_open(j, NULL, '{');
-    bis_json_text(j, "line", bis_describe_line(line, &t->settings, true));
-    BIS_JSON_NUMBERS(j, {"replicates", t->replicates}, {"pass_seconds", bis_auto_cost_of(r, i)},
-                     {"pass_relmse", t->variance}, {"product", product(r, i)});
-    bis_json_close(j);
-}
-
-/* All that the pilot has tried, or why there was none; where nothing was left open there is no such key. */
-static void print_choice(bis_json *j, const bis_stats *s)
-{
-    const bis_auto_report *r = s->choice;
-
-    if (!r) return;
-    bis_json_open(j, "auto", '{');
-    bis_json_text(j, "chosen", s->line);
-    if (r->reason) bis_json_text(j, "reason", r->reason);
-    BIS_JSON_NUMBERS(j, {"seconds", r->seconds}, {"width", r->width}, {"height", r->height}, {"passes", r->passes});
-    bis_json_open(j, "tried", '[');
-    for (int i = 0; i < r->n_tried; i++) print_tried(j, r, i);
-    bis_json_close(j);
-    bis_json_close(j);
 }
 
 /* Without --approximate there is no such key. A picture of parts has them as one text. */
@@ -272,7 +187,6 @@ void bis_stats_print(const bis_stats *s, FILE *out)
                      {"accepted", count(rejects, r->counters.accepted)},
                      {"fallbacks", count(rejects && settings->estimator == BIS_ESTIMATOR_RATIO,
                                          r->counters.fallbacks)});
-    print_choice(&j, s);
     print_approximations(&j, s->desc, s->approximated);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->error.is_known ? r->error.relative_rmse : (double)NAN);

@@ -2,8 +2,6 @@
 /* describe: what was rendered and how, in names and numbers, for EXR attributes and --stats. For src/cli/cmd_*.c. */
 #pragma once
 
-#include "tools/auto/auto.h"
-
 #include "bis/files/image_file.h"
 #include "bis/render/render.h"
 
@@ -18,10 +16,6 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
  * else counts and what differs. */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
-/* bis_describe_choice writes one line: what auto has chosen, and how much longer the best of each other method would
- * take to the same error. The report must have a choice. */
-const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r);
-
 /* bis_describe_approximations writes what --approximate has replaced, `3 x AreaLightSource: its light is missing; ...`.
  */
 const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc);
@@ -34,21 +28,20 @@ typedef struct bis_stats {
     const bis_render_result *result;
     bis_scene_seconds seconds;
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
-    const bis_auto_report *choice;    /* NULL: nothing was to choose */
     const bis_box *extent;            /* of all shapes; NULL: there are none, or it is not known, after a merge */
     char line[BIS_MAX_LINE];          /* of the Integrator, by bis_describe_line */
     char approximated[BIS_APPROXIMATED_TEXT]; /* by bis_describe_approximations; "": nothing was */
 } bis_stats;
 
 /* bis_stats_of returns what there is to say of a render: the figures given, the seconds of the render, and the texts
- * that desc makes. The caller adds choice, extent, the seconds of parsing and writing, and the total. desc, film and
+ * that desc makes. The caller adds extent, the seconds of parsing and writing, and the total. desc, film and
  * result are borrowed. */
 bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
                        const bis_film *film, const bis_render_result *result);
 
-/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), bis:auto (the line for
- * a scene, where auto chose), bis:approximated (where something is), spp, seed, render_seconds,
- * estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
+/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), bis:approximated
+ * (where something is), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone
+ * is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
 /* The JSON of --stats, keys as docs/command-line.md; what does not apply is null. */

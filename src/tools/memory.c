@@ -80,7 +80,7 @@ static double add_film(bis_memory *m, const bis_scene_desc *d)
     const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
     const bis_settings *s = &d->view.settings;
     const bool learns = bis_light_desc_has_map(&d->light) && d->n_shapes &&
-                        (s->integrator == &bis_auto || bis_beyond_needs_of(s).visibility);
+                        bis_beyond_needs_of(s).visibility;
     int n = 0;
 
     for (int i = 0; i < BIS_N_LAYERS; i++)

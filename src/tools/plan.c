@@ -31,11 +31,7 @@ static void print_settings(const bis_settings *s, FILE *out)
     const char *between = " ";
     char buf[32];
 
-    if (s->integrator == &bis_auto) {
-        fprintf(out, "auto: if the render is long enough, a pilot will choose among %s",
-                s->only_sir ? "sir's proposals, M and N"
-                            : "mis, sir (proposal, M and N), and em or brdf where they are safe");
-    } else fprintf(out, "%s:", s->integrator->name);
+    fprintf(out, "%s:", s->integrator->name);
     for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL; between = ", ")
         fprintf(out, "%s%s %s", between, p->name, bis_parameter_text(buf, p, bis_parameter_get(p, s)));
     fprintf(out, "\nclaim        %s\n", s->integrator->claim);
@@ -74,7 +70,6 @@ static void print_view(const bis_scene_desc *d, FILE *out)
 static bool learns(const bis_scene_desc *d)
 {
     if (!d->n_shapes || !bis_light_desc_has_map(&d->light)) return false;
-    if (d->view.settings.integrator == &bis_auto) return false;
     return bis_beyond_needs_of(&d->view.settings).visibility;
 }
 

@@ -120,7 +120,6 @@ static void what_is_no_part_or_needs_the_whole_picture_is_refused(void **state)
     } cases[] = {
         {SCENE " --part 1/3 --time 5 --outfile " DIR "/x.bispart", 2, "--part 1/3 cannot have --time"},
         {SCENE " --part 1/3 --error 5% --outfile " DIR "/x.bispart", 2, "Give --spp N"},
-        {SCENE " --part 1/3 --integrator auto --outfile " DIR "/x.bispart", 2, "integrator \"auto\""},
         {SCENE " --part 1/3", 2, "give --outfile part-1.bispart"},
         {SCENE " --part 2/3 --outfile " DIR "/x.exr", 2, "give --outfile part-2.bispart"},
         {SCENE " --part 2/3 --outfile " DIR "/x.bispart --outfile " DIR "/y.bispart", 2, "give --outfile"},

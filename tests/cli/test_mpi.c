@@ -165,32 +165,13 @@ static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
     assert_non_null(strstr(text, "These differ: the sampler, or its seed. "));
 }
 
-/* Rank 0 chooses; the line that it chose, in one process, makes the same picture. With a time the ranks end together. */
-static void rank_0_chooses_and_keeps_the_time(void **state)
+static void with_a_time_the_ranks_end_together(void **state)
 {
     (void)state;
-    char chosen[1024], options[1100], *to = options;
     program_run r;
+    unsigned long spp;
 
     skip_without_mpi();
-    /* a long time is to come, so that there is a pilot, but the error is reached at once */
-    expect_mpi(3, SCENE " --integrator auto --time 10 --error 0.5 --stats - --outfile " DIR "/b.pfm");
-    assert_non_null(strstr(text, "bis: note: auto chose "));
-    assert_null(strstr(strstr(text, "auto chose ") + 1, "auto chose "));
-    read_text(DIR "/out");
-    json_value(chosen, sizeof chosen, text, "auto.chosen");
-    for (const char *from = chosen + 1; from[1]; from++)
-        if (*from != '\\') *to++ = *from;
-    *to = '\0';
-    read_text(SCENE);
-    char *line = strstr(text, "Integrator \"sir\""), scene[4096];
-    assert_non_null(line);
-    snprintf(scene, sizeof scene, "%.*s%s%s", (int)(line - text), text, options, strchr(line, '\n'));
-    program_write_file(DIR "/chosen.txt", scene);
-    program_expect(&r, 0, DIR "/chosen.txt --time 10 --error 0.5 --outfile " DIR "/a.pfm");
-    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
-
-    unsigned long spp;
     expect_mpi(2, SCENE " --time 0.3 --stats - --outfile " DIR "/b.pfm");
     read_text(DIR "/out");
     spp = (unsigned long)json_number(text, "spp");
@@ -332,7 +313,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_ranks_makes_the_bits_of_one_process),
         cmocka_unit_test(a_checkpoint_goes_on_with_another_number_of_ranks),
-        cmocka_unit_test(rank_0_chooses_and_keeps_the_time),
+        cmocka_unit_test(with_a_time_the_ranks_end_together),
         cmocka_unit_test(a_rank_that_has_another_scene_or_none_is_named),
         cmocka_unit_test(a_rank_that_is_killed_ends_the_job_and_leaves_a_checkpoint),
     };

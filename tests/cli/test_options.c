@@ -44,10 +44,10 @@ static void render_takes_what_is_in_range(void **state)
         {"--spp 1000000001", 2, "--spp is \"1000000001\", must be an integer in [1, 1000000000]"},
         {"--seed 0", 0, ", seed 0\n"},
         {"--seed 9007199254740991", 0, ", seed 9007199254740991\n"},
-        {"--candidates 0", 0, "\nintegrator   auto: if the render is long enough, a pilot will choose among sir's proposals, M and N\n"},
+        {"--candidates 0", 2, "--candidates is \"0\", must be an integer in [1, 16777216]"},
         {"--candidates 1", 0, "\nintegrator   sir: candidates 1, shadowrays 2, proposal mix"},
         {"--candidates 16777216", 0, "sir: candidates 16777216, "},
-        {"--candidates 16777217", 2, "--candidates is \"16777217\", must be an integer in [0, 16777216]"},
+        {"--candidates 16777217", 2, "--candidates is \"16777217\", must be an integer in [1, 16777216]"},
         {"--candidates 99 --shadowrays 1", 0, "candidates 99, shadowrays 1, "},
         {"--candidates 16777216 --shadowrays 16777216", 0, ", shadowrays 16777216, "},
         {"--shadowrays 16777217", 2, "--shadowrays is \"16777217\", must be an integer in [1, 16777216]"},
@@ -56,7 +56,7 @@ static void render_takes_what_is_in_range(void **state)
         {"--integrator brdf --samples 16777217", 2, "--samples is \"16777217\", must be an integer in [1, 16777216]"},
         {"--integrator exact", 0, "\nintegrator   exact: perpatch 1\n"},
         {"--integrator unoccluded --candidates 5", 0, "\nintegrator   unoccluded: candidates 5\n"},
-        {"--integrator auto", 0, "auto: if the render is long enough, a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"},
+        {"--integrator auto", 2, "--integrator: no such thing as \"auto\"; it is one of em, brdf, mis, rejection, sir, exact, unoccluded. Without it the default renders; `bis trade SCENE` recommends settings\n"},
         {"--integrator rejection --proposal choose --candidates 50", 0, "rejection: candidates 50, shadowrays 15, proposal choose, estimator ratio, fallback "},
         {"--proposal em", 0, "proposal em, "}, {"--proposal brdf", 0, "proposal brdf, "}, {"--proposal product", 0, "proposal product, "},
         {"--proposal product --learn on", 0, "learn true"}, {"--proposal product --learn off", 0, "learn false"},
@@ -417,7 +417,7 @@ static void the_words_of_parameters_are_these(void **state)
 {
     (void)state;
     static const char *const words[][2] = {
-        {"candidates", "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses"},
+        {"candidates", "rejection, sir, unoccluded: candidates for each camera sample"},
         {"shadowrays", "rejection, sir: candidates that are shadow-tested"},
         {"samples", "em, brdf, mis: light samples for each camera sample"},
         {"proposal", "rejection: em, brdf or choose; sir: em, brdf, mix or product"},

@@ -547,7 +547,7 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --error 0", "must be a number in (0, 10]"},
         {SCENE " --error -1", "must be a number in (0, 10]"},
         {SCENE " --error inf", "must be a number in (0, 10]"},
-        {SCENE " --integrator unoccluded --candidates 0", "\"candidates\" is 0"},
+        {SCENE " --integrator unoccluded --candidates 0", "must be an integer in [1, 16777216]"},
         {SCENE " --shadowrays 0", "must be an integer in"},
         {SCENE " --integrator em --samples 0", "must be an integer in"},
         {SCENE " --integrator mis --samples 1", "em"},

@@ -6,7 +6,6 @@
 #include "bis/base/mem.h"
 
 #include "file_help.h"
-#include "json_check.h"
 #include "program.h"
 
 #include <setjmp.h>
@@ -108,52 +107,6 @@ static void after_a_signal_it_goes_on_with_more_samples(void **state)
     }
 }
 
-/* The line that auto chose, from JSON into a scene. */
-static void write_chosen_scene(const char *json)
-{
-    char line[1024], *to = line;
-    json_value(line, sizeof line, json, "auto.chosen");
-    for (const char *from = line + 1; *from; from++)
-        if (*from != '\\') *to++ = *from;
-    to[-1] = '\n'; /* the closing quote */
-    *to = '\0';
-    program_write_scene(DIR, "");
-    FILE *f = fopen(SCENE, "r+"), *chosen = fopen(DIR "/chosen.txt", "w");
-    char old[512];
-    assert_non_null(f);
-    assert_non_null(chosen);
-    while (fgets(old, sizeof old, f)) fputs(strncmp(old, "Integrator", 10) == 0 ? line : old, chosen);
-    fclose(f);
-    assert_int_equal(fclose(chosen), 0);
-}
-
-static void what_auto_chose_is_kept(void **state)
-{
-    (void)state;
-    static char first[1 << 16];
-    program_run r;
-    char a[1024], b[1024];
-
-    /* a long time is to come, so that there is a pilot, but the error is reached at once */
-    program_expect(&r, 0, SCENE " --integrator auto --time 10 --error 0.9 --stats - --checkpoint " STATE " --outfile " DIR "/b.pfm");
-    assert_non_null(strstr(r.output, "pass_relmse"));
-    memcpy(first, r.output, sizeof first);
-    program_expect(&r, 0, SCENE " --integrator auto --time 10 --error 0.02 --stats - --resume " STATE " --outfile " DIR "/b.pfm");
-    assert_true(json_number(r.output, "spp") > json_number(first, "spp"));
-    assert_non_null(strstr(r.messages, "auto goes on with Integrator \""));
-    for (int i = 0; i < 2; i++) {
-        const char *key = i ? "auto.chosen" : "auto.seconds";
-        json_value(a, sizeof a, first, key);
-        assert_string_equal(a, json_value(b, sizeof b, r.output, key));
-    }
-    write_chosen_scene(first);
-    program_expect(&r, 0, DIR "/chosen.txt --time 10 --error 0.02 --outfile " DIR "/a.pfm");
-    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
-    program_expect(&r, 0, DIR "/chosen.txt --error 0.015 --outfile " DIR "/a.pfm --resume " STATE); /* auto, named */
-    program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/b.pfm");
-    program_expect(&r, 0, SCENE " --integrator auto --spp 9 --resume " STATE " --outfile " DIR "/b.pfm"); /* and back */
-}
-
 static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
 {
     (void)state;
@@ -239,7 +192,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(killed_at_any_moment_it_goes_on_to_the_same_picture, clean),
         cmocka_unit_test_teardown(after_a_signal_it_goes_on_with_more_samples, clean),
-        cmocka_unit_test_teardown(what_auto_chose_is_kept, clean),
         cmocka_unit_test_teardown(a_disk_that_is_full_costs_the_checkpoint_alone, clean),
         cmocka_unit_test_teardown(what_cannot_be_kept_or_gone_on_from_is_refused_at_once, clean),
         cmocka_unit_test_teardown(a_map_counts_by_what_it_holds, clean),

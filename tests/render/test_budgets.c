@@ -168,7 +168,7 @@ static void keep_forecast(const bis_forecast *f, void *user)
     k->last = *f;
 }
 
-static void the_pilot_forecasts_what_an_error_will_take(void **state)
+static void the_first_passes_forecast_what_an_error_will_take(void **state)
 {
     (void)state;
     world w;
@@ -193,7 +193,7 @@ static void the_pilot_forecasts_what_an_error_will_take(void **state)
     assert_true(result.error.upper > 1e-9);
     bis_film_clear(&f);
 
-    options.budget = (bis_budget){.error = 10}; /* the pilot is enough: nothing to say */
+    options.budget = (bis_budget){.error = 10}; /* the first passes are enough: nothing to say */
     k.n = 0;
     render(&f, &result, &w, part, &options);
     assert_int_equal(k.n, 0);
@@ -277,7 +277,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_true_error_is_within_the_budget_and_not_far_below),
         cmocka_unit_test(the_figure_sees_what_strata_gain),
-        cmocka_unit_test(the_pilot_forecasts_what_an_error_will_take),
+        cmocka_unit_test(the_first_passes_forecast_what_an_error_will_take),
         cmocka_unit_test(progress_by_error_is_the_square_of_the_errors),
         cmocka_unit_test(an_error_that_is_just_reached_is_reached),
         cmocka_unit_test(a_render_by_error_can_be_repeated_by_its_number_of_samples),

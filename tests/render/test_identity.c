@@ -123,7 +123,7 @@ static void fill(known *k)
     for (int i = 0; i < 4; i++) k->view.camera.screen[i] = 1 + i;
     k->film = (bis_film){.full_width = 40, .full_height = 30, .step = 2, .picture_width = 80, .picture_height = 60,
                          .x0 = 4, .y0 = 6, .width = 20, .height = 10, .layers.asked = 5};
-    k->options = (bis_render_options){.budget.error = 0.25, .footprint = 0.5, .pass_size = 4, .n_threads = 2};
+    k->options = (bis_render_options){.budget.error = 0.25, .pass_size = 4, .n_threads = 2};
     k->of = (bis_workspace){.scene = &k->w.scene, .desc = &k->w.desc, .view = &k->view, .options = &k->options,
                             .film = &k->film, .edge = &k->edge};
 }
@@ -196,7 +196,6 @@ static void each_field_of_the_view_counts(void **state)
     EXPECT_ALL(v->camera.screen, 4, CAMERA);
     EXPECT(v->camera.frame_aspect, CAMERA);
     expect_xform(k, &v->camera.to_world, CAMERA, "camera");
-    EXPECT(k->options.footprint, CAMERA);
     EXPECT(v->sampler.seed, SAMPLER);
     EXPECT(v->sampler.jitter, SAMPLER);
     EXPECT(v->sampler.spp, DIVISION);

@@ -348,7 +348,6 @@ static void every_field_of_the_format_counts(void **state)
         {"integrator", 16, 0, 1, "an integrator that this program does not have"},
         {"parameters", 8 * (size_t)n_parameters, 7, 0x80, "damaged"}, /* negative */
         {"as printed", 4, 0, 1, NULL},
-        {"seconds of the pilot", 8, 7, 1, NULL},
         {"K", 4, 0, 2, "damaged"}, /* 1 to 3 */
         {"N", 4, 0, 1, "damaged"}, /* of two tiles, 3 */
         {"size, or crop", 8, 0, 1, "differ: the size of the picture, or its crop. "},
@@ -441,7 +440,6 @@ static void every_field_of_the_format_counts(void **state)
         const bool is_idle = strcmp(f->name, "next look at the error") == 0 || strcmp(f->name, "bound of the error") == 0 ||
                              strcmp(f->name, "remembered") == 0;
         const bool same = memcmp(&m->head.parts, &right->head.parts, sizeof m->head.parts) == 0 &&
-                          m->head.pilot_seconds == right->head.pilot_seconds &&
                           m->head.settings.as_printed == right->head.settings.as_printed &&
                           strcmp(m->about.command, right->about.command) == 0 &&
                           strcmp(m->about.approximated, right->about.approximated) == 0 && m->about.seed == right->about.seed &&
@@ -731,7 +729,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
                       cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 8, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 9, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;
@@ -782,8 +780,8 @@ static void a_head_is_read_up_to_its_limits(void **state)
             if (strcmp(told(text, path, 1), i < 2 ? "" : bad) != 0) fail_msg("%s %g: %s", p->name, values[i], text);
         }
     }
-    /* behind as_printed and the pilot's seconds: K and N, 1 of 1 */
-    at += 4 + 8;
+    /* behind as_printed: K and N, 1 of 1 */
+    at += 4;
     assert_true(data[at] == 1 && data[at + 4] == 1);
     static const unsigned char parts[][2] = {{0, 1}, {2, 1}, {0, 0}, {1, 3}};
     for (size_t i = 0; i < COUNT(parts); i++) {

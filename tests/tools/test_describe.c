@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What is told of a render, by hand: lines of Integrators, the line of auto's choice, header attributes, the JSON of --stats,
- * and the plans of two scenes from their first line to their last. */
+/* What is told of a render, by hand: lines of Integrators, header attributes, the JSON of --stats, and the plans of two
+ * scenes from their first line to their last. */
 #include "tools/describe.h"
 
 #include "bis/base/mem.h"
@@ -55,7 +55,6 @@ static void a_line_names_every_parameter_and_its_type(void **state)
          "Integrator \"sir\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" \"string resampling\" \"systematic\" \"bool stratify\" true \"bool learn\" false"},
         {&bis_exact, 1, "Integrator \"exact\" \"integer perpatch\" 9", "Integrator \"exact\" \"integer perpatch\" 4"},
         {&bis_unoccluded, 1, "Integrator \"unoccluded\" \"integer candidates\" 33", "Integrator \"unoccluded\" \"integer candidates\" 2"},
-        {&bis_auto, 0, "Integrator \"auto\"", "Integrator \"auto\""},
     };
     static const char *const names[] = {"samples", "candidates", "shadowrays", "perpatch", "proposal", "heuristic", "resampling",
                                         "estimator", "fallback", "split", "compensate", "stratify", "learn", "candidate", ""};
@@ -95,64 +94,12 @@ static void a_short_line_leaves_out_what_has_its_default(void **state)
     assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"mis\" \"integer samples\" 6 \"float split\" 0.25 \"bool stratify\" true");
 }
 
-/* ---- auto's choice ---- */
+/* ---- figures about the run ---- */
 
 static bis_scene_desc small_scene(void)
 {
     return (bis_scene_desc){.path = (char *)(uintptr_t)"a/scene.txt", .view.settings = settings(&bis_em, 0, 8)};
 }
-
-/* Fill, cost and variance:
- *   0 sir mix:     (0.1 + 4)    7 = 28.7
- *   1 mis:         (0.2 + 4.5)  6 = 28.2
- *   2 em:          (0.2 + 1.5) 20 = 34
- *   3 sir mix:     (0.1 + 7)    3 = 21.3
- *   4 sir product: (0.4 + 3)    5 = 17 */
-static void make_report(bis_auto_report *r)
-{
-    *r = (bis_auto_report){.is_chosen = true, .chosen = 4, .n_tried = 5, .width = 30, .height = 20, .passes = 2, .seconds = 0.5};
-    r->tried[0] = (bis_auto_tried){settings(&bis_sir, 64, 4), 4, 0.1, 4, 7};
-    r->tried[1] = (bis_auto_tried){settings(&bis_mis, 0, 6), 2, 0.2, 4.5, 6};
-    r->tried[2] = (bis_auto_tried){settings(&bis_em, 0, 8), 3, 0.2, 1.5, 20};
-    r->tried[3] = (bis_auto_tried){settings(&bis_sir, 64, 20), 4, 0.1, 7, 3};
-    r->tried[4] = (bis_auto_tried){settings(&bis_sir, 64, 16), 4, 0.4, 3, 5};
-    r->tried[4].settings.proposal = BIS_PROPOSAL_PRODUCT;
-    r->settings = r->tried[4].settings;
-}
-
-static void the_line_of_the_choice_is_that_by_hand(void **state)
-{
-    (void)state;
-    char line[BIS_MAX_LINE];
-    bis_auto_report r;
-    make_report(&r);
-
-    /* 28.2/17 = 1.66, 34/17 = 2, 21.3/17 = 1.25 */
-    assert_string_equal(bis_describe_choice(line, &r),
-                        "sir, product, 64 candidates, 16 shadow rays; to the same error the best of mis 1.7, em 2, sir mix 1.3 times as long "
-                        "(pilot: 5 settings, 0.5 s)");
-    /* em takes 1.7 x 5 = 8.5: 28.2/8.5 = 3.32, 21.3/8.5 = 2.51, 17/8.5 = 2 */
-    r.chosen = 2;
-    r.settings = r.tried[2].settings;
-    r.tried[2].variance = 5;
-    assert_string_equal(bis_describe_choice(line, &r),
-                        "em, 8 samples; to the same error the best of mis 3.3, sir mix 2.5, sir product 2 times as long (pilot: 5 settings, 0.5 s)");
-    /* without any noise there is nothing to compare */
-    for (int i = 0; i < 5; i++) r.tried[i].variance = 0;
-    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples (pilot: 5 settings, 0.5 s)");
-    r.tried[0] = r.tried[2];
-    r.chosen = 0;
-    r.n_tried = 1;
-    r.seconds = 0.0123;
-    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples (pilot: 1 settings, 0.012 s)");
-    /* nothing was chosen */
-    r.is_chosen = false;
-    r.n_tried = 0;
-    r.reason = "too short";
-    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples: too short");
-}
-
-/* ---- figures about the run ---- */
 
 static char *stats_of(const bis_stats *s)
 {
@@ -175,19 +122,14 @@ static void the_stats_are_those_by_hand(void **state)
         "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    \"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
         "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  \"candidates_drawn\": 103,\n"
         "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
-    static const char of_auto[] =
-        "  \"auto\": {\n    \"chosen\": \"the line\",\n    \"seconds\": 0.5,\n    \"width\": 30,\n    \"height\": 20,\n    \"passes\": 2,\n"
-        "    \"tried\": [\n";
     /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
     static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2344\n  },\n"
                                 "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
-    bis_auto_report r;
     bis_scene_desc desc = small_scene();
     bis_scene scene = {.accel = NULL};
     bis_film film;
     const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .error = {.relative_rmse = 0.125, .upper = 0.25, .is_known = true},
                                       .interrupted = true, .spp = 12, .passes = 3, .n_threads = 5, .bytes = 1000};
-    make_report(&r);
     desc.view.settings = settings(&bis_rejection, 31, 6);
     desc.view.settings.proposal = BIS_PROPOSAL_CHOOSE;
     desc.view.sampler.seed = 34;
@@ -212,33 +154,7 @@ static void the_stats_are_those_by_hand(void **state)
     assert_true(fabs(told / 1024 / atof(peak + 6) - 1) < 0.3);
     free(text);
 
-    s.choice = &r;
-    text = stats_of(&s);
-    assert_non_null(strstr(text, "\"fallbacks\": 105,\n  \"auto\""));
-    rest = strstr(text, "  \"auto\"");
-    if (strncmp(rest, of_auto, strlen(of_auto)) != 0) fail_msg("%s", rest);
-    const struct { const char *path; double value; } figures[] = {
-        {"auto.tried.0.replicates", 4}, {"auto.tried.0.pass_seconds", 4.1}, {"auto.tried.0.pass_relmse", 7}, {"auto.tried.0.product", 28.7},
-        {"auto.tried.1.replicates", 2}, {"auto.tried.1.pass_seconds", 4.7}, {"auto.tried.1.pass_relmse", 6}, {"auto.tried.1.product", 28.2},
-        {"auto.tried.2.replicates", 3}, {"auto.tried.2.pass_seconds", 1.7}, {"auto.tried.2.product", 34}, {"auto.tried.3.pass_relmse", 3},
-        {"auto.tried.4.pass_seconds", 3.4}, {"auto.tried.4.product", 17}, {"auto.tried.5.product", (double)NAN}};
-    for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
-        const double found = json_number(text, figures[i].path);
-        if (!(fabs(found - figures[i].value) < 1e-12) && !(isnan(found) && isnan(figures[i].value))) fail_msg("%s is %g", figures[i].path, found);
-    }
     char value[256];
-    assert_null(strstr(text, "\"reason\""));
-    assert_string_equal(json_value(value, sizeof value, text, "auto.tried.2.line"),
-                        "\"Integrator \\\"em\\\" \\\"integer samples\\\" 8 \\\"bool stratify\\\" false\"");
-    free(text);
-
-    r.reason = "too short"; /* nothing was chosen */
-    r.n_tried = 0;
-    text = stats_of(&s);
-    assert_non_null(strstr(text, "\"auto\": {\n    \"chosen\": \"the line\",\n    \"reason\": \"too short\",\n"));
-    assert_null(strstr(text, "pass_relmse"));
-    free(text);
-
     /* other integrators */
     desc.view.settings = settings(&bis_exact, 1, 1);
     text = stats_of(&s);
@@ -272,7 +188,6 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_attribute attributes[BIS_MAX_ATTRIBUTES];
     char text[1024];
     bis_scene_desc desc = small_scene();
-    bis_auto_report r = {0};
     bis_render_result result = {.seconds = 5.5, .error = {.relative_rmse = (double)NAN}, .spp = 12};
     desc.view.sampler.seed = 34;
     desc.view.edge_samples = 1;
@@ -298,17 +213,13 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     result.error.is_known = true;
     desc.view.edge_samples = 2;
     desc.view.edge_light = 0.25;
-    s.choice = &r;
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
     bis_film_add(&film, 0, 0, (rgb){-1, 1, 0}, 1, 1); /* 1 of 8 is below 0 */
     bis_film_add(&film, 1, 0, (rgb){2, 2, 2}, 1, 1);
     n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 "
-                        "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
-    r.reason = "too short";
-    n = bis_describe_picture(&s, attributes);
-    assert_non_null(strstr(join(text, sizeof text, attributes, n), " bis:auto=all bis:auto-reason=too short spp=12 "));
+                        "spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
     bis_film_clear(&film);
 }
 
@@ -402,14 +313,14 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
              "camera       orthographic\n"
              "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light samples each, seed 0\n"
-             "integrator   auto: if the render is long enough, a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
+             "integrator   em: samples 16, stratify false\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
-             bis_auto.claim);
+             bis_em.claim);
     static const char scene[] =
         "Film \"rgb\" \"integer xresolution\" 4000 \"integer yresolution\" 3000\nCamera \"orthographic\"\n"
         "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4 \"float edgelight\" 0.375\n"
-        "Integrator \"auto\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\"\n";
+        "Integrator \"em\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\"\n";
     static const char none[] =
         "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to light\n"
         "skip         light components: there is no geometry to light\n"
@@ -476,7 +387,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_line_names_every_parameter_and_its_type),
         cmocka_unit_test(a_short_line_leaves_out_what_has_its_default),
-        cmocka_unit_test(the_line_of_the_choice_is_that_by_hand),
         cmocka_unit_test(the_stats_are_those_by_hand),
         cmocka_unit_test(a_pictures_attributes_are_those_by_hand),
         cmocka_unit_test(the_plan_of_a_whole_scene_is_that_by_hand),

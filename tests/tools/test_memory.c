@@ -304,18 +304,18 @@ static void a_claim_that_no_file_can_keep_takes_nothing(void **state)
 static void a_film_takes_its_pixels_in_the_crop(void **state)
 {
     (void)state;
+#define LEARNS "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true"
     static const struct { const char *film, *integrator; double pixels, a_pixel; } cases[] = {
         {"\"integer xresolution\" 400 \"integer yresolution\" 300", "\"brdf\"", 120000, 64 + 16.25},
         {"\"integer xresolution\" 400 \"integer yresolution\" 300 \"float cropwindow\" [0.25 0.75 0 0.5]", "\"brdf\"", 200 * 150, 64 + 16.25},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"albedo\" \"depth\"]", "\"brdf\"", 1200, 64 + 16.25 + 4 * 12},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" \"all\"", "\"brdf\"", 1200, 64 + 16.25 + 15 * 12},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"stderr\" \"visibility\"]", "\"brdf\"", 1200, 64 + 16.25 + 2 * 12},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", 1200, 64 + 16.25 + 64},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30", LEARNS, 1200, 64 + 16.25 + 64},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" false", 1200, 64 + 16.25},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"auto\"", 1200, 64 + 16.25 + 64},
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", "\"auto\"", 8388608, 64 + 16.25 + 64}, /* 2^23 pixels have cells, */
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", "\"auto\"", 4096 * 2049, 64 + 16.25 + 4}, /* more have tiles, */
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 4096 \"float cropwindow\" [0 0.125 0 0.125]", "\"auto\"", 512 * 512, 64 + 16.25 + 4}, /* in a part, too */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", LEARNS, 8388608, 64 + 16.25 + 64}, /* 2^23 pixels have cells, */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", LEARNS, 4096 * 2049, 64 + 16.25 + 4}, /* more have tiles, */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 4096 \"float cropwindow\" [0 0.125 0 0.125]", LEARNS, 512 * 512, 64 + 16.25 + 4}, /* in a part, too */
     };
     write_pfm_head(DIR "/map.pfm", 64, 32);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -325,7 +325,7 @@ static void a_film_takes_its_pixels_in_the_crop(void **state)
         assert_bytes(m.film, cases[i].pixels * cases[i].a_pixel);
         if (cases[i].pixels > 1e6) assert_bytes(m.peak, 14e6 + m.film + m.map);
         m = foreseen(before, CONSTANT_LIGHT "Shape \"sphere\""); /* nothing is learned of a constant, or without a surface */
-        const double learned = strstr(cases[i].integrator, "auto") || strstr(cases[i].integrator, "true") ? (cases[i].a_pixel == 64 + 16.25 + 4 ? 4 : 64) : 0;
+        const double learned = strstr(cases[i].integrator, "true") ? (cases[i].a_pixel == 64 + 16.25 + 4 ? 4 : 64) : 0;
         assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));
         m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\"");
         assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));

@@ -59,9 +59,6 @@ typedef struct bis_render_result {
 typedef struct bis_render_options {
     bis_budget budget;
     int n_threads;                             /* 0: all threads */
-    /* share of a pixel's width, about its centre, that camera rays pass through; 0: the whole width. With 1/k, a film
-     * that is k times smaller sees every k-th pixel */
-    double footprint;
     uint32_t pass_size; /* camera samples of a pixel in every pass; 0: 1, 1, 2, then 4 */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: the render stops soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called by one thread, a few times a second; may be NULL */

@@ -27,14 +27,10 @@ typedef struct bis_integrator bis_integrator; /* bis/thesis/integrator.h */
 
 extern const bis_integrator bis_em, bis_brdf, bis_mis, bis_rejection, bis_sir, bis_exact, bis_unoccluded;
 
-/* A placeholder and not an estimator: src/tools/auto/auto.c replaces it with the integrator that it selects. If
- * nobody has replaced it, it behaves like sir with default settings. It is not in the list below. */
-extern const bis_integrator bis_auto;
-
 /* All integrators. NULL ends the list. */
 extern const bis_integrator *const bis_integrators[];
 
-/* bis_integrator_find returns the integrator with this name, or NULL if there is none. It also finds "auto". */
+/* bis_integrator_find returns the integrator with this name, or NULL if there is none. */
 const bis_integrator *bis_integrator_find(const char *name);
 
 /* The values of all parameters (docs/scene-format.md, "Integrator"). Each integrator reads its own. A field has the
@@ -49,7 +45,6 @@ typedef struct bis_settings {
     bis_fallback fallback;
     double split;
     bool compensate, stratify, learn;
-    bool only_sir;       /* auto: choose only among the settings of sir */
     unsigned as_printed; /* all: BIS_E* of bis/thesis/errata.h, the equations to follow as printed; 0: none */
 } bis_settings;
 
@@ -70,7 +65,6 @@ typedef struct bis_parameter {
     const char *const *names; /* CHOICE: the names of all values of the enum, by value */
     unsigned choices;         /* CHOICE: bit v is set if these integrators take value v */
     bool is_option;           /* `bis render` has the option --NAME */
-    bool or_auto;             /* COUNT: 0 is allowed in scenes and options, see bis_settings_leave_open */
     const char *demand;       /* COUNT below lo: what the integrator needs, for the message; NULL: lo says it */
     const char *note;         /* what `bis help` says behind the default; may be NULL */
     const char *words;        /* what the parameter is, for --help; in the first row of a name */
@@ -123,10 +117,6 @@ bis_settings bis_settings_thin(const bis_settings *s, double share);
 
 /* bis_settings_equal returns whether a and b have the same integrator and the same values of what it reads. */
 bool bis_settings_equal(const bis_settings *a, const bis_settings *b);
-
-/* bis_settings_leave_open changes sir with 0 candidates into auto that chooses only among the settings of sir. Other
- * settings stay as they are. For the parser and the command line. */
-void bis_settings_leave_open(bis_settings *s);
 
 /* bis_settings_check returns whether the values are allowed. `at` is the place that messages name. Errors: BIS_INPUT.
  * Example: mis with N = 1 is an error, and its message names em and brdf. */

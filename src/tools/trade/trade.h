@@ -195,8 +195,8 @@ static inline double bis_trade_channel(rgb c, int k) { return (double)(k == 0 ? 
 void bis_trade_list_settings(bis_trade *t, bool small_map);
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
-/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out;
- * nor is `auto`. */
+/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out.
+ */
 bool bis_trade_is_rival(const bis_integrator *i);
 
 /* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */
