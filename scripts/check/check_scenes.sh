@@ -17,6 +17,8 @@ BEGIN {
     except("illum mtllib usemtl Ns vt map_Bump map_bump bump norm bm it E6 M F name Ag Al Au Cu MgO TiO2")
     # of pbrt, and an error here: cameras, mappings, other textures
     except("realistic environment spherical cylindrical planar fbm ptex windy wrinkled marble dots bilerp directionmix")
+    # an integrator of builds before 0.1.0, and an error here
+    except("auto")
     # of the messages and of the lexer
     except("INF Inf Infinity NAN NaN inf infinity nan after before s a strings numbers unknown ignored red green blue")
     except("Colours rough metal- metal-CuZn- gold aluminium")
