@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* sine: Taylor's series by Horner's rule, in sums of two doubles (about 106 bits: Dekker 1971, "A floating-point technique
- * for extending the available precision"). Only +, -, *, / of IEEE 754 are used, which round the same everywhere.
+/* sine: Taylor's series by Horner's rule, in sums of two doubles (about 106 bits: Dekker 1971, "A floating-point
+ * technique for extending the available precision"). Only +, -, *, / of IEEE 754 are used, which round the same
+ * everywhere.
  *
- *     sin x = x S(x^2), cos x = C(x^2),  S = 1 - s/(2 3) (1 - s/(4 5) (1 - ...)),  C = 1 - s/(1 2) (1 - s/(3 4) (1 - ...))
+ *     sin x = x S(x^2), S = 1 - s/(2 3) (1 - s/(4 5) (1 - ...))
+ *     cos x = C(x^2),   C = 1 - s/(1 2) (1 - s/(3 4) (1 - ...))
  *
  * The first term left out is below (pi/2)^28/28! = 1e-24 of 1. What is left to chance is a sine within 1e-24 of the
  * middle of two doubles. cos loses digits to the subtraction from 1 near pi/2, 16 at most of 32. */
