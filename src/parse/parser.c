@@ -50,7 +50,7 @@ static void directive_include(bis_parser *p, bis_loc at)
         p->stop = !bis_parser_error(p, at, "more than %d Includes in all", BIS_MAX_INCLUDES);
         return;
     }
-    char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name));
+    char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name), NULL);
     if (path && bis_parser_is_missing(p, path)) { /* a plan lists it, and goes on without */
         bis_free(path);
         bis_parser_advance(p);

@@ -187,9 +187,9 @@ void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at);
 void bis_parser_advance(bis_parser *p);
 
 /* bis_parser_path returns the resolved path of a file that a scene names at `at`: beside the main scene, in the working
- * directory, or beside the file that names it. It returns NULL after a complaint: the file must exist. The caller owns
- * it. */
-char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
+ * directory, or beside the file that names it. It returns NULL after a complaint: the file must exist. The complaint
+ * ends with "; WAY_OUT", unless that is NULL. The caller owns the path. */
+char *bis_parser_path(bis_parser *p, bis_loc at, const char *name, const char *way_out);
 
 /* What --approximate takes for a file that is not there: "1 x KIND: CONSEQUENCE". Both are string constants. is_beside:
  * the file lies only beside the one that names it, as the libraries of a mesh. */

@@ -93,7 +93,7 @@ bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s
         bis_approximate_note(p, param->at, "white", "the illuminant \"%s\"", bis_parser_word(p, file));
         return keep_pairs(p, s, &white, 1, param->at, name);
     }
-    char *path = bis_parser_path(p, param->at, file);
+    char *path = bis_parser_path(p, param->at, file, NULL);
     const bool ok = path && !bis_parser_is_missing(p, path) && read_spd(p, s, path, param->at, name);
     bis_free(path);
     return ok;

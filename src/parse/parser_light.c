@@ -30,7 +30,7 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
         at = bis_params_at(p, "mapname");
         given = bis_params_string(p, "mapname", &name); /* pbrt-v3 */
     }
-    if (given) light->filename = bis_parser_path(p, at, name);
+    if (given) light->filename = bis_parser_path(p, at, name, "--light MAP takes another");
 }
 
 /* A number, or pbrt-v3's rgb, which goes into L. */

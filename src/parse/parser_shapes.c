@@ -49,7 +49,7 @@ static bool read_file(bis_parser *p, bis_shape_desc *shape)
         if (!given) bis_parser_error(p, p->name_at, "Shape needs \"string filename\"");
         return false;
     }
-    char *path = bis_parser_path(p, at, name);
+    char *path = bis_parser_path(p, at, name, NULL);
     mesh.loc = at;
     return path && file_mesh(p, path, &mesh, &shape->mesh);
 }

@@ -216,9 +216,9 @@ static char *find_file(bis_parser *p, bis_loc at, const char *name)
     return first;
 }
 
-/* Takes over path, which is NULL where there was no memory for it. otherwise: what --approximate makes of a file that
- * is not there; NULL: nothing. */
-static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path, const char *otherwise)
+/* Takes over path, which is NULL where there was no memory for it. way_out: what to do about a file that is not there;
+ * NULL: nothing but the obvious. */
+static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path, const char *way_out)
 {
     bis_status status = BIS_INPUT;
     const char *why = "the name is empty";
@@ -237,9 +237,9 @@ static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path,
         bis_parser_nomem(p, at);
         return path;
     }
-    const bool has_way_out = otherwise && name[0] && is_absent(path);
-    snprintf(text, sizeof text, "cannot read \"%s\": %s%s%s", bis_parser_word(p, path), why,
-             has_way_out ? "; with --approximate: " : "", has_way_out ? otherwise : "");
+    const bool has_way_out = way_out && name[0] && is_absent(path);
+    snprintf(text, sizeof text, "cannot read \"%s\": %s%s%s", bis_parser_word(p, path), why, has_way_out ? "; " : "",
+             has_way_out ? way_out : "");
     complain(p, status, at, text);
     bis_free(path);
     return NULL;
@@ -247,16 +247,17 @@ static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path,
 
 bool bis_parser_is_missing(const bis_parser *p, const char *path) { return bis_names_find(&p->missing, path, NULL); }
 
-char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
+char *bis_parser_path(bis_parser *p, bis_loc at, const char *name, const char *way_out)
 {
-    return check_path(p, at, name, find_file(p, at, name), NULL);
+    return check_path(p, at, name, find_file(p, at, name), way_out);
 }
 
 char *bis_parser_path_or(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other)
 {
     char *path = other->is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
     *lacks = p->approximate && name[0] && path && is_absent(path);
-    if (!*lacks || p->lists_missing) path = check_path(p, at, name, path, other->consequence);
+    snprintf(p->way_out, sizeof p->way_out, "with --approximate: %s", other->consequence);
+    if (!*lacks || p->lists_missing) path = check_path(p, at, name, path, p->way_out);
     if (!*lacks) return path;
     bis_free(path);
     return NULL;
