@@ -300,7 +300,9 @@ static double figure_of_noise(const bis_film *f)
  * logarithm of the ratio of two sums tells the share to 0.031/0.35 = 0.09, and the share changes log(V) by 0.45 to 0.83
  * times that: with the sums' own noise 6% at the most, and 3% of the root. Of 20: 0.7%, of which 3 are allowed for 9
  * cases. Where the share lies at a bound, half of its noise is cut off: 0.4 standard deviations, 1.5% of the root. What
- * is assumed beforehand pulls it by 0.4 (0.09/0.35)^2, 1% of the root. The twins: all is noise, and the scatter of the
+ * is assumed beforehand pulls a share of 0 by 0.7 (0.09/0.25)^2 / (1 + (0.09/0.25)^2) = 0.08, which takes 2% off the root.
+ * The logarithm of V is taken for a line through its values at the shares 0.7 and 0.95: at 0 this is 13% more than V, 6%
+ * of the root. So noise alone seems 4% more than it is. The twins: all is noise, and the scatter of the
  * passes, which are both 35% off for edges. */
 static void the_figure_finds_how_fast_the_error_falls(void **state)
 {
