@@ -265,7 +265,7 @@ static void warn_energy(const range *Kd, const range *Ks, bis_loc at, bis_diag *
     for (int k = 0; k < 3; k++) {
         if (Kd->hi[k] + Ks->hi[k] <= one) continue;
         bis_warn(diag, at, "Kd + Ks may reach %.7g in %s: the material would reflect more light than it receives. Make "
-                 "one of them smaller, a texture by its \"float scale\"",
+                 "one of them smaller, a texture by its \"float scale\", or in an .mtl by the Kd or Ks beside it",
                  Kd->hi[k] + Ks->hi[k], (const char *const[]){"red", "green", "blue"}[k]);
         return;
     }

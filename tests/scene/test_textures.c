@@ -1318,7 +1318,7 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
         {NO, NO, 1, true, 1, "the texture of \"roughness\" has values up to 1.5, must be in [0.01, 1]", false},
         {NO, NO, 6, true, 0.5, NULL, false}, /* 0.009^(1/2) = 0.095; from 1e-4 on */
         {NO, NO, 7, true, 0.5, "the texture of \"roughness\" has values down to 9e-05, must be in [0.0001, 1]", false},
-        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than it receives. Make one of them smaller, a texture by its \"float scale\"", true},
+        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than it receives. Make one of them smaller, a texture by its \"float scale\", or in an .mtl by the Kd or Ks beside it", true},
         {9, NO, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in green", true}, {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
         {NO, 8, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in red", true}, {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
         {8, NO, NO, true, 1, NULL, false}, /* of facets nothing is too much */
