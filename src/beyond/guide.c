@@ -7,6 +7,8 @@
  * weigh, chosen: earlier rays have learned V (bis/beyond/visibility.h). The weights are multiplied by h, which sends
  * rays where V is uncertain.
  *
+ * rays: more are cast where little light is expected, because there the relative error is largest.
+ *
  * expected: the mean g of V is known for the neighbourhood of the pixel, and serves as a control variate:
  *     L = (1/M) sum_i F_i/q_i g_i + (Zhat/N) sum_j F/(phat h) (V - g),    Zhat = (1/M) sum_i phat_i h_i/q_i,
  * where the first sum needs no rays. Whatever g and h are, the mean of the second sum is that of F (V - g), so that the
@@ -63,8 +65,10 @@ static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, 
     if (!bis_product_weigh(&g->product, g->clusters, g->guess.h, &pt->bsdf)) return false;
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
-    bis_product_draw(&g->product, g->clusters, &x->own, x->part, n, marks[0][0], phase[0][0], stream->pixel);
-    x->map = (bis_half){x->own, n, 0};
+    const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &x->own, x->part,
+                                            guide->weigh ? x->stands_for : NULL, n, marks[0][0], phase[0][0],
+                                            stream->pixel);
+    x->map = (bis_half){x->own, drawn, 0};
     x->mark = marks[0][1];
     return true;
 }
@@ -94,6 +98,7 @@ static void weigh(bis_guide *guide, bis_set *x)
 {
     const float *h = ((const bis_product_guide *)guide)->guess.h;
 
+    for (uint32_t i = 0; i < x->map.n; i++) x->choice.w[i] *= x->stands_for[i];
     weigh_half(x, &x->map, h);
     weigh_half(x, &x->brdf, h);
 }
@@ -107,6 +112,22 @@ static void chosen(bis_guide *guide, bis_set *x)
         x->y.h[j] = g->guess.h[k];
         x->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n) : NULL;
     }
+}
+
+/* With A = sum w g/h, which is M times the light that is expected, the marks leave a relative squared error of
+ * sum w/h^2 v (1 - v) W/(N A^2) at most. h^2 is v (1 - 0.8 v) or more, so it is no more than (W/A)^2/N. Points share
+ * their rays best in proportion to the root of this, W/A. N is enough where W/A is 1: where the light is mostly seen.
+ * Fewer are never chosen, because there the rays are cheap, and what is known may be wrong. Where nothing is expected
+ * W/A has no bound, but 3 N marks choose nearly all of the candidates that the weights make likely. */
+static uint32_t rays(const bis_guide *guide, const bis_set *x, uint32_t N)
+{
+    const bis_product_guide *g = (const bis_product_guide *)guide;
+    double A = 0;
+
+    if (!g->guess.knows || x->brdf.n > 0) return N; /* nor under a mirror's lobe: see has_control */
+    for (uint32_t i = 0; i < x->choice.n; i++) A += (double)(x->choice.w[i] * g->guess.control[x->part[i]]);
+    if (BIS_MORE_RAYS * A <= x->W) return BIS_MORE_RAYS * N;
+    return A < x->W ? (uint32_t)ceil(N * (x->W / A)) : N;
 }
 
 /* Not under a mirror's lobe alone: it sees few clusters, which the marks divide well enough. */
@@ -158,6 +179,7 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
         status = bis_guess_init(&g->guess, clusters->n, diag);
         g->steps.weigh = weigh;
         g->steps.chosen = chosen;
+        g->steps.rays = rays;
         g->steps.has_control = has_control;
         g->steps.expected = expected;
     }

@@ -5,6 +5,9 @@
  * (bis/beyond/clusters.h). n marks, equally spaced over their running sum, say how many candidates come from each
  * cluster; within it they are evenly spread over the directions that this pass has drawn there. The density is exact
  * whatever the bound is worth; a bound of 0 only where f cos is 0 makes it positive wherever it must be.
+ * Of a lamp, a cluster as small as the sun, four candidates are enough, because the others would be seen or hidden
+ * with these. Each stands for marks/4, which is its factor in the weight. So a lamp gets at most four rays.
+ *
  * Unbiased as every proposal: each candidate, seen alone, has density q_P. Cost: a nanosecond a cluster, 10 a
  * candidate. */
 #include "product.h"
@@ -13,7 +16,7 @@
 
 #include <assert.h>
 
-enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2 };
+enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2, OF_LAMP = 4 };
 
 void bis_product_claim(bis_product *p, bis_claims *claims)
 {
@@ -67,8 +70,11 @@ static uint32_t put_chosen(const bis_lanes *to, uint32_t i, chosen_points *c)
     return i;
 }
 
-void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, uint32_t n,
-                      double offset, double phase, uint64_t pixel)
+/* A lamp: all that was drawn in a cluster lies in a disk no larger than the sun's, whose radius is 0.2665 degrees. */
+static bool is_lamp(const bis_clusters *c, uint32_t k) { return c->cone.sine[k] <= 0.00466f; }
+
+uint32_t bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, float *stands_for,
+                          uint32_t n, double offset, double phase, uint64_t pixel)
 {
     const uint64_t D = c->directions, whole = D << 16, turn = (uint64_t)(phase * (double)whole);
     const bis_cluster_point nothing = {.q_L = 1};
@@ -77,7 +83,9 @@ void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x,
 
     bis_choose_systematic(&p->clusters, n, p->W, offset);
     for (uint32_t j = 0; j < p->clusters.n_chosen; j++) {
-        const uint32_t k = p->clusters.item[j], times = p->clusters.times[j];
+        const uint32_t k = p->clusters.item[j], marks = p->clusters.times[j];
+        const bool few = stands_for && marks > OF_LAMP && is_lamp(c, k);
+        const uint32_t times = few ? OF_LAMP : marks;
         const bis_cluster_point *y = c->y + (size_t)k * D;
         const float scale = (float)bis_product_scale(p, c, k);
         /* evenly spread: every (D/times)-th from a random one, in 2^-16 of a direction, rounded down. Each cluster
@@ -91,11 +99,13 @@ void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x,
             remainder -= remainder >= times ? times : 0;
             ahead.scale[ahead.n] = scale;
             part[i + ahead.n] = (uint16_t)k;
+            if (stands_for) stands_for[i + ahead.n] = (float)marks / (float)times;
             __builtin_prefetch(ahead.y[ahead.n++]);
             if (ahead.n == TOGETHER) i = put_chosen(x, i, &ahead);
         }
     }
-    i = put_chosen(x, i, &ahead);
-    assert(i == n);
-    for (; i < bis_lanes_round_up(n); i++) put(x, i, &nothing, 1);
+    const uint32_t drawn = put_chosen(x, i, &ahead);
+    assert(drawn == n || (stands_for && drawn < n));
+    for (i = drawn; i < bis_lanes_round_up(drawn); i++) put(x, i, &nothing, 1);
+    return drawn;
 }

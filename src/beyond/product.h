@@ -22,11 +22,13 @@ void bis_product_clear(bis_product *p);
  * be reflected from any of them. */
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_bsdf *bsdf);
 
-/* bis_product_draw draws n candidates into x, filled up to whole blocks. Their density q is q_P = q_L s, with s of
- * bis_product_scale. part[i] is the cluster from which candidate i comes. offset and phase are uniform in [0,1): the
- * place of the marks over the clusters, and that of the candidates in their clusters. */
-void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, uint32_t n,
-                      double offset, double phase, uint64_t pixel);
+/* bis_product_draw draws n candidates into x, filled up to whole blocks, and returns how many it has drawn: of a lamp
+ * at most four, where stands_for[i] is how many of the n candidate i stands for. stands_for is NULL: each stands for
+ * itself. Their density q is q_P = q_L s, with s of bis_product_scale. part[i] is the cluster from which candidate i
+ * comes. offset and phase are uniform in [0,1): the place of the marks over the clusters, and that of the candidates in
+ * their clusters. */
+uint32_t bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, float *stands_for,
+                          uint32_t n, double offset, double phase, uint64_t pixel);
 
 /* bis_product_scale returns s of cluster k: how much more often the product draws from it than the map's importance. */
 static inline double bis_product_scale(const bis_product *p, const bis_clusters *c, uint32_t k)

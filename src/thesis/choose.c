@@ -62,7 +62,7 @@ double bis_choice_sum(bis_choice *c, uint32_t n)
 
 /* ---- systematic ---- */
 
-/* The number of marks j + offset, j = 0, 1, ..., below x. x is in units of W/N, and at most 2^24. Without a branch, so
+/* The number of marks j + offset, j = 0, 1, ..., below x. x is in units of W/N, and at most 2^26. Without a branch, so
  * that a loop of it becomes vectors. */
 static inline BIS_INLINE uint32_t marks_below(double x, double offset)
 {

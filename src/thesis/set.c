@@ -205,7 +205,7 @@ void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
 {
     const size_t M = bis_lanes_round_up(need->n_candidates), all = 2 * M; /* of a shared set all M, and of the BRDF M */
     const size_t most = need->n_traced < all ? need->n_traced : all, N = bis_lanes_round_up((uint32_t)most);
-    const size_t n = 2 * BIS_LANES_ARRAYS * M + 2 * M + 3 * all + 7 * N;
+    const size_t n = 2 * BIS_LANES_ARRAYS * M + 3 * M + 3 * all + 7 * N;
 
     bis_choice_claim(&x->choice, (uint32_t)all, claims);
     x->pixel = bis_claim(claims, M, sizeof *x->pixel);
@@ -218,6 +218,7 @@ void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
     x->brdf.x = bis_lanes_in(p += BIS_LANES_ARRAYS * M, (uint32_t)M);
     x->u1 = p += BIS_LANES_ARRAYS * M;
     x->u2 = p += M;
+    x->stands_for = p += M;
     p += M;
     for (int i = 0; i < 3; i++, p += all) x->F[i] = p;
     float **const traced[] = {&x->y.x, &x->y.y, &x->y.z, &x->y.r, &x->y.g, &x->y.b, &x->y.h};

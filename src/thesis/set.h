@@ -55,6 +55,7 @@ struct bis_set {
      * each candidate belongs */
     uint32_t *pixel;
     uint16_t *part;
+    float *stands_for;    /* for them, too: how many candidates of the map each stands for */
 
     bis_lanes own;        /* room for candidates from the map that this point alone draws */
     float *u1, *u2;
@@ -73,15 +74,21 @@ struct bis_guide {
      * be reflected at pt. density puts the density of such a draw into q of x->brdf */
     bool (*draw)(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream);
     void (*density)(bis_guide *guide, bis_set *x);
-    /* weigh multiplies each weight by h > 0; chosen stores h and seen of what was chosen */
+    /* weigh multiplies each weight by h > 0, and by what a candidate stands for; chosen stores h and seen of what was
+     * chosen */
     void (*weigh)(bis_guide *guide, bis_set *x);
     void (*chosen)(bis_guide *guide, bis_set *x);
+    /* rays returns how many of the candidates are to be chosen where the settings say N: at most BIS_MORE_RAYS N. It
+     * may ask the candidates and what was known before, but not the marks by which they are chosen */
+    uint32_t (*rays)(const bis_guide *guide, const bis_set *x, uint32_t N);
     /* has_control returns whether V's mean g is known and worth its time; expected then returns
      * (1/M) sum_i F/q g - Z sum_j F/(phat h) g, whose mean is 0 (sir.c) */
     bool (*has_control)(const bis_guide *guide, const bis_set *x, const bis_point *pt);
     rgbd (*expected)(const bis_guide *guide, const bis_set *x, double Z);
     bool learns; /* rays that are traced now are counted, so that later points know more of V */
 };
+
+enum { BIS_MORE_RAYS = 3 }; /* times N: of 64 candidates, 3 x 24 marks choose nearly all */
 
 /* bis_set_claim allocates what the needs of an integrator ask for, as claims say (bis/base/mem.h). */
 void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims);
@@ -108,6 +115,12 @@ static inline double bis_set_weight(const bis_set *x, uint32_t i)
 
 /* bis_set_mean returns (1/M) sum_i F(x_i)/q(x_i): L_ns of eq. 4.5 in RGB. With a guide each term is times h. */
 rgbd bis_set_mean(const bis_set *x);
+
+/* bis_set_rays returns N, or with a guide how many candidates it wants chosen in the place of N. */
+static inline uint32_t bis_set_rays(const bis_set *x, uint32_t N)
+{
+    return x->guide && x->guide->rays ? x->guide->rays(x->guide, x, N) : N;
+}
 
 /* bis_set_choose chooses N candidates with probabilities w_i/sum w. Zhat must be > 0. */
 void bis_set_choose(bis_set *x, uint32_t N, bis_resampling resampling, bis_stream *stream);

@@ -22,7 +22,7 @@
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
-static double alpha(void) { return stat_level(1e-3, 4 * 4 * 2 * 4 + 1 + 3 + 17); }
+static double alpha(void) { return stat_level(1e-3, 4 * 4 * 2 * 4 + 1 + 3 + 17 + 3); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
@@ -213,7 +213,7 @@ static void open_workspace(workspace *w, const bis_light *light, const bis_setti
     w->guide.guess.knows = learned;
     for (uint32_t k = 0; learned && k < w->c.n; k++) {
         w->guide.guess.h[k] = k % 3 ? 0.15f : 1;
-        w->guide.guess.control[k] = k % 5 ? 0.7f : 2.5f;
+        w->guide.guess.control[k] = k % 5 ? 0.3f : 1.5f; /* N up to thrice, from point to point */
     }
     assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
     bis_scratch_share(&w->scratch, NULL, &w->guide.steps);
@@ -451,6 +451,118 @@ static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
     bis_light_free(light);
 }
 
+/* ---- lamps ---- */
+
+/* The guide's own draw, but for it every cluster is as small as a lamp once it has been weighed. */
+static workspace *of_lamps;
+
+static bool draw_lamps(bis_guide *g, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    bis_product *p = &of_lamps->guide.product;
+    bis_clusters small = of_lamps->c;
+    float *sine = bis_alloc(bis_lanes_round_up(small.n), sizeof *sine); /* zeros */
+    double marks[1][2], phase[1][2];
+
+    (void)g;
+    small.cone.sine = sine;
+    const bool drawn = bis_product_weigh(p, &of_lamps->c, of_lamps->guide.guess.h, &pt->bsdf);
+    bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
+    bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
+    if (drawn) {
+        n = bis_product_draw(p, &small, &x->own, x->part, x->stands_for, n, marks[0][0], phase[0][0], stream->pixel);
+        x->map = (bis_half){x->own, n, 0};
+        x->mark = marks[0][1];
+    }
+    bis_free(sine);
+    return drawn;
+}
+
+static void make_lamps(workspace *w)
+{
+    of_lamps = w;
+    w->guide.steps.draw = draw_lamps;
+}
+
+/* Twin: a candidate of a lamp stands for itself alone. */
+static void (*honest_weigh)(bis_guide *, bis_set *);
+
+static void weigh_each_once(bis_guide *g, bis_set *x)
+{
+    for (uint32_t i = 0; i < x->map.n; i++) x->stands_for[i] = 1;
+    honest_weigh(g, x);
+}
+
+static void make_lamps_of_one(workspace *w)
+{
+    make_lamps(w);
+    if (w->guide.steps.weigh != weigh_each_once) honest_weigh = w->guide.steps.weigh;
+    w->guide.steps.weigh = weigh_each_once;
+}
+
+static void few_candidates_of_a_lamp_leave_the_mean_where_it_is(void **state)
+{
+    static const double exponents[] = {1, 50, 1000};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(256, 3, true);
+
+    (void)state;
+    for (int e = 0; e < 3; e++) {
+        stat_moments m[4];
+        lit l;
+        lit_init(&l, light, bis_phong(grey(e < 2 ? 0.3 : 0), grey(0.6), exponents[e]), tilted(), 40, LIT_HALF);
+        const double truth = rgbd_sum(lit_truth(&l, true));
+        run(m, &l, &s, true, make_lamps);
+        stat_assert_mean("product-lamps", SEED, &m[3], truth, alpha());
+        run(m, &l, &s, true, make_lamps_of_one);
+        stat_assert_not_mean("product-lamps-once", SEED, &m[3], truth, alpha());
+    }
+    bis_light_free(light);
+}
+
+/* Of a lamp come as many candidates as its marks, but four at most, and together they stand for all of its marks. Of
+ * other clusters comes what comes without lamps. */
+static void a_lamp_has_four_candidates_at_most(void **state)
+{
+    enum { M = 256 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    bis_clusters c;
+    bis_product p;
+    lit l;
+    uint32_t larger = 0;
+    float *memory = bis_alloc(2 * BIS_LANES_ARRAYS * M, sizeof *memory), stands_for[M];
+    const bis_lanes all = bis_lanes_in(memory, M), x = bis_lanes_in(memory + BIS_LANES_ARRAYS * M, M);
+    uint16_t part[2][M];
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), 50), tilted(), 40, LIT_OPEN);
+    assert_int_equal(bis_clusters_init(&c, light, M, NULL), BIS_OK);
+    bis_clusters_fill(&c, light, SEED, 0, 1);
+    new_product(&p);
+    assert_true(bis_product_weigh(&p, &c, NULL, &l.pt.bsdf));
+    for (uint32_t k = 0; k < c.n; k++) c.cone.sine[k] = k % 2 ? 0.0046f : 0.0047f; /* every second is a lamp */
+    assert_int_equal(bis_product_draw(&p, &c, &all, part[0], NULL, M, 0.3, 0.6, 7), M);
+    const uint32_t n = bis_product_draw(&p, &c, &x, part[1], stands_for, M, 0.3, 0.6, 7);
+    for (uint32_t i = 0, j = 0; i < M;) {
+        const uint32_t k = part[0][i];
+        uint32_t marks = 0, drawn = 0;
+        float sum = 0;
+        for (; i + marks < M && part[0][i + marks] == k; marks++) {}
+        for (; j < n && part[1][j] == k; j++, drawn++) {
+            sum += stands_for[j];
+            if (k % 2 == 0) assert_true(x.x[j] == all.x[i + drawn] && x.y[j] == all.y[i + drawn]);
+        }
+        assert_int_equal(drawn, k % 2 && marks > 4 ? 4 : marks);
+        assert_true(fabsf(sum - (float)marks) < 1e-4f);
+        larger += drawn < marks;
+        i += marks;
+    }
+    assert_true(larger > 3);
+    bis_free(memory);
+    bis_product_clear(&p);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
 /* ---- what is learned ---- */
 
 /* Counts `rays` of cell 2, tile 1, towards the part of cluster k of n, of which `seen` came through. */
@@ -607,6 +719,40 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
     bis_light_free(light);
 }
 
+/* N in proportion to W/A, which is 1/control where all controls are the same: not fewer than N, and not more than three
+ * times as many. Where nothing is known they are N. (A sum rounds: where W/A is whole, ceil may give one more.) */
+static void more_rays_are_cast_where_little_light_is_expected(void **state)
+{
+    static const struct { float control; uint32_t rays; } cases[] = {
+        {4, 8}, {1, 8}, {0.5f, 16}, {0.375f, 22}, {0.25f, 24}, {0.0625f, 24}, {0, 24}};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(64, 8, true);
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    workspace w;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 20), tilted(), 40, LIT_OPEN);
+    open_workspace(&w, light, &s, true);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_set *x = w.scratch.set;
+        bis_stream stream;
+        for (uint32_t k = 0; k < w.c.n; k++) w.guide.guess.control[k] = cases[i].control;
+        bis_stream_init(&stream, &sampler, i, 0);
+        assert_true(bis_set_draw(x, s.candidates, s.proposal, true, &l.pt, &stream));
+        assert_true(bis_set_weigh(x, &l.pt) > 0);
+        w.guide.guess.knows = true;
+        assert_in_range(bis_set_rays(x, s.shadowrays), cases[i].rays, cases[i].rays + (cases[i].rays % 8 == 0 ? 1 : 0));
+        w.guide.guess.knows = false;
+        assert_int_equal(bis_set_rays(x, s.shadowrays), s.shadowrays);
+        bis_set_choose(x, BIS_MORE_RAYS * s.shadowrays, s.resampling, &stream);
+        assert_true(x->choice.n_chosen <= x->y.room);
+    }
+    close_workspace(&w);
+    bis_light_free(light);
+}
+
 /* Rays are counted for the part of the map that their candidate comes from, and what light arrives, too; but not while
  * learns is false, as where V = 1 is asked for (the layers of src/render/gather.c). */
 static void rays_are_counted_and_V_1_of_a_layer_is_not_learned_from(void **state)
@@ -704,7 +850,7 @@ static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void *
     assert_true(bis_product_weigh(&p, &c, NULL, &l.pt.bsdf));
     for (uint64_t run = 0; run < 30; run++) {
         const uint32_t n = counts[run % 3];
-        bis_product_draw(&p, &c, &x, part, n, (double)run / 30, (double)(7 * run % 30) / 30, run);
+        bis_product_draw(&p, &c, &x, part, NULL, n, (double)run / 30, (double)(7 * run % 30) / 30, run);
         for (uint32_t i = 0, times; i < n; i += times) {
             const uint32_t k = part[i];
             uint32_t at[M];
@@ -744,6 +890,9 @@ int main(void)
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
         cmocka_unit_test(product_is_unbiased_for_every_M_from_1_to_17),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
+        cmocka_unit_test(few_candidates_of_a_lamp_leave_the_mean_where_it_is),
+        cmocka_unit_test(a_lamp_has_four_candidates_at_most),
+        cmocka_unit_test(more_rays_are_cast_where_little_light_is_expected),
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
