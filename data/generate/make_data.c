@@ -119,7 +119,8 @@ static bis_status make_knot(const char *count, const char *path, bis_diag *diag)
     bis_mesh mesh = {0};
 
     if (end == count || *end || !(n >= KNOT_MIN && n <= KNOT_MAX)) {
-        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "--knot: \"%s\" is no number of triangles from %d to %d", count, KNOT_MIN, KNOT_MAX);
+        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "--knot: \"%s\" is no number of triangles from %d to %d", count,
+            KNOT_MIN, KNOT_MAX);
     }
     bis_status status = model_knot(&mesh, (size_t)n, diag);
     if (!status) status = model_write(&mesh, path, diag);

@@ -13,7 +13,8 @@
 
 #include <math.h>
 
-static const double FLOOR = -1.6, WALL = 7, SPRING = 7.2, FRONT = 18, BACK = -14; /* the vault's axis is at height SPRING */
+static const double FLOOR = -1.6, WALL = 7, SPRING = 7.2, FRONT = 18,
+                    BACK = -14; /* the vault's axis is at height SPRING */
 static const double BAY = 4;                                                     /* columns stand at multiples of it */
 static const double COLUMN_X = 5.1, COLUMN_R = 0.36;
 static const double SUN[3] = {-0.74, 0.28, 0.61};                                 /* towards the sun, about unit */
@@ -41,8 +42,9 @@ static double to_line(double x, double step) { return fabs(x - step * round(x / 
 
 /* --- glass --- */
 
-static const rgb RUBY = {0.80f, 0.030f, 0.040f}, COBALT = {0.035f, 0.10f, 0.85f}, GOLD = {0.95f, 0.62f, 0.10f}, GREEN = {0.06f, 0.48f, 0.16f},
-                 CLEAR = {0.85f, 0.88f, 0.80f}, VIOLET = {0.36f, 0.07f, 0.50f}, LEAD = {0, 0, 0};
+static const rgb RUBY = {0.80f, 0.030f, 0.040f}, COBALT = {0.035f, 0.10f, 0.85f}, GOLD = {0.95f, 0.62f, 0.10f},
+                 GREEN = {0.06f, 0.48f, 0.16f}, CLEAR = {0.85f, 0.88f, 0.80f}, VIOLET = {0.36f, 0.07f, 0.50f},
+                 LEAD = {0, 0, 0};
 
 /* A pointed window of half width 1.15 about u = 0, from z = 0.4 up: the pane's colour at (u, z); alpha 0 outside the
  * frame. */
@@ -61,7 +63,8 @@ static rgb window_glass(double u, double z, int bay)
         if (to_line(u + z, 0.36) < 0.02) return LEAD;
         return (int64_t)floor((u + z) / 0.36) & 1 ? RUBY : COBALT;
     }
-    double mu = fabs(u) - 0.56, mz = (frac((z - 0.4) / 1.3) - 0.5) * 1.3, r = hypot(mu, mz);    /* two medallions side by side */
+    double mu = fabs(u) - 0.56, mz = (frac((z - 0.4) / 1.3) - 0.5) * 1.3,
+           r = hypot(mu, mz); /* two medallions side by side */
     if (fabs(r - 0.36) < 0.018 || fabs(r - 0.20) < 0.015) return LEAD;
     if (r < 0.20) return bay & 1 ? CLEAR : GOLD;
     if (r < 0.36) {
@@ -98,13 +101,15 @@ static bool in_rose(double x, double z, rgb *glass)
     if (r > 3.3) return false;
     *glass = LEAD;
     if (r < 0.5) *glass = GOLD;
-    if (r > 0.6 && r < 1.5 && fabs(frac(a * 6 / PI) - 0.5) < 0.42) *glass = (int)floor(a * 6 / PI + 12) & 1 ? COBALT : RUBY;
+    if (r > 0.6 && r < 1.5 && fabs(frac(a * 6 / PI) - 0.5) < 0.42)
+        *glass = (int)floor(a * 6 / PI + 12) & 1 ? COBALT : RUBY;
     if (r > 1.6 && r < 2.6) {
         double u = (frac(a * 6 / PI) - 0.5) * r * PI / 6, v = r - 2.1;
         if (hypot(u, v) < 0.42) *glass = hypot(u, v) < 0.20 ? CLEAR : VIOLET;
         else if (hypot(u, v) > 0.47) *glass = COBALT;
     }
-    if (r > 2.7 && r < 3.2 && fabs(frac(a * 12 / PI) - 0.5) < 0.44) *glass = (int)floor(a * 12 / PI + 24) & 1 ? GREEN : GOLD;
+    if (r > 2.7 && r < 3.2 && fabs(frac(a * 12 / PI) - 0.5) < 0.44)
+        *glass = (int)floor(a * 12 / PI + 24) & 1 ? GREEN : GOLD;
     return true;
 }
 
@@ -124,7 +129,8 @@ static rgb wall_albedo(vec3 p, double u)
     double z = (double)p.z;
     rgb c = stone(p, LIMESTONE);
 
-    if (z < FLOOR + 1.5) return rgb_scale(OAK, to_line(u, 0.5) < 0.03 || to_line(z - FLOOR - 1.4, 10) < 0.04 ? 0.25 : 1);
+    if (z < FLOOR + 1.5)
+        return rgb_scale(OAK, to_line(u, 0.5) < 0.03 || to_line(z - FLOOR - 1.4, 10) < 0.04 ? 0.25 : 1);
     if (fabs(z - SPRING) < 0.25) return rgb_scale(RIB, to_line(u, 0.4) < 0.12 && z < SPRING + 0.1 ? 0.6 : 1);
     double row = floor(z / 0.55), shift = map_hash((int64_t)row, 1, 2);
     if (to_line(z, 0.55) < 0.012 || to_line(u + shift, 1.1) < 0.012) c = rgb_scale(c, 0.5);
@@ -174,7 +180,8 @@ static void hit_vault(surface *s)
     double cu = a * 44, cv = y * 2, du = frac(cu) - 0.5, dv = frac(cv) - 0.5;
     double star = hypot(du, dv) * (1 + 0.35 * cos(5 * atan2(dv, du)));
     if (star < 0.16) s->albedo = (rgb){0.62f, 0.42f, 0.10f};
-    if (to_line(y, BAY) < 0.26 || fabs(fabs(across) - fabs(up)) < 0.045 || fabs(up) < 0.02) s->albedo = stone(s->p, RIB);
+    if (to_line(y, BAY) < 0.26 || fabs(fabs(across) - fabs(up)) < 0.045 || fabs(up) < 0.02)
+        s->albedo = stone(s->p, RIB);
 }
 
 static void hit_floor(surface *s)
@@ -352,7 +359,8 @@ static double openness(vec3 p)
 {
     double wall = WALL - fabs((double)p.x), low = (double)p.z - FLOOR;
 
-    return (0.02 + 0.98 * map_smooth(-0.3, 3.2, wall + 0.35 * low)) * (0.15 + 0.85 * map_smooth(0, 1.8, low + 0.5 * wall));
+    return (0.02 + 0.98 * map_smooth(-0.3, 3.2, wall + 0.35 * low)) *
+           (0.15 + 0.85 * map_smooth(0, 1.8, low + 0.5 * wall));
 }
 
 static rgb shade(const surface *s)
@@ -390,7 +398,8 @@ static void add_flame(bis_image *image, vec3 p)
 
     if (trace(eye, w).t > length(p)) map_add_disc(image, w, FLAME_R / length(p), FLAME);
     if (on_floor.polish == 0) return;
-    if (trace(add(on_floor.p, vec3_from(0, 0, 1e-4)), normalize(sub(p, on_floor.p))).t < length(sub(p, on_floor.p))) return;
+    if (trace(add(on_floor.p, vec3_from(0, 0, 1e-4)), normalize(sub(p, on_floor.p))).t < length(sub(p, on_floor.p)))
+        return;
     map_add_disc(image, down, FLAME_R / length(image_p), rgb_scale(FLAME, mirrored(on_floor.polish, -(double)down.z)));
 }
 

@@ -17,7 +17,10 @@ rgb map_mix(rgb a, rgb b, double t) { return rgb_add(rgb_scale(a, 1 - t), rgb_sc
 
 double map_hash(int64_t i, int64_t j, int64_t k)
 {
-    return (double)(bis_hash((uint64_t)i * 0x9e3779b97f4a7c15u + (uint64_t)j * 0xd1b54a32d192ed03u + (uint64_t)k * 0x8cb92ba72f3d8dd7u) >> 11) * 0x1p-53;
+    return (double)(bis_hash((uint64_t)i * 0x9e3779b97f4a7c15u + (uint64_t)j * 0xd1b54a32d192ed03u +
+                             (uint64_t)k * 0x8cb92ba72f3d8dd7u) >>
+                    11) *
+           0x1p-53;
 }
 
 /* Values at whole numbers, joined by smooth steps. */
@@ -85,10 +88,14 @@ static double disc_share(const bis_image *image, int x, int y, vec3 towards, dou
 
 void map_add_disc(bis_image *image, vec3 towards, double radius, rgb L)
 {
-    double theta = atan2(hypot((double)towards.x, (double)towards.y), (double)towards.z), phi = atan2((double)towards.y, (double)towards.x);
-    double half_phi = asin(fmin(1, sin(radius) / fmax(sin(theta), sin(radius)))); /* the widest meridians that touch it */
-    int y0 = (int)floor(fmax(0, theta - radius) / PI * image->height), y1 = (int)floor((theta + radius) / PI * image->height);
-    int x0 = (int)floor((phi - half_phi) / (2 * PI) * image->width) - 1, x1 = (int)floor((phi + half_phi) / (2 * PI) * image->width) + 1;
+    double theta = atan2(hypot((double)towards.x, (double)towards.y), (double)towards.z),
+           phi = atan2((double)towards.y, (double)towards.x);
+    double half_phi =
+        asin(fmin(1, sin(radius) / fmax(sin(theta), sin(radius)))); /* the widest meridians that touch it */
+    int y0 = (int)floor(fmax(0, theta - radius) / PI * image->height),
+        y1 = (int)floor((theta + radius) / PI * image->height);
+    int x0 = (int)floor((phi - half_phi) / (2 * PI) * image->width) - 1,
+        x1 = (int)floor((phi + half_phi) / (2 * PI) * image->width) + 1;
 
     for (int y = y0; y <= y1 && y < image->height; y++) {
         for (int x = x0; x <= x1; x++) {

@@ -42,7 +42,8 @@ static rgb squares(const void *data, vec3 w)
     double half = half_deg[i] * PI / 180, hue = (5 * i) / 6.0 * 2 * PI;
     if (fabs(v - middle) > half || fabs(u - (i + 0.5) * cell) * cos(middle) > half) return (rgb){0.01f, 0.01f, 0.01f};
     double L = power / (4 * half * half);
-    return rgb_from(L * (0.55 + 0.45 * cos(hue)), L * (0.55 + 0.45 * cos(hue - 2 * PI / 3)), L * (0.55 + 0.45 * cos(hue + 2 * PI / 3)));
+    return rgb_from(L * (0.55 + 0.45 * cos(hue)), L * (0.55 + 0.45 * cos(hue - 2 * PI / 3)),
+        L * (0.55 + 0.45 * cos(hue + 2 * PI / 3)));
 }
 
 bis_status map_squares(bis_image *image, bis_diag *diag) { return map_paint(image, 1024, 4, squares, NULL, diag); }

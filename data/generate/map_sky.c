@@ -22,7 +22,8 @@ static const rgb SUN_L = {62000, 55000, 46000}, SUN_E = {4.3f, 3.8f, 3.2f}; /* S
 static rgb clear_sky(vec3 w, vec3 sun)
 {
     double height = fmax(0.012, (double)w.z), gamma = acos(fmin(1, dot(w, sun))), sun_zenith = acos((double)sun.z);
-    double near_sun = 0.91 + 10 * exp(-3 * gamma) + 0.45 * pow(cos(gamma), 2), overhead = 0.91 + 10 * exp(-3 * sun_zenith) + 0.45 * pow((double)sun.z, 2);
+    double near_sun = 0.91 + 10 * exp(-3 * gamma) + 0.45 * pow(cos(gamma), 2),
+           overhead = 0.91 + 10 * exp(-3 * sun_zenith) + 0.45 * pow((double)sun.z, 2);
     double L = near_sun * (1 - exp(-0.32 / height)) / (overhead * (1 - exp(-0.32)));
     double pale = exp(-4.5 * height), warm = exp(-2.2 * gamma);
     rgb colour = map_mix((rgb){0.16f, 0.34f, 0.95f}, (rgb){0.72f, 0.82f, 0.95f}, pale);
@@ -36,7 +37,8 @@ static rgb clear_sky(vec3 w, vec3 sun)
 static rgb with_clouds(rgb sky, vec3 w, vec3 sun)
 {
     double height = fmax(0.02, (double)w.z), x = (double)w.x / (height + 0.08), y = (double)w.y / (height + 0.08);
-    double d = map_clouds(0.9 * x + 3, 0.9 * y, 0.5, 5), cover = map_smooth(0.56, 0.74, d) * map_smooth(0.03, 0.12, (double)w.z);
+    double d = map_clouds(0.9 * x + 3, 0.9 * y, 0.5, 5),
+           cover = map_smooth(0.56, 0.74, d) * map_smooth(0.03, 0.12, (double)w.z);
     double silver = pow(fmax(0, dot(w, sun)), 12), thick = map_smooth(0.60, 0.85, d);
     rgb cloud = rgb_scale(map_mix((rgb){1.05f, 1.05f, 1.05f}, (rgb){0.55f, 0.58f, 0.64f}, thick), 0.9 + 2.5 * silver);
 
@@ -91,7 +93,8 @@ static rgb land(vec3 w, const weather *now, rgb haze)
     } else { /* woods on the ridges */
         bool front = (double)w.z / l < ridge(w, 11, 0.035);
         distance = front ? 900 : 3500;
-        albedo = rgb_scale((rgb){0.045f, 0.065f, 0.028f}, 0.6 + 0.8 * map_clouds(60 * (double)w.x, 60 * (double)w.y, 90 * (double)w.z, 3));
+        albedo = rgb_scale((rgb){0.045f, 0.065f, 0.028f},
+            0.6 + 0.8 * map_clouds(60 * (double)w.x, 60 * (double)w.y, 90 * (double)w.z, 3));
     }
     return map_mix(rgb_mul(albedo, lit), rgb_scale(haze, 0.8), 1 - exp(-distance / 4500));
 }

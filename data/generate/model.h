@@ -37,7 +37,8 @@ typedef vec3 (*model_bend)(const void *data, double r, double z, double theta);
 vec3 model_round(const void *data, double r, double z, double theta);
 
 /* Turn the profile (its ends lie on the axis) in n_around steps: (p->n - 2) * n_around * 2 triangles. */
-bis_status model_turn(bis_mesh *m, const model_profile *p, size_t n_around, model_bend bend, const void *data, bis_diag *diag);
+bis_status model_turn(
+    bis_mesh *m, const model_profile *p, size_t n_around, model_bend bend, const void *data, bis_diag *diag);
 
 /* A closed tube: position(data, u, v), u and v in [0, 1) and periodic, n_u * n_v * 2 triangles. */
 typedef vec3 (*model_tube)(const void *data, double u, double v);

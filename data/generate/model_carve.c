@@ -59,7 +59,10 @@ static double implicit(const model_block *b, double x, double y, double z, doubl
     return b->groove ? f + b->groove(x, y, z, depth) : f;
 }
 
-static size_t at(const lattice *l, int i, int j, int k) { return ((size_t)k * (size_t)l->nx + (size_t)i) * (size_t)l->ny + (size_t)j; }
+static size_t at(const lattice *l, int i, int j, int k)
+{
+    return ((size_t)k * (size_t)l->nx + (size_t)i) * (size_t)l->ny + (size_t)j;
+}
 
 static void lattice_clear(lattice *l)
 {
@@ -86,7 +89,8 @@ static bis_status lattice_init(lattice *l, const model_block *b, bis_diag *diag)
     l->x0 -= 2 * b->cell;
     l->z0 -= 2 * b->cell;
     for (int k = 0; k < l->nz; k++) {
-        for (int i = 0; i < l->nx; i++) thick = fmax(thick, b->half_thickness(l->x0 + i * b->cell, l->z0 + k * b->cell));
+        for (int i = 0; i < l->nx; i++)
+            thick = fmax(thick, b->half_thickness(l->x0 + i * b->cell, l->z0 + k * b->cell));
     }
     /* An even number of points, so that the plane of symmetry y = 0 lies between two of them. */
     l->ny = 2 * ((int)ceil(1.35 * thick / b->cell) + 2);
@@ -165,7 +169,8 @@ static bool cell_vertex(const lattice *l, int i, int j, int k, double p[3])
             a[(axis + 1) % 3] = e & 1;
             a[(axis + 2) % 3] = e >> 1;
             for (int c = 0; c < 3; c++) b[c] = a[c] + (c == axis);
-            double fa = (double)l->f[at(l, i + a[0], j + a[1], k + a[2])], fb = (double)l->f[at(l, i + b[0], j + b[1], k + b[2])];
+            double fa = (double)l->f[at(l, i + a[0], j + a[1], k + a[2])],
+                   fb = (double)l->f[at(l, i + b[0], j + b[1], k + b[2])];
             if ((fa < 0) == (fb < 0)) continue;
             for (int c = 0; c < 3; c++) sum[c] += a[c] + (b[c] - a[c]) * fa / (fa - fb);
             n++;
@@ -265,7 +270,8 @@ static size_t make_quads(const lattice *l, const vec3 *p, uint32_t *index)
     for (int k = 1; k + 1 < l->nz; k++) {
         for (int i = 1; i + 1 < l->nx; i++) {
             for (int j = 1; j + 1 < l->ny; j++) {
-                for (int axis = 0; axis < 3; axis++) n += edge_quad(l, p, (int[3]){i, j, k}, axis, index ? index + 3 * n : NULL);
+                for (int axis = 0; axis < 3; axis++)
+                    n += edge_quad(l, p, (int[3]){i, j, k}, axis, index ? index + 3 * n : NULL);
             }
         }
     }

@@ -48,7 +48,8 @@ static vec3 knot_position(const void *data, double u, double v)
     d3 centre = {rho * cos(P * t), rho * sin(P * t), MINOR * sin(Q * t)};
     d3 tangent = {-Q * MINOR * sin(Q * t) * cos(P * t) - P * rho * sin(P * t),
                   -Q * MINOR * sin(Q * t) * sin(P * t) + P * rho * cos(P * t), Q * MINOR * cos(Q * t)};
-    d3 out = {cos(Q * t) * cos(P * t), cos(Q * t) * sin(P * t), sin(Q * t)}; /* the torus's normal: square to the tangent */
+    d3 out = {
+        cos(Q * t) * cos(P * t), cos(Q * t) * sin(P * t), sin(Q * t)}; /* the torus's normal: square to the tangent */
     d3 side = d3_cross(out, d3_unit(tangent));
     double h = fmax(family(u, v, TURNS), family(u, v, -TURNS));
     double r = TUBE + RELIEF * (h - 1);
@@ -56,7 +57,8 @@ static vec3 knot_position(const void *data, double u, double v)
 
     (void)data;
     /* The knot's axis lies along y, so that it stands upright and shows its face. */
-    return vec3_from(centre.x + a * out.x + b * side.x, -(centre.z + a * out.z + b * side.z), centre.y + a * out.y + b * side.y);
+    return vec3_from(
+        centre.x + a * out.x + b * side.x, -(centre.z + a * out.z + b * side.z), centre.y + a * out.y + b * side.y);
 }
 
 bis_status model_knot(bis_mesh *m, size_t n_triangles, bis_diag *diag)

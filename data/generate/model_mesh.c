@@ -34,7 +34,8 @@ static void profile_line(model_profile *p, double r, double z, double step)
 }
 
 /* The corner b between a and c, as a quadratic Bezier curve between the points where it leaves its two sides. */
-static void profile_corner(model_profile *p, const model_corner *a, const model_corner *b, const model_corner *c, double step)
+static void profile_corner(
+    model_profile *p, const model_corner *a, const model_corner *b, const model_corner *c, double step)
 {
     double ar = a->r - b->r, az = a->z - b->z, cr = c->r - b->r, cz = c->z - b->z;
     double la = hypot(ar, az), lc = hypot(cr, cz), t = b->round * 0.5 * fmin(la, lc);
@@ -84,7 +85,8 @@ static uint32_t *put(uint32_t *index, size_t a, size_t b, size_t c)
     return index;
 }
 
-bis_status model_turn(bis_mesh *m, const model_profile *p, size_t n_around, model_bend bend, const void *data, bis_diag *diag)
+bis_status model_turn(
+    bis_mesh *m, const model_profile *p, size_t n_around, model_bend bend, const void *data, bis_diag *diag)
 {
     size_t n_rings = p->n - 2, top = 1 + n_rings * n_around;
     bis_status status = mesh_alloc(m, top + 1, 2 * n_rings * n_around, diag);
@@ -170,7 +172,8 @@ static void put_floats(unsigned char *to, vec3 v)
 static void write_ply(FILE *f, const bis_mesh *m)
 {
     fprintf(f, "ply\nformat binary_little_endian 1.0\nelement vertex %zu\n", m->n_vertices);
-    fprintf(f, "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n");
+    fprintf(f, "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty "
+               "float nz\n");
     fprintf(f, "element face %zu\nproperty list uchar int vertex_indices\nend_header\n", m->n_triangles);
     for (size_t i = 0; i < m->n_vertices; i++) {
         unsigned char row[24];

@@ -24,13 +24,16 @@ static vec3 square_bend(const void *data, double r, double z, double theta)
 {
     const square *s = data;
     size_t per = s->n_around / 4, i = (size_t)(theta / (2 * PI) * (double)s->n_around + 0.5);
-    double a = PI / 2 * ((double)(i / per) + (double)(i % per) / (double)(per - 1)), mid = PI / 2 * (double)(i / per) + PI / 4;
-    double x = (1 - s->corner) * sqrt(2) * cos(mid) + s->corner * cos(a), y = (1 - s->corner) * sqrt(2) * sin(mid) + s->corner * sin(a);
+    double a = PI / 2 * ((double)(i / per) + (double)(i % per) / (double)(per - 1)),
+           mid = PI / 2 * (double)(i / per) + PI / 4;
+    double x = (1 - s->corner) * sqrt(2) * cos(mid) + s->corner * cos(a),
+           y = (1 - s->corner) * sqrt(2) * sin(mid) + s->corner * sin(a);
 
     return vec3_from(r * x, r * y, z);
 }
 
-static bis_status square_turn(bis_mesh *m, const model_corner *corners, size_t n, double step, const square *s, bis_diag *diag)
+static bis_status square_turn(
+    bis_mesh *m, const model_corner *corners, size_t n, double step, const square *s, bis_diag *diag)
 {
     model_profile profile;
 
@@ -40,8 +43,8 @@ static bis_status square_turn(bis_mesh *m, const model_corner *corners, size_t n
 
 bis_status model_squares(bis_mesh *m, bool dark, bis_diag *diag)
 {
-    static const model_corner corners[] = {{0, -0.08, 0},       {0.492, -0.08, 0}, {0.492, -0.016, 0}, {0.492, 0, 1}, {0.476, 0, 0},
-                                           {0.470, 0, 0}, {0, 0, 0}};
+    static const model_corner corners[] = {
+        {0, -0.08, 0}, {0.492, -0.08, 0}, {0.492, -0.016, 0}, {0.492, 0, 1}, {0.476, 0, 0}, {0.470, 0, 0}, {0, 0, 0}};
     const square shape = {12, 0.05};
     bis_mesh tile = {0};
     bis_status status = square_turn(&tile, corners, N_OF(corners), 1, &shape, diag);
@@ -59,9 +62,12 @@ bis_status model_board(bis_mesh *m, bis_diag *diag)
 {
     /* The well that the squares lie in is sunk a little below their tops; the rim stands as high as they do. */
     static const model_corner corners[] = {
-        {0, -0.50, 0},       {4.62, -0.50, 0},  {4.72, -0.50, 0.5}, {4.76, -0.42, 1},   {4.70, -0.34, 0.5}, {4.66, -0.32, 0.5}, {4.66, -0.20, 0.5},
-        {4.60, -0.17, 0.6},  {4.585, -0.06, 1}, {4.54, 0.002, 1},   {4.44, 0.002, 0},   {4.16, 0.002, 0},   {4.12, 0.002, 0.3},  {4.085, -0.022, 0.5},
-        {4.05, 0.002, 0},    {4.035, 0.002, 0}, {4.012, 0.002, 0},  {4.0, -0.010, 0},  {3.994, -0.028, 0},  {3.98, -0.034, 0},   {0, -0.034, 0}};
+        {0, -0.50, 0},       {4.62, -0.50, 0},  {4.72, -0.50, 0.5}, {4.76, -0.42, 1},   {4.70, -0.34, 0.5},
+         {4.66, -0.32, 0.5}, {4.66, -0.20, 0.5},
+        {4.60, -0.17, 0.6},  {4.585, -0.06, 1}, {4.54, 0.002, 1},   {4.44, 0.002, 0},   {4.16, 0.002, 0},
+           {4.12, 0.002, 0.3},  {4.085, -0.022, 0.5},
+        {4.05, 0.002, 0},    {4.035, 0.002, 0}, {4.012, 0.002, 0},  {4.0, -0.010, 0},  {3.994, -0.028, 0},
+          {3.98, -0.034, 0},   {0, -0.034, 0}};
     const square shape = {48, 0.03};
 
     return square_turn(m, corners, N_OF(corners), 1, &shape, diag);
@@ -70,10 +76,14 @@ bis_status model_board(bis_mesh *m, bis_diag *diag)
 bis_status model_pedestal(bis_mesh *m, bis_diag *diag)
 {
     static const model_corner corners[] = {
-        {0, -2.40, 0},      {0.98, -2.40, 0},   {1.00, -2.40, 0},    {1.02, -2.40, 1},    {1.02, -2.38, 0},   {1.02, -2.08, 0},  {1.02, -2.05, 1},
-        {0.98, -2.04, 0},   {0.95, -2.04, 0.4}, {0.95, -1.98, 0.4},  {0.90, -1.97, 0.4},  {0.78, -1.90, 1},   {0.74, -1.76, 0.5}, {0.70, -1.74, 0.4},
-        {0.70, -1.70, 0},   {0.70, -0.62, 0},   {0.70, -0.56, 0.4},  {0.74, -0.54, 0.4},  {0.74, -0.48, 0.4}, {0.78, -0.40, 1},  {0.92, -0.33, 1},
-        {0.94, -0.27, 0.4}, {0.98, -0.25, 0.4}, {0.98, -0.07, 0},    {0.98, -0.05, 1},    {0.95, -0.045, 0.4}, {0.93, -0.02, 1}, {0.90, 0, 1},
+        {0, -2.40, 0},      {0.98, -2.40, 0},   {1.00, -2.40, 0},    {1.02, -2.40, 1},    {1.02, -2.38, 0},
+           {1.02, -2.08, 0},  {1.02, -2.05, 1},
+        {0.98, -2.04, 0},   {0.95, -2.04, 0.4}, {0.95, -1.98, 0.4},  {0.90, -1.97, 0.4},  {0.78, -1.90, 1},
+           {0.74, -1.76, 0.5}, {0.70, -1.74, 0.4},
+        {0.70, -1.70, 0},   {0.70, -0.62, 0},   {0.70, -0.56, 0.4},  {0.74, -0.54, 0.4},  {0.74, -0.48, 0.4},
+         {0.78, -0.40, 1},  {0.92, -0.33, 1},
+        {0.94, -0.27, 0.4}, {0.98, -0.25, 0.4}, {0.98, -0.07, 0},    {0.98, -0.05, 1},    {0.95, -0.045, 0.4},
+         {0.93, -0.02, 1}, {0.90, 0, 1},
         {0.86, 0, 0},       {0, 0, 0}};
     const square shape = {64, 0.06};
 
@@ -89,7 +99,8 @@ static double noise(int i, int j)
 /* Stones of side 1, each set a little uneven: tilted by up to a third of a degree, 4 mm of 1 m up or down. */
 bis_status model_paving(bis_mesh *m, bis_diag *diag)
 {
-    static const model_corner corners[] = {{0, -0.10, 0}, {0.490, -0.10, 0}, {0.490, -0.014, 0}, {0.486, -0.004, 0}, {0.476, 0, 0}, {0.462, 0, 0}, {0, 0, 0}};
+    static const model_corner corners[] = {{0, -0.10, 0}, {0.490, -0.10, 0}, {0.490, -0.014, 0}, {0.486, -0.004, 0},
+        {0.476, 0, 0}, {0.462, 0, 0}, {0, 0, 0}};
     const square shape = {8, 0.06};
     bis_mesh stone = {0}, set = {0};
     bis_status status = square_turn(&stone, corners, N_OF(corners), 1, &shape, diag);

@@ -24,9 +24,11 @@ static double smooth(double a, double b, double x)
 static rgb tile(double u, double v)
 {
     const double x = 2 * u - 1, y = 2 * v - 1, r = hypot(x, y), phi = atan2(y, x);
-    const double star = smooth(0.02, -0.02, r - 0.45 - 0.12 * cos(8 * phi)), ring = smooth(0.03, 0, fabs(r - 0.78) - 0.06);
+    const double star = smooth(0.02, -0.02, r - 0.45 - 0.12 * cos(8 * phi)),
+                 ring = smooth(0.03, 0, fabs(r - 0.78) - 0.06);
     const double joint = smooth(0.94, 0.97, fmax(fabs(x), fabs(y)));
-    const double glaze[3] = {0.70, 0.66, 0.55}, blue[3] = {0.04, 0.10, 0.35}, rust[3] = {0.45, 0.13, 0.05}, grey[3] = {0.25, 0.24, 0.22};
+    const double glaze[3] = {0.70, 0.66, 0.55}, blue[3] = {0.04, 0.10, 0.35}, rust[3] = {0.45, 0.13, 0.05},
+                 grey[3] = {0.25, 0.24, 0.22};
     double c[3];
     for (int k = 0; k < 3; k++) {
         c[k] = glaze[k] + (blue[k] - glaze[k]) * star;
@@ -40,7 +42,8 @@ static rgb tile(double u, double v)
 static rgb polish(double u, double v)
 {
     const double x = 2 * u - 1, y = 2 * v - 1, r = hypot(x, y), phi = atan2(y, x);
-    const double star = smooth(0.02, -0.02, r - 0.45 - 0.12 * cos(8 * phi)), joint = smooth(0.94, 0.97, fmax(fabs(x), fabs(y)));
+    const double star = smooth(0.02, -0.02, r - 0.45 - 0.12 * cos(8 * phi)),
+                 joint = smooth(0.94, 0.97, fmax(fabs(x), fabs(y)));
     const double value = fmax(0.05 + 0.2 * star, 0.8 * joint);
     return rgb_from(value, value, value);
 }
@@ -105,14 +108,17 @@ static void print_vase(FILE *f)
 {
     fprintf(f, "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
             "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
-            "element face %d\nproperty list uchar int vertex_indices\nend_header\n", (AROUND + 1) * (UP + 1), 2 * AROUND * UP);
+            "element face %d\nproperty list uchar int vertex_indices\nend_header\n", (AROUND + 1) * (UP + 1),
+            2 * AROUND * UP);
     for (int j = 0; j <= UP; j++) {
         const double v = (double)j / UP, r = radius_at(v), h = 1e-4;
-        const double slope = (radius_at(fmin(v + h, 1)) - radius_at(fmax(v - h, 0))) / (2 * (fmin(v + h, 1) - fmax(v - h, 0)));
+        const double slope =
+            (radius_at(fmin(v + h, 1)) - radius_at(fmax(v - h, 0))) / (2 * (fmin(v + h, 1) - fmax(v - h, 0)));
         const double n = hypot(1, slope);
         for (int i = 0; i <= AROUND; i++) {
             const double phi = 2 * PI * i / AROUND, c = cos(phi), s = sin(phi);
-            fprintf(f, "%.6g %.6g %.6g %.6g %.6g %.6g %.6g %.6g\n", r * c, r * s, 2 * v, c / n, s / n, -slope / n, (double)i / AROUND, v);
+            fprintf(f, "%.6g %.6g %.6g %.6g %.6g %.6g %.6g %.6g\n", r * c, r * s, 2 * v, c / n, s / n, -slope / n,
+                (double)i / AROUND, v);
         }
     }
     for (int j = 0; j < UP; j++)
@@ -129,7 +135,8 @@ static void print_crate(FILE *f, const char *material, double x, double y, doubl
         fprintf(f, "v %g %g %g\n", x + (i & 1 ? side : -side) / 2, y + (i & 4 ? side : -side) / 2, i & 2 ? side : 0);
     fprintf(f, "usemtl %s\n", material);
     for (int i = 0; i < 6; i++)
-        fprintf(f, "f %d/1 %d/2 %d/3 %d/4\n", first + face[i][0], first + face[i][1], first + face[i][2], first + face[i][3]);
+        fprintf(f, "f %d/1 %d/2 %d/3 %d/4\n", first + face[i][0], first + face[i][1], first + face[i][2],
+            first + face[i][3]);
 }
 
 static void print_crates(FILE *f)
@@ -173,7 +180,8 @@ bis_status textures_make(const char *dir, bis_diag *diag)
         char path[PATH_MAX];
         if (snprintf(path, sizeof path, "%s/%s", dir, files[i].name) >= (int)sizeof path)
             return bis_error(diag, BIS_IO, (bis_loc){dir, 0, 0}, "the folder's name is too long");
-        status = files[i].image ? write_image(path, files[i].side, files[i].image, diag) : write_text(path, files[i].print, diag);
+        status = files[i].image ? write_image(path, files[i].side, files[i].image, diag)
+                                : write_text(path, files[i].print, diag);
     }
     return status;
 }

@@ -5,8 +5,8 @@
 
 #include "bis/base/status.h"
 
-/* Write dir/maps/tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr and stud.pfm, dir/models/vase.ply, crates.obj and
- * crates.mtl. The folders must exist. */
+/* Write dir/maps/tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr and stud.pfm, dir/models/vase.ply, crates.obj
+ * and crates.mtl. The folders must exist. */
 bis_status textures_make(const char *dir, bis_diag *diag);
 
 #endif

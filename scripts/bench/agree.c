@@ -48,17 +48,23 @@ static const candidate CANDIDATES[] = {
     {.name = "em stratified", .integrator = "em", .stratify = true},
     {.name = "mis stratified", .integrator = "mis", .stratify = true},
     {.name = "mis compensated", .integrator = "mis", .compensate = true},
-    {.name = "rejection plain em", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_EM},
-    {.name = "rejection plain brdf", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_BRDF},
-    {.name = "rejection plain choose", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_CHOOSE},
+    {.name = "rejection plain em", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN,
+     .proposal = BIS_PROPOSAL_EM},
+    {.name = "rejection plain brdf", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN,
+     .proposal = BIS_PROPOSAL_BRDF},
+    {.name = "rejection plain choose", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN,
+     .proposal = BIS_PROPOSAL_CHOOSE},
     {.name = "sir em", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .stratify = true},
     {.name = "sir brdf", .integrator = "sir", .proposal = BIS_PROPOSAL_BRDF, .stratify = true},
     {.name = "sir mix", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true},
     {.name = "sir product", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true},
-    {.name = "sir product learned", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true, .learn = true},
+    {.name = "sir product learned", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true,
+     .learn = true},
     {.name = "sir mix independent", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX},
-    {.name = "sir mix multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true, .resampling = BIS_RESAMPLING_MULTINOMIAL},
-    {.name = "sir em independent multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .resampling = BIS_RESAMPLING_MULTINOMIAL},
+    {.name = "sir mix multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true,
+     .resampling = BIS_RESAMPLING_MULTINOMIAL},
+    {.name = "sir em independent multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_EM,
+     .resampling = BIS_RESAMPLING_MULTINOMIAL},
 };
 enum { N_CANDIDATES = sizeof CANDIDATES / sizeof *CANDIDATES };
 
@@ -109,7 +115,8 @@ static double largest_sample(const bis_scene *scene, const bis_scene_desc *desc,
         bis_bsdf b;
         bis_bsdf_init(&b, &desc->materials[i], n, n);
         if (bis_bsdf_is_black(&b)) continue;
-        double c_em = bis_bsdf_max_f_cos(&b) * bis_light_power(scene->light), c_brdf = bis_bsdf_max_ratio(&b) * bis_light_max_intensity(scene->light);
+        double c_em = bis_bsdf_max_f_cos(&b) * bis_light_power(scene->light),
+               c_brdf = bis_bsdf_max_ratio(&b) * bis_light_max_intensity(scene->light);
         bound = fmax(bound, em ? c_em : brdf ? c_brdf : 2 * fmin(c_em, c_brdf));
     }
     return bound;
@@ -117,28 +124,33 @@ static double largest_sample(const bis_scene *scene, const bis_scene_desc *desc,
 
 /* Means and standard errors over independent renders. Renders with an own seed each; two passes over nothing:
  * Welford. */
-static bis_status measure(estimate *e, bis_scene_desc *desc, const candidate *c, unsigned replicates, uint64_t seed, uint32_t spp, bis_diag *diag)
+static bis_status measure(estimate *e, bis_scene_desc *desc, const candidate *c, unsigned replicates, uint64_t seed,
+    uint32_t spp, bis_diag *diag)
 {
     bis_scene *scene = NULL;
     bis_film film = {0};
     double value[VALUES], m2[VALUES] = {0};
     bis_status status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
-    status = bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
+    status =
+        bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
     if (status) goto done;
     memset(e, 0, sizeof *e);
     if (c) {
-        bool sampled = desc->view.settings.integrator == &bis_em || desc->view.settings.integrator == &bis_brdf || desc->view.settings.integrator == &bis_mis;
+        bool sampled = desc->view.settings.integrator == &bis_em || desc->view.settings.integrator == &bis_brdf ||
+                       desc->view.settings.integrator == &bis_mis;
         e->bound = largest_sample(scene, desc, c);
         for (int cell = 0; cell < CELLS; cell++)
-            e->samples[cell] = (double)(film.width * film.height) / (cell ? TILES * TILES : 1) * replicates * spp * (sampled ? SAMPLES : CANDIDATES_M);
+            e->samples[cell] = (double)(film.width * film.height) / (cell ? TILES * TILES : 1) * replicates * spp *
+                               (sampled ? SAMPLES : CANDIDATES_M);
     }
     for (unsigned r = 0; r < replicates; r++) {
         bis_render_options ro = {.budget.spp = spp};
         bis_render_result result;
         desc->view.sampler.seed = seed + r;
         bis_film_clear(&film);
-        status = bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
+        status = bis_film_init(
+            &film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
         if (!status) status = bis_render(&result, &film, scene, desc, &desc->view, &ro, diag);
         if (status) goto done;
         cell_means(&film, value);
@@ -176,7 +188,8 @@ static void configure(bis_scene_desc *desc, const candidate *c)
 static double p_value(const estimate *a, unsigned n_a, const estimate *b, unsigned n_b, int i)
 {
     double va = a->se[i] * a->se[i], vb = b->se[i] * b->se[i], d = a->mean[i] - b->mean[i];
-    double rounding = 1e-6 * fabs(b->mean[i]); /* float radiance: 2^-24 a sample, summed; far below any standard error here */
+    double rounding =
+        1e-6 * fabs(b->mean[i]); /* float radiance: 2^-24 a sample, summed; far below any standard error here */
     if (sqrt(va + vb) <= rounding) return fabs(d) <= 4 * rounding ? 1 : 0;
     double dof = (va + vb) * (va + vb) / (va * va / (n_a - 1) + vb * vb / (n_b - 1));
     return bis_stats_student_p(d / sqrt(va + vb), dof);
@@ -200,7 +213,8 @@ static int test_scene(const char *path, const options *o, double alpha_each)
     desc->view.settings = bis_settings_default(bis_integrator_find(o->reference));
     desc->view.settings.samples = 1024;
     if (measure(&reference, desc, NULL, o->reference_replicates, 1000, exact ? 1 : 16, &diag)) goto fail;
-    printf("%s  mean %.5g %.5g %.5g +- %.1e (%s)\n", path, reference.mean[0], reference.mean[1], reference.mean[2], reference.se[0], o->reference);
+    printf("%s  mean %.5g %.5g %.5g +- %.1e (%s)\n", path, reference.mean[0], reference.mean[1], reference.mean[2],
+        reference.se[0], o->reference);
     fflush(stdout);
 
     for (int k = 0; k < N_CANDIDATES; k++) {
@@ -223,9 +237,12 @@ static int test_scene(const char *path, const options *o, double alpha_each)
             if (reference.mean[c] > 0) relative_se = fmax(relative_se, e.se[c] / reference.mean[c]);
         const char *verdict = p < alpha_each ? "DIFFERS" : untested == CELLS ? "not testable at this cost" : "agrees";
         failures += verdict[0] == 'D';
-        printf("    %-32s smallest p %.2e (%s %d, %+.2f%%)  se of the mean %.3f%%  %s", CANDIDATES[k].name, p, worst < 3 ? "image" : "tile", worst / 3,
-               reference.mean[worst] != 0 ? 100 * (e.mean[worst] / reference.mean[worst] - 1) : 0, 100 * relative_se, verdict);
-        if (untested > 0 && untested < CELLS) printf(", %d of %d tiles not testable at this cost", untested, TILES * TILES);
+        printf("    %-32s smallest p %.2e (%s %d, %+.2f%%)  se of the mean %.3f%%  %s", CANDIDATES[k].name, p,
+            worst < 3 ? "image" : "tile", worst / 3,
+            reference.mean[worst] != 0 ? 100 * (e.mean[worst] / reference.mean[worst] - 1) : 0, 100 * relative_se,
+            verdict);
+        if (untested > 0 && untested < CELLS)
+            printf(", %d of %d tiles not testable at this cost", untested, TILES * TILES);
         printf("\n");
         fflush(stdout);
     }
@@ -240,7 +257,8 @@ fail:
 
 int main(int argc, char **argv)
 {
-    options o = {.replicates = 16, .reference_replicates = 4, .width = 16, .height = 12, .alpha = 0.01, .reference = "exact"};
+    options o = {
+        .replicates = 16, .reference_replicates = 4, .width = 16, .height = 12, .alpha = 0.01, .reference = "exact"};
     int i = 1, failures = 0;
     for (; i + 1 < argc && argv[i][0] == '-'; i += 2) {
         if (!strcmp(argv[i], "--replicates")) o.replicates = (unsigned)atoi(argv[i + 1]);
@@ -250,8 +268,10 @@ int main(int argc, char **argv)
         else if (!strcmp(argv[i], "--reference")) o.reference = argv[i + 1];
         else break;
     }
-    if (i >= argc || argv[i][0] == '-' || o.replicates < 2 || o.reference_replicates < 2 || o.width < TILES || o.height < TILES) {
-        fprintf(stderr, "usage: agree [--replicates R] [--reference exact|mis] [--reference-replicates Q] [--resolution WxH] [--alpha A] SCENE...\n");
+    if (i >= argc || argv[i][0] == '-' || o.replicates < 2 || o.reference_replicates < 2 || o.width < TILES ||
+        o.height < TILES) {
+        fprintf(stderr, "usage: agree [--replicates R] [--reference exact|mis] [--reference-replicates Q] "
+                        "[--resolution WxH] [--alpha A] SCENE...\n");
         return 2;
     }
     int tests = (argc - i) * N_CANDIDATES * VALUES;

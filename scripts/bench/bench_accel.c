@@ -175,7 +175,8 @@ static void time_rays(bis_accel *const a[2], rays *set, bool any)
 }
 
 /* Builds both, in turns; the last ones stay. */
-static bool build(bis_accel *a[2], double seconds[2], const bis_geometry *g, double density, int n_threads, bis_diag *diag)
+static bool build(
+    bis_accel *a[2], double seconds[2], const bis_geometry *g, double density, int n_threads, bis_diag *diag)
 {
     seconds[GRID] = seconds[EMBREE] = (double)INFINITY;
     for (int run = 0; run < BUILDS; run++) {
@@ -209,10 +210,11 @@ static void print_rays(const rays *set, bool embree)
         hit += set->hit[GRID][i] != set->hit[EMBREE][i];
         prim += set->hit[GRID][i] && set->hit[EMBREE][i] && set->hits[GRID][i].prim != set->hits[EMBREE][i].prim;
     }
-    printf("%-10s  %7zu rays, %2.0f%% hit  grid %4.0f ns", set->name, set->n, 100 * (double)occluded / (double)set->n, set->ns[GRID]);
+    printf("%-10s  %7zu rays, %2.0f%% hit  grid %4.0f ns", set->name, set->n, 100 * (double)occluded / (double)set->n,
+        set->ns[GRID]);
     if (embree) {
-        printf("  embree %4.0f ns  ratio %.2f  disagree %zu, other triangle named %zu", set->ns[EMBREE], set->ns[GRID] / set->ns[EMBREE],
-               hit, prim);
+        printf("  embree %4.0f ns  ratio %.2f  disagree %zu, other triangle named %zu", set->ns[EMBREE],
+            set->ns[GRID] / set->ns[EMBREE], hit, prim);
     }
     printf("\n");
 }
@@ -248,7 +250,8 @@ static bis_status load(bis_geometry *g, const char *path, bis_diag *diag)
     char ending[8];
     bool obj = strcmp(bis_path_extension(ending, path), ".obj") == 0;
     double start = clock_seconds(CLOCK_MONOTONIC);
-    bis_status status = obj ? bis_obj_read(&mesh, path, (bis_loc){0}, diag) : bis_ply_read(&mesh, path, (bis_loc){0}, diag);
+    bis_status status =
+        obj ? bis_obj_read(&mesh, path, (bis_loc){0}, diag) : bis_ply_read(&mesh, path, (bis_loc){0}, diag);
 
     if (!status) {
         printf("%s: %zu triangles, read in %.3f s\n", path, mesh.n_triangles, clock_seconds(CLOCK_MONOTONIC) - start);

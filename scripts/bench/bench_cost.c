@@ -35,7 +35,10 @@ typedef struct recorder {
     size_t n, capacity;
 } recorder;
 
-static bool recorder_intersect(const bis_accel *a, const ray *r, bis_hit *hit) { return bis_accel_intersect(((const recorder *)a)->inner, r, hit); }
+static bool recorder_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return bis_accel_intersect(((const recorder *)a)->inner, r, hit);
+}
 static size_t recorder_bytes(const bis_accel *a) { return bis_accel_bytes(((const recorder *)a)->inner); }
 static void recorder_free(bis_accel *a) { bis_free(((recorder *)a)->rays); }
 
@@ -48,10 +51,14 @@ static bool recorder_occluded(const bis_accel *a, const ray *r)
 }
 
 /* Without functions for many rays at once: rays then come one by one. */
-static const bis_accel_ops recorder_ops = {
-    .name = "recorder", .intersect = recorder_intersect, .occluded = recorder_occluded, .bytes = recorder_bytes, .free = recorder_free};
+static const bis_accel_ops recorder_ops = {.name = "recorder",
+    .intersect = recorder_intersect,
+    .occluded = recorder_occluded,
+    .bytes = recorder_bytes,
+    .free = recorder_free};
 
-static double best_of(int repeats, bis_film *film, const bis_scene *scene, bis_scene_desc *desc, int threads, bis_render_result *result)
+static double best_of(
+    int repeats, bis_film *film, const bis_scene *scene, bis_scene_desc *desc, int threads, bis_render_result *result)
 {
     double best = (double)INFINITY;
     uint32_t spp = (uint32_t)desc->view.sampler.spp;
@@ -97,7 +104,8 @@ static double replay(double *packets, bis_film *film, bis_scene *scene, bis_scen
 }
 
 /* Nanoseconds for one more candidate, from FEW to MANY. */
-static double candidate_ns(bis_film *film, bis_scene *const *scene, const char *path, const char *material, int scale, double ray_seconds)
+static double candidate_ns(
+    bis_film *film, bis_scene *const *scene, const char *path, const char *material, int scale, double ray_seconds)
 {
     double t[3];
     bis_render_result result[3];
@@ -111,7 +119,8 @@ static double candidate_ns(bis_film *film, bis_scene *const *scene, const char *
         bis_scene_desc_free(desc);
     }
     double saved = ((double)result[FEW].counters.shadow_rays - (double)result[MANY].counters.shadow_rays) * ray_seconds;
-    return 1e9 * (t[MANY] - t[FEW] + saved) / ((double)result[MANY].counters.candidates - (double)result[FEW].counters.candidates);
+    return 1e9 * (t[MANY] - t[FEW] + saved) /
+           ((double)result[MANY].counters.candidates - (double)result[FEW].counters.candidates);
 }
 
 /* cost MATERIAL us_sir us_camera rays_per_pixel ns_ray ns_candidate ns_candidate_large sir:rays ns_ray_in_packets */
@@ -131,9 +140,9 @@ static void cost(bis_film *film, bis_scene *const *scene, const char *path, int 
     double packets, alone = replay(&packets, film, scene[MEDIUM], desc, result.counters.shadow_rays);
     double candidate = candidate_ns(film, scene, path, material, 1, packets / rays);
     double candidate_large = candidate_ns(film, scene, path, material, 2, packets / rays);
-    printf("cost %s %.3f %.3f %.2f %.1f %.3f %.3f %.3f %.1f\n", measure_materials[m].name, 1e6 * (all - camera) / pixels,
-           1e6 * camera / pixels, rays / pixels, 1e9 * alone / rays, candidate, candidate_large, (all - camera) / alone,
-           1e9 * packets / rays);
+    printf("cost %s %.3f %.3f %.2f %.1f %.3f %.3f %.3f %.1f\n", measure_materials[m].name,
+        1e6 * (all - camera) / pixels, 1e6 * camera / pixels, rays / pixels, 1e9 * alone / rays, candidate,
+        candidate_large, (all - camera) / alone, 1e9 * packets / rays);
     fflush(stdout);
     bis_scene_desc_free(desc);
     bis_scene_desc_free(black);
@@ -154,7 +163,8 @@ static void threads(bis_film *film, const bis_scene *scene, const char *path, in
             wall[n] = fmin(wall[n], result.seconds);
         }
     }
-    printf("threads %s %.3f %.3f %.3f %.3f\n", measure_materials[m].name, wall[1], wall[2], wall[1] / wall[2], 2 * cpu[1] / cpu[2]);
+    printf("threads %s %.3f %.3f %.3f %.3f\n", measure_materials[m].name, wall[1], wall[2], wall[1] / wall[2],
+        2 * cpu[1] / cpu[2]);
     fflush(stdout);
     bis_scene_desc_free(desc);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_error: what error at what time? One thread, in this process, against a reference (scripts/bench/measure.h).
  *
- *     bench_error reference SECONDS SCENE      make the four materials' references, so that nothing else has to wait for them
- *     bench_error equal SECONDS SCENE          the settings `contest`, N tuned to 20 us a shaded pixel
- *     bench_error resample SECONDS SCENE       the settings `resamplers` as they are
- *     bench_error reach SECONDS SCENE          seconds until relMSE 1e-2 and 1e-3 with the settings `reach`, by doubled passes
- *     bench_error steps SECONDS SCENE          the settings `steps`, 16 antialiased camera samples each
+ *     bench_error reference SECONDS SCENE      make the four materials' references, so that nothing else has to wait
+ * for them bench_error equal SECONDS SCENE          the settings `contest`, N tuned to 20 us a shaded pixel bench_error
+ * resample SECONDS SCENE       the settings `resamplers` as they are bench_error reach SECONDS SCENE          seconds
+ * until relMSE 1e-2 and 1e-3 with the settings `reach`, by doubled passes bench_error steps SECONDS SCENE          the
+ * settings `steps`, 16 antialiased camera samples each
  *
  * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for
  * scripts/bench/bench_table.awk.
@@ -29,7 +29,8 @@ static const measure_setting contest[] = {
     {"em", "Sampler \"sobol\" Integrator \"em\" \"integer samples\" @ \"bool stratify\" true"},
     {"brdf", "Sampler \"sobol\" Integrator \"brdf\" \"integer samples\" @"},
     {"mix", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" @"},
-    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" @ \"string proposal\" \"product\""},
+    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" @ \"string "
+     "proposal\" \"product\""},
 };
 
 /* Both levers together against none, at the same M and N. */
@@ -42,10 +43,11 @@ static const measure_setting resamplers[] = {
 /* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel:
  * few rays a camera sample, and many of these. */
 #define CAMERA_SAMPLE(edges, M, N) \
-    {"ours", "Sampler \"sobol\" \"integer edgesamples\" " edges " Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true " \
+    {"ours", "Sampler \"sobol\" \"integer edgesamples\" " edges " Integrator \"sir\" \"string proposal\" \"product\" " \
+     "\"bool learn\" true " \
              "\"integer candidates\" " M " \"integer shadowrays\" " N}
-static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("3", "40", "9"), CAMERA_SAMPLE("4", "32", "12"),
-                                                         CAMERA_SAMPLE("4", "32", "12")};
+static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("3", "40", "9"),
+    CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("4", "32", "12")};
 
 /* What each part of the default is worth; then the other integrators, and the camera sample alone. The empty setting is
  * the default itself. */
@@ -66,7 +68,8 @@ static const measure_setting steps[] = {
 };
 
 enum { STEPS = sizeof steps / sizeof *steps, STEP_SPP = 16, STEP_SEEDS = 2 };
-enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
+enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096,
+    N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
 static const double us_per_pixel = 20;
 
 typedef struct job {
@@ -125,8 +128,8 @@ static void measure_seeds(job *j, const bis_scene *scene, const measure_setting 
         mean += e[i].mean / SEEDS;
         trimmed += e[i].trimmed / SEEDS;
     }
-    printf("%s %s %s %u %.2f %.3e %.1e %.3e", slash ? slash + 1 : j->scene, measure_materials[material].name, s->name, N,
-           1e6 * seconds / (double)measure_shaded(&j->film), mean, j->ref[material].error, trimmed);
+    printf("%s %s %s %u %.2f %.3e %.1e %.3e", slash ? slash + 1 : j->scene, measure_materials[material].name, s->name,
+        N, 1e6 * seconds / (double)measure_shaded(&j->film), mean, j->ref[material].error, trimmed);
     for (int i = 0; i < SEEDS; i++) printf(" %.3e", e[i].mean);
     printf("\n");
     fflush(stdout);
@@ -179,8 +182,10 @@ static void reach_error(job *j, int material)
             seconds[n] = fmin(seconds[n], measure_render(&j->film, scene, desc, 1 + (uint64_t)i, 1u << n, 1, NULL));
             error[n] += measure_relmse(&j->film, &j->ref[material], true).mean / seeds;
         }
-        error[n] = fmax(error[n] - j->ref[material].error, 1e-6); /* the two errors are independent: their squares add */
-        fprintf(stderr, "%s %d spp %.3f s relMSE %.2e\n", measure_materials[material].name, 1 << n, seconds[n], error[n]);
+        error[n] =
+            fmax(error[n] - j->ref[material].error, 1e-6); /* the two errors are independent: their squares add */
+        fprintf(
+            stderr, "%s %d spp %.3f s relMSE %.2e\n", measure_materials[material].name, 1 << n, seconds[n], error[n]);
         n++;
     } while (n < MAX_DOUBLINGS && error[n - 1] > 1e-3 && seconds[n - 1] < 20);
     printf("%s %s %.1e %.3f %.3f\n", measure_materials[material].name, reach[material].name, j->ref[material].error,
@@ -222,7 +227,8 @@ static void print_reference(const job *j, int material)
     const measure_reference *r = &j->ref[material];
     const char *slash = strrchr(j->scene, '/');
 
-    printf("%s %s %.1e %.2f %+.4f %g\n", slash ? slash + 1 : j->scene, measure_materials[material].name, r->error, r->disagree, r->difference, r->seconds);
+    printf("%s %s %.1e %.2f %+.4f %g\n", slash ? slash + 1 : j->scene, measure_materials[material].name, r->error,
+        r->disagree, r->difference, r->seconds);
     fflush(stdout);
 }
 

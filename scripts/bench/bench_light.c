@@ -35,7 +35,8 @@ static void bench_table(const char *name, const bis_envmap *em, const bis_import
     bis_importance *im;
     double pixels = (double)em->width * em->height, t = bis_clock_now();
     if (bis_importance_new(&im, em, options, &diag)) exit(1);
-    printf("%-18s build_seconds %.3f  bytes_per_pixel %.2f", name, bis_clock_now() - t, (double)bis_importance_bytes(im) / pixels);
+    printf("%-18s build_seconds %.3f  bytes_per_pixel %.2f", name, bis_clock_now() - t,
+        (double)bis_importance_bytes(im) / pixels);
 
     bis_rng rng;
     bis_rng_init(&rng, 2, 0, 0, 0);

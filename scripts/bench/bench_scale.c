@@ -2,10 +2,11 @@
 /* bench_scale: how time and memory grow with the work. One thread, processor seconds of the render phase, the smaller
  * of two where it is short; loading and building by the clock on the wall.
  *
- *     bench_scale sweep SCENE embree|grid         time against M, N, camera samples, pixels; SCENE is a template (measure.h)
- *     bench_scale build SCENE embree|grid WHAT X  one size of mesh or map: loading, tables, accelerator, render
+ *     bench_scale sweep SCENE embree|grid         time against M, N, camera samples, pixels; SCENE is a template
+ * (measure.h) bench_scale build SCENE embree|grid WHAT X  one size of mesh or map: loading, tables, accelerator, render
  *     bench_scale map WIDTH FILE                  make a WIDTH x WIDTH/2 map: noise over six decades, lamps
- *     bench_scale peak COMMAND...                 run it; bytes that it held at most, as the system counts, on standard output
+ *     bench_scale peak COMMAND...                 run it; bytes that it held at most, as the system counts, on standard
+ * output
  *
  * Output: lines `WHAT ACCELERATOR X VALUE` for scripts/bench/bench_plot.awk. */
 #include "measure.h"
@@ -80,7 +81,8 @@ static void sweep(const char *path, const char *accelerator)
     for (int k = 1; k <= 16; k *= 2) {
         desc->view.film.width = width * k / 4;
         desc->view.film.height = height * k / 4;
-        print("pixels", accelerator, (double)desc->view.film.width * desc->view.film.height, render_seconds(scene, desc));
+        print(
+            "pixels", accelerator, (double)desc->view.film.width * desc->view.film.height, render_seconds(scene, desc));
     }
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
@@ -160,7 +162,8 @@ int main(int argc, char **argv)
     else if (argc == 4 && strcmp(what, "map") == 0) make_map(atoi(argv[2]), argv[3]);
     else if (argc > 2 && strcmp(what, "peak") == 0) return peak(argv + 2);
     else {
-        fprintf(stderr, "usage: bench_scale sweep SCENE ACCELERATOR | build SCENE ACCELERATOR WHAT X | map WIDTH FILE | peak COMMAND...\n");
+        fprintf(stderr, "usage: bench_scale sweep SCENE ACCELERATOR | build SCENE ACCELERATOR WHAT X | map WIDTH FILE "
+                        "| peak COMMAND...\n");
         return 2;
     }
     return 0;

@@ -25,8 +25,10 @@ const measure_setting measure_materials[] = {
 /* The pair of methods behind a reference. Sobol's sequence goes on from pass to pass, so that any number of passes is
  * evenly spread. */
 static const measure_setting reference_methods[] = {
-    {"mis", "Sampler \"sobol\" \"integer pixelsamples\" 1 Integrator \"mis\" \"integer samples\" 256 \"float split\" 0.75 \"bool stratify\" true"},
-    {"sir", "Sampler \"sobol\" \"integer pixelsamples\" 1 Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 100 "
+    {"mis", "Sampler \"sobol\" \"integer pixelsamples\" 1 Integrator \"mis\" \"integer samples\" 256 \"float split\" "
+     "0.75 \"bool stratify\" true"},
+    {"sir", "Sampler \"sobol\" \"integer pixelsamples\" 1 Integrator \"sir\" \"integer candidates\" 800 \"integer "
+     "shadowrays\" 100 "
             "\"string proposal\" \"product\""},
 };
 
@@ -114,7 +116,8 @@ double measure_clock(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *desc, uint64_t seed, uint32_t spp, int threads, bis_render_result *result)
+double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *desc, uint64_t seed, uint32_t spp,
+    int threads, bis_render_result *result)
 {
     const bis_render_options options = {.budget = {.spp = spp}, .n_threads = threads};
     bis_diag diag = {0};
@@ -125,7 +128,9 @@ double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *de
     desc->view.sampler.seed = seed;
     bis_sampler_set_spp(&desc->view.sampler, spp);
     bis_film_clear(film);
-    measure_check(bis_film_init(film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, &diag), &diag);
+    measure_check(
+        bis_film_init(film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, &diag),
+        &diag);
     double start = measure_clock();
     measure_check(bis_render(result, film, scene, desc, &desc->view, &options, &diag), &diag);
     double cpu = measure_clock() - start;
@@ -168,7 +173,8 @@ static int descending(const void *a, const void *b)
 }
 
 /* Of a - b over the pixels that count in film; L is what they are relative to. */
-static measure_error relative_error(const double *a, const double *b, const double *L, const bis_film *film, bool antialiased)
+static measure_error relative_error(
+    const double *a, const double *b, const double *L, const bis_film *film, bool antialiased)
 {
     const size_t n = (size_t)film->width * (size_t)film->height;
     const double floor2 = floor_of(L, film, antialiased);
@@ -178,7 +184,8 @@ static measure_error relative_error(const double *a, const double *b, const doub
     if (!e) give_up("no memory for", "errors");
     for (size_t i = 0; i < n; i++) {
         if (!antialiased && film->hits[i] <= 0) continue;
-        for (size_t c = 3 * i; c < 3 * i + 3; c++) e[count] += (a[c] - b[c]) * (a[c] - b[c]) / (L[c] * L[c] + floor2) / 3;
+        for (size_t c = 3 * i; c < 3 * i + 3; c++)
+            e[count] += (a[c] - b[c]) * (a[c] - b[c]) / (L[c] * L[c] + floor2) / 3;
         sum += e[count++];
     }
     qsort(e, count, sizeof *e, descending);
@@ -356,7 +363,8 @@ measure_reference measure_reference_get(const char *path, const char *material, 
     measure_reference ref;
     char name[64];
 
-    snprintf(name, sizeof name, REFERENCE_FOLDER "/%016llx", (unsigned long long)reference_key(path, material, seconds));
+    snprintf(
+        name, sizeof name, REFERENCE_FOLDER "/%016llx", (unsigned long long)reference_key(path, material, seconds));
     if (read_reference(&ref, name)) return ref;
     if (mkdir(REFERENCE_FOLDER, 0777) != 0 && errno != EEXIST) give_up("cannot make", REFERENCE_FOLDER);
     ref = make_reference(path, material, seconds);

@@ -31,7 +31,8 @@ double measure_clock(void);
 
 /* Render spp passes into *film (cleared first) with this seed. Returns the processor seconds of the render phase;
  * result, which has those of the wall, may be NULL. */
-double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *desc, uint64_t seed, uint32_t spp, int threads, bis_render_result *result);
+double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *desc, uint64_t seed, uint32_t spp,
+    int threads, bis_render_result *result);
 
 /* Pixels that hit geometry; 1 at least. */
 size_t measure_shaded(const bis_film *film);
@@ -54,8 +55,8 @@ measure_reference measure_reference_get(const char *path, const char *material, 
 void measure_reference_free(measure_reference *ref);
 
 /* The error of a picture. Without antialiasing: FINDINGS' relMSE, the mean over shaded pixels and R, G, B of (L -
- * Lref)^2 / (Lref^2 + (0.01 m)^2), m the mean of Lref over the same. With it: that of docs/budgets.md, over all pixels, with floor
- * (0.1 m)^2. trimmed: without the 1% of pixels that contribute most. */
+ * Lref)^2 / (Lref^2 + (0.01 m)^2), m the mean of Lref over the same. With it: that of docs/budgets.md, over all pixels,
+ * with floor (0.1 m)^2. trimmed: without the 1% of pixels that contribute most. */
 typedef struct measure_error {
     double mean, trimmed;
 } measure_error;

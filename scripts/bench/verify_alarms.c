@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* verify_alarms: how often does `bis verify` accuse what is right? Runs all its checks on a scene with many seeds, each with
- * fewer draws (bis_verify.halvings), and counts the runs in which a test failed. For scripts/bench/verify_alarms.sh.
+/* verify_alarms: how often does `bis verify` accuse what is right? Runs all its checks on a scene with many seeds, each
+ * with fewer draws (bis_verify.halvings), and counts the runs in which a test failed. For
+ * scripts/bench/verify_alarms.sh.
  *
  *     verify_alarms HALVINGS FIRST RUNS WIDTH [--printed | --picture | --product] SCENE ...
  *
- * WIDTH: maps are averaged to so many columns, a power of 2, because a sum over 10^6 patches takes seconds. --printed: with
- * the thesis's E6 and E21 as printed, which should be found. --picture: the pictures alone; --product: these, by sir with proposal
- * product, learned visibility and edge samples in place of the scene's own settings. A row for each scene: name, runs, runs with an alarm, tests in a
- * run, skipped among them, least p; then the failed tests. */
+ * WIDTH: maps are averaged to so many columns, a power of 2, because a sum over 10^6 patches takes seconds. --printed:
+ * with the thesis's E6 and E21 as printed, which should be found. --picture: the pictures alone; --product: these, by
+ * sir with proposal product, learned visibility and edge samples in place of the scene's own settings. A row for each
+ * scene: name, runs, runs with an alarm, tests in a run, skipped among them, least p; then the failed tests. */
 #include "bis/base/mem.h"
 #include "bis/base/image.h"
 #include "bis/files/image_file.h"
@@ -72,14 +73,16 @@ static void set_product(bis_view *view)
     view->edge_samples = 4;
 }
 
-static bis_status verify(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bool picture)
+static bis_status verify(
+    bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bool picture)
 {
     bool tested;
-    return picture ? bis_verify_picture(v, bis_render, scene, desc, settings, &tested, NULL) : bis_verify_scene(v, scene, desc, settings, NULL);
+    return picture ? bis_verify_picture(v, bis_render, scene, desc, settings, &tested, NULL)
+                   : bis_verify_scene(v, scene, desc, settings, NULL);
 }
 
-static void run_all(const bis_scene *scene, const bis_scene_desc *desc, const char *name, unsigned halvings, uint64_t first, uint64_t runs,
-                    const bis_settings *settings, bool picture)
+static void run_all(const bis_scene *scene, const bis_scene_desc *desc, const char *name, unsigned halvings,
+    uint64_t first, uint64_t runs, const bis_settings *settings, bool picture)
 {
     size_t alarms = 0, tests = 0, skipped = 0;
     double least = 1;
@@ -93,11 +96,14 @@ static void run_all(const bis_scene *scene, const bis_scene_desc *desc, const ch
         for (size_t i = 0; i < v.n; i++) {
             const bis_verify_test *t = &v.tests[i];
             if (!isnan(t->p)) least = fmin(least, t->p);
-            if (t->verdict == BIS_VERDICT_FAILED) printf("#   seed %llu: %s: %s (%g, p %g)\n", (unsigned long long)seed, t->name, t->note, t->statistic, t->p);
+            if (t->verdict == BIS_VERDICT_FAILED)
+                printf("#   seed %llu: %s: %s (%g, p %g)\n", (unsigned long long)seed, t->name, t->note, t->statistic,
+                    t->p);
         }
         bis_verify_clear(&v);
     }
-    printf("%-24s %6llu %6zu %6zu %8.1f %10.2g\n", name, (unsigned long long)runs, alarms, tests, (double)skipped / (double)runs, least);
+    printf("%-24s %6llu %6zu %6zu %8.1f %10.2g\n", name, (unsigned long long)runs, alarms, tests,
+        (double)skipped / (double)runs, least);
     fflush(stdout);
 }
 

@@ -203,8 +203,8 @@ exit
 # + t->alias[x];
 #
 # * importance_curve test_importance : solid angle forgotten along the curve
-# - weight * bis_row_measure(w, y)
-# + weight
+# - const double measure = bis_row_measure(&t->weights, y);
+# + const double measure = 1;
 #
 # * importance test_importance : solid angle forgotten in the rows' sums
 # - row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
@@ -431,12 +431,12 @@ exit
 # + return x->W / x->M * x->unit_of_f;
 #
 # * product test_clusters test_product : a candidate's density is the map's, whatever its cluster got
-# - / times) >> 16 & (D - 1)], scale);
-# + / times) >> 16 & (D - 1)], 1);
+# - ahead.scale[ahead.n] = scale;
+# + ahead.scale[ahead.n] = 1;
 #
 # * product test_clusters test_product : always a cluster's first directions
-# - bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % (D << 16) + turn;
-# + 0;
+# - (bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) & (whole - 1)) + turn, remainder
+# + 0, remainder
 #
 # * clusters test_clusters : directions from the first half of each cluster alone
 # - c->t[k] + bis_cluster_share(c, k) * bis_stratum(

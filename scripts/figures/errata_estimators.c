@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_estimators: the numbers behind the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E24, E25, E26,
- * E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
+/* errata_estimators: the numbers behind the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E24, E25,
+ * E26, E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas.
+ */
 #include "still.h"
 
 #include "bis/scene/parameters.h"
@@ -114,7 +115,8 @@ void errata_E25(bis_json *j)
 
     errata_spot_init(&s, light, bis_phong(grey(1), grey(0), 1), up, 0, false);
     for (int i = 0; i < N; i++) {
-        const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
+        const bis_sampler sampler = {
+            .kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
         const bis_settings sir = settings(&bis_sir, (uint32_t)i + 1, 1, BIS_PROPOSAL_EM);
         double sum = 0;
         int n = 0;
@@ -139,9 +141,10 @@ void errata_E25(bis_json *j)
 
 /* ---- E26: which proposal ---- */
 
-/* Relative error of the mean of M weights phat/q in the open, beta M of them from q_L, the others from q_f, q = beta q_L
- * + (1 - beta) q_f: by a sum over the map. (A measured one would miss what is not found in a few thousand runs: the sun,
- * by candidates from the BRDF.) */
+/* Relative error of the mean of M weights phat/q in the open, beta M of them from q_L, the others from q_f, q = beta
+ * q_L
+ * + (1 - beta) q_f: by a sum over the map. (A measured one would miss what is not found in a few thousand runs: the
+ * sun, by candidates from the BRDF.) */
 static double error_of_candidates(const bis_point *pt, double beta, double M)
 {
     enum { SIDE = 8 };
@@ -151,7 +154,8 @@ static double error_of_candidates(const bis_point *pt, double beta, double M)
     for (int i = 0; i < em->width * em->height; i++) {
         const double part = em->row_solid_angle[i / em->width] / (SIDE * SIDE), I = rgb_sum(em->pixels[i]) / 3;
         for (int k = 0; k < SIDE * SIDE; k++) {
-            const vec3 w = bis_envmap_direction(em, i % em->width, i / em->width, (k % SIDE + 0.5) / SIDE, ((int)(k / SIDE) + 0.5) / SIDE);
+            const vec3 w = bis_envmap_direction(
+                em, i % em->width, i / em->width, (k % SIDE + 0.5) / SIDE, ((int)(k / SIDE) + 0.5) / SIDE);
             double q_f;
             const double phat = rgb_sum(bis_bsdf_f_pdf(&pt->bsdf, w, &q_f)) * fmax(0, dot(pt->n, w)) * I;
             const double q_L = bis_light_pdf(pt->light, w), q = beta * q_L + (1 - beta) * q_f;
@@ -177,7 +181,8 @@ void errata_E26(bis_json *j)
     for (int i = 0; i < N; i++) {
         n[i] = pow(10, i / 2.0);
         errata_spot_init(&s, light, bis_phong(grey(0), grey(1), n[i]), normalize(vec3_from(0.2, 0.3, 0.8)), 40, false);
-        const double beta = bis_candidates_divide(M, BIS_PROPOSAL_MIX, &s.pt, NULL).beta; /* draws nothing where M > 1 */
+        const double beta =
+            bis_candidates_divide(M, BIS_PROPOSAL_MIX, &s.pt, NULL).beta; /* draws nothing where M > 1 */
         const errata_moments m = errata_run(&s, &sir, 1500);
         for (int k = 0; k < 3; k++) error[k][i] = error_of_candidates(&s.pt, k == 0 ? 1 : k == 1 ? 0 : beta, M);
         measured[i] = sqrt(m.variance) / m.mean;
@@ -214,7 +219,8 @@ void errata_E28(bis_json *j)
     for (int i = 0; i < N; i++) {
         const double a = (degrees[i] = 5 + 11.5 * i) * PI / 180;
         errata_spot spot;
-        errata_spot_init(&spot, light, bis_phong(grey(1), grey(0), 1), normalize(to_world(&about_sun, vec3_from(sin(a), 0, cos(a)))), 30, false);
+        errata_spot_init(&spot, light, bis_phong(grey(1), grey(0), 1),
+            normalize(to_world(&about_sun, vec3_from(sin(a), 0, cos(a)))), 30, false);
         errata_run(&spot, &s, RUNS);
         measured[i] = (double)RUNS * M / (double)spot.counters.accepted;
         derived[i] = PI / (cos(a) * solid_angle);
@@ -300,7 +306,8 @@ static void interval(double *mean, double *half, const double *x)
 /* 16 rays of one set of candidates. */
 static void rays_of_one_set(double *x, const errata_spot *s, uint64_t run)
 {
-    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
+    const bis_sampler sampler = {
+        .kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
     const bis_settings sir = settings(&bis_sir, SET, RAYS, BIS_PROPOSAL_MIX);
     bis_scratch scratch;
     bis_stream stream;
@@ -322,7 +329,8 @@ static void rays_of_one_set(double *x, const errata_spot *s, uint64_t run)
 /* 16 sets, a ray each. */
 static void replicates(double *x, errata_spot *s, uint64_t run)
 {
-    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = RAYS, .xsamples = 4, .ysamples = 4};
+    const bis_sampler sampler = {
+        .kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = RAYS, .xsamples = 4, .ysamples = 4};
     const bis_settings sir = settings(&bis_sir, SET, 1, BIS_PROPOSAL_MIX);
     bis_scratch scratch;
 

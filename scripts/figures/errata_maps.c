@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_maps: the numbers behind the errata of the map (thesis 3.1, 3.3) and of area weighting (3.4): E1, E2, E4, E5, E17,
- * E18, E19. */
+/* errata_maps: the numbers behind the errata of the map (thesis 3.1, 3.3) and of area weighting (3.4): E1, E2, E4, E5,
+ * E17, E18, E19. */
 #include "still.h"
 
 #include "bis/scene/parameters.h"
@@ -91,7 +91,8 @@ static void shadow(bis_json *j, const char *key, const bis_envmap *em, int side)
             const double x = 2 * ((px + 0.5) / SIZE - 0.5), y = 2 * ((py + 0.5) / SIZE - 0.5);
             double E = 0;
             for (int k = 0; k < n; k++) {
-                const double dx = x + (double)w[k].x / (double)w[k].z - 0.65, dy = y + (double)w[k].y / (double)w[k].z - 0.76;
+                const double dx = x + (double)w[k].x / (double)w[k].z - 0.65,
+                             dy = y + (double)w[k].y / (double)w[k].z - 0.76;
                 if (fabs(dx) > 0.3 || fabs(dy) > 0.3) E += weight[k];
             }
             field.pixels[py * SIZE + px] = rgb_scale(rgb_from(1, 0.93, 0.79), E / all);
@@ -146,7 +147,8 @@ static void lit_pixel(bis_json *j, const char *key, const bis_light *light, doub
     double found = 0, u[4], L[SIZE * SIZE], x[SHOWN], y[SHOWN];
     bis_rng r;
 
-    for (int i = 0; i < SIZE * SIZE; i++) L[i] = look_up(x0 + (i % SIZE + 0.5) / ZOOM, y0 + ((int)(i / SIZE) + 0.5) / ZOOM);
+    for (int i = 0; i < SIZE * SIZE; i++)
+        L[i] = look_up(x0 + (i % SIZE + 0.5) / ZOOM, y0 + ((int)(i / SIZE) + 0.5) / ZOOM);
     bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
     for (int k = 0; k < DRAWS; k++) {
         double px, py;
@@ -199,7 +201,8 @@ static void ball(bis_json *j, const char *key, const bis_light_point *s, const r
             const vec3 n = vec3_from(a, sqrt(c), b);
             for (int k = 0; k < BALL_DRAWS; k++) {
                 const double share = fmax(0, dot(n, s[k].wi)) / PI / BALL_DRAWS;
-                L = rgbd_add(L, (rgbd){(double)value[k].r * share, (double)value[k].g * share, (double)value[k].b * share});
+                L = rgbd_add(
+                    L, (rgbd){(double)value[k].r * share, (double)value[k].g * share, (double)value[k].b * share});
             }
             field.pixels[(j0 + radius) * side + i + radius] = rgbd_round(L);
         }
@@ -217,7 +220,8 @@ void errata_E5(bis_json *j)
 
     bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
     for (int k = 0; k < BALL_DRAWS; k++) {
-        const double u[4] = {(k + bis_rng_double(&r)) / BALL_DRAWS, bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r)};
+        const double u[4] = {
+            (k + bis_rng_double(&r)) / BALL_DRAWS, bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r)};
         bis_light_sample(light, u, &s[k]);
         ours[k] = rgb_scale(s[k].Le, 1 / s[k].pdf); /* F_rgb/q */
         printed[k] = grey(power / 3);               /* L/q cancelled: the same for all */
@@ -265,7 +269,10 @@ static rgb dim_sky(int x, int y, int width, int height) { return rgb_scale(sky(x
 
 enum { LEVELS = 8 };
 
-static int level_by_log_1_plus_I(double I, double most) { return (int)fmin(LEVELS - 1, floor(LEVELS * log1p(I) / log1p(most))); }
+static int level_by_log_1_plus_I(double I, double most)
+{
+    return (int)fmin(LEVELS - 1, floor(LEVELS * log1p(I) / log1p(most)));
+}
 
 static void levels(bis_json *j, errata_paint *paint, bool as_printed)
 {
@@ -331,7 +338,8 @@ static void seam(bis_json *j, const char *key, errata_paint *paint, int width)
     for (uint32_t k = 0; k < regions.n; k++)
         if (regions.solid_angle[k] < 1) n++, A = regions.solid_angle[k];
     bis_json_open(j, key, '{');
-    BIS_JSON_NUMBERS(j, {"lights", n}, {"solid_angle", A}, {"factor", bis_area_factor(A, 0.15)}, {"columns", ACROSS}, {"rows", DOWN});
+    BIS_JSON_NUMBERS(j, {"lights", n}, {"solid_angle", A}, {"factor", bis_area_factor(A, 0.15)}, {"columns", ACROSS},
+        {"rows", DOWN});
     bis_json_open(j, "light", '[');
     for (int i = 0; i < ACROSS * DOWN; i++) {
         const int x = (i % ACROSS - ACROSS / 2 + SEAM_W) % SEAM_W, y = SUN_ROW - DOWN / 2 + i / ACROSS;

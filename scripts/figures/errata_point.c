@@ -16,7 +16,8 @@ void errata_map(bis_envmap *em, int width, int height, errata_paint *paint)
 
 bis_light *errata_light(int width, int height, errata_paint *paint, bis_table_kind kind)
 {
-    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .table_kind = kind, .to_world = bis_xform_identity()};
+    const bis_light_desc desc = {
+        .L = {1, 1, 1}, .scale = 1, .levels = 8, .table_kind = kind, .to_world = bis_xform_identity()};
     bis_light *light;
     bis_envmap em;
 
@@ -38,7 +39,8 @@ static bool open_sky(const bis_accel *a, const ray *r)
     return false;
 }
 
-static const bis_accel_ops half = {.name = "half", .occluded = hidden_behind}, whole = {.name = "whole", .occluded = open_sky};
+static const bis_accel_ops half = {.name = "half", .occluded = hidden_behind},
+                           whole = {.name = "whole", .occluded = open_sky};
 
 void errata_spot_init(errata_spot *s, const bis_light *light, bis_material m, vec3 n, double degrees, bool half_hidden)
 {
@@ -53,7 +55,8 @@ void errata_spot_init(errata_spot *s, const bis_light *light, bis_material m, ve
 
 errata_moments errata_run(errata_spot *s, const bis_settings *settings, uint32_t runs)
 {
-    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
+    const bis_sampler sampler = {
+        .kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
     double mean = 0, m2 = 0;
     bis_scratch scratch;
 

@@ -11,7 +11,10 @@ static rgb grey(double v) { return rgb_from(v, v, v); }
 
 static const vec3 up = {0, 0, 1};
 
-static vec3 at_angles(double theta, double phi) { return vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)); }
+static vec3 at_angles(double theta, double phi)
+{
+    return vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+}
 
 /* ---- E33: what a white surface reflects ---- */
 
@@ -24,7 +27,8 @@ static double integral_of_f(const bis_bsdf *b, bool with_cosine)
     for (int i = 0; i < ROWS; i++) {
         const double theta = PI / 2 * (i + 0.5) / ROWS;
         for (int j = 0; j < COLUMNS; j++)
-            sum += (double)bis_bsdf_f(b, at_angles(theta, PI * (j + 0.5) / COLUMNS)).r * sin(theta) * (with_cosine ? cos(theta) : 1);
+            sum += (double)bis_bsdf_f(b, at_angles(theta, PI * (j + 0.5) / COLUMNS)).r * sin(theta) *
+                   (with_cosine ? cos(theta) : 1);
     }
     return 2 * sum * (PI / 2 / ROWS) * (PI / COLUMNS); /* both sides of the plane of incidence */
 }
@@ -74,7 +78,8 @@ void errata_E35(bis_json *j)
     for (int i = 0; i < BINS * FINE; i++) {
         const double theta = PI / 2 * (i + 0.5) / (BINS * FINE);
         for (int k = 0; k < COLUMNS; k++)
-            density[i / FINE] += bis_bsdf_pdf(&b, at_angles(theta, 2 * PI * (k + 0.5) / COLUMNS)) * sin(theta) * (2 * PI / COLUMNS) * (PI / 2) / (90 * FINE);
+            density[i / FINE] += bis_bsdf_pdf(&b, at_angles(theta, 2 * PI * (k + 0.5) / COLUMNS)) * sin(theta) *
+                                 (2 * PI / COLUMNS) * (PI / 2) / (90 * FINE);
     }
     for (int i = 0; i < BINS; i++) degrees[i] = 3 * (i + 0.5);
     still_list(j, "angle_deg", degrees, BINS);
@@ -145,7 +150,8 @@ static void sunlit_ball(bis_json *j, const char *key, const bis_accel *a, bool o
 
     for (int y = 0; y < SIZE; y++) {
         for (int x = 0; x < SIZE; x++) {
-            const ray eye = {vec3_from(2.2 * ((x + 0.5) / SIZE - 0.5) + 3, 3 - 2.2 * ((y + 0.5) / SIZE - 0.5), 0), {0, 0, 1}, INFINITY};
+            const ray eye = {vec3_from(2.2 * ((x + 0.5) / SIZE - 0.5) + 3, 3 - 2.2 * ((y + 0.5) / SIZE - 0.5), 0),
+                {0, 0, 1}, INFINITY};
             bis_surface s;
             bis_hit hit;
             rgb colour = grey(0.85);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* errata_tables: the numbers behind the errata of discrete sampling (thesis 3.2.2, 3.3, appendix A): E8, E10, E11, E12, E14,
- * E15. */
+/* errata_tables: the numbers behind the errata of discrete sampling (thesis 3.2.2, 3.3, appendix A): E8, E10, E11, E12,
+ * E14, E15. */
 #include "still.h"
 
 #include "bis/flat/taught.h"
@@ -49,7 +49,8 @@ void errata_E10(bis_json *j)
 
     for (int i = 0; i < N; i++) w[i] = exp(12.0 * i / N); /* contrast 1e5 */
     still_check(bis_cdf_init(&cdf, w, N, NULL));
-    for (int k = 0; k < N; k++) printed[bis_cdf_sample(&cdf, (k + 0.5) / N, NULL)] += 1.0 / N; /* entry k of the table of inverses */
+    for (int k = 0; k < N; k++)
+        printed[bis_cdf_sample(&cdf, (k + 0.5) / N, NULL)] += 1.0 / N; /* entry k of the table of inverses */
     for (int i = 0; i < N; i++) {
         rank[i] = i + 0.5;
         ours[i] = bis_cdf_pmf(&cdf, (size_t)i);
@@ -96,7 +97,8 @@ static rgb glow(int x, int y, int width, int height)
 /* n points into u[][4]: two of Sobol', two plain ones for the place in the pixel. */
 static void sobol(double (*u)[4], uint32_t n, uint64_t pixel)
 {
-    const bis_sampler sampler = {.kind = BIS_SAMPLER_SOBOL, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
+    const bis_sampler sampler = {
+        .kind = BIS_SAMPLER_SOBOL, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
     double (*pair)[2] = bis_alloc(n, sizeof *pair);
     bis_stream stream;
 
@@ -184,7 +186,8 @@ void errata_E14(bis_json *j)
     for (int i = 0; i < 1 << LOG_N; i++) w[i] = i % 2;
     for (int k = 0; k < LEFT; k++) {
         left[k] = k + 1;
-        still_check((bis_status)bis_flat_alias_few_bits(1 << LOG_N, w, LOG_N + k + 1, share[0], share[1], impossible, NULL, 0));
+        still_check(
+            (bis_status)bis_flat_alias_few_bits(1 << LOG_N, w, LOG_N + k + 1, share[0], share[1], impossible, NULL, 0));
         printed[k] = impossible[0];
         ours[k] = impossible[1];
     }

@@ -43,12 +43,15 @@ static const method methods[N_METHODS] = {
     {"mis-strat", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true", 0},
     {"mis-today", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true \"bool compensate\" true", 0},
     {"rejection", "Integrator \"rejection\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
-    {"sir-thesis", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"em\" \"string resampling\" \"multinomial\" "
+    {"sir-thesis", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"em\" "
+     "\"string resampling\" \"multinomial\" "
                    "\"bool stratify\" false", 1},
-    {"sir-brdf", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" "
+    {"sir-brdf", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"brdf\" "
+     "\"string resampling\" \"multinomial\" "
                  "\"bool stratify\" false", 1},
     {"sir", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
-    {"product", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"product\"", 0.32},
+    {"product", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" "
+     "\"product\"", 0.32},
 };
 
 typedef struct figure {
@@ -72,11 +75,13 @@ static const figure figures[] = {
     {"5.3", PHONG(.5, .5, 50), "5.3: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
     {"5.4", PHONG(.5, .5, 50), "5.4: another map; ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
     {"5.5", PHONG(0, 1, 1), "5.5: diffuse", 100, 75, 800, 25, SIMPLE},
-    {"5.6", PHONG(.5, .5, 50), "5.6: unzoomed; ks 0.5, kd 0.5, n 50", 110, 80, 900, 13, SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
+    {"5.6", PHONG(.5, .5, 50), "5.6: unzoomed; ks 0.5, kd 0.5, n 50", 110, 80, 900, 13,
+     SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
     {"5.7-n10", PHONG(.5, .5, 10), "5.7, top: ks 0.5, kd 0.5, n 10", 100, 75, 800, 15, COMBINED},
     {"5.7-n50", PHONG(.5, .5, 50), "5.7, bottom: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, COMBINED},
     {"5.8", PHONG(1, 0, 50), "5.8: ks 1, kd 0, n 50", 100, 75, 800, 15, COMBINED | SET(PRINTED_BRDF)},
-    {"5.9", PHONG(.5, .5, 50), "5.9: ks 0.5, kd 0.5, n 50", 100, 75, 3000, 150, SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
+    {"5.9", PHONG(.5, .5, 50), "5.9: ks 0.5, kd 0.5, n 50", 100, 75, 3000, 150,
+     SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
 };
 
 static int n_rows(const figure *fig) { return fig->methods & (SET(EM) | SET(MIS)) ? ROWS : 1; }
@@ -100,7 +105,8 @@ static void put_errors(bis_json *j, const bis_film *film, const measure_referenc
     bis_json_open(j, "errors", '[');
     for (int i = 0; i < ref->width * ref->height; i++) {
         double difference = 0, truth = 0;
-        for (int c = 3 * i; c < 3 * i + 3; c++) difference += fabs(film->sum[c] / film->passes - ref->L[c]), truth += fabs(ref->L[c]);
+        for (int c = 3 * i; c < 3 * i + 3; c++)
+            difference += fabs(film->sum[c] / film->passes - ref->L[c]), truth += fabs(ref->L[c]);
         bis_json_number(j, NULL, (double)(float)(difference / fmax(truth, 0.003 / exposure)));
     }
     bis_json_close(j);
@@ -154,7 +160,8 @@ static bis_scene *build(const char *scene, const char *material, const method *m
 }
 
 /* Several seeds: the least time, the mean error; the film is the last seed's. */
-static trial run(bis_film *film, const bis_scene *built, const char *scene, const char *material, const measure_reference *ref, const method *m, unsigned N, unsigned M, int seeds)
+static trial run(bis_film *film, const bis_scene *built, const char *scene, const char *material,
+    const measure_reference *ref, const method *m, unsigned N, unsigned M, int seeds)
 {
     bis_scene_desc *desc = parse(scene, material, m, N, M);
     trial t = {.N = N, .M = M, .us = (double)INFINITY};
@@ -216,12 +223,13 @@ static void show(job *j, int row, int m, const trial *t)
 {
     bis_image image = exposed(j->ref.width, j->ref.height, j->film.sum, j->exposure / j->film.passes);
 
-    printf("%s %s %s %u %u %.2f %.2f %.3e %.3e %.1e\n", j->fig->name, row_names[row], methods[m].name, t->N, t->M, t->us, t->rays, t->error.mean, t->error.trimmed,
-           j->ref.error);
+    printf("%s %s %s %u %u %.2f %.2f %.3e %.3e %.1e\n", j->fig->name, row_names[row], methods[m].name, t->N, t->M,
+        t->us, t->rays, t->error.mean, t->error.trimmed, j->ref.error);
     fflush(stdout);
     bis_json_open(&j->json, NULL, '{');
     bis_json_text(&j->json, "row", row_names[row]);
-    BIS_JSON_NUMBERS(&j->json, {"N", t->N}, {"M", t->M}, {"us", t->us}, {"rays", t->rays}, {"relmse", t->error.mean}, {"trimmed", t->error.trimmed});
+    BIS_JSON_NUMBERS(&j->json, {"N", t->N}, {"M", t->M}, {"us", t->us}, {"rays", t->rays}, {"relmse", t->error.mean},
+        {"trimmed", t->error.trimmed});
     still_picture(&j->json, "picture", &image);
     put_errors(&j->json, &j->film, &j->ref, j->exposure);
     bis_json_close(&j->json);
@@ -315,7 +323,8 @@ static void fit(double *p, double *q, const double *x, const double *z, const do
 }
 
 /* price MATERIAL METHOD ns_candidate ns_ray A B M:N relMSE*us-at-15/800 relMSE*us-at-best */
-static void price(bis_film *film, const bis_scene *built, const char *scene, const measure_setting *material, const measure_reference *ref, const method *m, double us_camera, int seeds)
+static void price(bis_film *film, const bis_scene *built, const char *scene, const measure_setting *material,
+    const measure_reference *ref, const method *m, double us_camera, int seeds)
 {
     static const unsigned Ms[N_M] = {64, 256, 1024}, Ns[N_N] = {4, 16, 64};
     double one_M[GRID], one_N[GRID], M[GRID], rays[GRID], us[GRID], e[GRID], A, B, candidate, per_ray;
@@ -327,9 +336,11 @@ static void price(bis_film *film, const bis_scene *built, const char *scene, con
     }
     fit(&A, &B, one_M, one_N, e, GRID);
     fit(&candidate, &per_ray, M, rays, us, GRID);
-    const double share = rays[GRID - 1] / Ns[N_N - 1], c_N = per_ray * share, best = pow(sqrt(A * candidate) + sqrt(B * c_N), 2);
+    const double share = rays[GRID - 1] / Ns[N_N - 1], c_N = per_ray * share,
+                 best = pow(sqrt(A * candidate) + sqrt(B * c_N), 2);
     const double fixed = (A / 800 + B / 15) * (800 * candidate + 15 * c_N);
-    printf("price %s %s %.2f %.1f %.3g %.3g %.3g %.3g %.3g\n", material->name, m->name, 1e3 * candidate, 1e3 * per_ray, A, B, sqrt(A * c_N / (B * candidate)), fixed, best);
+    printf("price %s %s %.2f %.1f %.3g %.3g %.3g %.3g %.3g\n", material->name, m->name, 1e3 * candidate, 1e3 * per_ray,
+        A, B, sqrt(A * c_N / (B * candidate)), fixed, best);
     fflush(stdout);
 }
 
@@ -366,6 +377,7 @@ int main(int argc, char **argv)
         chapter5(&figures[i], argv[5], atof(argv[2]), argv[3]);
         return 0;
     }
-    fprintf(stderr, "usage: figures still FOLDER [FIGURE...] | chapter5 SECONDS FOLDER FIGURE SCENE | price SECONDS SCENE\n");
+    fprintf(stderr,
+        "usage: figures still FOLDER [FIGURE...] | chapter5 SECONDS FOLDER FIGURE SCENE | price SECONDS SCENE\n");
     return 2;
 }

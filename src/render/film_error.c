@@ -18,13 +18,12 @@
  * The edges' share of the difference. A picture has both. The film keeps its mean at a quarter of the samples, too. The
  * quarters of the first half tell V(n/4) - V(n/2) in the same way, and the ratio of the two sums over the picture is 2
  * if all is noise and 2^(3/2) if all is edges. A small picture's ratio is noisy. Before it is seen, the share is taken
- * for 0.7, give or take 0.25; the ratio changes this as far as its own noise lets it (see fit). With 0.35 the ratio said
- * more than it knows: the error at edges falls by steps, because the camera's points mirror each other (sampler.c).
- * n^(3/2) V(n) of 100 000 lines at random through pixels is .087 .095 .091 .099 .107 .095 .090 for n = 4, 8, ... 256,
- * and .093 to .095 for points that are not mirrored. A model with these steps was no better, because pixels on outlines
- * have 8 samples for one of others. Smooth radiance falls faster, but soon leaves the error to edges and noise: the
- * share is never above 1.
- *
+ * for 0.7, give or take 0.25; the ratio changes this as far as its own noise lets it (see fit). With 0.35 the ratio
+ * said more than it knows: the error at edges falls by steps, because the camera's points mirror each other
+ * (sampler.c). n^(3/2) V(n) of 100 000 lines at random through pixels is .087 .095 .091 .099 .107 .095 .090 for n = 4,
+ * 8, ... 256, and .093 to .095 for points that are not mirrored. A model with these steps was no better, because pixels
+ * on outlines have 8 samples for one of others. Smooth radiance falls faster, but soon leaves the error to edges and
+ * noise: the share is never above 1.
  * n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see blocks).
  * Where it is not known (--error), the second part may be a few samples, whose difference says little. The quarters
  * then say most, and an earlier estimate remembers what the quarters of the quarters said.

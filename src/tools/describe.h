@@ -40,8 +40,8 @@ bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_
                        const bis_film *film, const bis_render_result *result);
 
 /* bis_describe_picture stores the header attributes of an EXR and returns their number: scene, integrator, its
- * parameters, asprinted (where some are), bis:approximated (where something is), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is
- * reserved by OpenEXR). */
+ * parameters, asprinted (where some are), bis:approximated (where something is), spp, seed, render_seconds,
+ * estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
 /* bis_stats_print prints the JSON of --stats, with the keys of docs/command-line.md. What does not apply is null. */

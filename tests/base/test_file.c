@@ -328,7 +328,8 @@ static void a_ring_of_links_and_a_long_name_are_refused(void **state)
     assert_int_equal(symlink("ring2", DIR_NAME "/ring1"), 0);
     assert_int_equal(symlink("ring1", DIR_NAME "/ring2"), 0);
     assert_int_equal(bis_outfile_open(&f, DIR_NAME "/ring1", &d), BIS_IO);
-    assert_string_equal(d.messages[0].text, DIR_NAME "/ring1: error: cannot write \"" DIR_NAME "/ring1\": Too many levels of symbolic links");
+    assert_string_equal(d.messages[0].text,
+        DIR_NAME "/ring1: error: cannot write \"" DIR_NAME "/ring1\": Too many levels of symbolic links");
     snprintf(path, sizeof path, DIR_NAME "/%0300d", 0);
     assert_int_equal(bis_outfile_open(&f, path, &d), BIS_IO);
     assert_non_null(strstr(d.messages[1].text, "File name too long"));
@@ -361,7 +362,8 @@ static void one_file_under_two_names_is_known(void **state)
     assert_int_equal(symlink("to_come", DIR_NAME "/early"), 0);
     assert_int_equal(symlink(".", DIR_NAME "/here"), 0);
     const struct { const char *a, *b; bool same; } cases[] = {
-        {"there", "there", true},          {"there", "./there", true},      {"there", "soft", true}, {"there", "hard", true},
+        {"there", "there", true},          {"there", "./there", true},      {"there", "soft", true},
+         {"there", "hard", true},
         {"there", "here/there", true},     {"there", "other", false},       {"to_come", "to_come", true},
         {"to_come", "here/to_come", true}, {"to_come", "early", true},      {"here/early", "to_come", true},
         {"to_come", "to_com", false},      {"to_come", "there", false},     {"in_no/folder", "in_no/folder", false},
@@ -370,7 +372,8 @@ static void one_file_under_two_names_is_known(void **state)
         char a[64], b[64];
         snprintf(a, sizeof a, DIR_NAME "/%s", cases[i].a);
         snprintf(b, sizeof b, DIR_NAME "/%s", cases[i].b);
-        if (bis_file_is_same(a, b) != cases[i].same || bis_file_is_same(b, a) != cases[i].same) fail_msg("%s and %s", a, b);
+        if (bis_file_is_same(a, b) != cases[i].same || bis_file_is_same(b, a) != cases[i].same)
+            fail_msg("%s and %s", a, b);
     }
 }
 
@@ -507,7 +510,8 @@ static void a_link_that_fails_is_an_error_which_says_why(void **state)
         assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
         failing_link = 0;
         assert_int_equal(links, i);
-        assert_string_equal(diag.messages[0].text, DIR_NAME "/linked: error: cannot write \"" DIR_NAME "/linked\": No space left on device");
+        assert_string_equal(diag.messages[0].text,
+            DIR_NAME "/linked: error: cannot write \"" DIR_NAME "/linked\": No space left on device");
         assert_file_is(DIR_NAME "/linked", "old");
         assert_int_equal(files_in_folder(), n);
         bis_diag_clear(&diag);
@@ -567,7 +571,8 @@ static void a_folder_in_the_place_of_the_name_beside_is_an_error(void **state)
     bis_diag diag = {0};
     assert_int_equal(bis_outfile_open(&f, DIR_NAME "/blocked", NULL), BIS_OK);
     assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
-    assert_string_equal(diag.messages[0].text, DIR_NAME "/blocked: error: cannot write \"" DIR_NAME "/blocked\": Not a directory");
+    assert_string_equal(
+        diag.messages[0].text, DIR_NAME "/blocked: error: cannot write \"" DIR_NAME "/blocked\": Not a directory");
     assert_file_is(DIR_NAME "/blocked", "old");
     assert_int_equal(files_in_folder(), n);
     bis_diag_clear(&diag);
@@ -656,13 +661,14 @@ static void assert_parses_like_strtod(const char *s)
 static void every_form_of_number_parses_as_by_strtod(void **state)
 {
     (void)state;
-    const char *const forms[] = {"0", "-0", "+0.0", "1", ".5", "5.", "-.5e1", "1e", "1e+", "1e-x", "1e5x", "1.5.5", ".", "-", "+",
-        "", "e5", ".e5", "x", "--1", "0x10", "0x1.8p3", "0xg", "00x1", "inf", "-INF", "infinity", "nan", "-nan", "nan(1)",
-        "1e22", "1e23", "1e-22", "1e-23", "9007199254740991", "9007199254740992", "9007199254740993", "9007199254740993e0",
-        "18446744073709551615", "18446744073709551616", "99999999999999999999", "1e400", "-1e400", "1e-400",
-        "4.9406564584124654e-324", "2.4703282292062327e-324", "2.2250738585072011e-308", "1.7976931348623158e308",
-        "0.000000000000000000000000000001e30", "100000000000000000000000000000e-29", "1e99999999999999999999",
-        "0e99999999999999999999", "1e-99999999999999999999", "000000000000000000000000000000.1", "123456789012345678901234567890",
+    const char *const forms[] = {"0", "-0", "+0.0", "1", ".5", "5.", "-.5e1", "1e", "1e+", "1e-x", "1e5x", "1.5.5", ".",
+        "-", "+", "", "e5", ".e5", "x", "--1", "0x10", "0x1.8p3", "0xg", "00x1", "inf", "-INF", "infinity", "nan",
+        "-nan", "nan(1)", "1e22", "1e23", "1e-22", "1e-23", "9007199254740991", "9007199254740992", "9007199254740993",
+        "9007199254740993e0", "18446744073709551615", "18446744073709551616", "99999999999999999999", "1e400", "-1e400",
+        "1e-400", "4.9406564584124654e-324", "2.4703282292062327e-324", "2.2250738585072011e-308",
+        "1.7976931348623158e308", "0.000000000000000000000000000001e30", "100000000000000000000000000000e-29",
+        "1e99999999999999999999", "0e99999999999999999999", "1e-99999999999999999999",
+        "000000000000000000000000000000.1", "123456789012345678901234567890",
         "0.1000000000000000055511151231257827021181583404541015625"};
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++)
         assert_parses_like_strtod(forms[i]);

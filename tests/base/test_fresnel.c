@@ -113,7 +113,8 @@ static void the_mean_is_walshs(void **state)
     assert_near(bis_fresnel_mean(1, 0), 0, 0);
 }
 
-/* Copper's red, gold's blue, silver's green, aluminium's red, water: back from both reflectances, and not from others. */
+/* Copper's red, gold's blue, silver's green, aluminium's red, water: back from both reflectances, and not from others.
+ */
 static void the_index_is_found_from_both_reflectances(void **state)
 {
     static const double eta[] = {0.2, 1.442, 0.117, 1.66, 1.33}, k[] = {3.912, 1.603, 3.122, 9.22, 0};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* sine: the nearest double, by 128-bit or 80-bit functions where long double has them, and the same on every machine. */
+/* sine: the nearest double, by 128-bit or 80-bit functions where long double has them, and the same on every machine.
+ */
 #include "base/sine.h"
 
 #include "bis/base/vec.h"

@@ -79,7 +79,8 @@ static void normal_p_is_two_sided_and_never_0_in_reach(void **state)
 /* Closed forms for 1, 2 and 4 degrees of freedom; tables for others; the normal law for very many. */
 static void student_p_has_its_closed_forms_and_agrees_with_the_tables(void **state)
 {
-    static const double table[][3] = {{2.228139, 10, 0.05}, {3.169273, 10, 0.01}, {2.042272, 30, 0.05}, {1.475884, 5, 0.2}};
+    static const double table[][3] = {
+        {2.228139, 10, 0.05}, {3.169273, 10, 0.01}, {2.042272, 30, 0.05}, {1.475884, 5, 0.2}};
     (void)state;
     for (double t = 1e-3; t < 1e4; t *= 1.7) {
         const double q = 1 + t * t / 4;
@@ -255,7 +256,8 @@ static void a_program_that_judges_another_number_than_it_tells_fails(void **stat
     assert_int_equal(system("mkdir -p build"), 0);
     snprintf(command, sizeof command, "%s 'a_constant*' >build/test_stats.out 2>&1", program_invocation_name);
     assert_int_not_equal(system(command), 0);
-    assert_int_equal(system("grep -q '1 p-values were judged, and stat_level was told 3: write 1$' build/test_stats.out"), 0);
+    assert_int_equal(
+        system("grep -q '1 p-values were judged, and stat_level was told 3: write 1$' build/test_stats.out"), 0);
     /* the twin: one test was asked for, and nobody promises the rest */
     snprintf(command, sizeof command, "BIS_TEST='a_constant*' %s >build/test_stats.out 2>&1", program_invocation_name);
     assert_int_equal(system(command), 0);

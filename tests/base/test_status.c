@@ -105,13 +105,37 @@ static void of_two_names_the_nearer_is_meant_and_of_equals_the_first(void **stat
 static void mistakes_are_counted_against_the_length_of_the_word(void **state)
 {
     (void)state;
-    static const struct { const char *word, *name; bool near; } cases[] = {
-        {"abcdefghijkl", "abcdefghwxyz", true}, {"abcdefghijkl", "abcdefgvwxyz", false}, {"abcdefghijkl", "abcdefgh", true}, {"abcdefghijkl", "abcdefg", false},
-        {"abcdefghijkl", "abcdefghijklmnop", true}, {"abcdefghijkl", "abcdefghijklmnopq", false}, {"abcdefghijk", "abcdefghxyz", true}, {"abcdefghijk", "abcdefgwxyz", false},
-        {"abcdef", "abcdxy", true}, {"abcdef", "abcwxy", false}, {"abcde", "abcdx", true}, {"abcde", "abcxy", false}, {"ab", "ax", true}, {"ab", "xy", false},
-        {"ab", "ba", true}, {"abcd", "bacd", true}, {"abcd", "abdc", true}, {"abcd", "acbd", true}, {"abcd", "badc", false}, {"abcdef", "badcef", true},
-        {"abc", "cab", false}, {"abc", "bca", false}, {"AbC", "aBc", true}, {"a", "", true}, {"ab", "", false}, {"", "a", true}, {"", "ab", false},
-        {"[x", "{x", true}, {"@@[[", "``{{", false}, /* neighbours of the letters in the alphabet's code are no letters */
+    static const struct { const char *word, *name; bool near;
+    } cases[] = {
+        {"abcdefghijkl", "abcdefghwxyz", true},
+        {"abcdefghijkl", "abcdefgvwxyz", false},
+        {"abcdefghijkl", "abcdefgh", true},
+        {"abcdefghijkl", "abcdefg", false},
+        {"abcdefghijkl", "abcdefghijklmnop", true},
+        {"abcdefghijkl", "abcdefghijklmnopq", false},
+        {"abcdefghijk", "abcdefghxyz", true},
+        {"abcdefghijk", "abcdefgwxyz", false},
+        {"abcdef", "abcdxy", true},
+        {"abcdef", "abcwxy", false},
+        {"abcde", "abcdx", true},
+        {"abcde", "abcxy", false},
+        {"ab", "ax", true},
+        {"ab", "xy", false},
+        {"ab", "ba", true},
+        {"abcd", "bacd", true},
+        {"abcd", "abdc", true},
+        {"abcd", "acbd", true},
+        {"abcd", "badc", false},
+        {"abcdef", "badcef", true},
+        {"abc", "cab", false},
+        {"abc", "bca", false},
+        {"AbC", "aBc", true},
+        {"a", "", true},
+        {"ab", "", false},
+        {"", "a", true},
+        {"", "ab", false},
+        {"[x", "{x", true},
+        {"@@[[", "``{{", false}, /* neighbours of the letters in the alphabet's code are no letters */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *found = bis_nearest_name(cases[i].word, &cases[i].name, 1);

@@ -36,8 +36,10 @@ static void a_percentage_is_written_as_a_person_writes_it(void **state)
 {
     (void)state;
     static const struct { double share; const char *text; } cases[] = {
-        {0, "0%"}, {1e-9, "below 0.0001%"}, {9.9e-7, "below 0.0001%"}, {1.01e-6, "0.0001%"}, {0.00034, "0.034%"}, {0.0123, "1.2%"},
-        {0.0994, "9.9%"}, {0.0996, "10%"}, {0.12, "12%"}, {0.994, "99%"}, {0.996, "100%"}, {1.7, "170%"}, {1.704, "170%"}, {123.4, "12340%"},
+        {0, "0%"}, {1e-9, "below 0.0001%"}, {9.9e-7, "below 0.0001%"}, {1.01e-6, "0.0001%"}, {0.00034, "0.034%"},
+         {0.0123, "1.2%"},
+        {0.0994, "9.9%"}, {0.0996, "10%"}, {0.12, "12%"}, {0.994, "99%"}, {0.996, "100%"}, {1.7, "170%"},
+         {1.704, "170%"}, {123.4, "12340%"},
         {9999.9, "999990%"}, {10001, "over 1000000%"}, {1e300, "over 1000000%"}, {(double)INFINITY, "over 1000000%"}};
     char text[BIS_PERCENT];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -46,7 +48,10 @@ static void a_percentage_is_written_as_a_person_writes_it(void **state)
     }
 }
 
-static size_t length_of(const unsigned char *c, size_t n) { return bis_utf8_length((const char *)c, (const char *)c + n); }
+static size_t length_of(const unsigned char *c, size_t n)
+{
+    return bis_utf8_length((const char *)c, (const char *)c + n);
+}
 
 /* Every character, written by RFC 3629's table of bits, has its length if all of it is there, and none if a byte lacks.
  * Then every text of up to three bytes and those of four with borders in the last two: as many are characters as there

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* threads: as many as the system gives, and none is left. A child with little address space stands for a machine without
- * threads. */
+/* threads: as many as the system gives, and none is left. A child with little address space stands for a machine
+ * without threads. */
 #include "bis/base/threads.h"
 
 #include "bis/base/mem.h"
@@ -94,8 +94,10 @@ static void too_many_are_an_error_and_the_program_goes_on(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
 
     /* the same by the program */
-    assert_int_equal(system("(ulimit -v 600000 && ${BIS_PROGRAM:-build/release/bis} --quiet --accelerator grid --nthreads 300 "
-                            "--spp 1 --outfile build/test_threads.pfm scene.txt) 2>build/test_threads.txt; test $? -eq 1"), 0);
+    assert_int_equal(
+        system("(ulimit -v 600000 && ${BIS_PROGRAM:-build/release/bis} --quiet --accelerator grid --nthreads 300 "
+               "--spp 1 --outfile build/test_threads.pfm scene.txt) 2>build/test_threads.txt; test $? -eq 1"),
+        0);
     assert_int_equal(system("grep -q '^scene.txt: error: the system started .* threads' build/test_threads.txt"), 0);
     assert_int_equal(system("! test -e build/test_threads.pfm"), 0);
 }

@@ -99,7 +99,8 @@ static void look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right(vo
     assert_vec3(bis_xform_point(&t, (vec3){1, 2, 3}), 0, 0, 0);
     assert_vec3(bis_xform_point(&t, (vec3){1, 2, 10}), 0, 0, 7);
     assert_vec3(bis_xform_vector(&t, (vec3){0, 1, 0}), 0, 1, 0);
-    assert_vec3(bis_xform_vector(&t, (vec3){1, 0, 0}), 1, 0, 0); /* left-handed: looking along +z with y up, +x is right */
+    assert_vec3(
+        bis_xform_vector(&t, (vec3){1, 0, 0}), 1, 0, 0); /* left-handed: looking along +z with y up, +x is right */
     assert_true(inverse_error(&t) < 8);
     assert_true(bis_xform_is_orthonormal(&t, 1e-15));
 }

@@ -43,7 +43,8 @@ static void clusters_share_the_curve_and_none_is_empty(void **state)
         double *sum = bis_alloc(c.n, sizeof *sum);
         const bis_envmap *em = bis_light_envmap(light);
         for (uint32_t p = 0; p < (uint32_t)(em->width * em->height); p++) {
-            sum[bis_cluster_of_pixel(&c, p)] += bis_importance_pdf_pixel(im, p) * em->row_solid_angle[p / (uint32_t)em->width];
+            sum[bis_cluster_of_pixel(&c, p)] +=
+                bis_importance_pdf_pixel(im, p) * em->row_solid_angle[p / (uint32_t)em->width];
         }
         for (uint32_t k = 0; k < c.n; k++) {
             assert_true(bis_cluster_share(&c, k) > 0);
@@ -130,7 +131,8 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
         const vec3 axis = {c.cone.x[k], c.cone.y[k], c.cone.z[k]};
         for (int i = 0; i < BIS_CLUSTER_DIRECTIONS; i++) {
             const bis_cluster_point *y = &c.y[(size_t)k * BIS_CLUSTER_DIRECTIONS + (size_t)i];
-            elsewhere += bis_cluster_of_pixel(&c, (uint32_t)bis_envmap_pixel(em, y->wi)) != k; /* the light's axes are the world's; floats next to an edge */
+            elsewhere += bis_cluster_of_pixel(&c, (uint32_t)bis_envmap_pixel(em, y->wi)) !=
+                         k; /* the light's axes are the world's; floats next to an edge */
             assert_true(dot(axis, y->wi) >= (double)c.cone.cosine[k] - 1e-6);
         }
     }
@@ -164,17 +166,20 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
     bis_clusters_fill(&c, light, SEED, 0, 1);
     for (int e = 0; e < 6; e++) {
         lit l;
-        lit_init(&l, light, bis_phong((rgb){0.1f, 0.2f, 0}, (rgb){0.9f, 0.3f, 0.5f}, exponents[e]), tilted(), 70, LIT_OPEN);
+        lit_init(
+            &l, light, bis_phong((rgb){0.1f, 0.2f, 0}, (rgb){0.9f, 0.3f, 0.5f}, exponents[e]), tilted(), 70, LIT_OPEN);
         bis_product_weigh(&p, &c, NULL, &l.pt.bsdf);
         double unit = 0, worst = (double)INFINITY;
-        for (int pass = 0; pass < 2; pass++) { /* the unit is whatever makes the bound hold; it must be the same for all clusters */
+        for (int pass = 0; pass < 2;
+            pass++) { /* the unit is whatever makes the bound hold; it must be the same for all clusters */
             for (uint32_t k = 0; k < c.n; k++) {
                 double mean = 0, most = 0;
                 for (int i = 0; i < BIS_CLUSTER_DIRECTIONS; i++) {
                     const bis_cluster_point *y = &c.y[(size_t)k * BIS_CLUSTER_DIRECTIONS + (size_t)i];
                     const double cosine = bis_bsdf_cos(&l.pt.bsdf, y->wi);
                     if (cosine <= 0) continue;
-                    const double F = rgbd_sum(bis_estimate(bis_bsdf_f(&l.pt.bsdf, y->wi), y->Le, cosine, (double)y->q_L));
+                    const double F =
+                        rgbd_sum(bis_estimate(bis_bsdf_f(&l.pt.bsdf, y->wi), y->Le, cosine, (double)y->q_L));
                     mean += F * bis_cluster_share(&c, k) / BIS_CLUSTER_DIRECTIONS;
                     most = fmax(most, F);
                 }
@@ -183,7 +188,8 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
             }
             if (pass == 0) unit = worst;
         }
-        const double peak = fmax((double)l.material.Ks.r * (exponents[e] + 1) * INV_PI / 2, (double)l.material.Kd.g * INV_PI);
+        const double peak =
+            fmax((double)l.material.Ks.r * (exponents[e] + 1) * INV_PI / 2, (double)l.material.Kd.g * INV_PI);
         assert_true(unit >= (1 - 1e-4) / peak);
     }
     bis_product_clear(&p);
@@ -305,7 +311,8 @@ static void candidates_have_the_density_that_they_say(void **state)
         open_workspace(&w, light, &s, true);
         bis_clusters_fill(&w.c, light, SEED, 0, 1);
         lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), exponents[e]), tilted(), 40, LIT_OPEN);
-        double *observed = bis_alloc(w.c.n, sizeof *observed), *expected = bis_alloc(w.c.n, sizeof *expected), *even = bis_alloc(w.c.n, sizeof *even);
+        double *observed = bis_alloc(w.c.n, sizeof *observed), *expected = bis_alloc(w.c.n, sizeof *expected),
+               *even = bis_alloc(w.c.n, sizeof *even);
         bis_set *x = w.scratch.set;
         double W = 0;
         for (uint64_t run_number = 0; run_number < SETS; run_number++) {
@@ -325,7 +332,8 @@ static void candidates_have_the_density_that_they_say(void **state)
                 const double q = bis_light_pdf(light, wi) / bis_cluster_share(&w.c, k) * (double)bound[k] / W;
                 uint32_t at;
                 assert_true(h[k] > 0);
-                if (bis_cluster_of_pixel(&w.c, (uint32_t)bis_envmap_pixel(bis_light_envmap(light), wi)) != k) continue; /* floats next to an edge */
+                if (bis_cluster_of_pixel(&w.c, (uint32_t)bis_envmap_pixel(bis_light_envmap(light), wi)) != k)
+                    continue; /* floats next to an edge */
                 const double q_L = (double)bis_set_half(x, number, &at)->x.q[at];
                 if (fabs(q_L - q) > 0x1p-20 * q) fail_msg("exponent %g: density %g, not %g", exponents[e], q_L, q);
             }
@@ -347,9 +355,10 @@ static void candidates_have_the_density_that_they_say(void **state)
 static void product_is_unbiased_with_and_without_learned_visibility(void **state)
 {
     static const uint32_t Ms[] = {1, 3, 17, 256};
-    const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1), bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
-                                      bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50),
-                                      bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 1000)}; /* which gets candidates from the BRDF, too */
+    const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1),
+        bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
+        bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50),
+        bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 1000)}; /* which gets candidates from the BRDF, too */
     (void)state;
     for (int i = 0; i < 4 * 4 * 2; i++) {
         bis_light *light = lit_new_light(maps[(i / 4 + i / 16) % 2], 1, 0.15, false);
@@ -576,8 +585,8 @@ static void count(bis_visibility_guess *f, bis_visibility *v, uint32_t k, uint32
     }
 }
 
-/* What a tile expects of a part of 128, from the top of the map down: each half of a piece is drawn towards the whole by
- * three rays a part. In double, by intervals. */
+/* What a tile expects of a part of 128, from the top of the map down: each half of a piece is drawn towards the whole
+ * by three rays a part. In double, by intervals. */
 static double expected_mean(const int rays[128], const int seen[128], int part)
 {
     double m = 0;
@@ -772,7 +781,8 @@ static void rays_are_counted_and_V_1_of_a_layer_is_not_learned_from(void **state
         l.counters = (bis_counters){0};
         for (uint64_t k = 0; k < 100; k++) lit_once(&l, &s, &w.scratch, SEED, k);
         assert_true(l.counters.shadow_rays > 300);
-        for (int part = 0; part < BIS_VISIBILITY_PARTS; part++) rays += w.v.counted->rays[part], seen += w.v.counted->seen[part];
+        for (int part = 0; part < BIS_VISIBILITY_PARTS; part++)
+            rays += w.v.counted->rays[part], seen += w.v.counted->seen[part];
         assert_int_equal(rays, learns ? l.counters.shadow_rays : 0);
         assert_true(learns ? seen > rays / 10 && seen < rays : seen == 0);
     }
@@ -828,8 +838,8 @@ static void without_memory_nothing_is_held(void **state)
     bis_light_free(light);
 }
 
-/* Candidates of one cluster are m D/times behind the first of them, rounded either way, for m = 0, 1, ...: so none occurs
- * twice where there are at most D. */
+/* Candidates of one cluster are m D/times behind the first of them, rounded either way, for m = 0, 1, ...: so none
+ * occurs twice where there are at most D. */
 static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void **state)
 {
     enum { D = BIS_CLUSTER_DIRECTIONS, M = 800 };

@@ -166,7 +166,9 @@ static stated stated_of_facets(const bis_bsdf *b, vec3 wi, double cos_i)
                           fmax(stated_of_fresnel((double)Ks.g, (double)eta.g, cos_d),
                                stated_of_fresnel((double)Ks.b, (double)eta.b, cos_d)));
     const bool has_lobe = b->p_specular > 0;
-    const double of_cosine = 0x1p-20 / fabs(cos_i) + 0x1p-19, lobe = !has_lobe ? 0 : cos_d > 0 ? 0x1p-18 / cos_d : (double)INFINITY;
+    const double of_cosine = 0x1p-20 / fabs(cos_i) + 0x1p-19, lobe = !has_lobe   ? 0
+                                                                     : cos_d > 0 ? 0x1p-18 / cos_d
+                                                                                 : (double)INFINITY;
 
     return (stated){of_cosine + lobe + (has_lobe ? F : 0), of_cosine + lobe, 0x1p-20, 0, 0, false,
                     has_lobe && fabs(s_z) <= 0x1p-20};
@@ -294,7 +296,8 @@ static void nothing_is_ever_nan(void **state)
         bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, (vec3){side, 0, h});
         for (uint32_t i = 0; i < 16; i++) {
             const vec3 wi = (const vec3[]){{0, 0, -1}, {1, 0, 0}, {0, -1, 0}, {0.6f, 0, -0.8f}, neg(b.wo),
-                                           {1, 0, -1e-30f}, {-side, 0, h}, {0, 0, 1}, {0, 1, 1e-30f}, {0, 0, 0}}[i % 10];
+                                           {1, 0, -1e-30f}, {-side, 0, h}, {0, 0, 1}, {0, 1, 1e-30f},
+                                            {0, 0, 0}}[i % 10];
             l.y.x[i] = wi.x, l.y.y[i] = wi.y, l.y.z[i] = wi.z;
         }
         bis_bsdf_f_many(&l.f, &b, &l.y, 16);

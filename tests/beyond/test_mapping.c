@@ -226,7 +226,8 @@ static void a_smooth_map_comes_back(void **state)
         assert_true(fabs(back.power_after / (24 * PI) - 1) < 1e-3);
         for (size_t i = 0; i < map_n(&em); i++) {
             const rgb a = em.pixels[i], b = back.pixels[i];
-            worst = fmax(worst, fmax(fabs((double)(a.r - b.r)), fmax(fabs((double)(a.g - b.g)), fabs((double)(a.b - b.b)))));
+            worst = fmax(
+                worst, fmax(fabs((double)(a.r - b.r)), fmax(fabs((double)(a.g - b.g)), fabs((double)(a.b - b.b)))));
         }
         /* a pixel away: 2 pi / 256 where pixels are as wide as usual, and the last rows of a disc's rim are wider: the
          * outermost ring of the ball's 163 pixels across spans acos(1 - 4/163) */
@@ -272,15 +273,16 @@ static void a_sun_of_one_pixel_keeps_its_energy(void **state)
     (void)state;
     /* behind, at the seam, is the rim of discs; (64, 31) is the middle of pictures; a corner of a cube is at 45 degrees
      * and atan(sqrt(1/2)) above the horizon */
-    static const int places[][2] = {{0, 0}, {77, 0}, {127, 63}, {30, 1}, {0, 31}, {127, 32}, {127, 31}, {1, 30}, {64, 31}, {16, 19},
-                                    {80, 19}, {47, 44}, {32, 32}};
+    static const int places[][2] = {{0, 0}, {77, 0}, {127, 63}, {30, 1}, {0, 31}, {127, 32}, {127, 31}, {1, 30},
+        {64, 31}, {16, 19}, {80, 19}, {47, 44}, {32, 32}};
     enum { PLACES = sizeof places / sizeof *places, RANDOM = 9 };
     double worst = 0;
     uint32_t seed = 7;
     for (size_t k = 0; k < N_SHAPES; k++) {
         for (int i = 0; i < PLACES + RANDOM; i++) {
             seed = seed * 1664525 + 1013904223;
-            const int x = i < PLACES ? places[i][0] : (int)(seed >> 8) % 128, y = i < PLACES ? places[i][1] : (int)(seed >> 20) % 64;
+            const int x = i < PLACES ? places[i][0] : (int)(seed >> 8) % 128,
+                      y = i < PLACES ? places[i][1] : (int)(seed >> 20) % 64;
             bis_envmap em = grey_map(128, .01f);
             em.pixels[128 * y + x] = (rgb){5000 / (float)sin(PI * (y + .5) / 64), 4000, 3000};
             bis_envmap back = there_and_back(&em, k, 0, &worst);
@@ -389,8 +391,9 @@ static void a_lamp_has_its_shares_on_its_edges(void **state)
         for (int x = 0; x < 16; x++) {
             const double across = x == 3 || x == 4 ? 1 : x == 5 ? 1. / 3 : x == 2 ? 1. / 3 : 0;
             /* rows 2 to 5: 60 to 120 degrees of 22.5 each */
-            const double down = y == 3 || y == 4 ? 1
-                                : y == 2 || y == 5 ? (cos(PI / 3) - cos(PI * 3 / 8)) / (cos(PI / 4) - cos(PI * 3 / 8)) : 0;
+            const double down = y == 3 || y == 4   ? 1
+                                : y == 2 || y == 5 ? (cos(PI / 3) - cos(PI * 3 / 8)) / (cos(PI / 4) - cos(PI * 3 / 8))
+                                                   : 0;
             assert_near((double)image.pixels[16 * y + x].r, 3 * across * down, .1);
         }
     bis_image_clear(&image);
@@ -449,7 +452,8 @@ static void threads_do_not_change_a_bit(void **state)
         assert_int_equal(bis_envmap_to_mapping(&first, &em, shapes[k].mapping, 0, power, NULL), BIS_OK);
         omp_set_num_threads(5);
         assert_int_equal(bis_envmap_to_mapping(&image, &em, shapes[k].mapping, 0, power, NULL), BIS_OK);
-        assert_memory_equal(first.pixels, image.pixels, (size_t)image.width * (size_t)image.height * sizeof *image.pixels);
+        assert_memory_equal(
+            first.pixels, image.pixels, (size_t)image.width * (size_t)image.height * sizeof *image.pixels);
         bis_image_clear(&first);
         bis_image_clear(&image);
     }
@@ -475,8 +479,9 @@ static void a_radiance_that_no_float_holds_is_an_error(void **state)
             bis_envmap_clear(&other);
         } else {
             assert_true(diag.n_errors == 1 && status == BIS_INPUT);
-            assert_non_null(strstr(diag.messages[0].text, "a map of mapping \"equalarea\" would get a radiance of more than "
-                                                          "3.40282e+38, which no float holds; divide the map by 1000"));
+            assert_non_null(
+                strstr(diag.messages[0].text, "a map of mapping \"equalarea\" would get a radiance of more than "
+                                              "3.40282e+38, which no float holds; divide the map by 1000"));
             assert_null(image.pixels);
             n_errors++;
         }
@@ -495,7 +500,8 @@ static void bad_values_count_inside_the_map_alone(void **state)
         bis_image image = black(shapes[k].width, shapes[k].height);
         bis_envmap em;
         /* the first pixel is outside of discs and crosses; pixel (97, 70) is inside of all but the strips */
-        const bool has_corner = shapes[k].mapping == BIS_MAPPING_EQUALAREA || shapes[k].mapping == BIS_MAPPING_CUBE_STRIP;
+        const bool has_corner =
+            shapes[k].mapping == BIS_MAPPING_EQUALAREA || shapes[k].mapping == BIS_MAPPING_CUBE_STRIP;
         image.pixels[0].r = NAN;
         if (image.height > 70 && image.width > 97) image.pixels[70 * image.width + 97].b = -1;
         assert_int_equal(bis_envmap_from_mapping(&em, &image, shapes[k].mapping, 16, NULL), BIS_OK);
@@ -511,7 +517,8 @@ static void a_shape_that_does_not_fit_is_an_error(void **state)
 {
     (void)state;
     const struct { bis_mapping mapping; int width, height; const char *message; } rows[] = {
-        {BIS_MAPPING_EQUALAREA, 8, 4, "error: a map of mapping \"equalarea\" must be square, this one is 8 x 4; is it a "
+        {BIS_MAPPING_EQUALAREA, 8, 4, "error: a map of mapping \"equalarea\" must be square, this one is 8 x 4; is it "
+         "a "
                                       "\"latlong\" map?"},
         {BIS_MAPPING_MIRRORBALL, 4, 8, "must be square, this one is 4 x 8"},
         {BIS_MAPPING_VERTICAL_CROSS, 8, 6, "must be of 3 x 4 square faces, this one is 8 x 6"},
@@ -524,7 +531,8 @@ static void a_shape_that_does_not_fit_is_an_error(void **state)
         bis_diag diag = {0};
         bis_envmap em;
         assert_int_equal(bis_envmap_from_mapping(&em, &image, rows[i].mapping, 0, &diag), BIS_INPUT);
-        assert_true(diag.n_errors == 1 && strstr(diag.messages[0].text, rows[i].message) && !em.pixels && !em.resampled_from);
+        assert_true(
+            diag.n_errors == 1 && strstr(diag.messages[0].text, rows[i].message) && !em.pixels && !em.resampled_from);
         bis_diag_clear(&diag);
         bis_image_clear(&image);
     }

@@ -147,7 +147,8 @@ static void assert_follows(bis_material (*material_of)(int which, double roughne
         assert_near((double)f.r, g.r, of_f * g.r);
         assert_near((double)f.g, g.g, of_f * g.g);
         assert_near((double)f.b, g.b, of_f * g.b);
-        if (m.model == &bis_plastic_model) assert_near((double)f.b, 0.3 / PI, 1e-7); /* no lobe: Lambert's base, whole */
+        if (m.model == &bis_plastic_model)
+            assert_near((double)f.b, 0.3 / PI, 1e-7); /* no lobe: Lambert's base, whole */
     }
 }
 

@@ -125,8 +125,8 @@ static void replace(bis_pool *p, uint32_t (*from)(uint32_t i, uint32_t M))
     }
 }
 
-/* Each odd direction replaced by its neighbour: every second piece of the map is forgotten. The first half of each set in
- * place of the whole: the first n of a set are no fair sample of it. */
+/* Each odd direction replaced by its neighbour: every second piece of the map is forgotten. The first half of each set
+ * in place of the whole: the first n of a set are no fair sample of it. */
 static uint32_t even_one(uint32_t i, uint32_t M) { (void)M; return i & ~1u; }
 static uint32_t of_first_half(uint32_t i, uint32_t M) { return i % (M / 2); }
 static void forget_odd_directions(bis_pool *p) { replace(p, even_one); }

@@ -156,7 +156,8 @@ static void every_pair_of_values_is_in_the_covering_set_and_none_is_idle(void **
     assert_true(covers_all_pairs(cover, n));
     assert_false(covers_all_pairs(cover, n - 1));
     assert_true(n >= N_METHODS * 5 && n <= N_METHODS * 5 * 3 / 2); /* the two longest lists; half as much again */
-    print_message("%d combinations cover all pairs; the full product has %d\n", n, N_METHODS * 5 * 2 * 2 * 3 * 2 * 3 * 4);
+    print_message(
+        "%d combinations cover all pairs; the full product has %d\n", n, N_METHODS * 5 * 2 * 2 * 3 * 2 * 3 * 4);
 }
 
 /* ---- running them ---- */
@@ -173,7 +174,8 @@ static double rounded(float x) { return sqrt((double)x); }
 
 static bis_light *new_light(double b, bool coloured)
 {
-    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .area_exponent = b, .levels = 8, .to_world = bis_xform_identity()};
+    const bis_light_desc desc = {
+        .L = {1, 1, 1}, .scale = 1, .area_exponent = b, .levels = 8, .to_world = bis_xform_identity()};
     bis_light *spotty = lit_new_light(LIT_SPOTTY, 1, 0, false), *light;
     const bis_envmap *from = bis_light_envmap(spotty);
     bis_image image;
@@ -208,7 +210,8 @@ static stage *new_stage(void)
             lit_init(l, s->lights[i / 9][c], materials[c][i % 3], n, 40, (lit_hidden)(i / 3 % 3));
         }
         for (int m = 0; m < 3; m++) { /* the truth does not know b */
-            for (int hidden = 0; hidden < 3; hidden++) s->truth[m][hidden][c] = lit_truth(&s->points[m][hidden][c][0], true);
+            for (int hidden = 0; hidden < 3; hidden++)
+                s->truth[m][hidden][c] = lit_truth(&s->points[m][hidden][c][0], true);
             s->unshadowed[m][c] = s->truth[m][LIT_OPEN][c];
         }
         for (int m = 0; m < 3; m++) { /* half hidden is worth its name for every material */
@@ -265,16 +268,19 @@ static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_
 
 static void check(stage *s, const combination *c, uint32_t effort, double alpha)
 {
-    static const bis_sampler_kind kinds[] = {BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
+    static const bis_sampler_kind kinds[] = {
+        BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
     const int *v = c->value;
     const method *by = &methods[v[METHOD]];
     const bis_settings settings = settings_of(by, counts_M[v[CANDIDATES]], counts_N[v[SHADOWRAYS]]);
-    const bool counts = by->integrator == &bis_sir || by->integrator == &bis_rejection || by->integrator == &bis_unoccluded;
+    const bool counts =
+        by->integrator == &bis_sir || by->integrator == &bis_rejection || by->integrator == &bis_unoccluded;
     const uint32_t cost = (counts ? settings.candidates : settings.samples) + 3;
     const uint32_t runs = by->integrator == &bis_exact ? 40 : effort / cost;
     const uint64_t seed = SEED + (uint64_t)(v[METHOD] * 1000 + v[CANDIDATES] * 100 + v[HIDDEN] * 10 + v[MATERIAL]);
     lit *l = &s->points[v[MATERIAL]][v[HIDDEN]][v[COLOUR]][v[AREA_WEIGHT]];
-    const rgbd truth = by->integrator == &bis_unoccluded ? s->unshadowed[v[MATERIAL]][v[COLOUR]] : s->truth[v[MATERIAL]][v[HIDDEN]][v[COLOUR]];
+    const rgbd truth = by->integrator == &bis_unoccluded ? s->unshadowed[v[MATERIAL]][v[COLOUR]]
+                                                         : s->truth[v[MATERIAL]][v[HIDDEN]][v[COLOUR]];
     stat_moments m[4];
 
     l->kind = kinds[v[POINT_SET]];
@@ -283,9 +289,11 @@ static void check(stage *s, const combination *c, uint32_t effort, double alpha)
     } else {
         lit_run(m, l, &settings, runs, seed);
     }
-    if (stat_mean(&m[0], truth.r, alpha).rejected || stat_mean(&m[1], truth.g, alpha).rejected || stat_mean(&m[2], truth.b, alpha).rejected) {
-        print_error("%s, M %u, N %u, b %g, hidden %d, colour %d, material %d, points %d:\n", by->name, (unsigned)settings.candidates,
-                    (unsigned)counts_N[v[SHADOWRAYS]], exponents_b[v[AREA_WEIGHT]], v[HIDDEN], v[COLOUR], v[MATERIAL], v[POINT_SET]);
+    if (stat_mean(&m[0], truth.r, alpha).rejected || stat_mean(&m[1], truth.g, alpha).rejected ||
+        stat_mean(&m[2], truth.b, alpha).rejected) {
+        print_error("%s, M %u, N %u, b %g, hidden %d, colour %d, material %d, points %d:\n", by->name,
+            (unsigned)settings.candidates, (unsigned)counts_N[v[SHADOWRAYS]], exponents_b[v[AREA_WEIGHT]], v[HIDDEN],
+            v[COLOUR], v[MATERIAL], v[POINT_SET]);
     }
     stat_assert_mean(by->name, seed, &m[0], truth.r, alpha);
     stat_assert_mean(by->name, seed, &m[1], truth.g, alpha);
@@ -301,7 +309,8 @@ static void check(stage *s, const combination *c, uint32_t effort, double alpha)
 static bool is_idle(const combination *c)
 {
     const method *by = &methods[c->value[METHOD]];
-    const bool has_M = by->integrator == &bis_sir || by->integrator == &bis_rejection || by->integrator == &bis_unoccluded;
+    const bool has_M =
+        by->integrator == &bis_sir || by->integrator == &bis_rejection || by->integrator == &bis_unoccluded;
 
     if (!has_M && c->value[CANDIDATES] > 0) return true;
     if (by->proposal == BIS_PROPOSAL_BRDF && c->value[AREA_WEIGHT] > 0) return true;

@@ -19,8 +19,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* --- a command of our own
- * ------------------------------------------------------------------------------------------ */
+/* ---- a command of our own ---- */
 
 typedef struct values {
     bool flag, quiet, has_count;
@@ -72,9 +71,11 @@ static void with_table(run_result *r, values *v, int argc, const char *const *ar
         {.name = "flag", .help = "a flag", .kind = BIS_OPTION_FLAG, .value = &v->flag},
         {.name = "text", .argument = "F", .help = "a text", .kind = BIS_OPTION_TEXT, .value = &v->text},
         {.name = "list", .argument = "F", .help = "a list", .kind = BIS_OPTION_LIST, .value = &v->list},
-        {.name = "count", .argument = "N", .help = "a count that needs a long, long explanation which does not fit into one line of eighty columns",
+        {.name = "count", .argument = "N", .help = "a count that needs a long, long explanation which does not fit "
+         "into one line of eighty columns",
          .kind = BIS_OPTION_COUNT, .value = &v->count, .given = &v->has_count, .lo = 1, .hi = 1000},
-        {.name = "real", .argument = "X", .help = "a number", .kind = BIS_OPTION_REAL, .value = &v->real, .above = true, .hi = (double)INFINITY},
+        {.name = "real", .argument = "X", .help = "a number", .kind = BIS_OPTION_REAL, .value = &v->real, .above = true,
+         .hi = (double)INFINITY},
         {.name = "big", .argument = "N", .help = "any count", .kind = BIS_OPTION_COUNT, .value = &v->big, .lo = 3,
          .hi = 0x1p64},
         {.name = "least", .argument = "X", .help = "at least 2", .kind = BIS_OPTION_REAL, .value = &v->least, .lo = 2,
@@ -85,11 +86,19 @@ static void with_table(run_result *r, values *v, int argc, const char *const *ar
         {.name = "time", .argument = "S", .help = "a time", .kind = BIS_OPTION_SECONDS, .value = &v->seconds,
             .above = true, .hi = 1e8},
         {.name = "quiet", .help = "no warnings", .kind = BIS_OPTION_FLAG, .value = &v->quiet},
-        {.name = "colour", .argument = "C", .help = "a name", .kind = BIS_OPTION_NAME, .value = &v->name, .names = colours},
-        {.name = "own-and-rather-long-name", .argument = "Y", .help = "an own one", .kind = BIS_OPTION_OWN, .value = &v->own, .read = read_yes, .rule = "yes"},
+        {.name = "colour", .argument = "C", .help = "a name", .kind = BIS_OPTION_NAME, .value = &v->name,
+         .names = colours},
+        {.name = "own-and-rather-long-name", .argument = "Y", .help = "an own one", .kind = BIS_OPTION_OWN,
+         .value = &v->own, .read = read_yes, .rule = "yes"},
     };
-    const bis_command command = {.name = "test", .usage = "test [options] A [B]", .summary = "a command", .options = options,
-                                 .n_options = sizeof options / sizeof *options, .min_operands = 1, .max_operands = 2, .notes = "Notes.\n"};
+    const bis_command command = {.name = "test",
+        .usage = "test [options] A [B]",
+        .summary = "a command",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 2,
+        .notes = "Notes.\n"};
     char *arguments[32];
     for (int i = 0; i < argc; i++) arguments[i] = strdup(argv[i]);
     mkdir("build", 0777);
@@ -118,13 +127,13 @@ static void clear(run_result *r, values *v)
     const char *const argv[] = {__VA_ARGS__};                                        \
     with_table(&r, &v, (int)(sizeof argv / sizeof *argv), argv)
 
-/* --- reading
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- reading ---- */
 
 static void options_and_operands_may_be_mixed(void **state)
 {
     (void)state;
-    RUN("a", "--count", "12", "--flag", "b", "--real=0.5", "--text", "-", "--list", "x", "--list=y=z", "--colour", "green");
+    RUN("a", "--count", "12", "--flag", "b", "--real=0.5", "--text", "-", "--list", "x", "--list=y=z", "--colour",
+        "green");
     assert_true(r.go_on);
     assert_int_equal(r.n_operands, 2);
     assert_string_equal(r.operands[0], "a");
@@ -179,7 +188,8 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         {{"a", "--count", "-1"}, "bis: error: --count is \"-1\", must be an integer in [1, 1000]\n"},
         {{"a", "--count", "1.5"}, "bis: error: --count is \"1.5\", must be an integer in [1, 1000]\n"},
         {{"a", "--count", ""}, "bis: error: --count is \"\", must be an integer in [1, 1000]\n"},
-        {{"a", "--count", "99999999999999999999999"}, "bis: error: --count is \"99999999999999999999999\", must be an integer in [1, 1000]\n"},
+        {{"a", "--count", "99999999999999999999999"}, "bis: error: --count is \"99999999999999999999999\", must be an "
+         "integer in [1, 1000]\n"},
         {{"a", "--real", "0"}, "bis: error: --real is \"0\", must be a number > 0\n"},
         {{"a", "--real", "nan"}, "bis: error: --real is \"nan\", must be a number > 0\n"},
         {{"a", "--real", "inf"}, "bis: error: --real is \"inf\", must be a number > 0\n"},
@@ -187,7 +197,8 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
         {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
         {{"a", "--big", "2"}, "bis: error: --big is \"2\", must be an integer >= 3, below 2^64\n"},
-        {{"a", "--big", "18446744073709551616"}, "bis: error: --big is \"18446744073709551616\", must be an integer >= 3, "
+        {{"a", "--big", "18446744073709551616"}, "bis: error: --big is \"18446744073709551616\", must be an integer >= "
+         "3, "
             "below 2^64\n"},
         {{"a", "--least", "1.9"}, "bis: error: --least is \"1.9\", must be a number >= 2\n"},
         {{"a", "--share", "-0.01"}, "bis: error: --share is \"-0.01\", must be a number in [0, 1]\n"},
@@ -207,8 +218,10 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
         {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
         {{"a", "--flag=1"}, "bis: error: --flag takes no value, has \"1\"\n"},
-        {{"a", "--colour", "gren"}, "bis: error: --colour: no such thing as \"gren\" (did you mean \"green\"?); it is one of red, green, blue\n"},
-        {{"a", "--colour", "octarine"}, "bis: error: --colour: no such thing as \"octarine\"; it is one of red, green, blue\n"},
+        {{"a", "--colour", "gren"}, "bis: error: --colour: no such thing as \"gren\" (did you mean \"green\"?); it is "
+         "one of red, green, blue\n"},
+        {{"a", "--colour", "octarine"}, "bis: error: --colour: no such thing as \"octarine\"; it is one of red, green, "
+         "blue\n"},
         {{"a", "--own-and-rather-long-name", "no"}, "bis: error: --own-and-rather-long-name is \"no\", must be yes\n"},
         {{"a", "--cuont"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
         {{"a", "--hlep"}, "bis: error: unknown option \"--hlep\" (did you mean \"--help\"?)\n"},
@@ -303,8 +316,7 @@ static void all_mistakes_are_reported_in_one_go(void **state)
     clear(&r, &v);
 }
 
-/* --- help
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- help ---- */
 
 static void help_names_every_option_within_80_columns(void **state)
 {
@@ -313,7 +325,8 @@ static void help_names_every_option_within_80_columns(void **state)
     assert_false(r.go_on);
     assert_int_equal(r.exit_status, 0);
     assert_string_equal(r.messages, "");
-    const char *names[] = {"--flag ", "--text F", "--list F", "--count N", "--real X", "--colour C", "--own-and-rather-long-name Y", "--help", "--version", "Notes.", "usage: bis test [options] A [B]\n"};
+    const char *names[] = {"--flag ", "--text F", "--list F", "--count N", "--real X", "--colour C",
+        "--own-and-rather-long-name Y", "--help", "--version", "Notes.", "usage: bis test [options] A [B]\n"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) assert_non_null(strstr(r.output, names[i]));
     for (const char *line = r.output; *line;) {
         size_t n = strcspn(line, "\n");
@@ -352,8 +365,7 @@ static void help_and_version_have_a_letter(void **state)
     }
 }
 
-/* --- files
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- files ---- */
 
 static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
 {
@@ -408,12 +420,15 @@ static void no_output_replaces_another_file(void **state)
     static const struct { const char *outputs[3]; size_t n; const char *message; } cases[] = {
         {{"build/test_cli.out1", "build/test_cli.out2"}, 2, NULL},
         {{"build/test_cli.out1", "build/./test_cli.in2"}, 2,
-         "bis: error: output \"build/./test_cli.in2\" would replace \"build/test_cli.in2\", which is read; give the output another "
+         "bis: error: output \"build/./test_cli.in2\" would replace \"build/test_cli.in2\", which is read; give the "
+         "output another "
          "name"},
-        {{"build/test_cli.link"}, 1, "bis: error: output \"build/test_cli.link\" would replace \"build/test_cli.in\", which is "
+        {{"build/test_cli.link"}, 1, "bis: error: output \"build/test_cli.link\" would replace \"build/test_cli.in\", "
+         "which is "
                                      "read; give the output another name"},
         {{"build/test_cli.out1", "build/test_cli.out2", "build/./test_cli.out1"}, 3,
-         "bis: error: outputs \"build/test_cli.out1\" and \"build/./test_cli.out1\" are one file; give one of them another name"},
+         "bis: error: outputs \"build/test_cli.out1\" and \"build/./test_cli.out1\" are one file; give one of them "
+         "another name"},
         {{"-", "-", "/dev/null"}, 3, NULL},
         {{"/dev/null", "/dev/null", "-"}, 3, NULL},
     };
@@ -439,8 +454,7 @@ static void exit_statuses_are_those_of_the_contract(void **state)
     assert_int_equal(bis_cli_exit_status(BIS_INPUT), 2);
 }
 
-/* --- json
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- json ---- */
 
 static void json_is_valid_for_any_number_and_any_bytes(void **state)
 {
@@ -480,7 +494,8 @@ static void json_is_valid_for_any_number_and_any_bytes(void **state)
     assert_string_equal(json_value(buf, sizeof buf, text, "nothing"), "null");
     /* Surrogates, overlong forms, bytes that begin nothing, cut sequences: one U+FFFD a byte. */
     assert_string_equal(json_value(buf, sizeof buf, text, "utf8"),
-                        "\"\xc3\xa4\xe2\x82\xac\xf0\x9f\x98\x80 \\ufffd\\ufffd\\ufffd \\ufffd\\ufffd \\ufffd \\ufffd\\ufffd\"");
+                        "\"\xc3\xa4\xe2\x82\xac\xf0\x9f\x98\x80 \\ufffd\\ufffd\\ufffd \\ufffd\\ufffd \\ufffd "
+                        "\\ufffd\\ufffd\"");
     free(text);
 }
 
@@ -489,7 +504,8 @@ static void the_json_reader_refuses_what_is_no_json(void **state)
 {
     (void)state;
     const char *good[] = {"{}", " [1, -0.5e+3, \"a\\u00e4\"] ", "null", "{\"a\": {\"b\": []}}"};
-    const char *bad[] = {"", "{", "{\"a\" 1}", "{\"a\": 1,}", "[1 2]", "nan", "01", "1.", "\"\n\"", "\"\\x\"", "{} {}", "{a: 1}", "+1", "\"\\u12\""};
+    const char *bad[] = {"", "{", "{\"a\" 1}", "{\"a\": 1,}", "[1 2]", "nan", "01", "1.", "\"\n\"", "\"\\x\"", "{} {}",
+        "{a: 1}", "+1", "\"\\u12\""};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_true(json_is_valid(good[i]));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(json_is_valid(bad[i]));
 }

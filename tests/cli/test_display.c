@@ -203,7 +203,8 @@ static struct {
     atomic_bool hangs, is_asked, has_answered;
 } resolver;
 
-int getaddrinfo(const char *restrict host, const char *restrict port, const struct addrinfo *restrict hints, struct addrinfo **restrict all)
+int getaddrinfo(const char *restrict host, const char *restrict port, const struct addrinfo *restrict hints,
+    struct addrinfo **restrict all)
 {
     static int (*real)(const char *, const char *, const struct addrinfo *, struct addrinfo **);
     if (!real) *(void **)&real = dlsym(RTLD_NEXT, "getaddrinfo");
@@ -305,7 +306,8 @@ static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
     free(v.data);
 }
 
-/* A name server that says nothing for a minute: the render's side leaves before, and the thread cleans up when it hears. */
+/* A name server that says nothing for a minute: the render's side leaves before, and the thread cleans up when it
+ * hears. */
 static void a_name_server_that_is_silent_is_not_waited_for(void **state)
 {
     (void)state;
@@ -326,7 +328,9 @@ static void a_name_server_that_is_silent_is_not_waited_for(void **state)
         assert_true(resolver.has_answered == !hangs); /* the twin is answered, and shows its picture */
         assert_int_equal(diag.n, hangs);
         assert_int_equal(bis_display_is_left(), hangs); /* bis then says nothing of the memory of the thread */
-        if (hangs) assert_non_null(strstr(diag.messages[0].text, "no answer from the name server or the viewer; the render went on without"));
+        if (hangs)
+            assert_non_null(strstr(diag.messages[0].text, "no answer from the name server or the viewer; the render "
+                                                          "went on without"));
         resolver.hangs = false;
         for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
         close_viewer(&v);
@@ -359,7 +363,8 @@ static void the_viewer_gets_the_picture_bit_by_bit(void **state)
         const int x0 = i ? 6 : 0, y0 = i ? 8 : 0;
         assert_true(image.width == (i ? 12 : 24) && image.height == (i ? 8 : 16));
         for (int y = 0; y < image.height; y++)
-            assert_memory_equal(&shown[3 * ((y + y0) * width + x0)], &image.pixels[y * image.width], 12 * (size_t)image.width);
+            assert_memory_equal(
+                &shown[3 * ((y + y0) * width + x0)], &image.pixels[y * image.width], 12 * (size_t)image.width);
         bis_image_clear(&image);
         free(shown);
         free(v.data);
@@ -375,7 +380,9 @@ static void the_viewer_gets_a_picture_from_a_program_without_input(void **state)
     int width = 0, height = 0;
     char command[512];
     open_viewer(&v, READS);
-    snprintf(command, sizeof command, "${BIS_PROGRAM:-build/release/bis} " SCENE " --quiet --display 127.0.0.1:%d --outfile " DIR "/c.pfm <&-", v.port);
+    snprintf(command, sizeof command,
+        "${BIS_PROGRAM:-build/release/bis} " SCENE " --quiet --display 127.0.0.1:%d --outfile " DIR "/c.pfm <&-",
+        v.port);
     assert_int_equal(system(command), 0);
     close_viewer(&v);
     assert_true(read_messages(&v, &shown, &width, &height, DIR "/c.pfm") >= 3);
@@ -390,7 +397,8 @@ static void a_viewer_that_is_missing_goes_or_never_reads_stops_nothing(void **st
     viewer v;
     program_expect(&r, 0, BIG " --outfile " DIR "/alone.pfm");
     open_viewer(&v, LEAVES);
-    program_expect(&r, 0, BIG " --display localhost:%d --outfile " DIR "/left.pfm", v.port); /* more than a connection holds */
+    program_expect(
+        &r, 0, BIG " --display localhost:%d --outfile " DIR "/left.pfm", v.port); /* more than a connection holds */
     close_viewer(&v);
     assert_non_null(strstr(r.messages, "bis: warning: --display localhost:"));
     assert_non_null(strstr(r.messages, "; the render went on without\n"));
@@ -413,8 +421,8 @@ static void an_address_is_a_host_and_a_port(void **state)
 {
     (void)state;
     static const char *const good[] = {"localhost:14158", "127.0.0.1:1", "[::1]:65535", "a.b-c.example:80"};
-    static const char *const bad[] = {"", "localhost", ":80", "localhost:", "localhost:0", "localhost:65536", "localhost:80x",
-                                      "localhost:-1", "::1:80", "localhost:0000080"};
+    static const char *const bad[] = {"", "localhost", ":80", "localhost:", "localhost:0", "localhost:65536",
+        "localhost:80x", "localhost:-1", "::1:80", "localhost:0000080"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_true(bis_display_is_address(good[i]));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(bis_display_is_address(bad[i]));
     char longest[258]; /* 255 characters and no more */
@@ -426,7 +434,8 @@ static void an_address_is_a_host_and_a_port(void **state)
     assert_false(bis_display_is_address(longest));
     program_run r;
     program_expect(&r, 2, SCENE " --display nowhere");
-    assert_string_equal(r.messages, "bis: error: --display is \"nowhere\", must be HOST:PORT with a port in [1, 65535], as in localhost:14158\n");
+    assert_string_equal(r.messages,
+        "bis: error: --display is \"nowhere\", must be HOST:PORT with a port in [1, 65535], as in localhost:14158\n");
     program_expect(&r, 0, SCENE " --outfile " DIR "/b.pfm --display no-such-host.invalid:80");
     assert_non_null(strstr(r.messages, "bis: warning: --display no-such-host.invalid:80: "));
     /* nobody listens at port 1; the brackets of an address are not part of it */

@@ -40,7 +40,8 @@ static bool has_word(const char *text, const char *word, size_t n)
  * Returns the number of names. */
 static int look_for_names(const char *text, const char *page, const char *section, int *n_missing)
 {
-    static const char *const types[] = {"`integer ", "`float ", "`string ", "`bool ", "`rgb ", "`point3 ", "`normal ", "| `\"", ", `\""};
+    static const char *const types[] = {
+        "`integer ", "`float ", "`string ", "`bool ", "`rgb ", "`point3 ", "`normal ", "| `\"", ", `\""};
     const char *start = strstr(page, section);
     int n = 0;
 
@@ -83,15 +84,16 @@ static const char *help_of(program_run *r, const char *topic)
     return r->output;
 }
 
-/* --- what must be there
- * -------------------------------------------------------------------------------------------- */
+/* ---- what must be there ---- */
 
 static void every_name_of_the_scene_format_is_in_its_topic(void **state)
 {
     (void)state;
     const struct { const char *section, *topic, *and_topic; int at_least; } cases[] = {
-        {"\n### Camera\n", "scene", NULL, 4}, {"\n### Film\n", "scene", "output", 5}, {"\n### Sampler\n", "scene", NULL, 8},
-        {"\n### Shape\n", "scene", NULL, 10}, {"\n### Integrator\n", "integrators", NULL, 20}, {"\n### Material\n", "materials", NULL, 9}, {"\n### Texture\n", "textures", NULL, 9},
+        {"\n### Camera\n", "scene", NULL, 4}, {"\n### Film\n", "scene", "output", 5},
+         {"\n### Sampler\n", "scene", NULL, 8},
+        {"\n### Shape\n", "scene", NULL, 10}, {"\n### Integrator\n", "integrators", NULL, 20},
+         {"\n### Material\n", "materials", NULL, 9}, {"\n### Texture\n", "textures", NULL, 9},
         {"\n### LightSource\n", "lights", NULL, 9},
     };
     const char *page = read_page("docs/scene-format.md");
@@ -111,7 +113,8 @@ static void every_name_of_the_scene_format_is_in_its_topic(void **state)
 static void a_name_that_the_topic_lacks_is_found(void **state)
 {
     (void)state;
-    const char page[] = "\n### Film\n\n| a | b |\n| --- | --- |\n| `\"rgb\"` | `float fov` (1), `string nonsense` |\n\n## Next\n| `bool after` |\n";
+    const char page[] = "\n### Film\n\n| a | b |\n| --- | --- |\n| `\"rgb\"` | `float fov` (1), `string nonsense` "
+                        "|\n\n## Next\n| `bool after` |\n";
     int n_missing = 0;
     assert_int_equal(look_for_names("rgb fov rgbd", page, "\n### Film\n", &n_missing), 3);
     assert_int_equal(n_missing, 1);
@@ -128,7 +131,8 @@ static void every_integrator_and_every_layer_is_in_its_topic(void **state)
     help_of(&r, "integrators");
     for (int i = 0; bis_integrators[i]; i++) {
         snprintf(term, sizeof term, "\n  %s ", bis_integrators[i]->name);
-        if (!strstr(r.output, term)) fail_msg("bis help integrators has no %s: src/cli/help_topics.c", bis_integrators[i]->name);
+        if (!strstr(r.output, term))
+            fail_msg("bis help integrators has no %s: src/cli/help_topics.c", bis_integrators[i]->name);
     }
     help_of(&r, "render");
     char *at = strstr(r.output, "  --integrator NAME "), *end = at ? strstr(at + 1, "\n  --") : NULL;
@@ -238,8 +242,7 @@ static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
     program_expect(&r, 1, "help --man >/dev/full");
 }
 
-/* --- the man page
- * -------------------------------------------------------------------------------------------------- */
+/* ---- the man page ---- */
 
 /* Troff's escapes undone, as far as terms have them. */
 static void unescape(char *text)
@@ -266,7 +269,8 @@ static void every_option_and_topic_is_in_the_man_page(void **state)
     assert_string_equal(man.messages, "");
     assert_true(strlen(man.output) + 1 < sizeof man.output);
     unescape(man.output);
-    const char *description = strstr(man.output, "\n.SH DESCRIPTION\n"), *commands = strstr(man.output, "\n.SH COMMANDS\n");
+    const char *description = strstr(man.output, "\n.SH DESCRIPTION\n"),
+               *commands = strstr(man.output, "\n.SH COMMANDS\n");
     assert_true(description && commands && description < commands);
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
         snprintf(term, sizeof term, "\n.TP\n\\fB%s\\fR\n", c->name);
@@ -305,7 +309,8 @@ static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **sta
     }
     program_folder(DIR);
     program_expect(&r, 0, "help --man >" DIR "/bis.1");
-    assert_int_equal(system("groff -man -Tascii -ww -rLL=78n -P-cbou " DIR "/bis.1 > " DIR "/bis.txt 2> " DIR "/warnings"), 0);
+    assert_int_equal(
+        system("groff -man -Tascii -ww -rLL=78n -P-cbou " DIR "/bis.1 > " DIR "/bis.txt 2> " DIR "/warnings"), 0);
     assert_string_equal(read_page(DIR "/warnings"), "");
     const char *text = read_page(DIR "/bis.txt");
     assert_80_columns("man page", text);
@@ -315,8 +320,7 @@ static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **sta
     assert_non_null(strstr(text, "\n       .exr   float32"));
 }
 
-/* --- examples
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- examples ---- */
 
 /* Small and short. What measures and verifies takes its time; test_trade and test_verify_scene run those. */
 static void the_examples_work(void **state)

@@ -56,8 +56,10 @@ static void the_outputs_are_those_of_one_run(void **state)
     program_run r;
     char a[256], b[256];
 
-    program_expect(&r, 0, SCENE " --resolution 40x16 --spp 9 --seed 4 --layers depth,stderr --stats - --exposure 1 --outfile " DIR "/a.exr "
-                   "--outfile " DIR "/a.pfm --outfile " DIR "/a.png");
+    program_expect(&r, 0,
+        SCENE " --resolution 40x16 --spp 9 --seed 4 --layers depth,stderr --stats - --exposure 1 --outfile " DIR
+              "/a.exr "
+              "--outfile " DIR "/a.pfm --outfile " DIR "/a.png");
     memcpy(whole, r.output, sizeof whole);
     write_parts("--resolution 40x16 --spp 9 --seed 4 --layers depth,stderr");
     program_expect(&r, 0, "merge " PARTS " --stats - --exposure 1 --outfile " DIR "/b.exr --outfile " DIR
@@ -92,8 +94,10 @@ static void the_command_in_the_message_makes_the_missing_part(void **state)
     program_write_file(odd, (char *)text);
     bis_free(text);
     for (int k = 1; k <= 2; k++) {
-        snprintf(command, sizeof command, "PATH=" DIR ":$PATH; bis --resolution=40x16 --spp=5 \"%s\" --part=%d/3 --stats " DIR "/stats.json "
-                 "--checkpoint " DIR "/state --quiet --outfile=" DIR "/p%d.bispart --candidates 30", odd, k, k);
+        snprintf(command, sizeof command,
+            "PATH=" DIR ":$PATH; bis --resolution=40x16 --spp=5 \"%s\" --part=%d/3 --stats " DIR "/stats.json "
+            "--checkpoint " DIR "/state --quiet --outfile=" DIR "/p%d.bispart --candidates 30",
+            odd, k, k);
         assert_int_equal(system(command), 0);
     }
     program_expect(&r, 2, "merge " DIR "/p1.bispart " DIR "/p2.bispart --outfile " DIR "/b.pfm");
@@ -138,7 +142,8 @@ static void what_is_no_part_or_needs_the_whole_picture_is_refused(void **state)
         {"merge " DIR "/q1.bispart " DIR "/q2.pfm --outfile " DIR "/q2.pfm", 2, "which is read"},
         {"merge " DIR "/q1.bispart " DIR "/none --outfile " DIR "/x.pfm", 1, "No such file"},
         {"merge " DIR "/q1.bispart " DIR " --outfile " DIR "/x.pfm", 1, "is a folder"},
-        {"merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/y.pfm --stats /dev/full", 1, "\"/dev/full\" cannot be written"},
+        {"merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/y.pfm --stats /dev/full", 1,
+         "\"/dev/full\" cannot be written"},
         {"merge " DIR "/q1.bispart " DIR "/map.pfm --outfile " DIR "/x.pfm", 2, "this is no part of bis"},
         {"merge " DIR "/q1.bispart " DIR "/state --outfile " DIR "/x.pfm", 2, "--resume goes on from it"},
         {"merge " DIR "/q1.bispart " DIR "/other.bispart --outfile " DIR "/x.pfm", 2,

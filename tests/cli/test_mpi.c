@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* bis-mpi: any number of ranks makes the picture of `bis`, byte for byte, under all budgets, and a checkpoint goes on
- * with another number; a rank that fails ends the job with a message. Skipped where there is no mpirun, or where bis-mpi
- * is not built. Ranks are many more than processors here, so they yield to each other while they wait, and all are on one machine, so
- * they need no network, which Open MPI 5 misses aloud. */
+ * with another number; a rank that fails ends the job with a message. Skipped where there is no mpirun, or where
+ * bis-mpi is not built. Ranks are many more than processors here, so they yield to each other while they wait, and all
+ * are on one machine, so they need no network, which Open MPI 5 misses aloud. */
 
 #include "file_help.h"
 #include "json_check.h"
@@ -114,7 +114,8 @@ static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
         {"--spp 24 --layers samples", 5},
         {"--spp 3 --integrator em --disable-pixel-jitter", 20}, /* more ranks than tiles; rank 0 leads only */
     };
-    static const char *const keys[] = {"spp", "rays.camera", "rays.shadow", "candidates_drawn", "estimated_relative_rmse"};
+    static const char *const keys[] = {
+        "spp", "rays.camera", "rays.shadow", "candidates_drawn", "estimated_relative_rmse"};
     static char whole[1 << 16];
     char arguments[2048], a[256], b[256];
     program_run r;
@@ -269,7 +270,8 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_a_checkpoint(void **st
 {
     (void)state;
     static const int victims[] = {2, 1, 0}, signals[] = {SIGKILL, SIGKILL, SIGTERM};
-    static const char line[] = "--spp 1000000 --seed 3 --checkpoint-every 0 --checkpoint " STATE " --outfile " DIR "/c.pfm";
+    static const char line[] =
+        "--spp 1000000 --seed 3 --checkpoint-every 0 --checkpoint " STATE " --outfile " DIR "/c.pfm";
     program_run r;
 
     skip_without_mpi();

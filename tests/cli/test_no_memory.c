@@ -134,8 +134,9 @@ static void verify_says_so(void **state)
 static void trade_says_so(void **state)
 {
     (void)state;
-    static const char arguments[] = DIR "/scene.txt --quiet --integrator em --passes 1 --seeds 1 --time 0.1 --error 900% "
-                                    "--nthreads 1 --output " DIR "/trade";
+    static const char arguments[] =
+        DIR "/scene.txt --quiet --integrator em --passes 1 --seeds 1 --time 0.1 --error 900% "
+            "--nthreads 1 --output " DIR "/trade";
     static answer whole, a;
     const long live = bis_mem_live();
     assert_int_equal(system("rm -rf " DIR "/trade"), 0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then says. Help,
- * man page and comparison by hand, to the last blank. */
+/* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then
+ * says. Help, man page and comparison by hand, to the last blank. */
 #include "base/text.h"
 #include "cli/cli.h"
 #include "cli/help.h"
@@ -56,29 +56,44 @@ static void render_takes_what_is_in_range(void **state)
         {"--integrator brdf --samples 16777217", 2, "--samples is \"16777217\", must be an integer in [1, 16777216]"},
         {"--integrator exact", 0, "\nintegrator   exact: perpatch 1\n"},
         {"--integrator unoccluded --candidates 5", 0, "\nintegrator   unoccluded: candidates 5\n"},
-        {"--integrator auto", 2, "--integrator: no such thing as \"auto\"; it is one of em, brdf, mis, rejection, sir, exact, unoccluded. Without it the default renders; `bis trade SCENE` recommends settings\n"},
-        {"--integrator rejection --proposal choose --candidates 50", 0, "rejection: candidates 50, shadowrays 15, proposal choose, estimator ratio, fallback "},
-        {"--proposal em", 0, "proposal em, "}, {"--proposal brdf", 0, "proposal brdf, "}, {"--proposal product", 0, "proposal product, "},
+        {"--integrator auto", 2, "--integrator: no such thing as \"auto\"; it is one of em, brdf, mis, rejection, sir, "
+         "exact, unoccluded. Without it the default renders; `bis trade SCENE` recommends settings\n"},
+        {"--integrator rejection --proposal choose --candidates 50", 0,
+         "rejection: candidates 50, shadowrays 15, proposal choose, estimator ratio, fallback "},
+        {"--proposal em", 0, "proposal em, "}, {"--proposal brdf", 0, "proposal brdf, "},
+         {"--proposal product", 0, "proposal product, "},
         {"--proposal product --learn on", 0, "learn true"}, {"--proposal product --learn off", 0, "learn false"},
         {"--accelerator grid", 0, "\nbuild        accelerator grid, default density\n"},
         {"--nthreads 1", 0, "scene        "}, {"--nthreads 1024", 0, "scene        "},
-        {"--resolution 1x1", 0, "\nfilm         1 x 1, "}, {"--resolution 32768x32768", 0, "\nfilm         32768 x 32768, "},
+        {"--resolution 1x1", 0, "\nfilm         1 x 1, "}, {"--resolution 32768x32768", 0,
+         "\nfilm         32768 x 32768, "},
         {"--resolution 32769x1", 2, "--resolution is \"32769x1\", must be WxH with sides in [1, 32768], as in 640x480"},
-        {"--resolution 1x32769", 2, "--resolution is"}, {"--resolution 0x1", 2, "--resolution is"}, {"--resolution 1x0", 2, "--resolution is"},
-        {"--resolution 1x1x", 2, "--resolution is"}, {"--resolution +1x1", 2, "--resolution is"}, {"--resolution 1X1", 2, "--resolution is"},
+        {"--resolution 1x32769", 2, "--resolution is"}, {"--resolution 0x1", 2, "--resolution is"},
+         {"--resolution 1x0", 2, "--resolution is"},
+        {"--resolution 1x1x", 2, "--resolution is"}, {"--resolution +1x1", 2, "--resolution is"},
+         {"--resolution 1X1", 2, "--resolution is"},
         {"--resolution 1x", 2, "--resolution is"}, {"--resolution 12x34", 0, "\nfilm         12 x 34, "},
-        {"--cropwindow 0.25,0.75,0.5,1", 0, "cropwindow 0.25 0.75 0.5 1, "}, {"--cropwindow 0,1,0,1", 0, "cropwindow 0 1 0 1, "},
-        {"--cropwindow 0,1.0001,0,1", 2, "--cropwindow is \"0,1.0001,0,1\", must be x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {"--cropwindow 0.25,0.75,0.5,1", 0, "cropwindow 0.25 0.75 0.5 1, "},
+         {"--cropwindow 0,1,0,1", 0, "cropwindow 0 1 0 1, "},
+        {"--cropwindow 0,1.0001,0,1", 2, "--cropwindow is \"0,1.0001,0,1\", must be x0,x1,y0,y1 in [0, 1] with x0 < x1 "
+         "and y0 < y1, as in 0.25,0.75,0,1"},
         {"--cropwindow -0.1,1,0,1", 2, "--cropwindow is"}, {"--cropwindow 0.5,0.5,0,1", 2, "--cropwindow is"},
         {"--cropwindow 0,1,0.5,0.5", 2, "--cropwindow is"}, {"--cropwindow 0,1,0.6,0.5", 2, "--cropwindow is"},
-        {"--cropwindow 0,1,0,1,", 2, "--cropwindow is"}, {"--cropwindow 0,1,0,", 2, "--cropwindow is"}, {"--cropwindow 0,1,0,nan", 2, "--cropwindow is"},
-        {"--time 1e-300", 0, "scene        "}, {"--time 1e8", 0, "scene        "}, {"--time 100000001", 2, "(0, 100000000]"}, {"--time 27778h", 2, "(0, 100000000]"},
-        {"--error 1e-300", 0, "scene        "}, {"--error 1000%", 0, "scene        "}, {"--error 10.01", 2, "in (0, 10]"},
-        {"--exposure -100", 0, "scene        "}, {"--exposure 100", 0, "scene        "}, {"--exposure 100.1", 2, "in [-100, 100]"}, {"--exposure -100.1", 2, "in [-100, 100]"},
+        {"--cropwindow 0,1,0,1,", 2, "--cropwindow is"}, {"--cropwindow 0,1,0,", 2, "--cropwindow is"},
+         {"--cropwindow 0,1,0,nan", 2, "--cropwindow is"},
+        {"--time 1e-300", 0, "scene        "}, {"--time 1e8", 0, "scene        "},
+         {"--time 100000001", 2, "(0, 100000000]"}, {"--time 27778h", 2, "(0, 100000000]"},
+        {"--error 1e-300", 0, "scene        "}, {"--error 1000%", 0, "scene        "},
+         {"--error 10.01", 2, "in (0, 10]"},
+        {"--exposure -100", 0, "scene        "}, {"--exposure 100", 0, "scene        "},
+         {"--exposure 100.1", 2, "in [-100, 100]"}, {"--exposure -100.1", 2, "in [-100, 100]"},
         {"--disable-pixel-jitter", 0, ", seed 0, all through the pixel's centre\n"},
-        {"--layers none", 0, "\nskip         layers: none is asked for\n"}, {"--layers depth,albedo", 0, "\nbuild        layers albedo depth: about "},
-        {"--layers all", 0, "\nbuild        layers stderr interval samples shadowrays candidates unoccluded visibility albedo normal depth: about "},
-        {"--as-printed E6 --as-printed E20", 0, "\nas printed   E20 ("}, {"--as-printed E7", 2, "--as-printed: no erratum \"E7\" can be switched"},
+        {"--layers none", 0, "\nskip         layers: none is asked for\n"},
+         {"--layers depth,albedo", 0, "\nbuild        layers albedo depth: about "},
+        {"--layers all", 0, "\nbuild        layers stderr interval samples shadowrays candidates unoccluded visibility "
+         "albedo normal depth: about "},
+        {"--as-printed E6 --as-printed E20", 0, "\nas printed   E20 ("},
+         {"--as-printed E7", 2, "--as-printed: no erratum \"E7\" can be switched"},
         {"--as-printed E66", 2, "(did you mean \"E6\"?); `bis --as-printed list` lists them"},
     };
     program_run r;
@@ -95,19 +110,32 @@ static void the_other_commands_take_what_is_in_range(void **state)
 {
     (void)state;
     static const struct { const char *arguments; int exit_status; const char *says; } cases[] = {
-        {"pixel " MISSING " 1 1 --candidates 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --candidates 1048576", 1, "missing.txt"},
-        {"pixel " MISSING " 1 1 --candidates 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --candidates 1048577", 2, "[1, 1048576]"},
-        {"pixel " MISSING " 1 1 --shadowrays 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --shadowrays 1048576", 1, "missing.txt"},
-        {"pixel " MISSING " 1 1 --shadowrays 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --shadowrays 1048577", 2, "[1, 1048576]"},
-        {"pixel " MISSING " 1 1 --samples 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --samples 1048576", 1, "missing.txt"},
-        {"pixel " MISSING " 1 1 --samples 1", 2, "[2, 1048576]"}, {"pixel " MISSING " 1 1 --samples 1048577", 2, "[2, 1048576]"},
-        {"pixel " MISSING " 1 1 --repeats 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --repeats 100000000", 1, "missing.txt"},
-        {"pixel " MISSING " 1 1 --repeats 1", 2, "[2, 100000000]"}, {"pixel " MISSING " 1 1 --repeats 100000001", 2, "[2, 100000000]"},
-        {"pixel " MISSING " 1 1 --seed 9007199254740991", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --proposal choose", 2, "em, brdf, mix, product"},
-        {"pixel " MISSING " 1", 2, "too few operands: 2 given"}, {"pixel " MISSING " 1 1 1", 2, "too many operands: 4 given"},
-        {"pixel " SCENE " 24 0", 2, "bis: error: X is \"24\", must be an integer in [0, 23]: the film of the scene has 24 x 16 pixels\n"},
-        {"pixel " SCENE " 0 16", 2, "bis: error: Y is \"16\", must be an integer in [0, 15]: the film of the scene has 24 x 16 pixels\n"},
-        {"pixel " SCENE " -- -1 0", 2, "X is \"-1\""}, {"pixel " SCENE " 1.5 0", 2, "X is \"1.5\""}, {"pixel " SCENE " 99999999999999999999 0", 2, "X is "},
+        {"pixel " MISSING " 1 1 --candidates 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --candidates 1048576", 1,
+         "missing.txt"},
+        {"pixel " MISSING " 1 1 --candidates 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --candidates 1048577", 2,
+         "[1, 1048576]"},
+        {"pixel " MISSING " 1 1 --shadowrays 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --shadowrays 1048576", 1,
+         "missing.txt"},
+        {"pixel " MISSING " 1 1 --shadowrays 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --shadowrays 1048577", 2,
+         "[1, 1048576]"},
+        {"pixel " MISSING " 1 1 --samples 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --samples 1048576", 1,
+         "missing.txt"},
+        {"pixel " MISSING " 1 1 --samples 1", 2, "[2, 1048576]"}, {"pixel " MISSING " 1 1 --samples 1048577", 2,
+         "[2, 1048576]"},
+        {"pixel " MISSING " 1 1 --repeats 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --repeats 100000000", 1,
+         "missing.txt"},
+        {"pixel " MISSING " 1 1 --repeats 1", 2, "[2, 100000000]"}, {"pixel " MISSING " 1 1 --repeats 100000001", 2,
+         "[2, 100000000]"},
+        {"pixel " MISSING " 1 1 --seed 9007199254740991", 1, "missing.txt"},
+         {"pixel " MISSING " 1 1 --proposal choose", 2, "em, brdf, mix, product"},
+        {"pixel " MISSING " 1", 2, "too few operands: 2 given"}, {"pixel " MISSING " 1 1 1", 2,
+         "too many operands: 4 given"},
+        {"pixel " SCENE " 24 0", 2, "bis: error: X is \"24\", must be an integer in [0, 23]: the film of the scene has "
+         "24 x 16 pixels\n"},
+        {"pixel " SCENE " 0 16", 2, "bis: error: Y is \"16\", must be an integer in [0, 15]: the film of the scene has "
+         "24 x 16 pixels\n"},
+        {"pixel " SCENE " -- -1 0", 2, "X is \"-1\""}, {"pixel " SCENE " 1.5 0", 2, "X is \"1.5\""},
+         {"pixel " SCENE " 99999999999999999999 0", 2, "X is "},
         {"pixel " SCENE " 4294967296 0", 2, "X is "}, {"pixel " SCENE " 0x1 0", 2, "X is "},
         {"trade " MISSING " --time 1e7", 1, "missing.txt"}, {"trade " MISSING " --time 10000001", 2, "(0, 10000000]"},
         {"trade " MISSING " --error 10 --quiet", 1, "missing.txt"}, {"trade " MISSING " --error 10.5", 2, "(0, 10]"},
@@ -115,26 +143,33 @@ static void the_other_commands_take_what_is_in_range(void **state)
         {"trade " MISSING " --seeds 0", 2, "[1, 16]"}, {"trade " MISSING " --seeds 17", 2, "[1, 16]"},
         {"trade " MISSING " --passes 1", 1, "missing.txt"}, {"trade " MISSING " --passes 1048576", 1, "missing.txt"},
         {"trade " MISSING " --passes 0", 2, "[1, 1048576]"}, {"trade " MISSING " --passes 1048577", 2, "[1, 1048576]"},
-        {"trade " MISSING " --resolution 32768x1", 1, "missing.txt"}, {"trade " MISSING " --resolution 32769x1", 2, "WxH with sides in [1, 32768]"},
-        {"trade " MISSING " --resolution 1x32769", 2, "WxH"}, {"trade " MISSING " --resolution 1x0", 2, "WxH"}, {"trade " MISSING " --resolution 1.5x2", 2, "WxH"},
+        {"trade " MISSING " --resolution 32768x1", 1, "missing.txt"}, {"trade " MISSING " --resolution 32769x1", 2,
+         "WxH with sides in [1, 32768]"},
+        {"trade " MISSING " --resolution 1x32769", 2, "WxH"}, {"trade " MISSING " --resolution 1x0", 2, "WxH"},
+         {"trade " MISSING " --resolution 1.5x2", 2, "WxH"},
         {"trade " MISSING " --resolution 1x2x", 2, "WxH"}, {"trade " MISSING " --resolution 2", 2, "WxH"},
         {"trade " MISSING " --nthreads 1024", 1, "missing.txt"}, {"trade " MISSING " --nthreads 1025", 2, "[1, 1024]"},
-        {"trade " MISSING " --nthreads 0", 2, "[1, 1024]"}, {"trade " MISSING " --seed 9007199254740991", 1, "missing.txt"},
+        {"trade " MISSING " --nthreads 0", 2, "[1, 1024]"}, {"trade " MISSING " --seed 9007199254740991", 1,
+         "missing.txt"},
         {"trade " MISSING " --integrator em --integrator sir", 1, "missing.txt"},
         {"trade " MISSING " --integrator sri", 2, " (did you mean \"sir\"?)\n"},
-        {"trade " MISSING " --integrator em --integrator brdf --integrator mis --integrator rejection --integrator sir", 1, "missing.txt"},
+        {"trade " MISSING " --integrator em --integrator brdf --integrator mis --integrator rejection --integrator sir",
+         1, "missing.txt"},
         {"trade " MISSING " --integrator em --integrator sri", 2, "--integrator sri: must be em, brdf"},
         {"trade " MISSING " --integrator sri --integrator em", 2, "--integrator sri: must be em, brdf"},
         {"trade " MISSING " --integrator exact", 2, "--integrator exact: must be em, brdf, mis, rejection"},
-        {"compare " MISSING " " MISSING " --tolerance 0", 1, "missing.txt"}, {"compare " MISSING " " MISSING " --tolerance 1.7e308", 1, "missing.txt"},
+        {"compare " MISSING " " MISSING " --tolerance 0", 1, "missing.txt"},
+         {"compare " MISSING " " MISSING " --tolerance 1.7e308", 1, "missing.txt"},
         {"compare " MISSING " " MISSING " --tolerance -1e-300", 2, "a number >= 0"},
-        {"compare " MISSING, 2, "too few operands: 1 given; usage: bis compare [options] A B\n"}, {"envmap", 2, "too few operands: 0 given"},
+        {"compare " MISSING, 2, "too few operands: 1 given; usage: bis compare [options] A B\n"},
+         {"envmap", 2, "too few operands: 0 given"},
         {"help --man", 0, NULL}, {"help help", 0, NULL},
     };
     program_run r;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_expect(&r, cases[i].exit_status, "%s", cases[i].arguments);
-        if (cases[i].says && !strstr(r.messages, cases[i].says)) fail_msg("%s: no \"%s\" in %s", cases[i].arguments, cases[i].says, r.messages);
+        if (cases[i].says && !strstr(r.messages, cases[i].says))
+            fail_msg("%s: no \"%s\" in %s", cases[i].arguments, cases[i].says, r.messages);
     }
 }
 
@@ -142,12 +177,16 @@ static void the_other_commands_take_what_is_in_range(void **state)
 static void resuming_takes_no_option_of_the_plan(void **state)
 {
     (void)state;
-    static const char *const options[] = {"--quick", "--seeds 2", "--passes 4", "--seed 3", "--resolution 4x4", "--reference a.exr", "--integrator em"};
+    static const char *const options[] = {
+        "--quick", "--seeds 2", "--passes 4", "--seed 3", "--resolution 4x4", "--reference a.exr", "--integrator em"};
     program_run r;
     for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
         char expected[256];
-        snprintf(expected, sizeof expected, "bis: error: --resume goes on by the plan in the folder, which %.*s would change; leave it out, or measure into another "
-                 "folder\n", (int)strcspn(options[i], " "), options[i]);
+        snprintf(expected, sizeof expected,
+            "bis: error: --resume goes on by the plan in the folder, which %.*s would change; leave it out, or measure "
+            "into another "
+            "folder\n",
+            (int)strcspn(options[i], " "), options[i]);
         program_expect(&r, 2, "trade --resume " MISSING " %s", options[i]);
         assert_string_equal(r.messages, expected);
     }
@@ -176,7 +215,8 @@ static void the_list_of_errata_has_them_all(void **state)
     size_t used = 0;
     program_expect(&r, 0, "--as-printed list");
     for (const bis_erratum *e = bis_errata; e->name; e++) {
-        snprintf(line, sizeof line, "%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators, e->effect);
+        snprintf(line, sizeof line, "%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators,
+            e->effect);
         assert_int_equal(strncmp(r.output + used, line, strlen(line)), 0);
         used += strlen(line);
     }
@@ -199,8 +239,11 @@ static const bis_option options_by_hand[] = {
     {.help = "the .second"},
     {.name = "abcdefghijklmnopqrs", .argument = "N", .help = A52 "a b", .kind = BIS_OPTION_COUNT},
 };
-static const bis_command command_by_hand = {
-    .name = "test", .usage = "test [options] A-B", .summary = "a .command that does\\nothing", .options = options_by_hand, .n_options = 5,
+static const bis_command command_by_hand = {.name = "test",
+    .usage = "test [options] A-B",
+    .summary = "a .command that does\\nothing",
+    .options = options_by_hand,
+    .n_options = 5,
     .notes = "First line\nsecond line.\n\n  code 'x' -y\nThe last\nones.\n"};
 
 static void help_by_hand(void **state)
@@ -226,7 +269,8 @@ static void help_by_hand(void **state)
     assert_string_equal(text, expected);
     free(text);
     out = open_memstream(&text, &n);
-    bis_cli_print_text(out, A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaa " A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaaa  b"); /* 52 + 1 + 27 are 80, 52 + 1 + 28 are not */
+    bis_cli_print_text(out, A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaa " A52
+                                " aaaaaaaaaaaaaaaaaaaaaaaaaaaa  b"); /* 52 + 1 + 27 are 80, 52 + 1 + 28 are not */
     fclose(out);
     assert_string_equal(text, A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaa\n" A52 "\naaaaaaaaaaaaaaaaaaaaaaaaaaaa b\n");
     free(text);
@@ -260,8 +304,8 @@ static void man_page_by_hand(void **state)
     free(text);
 }
 
-/* Words with one blank between; a line that begins with a full stop, a request of troff, is left out where `is_man`, and its
- * escapes are undone. */
+/* Words with one blank between; a line that begins with a full stop, a request of troff, is left out where `is_man`,
+ * and its escapes are undone. */
 static void squeeze(char *to, size_t size, const char *text, bool is_man)
 {
     size_t n = 0;
@@ -273,7 +317,8 @@ static void squeeze(char *to, size_t size, const char *text, bool is_man)
         }
         begins = *c == '\n';
         if (is_man && *c == '\\') {
-            static const char *const escapes[][2] = {{"&", ""}, {"-", "-"}, {"e", "\\"}, {"(aq", "'"}, {"(ga", "`"}, {"(ha", "^"}, {"(ti", "~"}, {"fB", ""}, {"fR", ""}, {"fI", ""}};
+            static const char *const escapes[][2] = {{"&", ""}, {"-", "-"}, {"e", "\\"}, {"(aq", "'"}, {"(ga", "`"},
+                {"(ha", "^"}, {"(ti", "~"}, {"fB", ""}, {"fR", ""}, {"fI", ""}};
             size_t k = 0;
             while (k < 10 && strncmp(c + 1, escapes[k][0], strlen(escapes[k][0])) != 0) k++;
             assert_true(k < 10);
@@ -308,8 +353,8 @@ static int kind_of(const char *line)
     return indent == 0 ? 0 : indent == 4 ? 4 : 2; /* a paragraph, a line of a scene, an entry or its text */
 }
 
-/* Title, entries in their order, nothing else, in `help` and in the man page. Between blank lines is one kind of line; a
- * paragraph may head entries. */
+/* Title, entries in their order, nothing else, in `help` and in the man page. Between blank lines is one kind of line;
+ * a paragraph may head entries. */
 static void a_topic_is_printed_whole(void **state)
 {
     (void)state;
@@ -328,7 +373,8 @@ static void a_topic_is_printed_whole(void **state)
         const char *line = strchr(r.output, '\n') + 1;
         for (int last = -1; *line; line += strcspn(line, "\n"), line += *line == '\n') {
             const int kind = *line == '\n' ? -1 : kind_of(line);
-            if (kind >= 0 && last >= 0 && kind != last && !(last == 0 && kind == 2)) fail_msg("help %s: no blank line before \"%.40s\"", t->name, line);
+            if (kind >= 0 && last >= 0 && kind != last && !(last == 0 && kind == 2))
+                fail_msg("help %s: no blank line before \"%.40s\"", t->name, line);
             assert_false(kind < 0 && (last < 0 && line != strchr(r.output, '\n') + 1)); /* never two */
             last = kind;
         }
@@ -392,14 +438,17 @@ static void an_option_is_looked_up_with_its_dashes_and_whole(void **state)
     program_expect(&without, 2, "help -- --sp");
 }
 
-/* Of one integrator: what to use for a preview, a good picture and a final one; by which setting is for the clock to say. */
+/* Of one integrator: what to use for a preview, a good picture and a final one; by which setting is for the clock to
+ * say. */
 static void a_trade_ends_with_three_recommendations(void **state)
 {
     (void)state;
     static const char *const purposes[] = {"preview        error ", "good picture   error ", "final picture  error "};
     program_run r;
     assert_int_equal(system("rm -rf " DIR "/trade"), 0);
-    program_expect(&r, 0, "trade " SCENE " --output " DIR "/trade --integrator em --passes 2 --seeds 1 --time 20 --error 60%% --nthreads 1 --quiet");
+    program_expect(&r, 0,
+        "trade " SCENE " --output " DIR
+        "/trade --integrator em --passes 2 --seeds 1 --time 20 --error 60%% --nthreads 1 --quiet");
     const char *line = r.output;
     for (int i = 0; i < 3; i++) {
         assert_int_equal(strncmp(line, purposes[i], strlen(purposes[i])), 0);
@@ -429,14 +478,17 @@ static void the_words_of_parameters_are_these(void **state)
     char text[BIS_PARAMETER_WORDS], all[BIS_INTEGRATOR_WORDS];
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         bool has_more = false;
-        for (int k = 0; k < n_further(); k++) has_more |= bis_parameter_of(bis_integrators[OUR_INTEGRATORS + k], words[i][0]) != NULL;
+        for (int k = 0; k < n_further(); k++)
+            has_more |= bis_parameter_of(bis_integrators[OUR_INTEGRATORS + k], words[i][0]) != NULL;
         if (!has_more) assert_string_equal(bis_parameter_words(text, words[i][0]), words[i][1]);
     }
     assert_string_equal(bis_integrator_words(all, &bis_mis),
-                        "both, combined by a heuristic. samples (16; at least 2), heuristic (balance, power), split (0.5; "
+                        "both, combined by a heuristic. samples (16; at least 2), heuristic (balance, power), split "
+                        "(0.5; "
                         "the map's share), compensate (false), stratify (false). Unbiased");
     assert_string_equal(bis_integrator_words(all, &bis_exact),
-                        "every lit pixel of the map: ground truth for small maps. perpatch (1). Unbiased: every lit patch, "
+                        "every lit pixel of the map: ground truth for small maps. perpatch (1). Unbiased: every lit "
+                        "patch, "
                         "noise only inside patches");
 }
 
@@ -444,7 +496,8 @@ static void the_words_of_parameters_are_these(void **state)
 static void the_version_has_seven_lines(void **state)
 {
     (void)state;
-    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "libjpeg: ", "threads: "};
+    static const char *const begins[] = {
+        "bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "libjpeg: ", "threads: "};
     program_run r;
     char line[128];
     const char *const embree = bis_accel_embree_version(), *at = r.output;
@@ -454,7 +507,8 @@ static void the_version_has_seven_lines(void **state)
         at += strcspn(at, "\n") + 1;
     }
     assert_true(*at == '\0');
-    snprintf(line, sizeof line, "\naccelerators: grid%s\nEmbree: %s\n", embree ? ", embree (default)" : " (default)", embree ? embree : "not built in");
+    snprintf(line, sizeof line, "\naccelerators: grid%s\nEmbree: %s\n", embree ? ", embree (default)" : " (default)",
+        embree ? embree : "not built in");
     assert_non_null(strstr(r.output, line));
 }
 
@@ -462,9 +516,11 @@ static void durations_change_their_unit_where_they_should(void **state)
 {
     (void)state;
     static const struct { double seconds; const char *text; } cases[] = {
-        {0, "0 s"}, {99.4, "99 s"}, {120, "2.0 min"}, {5399, "90 min"}, {5400, "1.5 h"}, {172799, "48.0 h"}, {172800, "2 days"}, {1e6, "11.6 days"}};
+        {0, "0 s"}, {99.4, "99 s"}, {120, "2.0 min"}, {5399, "90 min"}, {5400, "1.5 h"}, {172799, "48.0 h"},
+         {172800, "2 days"}, {1e6, "11.6 days"}};
     char text[BIS_DURATION];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) assert_string_equal(bis_duration(text, cases[i].seconds), cases[i].text);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_string_equal(bis_duration(text, cases[i].seconds), cases[i].text);
 }
 
 /* ---- compare by hand ---- */
@@ -477,12 +533,15 @@ static void save(const char *path, const rgb *pixels, int n)
     assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
 }
 
-/* a less b is 1 0 0 | 0 -2 2 | 2 2 -1; the fourth is not finite. Means 3 and 23/9; relMSE of b's values, with m^2/100. */
+/* a less b is 1 0 0 | 0 -2 2 | 2 2 -1; the fourth is not finite. Means 3 and 23/9; relMSE of b's values, with m^2/100.
+ */
 static void a_comparison_by_hand(void **state)
 {
     (void)state;
-    const rgb a[4] = {{2, 1, 1}, {3, 2, 4}, {6, 6, 2}, {NAN, 1, 1}}, b[4] = {{1, 1, 1}, {3, 4, 2}, {4, 4, 3}, {1, 1, 1}};
-    static const char *const keys[] = {"mean_a", "mean_b", "bias", "bias_se", "rmse", "relmse", "max_abs", "pixels", "nonfinite"};
+    const rgb a[4] = {{2, 1, 1}, {3, 2, 4}, {6, 6, 2}, {NAN, 1, 1}},
+              b[4] = {{1, 1, 1}, {3, 4, 2}, {4, 4, 3}, {1, 1, 1}};
+    static const char *const keys[] = {
+        "mean_a", "mean_b", "bias", "bias_se", "rmse", "relmse", "max_abs", "pixels", "nonfinite"};
     const double m = 23 / 9.0, f = m * m / 100, d[3] = {1 / 3.0, 0, 1}, mean = 4 / 9.0;
     const double scatter = pow(d[0] - mean, 2) + pow(d[1] - mean, 2) + pow(d[2] - mean, 2);
     const double expected[] = {3, m, mean, sqrt(scatter / 2 / 3), sqrt((1 + 4 + 4 + 4 + 4 + 1) / 9.0),
@@ -500,12 +559,14 @@ static void a_comparison_by_hand(void **state)
         at += strlen(keys[i]);
         assert_true(*at == ' ');
         const double found = strtod(at + 1, &end);
-        if (!(fabs(found - expected[i]) <= 1e-12 * expected[i])) fail_msg("%s is %.17g, not %.17g", keys[i], found, expected[i]);
+        if (!(fabs(found - expected[i]) <= 1e-12 * expected[i]))
+            fail_msg("%s is %.17g, not %.17g", keys[i], found, expected[i]);
         assert_true(*end == '\n' && json_number(json.output, keys[i]) == found);
         at = end + 1;
     }
     assert_string_equal(at, "");
-    assert_string_equal(json_keys(order, sizeof order, json.output, ""), "mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite ");
+    assert_string_equal(json_keys(order, sizeof order, json.output, ""),
+        "mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite ");
 
     /* a tolerance that is reached, and one that is one step below */
     json_value(exact, sizeof exact, json.output, "relmse");
@@ -521,7 +582,8 @@ static void a_comparison_by_hand(void **state)
     assert_non_null(strstr(text.output, "\nmax_abs 1\npixels 1\nnonfinite 0\n"));
 
     /* the difference: 0 where equal; of b = 1 all over, (a - 1)/sqrt(1.01) = 0.1 is red; magenta */
-    const rgb one[3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, off[3] = {{1, 1, 1}, {1.1004988f, 1.1004988f, 1.1004988f}, {INFINITY, 1, 1}};
+    const rgb one[3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}},
+              off[3] = {{1, 1, 1}, {1.1004988f, 1.1004988f, 1.1004988f}, {INFINITY, 1, 1}};
     const rgb colours[3] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}};
     bis_image picture;
     save(DIR "/a3.pfm", off, 3);
@@ -529,16 +591,18 @@ static void a_comparison_by_hand(void **state)
     program_expect(&text, 0, "compare " DIR "/a3.pfm " DIR "/b3.pfm --diff " DIR "/d.pfm");
     assert_int_equal(bis_image_read(&picture, DIR "/d.pfm", (bis_loc){0}, NULL), BIS_OK);
     for (int i = 0; i < 3; i++) {
-        assert_true(fabsf(picture.pixels[i].r - colours[i].r) < 1e-3f && fabsf(picture.pixels[i].g - colours[i].g) < 1e-3f &&
+        assert_true(fabsf(picture.pixels[i].r - colours[i].r) < 1e-3f &&
+                    fabsf(picture.pixels[i].g - colours[i].g) < 1e-3f &&
                     fabsf(picture.pixels[i].b - colours[i].b) < 1e-3f);
     }
     bis_image_clear(&picture);
     program_expect(&text, 2, "compare " DIR "/a3.pfm " DIR "/b3.pfm --diff " DIR "/d.txt");
-    assert_string_equal(text.messages, "bis: error: --diff \"" DIR "/d.txt\": the ending must be .exr, .pfm, .hdr or .png\n");
+    assert_string_equal(
+        text.messages, "bis: error: --diff \"" DIR "/d.txt\": the ending must be .exr, .pfm, .hdr or .png\n");
 }
 
-/* The one line at the end: the files in their order, the size of the crop, samples and passes, one and many, and the error as
- * the figures have it. The seconds alone are not foreseen. */
+/* The one line at the end: the files in their order, the size of the crop, samples and passes, one and many, and the
+ * error as the figures have it. The seconds alone are not foreseen. */
 static void the_line_at_the_end_has_each_figure(void **state)
 {
     (void)state;
@@ -546,10 +610,13 @@ static void the_line_at_the_end_has_each_figure(void **state)
         const char *options, *begins;
         bool has_error;
     } cases[] = {
-        {"--resolution 20x10 --spp 1 --outfile " DIR "/one.pfm", "bis: wrote " DIR "/one.pfm: 20 x 10 pixels, 1 camera sample a "
+        {"--resolution 20x10 --spp 1 --outfile " DIR "/one.pfm",
+         "bis: wrote " DIR "/one.pfm: 20 x 10 pixels, 1 camera sample a "
          "pixel in 1 pass, ", false},
-        {"--resolution 320x160 --cropwindow 0,0.5,0,0.7 --spp 64 --outfile " DIR "/b.pfm --outfile " DIR "/a.exr --outfile " DIR "/c.png",
-         "bis: wrote " DIR "/b.pfm, " DIR "/a.exr, " DIR "/c.png: 160 x 112 pixels, 64 camera samples a pixel in 18 passes, ", true},
+        {"--resolution 320x160 --cropwindow 0,0.5,0,0.7 --spp 64 --outfile " DIR "/b.pfm --outfile " DIR "/a.exr "
+         "--outfile " DIR "/c.png",
+         "bis: wrote " DIR "/b.pfm, " DIR "/a.exr, " DIR "/c.png: 160 x 112 pixels, 64 camera samples a pixel in 18 "
+         "passes, ", true},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;
@@ -559,7 +626,9 @@ static void the_line_at_the_end_has_each_figure(void **state)
         assert_true(strchr(r.messages, '\n') == r.messages + strlen(r.messages) - 1);
         const double error = json_number(r.output, "estimated_relative_rmse");
         assert_int_equal(isfinite(error), cases[i].has_error);
-        if (cases[i].has_error) snprintf(expected, sizeof expected, 100 * error < 9.95 ? ", error about %.2g%%\n" : ", error about %.0f%%\n", 100 * error);
+        if (cases[i].has_error)
+            snprintf(expected, sizeof expected,
+                100 * error < 9.95 ? ", error about %.2g%%\n" : ", error about %.0f%%\n", 100 * error);
         const char *const end = strstr(r.messages, ", error ");
         assert_non_null(end);
         assert_string_equal(end, expected);
@@ -570,9 +639,11 @@ static void the_line_at_the_end_has_each_figure(void **state)
 static void a_part_has_one_file_with_a_name(void **state)
 {
     (void)state;
-    static const char refused[] = "bis: error: --part 2/2 writes one file that is no picture yet: give --outfile part-2.bispart\n";
-    static const char *const wrong[] = {"", "--outfile .bispart", "--outfile " DIR "/p.bispar", "--outfile " DIR "/pbispart",
-                                        "--outfile " DIR "/p.exr", "--outfile " DIR "/p.bispart --outfile " DIR "/q.bispart"};
+    static const char refused[] =
+        "bis: error: --part 2/2 writes one file that is no picture yet: give --outfile part-2.bispart\n";
+    static const char *const wrong[] = {"", "--outfile .bispart", "--outfile " DIR "/p.bispar",
+        "--outfile " DIR "/pbispart", "--outfile " DIR "/p.exr",
+        "--outfile " DIR "/p.bispart --outfile " DIR "/q.bispart"};
     program_run r;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         program_expect(&r, 2, SCENE " --spp 1 --part 2/2%s%s", *wrong[i] ? " " : "", wrong[i]);
@@ -589,15 +660,17 @@ static void a_layer_that_is_not_there_is_named(void **state)
 #define N60 "abcdefghijabcdefghijabcdefghijabcdefghijabcdefghijabcdefghij"
     static const struct {
         const char *list, *name, *hint;
-    } cases[] = {{"albedo,norma", "norma", " (did you mean \"normal\"?)"}, {"depht,albedo", "depht", " (did you mean \"depth\"?)"},
-                 {"albedo," N60 "xyz", N60 "xyz", ""}, {N60 "xyzuvw,albedo", N60 "xyz", ""}};
+    } cases[] = {{"albedo,norma", "norma", " (did you mean \"normal\"?)"},
+        {"depht,albedo", "depht", " (did you mean \"depth\"?)"}, {"albedo," N60 "xyz", N60 "xyz", ""},
+        {N60 "xyzuvw,albedo", N60 "xyz", ""}};
 #undef N60
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;
         char expected[256];
         program_expect(&r, 2, SCENE " --spp 1 --layers %s", cases[i].list);
-        snprintf(expected, sizeof expected, "bis: error: --layers: there is no layer \"%s\"%s; `bis --help` lists them\n", cases[i].name,
-                 cases[i].hint);
+        snprintf(expected, sizeof expected,
+            "bis: error: --layers: there is no layer \"%s\"%s; `bis --help` lists them\n", cases[i].name,
+            cases[i].hint);
         assert_string_equal(r.messages, expected);
     }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The program itself: options in, files and exit status out, docs/command-line.md. The scene is made here; what is looked at is read
- * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
+/* The program itself: options in, files and exit status out, docs/command-line.md. The scene is made here; what is
+ * looked at is read back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/shape/accel.h"
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
@@ -61,8 +61,7 @@ static double relmse(const char *path_a, const char *path_b)
     return c.relmse;
 }
 
-/* --- rendering
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- rendering ---- */
 
 static void a_scene_renders_to_the_file_it_names(void **state)
 {
@@ -98,7 +97,8 @@ static void every_format_holds_the_same_picture(void **state)
 {
     (void)state;
     program_run r;
-    program_expect(&r, 0, SCENE " --outfile " DIR "/f.exr --outfile " DIR "/f.pfm --outfile=" DIR "/f.hdr --outfile " DIR "/f.png");
+    program_expect(&r, 0,
+        SCENE " --outfile " DIR "/f.exr --outfile " DIR "/f.pfm --outfile=" DIR "/f.hdr --outfile " DIR "/f.png");
     assert_true(relmse(DIR "/f.pfm", DIR "/f.exr") == 0);
     double error = relmse(DIR "/f.hdr", DIR "/f.exr");
     assert_true(error > 0 && error < 1e-3); /* 8 bits of mantissa for the largest channel, fewer for the others */
@@ -123,8 +123,7 @@ static void exposure_makes_a_png_brighter(void **state)
     assert_true(dark.st_size < bright.st_size / 2); /* all black compresses well */
 }
 
-/* --- EXR
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- EXR ---- */
 
 static exr_context_t open_exr(const char *path)
 {
@@ -153,7 +152,8 @@ static void an_exr_says_how_it_was_made_E39(void **state)
 {
     (void)state;
     program_run r;
-    program_expect(&r, 0, SCENE " --outfile " DIR "/attr.exr --resolution 144x96 --spp 64 --seed 7 --candidates 30 --proposal em");
+    program_expect(
+        &r, 0, SCENE " --outfile " DIR "/attr.exr --resolution 144x96 --spp 64 --seed 7 --candidates 30 --proposal em");
     exr_context_t file = open_exr(DIR "/attr.exr");
     assert_text(file, "scene", SCENE);
     assert_text(file, "integrator", "sir");
@@ -225,7 +225,8 @@ static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
     program_expect(&r, 0, SCENE " --error 900%% --outfile " DIR "/near.exr");
     program_expect_only_the_result(&r);
     program_expect(&r, 0, SCENE " --error 1e-6 --spp 1 --outfile " DIR "/far.exr");
-    assert_non_null(strstr(r.messages, "was not reached: the error is unknown after 1 pass, because one pass is too few"));
+    assert_non_null(
+        strstr(r.messages, "was not reached: the error is unknown after 1 pass, because one pass is too few"));
 }
 
 /* What the program writes to standard error where that is a terminal; standard output goes nowhere. */
@@ -306,21 +307,22 @@ static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
     assert_int_equal(exr_get_display_window(file, 0, &display), EXR_ERR_SUCCESS);
     exr_finish(&file);
     const int expected[8] = {6, 8, 17, 15, 0, 0, 23, 15};
-    const int found[8] = {data.min.x, data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y};
+    const int found[8] = {
+        data.min.x, data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y};
     assert_memory_equal(found, expected, sizeof expected);
     read_image(&full, DIR "/full.exr");
     for (int format = 0; format < 2; format++) {
         read_image(&crop, format ? DIR "/crop.pfm" : DIR "/crop.exr");
         assert_int_equal(crop.width, 12);
         assert_int_equal(crop.height, 8);
-        for (int y = 0; y < 8; y++) assert_memory_equal(&crop.pixels[y * 12], &full.pixels[(y + 8) * 24 + 6], 12 * sizeof(rgb));
+        for (int y = 0; y < 8; y++)
+            assert_memory_equal(&crop.pixels[y * 12], &full.pixels[(y + 8) * 24 + 6], 12 * sizeof(rgb));
         bis_image_clear(&crop);
     }
     bis_image_clear(&full);
 }
 
-/* --- statistics
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- statistics ---- */
 
 static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
 {
@@ -330,9 +332,12 @@ static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
     program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats -");
     assert_true(json_is_valid(r.output));
     assert_string_equal(json_keys(keys, sizeof keys, r.output, ""),
-                        "version scene integrator proposal candidates shadowrays samples spp seed threads accelerator triangles width height extent seconds rays "
-                        "candidates_drawn accepted fallbacks peak_memory_bytes memory estimated_relative_rmse interrupted ");
-    assert_string_equal(json_keys(keys, sizeof keys, r.output, "seconds"), "parse load envmap accel render write total ");
+                        "version scene integrator proposal candidates shadowrays samples spp seed threads accelerator "
+                        "triangles width height extent seconds rays "
+                        "candidates_drawn accepted fallbacks peak_memory_bytes memory estimated_relative_rmse "
+                        "interrupted ");
+    assert_string_equal(
+        json_keys(keys, sizeof keys, r.output, "seconds"), "parse load envmap accel render write total ");
     assert_string_equal(json_keys(keys, sizeof keys, r.output, "rays"), "camera shadow ");
     assert_string_equal(json_keys(keys, sizeof keys, r.output, "memory"), "mesh accel envmap film ");
 }
@@ -402,7 +407,8 @@ static void options_override_the_scene(void **state)
         char value[128];
         program_expect(&r, 0, SCENE " --outfile " DIR "/o.exr --stats - %s", cases[i].options);
         json_value(value, sizeof value, r.output, cases[i].path);
-        if (strcmp(value, cases[i].value) != 0) fail_msg("%s: %s is %s, not %s", cases[i].options, cases[i].path, value, cases[i].value);
+        if (strcmp(value, cases[i].value) != 0)
+            fail_msg("%s: %s is %s, not %s", cases[i].options, cases[i].path, value, cases[i].value);
         if (strstr(cases[i].options, "--quiet")) assert_string_equal(r.messages, "");
         else program_expect_only_the_result(&r);
     }
@@ -421,7 +427,8 @@ static void without_jitter_a_picture_of_one_colour_has_no_scatter(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "memory.envmap"), "null");
     bis_image image;
     read_image(&image, DIR "/e.pfm");
-    for (int i = 0; i < 64; i++) assert_true(image.pixels[i].r == 1 && image.pixels[i].g == 2 && image.pixels[i].b == 3);
+    for (int i = 0; i < 64; i++)
+        assert_true(image.pixels[i].r == 1 && image.pixels[i].g == 2 && image.pixels[i].b == 3);
     bis_image_clear(&image);
 }
 
@@ -485,7 +492,8 @@ static void a_light_probe_tells_its_energy_before_and_after(void **state)
     for (int i = 0; i < 32 * 32; i++) image.pixels[i] = (rgb){1, 1, 1};
     assert_int_equal(bis_image_save(&image, DIR "/probe.pfm", NULL), BIS_OK);
     bis_image_clear(&image);
-    program_write_file(DIR "/probe.txt", "WorldBegin LightSource \"infinite\" \"string filename\" \"probe.pfm\" \"string mapping\" \"angular\"\n");
+    program_write_file(DIR "/probe.txt",
+        "WorldBegin LightSource \"infinite\" \"string filename\" \"probe.pfm\" \"string mapping\" \"angular\"\n");
     program_expect(&r, 0, DIR "/probe.txt --resolution 4x4 --spp 1 --outfile " DIR "/probe.exr");
     const char *figures = strstr(r.messages, "integral of r+g+b ");
     assert_non_null(figures);
@@ -505,8 +513,7 @@ static void an_option_without_effect_is_a_warning(void **state)
     assert_string_equal(r.messages, "");
 }
 
-/* --- plan
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- plan ---- */
 
 static void plan_renders_and_writes_nothing(void **state)
 {
@@ -519,8 +526,7 @@ static void plan_renders_and_writes_nothing(void **state)
     assert_int_equal(program_count_files(DIR), before);
 }
 
-/* --- mistakes
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- mistakes ---- */
 
 /* Exit status, a part of the message; nothing is written, standard output stays empty. */
 static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
@@ -588,14 +594,15 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;
         program_expect(&r, 2, "%s", cases[i].arguments);
-        if (!strstr(r.messages, cases[i].message)) fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
+        if (!strstr(r.messages, cases[i].message))
+            fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
         assert_string_equal(r.output, "");
         assert_int_equal(program_count_files(DIR), before);
     }
 }
 
-/* The pixels of an equal-area map have one solid angle, so the integral of r+g+b is 4 pi times their mean, whatever they are; what
- * the resampling changes of it is told in percent. */
+/* The pixels of an equal-area map have one solid angle, so the integral of r+g+b is 4 pi times their mean, whatever
+ * they are; what the resampling changes of it is told in percent. */
 static void the_note_on_a_resampled_map_tells_its_energy(void **state)
 {
     (void)state;
@@ -610,15 +617,17 @@ static void the_note_on_a_resampled_map_tells_its_energy(void **state)
     fprintf(f, "PF\n%d %d\n-1.0\n", SIDE, SIDE);
     assert_int_equal(fwrite(pixels, sizeof pixels, 1, f), 1);
     fclose(f);
-    program_write_file(DIR "/square.txt", "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 WorldBegin\n"
-                                          "LightSource \"infinite\" \"string filename\" \"square.pfm\" \"string mapping\" \"equalarea\"\n");
+    program_write_file(DIR "/square.txt",
+        "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 WorldBegin\n"
+        "LightSource \"infinite\" \"string filename\" \"square.pfm\" \"string mapping\" \"equalarea\"\n");
     program_expect(&r, 0, DIR "/square.txt --spp 1 --outfile " DIR "/square.exr");
     const char *note = strstr(r.messages, "integral of r+g+b ");
     assert_non_null(note);
     assert_int_equal(sscanf(note, "integral of r+g+b %lf before, %lf after (%lf%%)", &before, &after, &change), 3);
     assert_true(fabs(before / (4 * PI * sum / (SIDE * SIDE)) - 1) < 1e-5); /* six digits */
     assert_true(fabs(after / before - 1) < 1e-2);
-    assert_true(fabs(change - 100 * (after - before) / before) < 1e-3 + 100 * 1e-5); /* its own digits, and those of both */
+    assert_true(
+        fabs(change - 100 * (after - before) / before) < 1e-3 + 100 * 1e-5); /* its own digits, and those of both */
     assert_int_equal(system("rm " DIR "/square.*"), 0);
 }
 
@@ -673,7 +682,8 @@ static void render_with(const char *name, const char *sampler, const char *integ
 }
 
 #define SAMPLER(kind, edges) \
-    "Sampler \"" kind "\" \"integer pixelsamples\" 16 \"integer seed\" 0 \"integer edgesamples\" " edges " \"float edgelight\" 0.25"
+    "Sampler \"" kind "\" \"integer pixelsamples\" 16 \"integer seed\" 0 \"integer edgesamples\" " edges " \"float " \
+    "edgelight\" 0.25"
 #define SIR(proposal, M, N, learn) \
     "Integrator \"sir\" \"string proposal\" \"" proposal "\" \"integer candidates\" " M \
     " \"integer shadowrays\" " N " \"bool learn\" " learn
@@ -759,7 +769,8 @@ static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;
         program_expect(&r, 1, "%s", cases[i].arguments);
-        if (!strstr(r.messages, cases[i].message)) fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
+        if (!strstr(r.messages, cases[i].message))
+            fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
         assert_false(program_exists(DIR "/new.exr"));
     }
 }
@@ -866,8 +877,9 @@ static void what_is_read_is_never_written_over(void **state)
     program_write_scene(OVER, "");
     copy(OVER "/part.txt", OVER "/scene.txt");
     program_write_file(OVER "/scene.txt", "Include \"part.txt\"\nShape \"plymesh\" \"string filename\" \"ball.ply\"\n");
-    program_write_file(OVER "/ball.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
+    program_write_file(OVER "/ball.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
     copy(OVER "/a.pfm", OVER "/map.pfm");
     copy(OVER "/b.pfm", OVER "/map.pfm");
     copy(OVER "/sky-map.pfm", OVER "/map.pfm");
@@ -885,7 +897,8 @@ static void what_is_read_is_never_written_over(void **state)
         program_run r;
         program_expect(&r, 2, "%s", cases[i].arguments);
         const char *first = strstr(r.messages, cases[i].names[0]);
-        if (!first || !strstr(first + 1, cases[i].names[1])) fail_msg("bis %s: says %s", cases[i].arguments, r.messages);
+        if (!first || !strstr(first + 1, cases[i].names[1]))
+            fail_msg("bis %s: says %s", cases[i].arguments, r.messages);
         assert_int_equal(program_count_files(OVER), before);
         for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
             char now[64], then[64];
@@ -903,7 +916,8 @@ static void what_is_read_is_never_written_over(void **state)
 static void killed_at_any_moment_it_leaves_no_litter(void **state)
 {
     (void)state;
-    static const char arguments[] = DIR "/empty.txt --quiet --spp 1 --nthreads 1 --outfile " DIR "/killed/a.exr --outfile " DIR "/killed/a.png --outfile " DIR "/killed/b.exr";
+    static const char arguments[] = DIR "/empty.txt --quiet --spp 1 --nthreads 1 --outfile " DIR
+                                        "/killed/a.exr --outfile " DIR "/killed/a.png --outfile " DIR "/killed/b.exr";
     struct timespec start, end;
     program_run r;
 
@@ -925,13 +939,13 @@ static void killed_at_any_moment_it_leaves_no_litter(void **state)
         nanosleep(&pause, NULL);
         kill(pid, SIGKILL);
         program_finish(&r, pid);
-        int n = program_exists(DIR "/killed/a.exr") + program_exists(DIR "/killed/a.png") + program_exists(DIR "/killed/b.exr");
+        int n = program_exists(DIR "/killed/a.exr") + program_exists(DIR "/killed/a.png") +
+                program_exists(DIR "/killed/b.exr");
         assert_int_equal(program_count_files(DIR "/killed"), n);
     }
 }
 
-/* --- interruption
- * -------------------------------------------------------------------------------------------------- */
+/* ---- interruption ---- */
 
 /* A signal after the first pass is complete. How long that takes nobody knows: each try waits twice as long. */
 static void interrupt(program_run *r, int number, const char *arguments)
@@ -974,12 +988,15 @@ static void a_signal_in_the_first_pass_keeps_the_older_files(void **state)
     (void)state;
     program_run r;
     char text[64] = "";
-    program_write_file(DIR "/long.txt", "Integrator \"exact\" \"integer perpatch\" 100\nWorldBegin LightSource \"infinite\" "
-                       "Translate 0 0 3 Shape \"sphere\" \"float radius\" 5\n");
+    program_write_file(DIR "/long.txt",
+        "Integrator \"exact\" \"integer perpatch\" 100\nWorldBegin LightSource \"infinite\" "
+        "Translate 0 0 3 Shape \"sphere\" \"float radius\" 5\n");
     program_write_file(DIR "/first.exr", "an older picture");
     for (int quiet = 0; quiet < 2; quiet++) {
-        const pid_t pid = program_start(quiet ? DIR "/long.txt --quiet --resolution 400x400 --outfile " DIR "/first.exr --outfile " DIR "/first.png --stats " DIR "/first.json"
-                                              : DIR "/long.txt --resolution 400x400 --outfile " DIR "/first.exr --outfile " DIR "/first.png --stats -");
+        const pid_t pid = program_start(quiet ? DIR "/long.txt --quiet --resolution 400x400 --outfile " DIR
+                                                    "/first.exr --outfile " DIR "/first.png --stats " DIR "/first.json"
+                                              : DIR "/long.txt --resolution 400x400 --outfile " DIR
+                                                    "/first.exr --outfile " DIR "/first.png --stats -");
         program_wait_for_handler(pid, SIGINT);
         assert_int_equal(kill(pid, SIGINT), 0);
         program_finish(&r, pid);
@@ -1000,7 +1017,8 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
 {
     (void)state;
     const struct { const char *options, *passes; } cases[] = {
-        {"--resolution 144x96 --spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 1", "1 camera sample a pixel in 1 pass, "},
+        {"--resolution 144x96 --spp 9", "9 camera samples a pixel in 5 passes, "},
+         {"--spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 1", "1 camera sample a pixel in 1 pass, "},
         {"--resolution 144x96 --spp 8 --cropwindow 0,0.5,0,1", "8 camera samples a pixel in 4 passes, "},
     };
     for (int i = 0; i < 4; i++) {
@@ -1010,27 +1028,32 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
         program_expect_only_the_result(&r);
         json_value(width, sizeof width, r.output, "width");
         json_value(height, sizeof height, r.output, "height");
-        snprintf(expected, sizeof expected, "bis: wrote " DIR "/l.exr, " DIR "/l.png: %s x %s pixels, %s", width, height, cases[i].passes);
+        snprintf(expected, sizeof expected, "bis: wrote " DIR "/l.exr, " DIR "/l.png: %s x %s pixels, %s", width,
+            height, cases[i].passes);
         assert_int_equal(strncmp(r.messages, expected, strlen(expected)), 0);
         json_value(value, sizeof value, r.output, "estimated_relative_rmse");
         const double percent = 100 * strtod(value, NULL);
-        if (strstr(cases[i].passes, "in 1 pass,")) snprintf(error, sizeof error, "s, error unknown: one pass is too few\n");
+        if (strstr(cases[i].passes, "in 1 pass,"))
+            snprintf(error, sizeof error, "s, error unknown: one pass is too few\n");
         else if (i == 1) snprintf(error, sizeof error, "s, error at most "); /* few pixels */
-        else snprintf(error, sizeof error, percent < 9.95 ? "s, error about %.2g%%\n" : "s, error about %.0f%%\n", percent);
+        else
+            snprintf(
+                error, sizeof error, percent < 9.95 ? "s, error about %.2g%%\n" : "s, error about %.0f%%\n", percent);
         assert_non_null(strstr(r.messages, error));
         program_expect(&r, 0, SCENE " --quiet %s --outfile " DIR "/l.exr", cases[i].options);
         assert_string_equal(r.messages, "");
     }
 }
 
-/* --- other commands
- * ------------------------------------------------------------------------------------------------ */
+/* ---- other commands ---- */
 
 static void help_and_version_are_complete_and_fit_80_columns(void **state)
 {
     (void)state;
-    const char *commands[] = {"--help", "help", "render --help", "compare --help", "envmap --help", "verify --help", "pixel --help", "help compare", "version", "--version"};
-    const char *words[] = {"--nthreads", "envmap", "130", "--tolerance", "--help", "--seed", "--repeats", "--diff", "Embree", "libpng"};
+    const char *commands[] = {"--help", "help", "render --help", "compare --help", "envmap --help", "verify --help",
+        "pixel --help", "help compare", "version", "--version"};
+    const char *words[] = {
+        "--nthreads", "envmap", "130", "--tolerance", "--help", "--seed", "--repeats", "--diff", "Embree", "libpng"};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         program_run r;
         program_expect(&r, 0, "%s", commands[i]);
@@ -1054,7 +1077,8 @@ static void compare_prints_the_same_figures_as_text_and_json(void **state)
     program_expect(&text, 0, "compare " DIR "/ca.exr " DIR "/cb.pfm");
     program_expect(&json, 0, "compare --json " DIR "/ca.exr " DIR "/cb.pfm");
     assert_true(json_is_valid(json.output));
-    assert_string_equal(json_keys(keys, sizeof keys, json.output, ""), "mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite ");
+    assert_string_equal(json_keys(keys, sizeof keys, json.output, ""),
+        "mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite ");
     int n = 0, used;
     for (const char *line = text.output; sscanf(line, "%31s %63s\n%n", key, number_text, &used) == 2; line += used) {
         assert_string_equal(json_value(value, sizeof value, json.output, key), number_text);
@@ -1095,8 +1119,8 @@ static void nothing_to_compare_is_no_success(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "pixels"), "0");
 }
 
-/* OpenMP tells the size of each team that it forms: GNU's on standard error, LLVM's on standard output. A map, a mesh, both accelerators, all with N threads where the
- * system's default is another number. */
+/* OpenMP tells the size of each team that it forms: GNU's on standard error, LLVM's on standard output. A map, a mesh,
+ * both accelerators, all with N threads where the system's default is another number. */
 static void nthreads_holds_for_everything(void **state)
 {
     static const char *const accelerators[] = {"grid", "embree"};
@@ -1150,15 +1174,17 @@ static void what_is_approximated_is_said_everywhere(void **state)
 {
     (void)state;
     static const char *const names[] = {"v2", "v3", "v4"};
-    static const char *const said[] = {"1 x AreaLightSource (of 3 lights): its light is missing", "2 x ActiveTransform: nothing moves",
-                                       "1 x Material \"mix\" (of 8 materials): one material"};
+    static const char *const said[] = {"1 x AreaLightSource (of 3 lights): its light is missing",
+        "2 x ActiveTransform: nothing moves", "1 x Material \"mix\" (of 8 materials): one material"};
     program_run r;
     for (int i = 0; i < 3; i++) {
         char word[100];
         program_expect(&r, 2, "data/scenes/pbrt/approximate-%s.pbrt --outfile " DIR "/no.exr", names[i]);
         assert_non_null(strstr(r.messages, "; with --approximate: "));
-        program_expect(&r, 0, "--approximate data/scenes/pbrt/approximate-%s.pbrt --resolution 12x8 --spp 1 --outfile " DIR
-                       "/a.exr --stats -", names[i]);
+        program_expect(&r, 0,
+            "--approximate data/scenes/pbrt/approximate-%s.pbrt --resolution 12x8 --spp 1 --outfile " DIR
+            "/a.exr --stats -",
+            names[i]);
         snprintf(word, sizeof word, "warning: approximated: %s", said[i]);
         assert_non_null(strstr(r.messages, word));
         assert_non_null(strstr(r.output, "\"approximated\": ["));
@@ -1170,7 +1196,8 @@ static void what_is_approximated_is_said_everywhere(void **state)
         snprintf(word, sizeof word, "approximated %s", said[i]);
         assert_non_null(strstr(r.output, word));
     }
-    program_expect(&r, 0, SCENE " --approximate --stats - --outfile " DIR "/a.exr"); /* nothing to replace: nothing said */
+    program_expect(
+        &r, 0, SCENE " --approximate --stats - --outfile " DIR "/a.exr"); /* nothing to replace: nothing said */
     assert_true(!strstr(r.output, "approximated") && !strstr(r.messages, "approximated"));
 }
 
@@ -1178,13 +1205,15 @@ static void what_is_approximated_is_said_everywhere(void **state)
 static void every_command_that_reads_a_scene_approximates(void **state)
 {
     (void)state;
-    static const char film[] = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 LookAt 0 -5 0 0 0 0 0 0 1\n"
-                               "WorldBegin LightSource \"infinite\" Material \"glass\" Shape \"sphere\" \"float gleam\" 1\n",
+    static const char film[] =
+        "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 LookAt 0 -5 0 0 0 0 0 0 1\n"
+        "WorldBegin LightSource \"infinite\" Material \"glass\" Shape \"sphere\" \"float gleam\" 1\n",
                       mesh[] = "Shape \"plymesh\" \"string filename\" \"no.ply\"\n";
-    static const char *const glass = "Material \"glass\"", *const gleam = "unknown parameter \"gleam\" of Shape \"sphere\"; with --approximate: ignored";
-    static const char *const commands[] = {"verify %s " DIR "/glass.txt", "pixel %s --repeats 2 --output " DIR "/p " DIR "/glass.txt 4 4",
-                                           "verify %s " DIR "/lost.txt", "pixel %s " DIR "/lost.txt 4 4",
-                                           "trade --quiet %s --output " DIR "/t " DIR "/lost.txt"};
+    static const char *const glass = "Material \"glass\"", *const gleam = "unknown parameter \"gleam\" of Shape "
+                                                                          "\"sphere\"; with --approximate: ignored";
+    static const char *const commands[] = {"verify %s " DIR "/glass.txt",
+        "pixel %s --repeats 2 --output " DIR "/p " DIR "/glass.txt 4 4", "verify %s " DIR "/lost.txt",
+        "pixel %s " DIR "/lost.txt 4 4", "trade --quiet %s --output " DIR "/t " DIR "/lost.txt"};
     program_run r;
     FILE *f = fopen(DIR "/glass.txt", "w"), *g = fopen(DIR "/lost.txt", "w");
     fprintf(f, "%s", film);
@@ -1206,32 +1235,43 @@ static void every_command_that_reads_a_scene_approximates(void **state)
 static void another_light_may_be_put_over_any_scene(void **state)
 {
     (void)state;
-    static const char head[] = "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 12 LookAt 0 -5 2 0 0 0 0 0 1 Camera \"perspective\" \"float fov\" 40\n"
-                               "WorldBegin\n", shapes[] = "Shape \"sphere\" Shape \"disk\" \"float radius\" 4 \"float height\" -1\n";
+    static const char head[] = "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 12 LookAt 0 -5 2 0 0 0 "
+                               "0 0 1 Camera \"perspective\" \"float fov\" 40\n"
+                               "WorldBegin\n",
+                      shapes[] = "Shape \"sphere\" Shape \"disk\" \"float radius\" 4 \"float height\" -1\n";
     static const char *const lights[] = {
-        "LightSource \"point\" LightSource \"infinite\" \"string filename\" \"gone.exr\" AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n",
-        "AttributeBegin Rotate 30 0 0 1 LightSource \"infinite\" \"string filename\" \"data/maps/outdoor.hdr\" \"float scale\" 2 AttributeEnd\n"};
+        "LightSource \"point\" LightSource \"infinite\" \"string filename\" \"gone.exr\" AreaLightSource \"diffuse\" "
+        "\"rgb L\" [1 1 1]\n",
+        "AttributeBegin Rotate 30 0 0 1 LightSource \"infinite\" \"string filename\" \"data/maps/outdoor.hdr\" \"float "
+        "scale\" 2 AttributeEnd\n"};
     program_run r;
     for (int i = 0; i < 2; i++) {
         FILE *f = fopen(i ? DIR "/named.txt" : DIR "/other.txt", "w");
         fprintf(f, "%s%s%s", head, lights[i], shapes);
         assert_int_equal(fclose(f), 0);
     }
-    program_expect(&r, 0, DIR "/other.txt --light data/maps/outdoor.hdr --light-rotate 30 --light-scale 2 --spp 2 --outfile " DIR "/other.pfm");
+    program_expect(&r, 0,
+        DIR "/other.txt --light data/maps/outdoor.hdr --light-rotate 30 --light-scale 2 --spp 2 --outfile " DIR
+            "/other.pfm");
     program_expect(&r, 0, DIR "/named.txt --spp 2 --outfile " DIR "/named.pfm");
     assert_same_file(DIR "/other.pfm", DIR "/named.pfm");
     program_expect(&r, 0, DIR "/other.txt --plan --light data/maps/outdoor.hdr");
     assert_non_null(strstr(r.output, "light        map data/maps/outdoor.hdr, latlong, "));
     program_expect(&r, 2, DIR "/named.txt --plan --light-scale 2");
-    assert_non_null(strstr(r.messages, "--light-rotate, --light-scale and --light-mapping are about the map that --light names: give --light MAP, too"));
+    assert_non_null(strstr(r.messages, "--light-rotate, --light-scale and --light-mapping are about the map that "
+                                       "--light names: give --light MAP, too"));
     program_expect(&r, 2, DIR "/named.txt --plan --light-mapping latlong");
     /* another mapping, and a map that is higher than wide: a cross, which nothing says is one */
-    program_expect(&r, 0, DIR "/other.txt --spp 1 --light data/maps/clouds_verticalcross.hdr.gz --outfile " DIR "/other.pfm");
+    program_expect(
+        &r, 0, DIR "/other.txt --spp 1 --light data/maps/clouds_verticalcross.hdr.gz --outfile " DIR "/other.pfm");
     assert_non_null(strstr(r.messages, "higher than wide, and is taken for a lat-long map all the same"));
     assert_non_null(strstr(r.messages, "(--light-mapping)"));
-    program_expect(&r, 0, DIR "/other.txt --spp 1 --light data/maps/clouds_verticalcross.hdr.gz --light-mapping verticalcross --outfile " DIR "/other.pfm");
+    program_expect(&r, 0,
+        DIR "/other.txt --spp 1 --light data/maps/clouds_verticalcross.hdr.gz --light-mapping verticalcross "
+            "--outfile " DIR "/other.pfm");
     assert_null(strstr(r.messages, "higher than wide"));
-    program_expect(&r, 0, "--approximate " DIR "/other.txt --spp 1 --light data/maps/outdoor.hdr --outfile " DIR "/other.pfm");
+    program_expect(
+        &r, 0, "--approximate " DIR "/other.txt --spp 1 --light data/maps/outdoor.hdr --outfile " DIR "/other.pfm");
     assert_null(strstr(r.messages, "approximated"));
 }
 

@@ -3,7 +3,8 @@
 /* "Assign alias indices." */
 static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
 {
-    /* Yours to write. Of use: pop_small, push_small, top_large, pop_large. The line below only keeps the compiler quiet. */
+    /* Yours to write. Of use: pop_small, push_small, top_large, pop_large. The line below only keeps the compiler
+     * quiet. */
     (void)prob, (void)alias, (void)s, (void)push_small, (void)top_large;
 }
 /* [end] */

@@ -36,7 +36,8 @@ vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double 
 /* [density] */
 double bis_importance_pdf_pixel(const bis_importance *im, size_t pixel)
 {
-    /* Yours to write: the density per steradian. Of use: bis_weight(&im->weights, pixel), and im->total, the sum of weights times solid angles. */
+    /* Yours to write: the density per steradian. Of use: bis_weight(&im->weights, pixel), and im->total, the sum of
+     * weights times solid angles. */
     (void)im, (void)pixel;
     return 1;
 }
@@ -44,7 +45,8 @@ double bis_importance_pdf_pixel(const bis_importance *im, size_t pixel)
 /* [two-passes] */
 bis_drawn bis_table_draw(const bis_table *t, const double u[4])
 {
-    /* Yours to write: a row, a pixel of it, a place in it. Of use: bis_alias_sample with pick_column; bis_cdf_sample with its remainders. */
+    /* Yours to write: a row, a pixel of it, a place in it. Of use: bis_alias_sample with pick_column; bis_cdf_sample
+     * with its remainders. */
     (void)t, (void)u, (void)pick_column;
     return (bis_drawn){.x = 0, .y = 0};
 }

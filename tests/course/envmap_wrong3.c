@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* With CDFs, too, the place in a pixel is told by u[2] and u[3]; the density of the intensities, without their weights. */
+/* With CDFs, too, the place in a pixel is told by u[2] and u[3]; the density of the intensities, without their weights.
+ */
 /* loses: the_density_is_the_intensity_over_the_power */
 /* loses: directions_are_drawn_from_cdfs */
 /* [density] */

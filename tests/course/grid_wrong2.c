@@ -16,6 +16,7 @@ static inline BIS_INLINE axis start_axis(const bis_grid *g, int a, double p, dou
 
     *cell += (size_t)(i * stride);
     const double wall = g->lo[a] + (d > 0 ? i + 1 : i) * g->cell[a];
-    return (axis){(wall - p) / d, g->cell[a] / fabs(d), d > 0 ? stride : -stride, d > 0 ? (i < n - 1 ? n - 2 - i : 0) : i};
+    return (axis){
+        (wall - p) / d, g->cell[a] / fabs(d), d > 0 ? stride : -stride, d > 0 ? (i < n - 1 ? n - 2 - i : 0) : i};
 }
 /* [end] */

@@ -2,7 +2,8 @@
 /* The samples of the map come in full, without their weight: what the BRDF also finds counts twice. */
 /* loses: a_diffuse_surface_in_the_open_is_right */
 /* [mis-em] */
-static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
+static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
+    uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
 

@@ -8,7 +8,8 @@
 /* loses: the_noise_is_that_of_the_balance_heuristic */
 /* loses: the_noise_is_that_of_the_power_heuristic */
 /* [mis-em] */
-static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
+static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
+    uint32_t n_em, uint32_t n_brdf)
 {
     (void)sum, (void)s, (void)pt, (void)stream, (void)scratch, (void)n_em, (void)n_brdf;
 }

@@ -10,7 +10,8 @@ static double weight(bis_heuristic heuristic, double own, double other)
 }
 /* [end] */
 /* [mis-brdf] */
-static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
+static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2],
+    uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
 

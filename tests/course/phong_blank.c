@@ -31,8 +31,8 @@ FORMULA OF(direction) OF(lobe)(REAL inverse_n1, REAL u1, REAL u2)
 /* [phong-draw] */
 FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
 {
-    /* Yours to write: a direction of the lobe if specular, else of the cosine. Of use: OF(lobe), OF(cosine), OF(turned),
-     * OF(either). */
+    /* Yours to write: a direction of the lobe if specular, else of the cosine. Of use: OF(lobe), OF(cosine),
+     * OF(turned), OF(either). */
     (void)k, (void)specular, (void)u1, (void)u2;
     return (OF(direction)){0, 0, 1};
 }

@@ -10,7 +10,8 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 /* [bfs] */
 static void flood(search *s, uint32_t start, uint32_t label)
 {
-    /* Yours to write: label and whatever is connected to start. Of use: visit, visit_row (for the poles), s->queue from s->head to s->tail. */
+    /* Yours to write: label and whatever is connected to start. Of use: visit, visit_row (for the poles), s->queue from
+     * s->head to s->tail. */
     (void)s, (void)start, (void)label, (void)visit_row;
 }
 /* [end] */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Accepting ends when there are enough to trace (E22), here four, and the first N are traced; the larger bound is preferred. */
+/* Accepting ends when there are enough to trace (E22), here four, and the first N are traced; the larger bound is
+ * preferred. */
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */
 /* loses: the_smaller_bound_is_chosen_more_often */
 /* loses: fewer_rays_than_accepted_are_right */

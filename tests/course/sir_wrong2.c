@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Every candidate by the map's density, as if all had come from there; marks that are random but not in proportion: every candidate with a weight has the same chance. */
+/* Every candidate by the map's density, as if all had come from there; marks that are random but not in proportion:
+ * every candidate with a weight has the same chance. */
 /* loses: weights_from_the_brdf_are_phat_over_q */
 /* loses: weights_of_a_mixture_have_the_mixed_density */
 /* loses: candidates_are_chosen_in_proportion_to_their_weights */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A slow walk from mark to mark, which is allowed; but marks that rounding leaves beyond the sum are lost, and the offset is the same for all points. */
+/* A slow walk from mark to mark, which is allowed; but marks that rounding leaves beyond the sum are lost, and the
+ * offset is the same for all points. */
 /* loses: candidates_are_chosen_in_proportion_to_their_weights */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */

@@ -287,7 +287,8 @@ static void resampling_keeps_its_promise_for_any_weights(void **state)
         if (multinomial) bis_choose_multinomial(&c, N, W, &stream);
         else bis_choose_systematic(&c, N, W, bis_stream_random(&stream));
         for (uint32_t j = 0; j < c.n_chosen; j++) {
-            envelope_expect(&legal, c.item[j] < M && c.w[c.item[j]] > 0 && (j == 0 || c.item[j] > c.item[j - 1]), "%s", what);
+            envelope_expect(
+                &legal, c.item[j] < M && c.w[c.item[j]] > 0 && (j == 0 || c.item[j] > c.item[j - 1]), "%s", what);
             marks += c.times[j];
         }
         envelope_expect(&legal, marks == N, "%s", what);

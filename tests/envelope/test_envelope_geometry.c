@@ -37,11 +37,12 @@ static backends make_backends(const bis_geometry *g)
     backends b = {.n = 0};
 
     for (int i = 0; i < COUNT(densities); i++) {
-        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1, NULL}, NULL),
-                         BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1, NULL}, NULL), BIS_OK);
     }
     if (bis_accel_embree_version())
-        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
     return b;
 }
 

@@ -426,7 +426,8 @@ static void probes_of_a_few_pixels_are_resampled(void **state)
         bis_envmap em;
         assert_int_equal(bis_image_init(&image, side, side, NULL), BIS_OK);
         for (int k = 0; k < side * side; k++) image.pixels[k] = (rgb){L, L, L};
-        assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, widths[i / 9 % COUNT(widths)], NULL), BIS_OK);
+        assert_int_equal(
+            bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, widths[i / 9 % COUNT(widths)], NULL), BIS_OK);
         for (size_t k = 0; k < map_n(&em); k++) {
             envelope_try(&e, relative_error((double)em.pixels[k].g, (double)L), "side %d, %d x %d, %g: %g", side,
                          em.width, em.height, (double)L, (double)em.pixels[k].g);

@@ -59,9 +59,10 @@ static void put_compressed(bytes *file, const void *data, size_t n)
     free(out);
 }
 
-static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                          "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+static const char ply[] =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81";
 
@@ -142,8 +143,10 @@ static void a_file_made_to_fill_the_memory_is_refused_by_a_limit(void **state)
     assert_non_null(zeros);
     put_compressed(&file, zeros, large);
     assert_true(file.n < BIS_GZIP_FREE / BIS_GZIP_RATIO);
-    snprintf(text, sizeof text, "its %zu bytes expand to more than 67108864, which is more than maps and meshes need and "
-             "may be made to fill the memory; if you trust the file, expand it with gunzip and name the result", file.n);
+    snprintf(text, sizeof text,
+        "its %zu bytes expand to more than 67108864, which is more than maps and meshes need and "
+        "may be made to fill the memory; if you trust the file, expand it with gunzip and name the result",
+        file.n);
     expect_refusal_of(&file, "bomb.gz", text);
     bytes_clear(&file);
     file = (bytes){0};

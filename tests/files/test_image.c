@@ -64,7 +64,8 @@ static void only_four_endings_can_be_written_in_any_case_of_letters(void **state
     bis_diag diag = {0};
     assert_int_equal(bis_image_save(&image, "build/a.jpg", &diag), BIS_INPUT);
     assert_string_equal(diag.messages[0].text,
-                        "build/a.jpg: error: cannot write \"build/a.jpg\": its ending must be .exr, .pfm, .hdr or .png");
+                        "build/a.jpg: error: cannot write \"build/a.jpg\": its ending must be .exr, .pfm, .hdr or "
+                        ".png");
     bis_diag_clear(&diag);
     bis_image_clear(&image);
 }
@@ -97,8 +98,9 @@ static void what_is_no_image_is_refused_by_its_first_bytes(void **state)
     store(scratch("short.hdr"), "ab", 2);
     expect_refusal(scratch("short.hdr"), BIS_INPUT, "its 2 bytes are too few for an image");
     store(scratch("text.exr"), "this is text", 12);
-    expect_refusal(scratch("text.exr"), BIS_INPUT, "it begins with the bytes 74 68 69 73, must be a Radiance .hdr (#?), OpenEXR "
-                   "(76 2f 31 01) or PFM (PF, Pf)");
+    expect_refusal(scratch("text.exr"), BIS_INPUT,
+        "it begins with the bytes 74 68 69 73, must be a Radiance .hdr (#?), OpenEXR "
+        "(76 2f 31 01) or PFM (PF, Pf)");
 }
 
 /* Four bytes are enough to know a PNG, three a JPEG: the fourth is e0, e1, db, ... One byte that differs makes another
@@ -119,7 +121,8 @@ static void pictures_for_a_screen_are_refused_by_name(void **state)
     static const char unknown[] = "must be a Radiance .hdr (#?), OpenEXR (76 2f 31 01) or PFM (PF, Pf)";
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char message[256];
-        const bool is_known = strstr(files[i].message, "is a ") != NULL, begins = strstr(files[i].message, "begins") != NULL;
+        const bool is_known = strstr(files[i].message, "is a ") != NULL,
+                   begins = strstr(files[i].message, "begins") != NULL;
         const char *rest = is_known ? for_a_screen : begins ? unknown : "";
         snprintf(message, sizeof message, "%s%s", files[i].message, rest);
         store(scratch("screen.hdr"), files[i].bytes, files[i].size);
@@ -141,13 +144,15 @@ static void expect_io(const char *path, const char *message)
 static void missing_and_directory_paths_are_io_errors_at_the_line_that_named_them(void **state)
 {
     (void)state;
-    expect_io("build/no such.exr", "scene.txt:7:12: error: cannot open \"build/no such.exr\": No such file or directory");
+    expect_io(
+        "build/no such.exr", "scene.txt:7:12: error: cannot open \"build/no such.exr\": No such file or directory");
     expect_io("build", "scene.txt:7:12: error: \"build\" is a folder, must be a regular file");
     store(scratch("locked.hdr"), "#?", 2);
     chmod(scratch("locked.hdr"), 0);
     if (access(scratch("locked.hdr"), R_OK) == 0) return; /* the superuser may read anything */
     char message[256];
-    snprintf(message, sizeof message, "scene.txt:7:12: error: cannot open \"%s\": Permission denied", scratch("locked.hdr"));
+    snprintf(
+        message, sizeof message, "scene.txt:7:12: error: cannot open \"%s\": Permission denied", scratch("locked.hdr"));
     expect_io(scratch("locked.hdr"), message);
 }
 
@@ -159,7 +164,8 @@ static void a_bad_image_is_reported_at_the_line_that_named_it(void **state)
     char message[256];
     store(scratch("bad.hdr"), "", 0);
     assert_int_equal(bis_image_read(&image, scratch("bad.hdr"), (bis_loc){"scene.txt", 7, 12}, &diag), BIS_INPUT);
-    snprintf(message, sizeof message, "scene.txt:7:12: error: cannot read \"%s\": the file is empty", scratch("bad.hdr"));
+    snprintf(
+        message, sizeof message, "scene.txt:7:12: error: cannot read \"%s\": the file is empty", scratch("bad.hdr"));
     assert_string_equal(diag.messages[0].text, message);
     bis_diag_clear(&diag);
 }
@@ -226,7 +232,8 @@ static void a_full_disk_is_named_as_the_reason(void **state)
     bis_image_save(&image, scratch("full.exr"), &diag);
     setrlimit(RLIMIT_FSIZE, &before);
     signal(SIGXFSZ, SIG_DFL);
-    snprintf(message, sizeof message, "%s: error: cannot write \"%s\": File too large", scratch("full.exr"), scratch("full.exr"));
+    snprintf(message, sizeof message, "%s: error: cannot write \"%s\": File too large", scratch("full.exr"),
+        scratch("full.exr"));
     assert_string_equal(diag.messages[0].text, message);
     bis_diag_clear(&diag);
     bis_image_clear(&image);

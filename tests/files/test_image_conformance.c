@@ -154,8 +154,10 @@ static double mean_luminance(const bis_image *image, const double weights[3])
 
 static bool is_right(const known_file *f, const bis_image *image)
 {
-    const double rec709[3] = {0.2126, 0.7152, 0.0722}, xyz[3] = {0, 1, 0}; /* the primaries in that file's header are X, Y and Z */
-    if (f->luminance == 0) return image->width == f->width && image->height == f->height && checksum_of(image) == f->checksum;
+    const double rec709[3] = {0.2126, 0.7152, 0.0722},
+                 xyz[3] = {0, 1, 0}; /* the primaries in that file's header are X, Y and Z */
+    if (f->luminance == 0)
+        return image->width == f->width && image->height == f->height && checksum_of(image) == f->checksum;
     double found = mean_luminance(image, strstr(f->name, "XYZ") ? xyz : rec709);
     return fabs(found / f->luminance - 1) < 1e-3; /* halves are good to 5e-4 */
 }

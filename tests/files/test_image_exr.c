@@ -180,7 +180,8 @@ static void put_chunk(bytes *b, const part_spec *p, int part, int index)
         put_int(b, (uint64_t)(index % n), 4);
         put_int(b, (uint64_t)(index / n), 4);
         put_int(b, 0, 8); /* level */
-        put_pixels(&data, p, x, y, x + p->tile > p->width ? p->width - x : p->tile, y + p->tile > p->height ? p->height - y : p->tile);
+        put_pixels(&data, p, x, y, x + p->tile > p->width ? p->width - x : p->tile,
+            y + p->tile > p->height ? p->height - y : p->tile);
     } else {
         put_int(b, (uint32_t)(p->y0 + index), 4);
         put_pixels(&data, p, 0, index, p->width, 1);
@@ -260,15 +261,15 @@ static void half_float_and_uint_are_read_among_channels_that_nobody_wants(void *
     for (int r = 0; r < 3; r++)
         for (int g = 0; g < 3; g++)
             for (int b = 0; b < 3; b++) {
-                const channel_spec channels[6] = {{"A", (r + 1) % 3, 1}, {"B", b, 1}, {"G", g, 1}, {"GG", (g + 1) % 3, 1}, {"R", r, 1},
-                                                  {"Z", (b + 1) % 3, 1}};
+                const channel_spec channels[6] = {{"A", (r + 1) % 3, 1}, {"B", b, 1}, {"G", g, 1},
+                    {"GG", (g + 1) % 3, 1}, {"R", r, 1}, {"Z", (b + 1) % 3, 1}};
                 const part_spec part = {.channels = channels, .n_channels = 6, .width = 7, .height = 5};
                 expect_channels(&part, 1, 0, (const int[3]){4, 2, 1}, NULL);
             }
 }
 
-/* Rec. 709 to three digits is what is assumed; a third digit that is off, in any place, is acted and remarked upon. A cube
- * map is remarked upon, but not a latlong one. */
+/* Rec. 709 to three digits is what is assumed; a third digit that is off, in any place, is acted and remarked upon. A
+ * cube map is remarked upon, but not a latlong one. */
 static void other_colours_and_shapes_are_remarked(void **state)
 {
     (void)state;
@@ -277,8 +278,10 @@ static void other_colours_and_shapes_are_remarked(void **state)
         if (k >= 0 && k < 8) c[k] += 0.001f;
         const part_spec part = {.channels = plain, .n_channels = 3, .width = 3, .height = 2,
                                 .chromaticities = k == -2 ? NULL : c, .envmap = k < 8 ? 0 : k == 8 ? 1 : 2};
-        const char *const expected = k >= 0 && k < 8 ? "its colours are converted from its own primaries to those of Rec. 709" :
-                                     k == 9          ? "it is a cube map, which we do not unfold" : NULL;
+        const char *const expected = k >= 0 && k < 8
+                                         ? "its colours are converted from its own primaries to those of Rec. 709"
+                                     : k == 9 ? "it is a cube map, which we do not unfold"
+                                              : NULL;
         bytes file = {0};
         bis_image image;
         bis_diag diag = {0};
@@ -321,7 +324,8 @@ static void assert_colour(rgb c, double r, double g, double b, double tolerance)
         fail_msg("%g %g %g, not %g %g %g", (double)c.r, (double)c.g, (double)c.b, r, g, b);
 }
 
-/* The matrices are published: IEC 61966-2-1 has XYZ to sRGB to four digits, and Rec. ITU-R BT.2087 has BT.2020 to BT.709. */
+/* The matrices are published: IEC 61966-2-1 has XYZ to sRGB to four digits, and Rec. ITU-R BT.2087 has BT.2020 to
+ * BT.709. */
 static void colours_of_other_primaries_become_those_of_rec_709(void **state)
 {
     (void)state;
@@ -341,7 +345,8 @@ static void colours_of_other_primaries_become_those_of_rec_709(void **state)
     bis_diag_clear(&diag);
     /* pure red of BT.2020 is outside: green and blue become 0 and not negative */
     assert_colour(one_pixel(bt2020, (rgb){1, 0, 0}, &diag), 1.6605, 0, 0, 2e-4);
-    assert_non_null(strstr(diag.messages[0].text, "100% of its pixels lie outside of these, and their negative parts are set to 0"));
+    assert_non_null(strstr(diag.messages[0].text, "100% of its pixels lie outside of these, and their negative parts "
+                                                  "are set to 0"));
     bis_diag_clear(&diag);
     /* what was negative before is passed on, for who reads it to judge */
     assert_true(one_pixel(bt2020, (rgb){-1, 0, 0}, &diag).r < -1.6f);
@@ -352,8 +357,8 @@ static void colours_of_other_primaries_become_those_of_rec_709(void **state)
     bis_diag_clear(&diag);
     /* a white of D50 is not adapted: 1 1 1 has the XYZ (.3457 1 .2958)/.3585 */
     const double X = .3457 / .3585, Z = (1 - .3457 - .3585) / .3585;
-    assert_colour(one_pixel(d50, (rgb){1, 1, 1}, &diag), 3.2406 * X - 1.5372 - .4986 * Z, -.9689 * X + 1.8758 + .0415 * Z,
-                  .0557 * X - .204 + 1.057 * Z, 3e-4);
+    assert_colour(one_pixel(d50, (rgb){1, 1, 1}, &diag), 3.2406 * X - 1.5372 - .4986 * Z,
+        -.9689 * X + 1.8758 + .0415 * Z, .0557 * X - .204 + 1.057 * Z, 3e-4);
     bis_diag_clear(&diag);
     /* twin: of Rec. 709 nothing is changed, and nothing said */
     assert_colour(one_pixel(NULL, (rgb){.1f, .2f, .3f}, &diag), .1f, .2f, .3f, 0);
@@ -364,12 +369,14 @@ static void chromaticities_that_span_nothing_are_remarked(void **state)
 {
     (void)state;
     static const float bad[][8] = {{.3f, .3f, .3f, .3f, .1f, .1f, .3f, .3f}, {.6f, 0, .3f, .6f, .1f, .1f, .3f, .3f},
-                                   {.64f, .33f, .3f, .6f, .15f, .06f, .3f, 0}, {NAN, .33f, .3f, .6f, .15f, .06f, .3f, .3f}};
+                                   {.64f, .33f, .3f, .6f, .15f, .06f, .3f, 0},
+                                    {NAN, .33f, .3f, .6f, .15f, .06f, .3f, .3f}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         bis_diag diag;
         assert_colour(one_pixel(bad[i], (rgb){.1f, .2f, .3f}, &diag), .1f, .2f, .3f, 0);
         assert_int_equal(diag.n, 1);
-        assert_non_null(strstr(diag.messages[0].text, "are no three primaries and a white; the values are taken as they are"));
+        assert_non_null(
+            strstr(diag.messages[0].text, "are no three primaries and a white; the values are taken as they are"));
         bis_diag_clear(&diag);
     }
 }
@@ -381,8 +388,14 @@ static void the_data_window_is_the_whole_map_wherever_it_lies(void **state)
     for (size_t i = 0; i < sizeof corners / sizeof corners[0]; i++)
         for (int tile = 0; tile <= 4; tile += 4)
             for (int decreasing = 0; decreasing < 2; decreasing++) {
-                const part_spec part = {.channels = plain, .n_channels = 3, .x0 = corners[i][0], .y0 = corners[i][1], .width = 6,
-                                        .height = 5, .tile = tile, .decreasing = decreasing};
+                const part_spec part = {.channels = plain,
+                    .n_channels = 3,
+                    .x0 = corners[i][0],
+                    .y0 = corners[i][1],
+                    .width = 6,
+                    .height = 5,
+                    .tile = tile,
+                    .decreasing = decreasing};
                 expect_channels(&part, 1, 0, plain_index, NULL);
             }
 }
@@ -427,12 +440,15 @@ static void one_channel_of_any_type_among_any_others_is_read(void **state)
 {
     (void)state;
     for (int types = 0; types < 81; types++) {
-        const channel_spec channels[4] = {{"A", types % 3, 1}, {"Y", types / 3 % 3, 1}, {"Z", types / 9 % 3, 1}, {"ZZ", types / 27, 1}};
+        const channel_spec channels[4] = {
+            {"A", types % 3, 1}, {"Y", types / 3 % 3, 1}, {"Z", types / 9 % 3, 1}, {"ZZ", types / 27, 1}};
         for (int n = 2; n <= 4; n++) {
-            const part_spec part = {.channels = channels, .n_channels = n, .width = 4, .height = 3, .tile = n == 4 ? 3 : 0};
+            const part_spec part = {
+                .channels = channels, .n_channels = n, .width = 4, .height = 3, .tile = n == 4 ? 3 : 0};
             expect_channels(&part, 1, 0, (const int[3]){1, 1, 1}, NULL);
         }
-        const channel_spec colour[4] = {{"A", types % 3, 1}, {"B", types / 3 % 3, 1}, {"G", types / 9 % 3, 1}, {"R", types / 27, 1}};
+        const channel_spec colour[4] = {
+            {"A", types % 3, 1}, {"B", types / 3 % 3, 1}, {"G", types / 9 % 3, 1}, {"R", types / 27, 1}};
         const part_spec part = {.channels = colour, .n_channels = 4, .width = 4, .height = 3};
         expect_channels(&part, 1, 0, (const int[3]){3, 2, 1}, NULL);
     }
@@ -441,14 +457,16 @@ static void one_channel_of_any_type_among_any_others_is_read(void **state)
 static void the_first_layer_is_read_where_there_is_no_colour_at_the_top(void **state)
 {
     (void)state;
-    const channel_spec two[7] = {{"A", HALF, 1}, {"diffuse.B", HALF, 1}, {"diffuse.G", FLOAT, 1}, {"diffuse.R", HALF, 1},
-                                 {"specular.B", HALF, 1}, {"specular.G", HALF, 1}, {"specular.R", HALF, 1}};
+    const channel_spec two[7] = {{"A", HALF, 1}, {"diffuse.B", HALF, 1}, {"diffuse.G", FLOAT, 1},
+        {"diffuse.R", HALF, 1}, {"specular.B", HALF, 1}, {"specular.G", HALF, 1}, {"specular.R", HALF, 1}};
     const part_spec layers = {.channels = two, .n_channels = 7, .width = 4, .height = 3};
     expect_channels(&layers, 1, 0, (const int[3]){3, 2, 1}, "it has no R, G, B at the top; layer \"diffuse\" is read");
 
-    const channel_spec deep_names[4] = {{"a.Y", HALF, 1}, {"view.pass.B", HALF, 1}, {"view.pass.G", HALF, 1}, {"view.pass.R", HALF, 1}};
+    const channel_spec deep_names[4] = {
+        {"a.Y", HALF, 1}, {"view.pass.B", HALF, 1}, {"view.pass.G", HALF, 1}, {"view.pass.R", HALF, 1}};
     const part_spec nested = {.channels = deep_names, .n_channels = 4, .width = 4, .height = 3};
-    expect_channels(&nested, 1, 0, (const int[3]){3, 2, 1}, "it has no R, G, B at the top; layer \"view.pass\" is read");
+    expect_channels(
+        &nested, 1, 0, (const int[3]){3, 2, 1}, "it has no R, G, B at the top; layer \"view.pass\" is read");
 
     const part_spec grey = {.channels = deep_names, .n_channels = 1, .width = 4, .height = 3};
     expect_channels(&grey, 1, 0, (const int[3]){0, 0, 0}, "it has no R, G, B at the top; layer \"a\" is read");
@@ -457,8 +475,8 @@ static void the_first_layer_is_read_where_there_is_no_colour_at_the_top(void **s
 static void colour_at_the_top_wins_over_luminance_and_layers(void **state)
 {
     (void)state;
-    const channel_spec channels[7] = {{"B", HALF, 1}, {"G", HALF, 1}, {"R", HALF, 1}, {"Y", HALF, 1}, {"a.B", HALF, 1}, {"a.G", HALF, 1},
-                                      {"a.R", HALF, 1}};
+    const channel_spec channels[7] = {{"B", HALF, 1}, {"G", HALF, 1}, {"R", HALF, 1}, {"Y", HALF, 1}, {"a.B", HALF, 1},
+        {"a.G", HALF, 1}, {"a.R", HALF, 1}};
     const part_spec part = {.channels = channels, .n_channels = 7, .width = 4, .height = 3};
     expect_channels(&part, 1, 0, plain_index, NULL);
 }
@@ -469,7 +487,8 @@ static void the_first_part_with_colour_is_read(void **state)
     const channel_spec depth[1] = {{"Z", FLOAT, 1}};
     const part_spec parts[3] = {
         {.channels = depth, .n_channels = 1, .width = 9, .height = 2, .type = "scanlineimage", .name = "depth"},
-        {.channels = plain, .n_channels = 3, .width = 5, .height = 4, .type = "tiledimage", .name = "colour", .tile = 3, .x0 = 2},
+        {.channels = plain, .n_channels = 3, .width = 5, .height = 4, .type = "tiledimage", .name = "colour", .tile = 3,
+         .x0 = 2},
         {.channels = plain, .n_channels = 3, .width = 3, .height = 3, .type = "scanlineimage", .name = "other"},
     };
     expect_channels(parts, 3, 1, plain_index, "part 2 of 3 is read, the others are ignored");
@@ -487,13 +506,15 @@ static void a_file_without_colour_is_refused_by_its_channels(void **state)
         {.channels = mixed, .n_channels = 3, .width = 4, .height = 3, .type = "scanlineimage", .name = "one"},
         {.channels = red, .n_channels = 1, .width = 4, .height = 3, .type = "scanlineimage", .name = "two"},
     };
-    expect_bad_parts(parts, 2, "its channels are \"a.B\", \"a.G\", \"b.R\", \"R\", must be R, G and B, or Y, perhaps in a layer");
+    expect_bad_parts(
+        parts, 2, "its channels are \"a.B\", \"a.G\", \"b.R\", \"R\", must be R, G and B, or Y, perhaps in a layer");
 }
 
 static void deep_data_alone_is_refused(void **state)
 {
     (void)state;
-    const part_spec part = {.channels = plain, .n_channels = 3, .width = 4, .height = 3, .type = "deepscanline", .name = "deep"};
+    const part_spec part = {
+        .channels = plain, .n_channels = 3, .width = 4, .height = 3, .type = "deepscanline", .name = "deep"};
     expect_bad_parts(&part, 1, "it holds deep data alone (many samples a pixel); flatten it first");
 }
 
@@ -536,7 +557,8 @@ static void encode_by_core(const char *path, exr_compression_t compression, bool
     assert_int_equal(exr_initialize_required_attr_simple(file, 0, WIDE, HIGH, compression), 0);
     if (tiled) assert_int_equal(exr_set_tile_descriptor(file, 0, 16, 12, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN), 0);
     for (int c = 0; c < 3; c++)
-        assert_int_equal(exr_add_channel(file, 0, plain[c].name, EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
+        assert_int_equal(
+            exr_add_channel(file, 0, plain[c].name, EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1), 0);
     assert_int_equal(exr_write_header(file), 0);
 
     int32_t step_x = WIDE, step_y = 12;
@@ -549,7 +571,9 @@ static void encode_by_core(const char *path, exr_compression_t compression, bool
             else
                 assert_int_equal(exr_write_scanline_chunk_info(file, 0, y, &chunk), 0);
             bool first = x == 0 && y == 0;
-            assert_int_equal(first ? exr_encoding_initialize(file, 0, &chunk, &pipe) : exr_encoding_update(file, 0, &chunk, &pipe), 0);
+            assert_int_equal(
+                first ? exr_encoding_initialize(file, 0, &chunk, &pipe) : exr_encoding_update(file, 0, &chunk, &pipe),
+                0);
             for (int c = 0; c < 3; c++) {
                 pipe.channels[c].user_data_type = EXR_PIXEL_FLOAT;
                 pipe.channels[c].user_bytes_per_element = 4;
@@ -567,8 +591,8 @@ static void encode_by_core(const char *path, exr_compression_t compression, bool
 static void every_compression_that_core_knows_is_read_in_scanlines_and_tiles(void **state)
 {
     (void)state;
-    const exr_compression_t kinds[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
-                                       EXR_COMPRESSION_PIZ, EXR_COMPRESSION_PXR24, EXR_COMPRESSION_B44, EXR_COMPRESSION_B44A};
+    const exr_compression_t kinds[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
+        EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ, EXR_COMPRESSION_PXR24, EXR_COMPRESSION_B44, EXR_COMPRESSION_B44A};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++)
         for (int tiled = 0; tiled < 2; tiled++) {
             bis_image image;
@@ -585,7 +609,10 @@ static void every_compression_that_core_knows_is_read_in_scanlines_and_tiles(voi
 }
 
 /* A smooth picture: what lossy codings keep. */
-static rgb smooth(int x, int y) { return rgb_from(1 + 0.5 * sin(0.05 * x), 1 + 0.3 * cos(0.07 * y), 2 + 0.01 * x - 0.01 * y); }
+static rgb smooth(int x, int y)
+{
+    return rgb_from(1 + 0.5 * sin(0.05 * x), 1 + 0.3 * cos(0.07 * y), 2 + 0.01 * x - 0.01 * y);
+}
 
 static void write_by_imf(const char *path, int channels, int compression, int x0, int y0)
 {
@@ -603,7 +630,8 @@ static void write_by_imf(const char *path, int channels, int compression, int x0
     ImfHeaderSetCompression(header, compression);
     ImfOutputFile *file = ImfOpenOutputFile(path, header, channels);
     assert_non_null(file);
-    assert_true(ImfOutputSetFrameBuffer(file, (ImfRgba *)((intptr_t)pixels - (intptr_t)sizeof *pixels * (y0 * WIDE + x0)), 1, WIDE));
+    assert_true(ImfOutputSetFrameBuffer(
+        file, (ImfRgba *)((intptr_t)pixels - (intptr_t)sizeof *pixels * (y0 * WIDE + x0)), 1, WIDE));
     assert_true(ImfOutputWritePixels(file, HIGH));
     assert_true(ImfCloseOutputFile(file));
     ImfDeleteHeader(header);
@@ -673,8 +701,9 @@ static void what_only_the_older_interface_reads_must_be_at_the_top_of_the_first_
     put_file(&file, &part, 1);
     store(scratch("yc.exr"), file.data, file.n);
     assert_int_equal(bis_image_read(&image, scratch("yc.exr"), (bis_loc){0}, &diag), BIS_INPUT);
-    assert_non_null(strstr(diag.messages[diag.n - 1].text, "luminance with chroma is only read at the top of a file's first part; save it with "
-                           "ZIP compression as R, G, B"));
+    assert_non_null(strstr(diag.messages[diag.n - 1].text, "luminance with chroma is only read at the top of a file's "
+                                                           "first part; save it with "
+                                                           "ZIP compression as R, G, B"));
     bis_diag_clear(&diag);
     bytes_clear(&file);
 }
@@ -780,7 +809,8 @@ static void fail_each_allocation(const char *path)
         count = bis_mem_count();
         bis_mem_fail_at(0);
         n_failed += status != BIS_OK;
-        if (status && status != BIS_NOMEM) print_message("k = %ld: %s\n", k, diag.n ? diag.messages[0].text : "no message");
+        if (status && status != BIS_NOMEM)
+            print_message("k = %ld: %s\n", k, diag.n ? diag.messages[0].text : "no message");
         assert_true(status == BIS_OK || status == BIS_NOMEM);
         assert_int_equal(status == BIS_OK, image.pixels != NULL);
         assert_int_equal(status == BIS_OK, diag.n_errors == 0);
@@ -834,10 +864,12 @@ static void channels_windows_and_attributes_are_all_in_the_file(void **state)
             colour[i][k] = odd[(i + k) % 7] * (k == 3 ? 0.5f : 1);
         error[i] = (float)i / 3;
     }
-    const bis_channel channels[5] = {{"R", colour[0], 4}, {"G", colour[0] + 1, 4}, {"B", colour[0] + 2, 4}, {"A", colour[0] + 3, 4},
-                                     {"stderr.R", error, 1}};
-    const bis_attribute attributes[4] = {{"scene", "knot.txt", 0}, {"spp", NULL, 16}, {"seconds", NULL, 0.1}, {long_name, "", 0}};
-    const bis_picture picture = {.width = 33, .height = 20, .x0 = 5, .y0 = 7, .full_width = 64, .full_height = 48, .channels = channels,
+    const bis_channel channels[5] = {{"R", colour[0], 4}, {"G", colour[0] + 1, 4}, {"B", colour[0] + 2, 4},
+        {"A", colour[0] + 3, 4}, {"stderr.R", error, 1}};
+    const bis_attribute attributes[4] = {
+        {"scene", "knot.txt", 0}, {"spp", NULL, 16}, {"seconds", NULL, 0.1}, {long_name, "", 0}};
+    const bis_picture picture = {.width = 33, .height = 20, .x0 = 5, .y0 = 7, .full_width = 64, .full_height = 48,
+        .channels = channels,
                                  .n_channels = 5, .attributes = attributes, .n_attributes = 4};
     bis_diag diag = {0};
     assert_int_equal(bis_image_write(scratch("out.exr"), &picture, &diag), BIS_OK);
@@ -890,15 +922,20 @@ static void channels_windows_and_attributes_are_all_in_the_file(void **state)
     exr_finish(&file);
 }
 
-/* Values within a factor of e fill their bytes so well that ZIP saves about what it adds: of 300 such pictures a dozen come
- * out exactly as long as they were (with zlib 1.2.13). Twin: scripts/check/mutate.sh. */
+/* Values within a factor of e fill their bytes so well that ZIP saves about what it adds: of 300 such pictures a dozen
+ * come out exactly as long as they were (with zlib 1.2.13). Twin: scripts/check/mutate.sh. */
 static void a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was(void **state)
 {
     (void)state;
     enum { WIDTH = 48, HEIGHT = 16, PICTURES = 300 };
     static float values[3 * WIDTH * HEIGHT];
     const bis_channel channels[3] = {{"R", values, 3}, {"G", values + 1, 3}, {"B", values + 2, 3}};
-    const bis_picture picture = {.width = WIDTH, .height = HEIGHT, .full_width = WIDTH, .full_height = HEIGHT, .channels = channels, .n_channels = 3};
+    const bis_picture picture = {.width = WIDTH,
+        .height = HEIGHT,
+        .full_width = WIDTH,
+        .full_height = HEIGHT,
+        .channels = channels,
+        .n_channels = 3};
 
     for (int i = 0; i < PICTURES; i++) {
         bis_image image;
@@ -917,14 +954,22 @@ enum { MOST_ROWS = 100, MOST_CHANNELS = 12, ROW = 24 };
 /* Channel k of the picture holds other numbers than the rest, half of it noise that ZIP cannot shorten. */
 static bis_picture noisy_picture(bis_channel channels[MOST_CHANNELS], int n_channels, int height)
 {
-    static const char *const names[MOST_CHANNELS] = {"R", "G", "B", "A", "Z", "a.R", "a.G", "a.B", "b.Y", "c.R", "c.G", "c.B"};
+    static const char *const names[MOST_CHANNELS] = {
+        "R", "G", "B", "A", "Z", "a.R", "a.G", "a.B", "b.Y", "c.R", "c.G", "c.B"};
     static float values[MOST_CHANNELS * ROW * MOST_ROWS];
     bis_rng rng;
     bis_rng_init(&rng, 3, (uint64_t)height, (uint64_t)n_channels, 0);
-    for (int i = 0; i < MOST_CHANNELS * ROW * MOST_ROWS; i++) values[i] = i % 8 < 4 ? (float)bis_rng_double(&rng) : (float)(i % 12);
+    for (int i = 0; i < MOST_CHANNELS * ROW * MOST_ROWS; i++)
+        values[i] = i % 8 < 4 ? (float)bis_rng_double(&rng) : (float)(i % 12);
     for (int k = 0; k < n_channels; k++) channels[k] = (bis_channel){names[k], values + k, n_channels};
-    return (bis_picture){.width = ROW, .height = height, .x0 = 3, .y0 = 2, .full_width = ROW + 9, .full_height = height + 7,
-                         .channels = channels, .n_channels = n_channels};
+    return (bis_picture){.width = ROW,
+        .height = height,
+        .x0 = 3,
+        .y0 = 2,
+        .full_width = ROW + 9,
+        .full_height = height + 7,
+        .channels = channels,
+        .n_channels = n_channels};
 }
 
 /* A chunk is 16 rows: less than one, one, and several with an end of one, four and nine rows. */
@@ -980,7 +1025,8 @@ static void a_full_disk_stops_all_threads(void **state)
             assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
             assert_int_equal(status, BIS_IO);
             assert_int_equal(diag.n, 1);
-            snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": File too large", scratch("full.exr"), scratch("full.exr"));
+            snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": File too large", scratch("full.exr"),
+                scratch("full.exr"));
             assert_string_equal(diag.messages[0].text, expected);
             assert_int_equal(scratch_count(), n_files);
             bis_diag_clear(&diag);
@@ -1021,7 +1067,8 @@ static void a_layer_that_we_wrote_is_what_we_read(void **state)
     (void)state;
     float plane[6] = {1, 2, 3, 4, 5, 6};
     const bis_channel channels[3] = {{"error.R", plane, 1}, {"error.G", plane, 1}, {"error.B", plane, 1}};
-    const bis_picture picture = {.width = 3, .height = 2, .full_width = 3, .full_height = 2, .channels = channels, .n_channels = 3};
+    const bis_picture picture = {
+        .width = 3, .height = 2, .full_width = 3, .full_height = 2, .channels = channels, .n_channels = 3};
     bis_image image;
     assert_int_equal(bis_image_write(scratch("layer.exr"), &picture, NULL), BIS_OK);
     expect_image(&image, scratch("layer.exr"), "it has no R, G, B at the top; layer \"error\" is read");
@@ -1036,13 +1083,21 @@ static void an_attribute_that_openexr_reserves_is_refused(void **state)
     const float pixel[3] = {1, 2, 3};
     const bis_channel channels[3] = {{"R", pixel, 3}, {"G", pixel + 1, 3}, {"B", pixel + 2, 3}};
     const bis_attribute attribute = {"version", "1.0", 0};
-    const bis_picture picture = {.width = 1, .height = 1, .full_width = 1, .full_height = 1, .channels = channels, .n_channels = 3,
-                                 .attributes = &attribute, .n_attributes = 1};
+    const bis_picture picture = {.width = 1,
+        .height = 1,
+        .full_width = 1,
+        .full_height = 1,
+        .channels = channels,
+        .n_channels = 3,
+        .attributes = &attribute,
+        .n_attributes = 1};
     bis_diag diag = {0};
     char expected[256];
     assert_int_equal(bis_image_write(scratch("version.exr"), &picture, &diag), BIS_INPUT);
-    snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": OpenEXR reserves the attribute \"version\"; a prefix makes it ours "
-             "(\"bis:version\")", scratch("version.exr"), scratch("version.exr"));
+    snprintf(expected, sizeof expected,
+        "%s: error: cannot write \"%s\": OpenEXR reserves the attribute \"version\"; a prefix makes it ours "
+        "(\"bis:version\")",
+        scratch("version.exr"), scratch("version.exr"));
     assert_string_equal(diag.messages[0].text, expected);
     bis_diag_clear(&diag);
 }

@@ -62,8 +62,8 @@ static void values_are_divided_by_the_product_of_exposures_and_of_colour_correct
 {
     (void)state;
     rgb v;
-    read_pixel(&v, HEADER "EXPOSURE=4\nVIEW= -vp 0 0 0\nEXPOSURE= 0.5\nCOLORCORR=1 2 .25\n\tEXPOSURE=100\n", 128, 128, 128, 129,
-               NULL);
+    read_pixel(&v, HEADER "EXPOSURE=4\nVIEW= -vp 0 0 0\nEXPOSURE= 0.5\nCOLORCORR=1 2 .25\n\tEXPOSURE=100\n", 128, 128,
+        128, 129, NULL);
     assert_true(v.r == .5f && v.g == .25f && v.b == 2);
     read_pixel(&v, HEADER "EXPOSURE=3\n", 128, 64, 1, 136, NULL);
     assert_true(v.r == 128.0f / 3 && v.g == 64.0f / 3 && v.b == 1.0f / 3);
@@ -79,7 +79,8 @@ static void an_exposure_that_is_no_factor_is_left_out_with_a_warning(void **stat
         rgb v;
         snprintf(header, sizeof header, HEADER "EXPOSURE=2\nEXPOSURE=%s\n", none[i]);
         snprintf(text, sizeof text,
-                 "its EXPOSURE is \"%s\", which is no factor: 1 is taken (some programs write 0 where they do not know it)",
+                 "its EXPOSURE is \"%s\", which is no factor: 1 is taken (some programs write 0 where they do not know "
+                 "it)",
                  none[i]);
         read_pixel(&v, header, 128, 64, 32, 129, text);
         assert_true(v.r == .5f && v.g == .25f && v.b == .125f); /* of EXPOSURE=2 alone */
@@ -145,8 +146,8 @@ static void all_eight_orientations_put_every_pixel_in_its_place(void **state)
         char line[32];
         bytes file = {0};
         bis_image image;
-        snprintf(line, sizeof line, "%c%c %d %c%c %d\n", i & 2 ? '-' : '+', slow, slow == 'X' ? 3 : 2, i & 4 ? '-' : '+', fast,
-                 fast == 'X' ? 3 : 2);
+        snprintf(line, sizeof line, "%c%c %d %c%c %d\n", i & 2 ? '-' : '+', slow, slow == 'X' ? 3 : 2,
+            i & 4 ? '-' : '+', fast, fast == 'X' ? 3 : 2);
         put_text(&file, HEADER "\n");
         put_text(&file, line);
         put_in_order(&file, slow, fast, i & 2, i & 4);
@@ -248,7 +249,8 @@ static void a_bad_header_is_named_by_its_line(void **state)
     expect_bad("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd",
                "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)");
     expect_bad("#?RADIANCE\nFORMAT=ascii\n\n", "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe");
-    expect_bad(HEADER "EXPOSURE=dark\n\n", "EXPOSURE is \"dark\", must be a number above 0, as must be the product of all such lines");
+    expect_bad(HEADER "EXPOSURE=dark\n\n",
+        "EXPOSURE is \"dark\", must be a number above 0, as must be the product of all such lines");
     expect_bad(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n",
                "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines");
     expect_bad(HEADER "COLORCORR=1 2\n\n",
@@ -265,7 +267,8 @@ static void a_bad_resolution_line_is_quoted(void **state)
         char text[256], message[256];
         snprintf(text, sizeof text, HEADER "\n%s\nabcdabcdabcdabcd", lines[i]);
         snprintf(message, sizeof message,
-                 "its resolution line is \"%s\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768", lines[i]);
+                 "its resolution line is \"%s\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768",
+                 lines[i]);
         expect_bad(text, message);
     }
 }
@@ -274,8 +277,10 @@ static void a_huge_size_is_held_against_the_length_of_the_file(void **state)
 {
     (void)state;
     expect_bad(HEADER "\n-Y 32768 +X 32768\nabcdabcdabcdabcd",
-               "32768 scanlines of 32768 pixels need 393216 bytes or more, but 16 follow the header (the file is cut off)");
-    expect_bad(HEADER "\n-Y 3 +X 1\nabcd", "3 scanlines of 1 pixels need 12 bytes or more, but 4 follow the header (the file is cut off)");
+               "32768 scanlines of 32768 pixels need 393216 bytes or more, but 16 follow the header (the file is cut "
+               "off)");
+    expect_bad(HEADER "\n-Y 3 +X 1\nabcd",
+        "3 scanlines of 1 pixels need 12 bytes or more, but 4 follow the header (the file is cut off)");
 }
 
 static void expect_bad_scanlines(const bytes *scanlines, int n, int width, const char *message)
@@ -309,7 +314,8 @@ static void a_damaged_scanline_is_named_by_number_and_byte(void **state)
     put_rgbe(&b, 9, 9, 9, 9);
     put_rgbe(&b, 1, 1, 1, 1);
     put_rgbe(&b, 9, 9, 9, 9);
-    expect_bad_scanlines(&b, 2, 2, "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat");
+    expect_bad_scanlines(
+        &b, 2, 2, "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat");
     b.n = 0;
     put_rgbe(&b, 9, 9, 9, 9);
     put_rgbe(&b, 8, 8, 8, 8);
@@ -317,7 +323,8 @@ static void a_damaged_scanline_is_named_by_number_and_byte(void **state)
     b.n = 0;
     put_rgbe(&b, 2, 2, 0, 9);
     put_rgbe(&b, 0, 0, 0, 0);
-    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: its length is not that of the resolution line");
+    expect_bad_scanlines(
+        &b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: its length is not that of the resolution line");
     b.n = 0;
     put_rgbe(&b, 2, 2, 0, 8);
     put_rgbe(&b, 137, 0, 0, 0);
@@ -456,10 +463,30 @@ static void the_bytes_written_are_those_of_the_format(void **state)
 {
     (void)state;
     const unsigned char planes[] = {
-        128 + 4, 128, 5, 64, 1, 128, 128, 128,   /* red: a run of four, a literal of five (a run of three saves nothing) */
-        128 + 4, 0,   5, 128, 128, 0, 0, 0,      /* green */
-        128 + 9, 0,                              /* blue */
-        128 + 4, 129, 1, 130, 128 + 4, 129,      /* exponents */
+        128 + 4,
+        128,
+        5,
+        64,
+        1,
+        128,
+        128,
+        128,   /* red: a run of four, a literal of five (a run of three saves nothing) */
+        128 + 4,
+        0,
+        5,
+        128,
+        128,
+        0,
+        0,
+        0,      /* green */
+        128 + 9,
+        0,                              /* blue */
+        128 + 4,
+        129,
+        1,
+        130,
+        128 + 4,
+        129,      /* exponents */
     };
     bytes expected = {0};
     bis_image image;
@@ -492,8 +519,10 @@ static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void *
         image.pixels[4].g = bad[i];
         assert_int_equal(bis_image_save(&image, scratch("old.hdr"), &diag), BIS_INPUT);
         assert_int_equal(diag.n, 1);
-        snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": pixel (1, 1) is (0, %g, 0), but an .hdr holds values "
-                 "from 0 to 1.69e38 only (.exr and .pfm hold any)", scratch("old.hdr"), scratch("old.hdr"), (double)bad[i]);
+        snprintf(expected, sizeof expected,
+            "%s: error: cannot write \"%s\": pixel (1, 1) is (0, %g, 0), but an .hdr holds values "
+            "from 0 to 1.69e38 only (.exr and .pfm hold any)",
+            scratch("old.hdr"), scratch("old.hdr"), (double)bad[i]);
         assert_string_equal(diag.messages[0].text, expected);
         assert_true(holds(scratch("old.hdr"), "older", 5));
         assert_int_equal(scratch_count(), before);

@@ -117,15 +117,16 @@ static void expect_bad(const char *text, size_t n, const char *message)
 static void a_bad_header_is_refused(void **state)
 {
     (void)state;
-    const char *const bad_sizes[] = {"PF\n", "PF\n2", "PF\n2 \n-1\n", "PF\n0 2\n-1\n", "PF\n2 -2\n-1\n", "PF\n2 99999999999\n-1\n",
-                                     "PF\n# remark\n2 2\n-1\n", "PF\n2x 2\n-1\n", "PF\n32769 1\n-1\n"};
-    const char *const bad_scales[] = {"PF\n1 1\n", "PF\n1 1\n0\n", "PF\n1 1\n-0.0\n", "PF\n1 1\nnan\n", "PF\n1 1\ninf\n",
-                                      "PF\n1 1\nabc\n", "PF\n1 1\n-1", "PF\n1 1\n-1x\n"};
+    const char *const bad_sizes[] = {"PF\n", "PF\n2", "PF\n2 \n-1\n", "PF\n0 2\n-1\n", "PF\n2 -2\n-1\n",
+        "PF\n2 99999999999\n-1\n", "PF\n# remark\n2 2\n-1\n", "PF\n2x 2\n-1\n", "PF\n32769 1\n-1\n"};
+    const char *const bad_scales[] = {"PF\n1 1\n", "PF\n1 1\n0\n", "PF\n1 1\n-0.0\n", "PF\n1 1\nnan\n",
+        "PF\n1 1\ninf\n", "PF\n1 1\nabc\n", "PF\n1 1\n-1", "PF\n1 1\n-1x\n"};
     for (size_t i = 0; i < sizeof bad_sizes / sizeof bad_sizes[0]; i++)
         expect_bad(bad_sizes[i], strlen(bad_sizes[i]), "the PFM header must give width and height, each 1 to 32768");
     for (size_t i = 0; i < sizeof bad_scales / sizeof bad_scales[0]; i++)
-        expect_bad(bad_scales[i], strlen(bad_scales[i]), "the PFM header's scale must be a number other than 0 and one white space "
-                   "(its sign is the byte order: -1 for the low byte first)");
+        expect_bad(bad_scales[i], strlen(bad_scales[i]),
+            "the PFM header's scale must be a number other than 0 and one white space "
+            "(its sign is the byte order: -1 for the low byte first)");
 }
 
 static void the_length_must_be_exactly_that_of_the_pixels(void **state)

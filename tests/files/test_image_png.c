@@ -36,8 +36,14 @@ static unsigned char *read_png(const char *path, int width, int height)
 static unsigned char *through_png(const rgb *pixels, bool has_exposure, double exposure)
 {
     const bis_channel channels[3] = {{"R", &pixels->r, 3}, {"G", &pixels->g, 3}, {"B", &pixels->b, 3}};
-    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 3,
-                                 .has_exposure = has_exposure, .exposure = exposure};
+    const bis_picture picture = {.width = W,
+        .height = H,
+        .full_width = W,
+        .full_height = H,
+        .channels = channels,
+        .n_channels = 3,
+        .has_exposure = has_exposure,
+        .exposure = exposure};
     bis_diag diag = {0};
     assert_int_equal(bis_image_write(scratch("a.png"), &picture, &diag), BIS_OK);
     assert_int_equal(diag.n, 0);
@@ -59,8 +65,8 @@ static void a_given_exposure_and_the_srgb_curve_give_the_bytes(void **state)
         float v;
         double ev;
         int code;
-    } cases[] = {{1, 0, 255}, {0.5f, 0, 188}, {0.125f, 0, 99}, {0.125f, 2, 188}, {8, -4, 188}, {0.001f, 0, 3}, {0, 0, 0},
-                 {2, 0, 255}, {-1, 0, 0}, {0.21404f, 0, 127}, {0.21586f, 0, 128}, {1e30f, 1000, 255}, {0, 2000, 0}};
+    } cases[] = {{1, 0, 255}, {0.5f, 0, 188}, {0.125f, 0, 99}, {0.125f, 2, 188}, {8, -4, 188}, {0.001f, 0, 3},
+        {0, 0, 0}, {2, 0, 255}, {-1, 0, 0}, {0.21404f, 0, 127}, {0.21586f, 0, 128}, {1e30f, 1000, 255}, {0, 2000, 0}};
     rgb pixels[W * H];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         fill(pixels, (rgb){cases[i].v, 0, cases[i].v});
@@ -80,7 +86,8 @@ static void the_log_average_lands_on_a_grey_of_18_percent_at_any_brightness(void
     const float scales[] = {1e-38f, 1e-6f, 1, 4e4f, 1e37f};
     rgb pixels[W * H];
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
-        for (int k = 0; k < W * H; k++) { /* 7 pixels darker, 7 brighter by the same factor, one in the middle, which gets 18% */
+        for (int k = 0; k < W * H;
+            k++) { /* 7 pixels darker, 7 brighter by the same factor, one in the middle, which gets 18% */
             float v = scales[i] * (k == 7 ? 1 : k < 7 ? 0.25f : 4);
             pixels[k] = (rgb){v, v, v};
         }
@@ -113,8 +120,10 @@ static void the_exposure_is_metered_on_the_subject(void **state)
         planes[0][i] = i < 5 ? 7 : 1e-6f;
         planes[1][i] = i < 5;
     }
-    const bis_channel channels[4] = {{"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}, {"A", planes[1], 1}};
-    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 4};
+    const bis_channel channels[4] = {
+        {"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}, {"A", planes[1], 1}};
+    const bis_picture picture = {
+        .width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 4};
     assert_int_equal(bis_image_write(scratch("m.png"), &picture, NULL), BIS_OK);
     unsigned char *found = read_png(scratch("m.png"), W, H);
     assert_int_equal(found[0], 118);
@@ -168,8 +177,13 @@ static void channels_may_be_planes_of_their_own(void **state)
         for (int k = 0; k < 3; k++)
             planes[k][i] = k == i % 3;
     const bis_channel channels[3] = {{"R", planes[0], 1}, {"G", planes[1], 1}, {"B", planes[2], 1}};
-    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 3,
-                                 .has_exposure = true};
+    const bis_picture picture = {.width = W,
+        .height = H,
+        .full_width = W,
+        .full_height = H,
+        .channels = channels,
+        .n_channels = 3,
+        .has_exposure = true};
     assert_int_equal(bis_image_write(scratch("p.png"), &picture, NULL), BIS_OK);
     unsigned char *found = read_png(scratch("p.png"), W, H);
     for (int i = 0; i < 3 * W * H; i++)

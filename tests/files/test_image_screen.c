@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* image_screen: pictures of a screen as textures: JPEGs, which libjpeg writes here, and TGAs and BMPs, which are written by hand. */
+/* image_screen: pictures of a screen as textures: JPEGs, which libjpeg writes here, and TGAs and BMPs, which are
+ * written by hand. */
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "image_help.h"
@@ -45,14 +46,20 @@ static const struct {
     unsigned char bytes[80];
     double tolerance; /* in codes of 255 */
 } tgas[] = {
-    {"24 bits, upwards", 30, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0, 255, 0, 0, 51, 51, 51, 0, 0, 255, 0, 255, 0}, 0},
+    {"24 bits, upwards", 30, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0, 255, 0, 0, 51, 51, 51, 0, 0, 255,
+     0, 255, 0}, 0},
     {"32 bits, from the top, with a text", 37,
-     {3, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 32, 0x28, 'b', 'i', 's', 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 9, 51, 51, 51, 9}, 0},
-    {"from the right", 30, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x30, 0, 255, 0, 0, 0, 255, 51, 51, 51, 255, 0, 0}, 0},
-    {"coded", 32, {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20, 0x80, 0, 0, 255, 2, 0, 255, 0, 255, 0, 0, 51, 51, 51}, 0},
+     {3, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 32, 0x28, 'b', 'i', 's', 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 9,
+      51, 51, 51, 9}, 0},
+    {"from the right", 30, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x30, 0, 255, 0, 0, 0, 255, 51, 51, 51,
+     255, 0, 0}, 0},
+    {"coded", 32, {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20, 0x80, 0, 0, 255, 2, 0, 255, 0, 255, 0, 0,
+     51, 51, 51}, 0},
     {"a palette that begins at 5", 34,
-     {0, 1, 1, 5, 0, 4, 0, 24, 0, 0, 0, 0, 2, 0, 2, 0, 8, 0x20, 0, 0, 255, 0, 255, 0, 255, 0, 0, 51, 51, 51, 5, 6, 7, 8}, 0},
-    {"15 bits", 26, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 15, 0x20, 0, 0x7c, 0xe0, 3, 0x1f, 0, 0xc6, 0x18}, 2},
+     {0, 1, 1, 5, 0, 4, 0, 24, 0, 0, 0, 0, 2, 0, 2, 0, 8, 0x20, 0, 0, 255, 0, 255, 0, 255, 0, 0, 51, 51, 51, 5, 6, 7,
+      8}, 0},
+    {"15 bits", 26, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 15, 0x20, 0, 0x7c, 0xe0, 3, 0x1f, 0, 0xc6, 0x18},
+     2},
 };
 
 static void each_kind_of_tga_has_its_colours(void **state)
@@ -66,7 +73,8 @@ static void each_kind_of_tga_has_its_colours(void **state)
         assert_true(image.width == 2 && image.height == 2);
         for (int k = 0; k < 12; k++) {
             const double v = (double)(&image.pixels->r)[k], e = expected[k / 3][k % 3];
-            const double least = linear(fmax(0, e - tgas[i].tolerance) / 255), most = linear(fmin(255, e + tgas[i].tolerance) / 255);
+            const double least = linear(fmax(0, e - tgas[i].tolerance) / 255),
+                         most = linear(fmin(255, e + tgas[i].tolerance) / 255);
             if (v < least - 1e-6 || v > most + 1e-6) fail_msg("%s: value %d is %g, not %g", tgas[i].what, k, v, least);
         }
         bis_image_clear(&image);
@@ -107,8 +115,10 @@ static void a_damaged_tga_is_refused(void **state)
 
 /* ---- BMP ---- */
 
-/* The same four colours. palette: n colours, blue first; rows: padded to four bytes. masks: 12 bytes behind the header. */
-static void make_bmp(bytes *b, int bits, int height, int coding, int n_palette, const unsigned char *rest, size_t n_rest)
+/* The same four colours. palette: n colours, blue first; rows: padded to four bytes. masks: 12 bytes behind the header.
+ */
+static void make_bmp(
+    bytes *b, int bits, int height, int coding, int n_palette, const unsigned char *rest, size_t n_rest)
 {
     static const unsigned char palette[16] = {0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 0, 51, 51, 51, 0};
     *b = (bytes){0};
@@ -200,7 +210,8 @@ static void a_damaged_or_rare_bmp_is_refused(void **state)
 enum { W = 24, H = 16 };
 
 /* Left half one colour, right half another, each whole blocks. The caller frees. */
-static unsigned char *make_jpeg(unsigned long *n, int components, bool progressive, const unsigned char left[3], const unsigned char right[3])
+static unsigned char *make_jpeg(
+    unsigned long *n, int components, bool progressive, const unsigned char left[3], const unsigned char right[3])
 {
     struct jpeg_compress_struct jpeg;
     struct jpeg_error_mgr errors;
@@ -237,13 +248,15 @@ static void each_kind_of_jpeg_has_its_colours(void **state)
         unsigned long n;
         bis_image image;
         unsigned char *data = make_jpeg(&n, kind == 2 ? 1 : 3, kind == 1, left, right);
-        if (read_bytes_as(&image, kind == 1 ? "progressive.jpg" : "a.jpg", data, n, said)) fail_msg("%d: %s", kind, said);
+        if (read_bytes_as(&image, kind == 1 ? "progressive.jpg" : "a.jpg", data, n, said))
+            fail_msg("%d: %s", kind, said);
         assert_true(image.width == W && image.height == H);
         for (int i = 0; i < W * H; i++)
             for (int k = 0; k < 3; k++) {
                 const double v = (double)(&image.pixels[i].r)[k];
                 const int code = (i % W < 8 ? left : right)[kind == 2 ? 0 : k];
-                assert_true(v >= linear(fmax(0, code - 2) / 255) - 1e-6 && v <= linear(fmin(255, code + 2) / 255) + 1e-6);
+                assert_true(
+                    v >= linear(fmax(0, code - 2) / 255) - 1e-6 && v <= linear(fmin(255, code + 2) / 255) + 1e-6);
             }
         bis_image_clear(&image);
         free(data);
@@ -291,7 +304,11 @@ static void without_memory_there_is_no_picture(void **state)
     (void)state;
     unsigned long n;
     unsigned char *data = make_jpeg(&n, 3, false, left, right);
-    const struct { const char *name; const void *data; size_t n; } files[] = {{"a.jpg", data, n}, {"a.tga", tgas[3].bytes, tgas[3].n}};
+    const struct {
+        const char *name;
+        const void *data;
+        size_t n;
+    } files[] = {{"a.jpg", data, n}, {"a.tga", tgas[3].bytes, tgas[3].n}};
     for (int i = 0; i < 2; i++) {
         bis_status status = BIS_NOMEM;
         store(scratch(files[i].name), files[i].data, files[i].n);

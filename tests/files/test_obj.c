@@ -41,8 +41,9 @@ static void refuse_text(const char *text, int line, const char *message)
 
 static void a_corner_may_have_any_of_its_forms(void **state)
 {
-    static const char *const faces[] = {"f 1 2 3 4", "f 1/1 2/2 3/3 4/4", "f 1/ 2/ 3/ 4/", "f 1// 2// 3// 4//", "f 1/1/ 2/2/ 3/3/ 4/4/",
-                                        "f -4 -3 -2 -1", "f -4/1 2/2/ -2// 4", "\tf  1\t2 3 4 # a square", "f 1 2\\\n3\\\r\n 4\\\n\n"};
+    static const char *const faces[] = {"f 1 2 3 4", "f 1/1 2/2 3/3 4/4", "f 1/ 2/ 3/ 4/", "f 1// 2// 3// 4//",
+        "f 1/1/ 2/2/ 3/3/ 4/4/", "f -4 -3 -2 -1", "f -4/1 2/2/ -2// 4", "\tf  1\t2 3 4 # a square",
+        "f 1 2\\\n3\\\r\n 4\\\n\n"};
     (void)state;
     for (size_t i = 0; i < sizeof faces / sizeof faces[0]; i++) {
         char text[256];
@@ -62,8 +63,10 @@ static void all_statements_but_v_vn_f_are_skipped(void **state)
 {
     bis_mesh m;
     (void)state;
-    expect_text(&m, "# f 1 1 1\nmtllib f.mtl\no f\ng f 1 2 3\ns 1\nusemtl v\nvt 1 2\nvp 1\nl 1 2\np 1\nfo 1 2 3\nv2 1 2 3\n"
-                    "v 0 0 0 1\r\nv 1 0 0 0.5 0.5 nan\rv 0 1 0\n\n\n  f 1 2 3\nf", "1 faces have fewer than 3 vertices and are left out");
+    expect_text(&m,
+        "# f 1 1 1\nmtllib f.mtl\no f\ng f 1 2 3\ns 1\nusemtl v\nvt 1 2\nvp 1\nl 1 2\np 1\nfo 1 2 3\nv2 1 2 3\n"
+        "v 0 0 0 1\r\nv 1 0 0 0.5 0.5 nan\rv 0 1 0\n\n\n  f 1 2 3\nf",
+        "1 faces have fewer than 3 vertices and are left out");
     assert_int_equal(m.n_vertices, 3);
     assert_int_equal(m.n_triangles, 1);
     assert_true(m.p[1].x == 1);
@@ -96,7 +99,8 @@ static void each_pair_of_position_and_normal_is_one_vertex(void **state)
 {
     bis_mesh m;
     (void)state;
-    expect_text(&m, SQUARE "vn 0 0 1\nvn 0 0 -1\nf 1//1 2//1 3//1\nf 1//2 3//-1 4//2\nf 1//2 2//1 4\nf 1//1 3//2 4//2\n", NULL);
+    expect_text(
+        &m, SQUARE "vn 0 0 1\nvn 0 0 -1\nf 1//1 2//1 3//1\nf 1//2 3//-1 4//2\nf 1//2 2//1 4\nf 1//1 3//2 4//2\n", NULL);
     assert_int_equal(m.n_vertices, 4 + 3);
     assert_triangle(&m, 0, 0, 1, 2);
     assert_triangle(&m, 1, 4, 5, 3);
@@ -150,7 +154,8 @@ static void normals_that_a_file_does_not_have_are_left_out(void **state)
         char text[256];
         bis_mesh m;
         snprintf(text, sizeof text, SQUARE "%s\n", faces[i]);
-        expect_text(&m, text, "faces name normals, but there is no \"vn\": the mesh is flat, unless \"smooth\" is true");
+        expect_text(
+            &m, text, "faces name normals, but there is no \"vn\": the mesh is flat, unless \"smooth\" is true");
         assert_int_equal(m.n_triangles, 1);
         assert_null(m.n);
         bis_mesh_clear(&m);
@@ -196,8 +201,9 @@ static void a_texture_coordinate_has_one_to_three_numbers(void **state)
 static void a_texture_coordinate_that_is_not_finite_stands_for_none(void **state)
 {
     (void)state;
-    bis_mesh m = mesh_with_uv(SQUARE "vt nan 1\nvt 1 inf\nvt 1e39 1\nvt 1 -1e39\nvt 3e38 -3e38\nf 1/1 2/2 3/3\nf 1/1 3/5 4/4\n",
-                              "4 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)");
+    bis_mesh m =
+        mesh_with_uv(SQUARE "vt nan 1\nvt 1 inf\nvt 1e39 1\nvt 1 -1e39\nvt 3e38 -3e38\nf 1/1 2/2 3/3\nf 1/1 3/5 4/4\n",
+            "4 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)");
     assert_int_equal(m.n_vertices, 5); /* vertex 2 has two */
     for (size_t i = 0; i < 4; i++) assert_true(isnan(m.uv[i].u));
     assert_uv(&m, 4, 3e38f, -3e38f);
@@ -208,19 +214,25 @@ static void a_texture_coordinate_that_is_not_finite_stands_for_none(void **state
 static void each_triple_of_position_coordinate_and_normal_is_one_vertex(void **state)
 {
     (void)state;
-    bis_mesh m = mesh_with_uv(SQUARE "vt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1/1/1 2/1/1 3/2/1\nf 1/1/1 3/1/1 4/1/2\nf 1/2/1 3/1/1 4/1/2\n"
-                                     "f 1//1 3/2/1 4/1/1\nf 1/2/1 2/1 3/2/1\n", NULL);
+    bis_mesh m = mesh_with_uv(SQUARE
+        "vt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1/1/1 2/1/1 3/2/1\nf 1/1/1 3/1/1 4/1/2\nf 1/2/1 3/1/1 4/1/2\n"
+        "f 1//1 3/2/1 4/1/1\nf 1/2/1 2/1 3/2/1\n",
+        NULL);
     assert_int_equal(m.n_vertices, 4 + 5);
     assert_triangle(&m, 0, 0, 1, 2);
     assert_triangle(&m, 1, 0, 4, 3);
     assert_triangle(&m, 2, 5, 4, 3);
     assert_triangle(&m, 3, 6, 2, 7);
     assert_triangle(&m, 4, 5, 8, 2);
-    static const struct { float u, normal; size_t of; } expected[9] = {{0, 1, 0}, {0, 1, 1}, {1, 1, 2}, {0, -1, 3}, {0, 1, 2}, {1, 1, 0},
-                                                                       {NAN, 1, 0}, {0, 1, 3}, {0, 0, 1}};
+    static const struct {
+        float u, normal;
+        size_t of;
+    } expected[9] = {
+        {0, 1, 0}, {0, 1, 1}, {1, 1, 2}, {0, -1, 3}, {0, 1, 2}, {1, 1, 0}, {NAN, 1, 0}, {0, 1, 3}, {0, 0, 1}};
     for (size_t i = 0; i < 9; i++) {
         assert_true(m.uv[i].u == expected[i].u || (isnan(m.uv[i].u) && isnan(expected[i].u)));
-        assert_true(m.n[i].z == expected[i].normal && m.p[i].x == m.p[expected[i].of].x && m.p[i].y == m.p[expected[i].of].y);
+        assert_true(
+            m.n[i].z == expected[i].normal && m.p[i].x == m.p[expected[i].of].x && m.p[i].y == m.p[expected[i].of].y);
     }
     bis_mesh_clear(&m);
     m = mesh_with_uv(SQUARE "vt 0 0\nf 1 2 3\n", NULL);
@@ -231,8 +243,9 @@ static void each_triple_of_position_coordinate_and_normal_is_one_vertex(void **s
 /* By the names of usemtl, in the order in which they come; libraries with their lines. */
 static void a_part_is_what_follows_a_name(void **state)
 {
-    static const char text[] = "mtllib a.mtl\n" SQUARE "f 1 2 3 4\nusemtl red\nf 1 2 3\nusemtl  pale blue \nusemtl none\nusemtl red\nf 1 3 4\n"
-                               "mtllib  b c.mtl \nusemtl pale blue\nf 2 3 4\nusemtl last\n";
+    static const char text[] =
+        "mtllib a.mtl\n" SQUARE "f 1 2 3 4\nusemtl red\nf 1 2 3\nusemtl  pale blue \nusemtl none\nusemtl red\nf 1 3 4\n"
+        "mtllib  b c.mtl \nusemtl pale blue\nf 2 3 4\nusemtl last\n";
     static const uint32_t part[] = {0, 0, 1, 1, 2};
     bis_obj_materials o;
     bis_mesh m;
@@ -287,18 +300,21 @@ static void bad_lines_are_refused_by_number(void **state)
     refuse_text(SQUARE "f 1 2 5\n", 5, "the face has the index 5, but there are 4 \"v\"");
     refuse_text(SQUARE "f 1 2 0\n", 5, "the face has the index 0, but there are 4 \"v\"");
     refuse_text(SQUARE "f 1 2 -5\n", 5, "the face has the index -5, but there are 4 \"v\" up to here");
-    refuse_text(SQUARE "f 1 2 99999999999999999999999\n", 5, "the face has the index 99999999999999999999999, but there are 4 \"v\"");
+    refuse_text(SQUARE "f 1 2 99999999999999999999999\n", 5,
+        "the face has the index 99999999999999999999999, but there are 4 \"v\"");
     refuse_text(SQUARE "f 1 2 3.0\n", 5, "\"3.0\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     refuse_text(SQUARE "f 1 2 /3\n", 5, "\"/3\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     refuse_text(SQUARE "f 1 2 3/1/1/1\n", 5, "\"3/1/1/1\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     refuse_text(SQUARE "vn 0 0 1\nf 1//2 2 3\n", 6, "the face has the index 2, but there are 1 \"vn\"");
     refuse_text(SQUARE "f a b c\n", 5, "\"a\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     put(&zero, "v 0 0 0\0\n", 9);
-    expect_mesh_refusal_of(bis_obj_read, &zero, "zero.obj", 0, "not an OBJ file: it is no text, there is a zero byte in it");
+    expect_mesh_refusal_of(
+        bis_obj_read, &zero, "zero.obj", 0, "not an OBJ file: it is no text, there is a zero byte in it");
     bytes_clear(&zero);
 }
 
-static const char *const rich = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 0 1 1\nf 1/1/1 2/2/2 3/3/-1 1//2 \\\n 2//1\nf 1 2 3\n";
+static const char *const rich =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 0 1 1\nf 1/1/1 2/2/2 3/3/-1 1//2 \\\n 2//1\nf 1 2 3\n";
 
 static void damaged_files_never_crash(void **state)
 {
@@ -326,9 +342,11 @@ static void files_of_the_wild_are_read_right(void **state)
         size_t n_vertices, n_triangles;
         bool normals;
     } files[] = {{"conformance/obj/cbox_smallbox", 24, 12, true}, {"conformance/obj/cubevt", 24, 12, true},
-                 {"conformance/obj/face_in_group_name", 1, 0, false}, {"conformance/obj/joined_tetrahedra", 15, 8, true},
+                 {"conformance/obj/face_in_group_name", 1, 0, false}, {"conformance/obj/joined_tetrahedra", 15, 8,
+                  true},
                  {"conformance/obj/nancolor", 8, 12, false}, {"conformance/obj/obj_empty", 0, 0, false},
-                 {"conformance/obj/obj_points", 8, 0, false}, {"conformance/obj/obj_with_no_face_in_chunk", 3, 1, false},
+                 {"conformance/obj/obj_points", 8, 0, false}, {"conformance/obj/obj_with_no_face_in_chunk", 3, 1,
+                  false},
                  {"conformance/obj/polygonfaces", 5, 3, false}, {"conformance/obj/rectangle_normals", 4, 2, true},
                  {"conformance/obj/rectangle_normals_uv", 4, 2, true}, {"conformance/obj/rectangle_uv", 4, 2, false},
                  {"mesh/teapot_6k", 3644, 6320, false}, {"mesh/spot_6k", 2930, 5856, false}};
@@ -344,8 +362,10 @@ static void files_of_the_wild_are_read_right(void **state)
         if (status) print_message("%s\n", diag.messages[0].text);
         assert_int_equal(status, BIS_OK);
         assert_sound(&m);
-        if (m.n_vertices != files[i].n_vertices || m.n_triangles != files[i].n_triangles || (m.n != NULL) != files[i].normals) {
-            print_message("%s: %zu vertices, %zu triangles, normals: %d\n", name, m.n_vertices, m.n_triangles, m.n != NULL);
+        if (m.n_vertices != files[i].n_vertices || m.n_triangles != files[i].n_triangles ||
+            (m.n != NULL) != files[i].normals) {
+            print_message(
+                "%s: %zu vertices, %zu triangles, normals: %d\n", name, m.n_vertices, m.n_triangles, m.n != NULL);
             fail();
         }
         assert_int_equal(diag.n, files[i].n_triangles == 0 ? 1 : 0);
@@ -388,7 +408,8 @@ static void long_words_are_cut_off_and_continued_lines_counted(void **state)
     (void)state;
     refuse_text(SQUARE "v 1 " LONG " 3\n", 5, "\"" CUT "\" in \"v\" is no number");
     refuse_text(SQUARE "f 1 2 " LONG "\n", 5, "the face has the index " CUT ", but there are 4 \"v\"");
-    refuse_text(SQUARE "f 1 2 x" LONG "\n", 5, "\"x1234567890123456789012345678901\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
+    refuse_text(SQUARE "f 1 2 x" LONG "\n", 5,
+        "\"x1234567890123456789012345678901\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
     refuse_text("v 1 \\\r\n2 \\\r 3\\\n\r\noops\nv 1 x 2\n", 6, "\"x\" in \"v\" is no number");
     refuse_text("v\\\r\n1 2 3\nv 1\t\v\f2 x", 3, "\"x\" in \"v\" is no number");
     refuse_text("# a \\\r\nv x\nv 1 2 y\n", 3, "\"y\" in \"v\" is no number");

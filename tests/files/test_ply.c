@@ -72,9 +72,12 @@ static bytes binary_square(bool big, const char *coordinate, const char *count, 
     char header[512];
 
     snprintf(header, sizeof header,
-             "ply\nformat binary_%s_endian 1.0\ncomment by hand\nelement vertex 4\nproperty %s z\nproperty uchar red\nproperty %s "
-             "x\nproperty list ushort double bones\nproperty %s y\nobj_info none\nelement face 1\nproperty list uchar float "
-             "texcoord\nproperty list %s %s vertex_index\nproperty short group\nelement edge 1\nproperty int a\nend_header\n",
+             "ply\nformat binary_%s_endian 1.0\ncomment by hand\nelement vertex 4\nproperty %s z\nproperty uchar "
+             "red\nproperty %s "
+             "x\nproperty list ushort double bones\nproperty %s y\nobj_info none\nelement face 1\nproperty list uchar "
+             "float "
+             "texcoord\nproperty list %s %s vertex_index\nproperty short group\nelement edge 1\nproperty int "
+             "a\nend_header\n",
              big ? "big" : "little", coordinate, coordinate, coordinate, count, index);
     put_text(&b, header);
     for (size_t i = 0; i < 4; i++) {
@@ -144,8 +147,10 @@ static void faces_may_come_before_their_vertices(void **state)
 {
     bis_mesh m;
     (void)state;
-    expect_text(&m, ASCII "element face 1\nproperty list uchar int vertex_indices\nelement vertex 3\nproperty float x\nproperty "
-                    "float y\nproperty float z\nend_header\n3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n", NULL);
+    expect_text(&m,
+        ASCII "element face 1\nproperty list uchar int vertex_indices\nelement vertex 3\nproperty float x\nproperty "
+              "float y\nproperty float z\nend_header\n3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n",
+        NULL);
     assert_triangle(&m, 0, 2, 1, 0);
     bis_mesh_clear(&m);
 }
@@ -169,8 +174,11 @@ static void strips_alternate_their_winding_and_begin_anew_after_minus_1(void **s
 {
     bis_mesh m;
     (void)state;
-    expect_text(&m, ASCII "element vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 2\nproperty list "
-                    "int int vertex_indices\nend_header\n0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n8 0 1 2 3 -1 2 3 4\n4 4 3 2 1\n", NULL);
+    expect_text(&m,
+        ASCII
+        "element vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 2\nproperty list "
+        "int int vertex_indices\nend_header\n0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n8 0 1 2 3 -1 2 3 4\n4 4 3 2 1\n",
+        NULL);
     assert_int_equal(m.n_triangles, 5);
     assert_triangle(&m, 0, 0, 1, 2);
     assert_triangle(&m, 1, 2, 1, 3);
@@ -184,9 +192,11 @@ static void normals_are_read_and_broken_ones_stand_for_the_faces(void **state)
 {
     bis_mesh m;
     (void)state;
-    expect_text(&m, ASCII "element vertex 3\nproperty float nx\nproperty float x\nproperty float y\nproperty float z\nproperty float "
-                    "ny\nproperty float nz\n" FACES(1) "0 1 2 3 0 1\nnan 4 5 6 0 1\n0 7 8 10 1e60 0\n3 0 1 2\n",
-                "2 vertex normals are not finite: the faces' normals are used there");
+    expect_text(&m,
+        ASCII
+        "element vertex 3\nproperty float nx\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+        "ny\nproperty float nz\n" FACES(1) "0 1 2 3 0 1\nnan 4 5 6 0 1\n0 7 8 10 1e60 0\n3 0 1 2\n",
+        "2 vertex normals are not finite: the faces' normals are used there");
     assert_non_null(m.n);
     assert_true(m.p[1].x == 4 && m.p[1].z == 6);
     assert_true(m.n[0].x == 0 && m.n[0].y == 0 && m.n[0].z == 1);
@@ -201,9 +211,9 @@ static void every_line_end_leaves_a_body_that_begins_with_a_newline_alone(void *
     static const char *const ends[] = {"\n", "\r\n", "\r"};
     (void)state;
     for (int i = 0; i < 3; i++) {
-        const char *lines[] = {"ply", "format binary_little_endian 1.0", "comment x", "element vertex 3", "property float x",
-                               "property float y", "property float z", "element face 1", "property list uchar int vertex_indices",
-                               "end_header"};
+        const char *lines[] = {"ply", "format binary_little_endian 1.0", "comment x", "element vertex 3",
+            "property float x", "property float y", "property float z", "element face 1",
+            "property list uchar int vertex_indices", "end_header"};
         bytes b = {0};
         bis_mesh m;
         float first;
@@ -252,7 +262,8 @@ static void bad_headers_are_refused_by_line(void **state)
     refuse_text(ASCII "elephant vertex 3\n", 3, "unknown word \"elephant\" in the header");
     refuse_text(ASCII "element vertex -3\n", 3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
     refuse_text(ASCII "element vertex\n", 3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    refuse_text(ASCII "element vertex 99999999999999999999\n", 3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
+    refuse_text(ASCII "element vertex 99999999999999999999\n", 3,
+        "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
     refuse_text(ASCII "property float x\n", 3, "a property before the first element");
     refuse_text(ASCII "element vertex 1\nproperty float\n", 4,
                 "a property is \"property TYPE NAME\" or \"property list COUNT-TYPE TYPE NAME\"");
@@ -284,31 +295,43 @@ static void bad_bodies_are_refused_by_line_vertex_or_face(void **state)
                 "face 0 has the index 1.5, but there are 4 vertices");
     refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-3 0 1 2", 0,
                 "face 0: the list \"vertex_indices\" has -3 items");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4000000000 0 1 2", 0, "the file ends in face 0 of 1");
-    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float z\nend_header\n1 2\n", 0, "a vertex has no property \"y\"");
-    refuse_text(ASCII "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n", 0, "a vertex has no property \"x\"");
-    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n", 0, "a vertex has no property \"z\"");
-    refuse_text(ASCII SQUARE_HEADER SQUARE_HEADER "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n", 0,
-                "the element \"vertex\" occurs twice");
+    refuse_text(
+        ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4000000000 0 1 2", 0, "the file ends in face 0 of 1");
+    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float z\nend_header\n1 2\n", 0,
+        "a vertex has no property \"y\"");
+    refuse_text(ASCII "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n", 0,
+        "a vertex has no property \"x\"");
+    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n", 0,
+        "a vertex has no property \"z\"");
+    refuse_text(ASCII SQUARE_HEADER SQUARE_HEADER
+        "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
+        0, "the element \"vertex\" occurs twice");
     refuse_text(ASCII "element face 1\nproperty list uchar int corners\nend_header\n3 0 1 2\n", 0,
                 "the element \"face\" has no list \"vertex_indices\"");
-    refuse_text(ASCII "element strange 1\nproperty list char int x\nend_header\n-1\n", 0, "strange 0: the list \"x\" has -1 items");
+    refuse_text(ASCII "element strange 1\nproperty list char int x\nend_header\n-1\n", 0,
+        "strange 0: the list \"x\" has -1 items");
 }
 
 static void counts_are_held_against_the_file_before_memory_is_asked_for(void **state)
 {
     (void)state;
-    refuse_text(ASCII "element vertex 200000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n", 0,
-                "200000000 rows of \"vertex\" of at least 6 bytes each, but the file has 6 bytes left");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 18446744073709551615\nproperty double x\nproperty float y\nproperty "
-                "float z\nend_header\n0123456789abcdef", 3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 1844674407370955161\nproperty double x\nproperty float y\nproperty "
-                "float z\nend_header\n0123456789abcdef", 0, "1844674407370955161 vertices, must be below 2^32 - 1");
+    refuse_text(ASCII
+        "element vertex 200000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
+        0, "200000000 rows of \"vertex\" of at least 6 bytes each, but the file has 6 bytes left");
+    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 18446744073709551615\nproperty double x\nproperty "
+                "float y\nproperty "
+                "float z\nend_header\n0123456789abcdef",
+        3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
+    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 1844674407370955161\nproperty double x\nproperty "
+                "float y\nproperty "
+                "float z\nend_header\n0123456789abcdef",
+        0, "1844674407370955161 vertices, must be below 2^32 - 1");
     refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 2\nproperty double x\nproperty float y\nproperty "
                 "float z\nend_header\n0123456789abcdef", 0,
                 "2 rows of \"vertex\" of at least 16 bytes each, but the file has 16 bytes left");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement face 4000000000\nproperty list uchar int vertex_index\nend_header\nx", 0,
-                "4000000000 rows of \"face\" of at least 1 bytes each, but the file has 1 bytes left");
+    refuse_text("ply\nformat binary_big_endian 1.0\nelement face 4000000000\nproperty list uchar int "
+                "vertex_index\nend_header\nx",
+        0, "4000000000 rows of \"face\" of at least 1 bytes each, but the file has 1 bytes left");
 }
 
 static void an_element_without_properties_takes_neither_room_nor_time(void **state)
@@ -339,9 +362,9 @@ static void a_short_cut_checks_every_corner(void **state)
     }
 }
 
-/* Faces that are lists and nothing else: rows of three indices of 4 bytes behind a count of one are copied whole, any other
- * type, order of bytes or length is read by itself. A triangle without area, whose zeros look the same at any width, two triangles, a
- * quad, a triangle. */
+/* Faces that are lists and nothing else: rows of three indices of 4 bytes behind a count of one are copied whole, any
+ * other type, order of bytes or length is read by itself. A triangle without area, whose zeros look the same at any
+ * width, two triangles, a quad, a triangle. */
 static void a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone(void **state)
 {
     (void)state;
@@ -354,7 +377,8 @@ static void a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone(void **s
         bis_mesh m;
         char header[256];
         snprintf(header, sizeof header, "ply\nformat binary_%s_endian 1.0\n" SQUARE_HEADER
-                 "element face 5\nproperty list %s %s vertex_indices\nend_header\n", big ? "big" : "little", count, index);
+                 "element face 5\nproperty list %s %s vertex_indices\nend_header\n", big ? "big" : "little", count,
+                 index);
         put_text(&b, header);
         for (size_t k = 0; k < 12; k++) put_number(&b, (double)square[k / 3][k % 3], "float", big);
         for (int f = 0; f < 5; f++) {
@@ -374,8 +398,8 @@ static void a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone(void **s
     }
 }
 
-/* Three floats in the order x, y, z are copied whole; any one that is a double, a list beside them or another order is read
- * by itself, in either byte order. */
+/* Three floats in the order x, y, z are copied whole; any one that is a double, a list beside them or another order is
+ * read by itself, in either byte order. */
 static void a_short_cut_is_for_three_floats_alone(void **state)
 {
     (void)state;
@@ -390,7 +414,8 @@ static void a_short_cut_is_for_three_floats_alone(void **state)
         put_text(&b, "ply\nformat binary_");
         put_text(&b, big ? "big_endian 1.0\nelement vertex 3\n" : "little_endian 1.0\nelement vertex 3\n");
         for (int k = 0; k < 3; k++) {
-            snprintf(line, sizeof line, "property %s %c\n", doubles >> k & 1 ? "double" : "float", "xyz"[(int)order[k]]);
+            snprintf(
+                line, sizeof line, "property %s %c\n", doubles >> k & 1 ? "double" : "float", "xyz"[(int)order[k]]);
             put_text(&b, line);
         }
         if (more) put_text(&b, "property list uchar uchar rest\n");
@@ -433,8 +458,10 @@ static void a_short_cut_meets_what_it_cannot_read_half_way(void **state)
             assert_triangle(&m, 3, 0, 1, 2);
             bis_mesh_clear(&m);
         }
-        if (bad == 1) expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "vertex 2 has y = nan, must be a finite float");
-        if (bad == 2) expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "face 2 has the index 4, but there are 4 vertices");
+        if (bad == 1)
+            expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "vertex 2 has y = nan, must be a finite float");
+        if (bad == 2)
+            expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "face 2 has the index 4, but there are 4 vertices");
         if (bad == 3) expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "the file ends in face 2 of 3");
         bytes_clear(&b);
     }
@@ -449,7 +476,8 @@ static void missing_files_and_folders_are_the_disks_fault(void **state)
     assert_int_equal(bis_ply_read(&m, "build", (bis_loc){0}, &diag), BIS_IO);
     assert_null(m.p);
     assert_int_equal(diag.n, 2);
-    assert_string_equal(diag.messages[0].text, "s.txt:3:7: error: cannot open \"build/no such file.ply\": No such file or directory");
+    assert_string_equal(
+        diag.messages[0].text, "s.txt:3:7: error: cannot open \"build/no such file.ply\": No such file or directory");
     bis_diag_clear(&diag);
 }
 
@@ -502,16 +530,21 @@ static void files_of_the_wild_have_the_counts_that_another_reader_finds(void **s
         bool normals;
     } files[] = {
         {"points_emptyascii", 12, 0, false}, {"triangle_face_colors", 3, 1, true},
-        {"dolphins", 855, 1689, false}, {"rectangle_uv", 4, 2, false}, {"dolphins_be", 855, 1689, false}, {"ply_empty_header", 0, 0, false},
-        {"platonic_shelf_ascii", 50, 80, false}, {"quad", 4, 2, false}, {"plane_tri", 4, 2, true}, {"fuze", 502, 1000, false},
+        {"dolphins", 855, 1689, false}, {"rectangle_uv", 4, 2, false}, {"dolphins_be", 855, 1689, false},
+         {"ply_empty_header", 0, 0, false},
+        {"platonic_shelf_ascii", 50, 80, false}, {"quad", 4, 2, false}, {"plane_tri", 4, 2, true},
+         {"fuze", 502, 1000, false},
         {"points_bin", 5, 0, false}, {"sofa_ascii", 12103, 24104, false}, {"octagonal_pocket", 1658, 3262, false},
         {"fuze_ascii", 502, 1000, false}, {"Tetraascii", 4, 4, false}, {"cube_binary_starts_with_nl", 8, 12, false},
         {"cube_blender_uv", 24, 12, true}, {"igea_tristrips", 134345, 268686, false}, {"mirror", 143, 286, false},
-        {"reference", 845, 1610, false}, {"input", 3, 1, false}, {"fixed_top", 2374, 4772, false}, {"quad4", 5, 4, false},
+        {"reference", 845, 1610, false}, {"input", 3, 1, false}, {"fixed_top", 2374, 4772, false},
+         {"quad4", 5, 4, false},
         {"plane", 4, 2, true}, {"bunny_normals_uv_rgba", 33528, 65630, true}, {"cube_binary", 8, 12, false},
-        {"cube_binary_header_with_RN_newline", 8, 12, false}, {"ply_empty_ascii", 0, 0, false}, {"sphere", 642, 1280, false},
+        {"cube_binary_header_with_RN_newline", 8, 12, false}, {"ply_empty_ascii", 0, 0, false},
+         {"sphere", 642, 1280, false},
         {"points_emptyface", 1024, 0, false}, {"dolphins_le", 855, 1689, false}, {"rectangle_normals_uv", 4, 2, true},
-        {"float-color", 3, 1, false}, {"multi", 4, 2, false}, {"cube_blender_uv_meshlab", 24, 12, false}, {"ply_empty_bin", 0, 0, false},
+        {"float-color", 3, 1, false}, {"multi", 4, 2, false}, {"cube_blender_uv_meshlab", 24, 12, false},
+         {"ply_empty_bin", 0, 0, false},
         {"icosahedron_ascii", 12, 20, true}, {"cube_uv", 24, 12, true}, {"points_ascii", 5, 0, false},
     };
     (void)state; /* issue623.ply is in the next test */
@@ -548,7 +581,8 @@ static void the_one_contradictory_file_of_the_wild_is_refused(void **state)
     (void)state;
     if (!path) skip();
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, &diag), BIS_INPUT);
-    assert_non_null(strstr(diag.messages[0].text, "issue623.ply: error: vertex 0: the list \"vertex_indices\" has 7.9418 items"));
+    assert_non_null(
+        strstr(diag.messages[0].text, "issue623.ply: error: vertex 0: the list \"vertex_indices\" has 7.9418 items"));
     bis_diag_clear(&diag);
 }
 
@@ -575,11 +609,13 @@ static void dolphins_are_the_same_in_ascii_and_both_byte_orders(void **state)
 #define UV(u, v) ASCII "element vertex 3\nproperty float x\nproperty float " u "\nproperty float y\nproperty float " v \
     "\nproperty float z\n"
 
-/* Any of pbrt's pairs of names; of two pairs the first in the list, wherever it stands; none without the reader for them. */
+/* Any of pbrt's pairs of names; of two pairs the first in the list, wherever it stands; none without the reader for
+ * them. */
 static void texture_coordinates_have_four_pairs_of_names(void **state)
 {
     static const char body[] = FACES(1) "0 0.25 0 0.5 0\n1 1 0 nan 0\n0 -2 1 1e39 9\n3 0 1 2\n";
-    static const char *const headers[] = {UV("u", "v"), UV("s", "t"), UV("texture_u", "texture_v"), UV("texture_s", "texture_t")};
+    static const char *const headers[] = {
+        UV("u", "v"), UV("s", "t"), UV("texture_u", "texture_v"), UV("texture_s", "texture_t")};
     (void)state;
     for (int i = 0; i < 4; i++) {
         bytes b = {0};
@@ -599,7 +635,8 @@ static void texture_coordinates_have_four_pairs_of_names(void **state)
     }
     bytes b = {0};
     bis_mesh m;
-    put_text(&b, UV("s", "t") "property float v\nproperty float u\n" FACES(1) "0 3 0 4 0 2 1\n0 3 1 4 0 2 1\n1 3 0 4 0 2 1\n3 0 1 2\n");
+    put_text(&b, UV("s", "t") "property float v\nproperty float u\n" FACES(1) "0 3 0 4 0 2 1\n0 3 1 4 0 2 1\n1 3 0 4 0 "
+                                                                              "2 1\n3 0 1 2\n");
     expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply", NULL);
     assert_true(m.uv[2].u == 1 && m.uv[2].v == 2);
     bis_mesh_clear(&m);
@@ -620,31 +657,37 @@ static void a_name_that_occurs_twice_counts_as_its_last(void **state)
 {
     bis_mesh m;
     (void)state;
-    expect_text(&m, ASCII "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float x\nproperty float nx\n"
-                    "property float ny\n" FACES(1) "9 0 0 1 1 0\n9 1 0 2 1 0\n9 0 1 3 1 0\n3 0 1 2\n", NULL);
+    expect_text(&m,
+        ASCII
+        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float x\nproperty float nx\n"
+        "property float ny\n" FACES(1) "9 0 0 1 1 0\n9 1 0 2 1 0\n9 0 1 3 1 0\n3 0 1 2\n",
+        NULL);
     for (int i = 0; i < 3; i++) assert_true(m.p[i].x == (float)(i + 1) && m.p[i].y == (float)(i == 1));
     assert_null(m.n);
     bis_mesh_clear(&m);
 }
 
-/* 32 characters of a long word; a binary file that ends within a vertex or a list; the most vertices that a header may claim,
- * which the file's length then refuses. */
+/* 32 characters of a long word; a binary file that ends within a vertex or a list; the most vertices that a header may
+ * claim, which the file's length then refuses. */
 static void messages_tell_where_a_file_ends_and_no_more_than_32_characters(void **state)
 {
     (void)state;
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 abcdefghijklmnopqrstuvwxyz0123456789 0\n1 1 0\n0 1 0\n3 0 1 2\n", 11,
-                "\"abcdefghijklmnopqrstuvwxyz012345\" where a number of vertex 1 should stand");
+    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 abcdefghijklmnopqrstuvwxyz0123456789 0\n1 1 0\n0 1 0\n3 0 1 2\n",
+        11, "\"abcdefghijklmnopqrstuvwxyz012345\" where a number of vertex 1 should stand");
     refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1", 0,
                 "4 rows of \"vertex\" of at least 6 bytes each, but the file has 15 bytes left");
-    refuse_text(ASCII "element vertex 4294967294\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0", 0,
-                "4294967294 rows of \"vertex\" of at least 6 bytes each, but the file has 5 bytes left");
-    refuse_text(ASCII "element vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0", 0,
-                "4294967295 vertices, must be below 2^32 - 1");
+    refuse_text(ASCII
+        "element vertex 4294967294\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0",
+        0, "4294967294 rows of \"vertex\" of at least 6 bytes each, but the file has 5 bytes left");
+    refuse_text(ASCII
+        "element vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0",
+        0, "4294967295 vertices, must be below 2^32 - 1");
     for (int strips = 0; strips < 2; strips++)
         for (size_t lost = 1; lost < 30; lost++) {
             bytes b = {0};
             char message[80];
-            put_text(&b, "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\nproperty double y\nproperty int z\n");
+            put_text(&b, "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\nproperty double "
+                         "y\nproperty int z\n");
             put_text(&b, strips ? "element tristrips 2\nproperty list ushort int vertex_indices\nend_header\n"
                                 : "element face 2\nproperty list ushort int vertex_indices\nend_header\n");
             for (int i = 0; i < 3; i++) {
@@ -657,14 +700,15 @@ static void messages_tell_where_a_file_ends_and_no_more_than_32_characters(void 
                 put_number(&b, i % 4 % 3, "int", true);
             }
             b.n -= lost; /* a list has 18 bytes; its count alone is 2, and the file must have room for that */
-            snprintf(message, sizeof message, "the file ends in %s %d of 2", strips ? "tristrips" : "face", lost <= 18 ? 1 : 0);
+            snprintf(message, sizeof message, "the file ends in %s %d of 2", strips ? "tristrips" : "face",
+                lost <= 18 ? 1 : 0);
             expect_mesh_refusal_of(bis_ply_read, &b, "ends.ply", 0, message);
             bytes_clear(&b);
         }
 }
 
-/* A list is no coordinate, also where all else is as in the short cut; a name that is a coordinate's and a list's is the
- * coordinate's. */
+/* A list is no coordinate, also where all else is as in the short cut; a name that is a coordinate's and a list's is
+ * the coordinate's. */
 static void a_list_is_no_coordinate(void **state)
 {
     (void)state;
@@ -711,7 +755,8 @@ static void lines_are_counted_by_any_end(void **state)
     (void)state;
     static const char *const ends[] = {"\n", "\r\n", "\r"};
     for (int e = 0; e < 3; e++) {
-        static const char text[] = "ply\nformat ascii 1.0\ncomment a b c d e f g\n" SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n\n1 1 0\n0 x 0\n3 0 1 2\n";
+        static const char text[] = "ply\nformat ascii 1.0\ncomment a b c d e f g\n" SQUARE_HEADER FACES(
+            1) "0 0 0\n1 0 0\n\n1 1 0\n0 x 0\n3 0 1 2\n";
         bytes b = {0};
         int line = 1;
         for (const char *c = text; *c; c++) {

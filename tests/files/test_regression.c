@@ -47,7 +47,8 @@ static bool ends_in(const char *name, const char *ending)
 static bis_status read_mesh(const char *path, bis_diag *diag)
 {
     bis_mesh m;
-    bis_status status = ends_in(path, ".ply") ? bis_ply_read(&m, path, (bis_loc){0}, diag) : bis_obj_read(&m, path, (bis_loc){0}, diag);
+    bis_status status =
+        ends_in(path, ".ply") ? bis_ply_read(&m, path, (bis_loc){0}, diag) : bis_obj_read(&m, path, (bis_loc){0}, diag);
     bis_mesh_clear(&m);
     return status;
 }

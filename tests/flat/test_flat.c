@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* flat: the functions for other languages, from C. Expected values are closed forms, the tables of thesis figure 3.4, and
- * pictures of the program. What arrays of any size give is in tests/python. Mean within 5 standard errors: 6e-7 a test, 2 tests. */
+/* flat: the functions for other languages, from C. Expected values are closed forms, the tables of thesis figure 3.4,
+ * and pictures of the program. What arrays of any size give is in tests/python. Mean within 5 standard errors: 6e-7 a
+ * test, 2 tests. */
 #include "bis/base/clock.h"
 #include "bis/base/image.h"
 #include "bis/base/mem.h"
@@ -88,7 +89,8 @@ static void a_map_gives_directions_and_their_densities(void **state)
     /* the twin */
     assert_true(fabs(1.3 * sum - bis_flat_light_power(light)) > 5 * error);
     refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, 1, 0}, w[0], L[0], pdf, SAY), "u of sample 0 is 1");
-    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, (double)NAN, 0}, w[0], L[0], pdf, SAY), "nan: give random numbers");
+    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, (double)NAN, 0}, w[0], L[0], pdf, SAY),
+        "nan: give random numbers");
     refuses(bis_flat_light_look(light, 1, (float[]){0, NAN, 1}, L[0], pdf, SAY), "direction 0");
     refuses(bis_flat_light_look(light, 1, (float[]){0, 0, 0}, L[0], pdf, SAY), "direction 0");
     bis_flat_light_close(light);
@@ -113,7 +115,8 @@ static void a_black_map_has_no_directions(void **state)
     fclose(out);
     assert_int_equal(bis_flat_light_open(&light, DIR "/black.pfm", "alias", 0.15, NULL, SAY), 0);
     assert_true(bis_flat_light_power(light) == 0);
-    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, 0, 0}, w, L, &pdf, SAY), "the map is black: it has no directions to draw");
+    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, 0, 0}, w, L, &pdf, SAY),
+        "the map is black: it has no directions to draw");
     assert_int_equal(bis_flat_light_sample(light, 0, NULL, w, L, &pdf, SAY), 0);
     bis_flat_light_close(light);
 }
@@ -140,7 +143,8 @@ static void alias_tables_are_those_of_the_thesis(void **state)
 /* Tables come from callers, too: what they hold must not lead out of them. */
 static void alias_tables_of_the_caller_are_checked(void **state)
 {
-    const double prob[3] = {0.5, 1, 0}, bad[][3] = {{0.5, (double)NAN, 1}, {0.5, 1.01, 1}, {0.5, -0.01, 1}, {0.5, HUGE_VAL, 1}};
+    const double prob[3] = {0.5, 1, 0},
+                 bad[][3] = {{0.5, (double)NAN, 1}, {0.5, 1.01, 1}, {0.5, -0.01, 1}, {0.5, HUGE_VAL, 1}};
     const uint32_t alias[3] = {2, 0, 1}, outside[3] = {2, 0, 3}, far[3] = {UINT32_MAX, 0, 1};
     uint32_t item[4] = {9, 9, 9, 9};
 
@@ -149,7 +153,8 @@ static void alias_tables_of_the_caller_are_checked(void **state)
     assert_true(item[0] == 0 && item[1] == 2 && item[2] == 1 && item[3] == 1);
     for (int i = 0; i < 4; i++)
         refuses(bis_flat_alias_sample(3, bad[i], alias, 1, (double[]){0.1}, item, SAY), "prob of bin 1 is");
-    refuses(bis_flat_alias_sample(3, prob, outside, 1, (double[]){0.1}, item, SAY), "alias of bin 2 is 3: give items below 3");
+    refuses(bis_flat_alias_sample(3, prob, outside, 1, (double[]){0.1}, item, SAY),
+        "alias of bin 2 is 3: give items below 3");
     refuses(bis_flat_alias_sample(3, prob, far, 1, (double[]){0.1}, item, SAY), "alias of bin 0 is 4294967295");
     refuses(bis_flat_alias_sample((size_t)1 << 33, prob, alias, 1, (double[]){0.1}, item, SAY), "give 1 to 4294967295");
 }
@@ -295,7 +300,8 @@ static void a_metal_reflects_by_fresnels_equations(void **state)
     refuses(bis_flat_bsdf_metal(&b, bad, k, 0.5, up, up, SAY), "eta and k of channel 2 are nan and 3");
     refuses(bis_flat_bsdf_metal(&b, eta, bad, 0.5, up, up, SAY), "eta and k of channel 2 are 0.2 and nan");
     refuses(bis_flat_bsdf_metal(&b, (double[]){1, 1, 2e15}, k, 0.5, up, up, SAY), "eta and k of channel 2");
-    refuses(bis_flat_bsdf_metal(&b, eta, (double[]){0, -1, 0}, 0.5, up, up, SAY), "eta and k of channel 1 are 2 and -1");
+    refuses(
+        bis_flat_bsdf_metal(&b, eta, (double[]){0, -1, 0}, 0.5, up, up, SAY), "eta and k of channel 1 are 2 and -1");
     refuses(bis_flat_bsdf_metal(&b, eta, k, 0.001, up, up, SAY), "the roughness is 0.001");
     refuses(bis_flat_bsdf_metal(&b, eta, k, 0.5, black, up, SAY), "normal is (0, 0, 0)");
     assert_null(b);
@@ -309,7 +315,8 @@ static void a_picture_has_the_bits_of_the_program(void **state)
     } cases[] = {
         {{NULL}, "", "\"sir\""},
         {{"samples=3", "integrator=em", "spp=2", NULL}, "--integrator em --samples 3 --spp 2", "\"em\""},
-        {{"proposal=brdf", "seed=12", "accelerator=grid", "threads=1", NULL}, "--proposal brdf --seed 12 --accelerator grid", "\"sir\""},
+        {{"proposal=brdf", "seed=12", "accelerator=grid", "threads=1", NULL},
+         "--proposal brdf --seed 12 --accelerator grid", "\"sir\""},
         {{"proposal=product", "learn=true", "spp=9", NULL}, "--proposal product --learn on --spp 9", "\"sir\""},
         {{"proposal=product", "learn=false", "spp=9", NULL}, "--proposal product --learn off --spp 9", "\"sir\""},
         {{"width=9", "height=5", "threads=2", "spp=3", NULL}, "--resolution 9x5 --nthreads 2 --spp 3", "\"sir\""},
@@ -339,10 +346,13 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         bis_flat_picture_pixels(p, rgba);
         for (int i = 0; i < n; i++) assert_memory_equal(rgba + 4 * i, &image.pixels[i], sizeof image.pixels[i]);
         assert_true(json_is_valid(bis_flat_picture_stats(p)));
-        assert_string_equal(json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
+        assert_string_equal(
+            json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
         /* the whole is more than its parts, and no more than the call */
-        assert_true(strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL) < 1.00001 * took + 1e-6);
-        static const char *const parts[] = {"seconds.parse", "seconds.load", "seconds.envmap", "seconds.accel", "seconds.render"};
+        assert_true(strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL) <
+                    1.00001 * took + 1e-6);
+        static const char *const parts[] = {
+            "seconds.parse", "seconds.load", "seconds.envmap", "seconds.accel", "seconds.render"};
         double rest = strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL);
         for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
             const double part = strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), parts[i]), NULL);
@@ -376,7 +386,8 @@ static float *pixels_of(const char *scene, const char *const *settings, const bi
 static void a_scene_is_text_and_a_camera_is_replaced(void **state)
 {
 #define CAMERA "LookAt 1 2 -3  0 0 4  0 1 0 Camera \"perspective\" \"float fov\" 50"
-#define WORLD "\nWorldBegin LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" \"float radius\" 2\n"
+#define WORLD \
+    "\nWorldBegin LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" \"float radius\" 2\n"
 #define FILM "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 9\n"
     const char *const as_text[] = {"text=" FILM "Camera \"orthographic\"" WORLD, "camera=" CAMERA, NULL};
     const char *const twin[] = {"text=" FILM "Camera \"orthographic\"" WORLD, NULL};
@@ -410,7 +421,8 @@ static void a_light_of_an_array_is_that_of_its_file(void **state)
     assert_int_equal(bis_image_read(&image, DIR "/map.pfm", (bis_loc){0}, NULL), BIS_OK);
     image.pixels[3] = (rgb){5, 6, 7};
     assert_int_equal(bis_image_save(&image, DIR "/other.pfm", NULL), BIS_OK);
-    assert_int_equal(bis_flat_light_make(&made, image.width, image.height, &image.pixels[0].r, "cdf", 0.5, NULL, SAY), 0);
+    assert_int_equal(
+        bis_flat_light_make(&made, image.width, image.height, &image.pixels[0].r, "cdf", 0.5, NULL, SAY), 0);
     assert_int_equal(bis_flat_light_open(&read, DIR "/other.pfm", "cdf", 0.5, "latlong", SAY), 0);
     bis_image_clear(&image);
     bis_rng_init(&rng, 2, 0, 0, 0);
@@ -487,8 +499,11 @@ static void what_is_not_modelled_is_replaced_when_that_is_asked_for(void **state
     bis_flat_picture *p;
 
     (void)state;
-    refuses(bis_flat_render(&p, "scene", (const char *const[]){GLASS, "spp=1", NULL}, NULL, SAY), "scene:1:44: error: Material \"dielectric\"");
-    assert_int_equal(bis_flat_render(&p, "scene", (const char *const[]){GLASS, "width=4", "height=3", "approximate=true", NULL}, NULL, SAY), 0);
+    refuses(bis_flat_render(&p, "scene", (const char *const[]){GLASS, "spp=1", NULL}, NULL, SAY),
+        "scene:1:44: error: Material \"dielectric\"");
+    assert_int_equal(bis_flat_render(&p, "scene",
+                         (const char *const[]){GLASS, "width=4", "height=3", "approximate=true", NULL}, NULL, SAY),
+        0);
     assert_non_null(strstr(say, "dielectric"));
     bis_flat_picture_close(p);
 }
@@ -513,7 +528,8 @@ static void a_watcher_hears_of_the_render(void **state)
     bis_flat_picture *p;
 
     (void)state;
-    assert_int_equal(bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=1", NULL}, NULL, look_on, &w, NULL, SAY), 0);
+    assert_int_equal(
+        bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=1", NULL}, NULL, look_on, &w, NULL, SAY), 0);
     assert_true(w.n > 0 && !w.falls && w.share > 0);
     bis_flat_picture_close(p);
 }
@@ -551,10 +567,12 @@ static void wrong_settings_are_refused(void **state)
         refuses(bis_flat_render(&p, SCENE, (const char *const[]){cases[k].setting, NULL}, NULL, SAY), cases[k].text);
         assert_null(p);
     }
-    refuses(bis_flat_render(&p, SCENE, (const char *const[]){NULL}, &(sig_atomic_t){1}, SAY), "stopped before its first pass");
+    refuses(bis_flat_render(&p, SCENE, (const char *const[]){NULL}, &(sig_atomic_t){1}, SAY),
+        "stopped before its first pass");
     /* a buffer that is too small is filled and ended, one of no bytes is left alone */
     char small[8];
-    assert_int_equal(bis_flat_render(&p, DIR "/none.txt", (const char *const[]){NULL}, NULL, small, sizeof small), BIS_IO);
+    assert_int_equal(
+        bis_flat_render(&p, DIR "/none.txt", (const char *const[]){NULL}, NULL, small, sizeof small), BIS_IO);
     assert_int_equal(strlen(small), 7);
     assert_int_equal(bis_flat_render(&p, DIR "/none.txt", (const char *const[]){NULL}, NULL, NULL, 0), BIS_IO);
 }
@@ -602,8 +620,10 @@ static void a_map_of_eight_pixels_by_hand(void **state)
             assert_about(pdf[k], (pixel + 1) / 36.0 / (PI / 2), 1e-6);
         }
     }
-    refuses(bis_flat_light_look(light, 3, (float[]){1, 0, 0, 0, 1, 0, 1, 1, INFINITY}, L[0], pdf, SAY), "direction 2 is (1, 1, inf): give finite vectors");
-    refuses(bis_flat_light_look(light, 2, (float[]){1, 0, 0, INFINITY, 2, 3}, L[0], pdf, SAY), "direction 1 is (inf, 2, 3): give finite vectors");
+    refuses(bis_flat_light_look(light, 3, (float[]){1, 0, 0, 0, 1, 0, 1, 1, INFINITY}, L[0], pdf, SAY),
+        "direction 2 is (1, 1, inf): give finite vectors");
+    refuses(bis_flat_light_look(light, 2, (float[]){1, 0, 0, INFINITY, 2, 3}, L[0], pdf, SAY),
+        "direction 1 is (inf, 2, 3): give finite vectors");
     for (int i = 0; i < 12; i++) {
         double bad[12] = {0};
         char text[64];
@@ -615,8 +635,10 @@ static void a_map_of_eight_pixels_by_hand(void **state)
     /* the exponent is used, and its limits are in its range */
     assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10, NULL, SAY), 0);
     bis_flat_light_close(light);
-    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10.000001, NULL, SAY), "area_exponent is 10: give a number in [0, 10]");
-    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", (double)NAN, NULL, SAY), "area_exponent is nan: give a number in [0, 10]");
+    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10.000001, NULL, SAY),
+        "area_exponent is 10: give a number in [0, 10]");
+    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", (double)NAN, NULL, SAY),
+        "area_exponent is nan: give a number in [0, 10]");
 }
 
 /* Shares of 0.1, 0.2, 0.4, 0.3 in one row: by the inverted cdf 0.35 lies in [0.3, 0.7), pixel 2; in the alias table of
@@ -641,12 +663,13 @@ static void the_kind_of_a_table_is_the_one_asked_for(void **state)
     }
 }
 
-/* One bright pixel among dim ones is a region of its own of 0.0024 sr: an exponent of 2 divides its weight by the square
- * of 0.01 sr over that (thesis 3.4), and leaves the weight of the others. */
+/* One bright pixel among dim ones is a region of its own of 0.0024 sr: an exponent of 2 divides its weight by the
+ * square of 0.01 sr over that (thesis 3.4), and leaves the weight of the others. */
 static void an_area_exponent_draws_large_regions_more_often(void **state)
 {
     static float file[64][128][3];
-    const float at_lamp[3] = {(float)cos(5.5 / 64 * PI), (float)sin(5.5 / 64 * PI), -0.01f}; /* column 5, the first row below */
+    const float at_lamp[3] = {
+        (float)cos(5.5 / 64 * PI), (float)sin(5.5 / 64 * PI), -0.01f}; /* column 5, the first row below */
     const double sr = 2 * PI / 128 * sin(PI / 64), rest = 3 * (4 * PI - sr);
 
     (void)state;
@@ -684,11 +707,15 @@ static void weights_of_a_table_are_checked_and_summed(void **state)
     assert_true(item[0] == 0 && item[1] == 2);
     assert_int_equal(bis_flat_alias_build(1, (double[]){1e-300}, prob, alias, &total, SAY), 0);
     assert_about(total, 1e-300, 1e-312);
-    refuses(bis_flat_alias_build(3, (double[]){1, 1, -1e-9}, prob, alias, &total, SAY), "weight 2 is -1e-09: give finite numbers >= 0");
-    refuses(bis_flat_alias_build(3, (double[]){1, (double)NAN, 1}, prob, alias, &total, SAY), "weight 1 is nan: give finite numbers >= 0");
-    refuses(bis_flat_alias_build((size_t)1 << 32, w, prob, alias, &total, SAY), "there are 4294967296 weights: give 1 to 4294967295");
+    refuses(bis_flat_alias_build(3, (double[]){1, 1, -1e-9}, prob, alias, &total, SAY),
+        "weight 2 is -1e-09: give finite numbers >= 0");
+    refuses(bis_flat_alias_build(3, (double[]){1, (double)NAN, 1}, prob, alias, &total, SAY),
+        "weight 1 is nan: give finite numbers >= 0");
+    refuses(bis_flat_alias_build((size_t)1 << 32, w, prob, alias, &total, SAY),
+        "there are 4294967296 weights: give 1 to 4294967295");
     refuses(bis_flat_alias_sample(3, prob, alias, 2, (double[]){0, 1}, item, SAY), "u of sample 1 is 1");
-    refuses(bis_flat_alias_sample(0, prob, alias, 0, NULL, item, SAY), "the tables are empty: there is nothing to draw");
+    refuses(
+        bis_flat_alias_sample(0, prob, alias, 0, NULL, item, SAY), "the tables are empty: there is nothing to draw");
     assert_int_equal(bis_flat_alias_sample(3, prob, alias, 0, NULL, item, SAY), 0);
 }
 
@@ -738,7 +765,8 @@ static void each_channel_of_a_material_is_its_own(void **state)
     assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", Kd, Ks, 0.5, n, n, SAY), 0);
     assert_int_equal(bis_flat_bsdf_look(b, 1, (float[]){1, 2, 2}, f[0], pdf, SAY), 0);
     for (int k = 0; k < 3; k++)
-        assert_about((double)f[0][k], Ks[k] * 16 / (4 * PI) + 28 / (23 * PI) * Kd[k] * (1 - Ks[k]) * (31.0 / 32) * (31.0 / 32), 1e-5);
+        assert_about((double)f[0][k],
+            Ks[k] * 16 / (4 * PI) + 28 / (23 * PI) * Kd[k] * (1 - Ks[k]) * (31.0 / 32) * (31.0 / 32), 1e-5);
     bis_flat_bsdf_close(b);
     /* limits of what is taken */
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", one, (double[]){0, 0, 1}, 0, z, z, SAY), 0);
@@ -747,9 +775,12 @@ static void each_channel_of_a_material_is_its_own(void **state)
     bis_flat_bsdf_close(b);
     assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", one, one, 0.01, z, z, SAY), 0);
     bis_flat_bsdf_close(b);
-    refuses(bis_flat_bsdf_open(&b, "microfacet", one, one, 1.001, z, z, SAY), "the roughness is 1.001: give a number in [0.01, 1]");
-    refuses(bis_flat_bsdf_open(&b, "microfacet", one, one, 0.0099, z, z, SAY), "the roughness is 0.0099: give a number in [0.01, 1]");
-    refuses(bis_flat_bsdf_open(&b, "phong", one, one, HUGE_VAL, z, z, SAY), "the exponent is inf: give a finite number >= 0");
+    refuses(bis_flat_bsdf_open(&b, "microfacet", one, one, 1.001, z, z, SAY),
+        "the roughness is 1.001: give a number in [0.01, 1]");
+    refuses(bis_flat_bsdf_open(&b, "microfacet", one, one, 0.0099, z, z, SAY),
+        "the roughness is 0.0099: give a number in [0.01, 1]");
+    refuses(bis_flat_bsdf_open(&b, "phong", one, one, HUGE_VAL, z, z, SAY),
+        "the exponent is inf: give a finite number >= 0");
     for (int k = 0; k < 3; k++) {
         double c[3] = {0.25, 0.5, 0.75};
         char text[128];
@@ -781,7 +812,8 @@ static void alpha_is_the_share_that_hits_a_surface(void **state)
 
     (void)state;
     program_write_file(DIR "/half.txt",
-        "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 6 \"string filename\" \"x.pfm\"\nCamera \"perspective\" \"float fov\" 60\n"
+        "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 6 \"string filename\" \"x.pfm\"\nCamera "
+        "\"perspective\" \"float fov\" 60\n"
         "WorldBegin LightSource \"infinite\" \"rgb L\" [0.25 0.5 2] Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
         "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-99 0 5  99 0 5  99 99 5  -99 99 5]\n");
     const char *const settings[] = {"spp=1", NULL};
@@ -801,9 +833,9 @@ static void alpha_is_the_share_that_hits_a_surface(void **state)
 /* A render that is to stop at once accepts its settings first. What an option takes at its limits, and what not. */
 static void settings_have_their_limits(void **state)
 {
-    static const char *const good[] = {"spp=1", "spp=4294967295", "threads=1", "threads=3", "seconds=1e-9", "seconds=1e8", "error=1e-9", "error=10",
-                                       "width=1", "width=32768", "height=1", "height=32768", "seed=0", "seed=9007199254740991", "integrator=em",
-                                       "candidates=1", "accelerator=grid"};
+    static const char *const good[] = {"spp=1", "spp=4294967295", "threads=1", "threads=3", "seconds=1e-9",
+        "seconds=1e8", "error=1e-9", "error=10", "width=1", "width=32768", "height=1", "height=32768", "seed=0",
+        "seed=9007199254740991", "integrator=em", "candidates=1", "accelerator=grid"};
     static const struct {
         const char *setting, *text;
     } bad[] = {{"spp=4294967296", "spp is \"4294967296\": give an integer in [1, 4294967295]"},
@@ -828,29 +860,36 @@ static void settings_have_their_limits(void **state)
                {"seed=7x", "seed is \"7x\": give an integer"},
                {"candidates=1.5", "candidates is \"1.5\": give an integer in [0, 4294967295]"},
                {"candidates=4294967296", "candidates is \"4294967296\": give an integer in [0, 4294967295]"},
-               {"a-name-that-is-longer-than-any-name-of-a-parameter-that-there-is=1", "-of-a-parameter-that-ther\" is no setting: give name=value"}};
+               {"a-name-that-is-longer-than-any-name-of-a-parameter-that-there-is=1",
+                "-of-a-parameter-that-ther\" is no setting: give name=value"}};
     bis_flat_picture *p;
 
     (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         /* small, unless it is the size that is asked for */
         const char *settings[] = {"width=2", "height=1", good[i], NULL};
-        refuses(bis_flat_render(&p, SCENE, settings, &(sig_atomic_t){1}, SAY), "the render was stopped before its first pass was complete");
+        refuses(bis_flat_render(&p, SCENE, settings, &(sig_atomic_t){1}, SAY),
+            "the render was stopped before its first pass was complete");
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        refuses(bis_flat_render(&p, SCENE, (const char *const[]){bad[i].setting, NULL}, &(sig_atomic_t){1}, SAY), bad[i].text);
+        refuses(bis_flat_render(&p, SCENE, (const char *const[]){bad[i].setting, NULL}, &(sig_atomic_t){1}, SAY),
+            bad[i].text);
     static const char *const split[] = {"split=1.5", "split=-0.5", "split=0.5x"};
     for (size_t i = 0; i < 3; i++) {
-        refuses(bis_flat_render(&p, SCENE, (const char *const[]){split[i], "integrator=mis", NULL}, &(sig_atomic_t){1}, SAY), split[i] + 6);
+        refuses(bis_flat_render(
+                    &p, SCENE, (const char *const[]){split[i], "integrator=mis", NULL}, &(sig_atomic_t){1}, SAY),
+            split[i] + 6);
         assert_non_null(strstr(say, "give a number in [0, 1]"));
     }
     assert_null(p);
 }
 
-/* A scene's own integrator keeps its parameters when it is named again, and a switched erratum stays for another one. */
+/* A scene's own integrator keeps its parameters when it is named again, and a switched erratum stays for another one.
+ */
 static void an_integrator_named_again_keeps_what_the_scene_says(void **state)
 {
-    static const char *const settings[][2] = {{"integrator=sir", NULL}, {"integrator=em", NULL}, {"integrator=mis", NULL}};
+    static const char *const settings[][2] = {
+        {"integrator=sir", NULL}, {"integrator=em", NULL}, {"integrator=mis", NULL}};
     static const char *const options[] = {"--integrator sir", "--integrator em", "--integrator mis"};
 
     (void)state;
@@ -896,8 +935,8 @@ static void when_the_kth_allocation_fails_there_is_no_picture(void **state)
     (void)state;
     assert_int_equal(bis_flat_light_make(&light, 2, 1, grey, "cdf", 0, NULL, SAY), 0);
     for (long k = 1; !ended; k++) {
-        static const char *const settings[] = {"width=2", "height=2", "spp=1", "threads=1", "accelerator=grid", "layers=albedo",
-                                               "camera=Camera \"orthographic\"", "text=WorldBegin Shape \"sphere\"", NULL};
+        static const char *const settings[] = {"width=2", "height=2", "spp=1", "threads=1", "accelerator=grid",
+            "layers=albedo", "camera=Camera \"orthographic\"", "text=WorldBegin Shape \"sphere\"", NULL};
         bis_flat_picture *p;
         bis_mem_fail_at(k);
         const int status = bis_flat_render_with(&p, SCENE, settings, light, NULL, NULL, NULL, SAY);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* flat_taught: the thesis's steps on arrays. Expected values are the thesis's own tables, sums by hand, and closed forms. What a browser
- * makes of the same calls is in tests/web. */
+/* flat_taught: the thesis's steps on arrays. Expected values are the thesis's own tables, sums by hand, and closed
+ * forms. What a browser makes of the same calls is in tests/web. */
 #include "bis/base/clock.h"
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
@@ -20,7 +20,7 @@
 #define DIR "build/test_flat_taught"
 #define SCENE                                                                                                        \
     "text=Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nLookAt 0 -4 2  0 0 0  0 0 1\n"            \
-    "Camera \"perspective\" \"float fov\" 20\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"" DIR         \
+    "Camera \"perspective\" \"float fov\" 20\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"" DIR \
     "/white.pfm\"\nMaterial \"phong\" \"float Kd\" 0.5 \"float Ks\" 0\nShape \"disk\" \"float radius\" 5\n"
 
 static char say[512];
@@ -56,7 +56,8 @@ static void marsaglias_list_is_the_thesiss(void **state)
     refuses(bis_flat_marsaglia(4, (uint32_t[]){1, 2, 4, 3}, 9, list, &length, SAY), "room for 9");
 }
 
-/* N P is 1/3, 2/3, 1, 4/3, 5/3 at first; each step fills one bin, the sum of what is there stays N less what was given. */
+/* N P is 1/3, 2/3, 1, 4/3, 5/3 at first; each step fills one bin, the sum of what is there stays N less what was given.
+ */
 static void the_stages_lead_from_NP_to_the_table(void **state)
 {
     (void)state;
@@ -110,8 +111,9 @@ static void the_fit_is_pearsons(void **state)
     refuses(bis_flat_fit(1, (double[]){1}, 40, item, observed, fit, SAY), "not below 1");
 }
 
-/* 8 items, the even ones of weight 0, and u of 3 + k bits: the fraction of a black bin has 2^k values, of which the 0 alone
- * returns the item as printed. Right: never. With as many bits as bins need there is one draw a bin, so all black ones. */
+/* 8 items, the even ones of weight 0, and u of 3 + k bits: the fraction of a black bin has 2^k values, of which the 0
+ * alone returns the item as printed. Right: never. With as many bits as bins need there is one draw a bin, so all black
+ * ones. */
 static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
 {
     (void)state;
@@ -156,11 +158,13 @@ static void a_white_map_is_one_light(void **state)
     double pdf[128], peak, share[8], area[128], factor[128], polar[2], sum = 0;
     uint32_t label[128], level[128], count[8], n;
 
-    assert_int_equal(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=cdf", "levels=4", NULL}, SAY), 0);
+    assert_int_equal(
+        bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=cdf", "levels=4", NULL}, SAY), 0);
     assert_int_equal(bis_flat_light_density(light, pdf, &peak, share, SAY), 0);
     assert_int_equal(bis_flat_light_regions(light, 4, 0.5, label, level, area, factor, &n, SAY), 0);
     assert_int_equal(n, 1);
-    for (int i = 0; i < 128; i++) assert_true(fabs(pdf[i] - 1 / (4 * PI)) < 1e-12 && fabs(area[i] - 4 * PI) < 1e-12 && factor[i] == 1);
+    for (int i = 0; i < 128; i++)
+        assert_true(fabs(pdf[i] - 1 / (4 * PI)) < 1e-12 && fabs(area[i] - 4 * PI) < 1e-12 && factor[i] == 1);
     for (int y = 0; y < 8; y++) sum += 16 * share[y] / 16;
     assert_true(fabs(sum - 1) < 1e-12 && fabs(peak - 1 / (4 * PI)) < 1e-12);
     /* two of the eight rows are within 30 degrees of a pole by their middles: caps of 22.5 degrees */
@@ -169,7 +173,8 @@ static void a_white_map_is_one_light(void **state)
     assert_true(polar[0] == 3 && fabs(polar[1] - 4 * (1 - cos(PI / 8))) < 1e-12);
     refuses(bis_flat_light_rows(light, 1, (uint32_t[]){128}, 30, count, polar, SAY), "not below 128");
     bis_flat_light_close(light);
-    refuses(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=list", NULL}, SAY), "no setting of a map");
+    refuses(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=list", NULL}, SAY),
+        "no setting of a map");
 }
 
 /* The mean over four white pixels is white; a map is not made larger. */
@@ -186,7 +191,8 @@ static void a_shrunk_map_keeps_its_light(void **state)
     assert_true(shape[0] == 8 && shape[1] == 4);
     bis_flat_light_shape(same, shape);
     assert_true(shape[0] == 16 && shape[1] == 8);
-    assert_true(fabs(bis_flat_light_power(small) - 12 * PI) < 1e-5 && fabs(bis_flat_light_power(same) - 12 * PI) < 1e-5);
+    assert_true(
+        fabs(bis_flat_light_power(small) - 12 * PI) < 1e-5 && fabs(bis_flat_light_power(same) - 12 * PI) < 1e-5);
     bis_light *none;
     refuses(bis_flat_light_shrink(&none, light, 0, SAY), "give 1 or more");
     bis_flat_light_close(light);
@@ -228,20 +234,23 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     assert_true(accepted == n && n > 0);
     refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY), "give em or brdf");
     refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY), "do not fit");
-    refuses(bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY), "give sir");
+    refuses(
+        bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY),
+        "give sir");
     refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "outside 8 x 8");
     bis_flat_stage_close(stage);
 }
 
-/* Nothing hides a white map from a floor: which candidates are chosen changes nothing but roundings. A wall hides a part: the
- * noises are uncorrelated, so their squares add up to the square of the whole; the sample's covariance of n = 4000 pairs has a
- * standard deviation of about a b/sqrt(n), and 6 of these, twice, are allowed. The twin: were the noise of the rays left
- * out, the sum would miss by more than that. */
+/* Nothing hides a white map from a floor: which candidates are chosen changes nothing but roundings. A wall hides a
+ * part: the noises are uncorrelated, so their squares add up to the square of the whole; the sample's covariance of n =
+ * 4000 pairs has a standard deviation of about a b/sqrt(n), and 6 of these, twice, are allowed. The twin: were the
+ * noise of the rays left out, the sum would miss by more than that. */
 static void the_two_noises_add_up_E31(void **state)
 {
     (void)state;
     const char *const sir[] = {"integrator=sir", "candidates=16", "shadowrays=2", "proposal=mix", "learn=false", NULL};
-    const char *const scenes[2] = {SCENE, SCENE "Shape \"trianglemesh\" \"point3 P\" [-3 .3 0  3 .3 0  0 .3 4] \"integer indices\" [0 1 2]\n"};
+    const char *const scenes[2] = {
+        SCENE, SCENE "Shape \"trianglemesh\" \"point3 P\" [-3 .3 0  3 .3 0  0 .3 4] \"integer indices\" [0 1 2]\n"};
     bis_flat_stage *stage;
     double found[8], sum[5];
 
@@ -301,11 +310,11 @@ static void best_weights_by_quadrature(double out[5], bis_flat_stage *stage, dou
     test_free(f);
 }
 
-/* Three roads: the page's formulas by quadrature, runs of `mis` itself, and a white map over a diffuse floor: there F is in
- * proportion to q_f, so the best weights leave no noise. RUNS estimates of 8 samples: a variance has a relative standard
- * error of 1/sqrt(RUNS) times the root of the kurtosis less 1, below 3 here, so half of that for a standard deviation; 6 of
- * these are allowed, and 6 of the mean's. beta and the overlap are means of numbers below 1, too. The twin: the balance
- * heuristic lies farther from the best weights than is allowed. */
+/* Three roads: the page's formulas by quadrature, runs of `mis` itself, and a white map over a diffuse floor: there F
+ * is in proportion to q_f, so the best weights leave no noise. RUNS estimates of 8 samples: a variance has a relative
+ * standard error of 1/sqrt(RUNS) times the root of the kurtosis less 1, below 3 here, so half of that for a standard
+ * deviation; 6 of these are allowed, and 6 of the mean's. beta and the overlap are means of numbers below 1, too. The
+ * twin: the balance heuristic lies farther from the best weights than is allowed. */
 static void the_best_weights_are_what_they_say(void **state)
 {
     (void)state;
@@ -341,7 +350,8 @@ static void the_best_weights_are_what_they_say(void **state)
     test_free(L);
 }
 
-/* Phong with Kd alone reflects Kd, and nothing lies below the horizon; quadrature by 200 x 200 midpoints is exact to 1e-5. */
+/* Phong with Kd alone reflects Kd, and nothing lies below the horizon; quadrature by 200 x 200 midpoints is exact to
+ * 1e-5. */
 static void a_diffuse_material_loses_nothing(void **state)
 {
     (void)state;
@@ -356,8 +366,8 @@ static void a_diffuse_material_loses_nothing(void **state)
     bis_flat_bsdf_close(bsdf);
 }
 
-/* The diffuse term is the same on both sides: Kd/pi cos, by a density of cos/pi. A lobe peaks at the mirror's angle, away
- * from the eye, with (n + 1)/(2 pi); the twin is the eye's own side. Straight down there is a plane, too. */
+/* The diffuse term is the same on both sides: Kd/pi cos, by a density of cos/pi. A lobe peaks at the mirror's angle,
+ * away from the eye, with (n + 1)/(2 pi); the twin is the eye's own side. Straight down there is a plane, too. */
 static void the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle(void **state)
 {
     (void)state;
@@ -405,7 +415,8 @@ static void a_pass_takes_a_part_of_the_time(void **state)
     bis_flat_picture *picture;
     const double before = bis_clock_now();
 
-    assert_int_equal(bis_flat_render(&picture, "scene", (const char *[]){SCENE, "integrator=em", "spp=4", NULL}, NULL, SAY), 0);
+    assert_int_equal(
+        bis_flat_render(&picture, "scene", (const char *[]){SCENE, "integrator=em", "spp=4", NULL}, NULL, SAY), 0);
     const double all = bis_clock_now() - before, pass = bis_flat_picture_pass_seconds(picture);
     assert_true(pass > 0 && pass <= all / 4 && isnan(bis_flat_picture_pass_seconds(NULL)));
     bis_flat_picture_close(picture);

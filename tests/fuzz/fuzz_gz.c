@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* fuzz_gz: gzip files: several members, bytes behind them, cut off anywhere. zlib's inflate has fuzzers of its own; what
- * is ours is the loop around it, its limit, and what it hands on to the formats behind. */
+/* fuzz_gz: gzip files: several members, bytes behind them, cut off anywhere. zlib's inflate has fuzzers of its own;
+ * what is ours is the loop around it, its limit, and what it hands on to the formats behind. */
 #include "bis/base/mem.h"
 #include "files/gzip.h"
 #include "input.h"

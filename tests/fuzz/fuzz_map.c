@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* fuzz_map: an image of any kind as a map of any mapping, resampled to lat-long and from there to any other. Byte 0
- * chooses the mappings, byte 1 the width; the rest is the file. Fixes the resampler's promises: finite, and the energy is
- * kept. */
+ * chooses the mappings, byte 1 the width; the rest is the file. Fixes the resampler's promises: finite, and the energy
+ * is kept. */
 #include "bis/beyond/mapping.h"
 #include "bis/files/image_file.h"
 #include "input.h"

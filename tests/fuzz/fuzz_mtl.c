@@ -27,9 +27,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char text[256];
 
     if (!*scene) {
-        snprintf(text, sizeof text, "mtllib %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", mtl);
+        snprintf(
+            text, sizeof text, "mtllib %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", mtl);
         store(obj, text);
-        snprintf(text, sizeof text, "WorldBegin Shape \"objmesh\" \"string filename\" \"%s\" \"bool materials\" true\n", obj);
+        snprintf(text, sizeof text, "WorldBegin Shape \"objmesh\" \"string filename\" \"%s\" \"bool materials\" true\n",
+            obj);
         store(scene, text);
     }
     const bis_status status = bis_scene_parse(&d, scene, &diag);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* fuzz_png: the colours of textures: PNG, JPEG, TGA, BMP. The reader goes by the first bytes, so maps' formats are within
- * reach, too. */
+/* fuzz_png: the colours of textures: PNG, JPEG, TGA, BMP. The reader goes by the first bytes, so maps' formats are
+ * within reach, too. */
 #include "bis/files/image_file.h"
 #include "input.h"
 

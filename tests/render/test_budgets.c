@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The full
- * experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
+/* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The
+ * full experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
 #include "bis/base/mem.h"
 
 #include "world.h"
@@ -48,11 +48,11 @@ static void reference_of(bis_film *reference, world *w, uint32_t spp)
     w->desc.view.sampler.seed = seed;
 }
 
-/* --- the error budget
- * ---------------------------------------------------------------------------------------------- */
+/* ---- the error budget ---- */
 
 typedef struct tally {
-    int runs, kept, more, wasted, twin_kept; /* twin: E is what the estimate itself, without its bound, comes to in the end */
+    int runs, kept, more, wasted,
+        twin_kept; /* twin: E is what the estimate itself, without its bound, comes to in the end */
     double spp;
 } tally;
 
@@ -72,9 +72,9 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
     bis_film_clear(&f);
 }
 
-/* The bound covers the true error in 95 % of runs (597 of 630 with other seeds), and in no more than 1 of 10 is the error
- * below half of it: three integrators, three budgets. Of 63 runs fewer than 50 are kept with a
- * probability of 0.3 % if the bound covers 90 %, and of 2e-6 if it covers 95 % (binomial). */
+/* The bound covers the true error in 95 % of runs (597 of 630 with other seeds), and in no more than 1 of 10 is the
+ * error below half of it: three integrators, three budgets. Of 63 runs fewer than 50 are kept with a probability of 0.3
+ * % if the bound covers 90 %, and of 2e-6 if it covers 95 % (binomial). */
 static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
 {
     (void)state;
@@ -95,14 +95,14 @@ static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
     }
     assert_int_equal(t.runs, 63);
     if (t.kept < 50 || 10 * t.wasted > t.more || t.more < t.runs / 2) {
-        fail_msg("kept in %d of %d, %d wasted of %d that needed more than the minimum; %g camera samples in the mean", t.kept, t.runs, t.wasted, t.more,
-                 t.spp / t.runs);
+        fail_msg("kept in %d of %d, %d wasted of %d that needed more than the minimum; %g camera samples in the mean",
+            t.kept, t.runs, t.wasted, t.more, t.spp / t.runs);
     }
     assert_true(t.twin_kept < 50); /* the bound is needed */
 }
 
-/* The estimate beside the truth, root mean squares over renders of `spp` samples: *figure is the estimate, *twin the one
- * that takes passes for independent and forgets what strata gain. Both over the truth. */
+/* The estimate beside the truth, root mean squares over renders of `spp` samples: *figure is the estimate, *twin the
+ * one that takes passes for independent and forgets what strata gain. Both over the truth. */
 static void judge(double *figure, double *twin, world *w, const bis_film *reference, uint32_t spp)
 {
     enum { RUNS = 40 };
@@ -123,10 +123,11 @@ static void judge(double *figure, double *twin, world *w, const bis_film *refere
     *twin = sqrt(squares[2] / squares[0]);
 }
 
-/* `place` has no noise, so that all error is at edges and slopes within a pixel, and strata gain most. The picture has few
- * edges, for which 32 and 64 samples are hardly better than 16 (film_error.c): so the figure is judged in the
- * geometric mean over four doublings, in which such steps cancel but for the first and last. What is left is p between 1 and 3/2, 16 % on either side. With independent samples the figure is
- * right, and so is its twin. 99 pixels and 4 x 40 renders: the standard error of the ratio is 2 %, of which three are added. */
+/* `place` has no noise, so that all error is at edges and slopes within a pixel, and strata gain most. The picture has
+ * few edges, for which 32 and 64 samples are hardly better than 16 (film_error.c): so the figure is judged in the
+ * geometric mean over four doublings, in which such steps cancel but for the first and last. What is left is p between
+ * 1 and 3/2, 16 % on either side. With independent samples the figure is right, and so is its twin. 99 pixels and 4 x
+ * 40 renders: the standard error of the ratio is 2 %, of which three are added. */
 static void the_figure_sees_what_strata_gain(void **state)
 {
     (void)state;
@@ -152,8 +153,7 @@ static void the_figure_sees_what_strata_gain(void **state)
     clear_world(&w);
 }
 
-/* --- forecasts
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- forecasts ---- */
 
 typedef struct forecasts {
     int n;

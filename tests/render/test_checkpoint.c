@@ -293,7 +293,8 @@ static void a_forged_head_breaks_nothing(void **state)
     clear_world(&w);
 }
 
-/* Each of these decides what the next passes make (the means of the half and the quarter do not, because they are taken anew): the sums of the film, and the counts of what was seen. */
+/* Each of these decides what the next passes make (the means of the half and the quarter do not, because they are taken
+ * anew): the sums of the film, and the counts of what was seen. */
 static void another_number_in_the_state_makes_another_picture(void **state)
 {
     (void)state;
@@ -302,7 +303,8 @@ static void another_number_in_the_state_makes_another_picture(void **state)
 
     make_kind(&w, &tiny);
     unsigned char *data = tiny_state(&w, &size, &at);
-    const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, n_seen = BIS_VISIBILITY_CELLS * sizeof(bis_seen), seen = size - 8 - n_seen;
+    const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, n_seen = BIS_VISIBILITY_CELLS * sizeof(bis_seen),
+                 seen = size - 8 - n_seen;
     const size_t places[] = {sums + 7, sums + 3 * n_pixels * 8 + 2,
                              sums + 3 * n_pixels * 20 + 6, seen};
     for (size_t i = 0; i < COUNT(places); i++) {
@@ -323,7 +325,8 @@ static void another_number_in_the_state_makes_another_picture(void **state)
         render_kind(&b, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
         assert_true(memcmp(a.sum, b.sum, 3 * n_pixels * sizeof *a.sum) ||
                     memcmp(a.deviation, b.deviation, 3 * n_pixels * sizeof *a.deviation) ||
-                    memcmp(a.half, b.half, 3 * n_pixels * sizeof *a.half) || memcmp(a.hits, b.hits, n_pixels * sizeof *a.hits));
+                    memcmp(a.half, b.half, 3 * n_pixels * sizeof *a.half) ||
+                    memcmp(a.hits, b.hits, n_pixels * sizeof *a.hits));
         memcpy(data + places[i], before, n);
         bis_free(before);
         bis_film_clear(&a);
@@ -442,7 +445,8 @@ CHANGE(aspect, w->desc.view.camera.frame_aspect += 0.5)
 CHANGE(eye, w->desc.view.camera.to_world.m[2][3] += 1)
 CHANGE(last_of_eye, w->desc.view.camera.to_world.m[3][3] += 1)
 CHANGE(jitter_of_sampler, w->desc.view.sampler.jitter ^= true)
-CHANGE(kind_of_sampler, w->desc.view.sampler.kind = w->desc.view.sampler.kind == BIS_SAMPLER_SOBOL ? BIS_SAMPLER_RANDOM : BIS_SAMPLER_SOBOL)
+CHANGE(kind_of_sampler,
+    w->desc.view.sampler.kind = w->desc.view.sampler.kind == BIS_SAMPLER_SOBOL ? BIS_SAMPLER_RANDOM : BIS_SAMPLER_SOBOL)
 CHANGE(passes, o->pass_size++)
 CHANGE(first_vertex, w->scene.geometry.p[0].x += 1)
 CHANGE(height_of_vertex, w->scene.geometry.p[1].y += 1)
@@ -459,7 +463,8 @@ CHANGE(green, w->materials[0].Kd.g += 0.125f)
 CHANGE(blue, w->materials[0].Ks.b += 0.125f)
 CHANGE(alpha, w->materials[1].alpha += 0.5)
 CHANGE(first_pixel, bis_light_envmap(w->scene.light)->pixels[0].r += 1)
-CHANGE(last_pixel, const bis_envmap *em = bis_light_envmap(w->scene.light); em->pixels[em->width * em->height - 1].b += 1)
+CHANGE(last_pixel, const bis_envmap *em = bis_light_envmap(w->scene.light);
+    em->pixels[em->width * em->height - 1].b += 1)
 CHANGE(light_L, w->desc.light.L.g += 1)
 CHANGE(light_b, w->desc.light.area_exponent += 0.5)
 CHANGE(light_mapping, w->desc.light.mapping = BIS_MAPPING_ANGULAR)

@@ -52,7 +52,8 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     clear_world(&w);
 }
 
-/* Wherever the area lies, each of its pixels has a place of its own inside its bytes, 64 for each tile that it touches. */
+/* Wherever the area lies, each of its pixels has a place of its own inside its bytes, 64 for each tile that it touches.
+ */
 static void places_of_pixels_lie_in_the_bytes_of_the_area(void **state)
 {
     static const bis_rect areas[] = {{0, 0, WIDTH, HEIGHT}, {16, 32, 48, 48}, {17, 5, 18, 6}, {31, 47, 70, 66}};
@@ -137,9 +138,9 @@ static void ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always(
     assert_int_equal(count_ridge(20, 1, 0, matt, outline), HEIGHT);
 }
 
-/* Phong's lobe has the density (n + 1)/(2 pi) at its peak, which is that of a cone of cosine 1 - 1/(n + 1): 24.6 degrees
- * for n = 10. Half of a diffuse surface makes it sqrt(24.6 * 60) = 38.4. A lobe of n = 0.5 would be wider than a diffuse
- * surface, 70.5 degrees; one of 10^6 narrower than the degree that is asked for at least. */
+/* Phong's lobe has the density (n + 1)/(2 pi) at its peak, which is that of a cone of cosine 1 - 1/(n + 1): 24.6
+ * degrees for n = 10. Half of a diffuse surface makes it sqrt(24.6 * 60) = 38.4. A lobe of n = 0.5 would be wider than
+ * a diffuse surface, 70.5 degrees; one of 10^6 narrower than the degree that is asked for at least. */
 static void the_turn_that_counts_is_that_of_the_lobe(void **state)
 {
     (void)state;
@@ -226,7 +227,8 @@ static void bits_do_not_depend_on_threads_and_one_is_none(void **state)
     render(&a, &ra, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
     render(&b, &rb, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 3});
     assert_same_bits(&a, &b);
-    assert_true(ra.counters.camera_rays == rb.counters.camera_rays && ra.counters.camera_rays > (WIDTH + 1) * (HEIGHT + 1) + 3 * WIDTH * HEIGHT);
+    assert_true(ra.counters.camera_rays == rb.counters.camera_rays &&
+                ra.counters.camera_rays > (WIDTH + 1) * (HEIGHT + 1) + 3 * WIDTH * HEIGHT);
     bis_film_clear(&b);
     w.desc.view.pixel_jitter = false; /* all rays through the centre: nothing to find */
     render(&b, &rb, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
@@ -240,8 +242,8 @@ static void bits_do_not_depend_on_threads_and_one_is_none(void **state)
     clear_world(&w);
 }
 
-/* 2^29 camera samples and 8 times as many on outlines are 2^32: in 32 bits none, which was divided by. 600000000 times 8
- * is more than 2^32, too. What one pass of these holds can be told: one camera sample, or 8, a pixel. */
+/* 2^29 camera samples and 8 times as many on outlines are 2^32: in 32 bits none, which was divided by. 600000000 times
+ * 8 is more than 2^32, too. What one pass of these holds can be told: one camera sample, or 8, a pixel. */
 static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
 {
     static const uint32_t spps[] = {1u << 29, 1u << 30, 600000000};
@@ -255,9 +257,12 @@ static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
         bis_sampler_set_spp(&w.desc.view.sampler, spps[i]);
         w.desc.view.edge_samples = 8;
         assert_int_equal(bis_film_init(&film, 8, 6, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view,
+                             &(bis_render_options){.budget = {.spp = 2}}, NULL),
+            BIS_OK);
         assert_int_equal(result.passes, 2);
-        assert_in_range(result.counters.camera_rays, 2 * 48 + 7 * 9 + 1, 2 * 8 * 48 + 7 * 9); /* outlines are found by 9 x 7 rays */
+        assert_in_range(
+            result.counters.camera_rays, 2 * 48 + 7 * 9 + 1, 2 * 8 * 48 + 7 * 9); /* outlines are found by 9 x 7 rays */
         bis_film_clear(&film);
     }
     clear_world(&w);

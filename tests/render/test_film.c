@@ -62,14 +62,17 @@ static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
     (void)state;
     for (int i = 0; i < W * W * H * H; i++) {
         const bis_rect r = {i % W, i / W % H, i / (W * H) % W + 1, i / (W * H * W) + 1};
-        const bis_film f = {.full_width = W, .full_height = H, .x0 = r.x0, .y0 = r.y0, .width = r.x1 - r.x0, .height = r.y1 - r.y0};
+        const bis_film f = {
+            .full_width = W, .full_height = H, .x0 = r.x0, .y0 = r.y0, .width = r.x1 - r.x0, .height = r.y1 - r.y0};
         int across, met = 0;
         if (f.width <= 0 || f.height <= 0) continue;
         const int n = bis_film_tiles(&f, SIDE, &across);
         for (int t = 0; t < n; t++) {
             const bis_rect all = bis_film_tile(&f, SIDE, t), part = bis_film_tile_of_crop(&f, SIDE, t);
-            assert_true(all.x0 % SIDE == 0 && all.y0 % SIDE == 0 && (all.x1 == all.x0 + SIDE || all.x1 == W) && (all.y1 == all.y0 + SIDE || all.y1 == H));
-            assert_true(part.x0 == fmax(all.x0, r.x0) && part.x1 == fmin(all.x1, r.x1) && part.y0 == fmax(all.y0, r.y0) && part.y1 == fmin(all.y1, r.y1));
+            assert_true(all.x0 % SIDE == 0 && all.y0 % SIDE == 0 && (all.x1 == all.x0 + SIDE || all.x1 == W) &&
+                        (all.y1 == all.y0 + SIDE || all.y1 == H));
+            assert_true(part.x0 == fmax(all.x0, r.x0) && part.x1 == fmin(all.x1, r.x1) &&
+                        part.y0 == fmax(all.y0, r.y0) && part.y1 == fmin(all.y1, r.y1));
             assert_true(part.x1 > part.x0 && part.y1 > part.y0);
             met += (part.x1 - part.x0) * (part.y1 - part.y0);
             if (t >= across) assert_true(bis_film_tile(&f, SIDE, t - across).y1 == all.y0);
@@ -81,7 +84,8 @@ static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
 static void a_crop_without_pixels_or_outside_is_refused(void **state)
 {
     (void)state;
-    const double bad[][4] = {{0.5, 0.5, 0, 1}, {0.6, 0.4, 0, 1}, {0, 1, 0.91, 0.99}, {-0.1, 1, 0, 1}, {0, 1.1, 0, 1}, {0, (double)NAN, 0, 1}};
+    const double bad[][4] = {{0.5, 0.5, 0, 1}, {0.6, 0.4, 0, 1}, {0, 1, 0.91, 0.99}, {-0.1, 1, 0, 1}, {0, 1.1, 0, 1},
+        {0, (double)NAN, 0, 1}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         bis_film f;
         bis_diag diag = {0};
@@ -105,8 +109,8 @@ static void a_crop_without_pixels_of_a_thin_film_says_so(void **state)
         bis_diag diag = {0};
         const double crop[4] = {cases[i].x0, cases[i].x1, 0, 1};
         assert_int_equal(bis_film_init_thin(&f, 8, 8, crop, cases[i].step, (bis_loc){0}, &diag), BIS_INPUT);
-        snprintf(expected, sizeof expected, "error: the crop window %g, %g, 0, 1 holds no pixel of 8 x 8%s%s", crop[0], crop[1],
-                 cases[i].thin, rest);
+        snprintf(expected, sizeof expected, "error: the crop window %g, %g, 0, 1 holds no pixel of 8 x 8%s%s", crop[0],
+            crop[1], cases[i].thin, rest);
         assert_string_equal(diag.messages[0].text, expected);
         bis_diag_clear(&diag);
     }
@@ -163,9 +167,9 @@ static void alpha_of_eighths_is_exact_for_two_million_camera_samples(void **stat
 
 /* A third of weight 1 is rounded in each pass, in one direction as long as the sum has the same exponent. By hand: the
  * sum lies in [2^e, 2^(e+1)) for 3 2^e passes and has steps of u = 2^(e-23), so that each pass adds u round(1/(3u))
- * instead of 1/3, an error of u/3: with e even too much, with e odd too little. (The drift itself moves the powers of two by 70
- * of 10^5 passes, each of which then errs by u/3 + u/6 otherwise: 0.6 % of the whole.) The bound is that of film.c,
- * 2^-25 (1/3) (n + 1), and half a step of float for the quotient. */
+ * instead of 1/3, an error of u/3: with e even too much, with e odd too little. (The drift itself moves the powers of
+ * two by 70 of 10^5 passes, each of which then errs by u/3 + u/6 otherwise: 0.6 % of the whole.) The bound is that of
+ * film.c, 2^-25 (1/3) (n + 1), and half a step of float for the quotient. */
 static void alpha_of_thirds_errs_by_less_than_the_bound(void **state)
 {
     (void)state;
@@ -180,7 +184,8 @@ static void alpha_of_thirds_errs_by_less_than_the_bound(void **state)
         }
         const double bound = ldexp(1 / 3.0, -25) * (n + 1) + ldexp(1, -26);
         if (!(fabs(error) <= bound)) fail_msg("%g passes: alpha errs by %g, bound %g", n, error, bound);
-        if (n >= 1e5 && !(fabs(error / (drift / n) - 1) < 0.01)) fail_msg("alpha errs by %g, by hand %g", error, drift / n);
+        if (n >= 1e5 && !(fabs(error / (drift / n) - 1) < 0.01))
+            fail_msg("alpha errs by %g, by hand %g", error, drift / n);
     }
 }
 

@@ -24,8 +24,8 @@ static void init(bis_film *f, int width, int height)
     f->independent = true;
 }
 
-/* Two passes with values a and b in each channel: mean (a + b)/2, its variance (a - b)^2/4, the mean's square less that a b. A
- * crop of 6 x 5 pixels, from (3, 2) on. Dark pictures have small floors. */
+/* Two passes with values a and b in each channel: mean (a + b)/2, its variance (a - b)^2/4, the mean's square less that
+ * a b. A crop of 6 x 5 pixels, from (3, 2) on. Dark pictures have small floors. */
 static void the_error_of_passes_is_the_mean_over_pixels(void **state)
 {
     (void)state;
@@ -47,7 +47,8 @@ static void the_error_of_passes_is_the_mean_over_pixels(void **state)
         for (int k = 0; k < 2; k++) /* the mean, then what is weighed by it */
             for (int y = 2; y < 7; y++)
                 for (int x = 3; x < 9; x++) {
-                    const double a = scale * (x + 2 * y), b = scale * (3 + x * y % 5), m = (a + b) / 2, floor = mean * mean / 100;
+                    const double a = scale * (x + 2 * y), b = scale * (3 + x * y % 5), m = (a + b) / 2,
+                                 floor = mean * mean / 100;
                     if (k == 0) mean += m / 30;
                     else expected += (a - b) * (a - b) / 4 / sqrt((m * m + floor) * (a * b + floor));
                 }
@@ -84,13 +85,14 @@ static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
     assert_true(upper > expected);
 }
 
-/* Passes {0, 0, 0, 8}: mean 2, of variance 16/4 = 4. The twin, 4/(2^2 + m^2/100), calls it an error of 70%, however bright
- * the sample. */
+/* Passes {0, 0, 0, 8}: mean 2, of variance 16/4 = 4. The twin, 4/(2^2 + m^2/100), calls it an error of 70%, however
+ * bright the sample. */
 static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
 {
     (void)state;
     const double rmse = rmse_of((float[]){0, 0, 0, 8}, 4, NULL), twin = sqrt(0.5 * 4 / 4.09);
-    /* the deviation is float: 2^-24 of the variance, which the difference 2^2 - 4 makes 4 * 2^-24 / 0.09 / 2 of the square */
+    /* the deviation is float: 2^-24 of the variance, which the difference 2^2 - 4 makes 4 * 2^-24 / 0.09 / 2 of the
+     * square */
     assert_true(fabs(rmse - sqrt(0.5 * 4 / sqrt(4.09 * 0.09))) < 3e-6);
     assert_true(rmse > 2.5 * twin);
 }
@@ -300,9 +302,9 @@ static double figure_of_noise(const bis_film *f)
  * logarithm of the ratio of two sums tells the share to 0.031/0.35 = 0.09, and the share changes log(V) by 0.45 to 0.83
  * times that: with the sums' own noise 6% at the most, and 3% of the root. Of 20: 0.7%, of which 3 are allowed for 9
  * cases. Where the share lies at a bound, half of its noise is cut off: 0.4 standard deviations, 1.5% of the root. What
- * is assumed beforehand pulls a share of 0 by 0.7 (0.09/0.25)^2 / (1 + (0.09/0.25)^2) = 0.08, which takes 2% off the root.
- * The logarithm of V is taken for a line through its values at the shares 0.7 and 0.95: at 0 this is 13% more than V, 6%
- * of the root. So noise alone seems 4% more than it is. The twins: all is noise, and the scatter of the
+ * is assumed beforehand pulls a share of 0 by 0.7 (0.09/0.25)^2 / (1 + (0.09/0.25)^2) = 0.08, which takes 2% off the
+ * root. The logarithm of V is taken for a line through its values at the shares 0.7 and 0.95: at 0 this is 13% more
+ * than V, 6% of the root. So noise alone seems 4% more than it is. The twins: all is noise, and the scatter of the
  * passes, which are both 35% off for edges. */
 static void the_figure_finds_how_fast_the_error_falls(void **state)
 {
@@ -369,10 +371,11 @@ static bis_film_error error_of_pixels(int noisy, double noise, double weight)
     return e;
 }
 
-/* n noisy pixels have the same error X, so the sum of X^2 is 1/n of the square of the sum. Four passes have three degrees
- * of freedom: the sum's doubt is 2/(3 + 2) of that, and the draw's is three times as much. Together 1.6/n must be at most
- * 0.3^2 for a figure: 17.8 pixels; at most 0.4^2 for a bound: 10 pixels. The same 1.6/n of four passes of two samples must
- * be at most 0.2^2: 40 pixels, give or take a rounding. The mean of four passes has the variance noise^2/3: half of the mean at noise 0.87. */
+/* n noisy pixels have the same error X, so the sum of X^2 is 1/n of the square of the sum. Four passes have three
+ * degrees of freedom: the sum's doubt is 2/(3 + 2) of that, and the draw's is three times as much. Together 1.6/n must
+ * be at most 0.3^2 for a figure: 17.8 pixels; at most 0.4^2 for a bound: 10 pixels. The same 1.6/n of four passes of
+ * two samples must be at most 0.2^2: 40 pixels, give or take a rounding. The mean of four passes has the variance
+ * noise^2/3: half of the mean at noise 0.87. */
 static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
 {
     (void)state;

@@ -88,7 +88,8 @@ static void a_late_render_shows_its_glimpse(void **state)
         render(&clean, &(bis_render_result){0}, &w, crops[c], &(bis_render_options){.budget = {.spp = 1}});
         for (int y = 0; y < film.height; y++) {
             for (int x = 0; x < film.width; x++) {
-                const size_t i = (size_t)(y * film.width + x), from = (size_t)(y / SIDE * SIDE * film.width + x / SIDE * SIDE);
+                const size_t i = (size_t)(y * film.width + x),
+                             from = (size_t)(y / SIDE * SIDE * film.width + x / SIDE * SIDE);
                 assert_true(same_pixel(&film, i, &clean, from));
                 others += !same_pixel(&clean, i, &clean, from);
                 missing += i != from;
@@ -166,7 +167,8 @@ static void the_layer_of_samples_tells_which_pixels_are_missing(void **state)
     bis_channel channels[BIS_FILM_MAX_CHANNELS];
     float samples[WIDTH * HEIGHT];
     make_world(&w, &bis_em);
-    render_layers(&film, &result, &w, whole, 1u << BIS_LAYER_SAMPLES, &(bis_render_options){.budget = {.seconds = 1e-9}, .first_light = true});
+    render_layers(&film, &result, &w, whole, 1u << BIS_LAYER_SAMPLES,
+        &(bis_render_options){.budget = {.seconds = 1e-9}, .first_light = true});
     assert_int_equal(bis_film_layers(&film, channels, NULL), 1);
     bis_film_layers(&film, channels, samples);
     for (int i = 0; i < WIDTH * HEIGHT; i++)

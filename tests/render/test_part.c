@@ -44,7 +44,8 @@ static const double middle[4] = {0.2, 0.9, 0.2, 0.95};
 
 static const kind kinds[] = {
     {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, .learns = true, .edges = true, .layers = BIS_LAYERS_ALL, .crop = whole},
-    {"all, crop", &bis_sir, BIS_SAMPLER_STRATIFIED, .learns = true, .edges = true, .layers = BIS_LAYERS_ALL, .crop = middle},
+    {"all, crop", &bis_sir, BIS_SAMPLER_STRATIFIED, .learns = true, .edges = true, .layers = BIS_LAYERS_ALL,
+     .crop = middle},
     {"plain", &bis_sir, BIS_SAMPLER_SOBOL, .crop = whole},
     {"plain, crop", &bis_sir, BIS_SAMPLER_SOBOL, .crop = middle},
     {"halton", &bis_mis, BIS_SAMPLER_HALTON, .crop = whole},
@@ -256,7 +257,8 @@ static void a_costly_region_is_dealt_out_to_all_parts(void **state)
         int part_of[ACROSS * DOWN], columns[ACROSS * DOWN];
         for (int k = 0; k < n; k++) {
             int *tiles, n_own;
-            assert_int_equal(bis_share_tiles(&tiles, &n_own, &f, (bis_part){(uint32_t)k + 1, (uint32_t)n}, NULL), BIS_OK);
+            assert_int_equal(
+                bis_share_tiles(&tiles, &n_own, &f, (bis_part){(uint32_t)k + 1, (uint32_t)n}, NULL), BIS_OK);
             for (int i = 0; i < n_own; i++) part_of[tiles[i]] = k;
             bis_free(tiles);
         }
@@ -437,13 +439,13 @@ static void every_field_of_the_format_counts(void **state)
         bis_film_clear(&m->film);
         assert_int_equal(merge_paths(m, paths, 2, NULL), BIS_OK);
         /* what the next pass would need is no part of the picture */
-        const bool is_idle = strcmp(f->name, "next look at the error") == 0 || strcmp(f->name, "bound of the error") == 0 ||
-                             strcmp(f->name, "remembered") == 0;
+        const bool is_idle = strcmp(f->name, "next look at the error") == 0 ||
+                             strcmp(f->name, "bound of the error") == 0 || strcmp(f->name, "remembered") == 0;
         const bool same = memcmp(&m->head.parts, &right->head.parts, sizeof m->head.parts) == 0 &&
                           m->head.settings.as_printed == right->head.settings.as_printed &&
                           strcmp(m->about.command, right->about.command) == 0 &&
-                          strcmp(m->about.approximated, right->about.approximated) == 0 && m->about.seed == right->about.seed &&
-                          m->about.edge_samples == right->about.edge_samples &&
+                          strcmp(m->about.approximated, right->about.approximated) == 0 &&
+                          m->about.seed == right->about.seed && m->about.edge_samples == right->about.edge_samples &&
                           fabs(m->about.edge_light - right->about.edge_light) < 1e-12 &&
                           memcmp(&m->about.figures, &right->about.figures, sizeof m->about.figures) == 0 &&
                           memcmp(&m->result.counters, &right->result.counters, sizeof m->result.counters) == 0 &&
@@ -536,7 +538,8 @@ static void what_is_missing_or_foreign_is_named(void **state)
     w.materials[1].exponent++;
     write_part(&w, &small, 2, 2, 2);
     assert_int_equal(merge_paths(m, (const char *[]){BAD, OTHER}, 2,
-                                 "These differ: the sampler, or its seed; the materials, or their textures. "), BIS_INPUT);
+                                 "These differ: the sampler, or its seed; the materials, or their textures. "),
+                                 BIS_INPUT);
     bis_film f;
     bis_render_result result;
     bis_diag diag = {0};
@@ -619,7 +622,8 @@ static void of_unlike_parts_the_larger_figures_stand(void **state)
         }
         for (int order = 0; order < 2; order++) {
             assert_int_equal(merge_paths(m, order ? turned : paths, 2, NULL), BIS_OK);
-            assert_true(m->about.figures.mesh == (unknown ? 100 : 150) && m->about.figures.accel == (unknown ? 250 : 300));
+            assert_true(
+                m->about.figures.mesh == (unknown ? 100 : 150) && m->about.figures.accel == (unknown ? 250 : 300));
             assert_true(m->about.seconds.accel == 8.5 && m->result.seconds == 4.25);
             assert_int_equal(m->result.bytes, 5000);
             bis_film_clear(&m->film);
@@ -662,7 +666,8 @@ static uint64_t bits_of(double v)
 static void numbers_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 172, DEVIATIONS = SUMS + 24 * PIXELS, HALF = DEVIATIONS + 12 * PIXELS,
+    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 172, DEVIATIONS = SUMS + 24 * PIXELS,
+        HALF = DEVIATIONS + 12 * PIXELS,
            QUARTER = HALF + 12 * PIXELS, HITS = QUARTER + 12 * PIXELS,
            DEPTHS = HITS + 4 * PIXELS, END = DEPTHS + 8 * PIXELS };
     const double inf = (double)INFINITY, nan = (double)NAN;
@@ -690,7 +695,8 @@ static void numbers_that_make_no_sense_are_refused(void **state)
         {-100, bits_of(0), 8, ""}, {-100, bits_of(1), 8, ""}, {-100, bits_of(1 + 0x1p-52), 8, bad},
         {-100, bits_of(nan), 8, bad},
         {SUMS, bits_of(nan), 8, sum}, {DEVIATIONS - 8, bits_of(inf), 8, sum}, {DEVIATIONS, 0x7f800000, 4, sum},
-        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {QUARTER - 4, 0x7fc00000, 4, sum}, {QUARTER, 0x7f800000, 4, sum},
+        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {QUARTER - 4, 0x7fc00000, 4, sum},
+         {QUARTER, 0x7f800000, 4, sum},
         {HITS - 4, 0x7fc00000, 4, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
         {DEPTHS, bits_of(nan), 8, sum}, {END - 8, bits_of(inf), 8, sum},
     };

@@ -22,8 +22,7 @@
 #include <string.h>
 #include <time.h>
 
-/* --- an integrator of our own
- * ---------------------------------------------------------------------------------------- */
+/* ---- an integrator of our own ---- */
 
 /* As noise, and the interrupting call number `fuse`. Set by the test before each render: an integrator has no place of
  * its own for state. */
@@ -39,13 +38,13 @@ static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
 static const bis_integrator fused = {.name = "fused", .light_needs = no_light_needs,
                                      .scratch_needs = no_scratch, .Lo = fuse_Lo};
 
-/* --- same bits
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- same bits ---- */
 
 static void any_number_of_threads_gives_the_same_bits_and_counts(void **state)
 {
     (void)state;
-    const bis_sampler_kind kinds[] = {BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
+    const bis_sampler_kind kinds[] = {
+        BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
     const int threads[] = {1, 2, 3, 7};
     for (int i = 0; bis_integrators[i]; i++) {
         world w;
@@ -80,23 +79,28 @@ static void assert_part_of(const bis_film *part, const bis_film *full)
     for (int y = 0; y < part->height; y++) {
         const size_t there = (size_t)(y + part->y0) * WIDTH + (size_t)part->x0, here = (size_t)(y * part->width);
         assert_memory_equal(part->sum + 3 * here, full->sum + 3 * there, 3 * (size_t)part->width * sizeof *part->sum);
-        assert_memory_equal(part->deviation + 3 * here, full->deviation + 3 * there, 3 * (size_t)part->width * sizeof *part->deviation);
+        assert_memory_equal(
+            part->deviation + 3 * here, full->deviation + 3 * there, 3 * (size_t)part->width * sizeof *part->deviation);
         assert_memory_equal(part->hits + here, full->hits + there, (size_t)part->width * sizeof *part->hits);
     }
 }
 
 /* Pixels [x0, x1) x [y0, y1). */
-static void render_part(bis_film *film, bis_render_result *result, const world *w, const int at[4], const bis_render_options *options)
+static void render_part(
+    bis_film *film, bis_render_result *result, const world *w, const int at[4], const bis_render_options *options)
 {
     const int side[4] = {WIDTH, WIDTH, HEIGHT, HEIGHT};
     double crop[4];
-    for (int i = 0; i < 4; i++) crop[i] = at[i] == 0 || at[i] == side[i] ? at[i] / side[i] : (at[i] - 0.5) / side[i]; /* rounded up */
+    for (int i = 0; i < 4; i++)
+        crop[i] = at[i] == 0 || at[i] == side[i] ? at[i] / side[i] : (at[i] - 0.5) / side[i]; /* rounded up */
     render(film, result, w, crop, options);
-    assert_true(film->x0 == at[0] && film->x0 + film->width == at[1] && film->y0 == at[2] && film->y0 + film->height == at[3]);
+    assert_true(
+        film->x0 == at[0] && film->x0 + film->width == at[1] && film->y0 == at[2] && film->y0 + film->height == at[3]);
 }
 
 /* Along tiles of 16 pixels and across them, single pixels, at each border. */
-static const int parts[][4] = {{11, 30, 5, 19}, {16, 32, 0, 16}, {0, 16, 16, 21}, {17, 18, 9, 10}, {36, 37, 20, 21}, {0, 1, 0, 21}, {30, 37, 0, 3}, {0, 37, 15, 17}};
+static const int parts[][4] = {{11, 30, 5, 19}, {16, 32, 0, 16}, {0, 16, 16, 21}, {17, 18, 9, 10}, {36, 37, 20, 21},
+    {0, 1, 0, 21}, {30, 37, 0, 3}, {0, 37, 15, 17}};
 
 static void assert_crops_are_parts(world *w, uint32_t spp)
 {
@@ -106,7 +110,8 @@ static void assert_crops_are_parts(world *w, uint32_t spp)
 
     render(&full, &result, w, whole, &(bis_render_options){.budget = {.spp = spp}});
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        render_part(&part, &result, w, parts[i], &(bis_render_options){.budget = {.spp = spp}, .n_threads = threads[i % 4]});
+        render_part(
+            &part, &result, w, parts[i], &(bis_render_options){.budget = {.spp = spp}, .n_threads = threads[i % 4]});
         assert_part_of(&part, &full);
         bis_film_clear(&part);
     }
@@ -125,7 +130,8 @@ static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
     }
 }
 
-/* What a tile has learned comes from all its pixels, those beside the crop as well. Twin: without `learn` other bits. */
+/* What a tile has learned comes from all its pixels, those beside the crop as well. Twin: without `learn` other bits.
+ */
 static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
 {
     (void)state;
@@ -150,8 +156,8 @@ static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
 }
 
 /* With it, what stands beside the crop in its tiles is rendered, too, and counted: 7 x 3 pixels at the right border are
- * in two tiles, of 16 and of 5 columns. Each tile is looked around in before, in 1 to 16 rounds of four camera samples, or
- * of those of them that lie in the picture. Without, the crop alone. */
+ * in two tiles, of 16 and of 5 columns. Each tile is looked around in before, in 1 to 16 rounds of four camera samples,
+ * or of those of them that lie in the picture. Without, the crop alone. */
 static void what_learns_renders_whole_tiles_and_says_so(void **state)
 {
     (void)state;
@@ -201,7 +207,8 @@ static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state
         clear_world(&w);
     }
     bis_film none;
-    assert_int_equal(bis_film_init_thin(&none, WIDTH, HEIGHT, (double[4]){0, 0.02, 0, 1}, 5, (bis_loc){0}, NULL), BIS_INPUT);
+    assert_int_equal(
+        bis_film_init_thin(&none, WIDTH, HEIGHT, (double[4]){0, 0.02, 0, 1}, 5, (bis_loc){0}, NULL), BIS_INPUT);
 }
 
 /* Each pass is a function of its number: 8 camera samples (passes of 1, 1, 2, 4) are 4 and then one pass more. */
@@ -323,12 +330,13 @@ static bool listening_occluded(const bis_accel *a, const ray *r)
     return bis_accel_occluded(l->inner, r);
 }
 
-/* The clusters of proposal "product" hold the directions that a pass can trace. Directions are continuous, so two passes
- * have none in common; with the clusters of the pass before they would have most. */
+/* The clusters of proposal "product" hold the directions that a pass can trace. Directions are continuous, so two
+ * passes have none in common; with the clusters of the pass before they would have most. */
 static void each_pass_has_clusters_of_its_own(void **state)
 {
     (void)state;
-    static const bis_accel_ops ops = {.name = "listener", .intersect = listening_intersect, .occluded = listening_occluded};
+    static const bis_accel_ops ops = {
+        .name = "listener", .intersect = listening_intersect, .occluded = listening_occluded};
     static vec3 d[2][MOST_RAYS];
     uint32_t n[2] = {0, 0}, shared = 0;
     world w;
@@ -360,8 +368,7 @@ static void each_pass_has_clusters_of_its_own(void **state)
     clear_world(&w);
 }
 
-/* --- interruption
- * -------------------------------------------------------------------------------------------------- */
+/* ---- interruption ---- */
 
 static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39(void **state)
 {
@@ -410,7 +417,8 @@ static void an_interrupted_first_pass_leaves_nothing(void **state)
     calls = 0;
     fuse = 100;
     flag = 0;
-    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &flag});
+    render(
+        &film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &flag});
     assert_true(result.interrupted);
     assert_int_equal(result.passes, 0);
     assert_int_equal(film.passes, 0);
@@ -420,8 +428,7 @@ static void an_interrupted_first_pass_leaves_nothing(void **state)
     clear_world(&w);
 }
 
-/* --- budgets
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- budgets ---- */
 
 /* 1, 1, 2, then 4, and the last pass takes what is left. */
 static void spp_is_the_number_of_camera_rays_in_growing_passes(void **state)
@@ -479,7 +486,8 @@ static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
 static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
 {
     (void)state;
-    const bis_integrator slow = {.name = "slow", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = slow_Lo};
+    const bis_integrator slow = {
+        .name = "slow", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = slow_Lo};
     const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
     world w;
     bis_film film;
@@ -509,7 +517,10 @@ static bool tired_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
     return bis_accel_intersect(t->right, r, hit);
 }
 
-static bool tired_occluded(const bis_accel *a, const ray *r) { return bis_accel_occluded(((const tired *)a)->right, r); }
+static bool tired_occluded(const bis_accel *a, const ray *r)
+{
+    return bis_accel_occluded(((const tired *)a)->right, r);
+}
 
 /* The search for outlines takes 400 ms of 800, and a pass of one pixel next to nothing. If the search counted as a part
  * of the first pass, no second one would fit. */
@@ -540,13 +551,14 @@ static rgb hastening_Lo(const bis_settings *s, const bis_point *pt, bis_stream *
     return rests-- > 0 ? slow_Lo(s, pt, stream, scratch) : noise_Lo(s, pt, stream, scratch);
 }
 
-/* Of 200 ms two passes of one sample leave 80, which is enough for one sample of 60 ms, not for the two that are due. So
- * the third pass takes one and is the last, although it turns out to be fast: passes of 1, 1, 1 and 2 would be no
+/* Of 200 ms two passes of one sample leave 80, which is enough for one sample of 60 ms, not for the two that are due.
+ * So the third pass takes one and is the last, although it turns out to be fast: passes of 1, 1, 1 and 2 would be no
  * render of 5 samples. A slow machine ends earlier. */
 static void a_pass_that_is_cut_to_fit_is_the_last(void **state)
 {
     (void)state;
-    const bis_integrator hastening = {.name = "hastening", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = hastening_Lo};
+    const bis_integrator hastening = {
+        .name = "hastening", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = hastening_Lo};
     const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
     world w;
     bis_film film;
@@ -612,7 +624,8 @@ typedef struct progress_log {
 static void log_progress(const bis_progress *p, void *user)
 {
     progress_log *log = user;
-    log->in_order = (log->n == 0 || log->in_order) && p->share >= log->last_share && p->share <= 1 && p->passes_done <= p->passes_total;
+    log->in_order = (log->n == 0 || log->in_order) && p->share >= log->last_share && p->share <= 1 &&
+                    p->passes_done <= p->passes_total;
     log->last_share = p->share;
     log->n++;
 }
@@ -625,14 +638,14 @@ static void progress_grows_to_the_whole_budget(void **state)
     bis_film film;
     bis_render_result result;
     progress_log log = {0};
-    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .progress = log_progress, .user = &log});
+    render(
+        &film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .progress = log_progress, .user = &log});
     assert_true(log.n >= 1 && log.in_order && log.last_share == 1);
     bis_film_clear(&film);
     clear_world(&w);
 }
 
-/* --- counters
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- counters ---- */
 
 /* Two triangles seen head on from z = -2 by a camera of 90 degrees: they fill the middle 18 x 10 of 36 x 20 pixels.
  * Under a light from everywhere a white wall's candidates from the BRDF are all alike: with systematic resampling
@@ -689,8 +702,7 @@ static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_r
     clear_world(&w);
 }
 
-/* --- what a camera sample sees
- * ------------------------------------------------------------------------------------- */
+/* ---- what a camera sample sees ---- */
 
 /* The upper rows see the sky: no hit, and the map's radiance in the pixel's direction. */
 static void escaped_rays_see_the_map_where_it_is_visible(void **state)
@@ -771,8 +783,7 @@ static void estimates_that_are_not_finite_are_counted_and_kept_out(void **state)
     clear_world(&w);
 }
 
-/* --- memory
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---- */
 
 static void rendering_allocates_nothing(void **state)
 {
@@ -785,7 +796,9 @@ static void rendering_allocates_nothing(void **state)
         bis_render_result result;
         assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
         bis_mem_fail_at(0); /* starts the count */
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &(bis_render_options){.budget = {.spp = i ? 6 : 1}, .n_threads = 2}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view,
+                             &(bis_render_options){.budget = {.spp = i ? 6 : 1}, .n_threads = 2}, NULL),
+            BIS_OK);
         counts[i] = bis_mem_count();
         bis_film_clear(&film);
     }
@@ -802,13 +815,13 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     clear_world(&w);
 }
 
-/* --- light at the edge of a float
- * ------------------------------------------------------------------------------------ */
+/* ---- light at the edge of a float ---- */
 
 /* Every way to draw: the integrators, proposals and layouts in memory that differ. */
 static int ways_to_draw(bis_settings s[16])
 {
-    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
+    static const bis_proposal proposals[] = {
+        BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
     static const bis_integrator *const plain[] = {&bis_em, &bis_brdf, &bis_mis, &bis_mis};
     int n = 0;
 
@@ -843,7 +856,9 @@ static bis_light *denormal_light(const bis_light_desc *desc, float first)
     bis_light *light;
 
     assert_int_equal(bis_image_init(&image, 16, 8, NULL), BIS_OK);
-    for (int i = 0; i < 16 * 8; i++) image.pixels[i] = i % 16 ? (rgb){tiny[i % 6], tiny[(i + 1) % 6], tiny[(i / 16) % 6]} : (rgb){first, first, first};
+    for (int i = 0; i < 16 * 8; i++)
+        image.pixels[i] =
+            i % 16 ? (rgb){tiny[i % 6], tiny[(i + 1) % 6], tiny[(i / 16) % 6]} : (rgb){first, first, first};
     assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
     assert_int_equal(bis_light_from_envmap(&light, &em, desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL), BIS_OK);
     return light;
@@ -859,8 +874,12 @@ static void means_of_picture(double mean[N_DENORMAL_SEEDS], world *w, float firs
         bis_render_result result;
         w->desc.view.sampler.seed = 100 + (uint64_t)seed;
         assert_int_equal(bis_film_init(&film, 12, 8, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
-        if (result.counters.nonfinite) fail_msg("%s: %d estimates are not finite", w->desc.view.settings.integrator->name, (int)result.counters.nonfinite);
+        assert_int_equal(bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view,
+                             &(bis_render_options){.budget = {.spp = 2}}, NULL),
+            BIS_OK);
+        if (result.counters.nonfinite)
+            fail_msg("%s: %d estimates are not finite", w->desc.view.settings.integrator->name,
+                (int)result.counters.nonfinite);
         mean[seed] = 0;
         for (int i = 0; i < 3 * 12 * 8; i++) mean[seed] += film.sum[i] / (double)first;
         bis_film_clear(&film);
@@ -896,8 +915,11 @@ static void lit_denormals_leave_every_estimate_finite_and_the_means_right(void *
             if (map == 3) continue;
             const stat_result r = stat_mean(&difference, 0, alpha);
             stat_judges(1);
-            if (r.rejected) fail_msg("map %d, way %d, %s: mean %g off by %g, p = %g", map, i, ways[i].integrator->name, exact[0], difference.mean, r.p);
-            if (ways[i].integrator == &bis_em && !stat_mean(&twin, 0, alpha).rejected) fail_msg("the twin, half too bright, was not noticed");
+            if (r.rejected)
+                fail_msg("map %d, way %d, %s: mean %g off by %g, p = %g", map, i, ways[i].integrator->name, exact[0],
+                    difference.mean, r.p);
+            if (ways[i].integrator == &bis_em && !stat_mean(&twin, 0, alpha).rejected)
+                fail_msg("the twin, half too bright, was not noticed");
         }
         clear_world(&w);
     }

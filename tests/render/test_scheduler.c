@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* scheduler: ranks that are threads of this program, whose messages are a box of letters for each. So what travels can be
- * counted, and a rank can be made slow. The expected pictures are those of one process. What a tile has learned is
+/* scheduler: ranks that are threads of this program, whose messages are a box of letters for each. So what travels can
+ * be counted, and a rank can be made slow. The expected pictures are those of one process. What a tile has learned is
  * worth more than its pixels, in bytes: a rank that sends to another one than rank 0, or rank 0 more than numbers of
  * tiles, moves what was learned. */
 #include "bis/base/mem.h"
@@ -61,8 +61,8 @@ struct post {
     int n_batches, n_too_early;
 };
 
-/* A letter begins with its kind and its number of tiles (scheduler.c). A rank is to have at most one batch besides the one
- * that it gets. */
+/* A letter begins with its kind and its number of tiles (scheduler.c). A rank is to have at most one batch besides the
+ * one that it gets. */
 enum { LETTER_WORK, LETTER_DONE };
 
 static void count_held(post *p, int rank, const unsigned char *data)
@@ -750,7 +750,8 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
 }
 
 /* Another rank: 20 tiles come. What is done goes as soon as it is as much as waits in the queue, or 8: after 8 (12
- * wait), 14 (6 wait), 17 (3), 19 (1) and 20. Tiles that rank 0 wants for another rank go there, with what they have learned. */
+ * wait), 14 (6 wait), 17 (3), 19 (1) and 20. Tiles that rank 0 wants for another rank go there, with what they have
+ * learned. */
 static void what_is_done_goes_before_the_queue_is_empty(void **state)
 {
     static const int batches[21] = {[8] = 8, [14] = 6, [17] = 3, [19] = 2, [20] = 1};
@@ -805,7 +806,8 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
     close_desk(&d);
 }
 
-/* Tiles that took no time by the clock: a batch is as many as a letter holds, and the rest, 17, can be moved as well. */
+/* Tiles that took no time by the clock: a batch is as many as a letter holds, and the rest, 17, can be moved as well.
+ */
 static void tiles_that_took_no_time_are_dealt_out_too(void **state)
 {
     (void)state;

@@ -36,7 +36,8 @@ static bis_settings quarter_of(const bis_settings *s)
     return q;
 }
 
-static rgb radiance(const world *w, bis_workspace *work, const bis_sampler *sampler, bool edge, int x, int y, uint64_t index, bool *hit)
+static rgb radiance(
+    const world *w, bis_workspace *work, const bis_sampler *sampler, bool edge, int x, int y, uint64_t index, bool *hit)
 {
     const bis_view *view = &w->desc.view;
     double u[2] = {0.5, 0.5};
@@ -49,7 +50,8 @@ static rgb radiance(const world *w, bis_workspace *work, const bis_sampler *samp
     const ray eye = bis_camera_ray(&view->camera, WIDTH, HEIGHT, x + u[0], y + u[1]);
     *hit = bis_scene_point(&pt, &m, &w->scene, &w->desc, eye, &work->workers[0].counters, NULL);
     if (!*hit) return bis_light_Le(w->scene.light, eye.d);
-    const bis_settings quarter = quarter_of(&view->settings), *s = edge && view->edge_light > 0 ? &quarter : &view->settings;
+    const bis_settings quarter = quarter_of(&view->settings),
+                       *s = edge && view->edge_light > 0 ? &quarter : &view->settings;
     return s->integrator->Lo(s, &pt, &stream, &work->workers[0].scratch);
 }
 
@@ -66,7 +68,8 @@ static void look_one_by_one(const world *w, bis_workspace *work, int t)
     for (int round = 0; round < 16; round++) {
         uint64_t rays = 0, seen = 0;
         for (int quarter = 0; quarter < 4; quarter++) {
-            const int c = 4 * quarter + round % 4, p = (7 * round + 5) % 16, bits[] = {p & 1, p >> 1 & 1, p >> 2 & 1, p >> 3};
+            const int c = 4 * quarter + round % 4, p = (7 * round + 5) % 16,
+                      bits[] = {p & 1, p >> 1 & 1, p >> 2 & 1, p >> 3};
             const int x = t % ACROSS * TILE + 8 * (quarter % 2) + 4 * (c % 2) + bits[0] + 2 * bits[2],
                       y = t / ACROSS * TILE + 8 * (quarter / 2) + 4 * (c / 2 % 2) + bits[1] + 2 * bits[3];
             bool hit;
@@ -85,11 +88,13 @@ static void look_one_by_one(const world *w, bis_workspace *work, int t)
     }
 }
 
-static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work, uint32_t number, uint32_t n, uint64_t before)
+static void pass_one_by_one(
+    bis_film *film, const world *w, bis_workspace *work, uint32_t number, uint32_t n, uint64_t before)
 {
     if (work->clusters.n) bis_clusters_fill(&work->clusters, w->scene.light, w->desc.view.sampler.seed, number, 1);
     if (work->pool.M) bis_pool_fill(&work->pool, w->scene.light, w->desc.view.sampler.seed, number, 1);
-    for (int t = TILES - 1; t >= 0; t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
+    for (int t = TILES - 1; t >= 0;
+        t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
         if (number == 0 && work->visibility.n_tiles) look_one_by_one(w, work, t);
         for (int at = 0; at < TILE * TILE; at++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
@@ -105,19 +110,22 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
                 bis_guess_look(&work->workers[0].guide.guess, work->clusters.n, &work->visibility, cell);
             for (uint32_t i = 0; i < n * k; i++) {
                 bool hit;
-                const rgb L = radiance(w, work, edge ? &work->edge_samplers[edge] : &w->desc.view.sampler, k > 1, x, y, before * k + i, &hit);
+                const rgb L = radiance(w, work, edge ? &work->edge_samplers[edge] : &w->desc.view.sampler, k > 1, x, y,
+                    before * k + i, &hit);
                 sum = (rgbd){sum.r + (double)L.r, sum.g + (double)L.g, sum.b + (double)L.b};
                 hits += hit;
             }
             const double mean = 1 / (double)(n * k);
-            bis_film_add(film, x, y, rgb_from(sum.r * mean, sum.g * mean, sum.b * mean), (double)(float)(hits / (n * k)), n);
+            bis_film_add(
+                film, x, y, rgb_from(sum.r * mean, sum.g * mean, sum.b * mean), (double)(float)(hits / (n * k)), n);
         }
     }
     bis_visibility_learn(&work->visibility, NULL, work->visibility.n_tiles, 1);
     bis_film_end_pass(film, n);
 }
 
-static void render_one_by_one(bis_film *film, bis_counters *counters, const world *w, const uint32_t *sizes, uint32_t n_passes)
+static void render_one_by_one(
+    bis_film *film, bis_counters *counters, const world *w, const uint32_t *sizes, uint32_t n_passes)
 {
     const bis_render_options options = {.n_threads = 1};
     bis_workspace work;
@@ -312,7 +320,8 @@ static rgb impatient_Lo(const bis_settings *s, const bis_point *pt, bis_stream *
 static void an_integrator_may_trace_its_rays_at_once(void **state)
 {
     (void)state;
-    const bis_integrator impatient = {.name = "impatient", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = impatient_Lo};
+    const bis_integrator impatient = {
+        .name = "impatient", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = impatient_Lo};
     static const uint32_t sizes[] = {1, 1, 2, 4};
     world w;
     bis_film one, waves;

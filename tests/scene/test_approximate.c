@@ -98,7 +98,8 @@ static const struct row {
     {"PixelFilter \"mitchell\" \"float B\" 0.3 WorldBegin", "PixelFilter \"mitchell\"", false},
     {"Camera \"perspective\" \"float shutteropen\" 0 WorldBegin", "parameter \"shutteropen\"", false},
     {"Film \"rgb\" \"string colourspace\" \"x\" WorldBegin", "parameter \"colourspace\" of Film \"rgb\"", true},
-    {"Accelerator \"grid\" \"integer splitmethod\" 3 WorldBegin", "parameter \"splitmethod\" of Accelerator \"grid\"", true},
+    {"Accelerator \"grid\" \"integer splitmethod\" 3 WorldBegin", "parameter \"splitmethod\" of Accelerator \"grid\"",
+     true},
     {"WorldBegin Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 1 1 0 2 1 0]", "Shape \"curve\"", true},
     {"WorldBegin Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1] \"integer indices\" [0 1 2 0 1 3]",
      "Shape \"loopsubdiv\" whose triangles do not form surfaces", true},
@@ -110,7 +111,8 @@ static const struct row {
     {"WorldBegin Material \"uber\" \"rgb Kt\" [0 .1 0]", "\"Kt\" of Material \"uber\"", true},
     {"WorldBegin Material \"uber\" \"rgb opacity\" [1 1 .5]", "\"opacity\" of Material \"uber\"", true},
     {"WorldBegin Material \"coateddiffuse\" \"rgb albedo\" [0 .1 0]", "\"albedo\" of Material \"coateddiffuse\"", true},
-    {"WorldBegin Material \"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", "\"metal-Ti-eta\"", true},
+    {"WorldBegin Material \"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"",
+     "\"metal-Ti-eta\"", true},
     {"WorldBegin Material \"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-CuZn-k\"", "\"metal-CuZn-k\"", true},
     {"WorldBegin Texture \"t\" \"float\" \"directionmix\" \"vector3 dir\" [0 0 1]", "Texture \"directionmix\"", true},
     {"WorldBegin Texture \"t\" \"spectrum\" \"ptex\" \"string filename\" \"no.ptx\"", "Texture \"ptex\"", true},
@@ -146,7 +148,8 @@ static void a_kind_is_named_once_with_its_number(void **state)
 {
     (void)state;
     bis_scene_desc *d = approximated("Option \"bool disablepixeljitter\" true WorldBegin "
-                                     "AreaLightSource \"diffuse\" Shape \"sphere\" AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] "
+                                     "AreaLightSource \"diffuse\" Shape \"sphere\" AreaLightSource \"diffuse\" \"rgb "
+                                     "L\" [1 1 1] "
                                      "Shape \"sphere\" Material \"glass\" AreaLightSource \"diffuse\" Shape \"disk\"");
     assert_int_equal(d->n_approximations, 2);
     assert_string_equal(d->approximations[0].kind, "AreaLightSource");
@@ -196,8 +199,10 @@ static void materials_have_the_reflectances_of_the_originals(void **state)
         {"\"dielectric\" \"float roughness\" 0.04", 0, .04f, .2}, /* pbrt's alpha is the root of the roughness */
         {"\"dielectric\" \"float roughness\" 0.3 \"bool remaproughness\" false", 0, .04f, .3},
         {"\"dielectric\" \"float uroughness\" 0.01 \"float vroughness\" 0.16", 0, .04f, .2},
-        {"\"substrate\" \"float Kd\" 0.3 \"float Ks\" 0.2 \"bool remaproughness\" false \"float uroughness\" 0.2 \"float vroughness\" 0.45", .3f, .2f, .3},
-        {"\"coateddiffuse\" \"float reflectance\" 0 \"float roughness\" 0.04 \"float vroughness\" 0.64", 0, .04f, .4}, /* 0.2 0.8 = 0.16 */
+        {"\"substrate\" \"float Kd\" 0.3 \"float Ks\" 0.2 \"bool remaproughness\" false \"float uroughness\" 0.2 "
+         "\"float vroughness\" 0.45", .3f, .2f, .3},
+        {"\"coateddiffuse\" \"float reflectance\" 0 \"float roughness\" 0.04 \"float vroughness\" 0.64", 0, .04f, .4},
+         /* 0.2 0.8 = 0.16 */
         {"\"thindielectric\"", 0, .08f / 1.04f, .01}, /* 2R/(1 + R) */
         {"\"mirror\" \"float Kr\" 0.7", 0, .7f, .01},
         {"\"kdsubsurface\" \"float Kd\" 0.8", .8f, .04f, .01},
@@ -217,7 +222,9 @@ static void materials_have_the_reflectances_of_the_originals(void **state)
             (cases[i].alpha > 0 && fabs(m->alpha / cases[i].alpha - 1) > 1e-6))
             fail_msg("%s: Kd %g Ks %g alpha %g", cases[i].material, (double)m->Kd.g, (double)m->Ks.g, m->alpha);
         const bool is_coat = strncmp(cases[i].material, "\"coateddiffuse", 14) == 0;
-        assert_ptr_equal(m->model, is_coat ? bis_plastic(m->Kd, m->Ks, 1.5, .5).model : cases[i].alpha > 0 ? bis_microfacet(m->Kd, m->Ks, .5).model : bis_phong(m->Kd, m->Ks, 1).model);
+        assert_ptr_equal(m->model, is_coat              ? bis_plastic(m->Kd, m->Ks, 1.5, .5).model
+                                   : cases[i].alpha > 0 ? bis_microfacet(m->Kd, m->Ks, .5).model
+                                                        : bis_phong(m->Kd, m->Ks, 1).model);
         bis_scene_desc_free(d);
     }
 }
@@ -236,7 +243,8 @@ static void textures_of_pbrts_have_the_mean_of_their_parts(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[400];
         snprintf(text, sizeof text, "WorldBegin Texture \"u\" \"spectrum\" \"constant\" \"rgb value\" [.3 .6 .9]\n"
-                 "Texture \"t\" \"spectrum\" %s Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", cases[i].texture);
+                 "Texture \"t\" \"spectrum\" %s Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+                 cases[i].texture);
         bis_scene_desc *d;
         bis_diag diag = {0};
         if (strstr(cases[i].texture, "tex1\" 1")) { /* a part that is wrong is an error as ever */
@@ -247,14 +255,16 @@ static void textures_of_pbrts_have_the_mean_of_their_parts(void **state)
         }
         d = approximated(text);
         const rgb c = d->materials[d->shapes[0].material].Kd;
-        if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 || fabs((double)c.b - cases[i].b) > 1e-6)
+        if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 ||
+            fabs((double)c.b - cases[i].b) > 1e-6)
             fail_msg("%s: %g %g %g", cases[i].texture, (double)c.r, (double)c.g, (double)c.b);
         assert_int_equal(d->n_approximations, 1);
         bis_scene_desc_free(d);
     }
 }
 
-/* Brass is gold, titanium aluminium (published colours, see test_pbrt_materials.c); a coat that scatters is a clear one. */
+/* Brass is gold, titanium aluminium (published colours, see test_pbrt_materials.c); a coat that scatters is a clear
+ * one. */
 static void unknown_metals_and_coats_are_the_nearest_known(void **state)
 {
     (void)state;
@@ -266,29 +276,38 @@ static void unknown_metals_and_coats_are_the_nearest_known(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[300];
-        snprintf(text, sizeof text, "WorldBegin Material %s \"float roughness\" .1 Shape \"sphere\"", cases[i].material);
+        snprintf(
+            text, sizeof text, "WorldBegin Material %s \"float roughness\" .1 Shape \"sphere\"", cases[i].material);
         bis_scene_desc *d = approximated(text);
         const rgb c = d->materials[d->shapes[0].material].Ks;
         assert_int_equal(d->n_approximations, 1);
-        assert_string_equal(d->approximations[0].consequence, i == 0 ? "gold" : i < 3 ? "aluminium" : "the coat is clear");
-        if (fabs((double)c.r - cases[i].r) > 1e-3 || fabs((double)c.g - cases[i].g) > 1e-3 || fabs((double)c.b - cases[i].b) > 1e-3)
+        assert_string_equal(d->approximations[0].consequence, i == 0  ? "gold"
+                                                              : i < 3 ? "aluminium"
+                                                                      : "the coat is clear");
+        if (fabs((double)c.r - cases[i].r) > 1e-3 || fabs((double)c.g - cases[i].g) > 1e-3 ||
+            fabs((double)c.b - cases[i].b) > 1e-3)
             fail_msg("%s: %g %g %g", cases[i].material, (double)c.r, (double)c.g, (double)c.b);
         bis_scene_desc_free(d);
     }
 }
 
 #define RED "MakeNamedMaterial \"red\" \"string type\" \"diffuse\" \"rgb reflectance\" [0.8 0 0] "
-#define GLOSS "MakeNamedMaterial \"gloss\" \"string type\" \"microfacet\" \"float Kd\" 0.2 \"float Ks\" 0.4 \"float roughness\" 0.3 "
+#define GLOSS \
+    "MakeNamedMaterial \"gloss\" \"string type\" \"microfacet\" \"float Kd\" 0.2 \"float Ks\" 0.4 \"float " \
+    "roughness\" 0.3 "
 
 static void a_mix_has_the_mean_colours(void **state)
 {
     (void)state;
     static const char *const scenes[] = { /* 3/4 red, 1/4 gloss; in pbrt-v4 before they are made */
-        "WorldBegin Material \"mix\" \"string materials\" [\"red\" \"gloss\"] \"float amount\" 0.25 Shape \"sphere\" " RED GLOSS,
-        "WorldBegin " RED GLOSS "Material \"mix\" \"float amount\" 0.75 \"string namedmaterial1\" \"red\" \"string namedmaterial2\" "
+        "WorldBegin Material \"mix\" \"string materials\" [\"red\" \"gloss\"] \"float amount\" 0.25 Shape \"sphere\" "
+        "" RED GLOSS,
+        "WorldBegin " RED GLOSS "Material \"mix\" \"float amount\" 0.75 \"string namedmaterial1\" \"red\" \"string "
+        "namedmaterial2\" "
         "\"gloss\" Shape \"sphere\"",
         /* half of the half mix, half of red */
-        "WorldBegin Material \"mix\" \"string materials\" [\"red\" \"half\"] Shape \"sphere\" MakeNamedMaterial \"half\" \"string type\" "
+        "WorldBegin Material \"mix\" \"string materials\" [\"red\" \"half\"] Shape \"sphere\" MakeNamedMaterial "
+        "\"half\" \"string type\" "
         "\"mix\" \"string materials\" [\"gloss\" \"red\"] " RED GLOSS,
     };
     for (int i = 0; i < 3; i++) {
@@ -304,7 +323,8 @@ static void a_mix_of_itself_or_of_nothing_is_an_error(void **state)
 {
     (void)state;
     static const struct { const char *scene, *message; } cases[] = {
-        {"WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"b\" \"b\"] MakeNamedMaterial \"b\" "
+        {"WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"b\" \"b\"] "
+         "MakeNamedMaterial \"b\" "
          "\"string type\" \"mix\" \"string materials\" [\"a\" \"a\"]", "is, by its names, a mix of itself"},
         {"WorldBegin Material \"mix\"", "needs the names of two materials"},
         {"WorldBegin Material \"mix\" \"string materials\" [\"a\"]", "needs the names of two materials"},
@@ -322,9 +342,10 @@ static void a_mix_of_itself_or_of_nothing_is_an_error(void **state)
 static void shapes_of_an_interface_are_left_out_also_as_instances(void **state)
 {
     (void)state;
-    bis_scene_desc *d = approximated("WorldBegin ObjectBegin \"o\" Material \"none\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\" "
-                                     "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" NamedMaterial \"air\" Shape \"sphere\" "
-                                     "MakeNamedMaterial \"air\" \"string type\" \"interface\"");
+    bis_scene_desc *d = approximated(
+        "WorldBegin ObjectBegin \"o\" Material \"none\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\" "
+        "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" NamedMaterial \"air\" Shape \"sphere\" "
+        "MakeNamedMaterial \"air\" \"string type\" \"interface\"");
     assert_int_equal(d->n_shapes, 2);
     for (int i = 0; i < 2; i++) assert_true(d->shapes[i].kind == BIS_SHAPE_DISK);
     for (size_t i = 0; i < d->n_materials; i++) assert_non_null(d->materials[i].model);
@@ -334,11 +355,13 @@ static void shapes_of_an_interface_are_left_out_also_as_instances(void **state)
 static void what_moves_stands_where_it_is_at_first(void **state)
 {
     (void)state;
-    bis_scene_desc *d = approximated("WorldBegin AttributeBegin Translate 1 0 0 ActiveTransform EndTime Translate 0 5 0 Scale 2 2 2 "
-                                     "ActiveTransform StartTime Translate 0 0 3 ActiveTransform All Shape \"sphere\" "
-                                     "ActiveTransform EndTime Rotate 90 0 0 1 AttributeEnd Translate 0 7 0 Shape \"sphere\"");
+    bis_scene_desc *d =
+        approximated("WorldBegin AttributeBegin Translate 1 0 0 ActiveTransform EndTime Translate 0 5 0 Scale 2 2 2 "
+                     "ActiveTransform StartTime Translate 0 0 3 ActiveTransform All Shape \"sphere\" "
+                     "ActiveTransform EndTime Rotate 90 0 0 1 AttributeEnd Translate 0 7 0 Shape \"sphere\"");
     assert_int_equal(d->n_shapes, 2);
-    assert_true(d->shapes[0].to_world.m[0][3] == 1 && d->shapes[0].to_world.m[1][3] == 0 && d->shapes[0].to_world.m[2][3] == 3);
+    assert_true(
+        d->shapes[0].to_world.m[0][3] == 1 && d->shapes[0].to_world.m[1][3] == 0 && d->shapes[0].to_world.m[2][3] == 3);
     assert_true(d->shapes[0].to_world.m[0][0] == 1);
     assert_true(d->shapes[1].to_world.m[1][3] == 7); /* AttributeEnd ends the choice, too */
     bis_scene_desc_free(d);
@@ -376,19 +399,22 @@ static void a_plan_lists_what_is_missing_each_once(void **state)
     char text[20000];
     FILE *out = fmemopen(text, sizeof text, "w");
     assert_int_equal(parse(&d, "WorldBegin LightSource \"infinite\" \"string filename\" \"no.exr\" Material \"glass\" "
-                               "Shape \"plymesh\" \"string filename\" \"no/a.ply\" Shape \"plymesh\" \"string filename\" \"no/a.ply\" "
+                               "Shape \"plymesh\" \"string filename\" \"no/a.ply\" Shape \"plymesh\" \"string "
+                               "filename\" \"no/a.ply\" "
                                "\"bool smooth\" true Shape \"objmesh\" \"string filename\" \"b.obj\"",
                            BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL), BIS_OK);
     assert_int_equal(d->n_missing, 3);
     bis_scene_plan(d, out);
     fclose(out);
-    assert_non_null(strstr(text, "approximated 1 x Material \"glass\" (of 1 materials): a mirror of its reflectance; what it lets through, and other surfaces in it, are black\n"));
+    assert_non_null(strstr(text, "approximated 1 x Material \"glass\" (of 1 materials): a mirror of its reflectance; "
+                                 "what it lets through, and other surfaces in it, are black\n"));
     assert_non_null(strstr(text, "no.exr\n"));
     assert_non_null(strstr(text, "no/a.ply\nmissing"));
     bis_scene_desc_free(d);
     /* without the list it is an error, as ever */
-    assert_int_equal(parse(&d, "WorldBegin LightSource \"infinite\" \"string filename\" \"no.exr\"", BIS_PARSE_APPROXIMATE, NULL),
-                     BIS_INPUT);
+    assert_int_equal(
+        parse(&d, "WorldBegin LightSource \"infinite\" \"string filename\" \"no.exr\"", BIS_PARSE_APPROXIMATE, NULL),
+        BIS_INPUT);
 }
 
 static void every_allocation_may_fail(void **state)
@@ -398,9 +424,11 @@ static void every_allocation_may_fail(void **state)
     for (long k = 1; status; k++) {
         bis_scene_desc *d;
         bis_mem_fail_at(k);
-        status = parse(&d, "WorldBegin Shape \"plymesh\" \"string filename\" \"no.ply\" Material \"mix\" \"string materials\" "
-                           "[\"red\" \"gloss\"] AreaLightSource \"x\" Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
-                           RED GLOSS, BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL);
+        status = parse(&d,
+            "WorldBegin Shape \"plymesh\" \"string filename\" \"no.ply\" Material \"mix\" \"string materials\" "
+            "[\"red\" \"gloss\"] AreaLightSource \"x\" Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 "
+            "0] " RED GLOSS,
+            BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL);
         bis_mem_fail_at(0);
         assert_true((status == BIS_OK || status == BIS_NOMEM) && k < 300);
         bis_scene_desc_free(d);
@@ -422,7 +450,8 @@ static void each_channel_and_each_default_is_the_originals(void **state)
         {"\"dielectric\" \"float roughness\" 1e-12", {0, 0, 0}, {.04f, .04f, .04f}, 1e-4},
         {"\"dielectric\" \"float roughness\" 1e-12 \"bool remaproughness\" true", {0, 0, 0}, {.04f, .04f, .04f}, 1e-4},
         {"\"dielectric\" \"float roughness\" -1", {0, 0, 0}, {.04f, .04f, .04f}, .01},
-        {"\"dielectric\" \"float roughness\" 0.25 \"float uroughness\" 0.01", {0, 0, 0}, {.04f, .04f, .04f}, .2236068}, /* sqrt of 0.05 */
+        {"\"dielectric\" \"float roughness\" 0.25 \"float uroughness\" 0.01", {0, 0, 0}, {.04f, .04f, .04f}, .2236068},
+         /* sqrt of 0.05 */
         {"\"dielectric\" \"float roughness\" 0.25 \"float vroughness\" 0.01", {0, 0, 0}, {.04f, .04f, .04f}, .2236068},
         {"\"glass\"", {0, 0, 0}, {.04f, .04f, .04f}, .01},
         {"\"glass\" \"rgb Kr\" [1 0.5 0.25] \"float index\" 3", {0, 0, 0}, {.25f, .125f, .0625f}, .01},
@@ -434,25 +463,33 @@ static void each_channel_and_each_default_is_the_originals(void **state)
         {"\"mirror\" \"rgb Kr\" [0.1 0.2 0.3]", {0, 0, 0}, {.1f, .2f, .3f}, .01},
         {"\"mirror\" \"float roughness\" 0.5", {0, 0, 0}, {.9f, .9f, .9f}, .01},
         {"\"shinymetal\"", {0, 0, 0}, {1, 1, 1}, .31622777},
-        {"\"shinymetal\" \"rgb Ks\" [1 0.5 0] \"rgb Kr\" [0 0.25 0.5] \"float roughness\" 0.04", {0, 0, 0}, {.5f, .375f, .25f}, .2},
+        {"\"shinymetal\" \"rgb Ks\" [1 0.5 0] \"rgb Kr\" [0 0.25 0.5] \"float roughness\" 0.04", {0, 0, 0},
+         {.5f, .375f, .25f}, .2},
         {"\"shinymetal\" \"float Ks\" 0.5", {0, 0, 0}, {.75f, .75f, .75f}, .31622777},
         {"\"coatedconductor\"", {0, 0, 0}, {.9f, .9f, .9f}, .01},
-        {"\"coatedconductor\" \"rgb reflectance\" [0.1 0.2 0.3] \"float conductor.roughness\" 0.04 \"float interface.roughness\" 0.3",
+        {"\"coatedconductor\" \"rgb reflectance\" [0.1 0.2 0.3] \"float conductor.roughness\" 0.04 \"float "
+         "interface.roughness\" 0.3",
          {0, 0, 0}, {.1f, .2f, .3f}, .2},
         {"\"disney\"", {.5f, .5f, .5f}, {.04f, .04f, .04f}, .25},
         {"\"disney\" \"rgb color\" [1 0.5 0] \"float eta\" 3", {1, .5f, 0}, {.25f, .25f, .25f}, .25},
         {"\"disney\" \"rgb color\" [1 0.5 0] \"float metallic\" 1", {0, 0, 0}, {1, .5f, 0}, .25},
         {"\"disney\" \"rgb color\" [1 0.5 0] \"float metallic\" 2", {0, 0, 0}, {1, .5f, 0}, .25},
-        {"\"disney\" \"rgb color\" [1 0.5 0] \"float metallic\" -1 \"float roughness\" 0.001", {1, .5f, 0}, {.04f, .04f, .04f}, 1e-4},
-        {"\"disney\" \"rgb color\" [1 0.5 0] \"float metallic\" 0.25 \"float roughness\" 2", {.75f, .375f, 0}, {.28f, .155f, .03f}, 1},
+        {"\"disney\" \"rgb color\" [1 0.5 0] \"float metallic\" -1 \"float roughness\" 0.001", {1, .5f, 0},
+         {.04f, .04f, .04f}, 1e-4},
+        {"\"disney\" \"rgb color\" [1 0.5 0] \"float metallic\" 0.25 \"float roughness\" 2", {.75f, .375f, 0},
+         {.28f, .155f, .03f}, 1},
         {"\"diffusetransmission\"", {.25f, .25f, .25f}, {0, 0, 0}, 0},
-        {"\"diffusetransmission\" \"rgb reflectance\" [0.1 0.2 0.3] \"rgb transmittance\" [1 1 1]", {.1f, .2f, .3f}, {0, 0, 0}, 0},
+        {"\"diffusetransmission\" \"rgb reflectance\" [0.1 0.2 0.3] \"rgb transmittance\" [1 1 1]", {.1f, .2f, .3f},
+         {0, 0, 0}, 0},
         {"\"translucent\"", {.125f, .125f, .125f}, {.005f, .005f, .005f}, .31622777},
-        {"\"translucent\" \"rgb Kd\" [0.2 0.4 0.6] \"rgb reflect\" [1 0.5 0.25] \"rgb Ks\" [1 0.5 0.5] \"float roughness\" 0.04",
+        {"\"translucent\" \"rgb Kd\" [0.2 0.4 0.6] \"rgb reflect\" [1 0.5 0.25] \"rgb Ks\" [1 0.5 0.5] \"float "
+         "roughness\" 0.04",
          {.2f, .2f, .15f}, {.04f, .01f, .005f}, .2},
         {"\"subsurface\"", {.5f, .5f, .5f}, {.04f, .04f, .04f}, .01},
-        {"\"subsurface\" \"rgb reflectance\" [0.1 0.2 0.3] \"float roughness\" 0.04", {.1f, .2f, .3f}, {.04f, .04f, .04f}, .2},
-        {"\"kdsubsurface\" \"rgb Kd\" [0.1 0.2 0.3] \"rgb reflectance\" [1 1 1] \"float eta\" 3", {.1f, .2f, .3f}, {.25f, .25f, .25f}, .01},
+        {"\"subsurface\" \"rgb reflectance\" [0.1 0.2 0.3] \"float roughness\" 0.04", {.1f, .2f, .3f},
+         {.04f, .04f, .04f}, .2},
+        {"\"kdsubsurface\" \"rgb Kd\" [0.1 0.2 0.3] \"rgb reflectance\" [1 1 1] \"float eta\" 3", {.1f, .2f, .3f},
+         {.25f, .25f, .25f}, .01},
         {"\"hair\"", {.2f, .2f, .2f}, {0, 0, 0}, 0},
         {"\"hair\" \"rgb reflectance\" [0.1 0.2 0.3]", {.1f, .2f, .3f}, {0, 0, 0}, 0},
         {"\"hair\" \"rgb reflectance\" [0.1 0.2 0.3] \"rgb color\" [0.4 0.5 0.6]", {.4f, .5f, .6f}, {0, 0, 0}, 0},
@@ -478,18 +515,25 @@ static void each_channel_and_each_default_is_the_originals(void **state)
 static void a_mix_has_the_lobe_of_the_stronger_one(void **state)
 {
     (void)state;
-#define ONE "MakeNamedMaterial \"one\" \"string type\" \"microfacet\" \"rgb Kd\" [0.2 0.4 0.8] \"rgb Ks\" [0.3 0.1 0] \"float roughness\" 0.2 "
-#define TWO "MakeNamedMaterial \"two\" \"string type\" \"phong\" \"rgb Kd\" [0 0.4 0.2] \"rgb Ks\" [0 0.2 0.4] \"float exponent\" 7 "
+#define ONE \
+    "MakeNamedMaterial \"one\" \"string type\" \"microfacet\" \"rgb Kd\" [0.2 0.4 0.8] \"rgb Ks\" [0.3 0.1 0] " \
+    "\"float roughness\" 0.2 "
+#define TWO \
+    "MakeNamedMaterial \"two\" \"string type\" \"phong\" \"rgb Kd\" [0 0.4 0.2] \"rgb Ks\" [0 0.2 0.4] \"float " \
+    "exponent\" 7 "
 #define OF "\"string materials\" [\"one\" \"two\"] "
     static const struct { const char *mix; float Kd[3], Ks[3]; bool first; } cases[] = {
-        {OF "\"float amount\" 0", {.2f, .4f, .8f}, {.3f, .1f, 0}, true}, {OF "\"float amount\" 1", {0, .4f, .2f}, {0, .2f, .4f}, false},
+        {OF "\"float amount\" 0", {.2f, .4f, .8f}, {.3f, .1f, 0}, true},
+         {OF "\"float amount\" 1", {0, .4f, .2f}, {0, .2f, .4f}, false},
         {OF "\"float amount\" 0.25", {.15f, .4f, .65f}, {.225f, .125f, .1f}, true},
         {OF, {.1f, .4f, .5f}, {.15f, .15f, .2f}, false}, /* 0.2 against 0.3 */
         {OF "\"float amount\" 0.375", {.125f, .4f, .575f}, {.1875f, .1375f, .15f}, true}, /* 0.25 against 0.225 */
         {OF "\"rgb amount\" [0 0.5 1]", {.2f, .4f, .2f}, {.3f, .15f, .4f}, false}, /* 0.35 against 0.5 */
         {OF "\"rgb amount\" [0 0.5 0.5]", {.2f, .4f, .5f}, {.3f, .15f, .2f}, true}, /* 0.35 against 0.3 */
-        {"\"string namedmaterial1\" \"one\" \"string namedmaterial2\" \"two\" \"float amount\" 0.25", {.05f, .4f, .35f}, {.075f, .175f, .3f}, false},
-        {"\"string namedmaterial1\" \"two\" \"string namedmaterial2\" \"one\" \"float amount\" 0.25", {.15f, .4f, .65f}, {.225f, .125f, .1f}, true},
+        {"\"string namedmaterial1\" \"one\" \"string namedmaterial2\" \"two\" \"float amount\" 0.25", {.05f, .4f, .35f},
+         {.075f, .175f, .3f}, false},
+        {"\"string namedmaterial1\" \"two\" \"string namedmaterial2\" \"one\" \"float amount\" 0.25", {.15f, .4f, .65f},
+         {.225f, .125f, .1f}, true},
         {OF "\"texture amount\" \"t\"", {.18f, .4f, .74f}, {.27f, .11f, .04f}, true}, /* the mean of t: 0.1 */
         /* of what is not seen nothing is mixed in */
         {"\"string materials\" [\"one\" \"air\"] \"float amount\" 0.25", {.2f, .4f, .8f}, {.3f, .1f, 0}, true},
@@ -499,20 +543,23 @@ static void a_mix_has_the_lobe_of_the_stronger_one(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1000];
         snprintf(text, sizeof text, "WorldBegin Texture \"t\" \"float\" \"constant\" \"float value\" 0.1 " ONE TWO
-                 "MakeNamedMaterial \"air\" \"string type\" \"none\" Material \"mix\" %s Shape \"sphere\"", cases[i].mix);
+                 "MakeNamedMaterial \"air\" \"string type\" \"none\" Material \"mix\" %s Shape \"sphere\"",
+                 cases[i].mix);
         bis_scene_desc *d = approximated(text);
         const bis_material *m = &d->materials[d->shapes[0].material];
         const float Kd[3] = {m->Kd.r, m->Kd.g, m->Kd.b}, Ks[3] = {m->Ks.r, m->Ks.g, m->Ks.b};
         for (int k = 0; k < 3; k++)
             if (fabs((double)(Kd[k] - cases[i].Kd[k])) > 1e-6 || fabs((double)(Ks[k] - cases[i].Ks[k])) > 1e-6)
                 fail_msg("%s: channel %d: Kd %g Ks %g", cases[i].mix, k, (double)Kd[k], (double)Ks[k]);
-        assert_ptr_equal(m->model, cases[i].first ? bis_microfacet(m->Kd, m->Ks, .5).model : bis_phong(m->Kd, m->Ks, 1).model);
+        assert_ptr_equal(
+            m->model, cases[i].first ? bis_microfacet(m->Kd, m->Ks, .5).model : bis_phong(m->Kd, m->Ks, 1).model);
         assert_true(cases[i].first ? fabs(m->alpha - .04) < 1e-9 : m->exponent == 7);
         bis_scene_desc_free(d);
     }
     /* two metals: no eta is that of both */
-    bis_scene_desc *d = approximated("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"conductor\" \"float roughness\" 0.1 "
-                                     "Material \"mix\" \"string materials\" [\"a\" \"a\"] Shape \"sphere\"");
+    bis_scene_desc *d =
+        approximated("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"conductor\" \"float roughness\" 0.1 "
+                     "Material \"mix\" \"string materials\" [\"a\" \"a\"] Shape \"sphere\"");
     const bis_material *m = &d->materials[d->shapes[0].material];
     assert_true(m->eta.r == 0 && m->eta.g == 0 && m->eta.b == 0 && m->Ks.r > 0.9f);
     bis_scene_desc_free(d);
@@ -520,13 +567,15 @@ static void a_mix_has_the_lobe_of_the_stronger_one(void **state)
     d = approximated("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"plastic\" \"float Ks\" 0.5 "
                      "Material \"mix\" \"string materials\" [\"a\" \"a\"] Shape \"sphere\"");
     m = &d->materials[d->shapes[0].material];
-    assert_true(m->model == &bis_microfacet_model && m->eta.r == 0 && m->Kd.g == 0.25f && fabs((double)m->Ks.b - .02) < 1e-6);
+    assert_true(
+        m->model == &bis_microfacet_model && m->eta.r == 0 && m->Kd.g == 0.25f && fabs((double)m->Ks.b - .02) < 1e-6);
     bis_scene_desc_free(d);
     /* the chain stands in the wrong order; three rounds */
-    d = approximated("WorldBegin MakeNamedMaterial \"m1\" \"string type\" \"mix\" \"string materials\" [\"m2\" \"one\"] "
-                     "MakeNamedMaterial \"m2\" \"string type\" \"mix\" \"string materials\" [\"one\" \"m3\"] "
-                     "MakeNamedMaterial \"m3\" \"string type\" \"mix\" \"string materials\" [\"two\" \"one\"] " ONE TWO
-                     "NamedMaterial \"m1\" Shape \"sphere\"");
+    d = approximated(
+        "WorldBegin MakeNamedMaterial \"m1\" \"string type\" \"mix\" \"string materials\" [\"m2\" \"one\"] "
+        "MakeNamedMaterial \"m2\" \"string type\" \"mix\" \"string materials\" [\"one\" \"m3\"] "
+        "MakeNamedMaterial \"m3\" \"string type\" \"mix\" \"string materials\" [\"two\" \"one\"] " ONE TWO
+        "NamedMaterial \"m1\" Shape \"sphere\"");
     m = &d->materials[d->shapes[0].material];
     assert_true(fabs((double)m->Kd.r - .2 * 7 / 8) < 1e-6 && fabs((double)m->Ks.b - .4 / 8) < 1e-6);
     bis_scene_desc_free(d);
@@ -540,18 +589,26 @@ static void what_is_approximated_is_told_with_place_number_and_consequence(void 
 {
     (void)state;
     static const char *const lines[] = {
-        "scene.txt:1:12: warning: approximated: Integrator \"path\": one bounce: light that surfaces reflect onto each other is missing",
+        "scene.txt:1:12: warning: approximated: Integrator \"path\": one bounce: light that surfaces reflect onto each "
+        "other is missing",
         "scene.txt:3:1: warning: approximated: 1 x AreaLightSource (of 2 lights): its light is missing",
-        "scene.txt:5:7: warning: approximated: 1 x Shape \"curve\" (of 3 shapes): left out: it is not seen and casts no shadow",
-        "scene.txt:2:10: warning: approximated: 2 x Material \"glass\" (of 3 materials): a mirror of its reflectance; what it lets through, and other surfaces in it, are black",
-        "scene.txt:6:21: warning: approximated: 1 x Texture \"ptex\" (of 1 textures): one value all over, 0.5; its file is not read",
+        "scene.txt:5:7: warning: approximated: 1 x Shape \"curve\" (of 3 shapes): left out: it is not seen and casts "
+        "no shadow",
+        "scene.txt:2:10: warning: approximated: 2 x Material \"glass\" (of 3 materials): a mirror of its reflectance; "
+        "what it lets through, and other surfaces in it, are black",
+        "scene.txt:6:21: warning: approximated: 1 x Texture \"ptex\" (of 1 textures): one value all over, 0.5; its "
+        "file is not read",
         "scene.txt:1:40: warning: approximated: 1 x \"maxdepth\" given twice: the last one counts",
     };
     bis_scene_desc *d;
     bis_diag diag = {0};
-    assert_int_equal(parse(&d, "Integrator \"path\" \"integer maxdepth\" 3 \"integer maxdepth\" 5 WorldBegin LightSource \"infinite\"\nMaterial \"glass\"\nAreaLightSource \"diffuse\"\n"
-                           "Material \"glass\" Shape \"sphere\" Shape \"disk\" Material \"matte\"\nShape \"curve\"\nTexture \"t\" \"float\" \"ptex\"\n",
-                           BIS_PARSE_APPROXIMATE, &diag), BIS_OK);
+    assert_int_equal(parse(&d,
+                         "Integrator \"path\" \"integer maxdepth\" 3 \"integer maxdepth\" 5 WorldBegin LightSource "
+                         "\"infinite\"\nMaterial \"glass\"\nAreaLightSource \"diffuse\"\n"
+                         "Material \"glass\" Shape \"sphere\" Shape \"disk\" Material \"matte\"\nShape "
+                         "\"curve\"\nTexture \"t\" \"float\" \"ptex\"\n",
+                         BIS_PARSE_APPROXIMATE, &diag),
+        BIS_OK);
     assert_int_equal(diag.n, 6);
     for (size_t i = 0; i < 6; i++) {
         const char *at = strstr(diag.messages[i].text, "scene.txt:");
@@ -561,8 +618,11 @@ static void what_is_approximated_is_told_with_place_number_and_consequence(void 
     bis_diag_clear(&diag);
     bis_scene_desc_free(d);
     /* both names of a mix are looked for, and a near one is named */
-    assert_int_equal(parse(&d, "WorldBegin MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\nMaterial \"mix\" \"string materials\" [\"wood\" \"woot\"]",
-                           BIS_PARSE_APPROXIMATE, &diag), BIS_INPUT);
+    assert_int_equal(parse(&d,
+                         "WorldBegin MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\nMaterial \"mix\" \"string "
+                         "materials\" [\"wood\" \"woot\"]",
+                         BIS_PARSE_APPROXIMATE, &diag),
+        BIS_INPUT);
     const char *at = strstr(diag.messages[0].text, "scene.txt:");
     assert_non_null(at);
     assert_string_equal(at, "scene.txt:2:10: error: material \"woot\" is not made anywhere (did you mean \"wood\"?)");

@@ -73,7 +73,8 @@ static double degrees(const double a[3], const double b[3])
 static void assert_normal(const double n[3], double x, double y, double z, double tolerance_deg)
 {
     if (!(degrees(n, (double[]){x, y, z}) <= tolerance_deg))
-        fail_msg("%g %g %g, not along %g %g %g: %g degrees", n[0], n[1], n[2], x, y, z, degrees(n, (double[]){x, y, z}));
+        fail_msg(
+            "%g %g %g, not along %g %g %g: %g degrees", n[0], n[1], n[2], x, y, z, degrees(n, (double[]){x, y, z}));
 }
 
 #define PLANE "Shape \"trianglemesh\" \"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 1 2 0 2 3] " \
@@ -92,9 +93,11 @@ static void a_slope_tilts_a_plane(void **state)
     assert_true(normal_at(n, &b, (vec3){1, 1, -5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, .1, .3, -1, 1e-4);
     clear(&b);
-    /* pbrt-v3's name; (u, v) are mirrored, the corners turn as before: the same slope in x and y needs another texture */
+    /* pbrt-v3's name; (u, v) are mirrored, the corners turn as before: the same slope in x and y needs another texture
+     */
     b = build("Texture \"d\" \"float\" \"bilerp\" \"float v00\" 0.4 \"float v01\" 1 \"float v10\" 0 \"float v11\" 0.6 "
-              "Material \"matte\" \"texture bumpmap\" \"d\" Shape \"trianglemesh\" \"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] "
+              "Material \"matte\" \"texture bumpmap\" \"d\" Shape \"trianglemesh\" \"point3 P\" [0 0 0  4 0 0  4 2 0  "
+              "0 2 0] "
               "\"integer indices\" [0 1 2 0 2 3] \"point2 uv\" [1 0 0 0 0 1 1 1]");
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, -.1, -.3, 1, 1e-4);
@@ -125,8 +128,10 @@ static void an_images_slope_is_taken_over_a_texel(void **state)
     assert_normal(n, -.125, 0, 1, 1e-4);
     clear(&b);
     /* twice as often: uscale; a texel is half as wide */
-    b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" \"float uscale\" 2 "
-              "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE, name);
+    b = build(
+        "Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" \"float uscale\" 2 "
+        "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE,
+        name);
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1, 1, 0}));
     assert_normal(n, -.5, 0, 1, 1e-4);
     clear(&b);
@@ -151,7 +156,8 @@ static void normal_of_library(double n[3], const char *statement)
     clear(&b);
 }
 
-/* The bytes 0 to 153 over 4 texels, of a format that means sRGB where it holds colours: heights are linear, 0.2 a texel. */
+/* The bytes 0 to 153 over 4 texels, of a format that means sRGB where it holds colours: heights are linear, 0.2 a
+ * texel. */
 static void a_library_bends_normals(void **state)
 {
     (void)state;
@@ -179,15 +185,16 @@ static void a_library_bends_normals(void **state)
     bytes_clear(&file);
 }
 
-/* d = g . p on a sphere of radius r about c, really displaced: p + d n. Its normal by differences; the formula leaves out
- * d itself, so that only the slopes count: amplitude 1e-3 of r makes them differ by about 1e-3 of the tilt. */
+/* d = g . p on a sphere of radius r about c, really displaced: p + d n. Its normal by differences; the formula leaves
+ * out d itself, so that only the slopes count: amplitude 1e-3 of r makes them differ by about 1e-3 of the tilt. */
 static void a_displaced_sphere_has_that_normal(void **state)
 {
     (void)state;
     /* planar mapping makes s = 40 x; wrap repeats are avoided by bilerp, which goes on linearly: d = 0.001 s */
     built b = build("Texture \"d\" \"float\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [40 0 0] "
                     "\"float v00\" 0 \"float v01\" 0 \"float v10\" 0.001 \"float v11\" 0.001 "
-                    "Material \"diffuse\" \"texture displacement\" \"d\" Translate 0 1 0 Scale 1 1.5 1 Shape \"sphere\"");
+                    "Material \"diffuse\" \"texture displacement\" \"d\" Translate 0 1 0 Scale 1 1.5 1 Shape "
+                    "\"sphere\"");
     for (int i = 0; i < 200; i++) {
         uint64_t random = (uint64_t)i;
         const vec3 d = random_direction(&random), from = {3 * d.x, 1 + 3 * d.y, 3 * d.z};
@@ -228,9 +235,11 @@ static void noise_in_space_does_not_ask_for_coordinates(void **state)
     double first[3];
     for (size_t i = 0; i < sizeof uvs / sizeof *uvs; i++) {
         double n[3];
-        built b = build("Texture \"f\" \"float\" \"fbm\" \"integer octaves\" 2 Texture \"d\" \"float\" \"scale\" \"texture tex1\" "
-                        "\"f\" \"float tex2\" 0.4 Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" "
-                        "\"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 1 2 0 2 3] %s", uvs[i]);
+        built b = build(
+            "Texture \"f\" \"float\" \"fbm\" \"integer octaves\" 2 Texture \"d\" \"float\" \"scale\" \"texture tex1\" "
+            "\"f\" \"float tex2\" 0.4 Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" "
+            "\"point3 P\" [0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 1 2 0 2 3] %s",
+            uvs[i]);
         assert_true(normal_at(n, &b, (vec3){1.3f, .8f, 5}, (vec3){1.3f, .8f, 0}));
         if (i == 0) memcpy(first, n, sizeof n);
         /* steps of 0.0005 to 0.002 over octaves of size 1/2: their curvature, below 40, times half a step */
@@ -311,7 +320,8 @@ static void tangents_are_the_derivatives_of_the_point(void **state)
             for (int k = 0; k < 2; k++) {
                 const double *e = k ? tangents.v : tangents.u, h = 1e-3;
                 double moved[2];
-                const vec3 next = vec3_from((double)at.p.x + h * e[0], (double)at.p.y + h * e[1], (double)at.p.z + h * e[2]);
+                const vec3 next =
+                    vec3_from((double)at.p.x + h * e[0], (double)at.p.y + h * e[1], (double)at.p.z + h * e[2]);
                 const ray other = {add(next, mul(at.ng, 3)), neg(at.ng), INFINITY};
                 bis_geometry_uv(&g, 0, &other, moved);
                 if (fabs(moved[0] - uv[0]) > .5) continue; /* over the seam */

@@ -96,7 +96,8 @@ static void names_of_an_included_file_are_looked_for_beside_the_main_scene_first
     write_file("geometry/m.ply", "ply\n");
     write_file("geometry/geometry/m.ply", "ply\n");
     bis_scene_desc *d = good(LIT "Include \"geometry/a.txt\"", 0, said);
-    assert_true(ends(d->meshes[0].filename, "/geometry/m.ply") && !ends(d->meshes[0].filename, "geometry/geometry/m.ply"));
+    assert_true(
+        ends(d->meshes[0].filename, "/geometry/m.ply") && !ends(d->meshes[0].filename, "geometry/geometry/m.ply"));
     bis_scene_desc_free(d);
     unlink(place("geometry/m.ply"));
     d = good(LIT "Include \"geometry/a.txt\"", 0, said); /* the last place: the folder of a.txt */
@@ -141,18 +142,22 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
 {
     char said[8192];
     (void)state;
-    bis_scene_desc *d = good(LIT "Material \"metal\" \"spectrum eta\" \"spds/Au.eta.spd\" \"spectrum k\" \"spds/Au.k.spd\" "
-                                 "Shape \"sphere\" Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"",
-                             BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said);
+    bis_scene_desc *d =
+        good(LIT "Material \"metal\" \"spectrum eta\" \"spds/Au.eta.spd\" \"spectrum k\" \"spds/Au.k.spd\" "
+                 "Shape \"sphere\" Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"",
+            BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said);
     assert_int_equal(d->n_missing, 3);
     assert_true(ends(d->missing[0], "spds/Au.eta.spd") && ends(d->missing[2], "spds/red.spd"));
     bis_scene_desc_free(d);
-    assert_int_equal(parse(&d, LIT "Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
-    d = good(LIT "Shape \"objmesh\" \"string filename\" \"gone.obj\" \"bool materials\" true", BIS_PARSE_LIST_MISSING, said);
+    assert_int_equal(
+        parse(&d, LIT "Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
+    d = good(
+        LIT "Shape \"objmesh\" \"string filename\" \"gone.obj\" \"bool materials\" true", BIS_PARSE_LIST_MISSING, said);
     assert_int_equal(d->n_missing, 1); /* nor are its libraries asked for */
     assert_int_equal(d->n_shapes, 1);
     bis_scene_desc_free(d);
-    d = good(LIT "Include \"gone.pbrt\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* so is a part of the scene */
+    d = good(LIT "Include \"gone.pbrt\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING,
+        said); /* so is a part of the scene */
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
 }
@@ -165,10 +170,12 @@ static void errors_of_one_cause_are_one_message_with_their_number(void **state)
     char text[8192] = LIT, said[8192];
     bis_scene_desc *d;
     (void)state;
-    for (int i = 1; i <= 60; i++) snprintf(text + strlen(text), sizeof text - strlen(text), "Shape \"sphere\" \"float radius\" -%d\n", i);
+    for (int i = 1; i <= 60; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "Shape \"sphere\" \"float radius\" -%d\n", i);
     strcat(text, "Shape \"cub\"\nShape \"cubb\"\nShape \"cub\"\n");
     assert_int_equal(parse(&d, text, 0, said), BIS_INPUT);
-    assert_says(said, "main.txt:2:16: error: \"radius\" is -1, must be > 0 (60 like it: also in line 3, line 4, line 5, line 6, ...)\n");
+    assert_says(said, "main.txt:2:16: error: \"radius\" is -1, must be > 0 (60 like it: also in line 3, line 4, line "
+                      "5, line 6, ...)\n");
     assert_says(said, "main.txt:62:7: error: unknown Shape \"cub\" (2 like it: also in line 64)\n");
     assert_says(said, "main.txt:63:7: error: unknown Shape \"cubb\"\n");
     assert_null(strstr(said, "stopped"));
@@ -181,19 +188,27 @@ static void what_pbrt_passes_over_in_silence_is_a_warning(void **state)
 {
     char said[8192];
     (void)state;
-    bis_scene_desc *d = good(LIT "Shape \"sphere\" \"float radius\" 2 \"float radius\" 3 \"float radius\" 4\nShape \"sphere\" \"float radius\" 1 \"float radius\" 5", 0, said);
+    bis_scene_desc *d = good(LIT "Shape \"sphere\" \"float radius\" 2 \"float radius\" 3 \"float radius\" 4\nShape "
+                                 "\"sphere\" \"float radius\" 1 \"float radius\" 5",
+        0, said);
     assert_true(d->shapes[0].radius == 4 && d->shapes[1].radius == 5);
     assert_says(said, "main.txt:2:33: warning: 3 x \"radius\" given twice: the last one counts\n");
     assert_int_equal(d->n_approximations, 0);
     bis_scene_desc_free(d);
-    /* an object is known by its last definition; the attributes' End closes the object's attributes, the object goes on */
-    d = good(LIT "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\nObjectBegin \"o\" AttributeBegin Translate 1 0 0 Shape \"disk\"\n"
-             "ObjectEnd Shape \"sphere\" AttributeEnd ObjectInstance \"o\"", 0, said);
+    /* an object is known by its last definition; the attributes' End closes the object's attributes, the object goes on
+     */
+    d = good(LIT "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\"\nObjectBegin \"o\" AttributeBegin "
+                 "Translate 1 0 0 Shape \"disk\"\n"
+                 "ObjectEnd Shape \"sphere\" AttributeEnd ObjectInstance \"o\"",
+        0, said);
     assert_true(d->n_shapes == 3 && d->shapes[0].kind == BIS_SHAPE_SPHERE && d->shapes[2].kind == BIS_SHAPE_DISK);
     assert_says(said, "1 x an object defined again: the last one counts from there on\n");
-    assert_says(said, "1 x ObjectEnd where AttributeEnd is due: it closes the last block that was opened, as in pbrt-v3\n");
+    assert_says(
+        said, "1 x ObjectEnd where AttributeEnd is due: it closes the last block that was opened, as in pbrt-v3\n");
     bis_scene_desc_free(d);
-    d = good(LIT "ObjectBegin \"o\" Shape \"sphere\" AttributeEnd Shape \"disk\" AttributeBegin ObjectEnd ObjectInstance \"o\"", 0, said);
+    d = good(LIT
+        "ObjectBegin \"o\" Shape \"sphere\" AttributeEnd Shape \"disk\" AttributeBegin ObjectEnd ObjectInstance \"o\"",
+        0, said);
     assert_int_equal(d->n_shapes, 2);
     bis_scene_desc_free(d);
 }
@@ -201,34 +216,47 @@ static void what_pbrt_passes_over_in_silence_is_a_warning(void **state)
 static const struct pass {
     const char *scene, *kind, *refused; /* what plain bis says; NULL: it passes, too */
 } passes[] = {
-    {LIT "Material \"bluepaint\" \"rgb Kd\" [.1 .2 .3] \"float gloss\" 1 Shape \"sphere\"", "unknown Material \"bluepaint\"", "unknown Material"},
+    {LIT "Material \"bluepaint\" \"rgb Kd\" [.1 .2 .3] \"float gloss\" 1 Shape \"sphere\"",
+     "unknown Material \"bluepaint\"", "unknown Material"},
     {LIT "Shape \"sphere\" Shape \"blob\" \"float size\" 3", "unknown Shape \"blob\"", "unknown Shape"},
     {LIT "LightSource \"lamp\" Shape \"sphere\"", "unknown LightSource \"lamp\"", "unknown LightSource"},
     {LIT "Texture \"t\" \"float\" \"brick\" Shape \"sphere\"", "unknown Texture \"brick\"", "unknown Texture"},
-    {"Camera \"omni\" \"string lensfile\" \"a.dat\" \"float fov\" 30 " LIT "Shape \"sphere\"", "unknown Camera \"omni\"", "unknown Camera"},
-    {"Sampler \"neural\" \"integer pixelsamples\" 5 " LIT "Shape \"sphere\"", "unknown Sampler \"neural\"", "unknown Sampler"},
+    {"Camera \"omni\" \"string lensfile\" \"a.dat\" \"float fov\" 30 " LIT "Shape \"sphere\"",
+     "unknown Camera \"omni\"", "unknown Camera"},
+    {"Sampler \"neural\" \"integer pixelsamples\" 5 " LIT "Shape \"sphere\"", "unknown Sampler \"neural\"",
+     "unknown Sampler"},
     {"Film \"hdr\" \"integer xresolution\" 5 " LIT "Shape \"sphere\"", "unknown Film \"hdr\"", "unknown Film"},
     {"Accelerator \"kdtreeold\" " LIT "Shape \"sphere\"", "unknown Accelerator \"kdtreeold\"", "unknown Accelerator"},
     {"Integrator \"pssps\" " LIT "Shape \"sphere\"", "Integrator \"pssps\"", "unknown Integrator"},
-    {LIT "Material \"plastic\" \"rgb Ks\" [4 1 1] Shape \"sphere\"", "\"Ks\" out of its range", "\"Ks\" is 4, must be in [0, 1]"},
-    {LIT "MakeNamedMaterial \"m\" \"string type\" \"matte\" NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"matte\" \"rgb Kd\" [0 0 0]",
+    {LIT "Material \"plastic\" \"rgb Ks\" [4 1 1] Shape \"sphere\"", "\"Ks\" out of its range",
+     "\"Ks\" is 4, must be in [0, 1]"},
+    {LIT "MakeNamedMaterial \"m\" \"string type\" \"matte\" NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial "
+     "\"m\" \"string type\" \"matte\" \"rgb Kd\" [0 0 0]",
      "a material made again", "is made already"},
-    {LIT "NamedMaterial \"Sun_Light\" Shape \"sphere\"", "NamedMaterial \"Sun_Light\", which is not made anywhere", "is not made anywhere"},
+    {LIT "NamedMaterial \"Sun_Light\" Shape \"sphere\"", "NamedMaterial \"Sun_Light\", which is not made anywhere",
+     "is not made anywhere"},
     {LIT "Shape \"sphere\" ObjectInstance \"o\"", "ObjectInstance of an object that is not defined", "is not defined"},
     {LIT "Shape \"sphere\" ConcatTransform [1 0 0 0  0 1 0 0  0 0 0 0  0 0 0 1] Translate 1 0 0 Shape \"disk\"",
      "a shape under a singular transformation", "the matrix of ConcatTransform is singular"},
-    {LIT "Shape \"sphere\" AttributeBegin Scale 0 0 0 Shape \"disk\" AttributeEnd", "a shape under a singular transformation", "Scale by 0 is singular"},
-    {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" .5 Material \"uber\" \"texture opacity\" \"t\" Shape \"sphere\"",
+    {LIT "Shape \"sphere\" AttributeBegin Scale 0 0 0 Shape \"disk\" AttributeEnd",
+     "a shape under a singular transformation", "Scale by 0 is singular"},
+    {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" .5 Material \"uber\" \"texture "
+     "opacity\" \"t\" Shape \"sphere\"",
      "a texture as \"opacity\"", "\"opacity\" is of type texture"},
     {LIT "Material \"matte\" \"integer Kd\" 1 Shape \"sphere\"", "\"integer Kd\"", "\"Kd\" is of type integer"},
-    {LIT "Texture \"t\" \"float\" \"imagemap\" \"float gamma\" 2.2 \"string filename\" \"tests/scene/test_foreign.c\" Shape \"sphere\"",
+    {LIT "Texture \"t\" \"float\" \"imagemap\" \"float gamma\" 2.2 \"string filename\" \"tests/scene/test_foreign.c\" "
+     "Shape \"sphere\"",
      "\"float gamma\" of a texture", NULL},
     {LIT "Texture \"t\" \"float\" \"mix\" \"float tex1\" 0 \"float tex2\" -0.25 Shape \"sphere\"", NULL, NULL},
-    {LIT "Material \"mirror\" \"spectrum Kr\" [400 .9 700 .9] Shape \"sphere\"", "Material \"mirror\"", "with --approximate"},
-    {LIT "Texture \"t\" \"float\" \"imagemap\" \"float scale\" -3 \"string filename\" \"tests/scene/test_foreign.c\" Shape \"sphere\"", NULL, NULL},
+    {LIT "Material \"mirror\" \"spectrum Kr\" [400 .9 700 .9] Shape \"sphere\"", "Material \"mirror\"",
+     "with --approximate"},
+    {LIT "Texture \"t\" \"float\" \"imagemap\" \"float scale\" -3 \"string filename\" \"tests/scene/test_foreign.c\" "
+     "Shape \"sphere\"", NULL, NULL},
     {LIT "Shape \"sphere\" \"float alpha\" 0.5", "\"alpha\" of Shape \"sphere\"", NULL},
-    {LIT "Shape \"sphere\" WorldEnd Film \"image\" WorldBegin Shape \"disk\" WorldEnd", "what follows WorldEnd", "Film after WorldEnd"},
-    {LIT "Material \"uber\" \"blackbody Kr\" [3000 .1] Shape \"sphere\"", "a second value of \"blackbody Kr\"", "has 2 values"},
+    {LIT "Shape \"sphere\" WorldEnd Film \"image\" WorldBegin Shape \"disk\" WorldEnd", "what follows WorldEnd",
+     "Film after WorldEnd"},
+    {LIT "Material \"uber\" \"blackbody Kr\" [3000 .1] Shape \"sphere\"", "a second value of \"blackbody Kr\"",
+     "has 2 values"},
 };
 
 static void what_pbrt_goes_on_after_is_approximated(void **state)
@@ -246,7 +274,8 @@ static void what_pbrt_goes_on_after_is_approximated(void **state)
         if (d->n_shapes != 1) fail_msg("%s: %zu shapes", x->scene, d->n_shapes);
         assert_true(d->shapes[0].kind == BIS_SHAPE_SPHERE);
         bool listed = !x->kind;
-        for (size_t k = 0; k < d->n_approximations; k++) listed |= x->kind && strcmp(d->approximations[k].kind, x->kind) == 0;
+        for (size_t k = 0; k < d->n_approximations; k++)
+            listed |= x->kind && strcmp(d->approximations[k].kind, x->kind) == 0;
         if (!listed) fail_msg("%s\n%s", x->scene, said);
         assert_null(strstr(said, "bvh")); /* what is taken instead gives no message of its own */
         bis_scene_desc_free(d);
@@ -278,8 +307,9 @@ static void what_is_replaced_has_the_values_of_the_scene(void **state)
     /* a value at an open end has no nearest one */
     assert_int_equal(parse(&d, LIT "Shape \"sphere\" \"float radius\" 0", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
     /* the mean of a texture: 0.2 and 0.6 */
-    d = good(LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6 Material \"mirror\" \"texture Kr\" \"t\" Shape \"sphere\"",
-             BIS_PARSE_APPROXIMATE, said);
+    d = good(LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6 Material \"mirror\" "
+                 "\"texture Kr\" \"t\" Shape \"sphere\"",
+        BIS_PARSE_APPROXIMATE, said);
     assert_true(fabs((double)d->materials[d->shapes[0].material].Ks.g - .4) < 1e-6);
     bis_scene_desc_free(d);
 }
@@ -289,24 +319,35 @@ static void both_roughnesses_may_be_one_texture(void **state)
 {
     char said[8192];
     (void)state;
-#define T "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6 Texture \"u\" \"float\" \"checkerboard\" "
-    bis_scene_desc *d = good(LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"texture vroughness\" \"t\" Shape \"sphere\" "
-                             "Material \"substrate\" \"texture roughness\" \"t\" Shape \"sphere\"", 0, said);
-    const bis_material_textures *a = bis_textures_of(&d->textures, d->shapes[0].material), *b = bis_textures_of(&d->textures, d->shapes[1].material);
+#define T \
+    "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6 Texture \"u\" \"float\" " \
+    "\"checkerboard\" "
+    bis_scene_desc *d =
+        good(LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"texture vroughness\" \"t\" Shape \"sphere\" "
+                   "Material \"substrate\" \"texture roughness\" \"t\" Shape \"sphere\"",
+            0, said);
+    const bis_material_textures *a = bis_textures_of(&d->textures, d->shapes[0].material),
+                                *b = bis_textures_of(&d->textures, d->shapes[1].material);
     assert_true(a && b && a->power == b->power);
     const double uv[2] = {.5, .5};
-    assert_true(bis_textures_value(&d->textures, NULL, a->width, uv, (vec3){0, 0, 0}).r == bis_textures_value(&d->textures, NULL, b->width, uv, (vec3){0, 0, 0}).r);
+    assert_true(bis_textures_value(&d->textures, NULL, a->width, uv, (vec3){0, 0, 0}).r ==
+                bis_textures_value(&d->textures, NULL, b->width, uv, (vec3){0, 0, 0}).r);
     bis_scene_desc_free(d);
-    assert_int_equal(parse(&d, LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"texture vroughness\" \"u\"", 0, said), BIS_INPUT);
+    assert_int_equal(
+        parse(&d, LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"texture vroughness\" \"u\"", 0, said),
+        BIS_INPUT);
     assert_says(said, "with --approximate: a round lobe, as wide as the texture says");
-    assert_int_equal(parse(&d, LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"float vroughness\" .3", 0, said), BIS_INPUT);
+    assert_int_equal(
+        parse(&d, LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"float vroughness\" .3", 0, said),
+        BIS_INPUT);
 #undef T
 }
 
 /* A bad value counts where the texture is shown: refused when the scene is built, cut off with --approximate. */
 static void a_bad_part_of_a_texture_counts_where_it_is_shown(void **state)
 {
-    static const char shown[] = LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 1.5 \"float tex2\" -0.5 Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
+    static const char shown[] = LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 1.5 \"float tex2\" -0.5 "
+                                    "Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
     char said[8192];
     bis_diag diag = {0};
     bis_scene *s;
@@ -321,8 +362,8 @@ static void a_bad_part_of_a_texture_counts_where_it_is_shown(void **state)
     assert_true(diag.n == 1 && strstr(diag.messages[0].text, "must be in [0, 1]: what lies outside is cut off"));
     const uint32_t index = d->shapes[0].material;
     for (int k = 0; k < 2; k++) {
-        const bis_material m = bis_textures_material(&d->textures, s->images, bis_textures_of(&d->textures, index), &d->materials[index],
-                                                     (double[]){.5 + k, .5}, (vec3){0, 0, 0});
+        const bis_material m = bis_textures_material(&d->textures, s->images, bis_textures_of(&d->textures, index),
+            &d->materials[index], (double[]){.5 + k, .5}, (vec3){0, 0, 0});
         assert_true(m.Kd.r == (k ? 0.0f : 1.0f));
     }
     assert_true(d->materials[index].Kd.r > 0); /* not taken for black */
@@ -339,11 +380,13 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
 {
     static const struct { const char *mapping; double uv[2]; vec3 p; } cases[] = {
         {"\"float vscale\" 0.5 \"float vdelta\" 0.1", {.5, .3}, {0, 0, 0}}, /* t = 0.25 */
-        {"\"string mapping\" \"planar\" \"vector v1\" [0 1 0] \"vector v2\" [1 0 0] \"float vdelta\" .05", {0, 0}, {.2f, .9f, .4f}},
+        {"\"string mapping\" \"planar\" \"vector v1\" [0 1 0] \"vector v2\" [1 0 0] \"float vdelta\" .05", {0, 0},
+         {.2f, .9f, .4f}},
         {"\"string mapping\" \"cylindrical\"", {0, 0}, {.5f, .5f, .25f}},
         {"\"string mapping\" \"spherical\"", {0, 0}, {0, 1, .5f}}, /* phi = pi/2: t = 1/4 */
     };
-    const float rows[2][2][3] = {{{.75f, .75f, .75f}, {.75f, .75f, .75f}}, {{.25f, .25f, .25f}, {.25f, .25f, .25f}}}; /* from below */
+    const float rows[2][2][3] = {
+        {{.75f, .75f, .75f}, {.75f, .75f, .75f}}, {{.25f, .25f, .25f}, {.25f, .25f, .25f}}}; /* from below */
     char pfm[64], said[8192], text[1024];
     (void)state;
     const size_t n = (size_t)snprintf(pfm, sizeof pfm, "PF\n2 2\n-1.0\n");
@@ -352,27 +395,36 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double v[2];
         for (int v2 = 0; v2 < 2; v2++) {
-            snprintf(text, sizeof text, "%s \"path\" " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s "
-                     "Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"", v2 ? "SurfaceIntegrator" : "Integrator", cases[i].mapping);
+            snprintf(text, sizeof text,
+                "%s \"path\" " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s "
+                "Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"",
+                v2 ? "SurfaceIntegrator" : "Integrator", cases[i].mapping);
             bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
-            assert_true(!!strstr(said, "taken for pbrt-v2 or v1, because SurfaceIntegrator is in no later version") == v2);
+            assert_true(
+                !!strstr(said, "taken for pbrt-v2 or v1, because SurfaceIntegrator is in no later version") == v2);
             bis_texture_image image;
             assert_int_equal(bis_textures_load(&image, &d->textures.files[0], NULL), BIS_OK);
-            v[v2] = bis_textures_value(&d->textures, &image, d->textures.of_material[d->shapes[0].material].Kd, cases[i].uv, cases[i].p).r;
+            v[v2] = bis_textures_value(
+                &d->textures, &image, d->textures.of_material[d->shapes[0].material].Kd, cases[i].uv, cases[i].p)
+                        .r;
             bis_image_clear(&image.image);
             bis_scene_desc_free(d);
         }
-        if (fabs(v[0] - .75) > 1e-6 || fabs(v[1] - .25) > 1e-6) fail_msg("%s: v3 %g, v2 %g", cases[i].mapping, v[0], v[1]);
+        if (fabs(v[0] - .75) > 1e-6 || fabs(v[1] - .25) > 1e-6)
+            fail_msg("%s: v3 %g, v2 %g", cases[i].mapping, v[0], v[1]);
     }
     /* linear, unless gamma says otherwise; Integrator is v3's word */
     static const struct { const char *before, *gamma; double is; } gammas[] = {
         {"SurfaceIntegrator \"path\"", "", 1}, {"SurfaceIntegrator \"path\"", "\"float gamma\" 2.2", 2.2},
-        {"Integrator \"path\"", "", BIS_GAMMA_SRGB}, {"SurfaceIntegrator \"path\" Integrator \"path\"", "", BIS_GAMMA_SRGB},
+        {"Integrator \"path\"", "", BIS_GAMMA_SRGB}, {"SurfaceIntegrator \"path\" Integrator \"path\"", "",
+         BIS_GAMMA_SRGB},
         {"Sampler \"bestcandidate\"", "", 1}};
     for (size_t i = 0; i < sizeof gammas / sizeof *gammas; i++) {
-        snprintf(text, sizeof text, "%s " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s", gammas[i].before, gammas[i].gamma);
+        snprintf(text, sizeof text, "%s " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s",
+            gammas[i].before, gammas[i].gamma);
         bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
-        if (d->textures.files[0].gamma != gammas[i].is) fail_msg("%s: %g", gammas[i].before, d->textures.files[0].gamma);
+        if (d->textures.files[0].gamma != gammas[i].is)
+            fail_msg("%s: %g", gammas[i].before, d->textures.files[0].gamma);
         bis_scene_desc_free(d);
     }
 }
@@ -394,11 +446,16 @@ static void textures_lie_where_their_version_has_them(void **state)
     char said[8192], text[1024];
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        snprintf(text, sizeof text, "Film \"%s\" " LIT "Translate 1 0 0 Scale 2 2 2 Texture \"t\" %s Identity Material \"phong\" \"texture %s\" \"t\" "
-                 "Shape \"sphere\"", cases[i].film, cases[i].texture, strstr(cases[i].texture, "color") ? "Kd" : "exponent");
+        snprintf(text, sizeof text,
+            "Film \"%s\" " LIT
+            "Translate 1 0 0 Scale 2 2 2 Texture \"t\" %s Identity Material \"phong\" \"texture %s\" \"t\" "
+            "Shape \"sphere\"",
+            cases[i].film, cases[i].texture, strstr(cases[i].texture, "color") ? "Kd" : "exponent");
         bis_scene_desc *d = good(text, 0, said);
         const bis_material_textures *m = bis_textures_of(&d->textures, d->shapes[0].material);
-        const double is = bis_textures_value(&d->textures, NULL, m->Kd != BIS_NO_TEXTURE ? m->Kd : m->width, (double[]){0, 0}, (vec3){3, .5f, .25f}).r;
+        const double is = bis_textures_value(
+            &d->textures, NULL, m->Kd != BIS_NO_TEXTURE ? m->Kd : m->width, (double[]){0, 0}, (vec3){3, .5f, .25f})
+                              .r;
         if (fabs(is - cases[i].is) > 1e-6) fail_msg("%s, %s: %g", cases[i].film, cases[i].texture, is);
         assert_string_equal(said, "");
         bis_scene_desc_free(d);
@@ -430,12 +487,14 @@ static void what_pbrt_filters_is_listed(void **state)
         {"", "spectrum", "\"marble\"", "marble"},
         {"", "float", "\"dots\"", NULL},
         {"", "float", "\"bilerp\" \"string mapping\" \"cylindrical\"", NULL},
-        {"Film \"image\" ", "float", "\"bilerp\" \"string mapping\" \"cylindrical\"", "mapping \"cylindrical\" of a Texture"},
+        {"Film \"image\" ", "float", "\"bilerp\" \"string mapping\" \"cylindrical\"",
+         "mapping \"cylindrical\" of a Texture"},
     };
     char said[8192], text[1024], kind[64];
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        snprintf(text, sizeof text, "%s" LIT "Texture \"t\" \"%s\" %s Shape \"sphere\"", cases[i].before, cases[i].type, cases[i].texture);
+        snprintf(text, sizeof text, "%s" LIT "Texture \"t\" \"%s\" %s Shape \"sphere\"", cases[i].before, cases[i].type,
+            cases[i].texture);
         bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
         const char *listed = cases[i].listed;
         if (listed) snprintf(kind, sizeof kind, strchr(listed, ' ') ? "%s" : "filter of Texture \"%s\"", listed);
@@ -457,7 +516,9 @@ static void the_films_scale_multiplies_the_light(void **state)
 {
     char said[8192];
     (void)state;
-    bis_scene_desc *d = good("Film \"image\" \"float scale\" 5 WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 0.5 Shape \"sphere\"", 0, said);
+    bis_scene_desc *d = good("Film \"image\" \"float scale\" 5 WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3] "
+                             "\"float scale\" 0.5 Shape \"sphere\"",
+        0, said);
     assert_true(d->light.scale == 2.5 && d->light.L.g == 2);
     assert_string_equal(said, "");
     bis_scene_desc_free(d);
@@ -482,7 +543,8 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
         {LIT "Shape \"objmesh\" \"string filename\" \"model.glb\"", "not an OBJ file"},
         {LIT "Shape \"objmesh\" \"string filename\" \"flat.obj\"", NULL},
         {LIT "ObjectBegin \"o\" Shape \"plymesh\" \"string filename\" \"two.gif\" ObjectEnd", NULL},
-        {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE "Shape \"sphere\"", "has values up to 2, must be in [0, 1]"},
+        {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE "Shape \"sphere\"",
+         "has values up to 2, must be in [0, 1]"},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE, NULL},
     };
     (void)state;
@@ -516,11 +578,13 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
 static void what_is_missing_around_a_mesh_is_grey(void **state)
 {
     static const char scene[] = LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true\n"
-                                "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"none.png\" Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
+                                "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"none.png\" Material "
+                                "\"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
     char said[8192];
     bis_scene_desc *d;
     (void)state;
-    write_file("m.obj", "mtllib none.mtl\nmtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl lost\nf 1 3 2\n");
+    write_file("m.obj",
+        "mtllib none.mtl\nmtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl lost\nf 1 3 2\n");
     write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nmap_Kd -texres 512 none.jpg\n");
     assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
     assert_says(said, "m.obj:1: error: cannot read \"");
@@ -553,11 +617,13 @@ static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
 {
     char said[8192];
     (void)state;
-    bis_scene_desc *d = good("Integrator \"path\" WorldBegin LightSource \"point\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE, said);
+    bis_scene_desc *d =
+        good("Integrator \"path\" WorldBegin LightSource \"point\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE, said);
     assert_true(d->has_light && !d->light.filename && d->light.scale == 1 && d->light.L.r == 1 && d->light.L.b == 1);
     assert_int_equal(d->approximations[0].effect, BIS_EFFECT_SKY);
     assert_int_equal(d->approximations[1].effect, BIS_EFFECT_INDIRECT);
-    assert_non_null(strstr(said, "main.txt: warning: approximated: no light from infinity: a white sky of radiance 1 is used; bis render --light MAP takes another\n"));
+    assert_non_null(strstr(said, "main.txt: warning: approximated: no light from infinity: a white sky of radiance 1 "
+                                 "is used; bis render --light MAP takes another\n"));
     assert_null(strstr(said, "no LightSource"));
     bis_scene_desc_free(d);
     d = good("WorldBegin Shape \"sphere\"", 0, said); /* plain bis renders it black, as ever */
@@ -566,8 +632,10 @@ static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
     bis_scene_desc_free(d);
 }
 
-/* What a surface that faces `to` receives from the map, and how much of it comes from beyond `reach` of that direction. */
-static void measure(rgbd *E, rgbd *outside, const bis_light *light, const bis_light_desc *desc, const double to[3], double reach)
+/* What a surface that faces `to` receives from the map, and how much of it comes from beyond `reach` of that direction.
+ */
+static void measure(
+    rgbd *E, rgbd *outside, const bis_light *light, const bis_light_desc *desc, const double to[3], double reach)
 {
     const bis_envmap *em = bis_light_envmap(light);
     *E = *outside = (rgbd){0, 0, 0};
@@ -576,7 +644,8 @@ static void measure(rgbd *E, rgbd *outside, const bis_light *light, const bis_li
             const vec3 local = bis_envmap_direction(em, x, y, .5, .5), w = bis_xform_vector(&desc->to_world, local);
             const double cosine = (double)w.x * to[0] + (double)w.y * to[1] + (double)w.z * to[2];
             const rgb L = em->pixels[(size_t)y * (size_t)em->width + (size_t)x];
-            const rgbd part = rgbd_scale((rgbd){(double)L.r, (double)L.g, (double)L.b}, fmax(0, cosine) * em->row_solid_angle[y]);
+            const rgbd part =
+                rgbd_scale((rgbd){(double)L.r, (double)L.g, (double)L.b}, fmax(0, cosine) * em->row_solid_angle[y]);
             *E = rgbd_add(*E, part);
             if (acos(fmin(1, cosine)) > reach) *outside = rgbd_add(*outside, part);
         }
@@ -588,11 +657,14 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
 {
     static const struct { const char *scene; double to[3], reach; } cases[] = {
         {"LightSource \"distant\" \"point from\" [1 2 2] \"rgb L\" [3 2 1]", {1 / 3., 2 / 3., 2 / 3.}, .4},
-        {"LightSource \"distant\" \"point from\" [0 0 5] \"point to\" [0 0 0] \"rgb L\" [6 4 2] \"float scale\" .5", {0, 0, 1}, .4},
+        {"LightSource \"distant\" \"point from\" [0 0 5] \"point to\" [0 0 0] \"rgb L\" [6 4 2] \"float scale\" .5",
+         {0, 0, 1}, .4},
         {"LightSource \"distant\" \"rgb L\" [3 2 1]", {0, 0, -1}, .4}, /* pbrt's default shines along +z */
-        {"AttributeBegin Rotate 90 0 1 0 LightSource \"distant\" \"point from\" [0 0 1] \"point to\" [0 0 0] \"rgb L\" [3 2 1] AttributeEnd", {1, 0, 0}, .4},
+        {"AttributeBegin Rotate 90 0 1 0 LightSource \"distant\" \"point from\" [0 0 1] \"point to\" [0 0 0] \"rgb L\" "
+         "[3 2 1] AttributeEnd", {1, 0, 0}, .4},
         {"AttributeBegin Rotate 40 1 2 3 LightSource \"infinite\" \"string filename\" \"small.pfm\" AttributeEnd "
-         "LightSource \"distant\" \"point from\" [1 2 2] \"point to\" [0 0 0] \"rgb L\" [3 2 1]", {1 / 3., 2 / 3., 2 / 3.}, 40},
+         "LightSource \"distant\" \"point from\" [1 2 2] \"point to\" [0 0 0] \"rgb L\" [3 2 1]",
+         {1 / 3., 2 / 3., 2 / 3.}, 40},
     };
     char pfm[1000] = "", said[8192], text[1024];
     (void)state;
@@ -609,17 +681,19 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
         assert_says(said, "a disc in the map, half a degree wide, of the same irradiance");
         assert_int_equal(bis_light_load(&light, &d->light, 0, NULL, &diag), BIS_OK);
         measure(&E, &outside, light, &d->light, cases[i].to, cases[i].reach * PI / 180);
-        /* floats: pixels, directions and the axis are rounded by 6e-8 each, of a disc 4e-3 wide. One pixel of 45 degrees
-         * has its middle elsewhere, and the surface here faces the light: cos of at most that */
+        /* floats: pixels, directions and the axis are rounded by 6e-8 each, of a disc 4e-3 wide. One pixel of 45
+         * degrees has its middle elsewhere, and the surface here faces the light: cos of at most that */
         const double tolerance = i < 4 ? 1e-4 : .3;
-        if (fabs(E.r / 3 - 1) > tolerance || fabs(E.g / 2 - 1) > tolerance || fabs(E.b - 1) > tolerance || outside.r > 0)
+        if (fabs(E.r / 3 - 1) > tolerance || fabs(E.g / 2 - 1) > tolerance || fabs(E.b - 1) > tolerance ||
+            outside.r > 0)
             fail_msg("%s: %g %g %g, outside %g", cases[i].scene, E.r, E.g, E.b, outside.r);
         assert_int_equal(diag.n, 0);
         bis_light_free(light);
         bis_scene_desc_free(d);
     }
     bis_scene_desc *d;
-    assert_int_equal(parse(&d, "WorldBegin LightSource \"distant\" \"point to\" [0 0 0]", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
+    assert_int_equal(
+        parse(&d, "WorldBegin LightSource \"distant\" \"point to\" [0 0 0]", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
     assert_says(said, "\"from\" and \"to\" are one point");
 }
 
@@ -631,20 +705,27 @@ static void distant_lights_are_all_there_in_one_frame(void **state)
     (void)state;
     const size_t n = (size_t)snprintf(pfm, sizeof pfm, "PF\n8 4\n-1.0\n"); /* black */
     store(place("small.pfm"), pfm, n + 8 * 4 * 12);
-    static const char map[] = " AttributeBegin Rotate 40 1 2 3 LightSource \"infinite\" \"string filename\" \"small.pfm\" AttributeEnd ";
+    static const char map[] =
+        " AttributeBegin Rotate 40 1 2 3 LightSource \"infinite\" \"string filename\" \"small.pfm\" AttributeEnd ";
     for (int i = 0; i < 3; i++) {
         bis_scene_desc *d;
-        snprintf(text, sizeof text, "Film \"image\" \"float scale\" 2 WorldBegin%sLightSource \"distant\" \"point from\" [1 2 2] "
-                 "\"point to\" [0 0 0] \"rgb L\" [3 2 1]%sLightSource \"distant\" \"point from\" [-2 -2 1] \"point to\" [0 0 0] "
-                 "\"rgb L\" [1 2 3]%sShape \"sphere\"", i == 0 ? map : " ", i == 1 ? map : " ", i == 2 ? map : " ");
+        snprintf(text, sizeof text,
+            "Film \"image\" \"float scale\" 2 WorldBegin%sLightSource \"distant\" \"point from\" [1 2 2] "
+            "\"point to\" [0 0 0] \"rgb L\" [3 2 1]%sLightSource \"distant\" \"point from\" [-2 -2 1] \"point to\" [0 "
+            "0 0] "
+            "\"rgb L\" [1 2 3]%sShape \"sphere\"",
+            i == 0 ? map : " ", i == 1 ? map : " ", i == 2 ? map : " ");
         d = good(text, BIS_PARSE_APPROXIMATE, said);
         assert_int_equal(d->light.n_distants, 2);
         for (int k = 0; k < 2; k++) {
             const bis_distant *x = &d->light.distants[k];
-            const vec3 w = bis_xform_vector(&d->light.to_world, (vec3){(float)x->towards[0], (float)x->towards[1], (float)x->towards[2]});
-            const double cosine = ((double)w.x * to[k][0] + (double)w.y * to[k][1] + (double)w.z * to[k][2]) / (double)length(w);
+            const vec3 w = bis_xform_vector(
+                &d->light.to_world, (vec3){(float)x->towards[0], (float)x->towards[1], (float)x->towards[2]});
+            const double cosine =
+                ((double)w.x * to[k][0] + (double)w.y * to[k][1] + (double)w.z * to[k][2]) / (double)length(w);
             assert_true(cosine > 1 - 1e-6); /* floats: an angle of 1e-3 at most */
-            assert_true(x->irradiance.r == (k ? 2.f : 6.f) && x->irradiance.g == 4.f && x->irradiance.b == (k ? 6.f : 2.f));
+            assert_true(
+                x->irradiance.r == (k ? 2.f : 6.f) && x->irradiance.g == 4.f && x->irradiance.b == (k ? 6.f : 2.f));
         }
         bis_scene_desc_free(d);
     }
@@ -654,12 +735,15 @@ static void distant_lights_are_all_there_in_one_frame(void **state)
 static void another_light_takes_the_place_of_all(void **state)
 {
     static const struct { const char *before, *after; double up[3]; } cases[] = {
-        {"LookAt 0 5 -1  0 0 0  0 1 0 Camera \"perspective\"", "LightSource \"point\" LightSource \"infinite\" \"rgb L\" [2 2 2]", {0, 1, 0}},
+        {"LookAt 0 5 -1  0 0 0  0 1 0 Camera \"perspective\"",
+         "LightSource \"point\" LightSource \"infinite\" \"rgb L\" [2 2 2]", {0, 1, 0}},
         {"LookAt 5 5 5  0 0 0  0 0 1", "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape \"disk\"", {0, 0, 1}},
         {"LookAt 0 0 5  0 0 0  0 -1 .1", "", {0, -1, 0}}, {"LookAt 0 0 5  0 0 0  -1 0 0", "", {-1, 0, 0}},
         {"LookAt 0 0 5  0 0 0  1 0 0", "", {1, 0, 0}}, {"LookAt 5 0 0  0 0 0  0 0 -1", "", {0, 0, -1}},
-        {"Rotate 90 1 0 0 Camera \"perspective\"", "", {0, 0, -1}}, /* the camera's own y; the rotation takes -z to it */
-        {"LookAt 0 5 -1  0 0 0  0 1 0", "AttributeBegin Rotate 90 0 1 0 LightSource \"infinite\" \"string mapname\" \"no.exr\" AttributeEnd", {1, 0, 0}},
+        {"Rotate 90 1 0 0 Camera \"perspective\"", "", {0, 0, -1}},
+         /* the camera's own y; the rotation takes -z to it */
+        {"LookAt 0 5 -1  0 0 0  0 1 0", "AttributeBegin Rotate 90 0 1 0 LightSource \"infinite\" \"string mapname\" "
+         "\"no.exr\" AttributeEnd", {1, 0, 0}},
     };
     char said[8192], text[1024];
     (void)state;
@@ -669,7 +753,8 @@ static void another_light_takes_the_place_of_all(void **state)
         assert_string_equal(said, "");
         assert_true(d->has_light && !d->light.filename && d->light.scale == 1 && d->light.L.r == 1);
         for (int k = 0; k < 3; k++)
-            if (fabs(d->light.to_world.m[k][2] - cases[i].up[k]) > 1e-12) fail_msg("%s %s: %d", cases[i].before, cases[i].after, k);
+            if (fabs(d->light.to_world.m[k][2] - cases[i].up[k]) > 1e-12)
+                fail_msg("%s %s: %d", cases[i].before, cases[i].after, k);
         bis_scene_desc_free(d);
     }
 }

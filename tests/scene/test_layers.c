@@ -45,8 +45,7 @@ static double sum_of(const float *plane, const bis_film *f)
     return sum;
 }
 
-/* --- names
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- names ---- */
 
 static void every_layer_is_found_by_its_name_and_all_are_all(void **state)
 {
@@ -82,8 +81,7 @@ static void channels_have_names_that_an_EXR_can_hold_and_no_name_twice(void **st
     bis_film_clear(&f);
 }
 
-/* --- cost
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- cost ---- */
 
 static void without_layers_there_is_no_memory_and_no_channel(void **state)
 {
@@ -135,16 +133,18 @@ static void layers_have_the_same_bits_for_any_number_of_threads(void **state)
     bis_film one, many;
     bis_render_result result;
     make_world(&w, &bis_sir);
-    render_layers(&one, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
-    render_layers(&many, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 5});
-    assert_memory_equal(one.layers.sum, many.layers.sum, (size_t)one.layers.n_values * WIDTH * HEIGHT * sizeof *one.layers.sum);
+    render_layers(
+        &one, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
+    render_layers(
+        &many, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 5});
+    assert_memory_equal(
+        one.layers.sum, many.layers.sum, (size_t)one.layers.n_values * WIDTH * HEIGHT * sizeof *one.layers.sum);
     bis_film_clear(&one);
     bis_film_clear(&many);
     clear_world(&w);
 }
 
-/* --- values
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- values ---- */
 
 static void counts_of_pixels_add_up_to_the_counts_of_the_render(void **state)
 {
@@ -177,8 +177,8 @@ static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
     w.desc.view.pixel_jitter = false;
     render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 2}});
     float *planes = new_planes(&f);
-    const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *red = plane_of(&f, "Albedo.R", planes),
-                *blue = plane_of(&f, "Albedo.B", planes);
+    const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes),
+                *red = plane_of(&f, "Albedo.R", planes), *blue = plane_of(&f, "Albedo.B", planes);
     for (int x = 0; x < WIDTH; x++) {
         size_t i = (size_t)((HEIGHT - 1) * WIDTH + x);
         ray r = bis_camera_ray(&w.desc.view.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
@@ -217,8 +217,8 @@ static void normals_and_depths_turn_with_the_camera(void **state)
     clear_world(&w);
 }
 
-/* A camera whose transformation scales by 3, 1 and 2: there the ball is an ellipsoid, |q'| = 1 with q' = S^-1 (q - c), and its
- * normal the gradient S^-1 q'. The twin, S q', is what a normal that is taken for a vector would be. */
+/* A camera whose transformation scales by 3, 1 and 2: there the ball is an ellipsoid, |q'| = 1 with q' = S^-1 (q - c),
+ * and its normal the gradient S^-1 q'. The twin, S q', is what a normal that is taken for a vector would be. */
 static void normals_stand_on_what_a_scaled_camera_sees(void **state)
 {
     (void)state;
@@ -234,20 +234,26 @@ static void normals_stand_on_what_a_scaled_camera_sees(void **state)
     w.desc.view.camera.to_world = bis_xform_inverse(&to_camera);
     render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 1}});
     float *planes = new_planes(&f);
-    const float *Z = plane_of(&f, "Z", planes), *N[3] = {plane_of(&f, "Ns.X", planes), plane_of(&f, "Ns.Y", planes), plane_of(&f, "Ns.Z", planes)};
+    const float *Z = plane_of(&f, "Z", planes),
+                *N[3] = {plane_of(&f, "Ns.X", planes), plane_of(&f, "Ns.Y", planes), plane_of(&f, "Ns.Z", planes)};
     const vec3 c = bis_xform_point(&to_camera, (vec3){0, 0, 0});
-    const double centre[3] = {(double)c.x, (double)c.y, (double)c.z}, half = tan(PI / 6) / (WIDTH < HEIGHT ? WIDTH : HEIGHT);
+    const double centre[3] = {(double)c.x, (double)c.y, (double)c.z},
+                 half = tan(PI / 6) / (WIDTH < HEIGHT ? WIDTH : HEIGHT);
     int n_hits = 0, n_twin = 0;
     for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
-        const double z = (double)Z[i], q[3] = {z * half * (2 * (double)(i % WIDTH) + 1 - WIDTH), z * half * (HEIGHT - 2 * (double)(i / WIDTH) - 1), z};
+        const double z = (double)Z[i], q[3] = {z * half * (2 * (double)(i % WIDTH) + 1 - WIDTH),
+                                           z * half * (HEIGHT - 2 * (double)(i / WIDTH) - 1), z};
         double own[3], to_surface = 0, gradient = 0, cos_right = 0, cos_twin = 0, twin = 0;
         for (int k = 0; k < 3; k++) own[k] = (q[k] - centre[k]) / S[k], to_surface += own[k] * own[k];
         if (!(fabs(to_surface - 1) < 1e-4)) continue; /* the floor, or the sky */
         for (int k = 0; k < 3; k++) gradient += pow(own[k] / S[k], 2), twin += pow(own[k] * S[k], 2);
-        for (int k = 0; k < 3; k++) cos_right += (double)N[k][i] * own[k] / S[k] / sqrt(gradient), cos_twin += (double)N[k][i] * own[k] * S[k] / sqrt(twin);
+        for (int k = 0; k < 3; k++)
+            cos_right += (double)N[k][i] * own[k] / S[k] / sqrt(gradient),
+                cos_twin += (double)N[k][i] * own[k] * S[k] / sqrt(twin);
         n_hits++;
         n_twin += cos_twin < 0.99;
-        if (!(fabs(cos_right - 1) < 1e-5)) fail_msg("pixel %zu: the cosine between the normal and the ellipsoid's is %.7f", i, cos_right);
+        if (!(fabs(cos_right - 1) < 1e-5))
+            fail_msg("pixel %zu: the cosine between the normal and the ellipsoid's is %.7f", i, cos_right);
     }
     if (n_hits < 40 || n_twin <= n_hits / 2) fail_msg("%d pixels, the twin fails in %d", n_hits, n_twin);
     bis_free(planes);
@@ -373,8 +379,7 @@ static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
     clear_world(&w);
 }
 
-/* --- error bars
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- error bars ---- */
 
 /* One pixel, passes 1 and 3: s = sqrt 2, standard error 1, t(0.975, 1) = tan(0.475 pi) = 12.706. Passes 1, 3, 5: s = 2,
  * 2/sqrt 3, t(0.975, 2) = 4.30265. */
@@ -472,8 +477,8 @@ static void intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on(void 
     }
 }
 
-/* In a rendered picture: 32 independent passes of sir, the truth from 3000 of another seed. The twin takes the 95% point
- * of t, one-sided, for that of both sides. */
+/* In a rendered picture: 32 independent passes of sir, the truth from 3000 of another seed. The twin takes the 95%
+ * point of t, one-sided, for that of both sides. */
 static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
 {
     (void)state;
@@ -499,7 +504,8 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
         for (size_t i = 0; i < n; i++) {
             for (size_t k = 0; k < 3; k++) {
                 if (planes[k * n + i] == 0) continue; /* black or the sky */
-                const double error = fabs(f.sum[3 * i + k] / f.weight - truth.sum[3 * i + k] / truth.weight), half = (double)planes[k * n + i];
+                const double error = fabs(f.sum[3 * i + k] / f.weight - truth.sum[3 * i + k] / truth.weight),
+                             half = (double)planes[k * n + i];
                 all++;
                 inside += error <= half;
                 inside_twin += error <= one_sided * half;
@@ -514,8 +520,7 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
     clear_world(&w);
 }
 
-/* --- memory
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- memory ---- */
 
 static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
 {

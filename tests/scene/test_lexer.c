@@ -60,7 +60,8 @@ static void every_kind_of_token_has_its_line_and_column(void **state)
 
 static void columns_count_characters_and_not_bytes(void **state)
 {
-    static const char text[] = "\"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\" a # \xc3\xa9\n b \"\xc3\xa9\xc3\xa9\" \"\xc3\xa9\" c";
+    static const char text[] =
+        "\"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\" a # \xc3\xa9\n b \"\xc3\xa9\xc3\xa9\" \"\xc3\xa9\" c";
     bis_lexer l;
     bis_diag diag;
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What the parser makes of shapes by formulas or of a few points: pbrt's defaults, limits and names, by rays at what was
- * built. */
+/* What the parser makes of shapes by formulas or of a few points: pbrt's defaults, limits and names, by rays at what
+ * was built. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
 #include "image_help.h"
@@ -92,7 +92,8 @@ static void shapes_have_pbrts_defaults(void **state)
     b = build("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]"); /* z = x y */
     ABOUT(distance(&b, .5, .6, 5, 0, 0, -1), 4.7);
     clear(&b);
-    b = build("Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 3 \"float uknots\" [0 0 0 1 1 1] \"integer nv\" 2 \"integer vorder\" 2 "
+    b = build("Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 3 \"float uknots\" [0 0 0 1 1 1] \"integer nv\" 2 "
+              "\"integer vorder\" 2 "
               "\"float vknots\" [0 0 1 1] \"point3 P\" [-1 0 0 0 0 1 1 0 0  -1 1 0 0 1 1 1 1 0]");
     ABOUT(distance(&b, 0, .5, 5, 0, 0, -1), 4.5);       /* 2 (1/2) (1/2) of the middle's height */
     ABOUT(distance(&b, -.5, .5, 5, 0, 0, -1), 5 - .375); /* u = 1/4 */
@@ -118,8 +119,10 @@ static void equal_shapes_share_a_mesh_and_names_of_older_versions_are_known(void
 {
     (void)state;
     built b = build("Shape \"cylinder\" \"float radius\" 2 Translate 9 0 0 Shape \"cylinder\" \"float radius\" 2 "
-                    "Shape \"cylinder\" \"float zmax\" -1 \"float zmin\" 1 \"float radius\" 2 Shape \"cylinder\" \"float radius\" 3 "
-                    "Shape \"loopsubdiv\" \"integer nlevels\" [1] \"string scheme\" \"loop\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]");
+                    "Shape \"cylinder\" \"float zmax\" -1 \"float zmin\" 1 \"float radius\" 2 Shape \"cylinder\" "
+                    "\"float radius\" 3 "
+                    "Shape \"loopsubdiv\" \"integer nlevels\" [1] \"string scheme\" \"loop\" \"point P\" [0 0 0 1 0 0 "
+                    "0 1 0] \"integer indices\" [0 1 2]");
     assert_int_equal(b.desc->n_meshes, 3);
     assert_int_equal(b.desc->meshes[2].mesh.n_triangles, 4);
     ABOUT(distance(&b, 20, 0, 0, -1, 0, 0), 20 - 12); /* the radius of 3, about 9 */
@@ -142,8 +145,10 @@ static void every_allocation_may_fail(void **state)
     (void)state;
     static const char scene[] = "WorldBegin LightSource \"infinite\" Shape \"cone\" Shape \"cone\" "
         "Shape \"loopsubdiv\" \"integer levels\" 1 \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] "
-        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 "
-        "\"float Pz\" [0 0 0 0] Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 2 \"float uknots\" [0 0 1 1] \"integer nv\" 2 "
+        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] Shape \"heightfield\" \"integer nu\" 2 "
+        "\"integer nv\" 2 "
+        "\"float Pz\" [0 0 0 0] Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 2 \"float uknots\" [0 0 1 1] "
+        "\"integer nv\" 2 "
         "\"integer vorder\" 2 \"float vknots\" [0 0 1 1] \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]";
     store(scratch("scene.txt"), scene, sizeof scene - 1);
     for (unsigned how = 0; how < 2; how++) {

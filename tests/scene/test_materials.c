@@ -21,14 +21,14 @@
 
 #define DIR "build/test_materials"
 
-/* --- numbers
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- numbers ---- */
 
 static void materials_are_numbered_by_value_in_the_order_of_the_shapes(void **state)
 {
     (void)state;
     const rgb grey = {0.5f, 0.5f, 0.5f}, red = {0.5f, 0.1f, 0.1f}, black = {0, 0, 0};
-    bis_material materials[] = {bis_phong(grey, black, 50), bis_phong(red, black, 50), bis_phong(red, grey, 50), bis_phong(red, black, 50), bis_phong(red, grey, 51)};
+    bis_material materials[] = {bis_phong(grey, black, 50), bis_phong(red, black, 50), bis_phong(red, grey, 50),
+        bis_phong(red, black, 50), bis_phong(red, grey, 51)};
     bis_shape_desc shapes[] = {{.material = 2}, {.material = 3}, {.material = 2}, {.material = 1}, {.material = 4}};
     const bis_scene_desc d = {.materials = materials, .n_materials = 5, .shapes = shapes, .n_shapes = 5};
     uint32_t *number, n;
@@ -64,7 +64,9 @@ static void numbers_are_those_that_comparing_all_pairs_gives(void **state)
         int k = 0;
         while (k < i) {
             const bis_material *other = &materials[shapes[k].material];
-            if (rgb_sum(m->Kd) == rgb_sum(other->Kd) && rgb_sum(m->Ks) == rgb_sum(other->Ks) && m->exponent == other->exponent) break;
+            if (rgb_sum(m->Kd) == rgb_sum(other->Kd) && rgb_sum(m->Ks) == rgb_sum(other->Ks) &&
+                m->exponent == other->exponent)
+                break;
             k++;
         }
         assert_int_equal(number[shapes[i].material], k < i ? number[shapes[k].material] : expected++);
@@ -88,7 +90,8 @@ static void each_value_of_a_material_tells_it_from_others(void **state)
         m->eta = (rgb){1, 2, 3};
         m->alpha = 0.25;
         m->model = model.model;
-        float *const values[] = {&m->Kd.r, &m->Kd.g, &m->Kd.b, &m->Ks.r, &m->Ks.g, &m->Ks.b, &m->eta.r, &m->eta.g, &m->eta.b};
+        float *const values[] = {
+            &m->Kd.r, &m->Kd.g, &m->Kd.b, &m->Ks.r, &m->Ks.g, &m->Ks.b, &m->eta.r, &m->eta.g, &m->eta.b};
         if (i % N > 0 && i % N < 10) *values[i % N - 1] += 0.0625f;
         if (i % N == 10) m->exponent = 8;
         if (i % N == 11) m->alpha = 0.5;
@@ -112,18 +115,19 @@ static void each_value_of_a_material_tells_it_from_others(void **state)
     bis_free(number);
     /* one texture and another */
     for (int i = 0; i < 2 * N; i++)
-        of[i] = (bis_material_textures){(uint32_t)i % 2, (uint32_t)i % 3, (uint32_t)i % 5, i % 7 ? 1 : 0.5, {0}, i < 9, i < 20};
+        of[i] = (bis_material_textures){
+            (uint32_t)i % 2, (uint32_t)i % 3, (uint32_t)i % 5, i % 7 ? 1 : 0.5, {0}, i < 9, i < 20};
     for (int i = 0; i < 2 * N; i++) materials[i] = bis_phong(a, b, 7);
     assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
     for (int i = 0; i < 2 * N; i++)
         for (int k = 0; k < 2 * N; k++)
-            assert_true((number[i] == number[k]) == (i % 2 == k % 2 && i % 3 == k % 3 && i % 5 == k % 5 && (i % 7 == 0) == (k % 7 == 0) && (i < 9) == (k < 9) &&
-                                                     (i < 20) == (k < 20)));
+            assert_true((number[i] == number[k]) ==
+                        (i % 2 == k % 2 && i % 3 == k % 3 && i % 5 == k % 5 && (i % 7 == 0) == (k % 7 == 0) &&
+                            (i < 9) == (k < 9) && (i < 20) == (k < 20)));
     bis_free(number);
 }
 
-/* --- the program
- * --------------------------------------------------------------------------------------------------- */
+/* ---- the program ---- */
 
 static void the_plan_lists_materials_by_number(void **state)
 {

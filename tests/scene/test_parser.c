@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* parser: docs/scene-format.md by examples. Bad scenes lie in tests/data/bad/NAME.txt beside the exact messages NAME.expect; good ones in
- * tests/data/scenes and in docs/scene-format.md. */
+/* parser: docs/scene-format.md by examples. Bad scenes lie in tests/data/bad/NAME.txt beside the exact messages
+ * NAME.expect; good ones in tests/data/scenes and in docs/scene-format.md. */
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
@@ -167,7 +167,8 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
     assert_int_equal(d->view.film.width, 1280);
     assert_int_equal(d->view.film.height, 720);
     assert_string_equal(d->outfile, "bis.exr");
-    assert_true(d->view.film.crop[0] == 0 && d->view.film.crop[1] == 1 && d->view.film.crop[2] == 0 && d->view.film.crop[3] == 1);
+    assert_true(d->view.film.crop[0] == 0 && d->view.film.crop[1] == 1 && d->view.film.crop[2] == 0 &&
+                d->view.film.crop[3] == 1);
     assert_true(!d->view.camera.orthographic && d->view.camera.fov_deg == 90 && !d->view.camera.has_screen);
     assert_has_the_usual_sampler(d);
     assert_true(d->view.pixel_jitter);
@@ -226,13 +227,16 @@ static void a_word_that_sir_once_had_is_ignored_with_a_note(void **state)
     bis_diag diag;
     bis_scene_desc *d;
     (void)state;
-    assert_int_equal(parse_text(&d, &diag, "Integrator \"sir\" \"bool vectorize\" false \"integer candidates\" 33\nWorldBegin"), BIS_OK);
+    assert_int_equal(
+        parse_text(&d, &diag, "Integrator \"sir\" \"bool vectorize\" false \"integer candidates\" 33\nWorldBegin"),
+        BIS_OK);
     assert_int_equal(diag.n, 2); /* and "no light" */
     assert_non_null(strstr(diag.messages[0].text, "\"vectorize\" is ignored"));
     assert_int_equal(d->view.settings.candidates, 33);
     bis_scene_desc_free(d);
     bis_diag_clear(&diag);
-    assert_int_equal(parse_text(&d, &diag, "Integrator \"em\" \"bool vectorize\" false\nWorldBegin"), BIS_INPUT); /* twin */
+    assert_int_equal(
+        parse_text(&d, &diag, "Integrator \"em\" \"bool vectorize\" false\nWorldBegin"), BIS_INPUT); /* twin */
     bis_scene_desc_free(d);
     bis_diag_clear(&diag);
 }
@@ -261,8 +265,9 @@ static void an_integrator_of_pbrt_is_none(void **state)
 static void a_second_sampler_begins_with_the_defaults(void **state)
 {
     (void)state;
-    static const char first[] = "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 2 \"integer seed\" 7 "
-                                "\"bool jitter\" false \"integer edgesamples\" 1024 \"float edgelight\" 0.125\n";
+    static const char first[] =
+        "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 2 \"integer seed\" 7 "
+        "\"bool jitter\" false \"integer edgesamples\" 1024 \"float edgelight\" 0.125\n";
     char two[512];
     bis_scene_desc *d = good_scene(first, ""), *usual = good_scene("Sampler \"stratified\"", "");
     assert_true(fabs(d->view.edge_light - 0.125) < 1e-12);
@@ -292,7 +297,8 @@ static void a_light_without_parameters_has_the_defaults_of_the_contract(void **s
     (void)state;
     bis_scene_desc *d = good_scene("", "");
     const bis_light_desc *l = &d->light;
-    assert_true(d->has_light && l->visible && !l->filename && !l->is_v4 && l->mapping == BIS_MAPPING_LATLONG && !l->has_mapping && !l->has_table_kind);
+    assert_true(d->has_light && l->visible && !l->filename && !l->is_v4 && l->mapping == BIS_MAPPING_LATLONG &&
+                !l->has_mapping && !l->has_table_kind);
     assert_true(l->L.r == 1 && l->L.g == 1 && l->L.b == 1 && l->scale == 1 && l->area_exponent == 0.15 &&
                 l->levels == 8);
     assert_int_equal(l->loc.line, 3);
@@ -302,7 +308,8 @@ static void a_light_without_parameters_has_the_defaults_of_the_contract(void **s
 static void materials_have_the_defaults_of_the_contract(void **state)
 {
     (void)state;
-    bis_scene_desc *d = good_scene("", "Shape \"sphere\" Material \"phong\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\"");
+    bis_scene_desc *d =
+        good_scene("", "Shape \"sphere\" Material \"phong\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\"");
     for (size_t i = 0; i < 3; i++) {
         const bis_material *m = &d->materials[d->shapes[i].material];
         assert_true(m->Kd.r == 0.5f && m->Kd.g == 0.5f && m->Kd.b == 0.5f && rgb_is_black(m->Ks));
@@ -315,8 +322,9 @@ static void materials_have_the_defaults_of_the_contract(void **state)
 static void whole_quadrics_may_say_that_they_are_whole(void **state)
 {
     (void)state;
-    bis_scene_desc *d = good_scene("", "Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 5 \"float phimax\" 360 "
-                                       "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360 \"float height\" 3");
+    bis_scene_desc *d =
+        good_scene("", "Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 5 \"float phimax\" 360 "
+                       "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360 \"float height\" 3");
     assert_int_equal(d->n_shapes, 2);
     assert_true(d->shapes[0].radius == 2 && d->shapes[1].radius == 1 && d->shapes[1].height == 3);
     bis_scene_desc_free(d);
@@ -345,11 +353,13 @@ static void every_parameter_before_the_world_arrives(void **state)
 {
     (void)state;
     bis_scene_desc *d = good_scene(
-        "Camera \"orthographic\" \"float screenwindow\" [-2 2 -1.5 1.5] \"float frameaspectratio\" 2 \"float lensradius\" 0\n"
+        "Camera \"orthographic\" \"float screenwindow\" [-2 2 -1.5 1.5] \"float frameaspectratio\" 2 \"float "
+        "lensradius\" 0\n"
         "Film \"rgb\" \"integer xresolution\" 640 \"integer yresolution\" [480] \"string filename\" \"a b.exr\" "
         "\"float cropwindow\" [.25 .75 0 .5]\n"
         "PixelFilter \"box\"\n"
-        "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 5 \"bool jitter\" false \"integer seed\" 9007199254740991\n"
+        "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 5 \"bool jitter\" false \"integer seed\" "
+        "9007199254740991\n"
         "Integrator \"rejection\" \"integer candidates\" 7 \"integer shadowrays\" 3 \"string proposal\" \"brdf\" "
         "\"string estimator\" \"plain\" \"string fallback\" \"subset\"\n"
         "Accelerator \"grid\" \"float density\" 2.5\n"
@@ -362,7 +372,8 @@ static void every_parameter_before_the_world_arrives(void **state)
     assert_int_equal(d->view.film.width, 640);
     assert_int_equal(d->view.film.height, 480);
     assert_string_equal(d->outfile, "a b.exr");
-    assert_true(d->view.film.crop[0] == 0.25 && d->view.film.crop[1] == 0.75 && d->view.film.crop[2] == 0 && d->view.film.crop[3] == 0.5);
+    assert_true(d->view.film.crop[0] == 0.25 && d->view.film.crop[1] == 0.75 && d->view.film.crop[2] == 0 &&
+                d->view.film.crop[3] == 0.5);
     assert_int_equal(d->view.sampler.xsamples, 3);
     assert_int_equal(d->view.sampler.ysamples, 5);
     assert_int_equal(d->view.sampler.spp, 15);
@@ -381,15 +392,18 @@ static void every_parameter_of_the_other_integrators_arrives(void **state)
 {
     bis_scene_desc *d;
     (void)state;
-    d = good_scene("Integrator \"mis\" \"integer samples\" 9 \"string heuristic\" \"power\" \"float split\" .25 \"bool compensate\" true", "");
+    d = good_scene("Integrator \"mis\" \"integer samples\" 9 \"string heuristic\" \"power\" \"float split\" .25 \"bool "
+                   "compensate\" true",
+        "");
     assert_true(d->view.settings.integrator == &bis_mis && d->view.settings.samples == 9 &&
                 d->view.settings.heuristic == BIS_HEURISTIC_POWER &&
                 d->view.settings.split == 0.25 && d->view.settings.compensate);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"sir\" \"integer candidates\" 5 \"integer shadowrays\" 2 \"string proposal\" \"em\" "
                    "\"string resampling\" \"multinomial\" \"bool stratify\" \"false\"", "");
-    assert_true(d->view.settings.integrator == &bis_sir && d->view.settings.candidates == 5 && d->view.settings.shadowrays == 2 &&
-                d->view.settings.proposal == BIS_PROPOSAL_EM && d->view.settings.resampling == BIS_RESAMPLING_MULTINOMIAL && !d->view.settings.stratify);
+    assert_true(d->view.settings.integrator == &bis_sir && d->view.settings.candidates == 5 &&
+                d->view.settings.shadowrays == 2 && d->view.settings.proposal == BIS_PROPOSAL_EM &&
+                d->view.settings.resampling == BIS_RESAMPLING_MULTINOMIAL && !d->view.settings.stratify);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"exact\" \"integer perpatch\" 4", "");
     assert_true(d->view.settings.integrator == &bis_exact && d->view.settings.perpatch == 4);
@@ -413,13 +427,14 @@ static void every_parameter_of_a_light_arrives(void **state)
     const char *name = strrchr(scratch("map.pfm"), '/') + 1;
     snprintf(text, sizeof text,
              "WorldBegin LightSource \"infinite\" \"string filename\" \"%s\" \"rgb L\" [1 2 3] \"float scale\" 4 "
-             "\"string mapping\" \"angular\" \"integer width\" 100 \"float areaexponent\" 0 \"integer levels\" 5 \"string sampler\" \"cdf\" "
+             "\"string mapping\" \"angular\" \"integer width\" 100 \"float areaexponent\" 0 \"integer levels\" 5 "
+             "\"string sampler\" \"cdf\" "
              "\"bool visible\" false", name);
     bis_scene_desc *d = good(text);
     const bis_light_desc *l = &d->light;
     assert_string_equal(l->filename, scratch("map.pfm")); /* relative to the scene's folder */
-    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->is_v4 && l->has_mapping && l->mapping == BIS_MAPPING_ANGULAR &&
-                l->width == 100);
+    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->is_v4 && l->has_mapping &&
+                l->mapping == BIS_MAPPING_ANGULAR && l->width == 100);
     assert_true(l->area_exponent == 0 && l->levels == 5 && l->has_table_kind && l->table_kind == BIS_TABLE_CDF &&
                 !l->visible);
     bis_scene_desc_free(d);
@@ -503,7 +518,8 @@ static void blocks_restore_what_they_saved(void **state)
     (void)state;
     bis_scene_desc *d = good_scene("", "Material \"diffuse\" \"rgb reflectance\" [1 0 0] Translate 1 0 0\n"
                                        "AttributeBegin Material \"diffuse\" Translate 1 0 0 Shape \"sphere\"\n"
-                                       "  TransformBegin Translate 5 0 0 Material \"phong\" Shape \"sphere\" TransformEnd Shape \"sphere\"\n"
+                                       "  TransformBegin Translate 5 0 0 Material \"phong\" Shape \"sphere\" "
+                                       "TransformEnd Shape \"sphere\"\n"
                                        "AttributeEnd Shape \"sphere\"");
     assert_moves(d, 0, 3, 2, 3);
     assert_moves(d, 1, 8, 2, 3);
@@ -519,7 +535,8 @@ static void instances_put_their_transformation_before_the_objects(void **state)
 {
     (void)state;
     bis_scene_desc *d = good_scene("", "Translate 1 0 0\n"
-                                       "ObjectBegin \"o\" Scale 2 2 2 Material \"phong\" Shape \"sphere\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] ObjectEnd\n"
+                                       "ObjectBegin \"o\" Scale 2 2 2 Material \"phong\" Shape \"sphere\" Shape "
+                                       "\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] ObjectEnd\n"
                                        "Translate 0 10 0 ObjectInstance \"o\" ObjectInstance \"o\" Shape \"sphere\"");
     assert_int_equal(d->n_shapes, 5);
     assert_moves(d, 0, 1 + 1 + 2, 10 + 4, 6);
@@ -539,7 +556,8 @@ static void a_file_named_by_many_shapes_is_one_mesh(void **state)
     const char *name = strrchr(scratch("m.ply"), '/') + 1;
     snprintf(text, sizeof text,
              "Shape \"plymesh\" \"string filename\" \"%s\" Shape \"plymesh\" \"string filename\" [\"%s\"]\n"
-             "Shape \"plymesh\" \"string filename\" \"%s\" \"bool smooth\" true \"float alpha\" 0 \"texture shadowalpha\" \"t\" \"point2 uv\" [0 0]", name, name, name);
+             "Shape \"plymesh\" \"string filename\" \"%s\" \"bool smooth\" true \"float alpha\" 0 \"texture "
+             "shadowalpha\" \"t\" \"point2 uv\" [0 0]", name, name, name);
     bis_scene_desc *d = good_scene("", text);
     assert_int_equal(d->n_shapes, 3);
     assert_int_equal(d->n_meshes, 2);
@@ -552,25 +570,29 @@ static void a_file_named_by_many_shapes_is_one_mesh(void **state)
 static void a_file_that_is_read_in_other_ways_is_other_meshes(void **state)
 {
     (void)state;
-    static const char *const ways[] = {"\"plymesh\"", "\"plymesh\" \"bool smooth\" true", "\"objmesh\"", "\"objmesh\" \"bool smooth\" true",
-                                       "\"objmesh\" \"bool materials\" true", "\"objmesh\" \"bool materials\" true \"bool smooth\" true"};
+    static const char *const ways[] = {"\"plymesh\"", "\"plymesh\" \"bool smooth\" true", "\"objmesh\"",
+        "\"objmesh\" \"bool smooth\" true", "\"objmesh\" \"bool materials\" true",
+        "\"objmesh\" \"bool materials\" true \"bool smooth\" true"};
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     char text[2048] = "";
     store(scratch("m.obj"), obj, sizeof obj - 1);
     store(scratch("n.obj"), obj, sizeof obj - 1);
     for (int i = 0; i < 12; i++) {
         const size_t n = strlen(text);
-        snprintf(text + n, sizeof text - n, "Shape %s \"string filename\" \"%s\"\n", ways[i % 6], strrchr(scratch("m.obj"), '/') + 1);
+        snprintf(text + n, sizeof text - n, "Shape %s \"string filename\" \"%s\"\n", ways[i % 6],
+            strrchr(scratch("m.obj"), '/') + 1);
     }
     const size_t n = strlen(text);
-    snprintf(text + n, sizeof text - n, "Shape \"plymesh\" \"string filename\" \"%s\"", strrchr(scratch("n.obj"), '/') + 1);
+    snprintf(
+        text + n, sizeof text - n, "Shape \"plymesh\" \"string filename\" \"%s\"", strrchr(scratch("n.obj"), '/') + 1);
     bis_scene_desc *d = good_scene("", text);
     assert_int_equal(d->n_shapes, 13);
     assert_int_equal(d->n_meshes, 7);
     for (size_t i = 0; i < 12; i++) {
         const bis_mesh_desc *m = &d->meshes[d->shapes[i].mesh];
         assert_int_equal(d->shapes[i].mesh, i % 6);
-        assert_true(m->kind == (i % 6 < 2 ? BIS_SHAPE_PLY : BIS_SHAPE_OBJ) && m->smooth == (i % 6 == 1 || i % 6 == 3 || i % 6 == 5) && m->has_parts == (i % 6 > 3));
+        assert_true(m->kind == (i % 6 < 2 ? BIS_SHAPE_PLY : BIS_SHAPE_OBJ) &&
+                    m->smooth == (i % 6 == 1 || i % 6 == 3 || i % 6 == 5) && m->has_parts == (i % 6 > 3));
     }
     assert_int_equal(d->shapes[12].mesh, 6);
     bis_scene_desc_free(d);
@@ -579,7 +601,8 @@ static void a_file_that_is_read_in_other_ways_is_other_meshes(void **state)
 static void a_named_material_may_be_used_before_it_is_made(void **state)
 {
     (void)state;
-    bis_scene_desc *d = good_scene("", "NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"matte\" \"color Kd\" [1 0 0]");
+    bis_scene_desc *d = good_scene("",
+        "NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"matte\" \"color Kd\" [1 0 0]");
     assert_true(d->materials[d->shapes[0].material].Kd.r == 1);
     bis_scene_desc_free(d);
 }
@@ -587,9 +610,10 @@ static void a_named_material_may_be_used_before_it_is_made(void **state)
 static void triangles_arrive_with_points_indices_and_normals(void **state)
 {
     (void)state;
-    bis_scene_desc *d = good_scene("", "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [0 1 2 3 2 1]\n"
-                                       " \"normal N\" [0 0 1 0 0 1 0 0 1 1 0 0] \"vector S\" [1 0 0]\n"
-                                       "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    bis_scene_desc *d = good_scene("",
+        "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [0 1 2 3 2 1]\n"
+        " \"normal N\" [0 0 1 0 0 1 0 0 1 1 0 0] \"vector S\" [1 0 0]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     const bis_mesh *m = &d->meshes[0].mesh;
     assert_int_equal(m->n_vertices, 4);
     assert_int_equal(m->n_triangles, 2);
@@ -607,7 +631,8 @@ static void a_light_frame_may_be_rotated_and_mirrored_and_is_made_exactly_orthon
 {
     (void)state;
     /* 30 degrees about z to three digits, mirrored in x, moved */
-    bis_scene_desc *d = good("WorldBegin Translate 5 5 5 Scale -1 1 1 ConcatTransform [.866 .5 0 0 -.5 .866 0 0 0 0 1 0 0 0 0 1] LightSource \"infinite\"");
+    bis_scene_desc *d = good("WorldBegin Translate 5 5 5 Scale -1 1 1 ConcatTransform [.866 .5 0 0 -.5 .866 0 0 0 0 1 "
+                             "0 0 0 0 1] LightSource \"infinite\"");
     const bis_xform *t = &d->light.to_world;
     assert_true(bis_xform_is_orthonormal(t, 4 * 0x1p-52));
     assert_true(fabs(t->m[0][0] + sqrt(0.75)) < 1e-3 && fabs(t->m[1][0] - 0.5) < 1e-3 && t->m[0][3] == 0);
@@ -850,7 +875,9 @@ static void check_example(const char *text, size_t n)
     char scene[8192];
     bis_scene_desc *d;
     bis_diag diag = {0};
-    const char *part = memmem(text, n, "WorldBegin", 10) ? "%.*s" : memmem(text, n, "# in the world", 14) ? "WorldBegin\n%.*s\n" : "%.*s\nWorldBegin\n";
+    const char *part = memmem(text, n, "WorldBegin", 10)       ? "%.*s"
+                       : memmem(text, n, "# in the world", 14) ? "WorldBegin\n%.*s\n"
+                                                               : "%.*s\nWorldBegin\n";
     assert_true(n + 64 < sizeof scene);
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"

@@ -105,10 +105,10 @@ static void all_twelve_gradients_are_there(void **state)
     assert_int_equal(kinds, 12);
 }
 
-/* A corner's share is at most its weight times the two largest parts of the way to it. By symmetry an eighth of the cube
- * is enough. From a point of the lattice, which is at most 1/512 away along each axis, the bound changes by at most 8.5
- * of that for each of the three axes: the weights of all corners change by at most 2 x 15/8 together, times two parts
- * of at most 1 each, and the parts by 1. */
+/* A corner's share is at most its weight times the two largest parts of the way to it. By symmetry an eighth of the
+ * cube is enough. From a point of the lattice, which is at most 1/512 away along each axis, the bound changes by at
+ * most 8.5 of that for each of the three axes: the weights of all corners change by at most 2 x 15/8 together, times
+ * two parts of at most 1 each, and the parts by 1. */
 static void noise_stays_below_its_bound(void **state)
 {
     (void)state;
@@ -286,9 +286,11 @@ static void ranges_hold_all_values(void **state)
     (void)state;
     static const char *const all[] = {
         "Texture \"t\" \"spectrum\" \"fbm\" \"float roughness\" 0.9", "Texture \"t\" \"float\" \"wrinkled\"",
-        "Texture \"t\" \"float\" \"windy\"", "Texture \"t\" \"spectrum\" \"marble\"", "Texture \"t\" \"spectrum\" \"uv\"",
+        "Texture \"t\" \"float\" \"windy\"", "Texture \"t\" \"spectrum\" \"marble\"",
+        "Texture \"t\" \"spectrum\" \"uv\"",
         "Texture \"t\" \"spectrum\" \"bilerp\" \"float v01\" -1 \"float v10\" 0.5",
-        "Texture \"a\" \"spectrum\" \"marble\" Texture \"t\" \"spectrum\" \"dots\" \"texture inside\" \"a\" \"float outside\" 2",
+        "Texture \"a\" \"spectrum\" \"marble\" Texture \"t\" \"spectrum\" \"dots\" \"texture inside\" \"a\" \"float "
+        "outside\" 2",
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         bis_scene_desc *d = read_scene(all[i]);
@@ -308,7 +310,8 @@ static void what_leaves_its_range_or_its_type_is_refused(void **state)
 {
     (void)state;
     static const struct { const char *scene, *text; } rows[] = {
-        {"Texture \"t\" \"float\" \"marble\"", "Texture \"marble\" is one of colours: its type must be \"spectrum\" (or \"color\")"},
+        {"Texture \"t\" \"float\" \"marble\"", "Texture \"marble\" is one of colours: its type must be \"spectrum\" "
+         "(or \"color\")"},
         {"Texture \"t\" \"float\" \"uv\"", "Texture \"uv\" is one of colours"},
         {"Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 65", "\"octaves\" is 65, must be in [0, 64]"},
         {"Texture \"t\" \"float\" \"fbm\" \"float roughness\" -1", "\"roughness\" is -1, must be in [0, 1000]"},

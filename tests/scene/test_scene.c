@@ -72,7 +72,8 @@ static bool hits(const bis_scene *s, double x, double y, double z, double dx, do
 static void every_kind_of_shape_is_built(void **state)
 {
     (void)state;
-    built b = build("", MAP TETRAHEDRON SQUARE "Shape \"sphere\" Shape \"disk\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    built b = build("", MAP TETRAHEDRON SQUARE
+        "Shape \"sphere\" Shape \"disk\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     assert_int_equal(b.scene->geometry.n_triangles, 4 + 2 + 1);
     assert_int_equal(b.scene->geometry.n_quadrics, 2);
     assert_non_null(b.scene->accel);
@@ -85,7 +86,8 @@ static void instances_share_a_mesh_and_stand_where_they_were_put(void **state)
 {
     (void)state;
     built b = build("", MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd\n"
-                            "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\" Translate 10 0 0 Scale 2 2 2 ObjectInstance \"o\"");
+                            "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\" Translate 10 0 0 Scale 2 2 2 "
+                            "ObjectInstance \"o\"");
     float t = 0;
     assert_int_equal(b.desc->n_meshes, 1);
     /* also the first, whose identity would let its mesh be moved away */
@@ -216,8 +218,8 @@ static void when_the_kth_allocation_fails_the_build_fails_cleanly(void **state)
 {
     (void)state;
     built b = describe("Accelerator \"grid\"\nIntegrator \"sir\" \"string proposal\" \"em\"",
-                       MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " SQUARE
-                           "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"");
+        MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " SQUARE
+            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"");
     bool ended = false;
     for (long k = 1; !ended; k++) {
         bis_scene *s;
@@ -274,7 +276,8 @@ static void the_plan_says_what_is_left_out_and_why(void **state)
     assert_plan("", "Shape \"sphere\"", (const char *const[]){"\nlight        none: the picture will be black\n",
                                                               "\nskip         light table: there is no light\n", NULL});
     assert_plan("Integrator \"brdf\"", MAP "Shape \"sphere\"",
-                (const char *const[]){"\nskip         light table: this integrator, so set, draws nothing from the map\n", NULL});
+        (const char *const[]){
+            "\nskip         light table: this integrator, so set, draws nothing from the map\n", NULL});
     assert_plan("Integrator \"em\"", MAP_B0 "Material \"phong\" \"float Kd\" 0 \"float Ks\" 1 Shape \"sphere\"",
                 (const char *const[]){"\nskip         light components: areaexponent is 0\n",
                                       "\nskip         diffuse candidates: Kd is 0 in 1 of 1 materials\n", NULL});
@@ -285,14 +288,15 @@ static void the_plan_says_what_is_left_out_and_why(void **state)
 static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
 {
     (void)state;
-    assert_plan("Integrator \"em\" \"integer samples\" 3\nAccelerator \"grid\" \"float density\" 2.5\nSampler \"sobol\"",
-                MAP TETRAHEDRON TETRAHEDRON SQUARE,
-                (const char *const[]){"\nintegrator   em: samples 3, stratify false\n", "\nclaim        ",
-                                      "\nsampler      sobol, 16 camera samples a pixel, seed 0\n",
-                                      "map.pfm, latlong, 4 x 2: 0.0 MB of pixels\n", "\nbuild        light table, CDFs: at most 0.0 MB\n",
-                                      "\nbuild        light components, 8 levels, areaexponent 0.15\n",
-                                      "tetrahedron.ply, 4 vertices, 4 faces, read once for 2 shapes\n", "square.obj, a file of",
-                                      "\nbuild        accelerator grid, density 2.5\n", NULL});
+    assert_plan(
+        "Integrator \"em\" \"integer samples\" 3\nAccelerator \"grid\" \"float density\" 2.5\nSampler \"sobol\"",
+        MAP TETRAHEDRON TETRAHEDRON SQUARE,
+        (const char *const[]){"\nintegrator   em: samples 3, stratify false\n", "\nclaim        ",
+            "\nsampler      sobol, 16 camera samples a pixel, seed 0\n", "map.pfm, latlong, 4 x 2: 0.0 MB of pixels\n",
+            "\nbuild        light table, CDFs: at most 0.0 MB\n",
+            "\nbuild        light components, 8 levels, areaexponent 0.15\n",
+            "tetrahedron.ply, 4 vertices, 4 faces, read once for 2 shapes\n", "square.obj, a file of",
+            "\nbuild        accelerator grid, density 2.5\n", NULL});
 }
 
 /* CDFs keep the spread of a sampler's points; independent numbers have none, and go through alias tables. */
@@ -317,15 +321,19 @@ static void the_table_follows_who_draws(void **state)
         assert_plan(cases[i].before, MAP "Shape \"sphere\"", (const char *const[]){line, NULL});
     }
     /* the scene's own word counts */
-    assert_plan("Integrator \"rejection\"", "LightSource \"infinite\" \"string filename\" \"" SCENES "map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
-                (const char *const[]){"\nbuild        light table, CDFs", NULL});
+    assert_plan("Integrator \"rejection\"",
+        "LightSource \"infinite\" \"string filename\" \"" SCENES
+        "map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
+        (const char *const[]){"\nbuild        light table, CDFs", NULL});
 }
 
 /* 1280 x 720 pixels; the 80 x 45 of the crop begin at (640, 360), in the middle of a row of tiles. */
 static void the_plan_says_what_a_crop_costs_that_learns(void **state)
 {
-    static const char line[] = "\ncrop         80 x 64 pixels are rendered for its 80 x 45, whole tiles of 16 x 16: \"learn\" is by tiles\n";
-    static const char part[] = "Film \"rgb\" \"integer xresolution\" 1280 \"integer yresolution\" 720 \"float cropwindow\" [ 0.5 0.5625 0.5 0.5625 ]\n";
+    static const char line[] =
+        "\ncrop         80 x 64 pixels are rendered for its 80 x 45, whole tiles of 16 x 16: \"learn\" is by tiles\n";
+    static const char part[] = "Film \"rgb\" \"integer xresolution\" 1280 \"integer yresolution\" 720 \"float "
+                               "cropwindow\" [ 0.5 0.5625 0.5 0.5625 ]\n";
     static const char *const learns[] = {"Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true",
                                          "Integrator \"sir\" \"string proposal\" \"product\""};
     (void)state;
@@ -365,7 +373,8 @@ static void the_plan_agrees_with_the_build(void **state)
 static void image_sizes_are_read_from_headers(void **state)
 {
     static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 1024\n";
-    static const char exr[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\xff\xff\xff\xff\0\0\0\0\x0e\0\0\0\x04\0\0";
+    static const char exr[] =
+        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\xff\xff\xff\xff\0\0\0\0\x0e\0\0\0\x04\0\0";
     long w, h;
     (void)state;
     store(scratch("a.hdr"), hdr, sizeof hdr - 1);
@@ -393,14 +402,18 @@ static bool peeked(const char *name, const void *data, size_t n, long wanted_w, 
 static void a_size_is_read_where_the_format_has_it(void **state)
 {
     /* the window of an EXR is (x0, y0) to (x1, y1), both in it: (-256, 515) to (2, 30000) here, and to (2, 70000) */
-    static const char exr[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x30\x75\0";
-    static const char tall[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
-    static const char turned[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
+    static const char exr[] =
+        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x30\x75\0";
+    static const char tall[] =
+        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
+    static const char turned[] =
+        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
     /* 384 x 516 pixels are 8 times 1032 times the 24 bytes, the most that deflate makes of them; 385 are more */
     static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x80\0\0\x02\x04";
     static const char dense[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x81\0\0\x02\x04";
     static const char wide[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01";
-    static const char *const hdr[] = {"-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
+    static const char *const hdr[] = {
+        "-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
     long v, f;
 
     (void)state;
@@ -564,7 +577,8 @@ static void a_map_is_seen_smooth_if_the_scene_says_so(void **state)
 {
     (void)state;
     char light[200];
-    snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\"\n" SQUARE, eight(4, 2));
+    snprintf(light, sizeof light,
+        "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\"\n" SQUARE, eight(4, 2));
     built b = build("", light);
     for (int i = 0; i < 8; i++) assert_seen(&b, (i % 4 + .5) / 4, (i / 4 + .5) / 2, i + 1);
     assert_seen(&b, .25, .25, 1.5);
@@ -575,15 +589,20 @@ static void a_map_is_seen_smooth_if_the_scene_says_so(void **state)
     assert_seen(&b, .125, 1e-9, (1 + 3) / 2.);     /* the pole lies between a column and that half a turn away */
     assert_seen(&b, .375, 1 - 1e-9, (6 + 8) / 2.);
     /* what surfaces receive is made of pixels all the same */
-    const rgb Le = bis_light_Le(b.scene->light, vec3_from(sin(PI / 4) * cos(PI * .49), sin(PI / 4) * sin(PI * .49), cos(PI / 4)));
+    const rgb Le =
+        bis_light_Le(b.scene->light, vec3_from(sin(PI / 4) * cos(PI * .49), sin(PI / 4) * sin(PI * .49), cos(PI / 4)));
     assert_true(Le.r == 1);
     clear(&b);
     /* twins: as it is otherwise, and not at all */
-    snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"point\"\n" SQUARE, eight(4, 2));
+    snprintf(light, sizeof light,
+        "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"point\"\n" SQUARE, eight(4, 2));
     b = build("", light);
     assert_seen(&b, .24, .25, 1);
     clear(&b);
-    snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\" \"bool visible\" false\n" SQUARE, eight(4, 2));
+    snprintf(light, sizeof light,
+        "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\" \"bool visible\" "
+        "false\n" SQUARE,
+        eight(4, 2));
     b = build("", light);
     assert_seen(&b, .24, .25, 0);
     clear(&b);
@@ -602,7 +621,8 @@ static void a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given(void
         built b = build("", light);
         assert_int_equal(b.diag.n, i == 0);
         if (i == 0) {
-            assert_non_null(strstr(b.diag.messages[0].text, "is 2 x 4, higher than wide, and is taken for a lat-long map all the same"));
+            assert_non_null(strstr(b.diag.messages[0].text, "is 2 x 4, higher than wide, and is taken for a lat-long "
+                                                            "map all the same"));
             assert_non_null(strstr(b.diag.messages[0].text, "if that is meant (string mapping)"));
         }
         clear(&b);

@@ -109,7 +109,9 @@ static double value_at(const built *b, const double p[3])
 {
     const bis_material_textures *m = bis_textures_of(&b->desc->textures, b->desc->shapes[0].material);
     assert_non_null(m);
-    return bis_textures_value(&b->desc->textures, b->scene->images, m->Kd, (double[]){0.9, 0.9}, vec3_from(p[0], p[1], p[2])).r;
+    return bis_textures_value(
+        &b->desc->textures, b->scene->images, m->Kd, (double[]){0.9, 0.9}, vec3_from(p[0], p[1], p[2]))
+        .r;
 }
 
 static void assert_near(double a, double b)
@@ -177,7 +179,8 @@ static void coordinates_are_scaled_then_moved_and_values_scaled_then_inverted(vo
 /* A PNG by libpng's own writer. format: PNG_FORMAT_... */
 static const char *store_png(const char *name, int width, int height, png_uint_32 format, const void *pixels)
 {
-    png_image png = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)width, .height = (png_uint_32)height, .format = format};
+    png_image png = {
+        .version = PNG_IMAGE_VERSION, .width = (png_uint_32)width, .height = (png_uint_32)height, .format = format};
     assert_true(png_image_write_to_file(&png, scratch(name), 0, pixels, 0, NULL));
     return beside(scratch(name));
 }
@@ -228,7 +231,8 @@ static void every_kind_of_png_has_the_same_colours(void **state)
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
     png_infop info = png_create_info_struct(png);
     png_init_io(png, f);
-    png_set_IHDR(png, info, 8, 1, 1, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_ADAM7, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, 8, 1, 1, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_ADAM7, PNG_COMPRESSION_TYPE_DEFAULT,
+        PNG_FILTER_TYPE_DEFAULT);
     png_set_PLTE(png, info, (png_color[]){{255, 0, 0}, {0, 255, 188}}, 2);
     png_write_info(png, info);
     for (int pass = png_set_interlace_handling(png); pass > 0; pass--) png_write_row(png, row);
@@ -265,7 +269,8 @@ static built kind(const char *textures)
 static void a_checkerboard_alternates_also_at_negative_places(void **state)
 {
     (void)state;
-    built b = kind("Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.75 \"rgb tex2\" [0.25 0 0] \"float uscale\" 2");
+    built b = kind(
+        "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.75 \"rgb tex2\" [0.25 0 0] \"float uscale\" 2");
     assert_near(value(&b, 0.25, 0.5), 0.75);
     assert_near(value(&b, 0.75, 0.5), 0.25);
     assert_near(value(&b, 0.75, 1.5), 0.75);
@@ -277,7 +282,8 @@ static void a_checkerboard_alternates_also_at_negative_places(void **state)
 static void scale_and_mix_do_as_they_say_in_both_spellings(void **state)
 {
     (void)state;
-    static const char *const board = "Texture \"c\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.25\n";
+    static const char *const board =
+        "Texture \"c\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.25\n";
     static const char *const scales[] = {
         "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" 0.5",
         "Texture \"t\" \"color\" \"scale\" \"texture tex1\" \"c\" \"rgb tex2\" [0.5 0.5 0.5]"};
@@ -290,13 +296,15 @@ static void scale_and_mix_do_as_they_say_in_both_spellings(void **state)
         assert_near(value(&b, 1.5, 0.5), 0.125);
         clear(&b);
     }
-    snprintf(text, sizeof text, "%sTexture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 1 \"float amount\" 0.25", board);
+    snprintf(text, sizeof text,
+        "%sTexture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 1 \"float amount\" 0.25", board);
     b = kind(text);
     assert_near(value(&b, 0.5, 0.5), 0.75 * 0.5 + 0.25);
     clear(&b);
     /* the amount may vary as well: from tex1 to tex2 */
     snprintf(text, sizeof text, "Texture \"a\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" 1\n"
-                                "Texture \"t\" \"spectrum\" \"mix\" \"float tex1\" 0.2 \"float tex2\" 0.9 \"texture amount\" \"a\"");
+                                "Texture \"t\" \"spectrum\" \"mix\" \"float tex1\" 0.2 \"float tex2\" 0.9 \"texture "
+                                "amount\" \"a\"");
     b = kind(text);
     assert_near(value(&b, 0.5, 0.5), 0.2);
     assert_near(value(&b, 1.5, 0.5), 0.9);
@@ -336,8 +344,9 @@ static void assert_uv(const double uv[2], double u, double v)
 static void a_sphere_has_pbrts_coordinates(void **state)
 {
     (void)state;
-    const double s = sqrt(0.5), uv_of[][5] = {{1, 0, 0, 0, 0.5}, {0, 1, 0, 0.25, 0.5}, {-1, 0, 0, 0.5, 0.5}, {0, -1, 0, 0.75, 0.5},
-                                              {s, s, 0, 0.125, 0.5}, {s, 0, s, 0, 0.75}, {0, s, -s, 0.25, 0.25}, {0.6, -0.8, 0, 0.852416, 0.5}};
+    const double s = sqrt(0.5),
+                 uv_of[][5] = {{1, 0, 0, 0, 0.5}, {0, 1, 0, 0.25, 0.5}, {-1, 0, 0, 0.5, 0.5}, {0, -1, 0, 0.75, 0.5},
+                     {s, s, 0, 0.125, 0.5}, {s, 0, s, 0, 0.75}, {0, s, -s, 0.25, 0.25}, {0.6, -0.8, 0, 0.852416, 0.5}};
     built b = build(LIGHT "Translate 3 0 0 Rotate 90 0 0 1 Shape \"sphere\" \"float radius\" 2");
     for (size_t i = 0; i < sizeof uv_of / sizeof *uv_of; i++) {
         const double *q = uv_of[i];
@@ -371,7 +380,8 @@ static void a_triangle_interpolates_its_corners_and_without_any_has_pbrts(void *
 {
     (void)state;
     const double from[3] = {0.2, 0.3, 5}, at[3] = {0.2, 0.3, 0}; /* weights 0.5, 0.2, 0.3 */
-    static const char *const spellings[] = {"\"point2 uv\" [1 2  3 5  7 11]", "\"float uv\" [1 2  3 5  7 11]", "\"float st\" [1 2  3 5  7 11]"};
+    static const char *const spellings[] = {
+        "\"point2 uv\" [1 2  3 5  7 11]", "\"float uv\" [1 2  3 5  7 11]", "\"float st\" [1 2  3 5  7 11]"};
     double uv[2];
     for (int i = 0; i < 3; i++) {
         built b = build(LIGHT BOARD TRIANGLE "%s", spellings[i]);
@@ -392,7 +402,8 @@ static void a_triangle_interpolates_its_corners_and_without_any_has_pbrts(void *
 static void each_mesh_of_a_scene_keeps_its_own(void **state)
 {
     (void)state;
-    built b = build(LIGHT TRIANGLE "Translate 10 0 0 " BOARD TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]\nTranslate 10 0 0 " TRIANGLE);
+    built b = build(
+        LIGHT TRIANGLE "Translate 10 0 0 " BOARD TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]\nTranslate 10 0 0 " TRIANGLE);
     double uv[2];
     look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
     assert_uv(uv, 0.5, 0.3);
@@ -424,8 +435,9 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
 {
     (void)state;
     double uv[2];
-    const char *obj = store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1 9\nvt 5 5\nvt 7\n"
-                                               "f 1/1 2/2 3/3\nf 1/1 3/5 -1/-1\n");
+    const char *obj =
+        store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1 9\nvt 5 5\nvt 7\n"
+                                 "f 1/1 2/2 3/3\nf 1/1 3/5 -1/-1\n");
     built b = build(LIGHT BOARD "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
     assert_int_equal(b.scene->geometry.n_vertices, 5);
     look(uv, &b, (double[]){0.75, 0.25, 5}, (double[]){0.75, 0.25, 0});
@@ -437,12 +449,17 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
     assert_int_equal(b.scene->geometry.n_vertices, 4);
     clear(&b);
 
-    static const char *const names[][2] = {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
+    static const char *const names[][2] = {
+        {"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
     for (int i = 0; i < 4; i++) {
         char text[512];
-        snprintf(text, sizeof text, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float %s\nproperty float y\nproperty float z\n"
-                                    "property uchar red\nproperty double %s\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                                    "0 1 0 0 9 2\n1 3 0 0 9 5\n0 7 1 0 9 11\n3 0 1 2\n", names[i][0], names[i][1]);
+        snprintf(text, sizeof text,
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float %s\nproperty float y\nproperty "
+            "float z\n"
+            "property uchar red\nproperty double %s\nelement face 1\nproperty list uchar int "
+            "vertex_indices\nend_header\n"
+            "0 1 0 0 9 2\n1 3 0 0 9 5\n0 7 1 0 9 11\n3 0 1 2\n",
+            names[i][0], names[i][1]);
         b = build(LIGHT BOARD "Shape \"plymesh\" \"string filename\" \"%s\"", store_text("uv.ply", text));
         look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
         assert_uv(uv, 0.5 * 1 + 0.2 * 3 + 0.3 * 7, 0.5 * 2 + 0.2 * 5 + 0.3 * 11);
@@ -453,10 +470,13 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
 
 /* ---- an OBJ with its materials ---- */
 
-#define OBJ "v -2 -1 0\nv -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -2 1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" \
+#define OBJ "v -2 -1 0\nv -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -2 1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 " \
+    "1\nvt 0 1\n" \
             "f 1 2 6 5\nusemtl painted wood \nf 2/1 3/2 7/3 6/4\nusemtl red\nusemtl unused\nusemtl red\nf 3 4 8 7\n"
-#define MTL "# a library\nnewmtl unused\nKd 7 7 7\r\nnewmtl red\n\tKd 0.75 0.125 0\nKs 0.25\nNs 12.5\nillum 2\nKa 1 1 1\n" \
-            "newmtl painted wood\nKd 0.5 0.25 1\nKs 0.9 0.9 0.9\nillum 1\nmap_Kd -s 2 1 1 -o 0.5 0 -clamp on four.pfm\nnewmtl red\nKd 0 0 0\n"
+#define MTL \
+    "# a library\nnewmtl unused\nKd 7 7 7\r\nnewmtl red\n\tKd 0.75 0.125 0\nKs 0.25\nNs 12.5\nillum 2\nKa 1 1 1\n" \
+            "newmtl painted wood\nKd 0.5 0.25 1\nKs 0.9 0.9 0.9\nillum 1\nmap_Kd -s 2 1 1 -o 0.5 0 -clamp on " \
+            "four.pfm\nnewmtl red\nKd 0 0 0\n"
 
 #define OBJ_SHAPE(name) "Shape \"objmesh\" \"string filename\" \"../test_textures/" name "\" "
 #define GREY "Material \"diffuse\" \"float reflectance\" 0.375 "
@@ -541,7 +561,8 @@ static void mistakes_of_a_library_are_found_in_it(void **state)
         {"usemtl a\n", "", "material \"a\" of "},
         {"usemtl a\nmtllib no.mtl\n", "", "o.obj:2: error: cannot read \""},
         {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd no.png\n", "lib.mtl:2: error: cannot read \""},
-        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd -mm 1 2 four.pfm\n", "lib.mtl:2: error: the option -mm of a map is not modelled"},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd -mm 1 2 four.pfm\n",
+         "lib.mtl:2: error: the option -mm of a map is not modelled"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char obj[1024];
@@ -550,7 +571,8 @@ static void mistakes_of_a_library_are_found_in_it(void **state)
         program_write_file(DIR "/o.obj", obj);
         program_write_file(DIR "/lib.mtl", cases[i].mtl);
         assert_int_equal(try_build(&b, scene), BIS_INPUT);
-        if (!strstr(b.diag.messages[0].text, cases[i].message)) fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
+        if (!strstr(b.diag.messages[0].text, cases[i].message))
+            fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
         clear(&b);
     }
 }
@@ -570,19 +592,28 @@ static void what_a_library_says_in_vain_is_told_once(void **state)
 {
     (void)state;
     static const struct { const char *mtl, *warning; } cases[] = {
-        {"d 1", NULL}, {"d 2", NULL}, {"Tr 0", NULL}, {"Tr -1", NULL}, {"Ke 0 0 0", NULL}, {"Ke 0", NULL}, {"d 1\nTr 0\nKe 0", NULL},
+        {"d 1", NULL}, {"d 2", NULL}, {"Tr 0", NULL}, {"Tr -1", NULL}, {"Ke 0 0 0", NULL}, {"Ke 0", NULL},
+         {"d 1\nTr 0\nKe 0", NULL},
         {"Ka 1 2 3\nNi 1.5\nTf 1 1 1\nsharpness 60\nmap_Ka no.png", NULL}, {"# d 0.5\n\t# x\n\n  \t\n", NULL},
-        {"d 0.5", "2: warning: d is ignored: the material is opaque"}, {"d 0.999", "2: warning: d is ignored: the material is opaque"},
-        {"d 1\nTr 0.25", "3: warning: Tr is ignored: the material is opaque"}, {"Tr 1e-3", "2: warning: Tr is ignored: the material is opaque"},
+        {"d 0.5", "2: warning: d is ignored: the material is opaque"}, {"d 0.999",
+         "2: warning: d is ignored: the material is opaque"},
+        {"d 1\nTr 0.25", "3: warning: Tr is ignored: the material is opaque"},
+         {"Tr 1e-3", "2: warning: Tr is ignored: the material is opaque"},
         {"d 0.5\nTr 0.5\nd 0", "2: warning: d is ignored: the material is opaque"},
-        {"Ke 1 0 0", "2: warning: Ke is ignored: no surface gives light"}, {"Ke 0 1 0", "2: warning: Ke is ignored: no surface gives light"},
-        {"Ke 0 0 1", "2: warning: Ke is ignored: no surface gives light"}, {"Ke 0.1\nKe 2 2 2", "2: warning: Ke is ignored: no surface gives light"},
-        {"map_Ks x", "2: warning: map_Ks is ignored"}, {"map_Ns x", "2: warning: map_Ns is ignored"}, {"map_d x", "2: warning: map_d is ignored"},
+        {"Ke 1 0 0", "2: warning: Ke is ignored: no surface gives light"},
+         {"Ke 0 1 0", "2: warning: Ke is ignored: no surface gives light"},
+        {"Ke 0 0 1", "2: warning: Ke is ignored: no surface gives light"},
+         {"Ke 0.1\nKe 2 2 2", "2: warning: Ke is ignored: no surface gives light"},
+        {"map_Ks x", "2: warning: map_Ks is ignored"}, {"map_Ns x", "2: warning: map_Ns is ignored"},
+         {"map_d x", "2: warning: map_d is ignored"},
         {"map_Ke x", "2: warning: map_Ke is ignored"},
         {"disp x", "2: warning: disp is ignored"},
-        {"decal x", "2: warning: decal is ignored"}, {"refl x", "2: warning: refl is ignored"}, {"Pr 1", "2: warning: Pr is ignored"},
-        {"Pm 1", "2: warning: Pm is ignored"}, {"Ps 1", "2: warning: Ps is ignored"}, {"Pc 1", "2: warning: Pc is ignored"},
-        {"map_Pr x", "2: warning: map_Pr is ignored"}, {"map_Pm x", "2: warning: map_Pm is ignored"}, {"aniso 1\naniso 2", "2: warning: aniso is ignored"},
+        {"decal x", "2: warning: decal is ignored"}, {"refl x", "2: warning: refl is ignored"},
+         {"Pr 1", "2: warning: Pr is ignored"},
+        {"Pm 1", "2: warning: Pm is ignored"}, {"Ps 1", "2: warning: Ps is ignored"},
+         {"Pc 1", "2: warning: Pc is ignored"},
+        {"map_Pr x", "2: warning: map_Pr is ignored"}, {"map_Pm x", "2: warning: map_Pm is ignored"},
+         {"aniso 1\naniso 2", "2: warning: aniso is ignored"},
         {"foo 1\nbar 2", "2: warning: the unknown word \"foo\" is ignored, and others like it"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -602,20 +633,29 @@ static void numbers_of_a_library_are_checked(void **state)
 {
     (void)state;
     static const struct { const char *mtl, *error; } cases[] = {
-        {"Kd 0.1 x 0.3", "2: error: Kd is \"0.1 x 0.3\", must be three numbers"}, {"Kd", "2: error: Kd is \"\", must be three numbers"},
-        {"Kd 0.1 0.2 nan", "2: error: Kd is \"0.1 0.2 nan\", must be three numbers"}, {"Kd 0.1 0.2", "2: error: Kd is \"0.1 0.2\", must be three numbers"}, {"Ks 0.1 inf 0", "2: error: Ks is \"0.1 inf 0\", must be three numbers"},
+        {"Kd 0.1 x 0.3", "2: error: Kd is \"0.1 x 0.3\", must be three numbers"},
+         {"Kd", "2: error: Kd is \"\", must be three numbers"},
+        {"Kd 0.1 0.2 nan", "2: error: Kd is \"0.1 0.2 nan\", must be three numbers"},
+         {"Kd 0.1 0.2", "2: error: Kd is \"0.1 0.2\", must be three numbers"},
+         {"Ks 0.1 inf 0", "2: error: Ks is \"0.1 inf 0\", must be three numbers"},
         {"Ks 0 1.5 0", "2: error: \"Ks\" is 1.5, must be in [0, 1]"},
-        {"Ks -0.5 0 0", "2: error: \"Ks\" is -0.5, must be in [0, 1]"}, {"Ks 0 0 2", "2: error: \"Ks\" is 2, must be in [0, 1]"},
-        {"Ns -1", "2: error: \"Ns\" is -1, must be "}, {"Ns inf", "2: error: Ns is \"inf\", must be a number"}, {"d x", "2: error: d is \"x\", must be a number"},
-        {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"}, {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
+        {"Ks -0.5 0 0", "2: error: \"Ks\" is -0.5, must be in [0, 1]"},
+         {"Ks 0 0 2", "2: error: \"Ks\" is 2, must be in [0, 1]"},
+        {"Ns -1", "2: error: \"Ns\" is -1, must be "}, {"Ns inf", "2: error: Ns is \"inf\", must be a number"},
+         {"d x", "2: error: d is \"x\", must be a number"},
+        {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"},
+         {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
         {"map_Kd -s 2 -bm 2 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
         {"map_Kd -mm 0.5 four.pfm", "2: error: the option -mm of a map is not modelled: remove it"},
         {"map_Kd -mm 0 2 four.pfm", "2: error: the option -mm of a map is not modelled: remove it"},
         {"map_Kd -t 0 0 0.1 four.pfm", "2: error: the option -t of a map is not modelled: remove it"},
-        {"map_Kd -colorspace AdobeRGB four.pfm", "2: error: the colour space \"AdobeRGB\" of a map is not known, must be sRGB or linear"},
+        {"map_Kd -colorspace AdobeRGB four.pfm", "2: error: the colour space \"AdobeRGB\" of a map is not known, must "
+         "be sRGB or linear"},
         {"map_Kd -what 1 four.pfm", "2: error: the option -what of a map is not modelled: remove it"},
-        {"bump -bm x four.pfm", "2: error: -bm is \"x four.pfm\", must be a number"}, {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
-        {"map_bump -imfchan r four.pfm", "2: error: -imfchan r is not modelled, because a map of numbers is the mean of red, green and blue: save the channel as a grey image and remove the option"},
+        {"bump -bm x four.pfm", "2: error: -bm is \"x four.pfm\", must be a number"},
+         {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
+        {"map_bump -imfchan r four.pfm", "2: error: -imfchan r is not modelled, because a map of numbers is the mean "
+         "of red, green and blue: save the channel as a grey image and remove the option"},
         {"norm -bm 2 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
         {"norm -s 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
         {"norm -o 0 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
@@ -624,7 +664,8 @@ static void numbers_of_a_library_are_checked(void **state)
         built b;
         if (build_library(&b, cases[i].mtl) != BIS_INPUT) fail_msg("%s: is not refused", cases[i].mtl);
         const char *text = strstr(b.diag.messages[0].text, "lib.mtl:");
-        if (!text || strncmp(text + strlen("lib.mtl:"), cases[i].error, strlen(cases[i].error)) != 0) fail_msg("%s: %s", cases[i].mtl, b.diag.messages[0].text);
+        if (!text || strncmp(text + strlen("lib.mtl:"), cases[i].error, strlen(cases[i].error)) != 0)
+            fail_msg("%s: %s", cases[i].mtl, b.diag.messages[0].text);
         assert_int_equal(b.diag.n, 1);
         clear(&b);
     }
@@ -640,10 +681,14 @@ static void a_librarys_values_are_those_of_the_material(void **state)
     static const struct { const char *mtl; float Kd[3], Ks[3]; double Ns; } cases[] = {
         {"", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"Kd 0.25", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50},
         {"Kd 0.25 # grey", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50}, {"Kd 0.25 1 0 # green", {0.25f, 1, 0}, {0, 0, 0}, 50},
-        {"Ks 0.125 0.25 0.5", {0.5f, 0.5f, 0.5f}, {0.125f, 0.25f, 0.5f}, 50}, {"Ks 0.25\nillum 0", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50},
-        {"Ks 0.25\nillum 1", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"illum 2\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 50},
-        {"illum 1\nKs 0.25\nillum 3", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 50}, {"Ns 0\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 0},
-        {"Kd 0 1 0.5\rKs 0\r\n\tNs  1000 \t", {0, 1, 0.5f}, {0, 0, 0}, 1000}, {"Kd 1 1 1\nnewmtl a\nKd 0 0 0", {1, 1, 1}, {0, 0, 0}, 50},
+        {"Ks 0.125 0.25 0.5", {0.5f, 0.5f, 0.5f}, {0.125f, 0.25f, 0.5f}, 50},
+         {"Ks 0.25\nillum 0", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50},
+        {"Ks 0.25\nillum 1", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"illum 2\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f,
+         0.25f}, 50},
+        {"illum 1\nKs 0.25\nillum 3", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 50},
+         {"Ns 0\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 0},
+        {"Kd 0 1 0.5\rKs 0\r\n\tNs  1000 \t", {0, 1, 0.5f}, {0, 0, 0}, 1000},
+         {"Kd 1 1 1\nnewmtl a\nKd 0 0 0", {1, 1, 1}, {0, 0, 0}, 50},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
@@ -662,9 +707,12 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
 {
     (void)state;
     static const struct { const char *options; double factor[2], offset[2]; bis_wrap wrap; } cases[] = {
-        {"", {1, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 ", {2, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 3 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
-        {"-s 2 3 4 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT}, {"-o 5 ", {1, 1}, {5, 0}, BIS_WRAP_REPEAT}, {"-o 5 6 ", {1, 1}, {5, 6}, BIS_WRAP_REPEAT},
-        {"-o 5 6 7 -s 2 3 4 ", {2, 3}, {5, 6}, BIS_WRAP_REPEAT}, {"-s -2 0.5 4\t-o 5 6 7  ", {-2, 0.5}, {5, 6}, BIS_WRAP_REPEAT},
+        {"", {1, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 ", {2, 1}, {0, 0}, BIS_WRAP_REPEAT},
+         {"-s 2 3 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
+        {"-s 2 3 4 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT}, {"-o 5 ", {1, 1}, {5, 0}, BIS_WRAP_REPEAT},
+         {"-o 5 6 ", {1, 1}, {5, 6}, BIS_WRAP_REPEAT},
+        {"-o 5 6 7 -s 2 3 4 ", {2, 3}, {5, 6}, BIS_WRAP_REPEAT}, {"-s -2 0.5 4\t-o 5 6 7  ", {-2, 0.5}, {5, 6},
+         BIS_WRAP_REPEAT},
         {"-clamp on ", {1, 1}, {0, 0}, BIS_WRAP_CLAMP}, {"-clamp off ", {1, 1}, {0, 0}, BIS_WRAP_REPEAT},
         {"-clamp on -o 5 -clamp off -s 2 ", {2, 1}, {5, 0}, BIS_WRAP_REPEAT},
     };
@@ -675,17 +723,19 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
         assert_int_equal(build_library(&b, text), BIS_OK);
         const bis_textures *t = &b.desc->textures;
         const bis_material_textures *m = bis_textures_of(t, b.desc->shapes[0].material);
-        assert_true(m && t->n == 1 && t->n_files == 1 && m->Kd == 0 && m->Ks == BIS_NO_TEXTURE && m->width == BIS_NO_TEXTURE);
+        assert_true(
+            m && t->n == 1 && t->n_files == 1 && m->Kd == 0 && m->Ks == BIS_NO_TEXTURE && m->width == BIS_NO_TEXTURE);
         const bis_texture *x = &t->list[0];
         assert_memory_equal(x->factor, cases[i].factor, sizeof x->factor);
         assert_memory_equal(x->offset, cases[i].offset, sizeof x->offset);
-        assert_true(x->kind == BIS_TEXTURE_IMAGE && x->wrap == cases[i].wrap && x->image == 0 && x->scale == 1 && !x->invert && !x->is_float && x->steps == 1);
+        assert_true(x->kind == BIS_TEXTURE_IMAGE && x->wrap == cases[i].wrap && x->image == 0 && x->scale == 1 &&
+                    !x->invert && !x->is_float && x->steps == 1);
         clear(&b);
     }
 }
 
-/* Options that change no value pass; -colorspace is as tinyobjloader's users write it. The usual one is that of an image
- * of colours, or of numbers. */
+/* Options that change no value pass; -colorspace is as tinyobjloader's users write it. The usual one is that of an
+ * image of colours, or of numbers. */
 static void options_that_change_no_value_pass(void **state)
 {
     (void)state;
@@ -694,8 +744,10 @@ static void options_that_change_no_value_pass(void **state)
         {"map_Kd -colorspace linear -clamp on four.pfm", 1, NULL}, {"map_Kd -colorspace LINEAR four.pfm", 1, NULL},
         {"map_bump four.pfm", 1, NULL}, {"map_bump -colorspace srgb four.pfm", BIS_GAMMA_SRGB, NULL},
         {"map_Kd -mm 0 1 -t 0 0 0 -bm 1 -t 0 four.pfm", BIS_GAMMA_SRGB, NULL},
-        {"map_Kd -texres 512 four.pfm", BIS_GAMMA_SRGB, ":2: warning: -texres of a map is ignored: images are taken as they are"},
-        {"map_Kd -blendu off -blendv on -boost 2 -cc on four.pfm", BIS_GAMMA_SRGB, ":2: warning: -blendu of a map is ignored: images are taken as they are"},
+        {"map_Kd -texres 512 four.pfm", BIS_GAMMA_SRGB,
+         ":2: warning: -texres of a map is ignored: images are taken as they are"},
+        {"map_Kd -blendu off -blendv on -boost 2 -cc on four.pfm", BIS_GAMMA_SRGB,
+         ":2: warning: -blendu of a map is ignored: images are taken as they are"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
@@ -709,7 +761,8 @@ static void options_that_change_no_value_pass(void **state)
         }
         assert_int_equal(said, cases[i].said != NULL);
         assert_int_equal(b.desc->textures.n_files, 1);
-        if (b.desc->textures.files[0].gamma != cases[i].gamma) fail_msg("%s: %g", cases[i].statement, b.desc->textures.files[0].gamma);
+        if (b.desc->textures.files[0].gamma != cases[i].gamma)
+            fail_msg("%s: %g", cases[i].statement, b.desc->textures.files[0].gamma);
         clear(&b);
     }
 }
@@ -718,8 +771,9 @@ static void options_that_change_no_value_pass(void **state)
 static void an_option_that_is_left_out_leaves_the_map(void **state)
 {
     (void)state;
-    static const char *const statements[] = {"map_Kd -mm 0.1 0.9 four.pfm", "map_Kd -t 0.5 four.pfm", "map_Kd -t 1 2 3 four.pfm",
-                                             "map_Kd -bm 2 four.pfm", "map_Kd -what 1 four.pfm", "map_Kd -colorspace rec2020 four.pfm"};
+    static const char *const statements[] = {"map_Kd -mm 0.1 0.9 four.pfm", "map_Kd -t 0.5 four.pfm",
+        "map_Kd -t 1 2 3 four.pfm", "map_Kd -bm 2 four.pfm", "map_Kd -what 1 four.pfm",
+        "map_Kd -colorspace rec2020 four.pfm"};
     for (size_t i = 0; i < sizeof statements / sizeof *statements; i++) {
         built b;
         char mtl[256];
@@ -727,7 +781,8 @@ static void an_option_that_is_left_out_leaves_the_map(void **state)
         store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
         program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         program_write_file(DIR "/lib.mtl", mtl);
-        assert_int_equal(try_build(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
+        assert_int_equal(
+            try_build(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
         assert_int_equal(b.desc->n_approximations, 1);
         if (b.desc->textures.n_files != 1) fail_msg("%s: no image", statements[i]);
         clear(&b);
@@ -741,8 +796,11 @@ static void a_texture_of_256_steps_is_the_dearest(void **state)
     static char text[4096];
     size_t n = (size_t)snprintf(text, sizeof text, LIGHT "Texture \"t0\" \"float\" \"checkerboard\"\n");
     for (int k = 1; k <= 5; k++)
-        n += (size_t)snprintf(text + n, sizeof text - n, "Texture \"t%d\" \"float\" \"checkerboard\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", k, k - 1, k - 1);
-    n += (size_t)snprintf(text + n, sizeof text - n, "Texture \"most\" \"float\" \"mix\" \"texture tex1\" \"t5\" \"texture tex2\" \"t5\" \"float amount\" 0.5\n");
+        n += (size_t)snprintf(text + n, sizeof text - n,
+            "Texture \"t%d\" \"float\" \"checkerboard\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", k, k - 1,
+            k - 1);
+    n += (size_t)snprintf(text + n, sizeof text - n,
+        "Texture \"most\" \"float\" \"mix\" \"texture tex1\" \"t5\" \"texture tex2\" \"t5\" \"float amount\" 0.5\n");
     built b = build("%s Shape \"sphere\"", text);
     assert_int_equal(b.desc->textures.list[b.desc->textures.n - 1].steps, 256);
     clear(&b);
@@ -753,12 +811,13 @@ static void a_texture_of_256_steps_is_the_dearest(void **state)
 static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 {
     (void)state;
-    static const char *const textures[] = {"\"checkerboard\" \"string mapping\" \"conical\"", "\"mix\" \"float amount\" 2",
-                                           "\"scale\" \"rgb tex1\" [1 1 1]"};
+    static const char *const textures[] = {"\"checkerboard\" \"string mapping\" \"conical\"",
+        "\"mix\" \"float amount\" 2", "\"scale\" \"rgb tex1\" [1 1 1]"};
     for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
         char text[512];
         built b;
-        snprintf(text, sizeof text, LIGHT "Texture \"x\" \"float\" %s\nMaterial \"diffuse\" Shape \"sphere\"", textures[i]);
+        snprintf(
+            text, sizeof text, LIGHT "Texture \"x\" \"float\" %s\nMaterial \"diffuse\" Shape \"sphere\"", textures[i]);
         const bis_status status = try_build(&b, text);
         if (status != BIS_INPUT || b.diag.n != 1) {
             for (size_t k = 0; k < b.diag.n; k++) print_error("%s\n", b.diag.messages[k].text);
@@ -776,13 +835,14 @@ static void a_point_has_the_material_of_its_place(void **state)
     bis_own_material m;
     bis_counters counters = {0};
     bis_point pt;
-    built b = build(LIGHT "Texture \"k\" \"color\" \"checkerboard\" \"rgb tex1\" [0.1 0.2 0.3] \"rgb tex2\" [0.4 0.5 0.6]\n"
-                          "Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.1\n"
-                          "Material \"microfacet\" \"texture Ks\" \"k\" \"texture roughness\" \"r\" \"float Kd\" 0.7\n"
-                          TRIANGLE "\"point2 uv\" [0 0  2 0  0 2]\n"
-                          "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 30 \"float tex2\" 3000\n"
-                          "Material \"phong\" \"texture Kd\" \"k\" \"texture exponent\" \"n\" \"float Ks\" 0.1 Translate 5 0 0 " TRIANGLE
-                          "\"point2 uv\" [0 0  2 0  0 2]");
+    built b = build(LIGHT
+        "Texture \"k\" \"color\" \"checkerboard\" \"rgb tex1\" [0.1 0.2 0.3] \"rgb tex2\" [0.4 0.5 0.6]\n"
+        "Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.1\n"
+        "Material \"microfacet\" \"texture Ks\" \"k\" \"texture roughness\" \"r\" \"float Kd\" 0.7\n" TRIANGLE
+        "\"point2 uv\" [0 0  2 0  0 2]\n"
+        "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 30 \"float tex2\" 3000\n"
+        "Material \"phong\" \"texture Kd\" \"k\" \"texture exponent\" \"n\" \"float Ks\" 0.1 Translate 5 0 0 " TRIANGLE
+        "\"point2 uv\" [0 0  2 0  0 2]");
     const ray right = {{0.75f, 0.125f, 5}, {0, 0, -1}, INFINITY}, other = {{5.25f, 0.125f, 5}, {0, 0, -1}, INFINITY};
     assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, right, &counters, NULL));
     assert_ptr_equal(pt.bsdf.material, &m.own);
@@ -799,14 +859,20 @@ static void values_out_of_range_are_refused_when_the_image_is_known(void **state
     (void)state;
     char text[1024];
     const char *name = four();
-    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 1.5\n"
-             "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", name);
+    snprintf(text, sizeof text,
+        LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 1.5\n"
+              "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+        name);
     expect_failure(text, ":2:10: error: the texture of \"Kd\" has values up to 1.2, must be in [0, 1]: change it");
-    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"black\"\n"
-             "Material \"microfacet\" \"texture roughness\" \"t\" Shape \"sphere\"", name);
+    snprintf(text, sizeof text,
+        LIGHT "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"black\"\n"
+              "Material \"microfacet\" \"texture roughness\" \"t\" Shape \"sphere\"",
+        name);
     expect_failure(text, ":2:10: error: the texture of \"roughness\" has values down to 0, must be in [0.01, 1]");
-    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 3 \"bool invert\" true\n"
-             "Material \"phong\" \"texture exponent\" \"t\" Shape \"sphere\"", name);
+    snprintf(text, sizeof text,
+        LIGHT "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 3 \"bool invert\" true\n"
+              "Material \"phong\" \"texture exponent\" \"t\" Shape \"sphere\"",
+        name);
     expect_failure(text, "the texture of \"exponent\" has values down to -1.4, must be >= 0");
     /* the largest of both: 0.8 + 0.3 */
     built b = build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
@@ -833,9 +899,11 @@ static void what_is_no_texture_is_refused(void **state)
     snprintf(text, sizeof text, LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
              "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", beside(scratch("bad.pfm")));
     expect_failure(text, ":1:66: error: \"");
-    expect_failure(text, "texel (0, 0), counted from the top left, is 0.5 -0.5 0.5; those of a texture must be finite and >= 0");
+    expect_failure(
+        text, "texel (0, 0), counted from the top left, is 0.5 -0.5 0.5; those of a texture must be finite and >= 0");
     snprintf(text, sizeof text, LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
-             "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", store_text("a.jpg", "\xff\xd8\xff\xe0 and so on"));
+             "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+             store_text("a.jpg", "\xff\xd8\xff\xe0 and so on"));
 #ifdef BIS_JPEG
     expect_failure(text, "the JPEG is damaged, or of a kind that is not read: ");
 #else
@@ -850,7 +918,8 @@ static void textures_of_textures_have_a_limit(void **state)
     char *text = malloc(1 << 17);
     int n = sprintf(text, LIGHT "Texture \"t0\" \"float\" \"checkerboard\"\n");
     for (int i = 1; i < 300; i++)
-        n += sprintf(text + n, "Texture \"t%d\" \"float\" \"scale\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", i, i - 1, i - 1);
+        n += sprintf(text + n,
+            "Texture \"t%d\" \"float\" \"scale\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", i, i - 1, i - 1);
     expect_failure(text, ":8:1: error: a value of texture \"t7\" is made of 510 others, must be at most 255");
     free(text);
 }
@@ -861,10 +930,15 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
     char text[2048];
     const unsigned char grey[4] = {188, 255, 0, 99};
     const char *png = store_png("grey.png", 2, 2, PNG_FORMAT_GRAY, grey);
-    const char *obj = store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/2\nf 1/2 3/1 4/1\n");
-    snprintf(text, sizeof text, LIGHT TRIANGLE "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\nTexture \"c\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\n"
-             "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"\n"
-             OBJ_SHAPE("o.obj") MATERIALS, png, obj);
+    const char *obj =
+        store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/2\nf 1/2 3/1 4/1\n");
+    snprintf(text, sizeof text,
+        LIGHT TRIANGLE "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\nTexture \"c\" \"spectrum\" "
+                       "\"scale\" \"texture tex\" \"t\"\n"
+                       "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE
+                       "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"\n" OBJ_SHAPE("o.obj")
+                           MATERIALS,
+        png, obj);
     write_obj();
     bool ended = false;
     for (long k = 1; !ended; k++) {
@@ -885,9 +959,11 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
 static void materials_with_other_textures_have_other_numbers(void **state)
 {
     (void)state;
-    built b = build(LIGHT "Texture \"a\" \"color\" \"checkerboard\" Texture \"b\" \"color\" \"checkerboard\" \"float uscale\" 2\n"
-                          "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\" Material \"diffuse\" \"texture reflectance\" \"b\" Shape \"sphere\"\n"
-                          "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\"");
+    built b = build(
+        LIGHT "Texture \"a\" \"color\" \"checkerboard\" Texture \"b\" \"color\" \"checkerboard\" \"float uscale\" 2\n"
+              "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\" Material \"diffuse\" \"texture "
+              "reflectance\" \"b\" Shape \"sphere\"\n"
+              "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\"");
     uint32_t *number, n;
     assert_int_equal(bis_scene_number_materials(&number, &n, b.desc, NULL), BIS_OK);
     assert_int_equal(n, 2);
@@ -901,7 +977,8 @@ static void materials_with_other_textures_have_other_numbers(void **state)
 #define VIEW "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n" \
              "Option \"bool disablepixeljitter\" true\n"
 /* the camera's square, seen from the front: z = 1, x and y in [-1, 1] */
-#define SQUARE "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1  1 -1 1  1 1 1  -1 1 1] \"integer indices\" [0 1 2 0 2 3] " \
+#define SQUARE \
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1  1 -1 1  1 1 1  -1 1 1] \"integer indices\" [0 1 2 0 2 3] " \
                "\"point2 uv\" [0 0 1 0 1 1 0 1]\n"
 
 static bis_image rendered(const char *file)
@@ -921,8 +998,11 @@ static void in_a_furnace_the_mean_of_the_picture_is_that_of_the_image(void **sta
     program_run r;
     char text[2048];
     const char *name = four();
-    snprintf(text, sizeof text, VIEW "Integrator \"brdf\"\nWorldBegin LightSource \"infinite\" Texture \"t\" \"color\" \"imagemap\" \"string filename\" "
-             "\"../scratch/%s\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" SQUARE, name);
+    snprintf(text, sizeof text,
+        VIEW "Integrator \"brdf\"\nWorldBegin LightSource \"infinite\" Texture \"t\" \"color\" \"imagemap\" \"string "
+             "filename\" "
+             "\"../scratch/%s\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" SQUARE,
+        name);
     program_write_file(DIR "/furnace.txt", text);
     program_expect(&r, 0, DIR "/furnace.txt --spp 1 --quiet --outfile " DIR "/furnace.pfm");
     bis_image image = rendered(DIR "/furnace.pfm");
@@ -935,14 +1015,16 @@ static void in_a_furnace_the_mean_of_the_picture_is_that_of_the_image(void **sta
     bis_image_clear(&image);
 }
 
-/* The same nine triangles, coloured by a texture, and cut into two meshes with constant materials: the same bits with every
- * integrator, because points, directions and materials are the same. */
+/* The same nine triangles, coloured by a texture, and cut into two meshes with constant materials: the same bits with
+ * every integrator, because points, directions and materials are the same. */
 static void a_textured_scene_is_the_scene_cut_into_its_colours(void **state)
 {
     (void)state;
     static const char *const methods[] = {"em", "brdf", "mis", "sir", "rejection", "exact", "unoccluded",
-                                          "sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true \"string resampling\" \"systematic"};
-    static const char *const ball = "Material \"diffuse\" Translate 0.2 0.1 0.7 Shape \"sphere\" \"float radius\" 0.3\n";
+                                          "sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool "
+                                          "learn\" true \"string resampling\" \"systematic"};
+    static const char *const ball =
+        "Material \"diffuse\" Translate 0.2 0.1 0.7 Shape \"sphere\" \"float radius\" 0.3\n";
     static const char *const dark = "Material \"phong\" \"float Kd\" 0.125 \"float Ks\" 0.5 \"float exponent\" 20\n",
                       *const light = "Material \"phong\" \"float Kd\" 0.5 \"float Ks\" 0.25 \"float exponent\" 80\n";
     char cut[4096] = "", whole[4096] = "", text[8192];
@@ -950,22 +1032,30 @@ static void a_textured_scene_is_the_scene_cut_into_its_colours(void **state)
         for (int j = 0; j < 3; j++) {
             char quad[256];
             const double x0 = -1 + 2 / 3.0 * i, y0 = -1 + 2 / 3.0 * j, x1 = x0 + 2 / 3.0, y1 = y0 + 2 / 3.0;
-            snprintf(quad, sizeof quad, "Shape \"trianglemesh\" \"point3 P\" [%g %g 1 %g %g 1 %g %g 1 %g %g 1] \"integer indices\" [0 1 2 0 2 3] ",
-                     x0, y0, x1, y0, x1, y1, x0, y1);
+            snprintf(quad, sizeof quad,
+                "Shape \"trianglemesh\" \"point3 P\" [%g %g 1 %g %g 1 %g %g 1 %g %g 1] \"integer indices\" [0 1 2 0 2 "
+                "3] ",
+                x0, y0, x1, y0, x1, y1, x0, y1);
             strcat(strcat(cut, (i + j) % 2 ? dark : light), quad);
-            sprintf(whole + strlen(whole), "%s \"point2 uv\" [%d %d %d %d %d %d %d %d]\n", quad, i, j, i + 1, j, i + 1, j + 1, i, j + 1);
+            sprintf(whole + strlen(whole), "%s \"point2 uv\" [%d %d %d %d %d %d %d %d]\n", quad, i, j, i + 1, j, i + 1,
+                j + 1, i, j + 1);
         }
     }
     for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
         program_run r;
         for (int textured = 0; textured < 2; textured++) {
-            snprintf(text, sizeof text, "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 24\nIntegrator \"%s\"\n"
-                     "Sampler \"sobol\" \"integer seed\" 3\nWorldBegin LightSource \"infinite\" \"string filename\" \"../../tests/data/scenes/map.pfm\"\n%s%s%s", methods[k],
-                     textured ? "Texture \"d\" \"color\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.125\n"
-                                "Texture \"s\" \"color\" \"checkerboard\" \"float tex1\" 0.25 \"float tex2\" 0.5\n"
-                                "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 80 \"float tex2\" 20\n"
-                                "Material \"phong\" \"texture Kd\" \"d\" \"texture Ks\" \"s\" \"texture exponent\" \"n\"\n" : "",
-                     textured ? whole : cut, ball);
+            snprintf(text, sizeof text,
+                "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" "
+                "24\nIntegrator \"%s\"\n"
+                "Sampler \"sobol\" \"integer seed\" 3\nWorldBegin LightSource \"infinite\" \"string filename\" "
+                "\"../../tests/data/scenes/map.pfm\"\n%s%s%s",
+                methods[k],
+                textured ? "Texture \"d\" \"color\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.125\n"
+                           "Texture \"s\" \"color\" \"checkerboard\" \"float tex1\" 0.25 \"float tex2\" 0.5\n"
+                           "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 80 \"float tex2\" 20\n"
+                           "Material \"phong\" \"texture Kd\" \"d\" \"texture Ks\" \"s\" \"texture exponent\" \"n\"\n"
+                         : "",
+                textured ? whole : cut, ball);
             program_write_file(textured ? DIR "/textured.txt" : DIR "/cut.txt", text);
             program_expect(&r, 0, "%s --spp 4 --quiet --outfile %s", textured ? DIR "/textured.txt" : DIR "/cut.txt",
                            textured ? DIR "/textured.pfm" : DIR "/cut.pfm");
@@ -981,8 +1071,10 @@ static void a_textured_scene_is_the_scene_cut_into_its_colours(void **state)
 static void write_checkpointed(const char *image, double uv)
 {
     char text[2048];
-    snprintf(text, sizeof text, VIEW "WorldBegin LightSource \"infinite\" Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
-             "Material \"diffuse\" \"texture reflectance\" \"t\" " TRIANGLE "\"point2 uv\" [0 0 1 0 %g 1]\n", image, uv);
+    snprintf(text, sizeof text,
+        VIEW "WorldBegin LightSource \"infinite\" Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+             "Material \"diffuse\" \"texture reflectance\" \"t\" " TRIANGLE "\"point2 uv\" [0 0 1 0 %g 1]\n",
+        image, uv);
     program_write_file(DIR "/c.txt", text);
 }
 
@@ -1013,15 +1105,19 @@ static void the_plan_says_what_textures_cost(void **state)
     (void)state;
     program_run r;
     program_write_file(DIR "/p.pfm", "Pf\n1000 500\n-1.0\nabcd");
-    program_write_file(DIR "/p.txt", "WorldBegin LightSource \"infinite\"\nTexture \"a\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\"\n"
-                       "Texture \"b\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\" \"string encoding\" \"linear\"\n"
-                       "Texture \"c\" \"float\" \"checkerboard\" \"float tex1\" 1 \"float tex2\" 2\n"
-                       "Material \"phong\" \"texture Kd\" \"a\" \"texture exponent\" \"c\" Shape \"sphere\" " TRIANGLE);
+    program_write_file(DIR "/p.txt",
+        "WorldBegin LightSource \"infinite\"\nTexture \"a\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\"\n"
+        "Texture \"b\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\" \"string encoding\" \"linear\"\n"
+        "Texture \"c\" \"float\" \"checkerboard\" \"float tex1\" 1 \"float tex2\" 2\n"
+        "Material \"phong\" \"texture Kd\" \"a\" \"texture exponent\" \"c\" Shape \"sphere\" " TRIANGLE);
     program_expect(&r, 0, DIR "/p.txt --plan");
-    assert_non_null(strstr(r.output, "material     0: phong, Kd texture (p.pfm), Ks 0, exponent texture (checkerboard); 2 shapes\n"));
+    assert_non_null(strstr(r.output, "material     0: phong, Kd texture (p.pfm), Ks 0, exponent texture "
+                                     "(checkerboard); 2 shapes\n"));
     assert_non_null(strstr(r.output, "build        texture " DIR "/p.pfm, 1000 x 500: 6.0 MB\n"));
-    program_write_file(DIR "/q.txt", "WorldBegin LightSource \"infinite\" Texture \"c\" \"float\" \"checkerboard\" \"float tex1\" .1 \"float tex2\" .2\n"
-                       "Material \"coateddiffuse\" \"texture reflectance\" \"c\" Shape \"sphere\" Material \"metal\" \"texture roughness\" \"c\" Shape \"disk\"");
+    program_write_file(DIR "/q.txt", "WorldBegin LightSource \"infinite\" Texture \"c\" \"float\" \"checkerboard\" "
+                                     "\"float tex1\" .1 \"float tex2\" .2\n"
+                                     "Material \"coateddiffuse\" \"texture reflectance\" \"c\" Shape \"sphere\" "
+                                     "Material \"metal\" \"texture roughness\" \"c\" Shape \"disk\"");
     program_run q;
     program_expect(&q, 0, DIR "/q.txt --plan");
     assert_non_null(strstr(q.output, "Kd texture (scale)"));
@@ -1038,11 +1134,13 @@ static void verify_finds_a_textured_scene_right(void **state)
     bis_verify v = {.seed = 1, .halvings = 2};
     built b = {0};
     char text[1024];
-    snprintf(text, sizeof text, "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\n"
-             "WorldBegin LightSource \"infinite\" \"string filename\" \"../../tests/data/scenes/map.pfm\"\n"
-             "Texture \"d\" \"color\" \"checkerboard\" \"rgb tex1\" [0.5 0.1 0.3] \"float tex2\" 0.125 \"float uscale\" 3 \"float vscale\" 2\n"
-             "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 80 \"float tex2\" 20\n"
-             "Material \"phong\" \"texture Kd\" \"d\" \"float Ks\" 0.25 \"texture exponent\" \"n\"\n" SQUARE);
+    snprintf(text, sizeof text,
+        "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\n"
+        "WorldBegin LightSource \"infinite\" \"string filename\" \"../../tests/data/scenes/map.pfm\"\n"
+        "Texture \"d\" \"color\" \"checkerboard\" \"rgb tex1\" [0.5 0.1 0.3] \"float tex2\" 0.125 \"float uscale\" 3 "
+        "\"float vscale\" 2\n"
+        "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 80 \"float tex2\" 20\n"
+        "Material \"phong\" \"texture Kd\" \"d\" \"float Ks\" 0.25 \"texture exponent\" \"n\"\n" SQUARE);
     store(scratch("scene.txt"), text, strlen(text));
     assert_int_equal(bis_scene_parse(&b.desc, scratch("scene.txt"), &b.diag), BIS_OK);
     b.desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
@@ -1105,8 +1203,8 @@ static void the_shipped_scenes_of_each_version_render(void **state)
     assert_true(mean_of_file(DIR "/shipped.exr") > 0);
 }
 
-/* In the light of 1 a diffuse disk is as bright as its reflectance is, 1/4 in each of the four spellings; beside it is the
- * light itself. */
+/* In the light of 1 a diffuse disk is as bright as its reflectance is, 1/4 in each of the four spellings; beside it is
+ * the light itself. */
 static void in_the_furnace_four_spellings_of_a_quarter_are_a_quarter(void **state)
 {
     (void)state;
@@ -1116,7 +1214,8 @@ static void in_the_furnace_four_spellings_of_a_quarter_are_a_quarter(void **stat
     assert_int_equal(image.width, 160);
     for (int i = 0; i < 4; i++) {
         const rgb c = image.pixels[20 * 160 + 20 + 40 * i];
-        assert_true(fabs((double)c.r - 0.25) < 5e-5 && fabs((double)c.g - 0.25) < 5e-5 && fabs((double)c.b - 0.25) < 5e-5);
+        assert_true(
+            fabs((double)c.r - 0.25) < 5e-5 && fabs((double)c.g - 0.25) < 5e-5 && fabs((double)c.b - 0.25) < 5e-5);
     }
     assert_true(image.pixels[0].r == 1);
     bis_image_clear(&image);
@@ -1142,16 +1241,22 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
         {"", "\"string mapping\" \"cylindrical\"", {{0, -2, 0.25}, {0, 3, 0.25}, {0, -1, 0.75}, {0, 1, 1.75}}},
         {"", "\"string mapping\" \"planar\"", {{0.25, 0.25, 9}, {0.75, 1.25, 0}, {-0.75, 0.75, 0}, {0.75, 0.75, -3}}},
         /* s = z/2 + 1/4, t = x/4 - 1/4 */
-        {"", "\"string mapping\" \"planar\" \"vector3 v1\" [0 0 0.5] \"vector v2\" [0.25 0 0] \"float udelta\" 0.25 \"float vdelta\" -0.25",
+        {"", "\"string mapping\" \"planar\" \"vector3 v1\" [0 0 0.5] \"vector v2\" [0.25 0 0] \"float udelta\" 0.25 "
+         "\"float vdelta\" -0.25",
          {{2, 0, 0}, {2, 7, 1}, {4, 0, 0}, {4, 0, 1}}},
         /* (x, y, z) of the space of the texture is (1 - 2y, 2 + 2x, 3 + 2z) of the world */
-        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"spherical\"", {{-1, 2, 5}, {-1, 2, 1}, {3, 2, 5}, {3, 2, 1}}},
-        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"cylindrical\"", {{3, 2, 3.5}, {-1, 2, 3.5}, {3, 2, 4.5}, {-1, 2, 4.5}}},
-        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"planar\"", {{0.5, 2.5, 0}, {0.5, 3.5, 0}, {-0.5, 2.5, 0}, {-0.5, 3.5, 0}}},
+        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"spherical\"",
+         {{-1, 2, 5}, {-1, 2, 1}, {3, 2, 5}, {3, 2, 1}}},
+        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"cylindrical\"",
+         {{3, 2, 3.5}, {-1, 2, 3.5}, {3, 2, 4.5}, {-1, 2, 4.5}}},
+        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"planar\"",
+         {{0.5, 2.5, 0}, {0.5, 3.5, 0}, {-0.5, 2.5, 0}, {-0.5, 3.5, 0}}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        built b = build(LIGHT "AttributeBegin %s Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s AttributeEnd\n"
-                        "Scale 5 5 5 Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", cases[i].before, four(), cases[i].params);
+        built b = build(LIGHT
+            "AttributeBegin %s Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s AttributeEnd\n"
+            "Scale 5 5 5 Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+            cases[i].before, four(), cases[i].params);
         for (int k = 0; k < 4; k++) assert_near(value_at(&b, cases[i].p[k]), texels[k]);
         assert_true(isfinite(value_at(&b, (double[]){0, 0, 0}))); /* a sphere's centre has no angles */
         if (i == 0) {
@@ -1168,9 +1273,13 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
 static void a_checkerboard_lies_in_its_plane(void **state)
 {
     (void)state;
-    built b = build(LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
-                    "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] \"texture tex1\" \"x\" \"float tex2\" 0.3\n"
-                    "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 -9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]", four());
+    built b =
+        build(LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
+                    "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] "
+                    "\"texture tex1\" \"x\" \"float tex2\" 0.3\n"
+                    "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 "
+                    "-9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]",
+            four());
     assert_int_equal(b.diag.n, 0); /* no warning of missing coordinates */
     assert_near(value_at(&b, (double[]){0.25, 0.25, 0.5}), 0.1);
     assert_near(value_at(&b, (double[]){1.25, 0.25, 0.5}), 0.3);
@@ -1188,11 +1297,16 @@ static void a_checkerboard_lies_in_its_plane(void **state)
 static void a_mapping_that_cannot_be_is_refused(void **state)
 {
     (void)state;
-    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v1\" [1 0]", "\"v1\"");
-    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"planar\" \"float v1\" 1", "is of type float, must be vector3");
-    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\" \"float uscale\" 2", "unknown parameter \"uscale\"");
+    expect_failure(
+        LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v1\" [1 0]", "\"v1\"");
+    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"planar\" \"float v1\" 1",
+        "is of type float, must be vector3");
+    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\" \"float uscale\" 2",
+        "unknown parameter \"uscale\"");
     expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"vector v1\" [1 0 0]", "unknown parameter \"v1\"");
-    expect_failure(LIGHT "Scale 1e-20 1e-20 1e-20 Scale 1e-20 1e-20 1e-20 Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"", "by more than 1e30");
+    expect_failure(LIGHT "Scale 1e-20 1e-20 1e-20 Scale 1e-20 1e-20 1e-20 Texture \"t\" \"float\" \"checkerboard\" "
+                         "\"string mapping\" \"spherical\"",
+        "by more than 1e30");
 }
 
 /* ---- texture.c by hand, without a scene ---- */
@@ -1214,7 +1328,8 @@ static bis_texture_image six(void)
 
 static void assert_rgbd(rgbd c, double r, double g, double b)
 {
-    if (!(fabs(c.r - r) < 1e-6 && fabs(c.g - g) < 1e-6 && fabs(c.b - b) < 1e-6)) fail_msg("%.9g %.9g %.9g is not %.9g %.9g %.9g", c.r, c.g, c.b, r, g, b);
+    if (!(fabs(c.r - r) < 1e-6 && fabs(c.g - g) < 1e-6 && fabs(c.b - b) < 1e-6))
+        fail_msg("%.9g %.9g %.9g is not %.9g %.9g %.9g", c.r, c.g, c.b, r, g, b);
 }
 
 static void an_image_that_is_no_square_has_its_rows_and_columns(void **state)
@@ -1233,17 +1348,25 @@ static void an_image_that_is_no_square_has_its_rows_and_columns(void **state)
             for (int i = -3; i < 6; i++) {
                 const bool outside = i < 0 || i > 2 || j < 0 || j > 1;
                 const int ci = i < 0 ? 0 : i > 2 ? 2 : i, cj = j < 0 ? 0 : j > 1 ? 1 : j;
-                const double v = wrap == BIS_WRAP_REPEAT ? n[(j + 2) % 2][(i + 3) % 3] : wrap == BIS_WRAP_BLACK && outside ? 0 : n[cj][ci];
+                const double v = wrap == BIS_WRAP_REPEAT             ? n[(j + 2) % 2][(i + 3) % 3]
+                                 : wrap == BIS_WRAP_BLACK && outside ? 0
+                                                                     : n[cj][ci];
                 x.wrap = (bis_wrap)wrap;
-                assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){(i + 0.5) / 3, (j + 0.5) / 2}, (vec3){0, 0, 0}), v / 32, v / 16, v / 8);
+                assert_rgbd(
+                    bis_textures_value(&t, &image, 0, (double[]){(i + 0.5) / 3, (j + 0.5) / 2}, (vec3){0, 0, 0}),
+                    v / 32, v / 16, v / 8);
             }
-    /* between four texels, nearer to the first column and to the upper row: 0.75 (0.75 1 + 0.25 2) + 0.25 (0.75 4 + 0.25 5) */
-    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.75 / 3, 1.25 / 2}, (vec3){0, 0, 0}), 2 / 32.0, 4 / 32.0, 8 / 32.0);
+    /* between four texels, nearer to the first column and to the upper row: 0.75 (0.75 1 + 0.25 2) + 0.25 (0.75 4 +
+     * 0.25 5) */
+    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.75 / 3, 1.25 / 2}, (vec3){0, 0, 0}), 2 / 32.0, 4 / 32.0,
+        8 / 32.0);
     x.is_float = true;
     x.scale = 3;
-    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){2.5 / 3, 0.25}, (vec3){0, 0, 0}), 42 / 32.0, 42 / 32.0, 42 / 32.0); /* 6 7/3 3 */
+    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){2.5 / 3, 0.25}, (vec3){0, 0, 0}), 42 / 32.0, 42 / 32.0,
+        42 / 32.0); /* 6 7/3 3 */
     x.invert = true;
-    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.5 / 3, 0.75}, (vec3){0, 0, 0}), 25 / 32.0, 25 / 32.0, 25 / 32.0); /* 1 - 7/32 */
+    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.5 / 3, 0.75}, (vec3){0, 0, 0}), 25 / 32.0, 25 / 32.0,
+        25 / 32.0); /* 1 - 7/32 */
     bis_image_clear(&image.image);
 }
 
@@ -1267,7 +1390,8 @@ static void the_range_of_each_kind_is_found_in_each_channel(void **state)
         {.kind = BIS_TEXTURE_COAT, .of = {0}, .scale = 0.5},
         {.kind = BIS_TEXTURE_ALPHA, .of = {1}},
     };
-    const struct { double lo[3], hi[3]; } expected[] = {
+    const struct { double lo[3], hi[3];
+    } expected[] = {
         {{0.5, 0.25, 2}, {0.5, 0.25, 2}},
         {{1 / 32.0, 2 / 32.0, 4 / 32.0}, {6 / 32.0, 12 / 32.0, 24 / 32.0}},
         {{20 / 32.0, 8 / 32.0, -16 / 32.0}, {30 / 32.0, 28 / 32.0, 24 / 32.0}},
@@ -1277,9 +1401,11 @@ static void the_range_of_each_kind_is_found_in_each_channel(void **state)
         {{1 / 32.0, 2 / 32.0, 4 / 32.0}, {0.5, 12 / 32.0, 2}},
         {{1 / 64.0, 2 / 128.0, 8 / 32.0}, {6 / 64.0, 12 / 128.0, 48 / 32.0}},
         {{1 / 1024.0, 4 / 1024.0, 16 / 1024.0}, {36 / 1024.0, 144 / 1024.0, 576 / 1024.0}},
-        /* (1 - w) a + w b, w in [7/96, 42/96]: red a = 1/2, b in [1, 6]/32; green a = 1/4, b in [2, 12]/32; blue a = 2 */
+        /* (1 - w) a + w b, w in [7/96, 42/96]: red a = 1/2, b in [1, 6]/32; green a = 1/4, b in [2, 12]/32; blue a = 2
+         */
         {{0.5 * 54 / 96 + 42 / 96.0 / 32, 0.25 * 54 / 96 + 42 / 96.0 / 16, 2 * 54 / 96.0 + 42 / 96.0 / 8},
-         {0.5 * 89 / 96 + 7 / 96.0 * 6 / 32, 0.25 * 54 / 96 + 42 / 96.0 * 12 / 32, 2 * 89 / 96.0 + 7 / 96.0 * 24 / 32}},
+            {0.5 * 89 / 96 + 7 / 96.0 * 6 / 32, 0.25 * 54 / 96 + 42 / 96.0 * 12 / 32,
+                2 * 89 / 96.0 + 7 / 96.0 * 24 / 32}},
         /* 0.5 v/(1 - 0.5 v) */
         {{1 / 63.0, 1 / 31.0, 1 / 15.0}, {3 / 29.0, 3 / 13.0, 3 / 5.0}},
         {{1 / 3.0, 1 / 7.0, 2}, {1 / 3.0, 1 / 7.0, 2}}, /* above 1 it stays what is below */
@@ -1296,7 +1422,10 @@ static void the_range_of_each_kind_is_found_in_each_channel(void **state)
     bis_image_clear(&image.image);
 }
 
-static bis_texture constant_of(double r, double g, double b) { return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = {r, g, b}}; }
+static bis_texture constant_of(double r, double g, double b)
+{
+    return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = {r, g, b}};
+}
 
 /* Constants stand for all textures here: which are looked at, in which channel, and what is said. */
 static void textures_of_a_material_are_checked_one_by_one(void **state)
@@ -1305,7 +1434,8 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
     enum { NO = -1 };
     static const struct { int Kd, Ks, width; bool facets; double power; const char *said; bool is_warning; } cases[] = {
         {0, NO, NO, false, 1, NULL, false}, {0, NO, NO, true, 1, NULL, false}, {NO, 0, NO, false, 1, NULL, false},
-        {1, NO, NO, false, 1, "x:7: error: the texture of \"Kd\" has values up to 1.5, must be in [0, 1]: change it by its \"float scale\", or by a Texture \"scale\" or \"mix\"", false},
+        {1, NO, NO, false, 1, "x:7: error: the texture of \"Kd\" has values up to 1.5, must be in [0, 1]: change it by "
+         "its \"float scale\", or by a Texture \"scale\" or \"mix\"", false},
         {NO, 1, NO, true, 1, "x:7: error: the texture of \"Ks\" has values up to 1.5, must be in [0, 1]", false},
         {2, NO, NO, true, 1, "the texture of \"Kd\" has values down to -0.25, must be in [0, 1]", false},
         {NO, 3, NO, false, 1, "the texture of \"Ks\" has values up to 3, must be in [0, 1]", false},
@@ -1318,25 +1448,32 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
         {NO, NO, 1, true, 1, "the texture of \"roughness\" has values up to 1.5, must be in [0.01, 1]", false},
         {NO, NO, 6, true, 0.5, NULL, false}, /* 0.009^(1/2) = 0.095; from 1e-4 on */
         {NO, NO, 7, true, 0.5, "the texture of \"roughness\" has values down to 9e-05, must be in [0.0001, 1]", false},
-        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than it receives. Make one of them smaller, a texture by its \"float scale\", or in an .mtl by the Kd or Ks beside it", true},
-        {9, NO, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in green", true}, {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
-        {NO, 8, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in red", true}, {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
+        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than "
+         "it receives. Make one of them smaller, a texture by its \"float scale\", or in an .mtl by the Kd or Ks "
+         "beside it", true},
+        {9, NO, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in green", true},
+         {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
+        {NO, 8, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in red", true},
+         {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
         {8, NO, NO, true, 1, NULL, false}, /* of facets nothing is too much */
     };
-    bis_texture list[] = {constant_of(0, 0.5, 0), constant_of(0.5, 1.5, 1), constant_of(0.5, 0.5, -0.25), constant_of(0, 0, 3),
-                          constant_of(0.01, 1, 0.5), constant_of(1, 1, 1), constant_of(1, 0.009, 1), constant_of(1, 1, 9e-5),
-                          constant_of(1, 0.5, 0), constant_of(0.5, 1, 0), constant_of(0.5, 0.5, 1)};
+    bis_texture list[] = {constant_of(0, 0.5, 0), constant_of(0.5, 1.5, 1), constant_of(0.5, 0.5, -0.25),
+        constant_of(0, 0, 3), constant_of(0.01, 1, 0.5), constant_of(1, 1, 1), constant_of(1, 0.009, 1),
+        constant_of(1, 1, 9e-5), constant_of(1, 0.5, 0), constant_of(0.5, 1, 0), constant_of(0.5, 0.5, 1)};
     const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const rgb Kd = {0.1875f, 0.125f, 0.0625f}, Ks = {0.25f, 0.1875f, 0.125f};
         const bis_material base = cases[i].facets ? bis_microfacet(Kd, Ks, 0.5) : bis_phong(Kd, Ks, 1);
-        const bis_material_textures of = {cases[i].Kd < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Kd, cases[i].Ks < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Ks,
-                                          cases[i].width < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].width, cases[i].power, {"x", 7, 0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
+        const bis_material_textures of = {cases[i].Kd < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Kd,
+            cases[i].Ks < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Ks,
+            cases[i].width < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].width, cases[i].power, {"x", 7, 0}, BIS_NO_TEXTURE,
+            BIS_NO_TEXTURE};
         bis_diag diag = {0};
         const bis_status status = bis_textures_check(&t, NULL, &of, &base, &diag);
         if (status != (cases[i].said && !cases[i].is_warning ? BIS_INPUT : BIS_OK) || diag.n != (cases[i].said ? 1 : 0))
             fail_msg("case %zu: status %d, %zu messages: %s", i, status, diag.n, diag.n ? diag.messages[0].text : "");
-        if (cases[i].said && !strstr(diag.messages[0].text, cases[i].said)) fail_msg("case %zu: %s", i, diag.messages[0].text);
+        if (cases[i].said && !strstr(diag.messages[0].text, cases[i].said))
+            fail_msg("case %zu: %s", i, diag.messages[0].text);
         bis_diag_clear(&diag);
     }
     /* floats: 0.6 + 0.4 is 1 + 3e-8 there, and that is no warning */
@@ -1352,28 +1489,44 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
 static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **state)
 {
     (void)state;
-    bis_texture list[] = {constant_of(0.5, 0.25, 0.125), constant_of(0.25, 0.5, 0.75), constant_of(0.16, 0.5, 1), constant_of(1.0000001, 1, 1),
-                          constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1)};
+    bis_texture list[] = {constant_of(0.5, 0.25, 0.125), constant_of(0.25, 0.5, 0.75), constant_of(0.16, 0.5, 1),
+        constant_of(1.0000001, 1, 1), constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1)};
     const bis_textures t = {.list = list, .n = 6};
     const rgb Kd = {0.1f, 0.2f, 0.3f}, Ks = {0.3f, 0.2f, 0.1f};
     bis_material base = bis_phong(Kd, Ks, 7), m;
     const double uv[2] = {0, 0};
     const vec3 p = {0, 0, 0};
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
-    assert_true(m.model == base.model && m.Kd.r == 0.5f && m.Kd.g == 0.25f && m.Kd.b == 0.125f && m.Ks.r == 0.3f && m.Ks.g == 0.2f && m.Ks.b == 0.1f && m.exponent == 7);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, 2, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
-    assert_true(m.model == base.model && m.Ks.r == 0.25f && m.Ks.g == 0.5f && m.Ks.b == 0.75f && m.Kd.r == 0.1f && m.Kd.b == 0.3f && m.exponent == 0.16);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 5, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
+    m = bis_textures_material(&t, NULL,
+        &(bis_material_textures){0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv,
+        p);
+    assert_true(m.model == base.model && m.Kd.r == 0.5f && m.Kd.g == 0.25f && m.Kd.b == 0.125f && m.Ks.r == 0.3f &&
+                m.Ks.g == 0.2f && m.Ks.b == 0.1f && m.exponent == 7);
+    m = bis_textures_material(
+        &t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, 2, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
+    assert_true(m.model == base.model && m.Ks.r == 0.25f && m.Ks.g == 0.5f && m.Ks.b == 0.75f && m.Kd.r == 0.1f &&
+                m.Kd.b == 0.3f && m.exponent == 0.16);
+    m = bis_textures_material(&t, NULL,
+        &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 5, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv,
+        p);
     assert_true(m.exponent == 0);
     base = bis_microfacet_metal(Ks, (rgb){1, 2, 3}, 0.5);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
-    assert_true(m.model == base.model && m.Ks.g == 0.5f && m.alpha == 0.25 && m.eta.r == 1 && m.eta.g == 2 && m.eta.b == 3);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 2, 0.5, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
+    m = bis_textures_material(&t, NULL,
+        &(bis_material_textures){BIS_NO_TEXTURE, 1, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv,
+        p);
+    assert_true(
+        m.model == base.model && m.Ks.g == 0.5f && m.alpha == 0.25 && m.eta.r == 1 && m.eta.g == 2 && m.eta.b == 3);
+    m = bis_textures_material(&t, NULL,
+        &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 2, 0.5, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base,
+        uv, p);
     assert_near(m.alpha, 0.16); /* roughness 0.16^0.5 = 0.4 */
     assert_true(m.Ks.r == 0.3f && m.eta.b == 3);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 3, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
+    m = bis_textures_material(&t, NULL,
+        &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 3, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv,
+        p);
     assert_true(m.alpha == 1);
-    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 4, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv, p);
+    m = bis_textures_material(&t, NULL,
+        &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 4, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}, &base, uv,
+        p);
     assert_true(m.alpha == 0.01 * 0.01);
 }
 
@@ -1385,30 +1538,36 @@ static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
         {.kind = BIS_TEXTURE_CONSTANT},
         {.kind = BIS_TEXTURE_IMAGE, .image = 2},
         {.kind = BIS_TEXTURE_IMAGE, .image = 1, .mapping = BIS_TEXTURE_PLANAR},
-        {.kind = BIS_TEXTURE_MIX, .of = {1, 0, 0}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 0}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 0, 1}},
+        {.kind = BIS_TEXTURE_MIX, .of = {1, 0, 0}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 0}},
+         {.kind = BIS_TEXTURE_MIX, .of = {0, 0, 1}},
         {.kind = BIS_TEXTURE_SCALE, .of = {1, 0}}, {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}},
         {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {1, 0}, .mapping = BIS_TEXTURE_SPHERICAL},
         {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .mapping = BIS_TEXTURE_SPHERICAL},
         {.kind = BIS_TEXTURE_COAT, .of = {1}}, {.kind = BIS_TEXTURE_ALPHA, .of = {1}},
-        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 0}}, {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {2, 2}, .mapping = BIS_TEXTURE_PLANAR},
+        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 0}}, {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {2, 2},
+         .mapping = BIS_TEXTURE_PLANAR},
     };
     static const struct { bool uv, image[3]; } expected[] = {
-        {false, {0}}, {true, {0, 0, 1}}, {false, {0, 1, 0}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}},
-        {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 0}}, {false, {0, 1, 0}}};
+        {false, {0}}, {true, {0, 0, 1}}, {false, {0, 1, 0}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}},
+         {true, {0, 0, 1}},
+        {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}},
+         {true, {0, 0, 0}}, {false, {0, 1, 0}}};
     const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
     for (uint32_t i = 0; i < t.n; i++) {
         bool used[3] = {false, false, false};
         bis_textures_mark(used, &t, i);
         assert_memory_equal(used, expected[i].image, sizeof used);
         for (int role = 0; role < 3; role++) {
-            const bis_material_textures of = {role == 0 ? i : BIS_NO_TEXTURE, role == 1 ? i : BIS_NO_TEXTURE, role == 2 ? i : BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
+            const bis_material_textures of = {role == 0 ? i : BIS_NO_TEXTURE, role == 1 ? i : BIS_NO_TEXTURE,
+                role == 2 ? i : BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
             assert_int_equal(bis_textures_want_uv(&t, &of), expected[i].uv);
         }
     }
     bool used[3] = {false, false, false};
     bis_textures_mark(used, &t, BIS_NO_TEXTURE);
     assert_true(!used[0] && !used[1] && !used[2]);
-    assert_false(bis_textures_want_uv(&t, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}));
+    assert_false(bis_textures_want_uv(&t, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1,
+                                              {0}, BIS_NO_TEXTURE, BIS_NO_TEXTURE}));
 }
 
 /* A bad channel of any texel is found, and its place is told. */
@@ -1431,8 +1590,10 @@ static void a_bad_texel_is_told_with_its_place(void **state)
         assert_int_equal(bis_textures_load(&image, &file, &diag), BIS_INPUT);
         assert_null(image.image.pixels);
         v[bad % 3] = words[bad % 3];
-        snprintf(text, sizeof text, "s.txt:3:4: error: \"%s\": texel (%d, %d), counted from the top left, is %s %s %s; those of a texture must be finite and >= 0",
-                 file.filename, bad / 3 % 3, bad / 9 == 0, v[0], v[1], v[2]);
+        snprintf(text, sizeof text,
+            "s.txt:3:4: error: \"%s\": texel (%d, %d), counted from the top left, is %s %s %s; those of a texture must "
+            "be finite and >= 0",
+            file.filename, bad / 3 % 3, bad / 9 == 0, v[0], v[1], v[2]);
         assert_string_equal(diag.messages[0].text, text);
         bis_diag_clear(&diag);
     }
@@ -1443,14 +1604,20 @@ static void energy_is_warned_of_once(void **state)
 {
     (void)state;
     static const struct { const char *words, *warning; } cases[] = {
-        {"\"texture Kd\" \"t\" \"float Ks\" 0.6", "Kd + Ks may reach 1.5 in red"}, {"\"texture Ks\" \"t\" \"float Kd\" 0.6", "Kd + Ks may reach 1.5 in red"},
-        {"\"texture Ks\" \"t\" \"texture Kd\" \"t\"", "Kd + Ks may reach 1.8 in red"}, {"\"texture exponent\" \"f\" \"float Kd\" 0.75 \"float Ks\" 0.5", "Kd + Ks is 1.25 in red"}};
+        {"\"texture Kd\" \"t\" \"float Ks\" 0.6", "Kd + Ks may reach 1.5 in red"},
+         {"\"texture Ks\" \"t\" \"float Kd\" 0.6", "Kd + Ks may reach 1.5 in red"},
+        {"\"texture Ks\" \"t\" \"texture Kd\" \"t\"", "Kd + Ks may reach 1.8 in red"},
+         {"\"texture exponent\" \"f\" \"float Kd\" 0.75 \"float Ks\" 0.5", "Kd + Ks is 1.25 in red"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        built b = build(LIGHT "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" 0.9\nTexture \"f\" \"float\" \"checkerboard\"\n"
-                        "Material \"phong\" %s Shape \"sphere\"", cases[i].words);
+        built b = build(LIGHT "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" "
+                              "0.9\nTexture \"f\" \"float\" \"checkerboard\"\n"
+                              "Material \"phong\" %s Shape \"sphere\"",
+            cases[i].words);
         size_t n = 0;
-        for (size_t k = 0; k < b.diag.n; k++) n += strstr(b.diag.messages[k].text, "reach") || strstr(b.diag.messages[k].text, "Kd + Ks is");
-        if (n < 1 || !strstr(b.diag.messages[0].text, cases[i].warning)) fail_msg("%s: %s", cases[i].words, b.diag.n ? b.diag.messages[0].text : "");
+        for (size_t k = 0; k < b.diag.n; k++)
+            n += strstr(b.diag.messages[k].text, "reach") || strstr(b.diag.messages[k].text, "Kd + Ks is");
+        if (n < 1 || !strstr(b.diag.messages[0].text, cases[i].warning))
+            fail_msg("%s: %s", cases[i].words, b.diag.n ? b.diag.messages[0].text : "");
         if (i < 3) assert_int_equal(n, 1);
         clear(&b);
     }

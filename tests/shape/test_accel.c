@@ -109,10 +109,14 @@ static int check_ray(const bis_accel *a, const ray *r, const truth *expected)
     if ((found && near_an_edge(g, hit.prim, r)) || (expected->hit && near_an_edge(g, expected->prim, r))) return 1;
     /* A hit at an end of the ray: an origin in the triangle, or t that rounds to tmax. */
     if (found && (same_distance((double)hit.t, 0, r) || same_distance((double)hit.t, (double)r->tmax, r))) return 1;
-    if (expected->hit && (same_distance((double)expected->t, 0, r) || same_distance((double)expected->t, (double)r->tmax, r))) return 1;
-    print_message("%s: found %d prim %u t %.9g, occluded %d; truth %d prim %u t %.9Lg; ray %.9g %.9g %.9g, %.9g %.9g %.9g, %g\n",
-                  bis_accel_name(a), found, hit.prim, (double)hit.t, occluded, expected->hit, expected->prim, expected->t, (double)r->o.x,
-                  (double)r->o.y, (double)r->o.z, (double)r->d.x, (double)r->d.y, (double)r->d.z, (double)r->tmax);
+    if (expected->hit &&
+        (same_distance((double)expected->t, 0, r) || same_distance((double)expected->t, (double)r->tmax, r)))
+        return 1;
+    print_message(
+        "%s: found %d prim %u t %.9g, occluded %d; truth %d prim %u t %.9Lg; ray %.9g %.9g %.9g, %.9g %.9g %.9g, %g\n",
+        bis_accel_name(a), found, hit.prim, (double)hit.t, occluded, expected->hit, expected->prim, expected->t,
+        (double)r->o.x, (double)r->o.y, (double)r->o.z, (double)r->d.x, (double)r->d.y, (double)r->d.z,
+        (double)r->tmax);
     fail();
     return 1;
 }
@@ -131,10 +135,12 @@ static backends make_backends(const bis_geometry *g)
     backends b = {.n = 0};
 
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1, NULL}, NULL), BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1, NULL}, NULL), BIS_OK);
     }
     if (bis_accel_embree_version() && size > 1e-12 && size < 1e12) {
-        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
     }
     return b;
 }
@@ -161,7 +167,10 @@ static ray nasty_ray(const bis_geometry *g, uint64_t *seed)
     }
     const int kind = (int)(8 * random_double(seed));
     for (int a = 0; a < 3; a++) {
-        if (kind == 0) d[a] = a == (int)(3 * random_double(seed)) ? 1 : random_double(seed) < 0.5 ? 0.0f : -0.0f; /* often along an axis */
+        if (kind == 0)
+            d[a] = a == (int)(3 * random_double(seed)) ? 1
+                   : random_double(seed) < 0.5         ? 0.0f
+                                                       : -0.0f; /* often along an axis */
         if (kind == 1 && a == 1) d[a] = -0.0f;
         if (kind == 2) d[a] = d[a] > 0 ? 1.0f : -1.0f;
         if (kind == 3) d[a] = a == 1 || random_double(seed) < 0.5 ? (float)random_between(seed, -1, 1) : 1e-30f;
@@ -208,7 +217,8 @@ static void soups_at_every_scale_and_shift_are_met_as_by_brute_force(void **stat
     static const double scales[] = {1e-6, 1e6, 1, 1e3, 1e-18, 1e15}, shifts[] = {0, 0, 1e3, 1e6, 0, 0};
     (void)state;
     for (int i = 0; i < 6; i++) {
-        const bis_xform scale = bis_xform_scale(scales[i], scales[i], scales[i]), move = bis_xform_translate(shifts[i], -shifts[i], shifts[i]);
+        const bis_xform scale = bis_xform_scale(scales[i], scales[i], scales[i]),
+                        move = bis_xform_translate(shifts[i], -shifts[i], shifts[i]);
         const bis_xform t = bis_xform_compose(&move, &scale);
         bis_geometry g = {0};
         bis_mesh m = soup_mesh(200, 0.3, (uint64_t)i + 10);
@@ -267,7 +277,8 @@ static void a_ray_through_the_middle_of_anything_is_met_in_all_26_directions(voi
             for (int outside = 0; outside < 2; outside++) {
                 const float back = outside ? 10.0f : 0.0f;
                 /* off the middle: no ray along an edge or through a corner */
-                const ray r = {{c + 0.1f - back * d[0], c + 0.17f - back * d[1], c + 0.23f - back * d[2]}, {d[0], d[1], d[2]}, INFINITY};
+                const ray r = {{c + 0.1f - back * d[0], c + 0.17f - back * d[1], c + 0.23f - back * d[2]},
+                    {d[0], d[1], d[2]}, INFINITY};
                 const truth expected = brute_force(&g, &r);
                 assert_true(expected.hit);
                 for (int i = 0; i < b.n; i++) assert_int_equal(check_ray(b.a[i], &r, &expected), 0);
@@ -357,8 +368,9 @@ static void slivers_flat_scenes_and_coplanar_triangles_are_met_as_by_brute_force
         for (size_t i = 0; i < m.n_vertices; i++) {
             if (kind == 0) m.p[i].z = 0.25f;                                                /* all in a plane */
             if (kind == 1) m.p[i].y *= 1e-4f;                                               /* nearly */
-            if (kind == 2 && i % 3 == 2) m.p[i] = add(m.p[i - 1], mul(sub(m.p[i - 2], m.p[i - 1]), 0.5)); /* slivers by rounding */
-            if (kind == 3) m.p[i].x = m.p[i].x < 0.5f ? 0.0f : 1.0f;                              /* walls, and triangles between */
+            if (kind == 2 && i % 3 == 2)
+                m.p[i] = add(m.p[i - 1], mul(sub(m.p[i - 2], m.p[i - 1]), 0.5)); /* slivers by rounding */
+            if (kind == 3) m.p[i].x = m.p[i].x < 0.5f ? 0.0f : 1.0f; /* walls, and triangles between */
         }
         add_mesh(&g, &m, NULL, 0);
         if (kind == 2) { /* slivers alone are hardly hit: something behind them */
@@ -396,11 +408,13 @@ static void quadrics_under_any_transformation_are_met_as_by_brute_force(void **s
         for (int i = 0; i < 40; i++) {
             const bis_xform scale = bis_xform_scale(random_between(&seed, 0.02, 0.3), random_between(&seed, 0.02, 0.3),
                                                     random_between(&seed, -0.3, -0.02));
-            const bis_xform turn = bis_xform_rotate(random_between(&seed, 0, 360), 1, random_double(&seed), random_double(&seed));
-            const bis_xform move = bis_xform_translate(random_double(&seed), random_double(&seed), random_double(&seed));
+            const bis_xform turn =
+                bis_xform_rotate(random_between(&seed, 0, 360), 1, random_double(&seed), random_double(&seed));
+            const bis_xform move =
+                bis_xform_translate(random_double(&seed), random_double(&seed), random_double(&seed));
             const bis_xform turned = bis_xform_compose(&turn, &scale);
-            const bis_quadric q = {i % 2 ? BIS_SPHERE : BIS_DISK, random_between(&seed, 0.2, 1), random_between(&seed, -1, 1),
-                                   bis_xform_compose(&move, &turned), 0};
+            const bis_quadric q = {i % 2 ? BIS_SPHERE : BIS_DISK, random_between(&seed, 0.2, 1),
+                random_between(&seed, -1, 1), bis_xform_compose(&move, &turned), 0};
             assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
         }
         check_scene(&g, 6000, 6);
@@ -426,7 +440,8 @@ static void a_sphere_around_everything_costs_no_hit(void **state)
 static bis_mesh nasty_mesh(int kind)
 {
     uint64_t seed = 21;
-    bis_mesh m = kind == 0 ? sphere_mesh(20) : soup_mesh(kind == 1 ? 2000 : 400, kind == 1 ? 0.05 : 0.4, (uint64_t)kind);
+    bis_mesh m =
+        kind == 0 ? sphere_mesh(20) : soup_mesh(kind == 1 ? 2000 : 400, kind == 1 ? 0.05 : 0.4, (uint64_t)kind);
 
     for (size_t i = 0; i < m.n_vertices; i++) {
         vec3 *p = &m.p[i];
@@ -442,18 +457,24 @@ static bis_mesh nasty_mesh(int kind)
 /* At a vertex, at a point of an edge, or inside a triangle: from anywhere, along an axis, or from another vertex. */
 static ray aimed_ray(const bis_geometry *g, uint64_t *seed)
 {
-    const double size = length(sub(g->box.hi, g->box.lo)), b = random_double(seed), u = random_double(seed), end = random_double(seed);
+    const double size = length(sub(g->box.hi, g->box.lo)), b = random_double(seed), u = random_double(seed),
+                 end = random_double(seed);
     const uint32_t *t = g->index + 3 * (size_t)(random_double(seed) * (double)g->n_triangles);
-    const uint32_t from = random_double(seed) < 0.5 ? 0 : g->index[(size_t)(random_double(seed) * 3 * (double)g->n_triangles)];
+    const uint32_t from =
+        random_double(seed) < 0.5 ? 0 : g->index[(size_t)(random_double(seed) * 3 * (double)g->n_triangles)];
     const vec3 edge = add(mul(g->p[t[0]], b), mul(g->p[t[1]], 1 - b));
     const vec3 target = u < 0.3 ? g->p[t[0]] : u < 0.6 ? edge : add(mul(edge, b), mul(g->p[t[2]], 1 - b));
     const int axis = (int)(3 * random_double(seed));
     vec3 d = mul(random_direction(seed), size);
 
-    if (random_double(seed) < 0.3) d = (vec3){axis == 0 ? (float)size : 0, axis == 1 ? -(float)size : -0.0f, axis == 2 ? (float)size : 0};
+    if (random_double(seed) < 0.3)
+        d = (vec3){axis == 0 ? (float)size : 0, axis == 1 ? -(float)size : -0.0f, axis == 2 ? (float)size : 0};
     if (random_double(seed) < 0.2) d = sub(target, g->p[from]);
     if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
-    const double u2 = random_double(seed), away = u2 < 0.1 ? 0 : u2 < 0.2 ? 1000 : u2 < 0.25 ? 1e7 : random_double(seed);
+    const double u2 = random_double(seed), away = u2 < 0.1    ? 0
+                                                  : u2 < 0.2  ? 1000
+                                                  : u2 < 0.25 ? 1e7
+                                                              : random_double(seed);
     const vec3 o = sub(target, mul(d, away));
     return (ray){o, d, end < 0.3 ? (float)(3 * end) : end < 0.4 ? 1 : INFINITY};
 }
@@ -491,7 +512,8 @@ static void check_bits(const bis_accel *a, const ray *r, bis_hit expected)
     assert_int_equal(bis_accel_occluded(a, r), must);
     assert_true(hit.t == expected.t);
     /* t of a quadric is rounded to float before it is compared, so within an ulp of it the cells decide who is first */
-    if (expected.prim < a->geometry->n_triangles && hit.prim < a->geometry->n_triangles) assert_int_equal(hit.prim, expected.prim);
+    if (expected.prim < a->geometry->n_triangles && hit.prim < a->geometry->n_triangles)
+        assert_int_equal(hit.prim, expected.prim);
 }
 
 /* Neither cells nor the filter in float lose or add a hit, in grids that are packed and in those that are not. */
@@ -505,14 +527,16 @@ static void the_grid_answers_as_a_loop_over_all_primitives_bit_by_bit(void **sta
     for (int n = 0; n < 7 * 4 * 3; n++) {
         const int kind = n % 7, place = n / 7 % 4;
         const bis_xform scale = bis_xform_scale(scales[place], scales[place], scales[place]);
-        const bis_xform move = bis_xform_translate(shifts[place], -shifts[place], shifts[place]), t = bis_xform_compose(&move, &scale);
+        const bis_xform move = bis_xform_translate(shifts[place], -shifts[place], shifts[place]),
+                        t = bis_xform_compose(&move, &scale);
         bis_geometry g = {0};
         bis_mesh m = nasty_mesh(kind);
         bis_accel *a;
         add_mesh(&g, &m, &t, 0);
         if (kind == 1 && place == 0) assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
         if (kind == 6 && place == 0) assert_int_equal(bis_geometry_add_quadric(&g, &floor_disk, NULL), BIS_OK);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, densities[n / 28], 1, NULL}, NULL), BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, densities[n / 28], 1, NULL}, NULL), BIS_OK);
         bis_grid *grid = (bis_grid *)a;
         assert_int_equal(bis_grid_items(grid) - grid->offsets[grid->n_cells], kind == 6 ? place == 0 ? 8 : 7 : 0);
         if (!grid->blocks) assert_int_equal(bis_grid_pack(grid, 1, NULL), BIS_OK);
@@ -557,7 +581,8 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
         assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
         const bis_grid *grid = (const bis_grid *)a;
         assert_int_equal(bis_grid_items(grid) - grid->offsets[grid->n_cells], cases[i].aside);
-        for (uint32_t k = 0; k < cases[i].aside; k++) assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], k);
+        for (uint32_t k = 0; k < cases[i].aside; k++)
+            assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], k);
         bis_accel_free(a);
         bis_geometry_clear(&g);
     }
@@ -580,7 +605,8 @@ static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)
             if (cases[i].flat == 2) m.p[k].z = 3;
         }
         add_mesh(&g, &m, NULL, 0);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, cases[i].density, 1, NULL}, NULL), BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, cases[i].density, 1, NULL}, NULL), BIS_OK);
         const bis_grid *grid = (const bis_grid *)a;
         if (cases[i].flat >= 0) assert_int_equal(grid->n[cases[i].flat], 1);
         if (cases[i].density == 1e-9) assert_int_equal(grid->n_cells, 1);
@@ -617,7 +643,9 @@ static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
     assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
     bis_accel *a[3];
     static const int threads[] = {1, 2, 7};
-    for (int i = 0; i < 3; i++) assert_int_equal(bis_accel_new(&a[i], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, threads[i], NULL}, NULL), BIS_OK);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(
+            bis_accel_new(&a[i], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, threads[i], NULL}, NULL), BIS_OK);
     const bis_grid *one = (const bis_grid *)a[0];
     for (int i = 1; i < 3; i++) {
         const bis_grid *other = (const bis_grid *)a[i];
@@ -664,7 +692,8 @@ static void the_backends_agree_on_the_dragon_but_for_ties(void **state)
             n_rays++;
             if (found[0] != found[1] || (found[0] && !same_distance((double)hit[0].t, (double)hit[1].t, &r))) {
                 differ++;
-                assert_true((found[0] && near_an_edge(&g, hit[0].prim, &r)) || (found[1] && near_an_edge(&g, hit[1].prim, &r)));
+                assert_true(
+                    (found[0] && near_an_edge(&g, hit[0].prim, &r)) || (found[1] && near_an_edge(&g, hit[1].prim, &r)));
             }
             if (!found[0] || !found[1]) break;
             bis_surface s;
@@ -758,7 +787,8 @@ static void without_embree_the_message_names_the_way_out(void **state)
         assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, &diag), BIS_INPUT);
         assert_null(a);
         assert_string_equal(diag.messages[0].text,
-                            "error: this program was built without Embree: use the accelerator \"grid\" (--accelerator grid), or install "
+                            "error: this program was built without Embree: use the accelerator \"grid\" (--accelerator "
+                            "grid), or install "
                             "libembree-dev and build again");
         assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1, NULL}, &diag), BIS_OK);
         assert_string_equal(bis_accel_name(a), "grid");
@@ -780,7 +810,8 @@ static void any_allocation_may_fail(void **state)
             bis_accel *a;
             bis_diag diag = {0};
             bis_mem_fail_at(k);
-            bis_status status = bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, &diag);
+            bis_status status = bis_accel_new(
+                &a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, &diag);
             const bool failed = bis_mem_count() >= k;
             bis_mem_fail_at(0);
             assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
@@ -794,8 +825,8 @@ static void any_allocation_may_fail(void **state)
     bis_geometry_clear(&g);
 }
 
-/* With a triangle of no area Embree gets a copy of all indices: 12 bytes a triangle. What Embree itself holds differs by
- * one triangle of 4000. */
+/* With a triangle of no area Embree gets a copy of all indices: 12 bytes a triangle. What Embree itself holds differs
+ * by one triangle of 4000. */
 static void the_copy_of_the_indices_counts_as_memory(void **state)
 {
     enum { N = 4000 };
@@ -816,13 +847,14 @@ static void the_copy_of_the_indices_counts_as_memory(void **state)
     assert_in_range(held[1] - held[0], 12 * N - 4096, 12 * N + 4096);
 }
 
-/* A box that is one point gets a thickness: 2^-20 of its largest coordinate, or of 1 at the origin; one that is flat, 2^-20
- * of its extent. */
+/* A box that is one point gets a thickness: 2^-20 of its largest coordinate, or of 1 at the origin; one that is flat,
+ * 2^-20 of its extent. */
 static void the_box_of_a_point_or_of_a_plane_has_a_thickness(void **state)
 {
     static const struct {
         double at[3], side, pad;
-    } cases[] = {{{0, 0, 0}, 0, 0x1p-20}, {{2, -8, 1}, 0, 0x1p-17}, {{0, 0, 0.5}, 4, 0x1p-18}, {{3, 0, 64}, 0.25, 0x1p-22}};
+    } cases[] = {
+        {{0, 0, 0}, 0, 0x1p-20}, {{2, -8, 1}, 0, 0x1p-17}, {{0, 0, 0.5}, 4, 0x1p-18}, {{3, 0, 64}, 0.25, 0x1p-22}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const double *at = cases[i].at, side = cases[i].side;

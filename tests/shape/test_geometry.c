@@ -122,7 +122,8 @@ static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
     assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
     for (size_t i = 0; i < 8; i++) {
         assert_true(fabs(dot(m.n[i], m.n[i]) - 1) < 1e-6);
-        assert_true(dot(m.n[i], sub(m.p[i], (vec3){0.5f, 0.5f, 0.5f})) > 0.8660 - 1e-4); /* sqrt(3)/2: along the diagonal */
+        assert_true(
+            dot(m.n[i], sub(m.p[i], (vec3){0.5f, 0.5f, 0.5f})) > 0.8660 - 1e-4); /* sqrt(3)/2: along the diagonal */
     }
     assert_true(m.n[8].x == 0 && m.n[8].y == 0 && m.n[8].z == 0);
     bis_mesh_clear(&m);
@@ -229,9 +230,12 @@ static void quadrics_without_memory_are_counted(void **state)
 /* Random and not too flat, at distance up to `away`. */
 static bis_quadric random_quadric(uint64_t *seed, double away)
 {
-    const bis_xform scale = bis_xform_scale(random_between(seed, 0.3, 2), random_between(seed, 0.3, 2), random_between(seed, -2, -0.3));
-    const bis_xform turn = bis_xform_rotate(random_between(seed, 0, 360), random_between(seed, 0.1, 1), random_between(seed, -1, 1), 1);
-    const bis_xform move = bis_xform_translate(random_between(seed, -away, away), random_between(seed, -away, away), away);
+    const bis_xform scale =
+        bis_xform_scale(random_between(seed, 0.3, 2), random_between(seed, 0.3, 2), random_between(seed, -2, -0.3));
+    const bis_xform turn =
+        bis_xform_rotate(random_between(seed, 0, 360), random_between(seed, 0.1, 1), random_between(seed, -1, 1), 1);
+    const bis_xform move =
+        bis_xform_translate(random_between(seed, -away, away), random_between(seed, -away, away), away);
     const bis_xform turned = bis_xform_compose(&turn, &scale);
 
     return (bis_quadric){random_double(seed) < 0.5 ? BIS_SPHERE : BIS_DISK, random_between(seed, 0.5, 2),
@@ -300,7 +304,8 @@ static void a_quadric_is_met_where_its_implicit_function_first_changes_sign(void
         double before = 0, at = -1;
         for (int i = 0; i <= STEPS; i++) {
             const double t = (double)r.tmax * i / STEPS;
-            const double p[3] = {(double)r.o.x + t * (double)r.d.x, (double)r.o.y + t * (double)r.d.y, (double)r.o.z + t * (double)r.d.z};
+            const double p[3] = {(double)r.o.x + t * (double)r.d.x, (double)r.o.y + t * (double)r.d.y,
+                (double)r.o.z + t * (double)r.d.z};
             double value = -q.radius * q.radius;
             for (int a = 0; a < 3; a++) {
                 const double *row = q.to_world.inv[a];
@@ -324,7 +329,8 @@ static void a_quadric_is_met_where_its_implicit_function_first_changes_sign(void
 
 static void a_quadrics_range_is_open_and_tmax_is_kept(void **state)
 {
-    const bis_quadric sphere = {BIS_SPHERE, 1, 0, bis_xform_identity(), 0}, disk = {BIS_DISK, 1, 2, bis_xform_identity(), 0};
+    const bis_quadric sphere = {BIS_SPHERE, 1, 0, bis_xform_identity(), 0},
+                      disk = {BIS_DISK, 1, 2, bis_xform_identity(), 0};
     float t = 0;
     (void)state;
     assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, INFINITY}, &t) && t == 2);
@@ -335,7 +341,8 @@ static void a_quadrics_range_is_open_and_tmax_is_kept(void **state)
     assert_false(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, 2}, &t));
     assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, nextafterf(2, 3)}, &t));
     assert_false(bis_quadric_intersect(&sphere, &(ray){{1, 0, 0}, {0, 0, 1}, INFINITY}, &t)); /* touches at t = 0 */
-    assert_true(bis_quadric_intersect(&disk, &(ray){{1, 0, 0}, {0, 0, 1}, INFINITY}, &t) && t == 2); /* the rim belongs to it */
+    assert_true(
+        bis_quadric_intersect(&disk, &(ray){{1, 0, 0}, {0, 0, 1}, INFINITY}, &t) && t == 2); /* the rim belongs to it */
     assert_false(bis_quadric_intersect(&disk, &(ray){{1.0001f, 0, 0}, {0, 0, 1}, INFINITY}, &t));
     assert_false(bis_quadric_intersect(&disk, &(ray){{0, 0, 2}, {1, 0, 0}, INFINITY}, &t)); /* in its plane */
     assert_false(bis_quadric_intersect(&disk, &(ray){{0, 0, 2}, {0, 0, 1}, INFINITY}, &t));
@@ -349,8 +356,9 @@ static bool within(const double a[3], vec3 b)
     return fabs(a[0]) <= (double)b.x && fabs(a[1]) <= (double)b.y && fabs(a[2]) <= (double)b.z;
 }
 
-/* Where a ray from o through a point of the shape meets it, is that point. The disk at z = 3 and the ball about the middle,
- * of radius 2, stand in the world by: x' = 4 + 2 y, y' = -1 + 3 z, z' = 5 + x. So the disk's plane is y' = 8. */
+/* Where a ray from o through a point of the shape meets it, is that point. The disk at z = 3 and the ball about the
+ * middle, of radius 2, stand in the world by: x' = 4 + 2 y, y' = -1 + 3 z, z' = 5 + x. So the disk's plane is y' = 8.
+ */
 static void a_quadrics_point_is_where_the_ray_was_aimed(void **state)
 {
     (void)state;
@@ -361,13 +369,16 @@ static void a_quadrics_point_is_where_the_ray_was_aimed(void **state)
     for (int k = 0; k < 2; k++) {
         assert_true(bis_xform_from_columns(&q[k].to_world, columns));
         for (int i = 0; i < 2000; i++) {
-            const double z = 1 - 2 * bis_rng_double(&rng), phi = 2 * PI * bis_rng_double(&rng), far = 2 * sqrt(fmax(0, 1 - z * z));
+            const double z = 1 - 2 * bis_rng_double(&rng), phi = 2 * PI * bis_rng_double(&rng),
+                         far = 2 * sqrt(fmax(0, 1 - z * z));
             const double at[3] = {far * cos(phi), far * sin(phi), k == 0 ? 3 : 2 * z};
             const double w[3] = {4 + 2 * at[1], -1 + 3 * at[2], 5 + at[0]}; /* in the world */
-            const double n[3] = {k == 0 ? 0 : at[1] / 2, k == 0 ? 1 : at[2] / 3, k == 0 ? 0 : at[0]}; /* of x^2 + y^2 + z^2 */
+            const double n[3] = {
+                k == 0 ? 0 : at[1] / 2, k == 0 ? 1 : at[2] / 3, k == 0 ? 0 : at[0]}; /* of x^2 + y^2 + z^2 */
             const double up = k == 0 && i % 2 ? -1 : 1, d = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * up;
             double from[3];
-            for (int c = 0; c < 3; c++) from[c] = w[c] + 6 * n[c] / d + (bis_rng_double(&rng) - 0.5); /* outside; slanted */
+            for (int c = 0; c < 3; c++)
+                from[c] = w[c] + 6 * n[c] / d + (bis_rng_double(&rng) - 0.5); /* outside; slanted */
             const vec3 o = vec3_from(from[0], from[1], from[2]), to = vec3_from(w[0], w[1], w[2]);
             const ray r = {o, normalize(sub(to, o)), INFINITY};
             bis_surface s;
@@ -404,7 +415,8 @@ static void a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray(
             e[0][a] = (long double)flat[1][a] - (long double)flat[0][a];
             e[1][a] = (long double)flat[2][a] - (long double)flat[0][a];
         }
-        for (int a = 0; a < 3; a++) nn[a] = e[0][(a + 1) % 3] * e[1][(a + 2) % 3] - e[0][(a + 2) % 3] * e[1][(a + 1) % 3];
+        for (int a = 0; a < 3; a++)
+            nn[a] = e[0][(a + 1) % 3] * e[1][(a + 2) % 3] - e[0][(a + 2) % 3] * e[1][(a + 1) % 3];
         for (int a = 0; a < 3; a++) size += nn[a] * nn[a];
         if (size == 0) continue;
         bis_geometry g = {0};
@@ -435,7 +447,8 @@ static void the_error_of_a_triangles_point_is_no_larger_than_four_ulps(void **st
         const ray r = {{-1, 0.5f, 0.5f}, sub(m.p[0], (vec3){-1, 0.5f, 0.5f}), INFINITY};
         bis_geometry g = {0};
         bis_surface s;
-        const double largest = fmax(fabs((double)m.p[0].x), fmax(fabs((double)m.p[0].y), fabs((double)m.p[0].z))) + 0.02;
+        const double largest =
+            fmax(fabs((double)m.p[0].x), fmax(fabs((double)m.p[0].y), fabs((double)m.p[0].z))) + 0.02;
         add_mesh(&g, &m, NULL, 0);
         bis_geometry_surface(&g, 0, &r, &s);
         assert_true(length(s.p_error) < 4 * sqrt(3) * 0x1p-24 * largest + 0x1p-20 * 0.02);
@@ -493,8 +506,9 @@ static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
     assert_true(hits > 10000);
 }
 
-/* A ball of radius R about (c, c, c), met on the diagonal: no axis is before another. Its point errs by e = 2^-24 c in each,
- * tau = sqrt(3) e; seen from inside, the surface is farther by tau^2/2R at first order, along (1, 1, 1)/sqrt(3). */
+/* A ball of radius R about (c, c, c), met on the diagonal: no axis is before another. Its point errs by e = 2^-24 c in
+ * each, tau = sqrt(3) e; seen from inside, the surface is farther by tau^2/2R at first order, along (1, 1, 1)/sqrt(3).
+ */
 static void the_error_of_a_balls_point_knows_no_axis(void **state)
 {
     (void)state;
@@ -529,7 +543,10 @@ static void normals_are_turned_to_the_eyes_side(void **state)
                 m.n = bis_alloc(3, sizeof *m.n);
                 /* 1: along z; 2: against; 3: all (0,0,0); 4: they cancel at (1/4, 1/4): n0/2 + n1/4 + n2/4 */
                 for (int i = 0; i < 3; i++) {
-                    m.n[i] = (vec3){kind == 4 ? (i == 0 ? 1.0f : -1.0f) : 0, 0, kind == 1 ? 2.0f : kind == 2 ? -3.0f : 0.0f};
+                    m.n[i] = (vec3){kind == 4 ? (i == 0 ? 1.0f : -1.0f) : 0, 0,
+                        kind == 1   ? 2.0f
+                        : kind == 2 ? -3.0f
+                                    : 0.0f};
                 }
             }
             add_mesh(&g, &m, NULL, 0);
@@ -561,7 +578,8 @@ static void a_zero_vertex_normal_is_the_faces_in_the_interpolation(void **state)
 /* ng and w are unit vectors of floats, each 2^-24 sqrt(3) off: below four times that a direction has no side. */
 #define GRAZING (4 * 1.7320508 * 0x1p-24)
 
-static void for_each_backend(void (*check)(const bis_accel *a, const bis_geometry *g, double scale), const bis_geometry *g, double scale)
+static void for_each_backend(
+    void (*check)(const bis_accel *a, const bis_geometry *g, double scale), const bis_geometry *g, double scale)
 {
     const bis_accel_kind kinds[] = {BIS_ACCEL_GRID, BIS_ACCEL_EMBREE};
 
@@ -575,8 +593,8 @@ static void for_each_backend(void (*check)(const bis_accel *a, const bis_geometr
 
 static vec3 box_point(const bis_box *b, uint64_t *seed)
 {
-    return vec3_from(random_between(seed, (double)b->lo.x, (double)b->hi.x), random_between(seed, (double)b->lo.y, (double)b->hi.y),
-                     random_between(seed, (double)b->lo.z, (double)b->hi.z));
+    return vec3_from(random_between(seed, (double)b->lo.x, (double)b->hi.x),
+        random_between(seed, (double)b->lo.y, (double)b->hi.y), random_between(seed, (double)b->lo.z, (double)b->hi.z));
 }
 
 /* Eyes around a convex body: what leaves a point into the outer hemisphere never comes back. */
@@ -637,7 +655,8 @@ static bis_mesh cube_mesh(void)
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     bis_mesh m = new_mesh(8, 12);
 
-    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1) - 0.5f, (float)(i >> 1 & 1) - 0.5f, (float)(i >> 2) - 0.5f};
+    for (size_t i = 0; i < 8; i++)
+        m.p[i] = (vec3){(float)(i & 1) - 0.5f, (float)(i >> 1 & 1) - 0.5f, (float)(i >> 2) - 0.5f};
     memcpy(m.index, faces, sizeof faces);
     return m;
 }
@@ -672,7 +691,8 @@ static void a_turned_tetrahedron_never_shadows_itself(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
-        if (placements[i].scale < 1 && placements[i].move > 0) continue; /* 8 ulps: every other ray meets an edge exactly */
+        if (placements[i].scale < 1 && placements[i].move > 0)
+            continue; /* 8 ulps: every other ray meets an edge exactly */
         for (int turns = 0; turns < 5; turns++) {
             const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
             const bis_xform turn = bis_xform_rotate(77 * turns, 1, -2, 3), turned = bis_xform_compose(&place, &turn);
@@ -695,10 +715,12 @@ static void spheres_never_shadow_themselves_nor_leak_E37(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
-        const bool tiny = placements[i].scale < 1 && placements[i].move > 0; /* stretched, its least axis would have 3 ulps */
+        const bool tiny =
+            placements[i].scale < 1 && placements[i].move > 0; /* stretched, its least axis would have 3 ulps */
         for (int kind = 0; kind < (tiny ? 1 : 2); kind++) {
             const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
-            const bis_xform stretch = bis_xform_scale(1, kind ? 0.4 : 1, kind ? 1.7 : 1), turn = bis_xform_rotate(50, 1, 1, -2);
+            const bis_xform stretch = bis_xform_scale(1, kind ? 0.4 : 1, kind ? 1.7 : 1),
+                            turn = bis_xform_rotate(50, 1, 1, -2);
             const bis_xform turned = bis_xform_compose(&turn, &stretch);
             const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_compose(&place, &turned), 0};
             bis_geometry g = {0};
@@ -778,7 +800,9 @@ static void no_triangle_of_the_dragon_shadows_itself(void **state)
     add_mesh(&g, &m, NULL, 0);
     for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
         bis_accel *a;
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
+        assert_int_equal(
+            bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, NULL),
+            BIS_OK);
         for (int n = 0; n < 100000; n++) {
             const vec3 target = box_point(&g.box, &seed), o = add(target, mul(random_direction(&seed), 0.5));
             const ray r = {o, sub(target, o), INFINITY};
@@ -825,7 +849,8 @@ static void without_the_offset_a_point_does_shadow_itself_E37(void **state)
 /* The C library's nextafterf says what the neighbours are: the float is on its side of v, and the next one is not. */
 static void rounded_numbers_are_the_nearest_floats_on_their_side(void **state)
 {
-    const double special[] = {0, -0.0, 1e-60, 0x1p-149, 0x1p-150, 0x1p-126, 1, 1 + 0x1p-24, 1 - 0x1p-30, (double)FLT_MAX};
+    const double special[] = {
+        0, -0.0, 1e-60, 0x1p-149, 0x1p-150, 0x1p-126, 1, 1 + 0x1p-24, 1 - 0x1p-30, (double)FLT_MAX};
     bis_rng r;
 
     (void)state;
@@ -854,7 +879,8 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
         assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
         for (uint32_t prim = 0; prim < bis_geometry_primitives(&g); prim++) {
             const bis_box box = bis_geometry_bounds(&g, prim);
-            const vec3 middle = mul(add(box.lo, box.hi), 0.5), d = prim < g.n_triangles ? neg(normalize(middle)) : (vec3){1, 0, 0};
+            const vec3 middle = mul(add(box.lo, box.hi), 0.5),
+                       d = prim < g.n_triangles ? neg(normalize(middle)) : (vec3){1, 0, 0};
             const ray r = {sub(middle, mul(d, 3)), d, INFINITY};
             bis_surface before, after;
             bis_geometry_surface(&g, prim, &r, &before);

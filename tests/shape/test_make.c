@@ -101,7 +101,8 @@ static const shape shapes[] = {
     {"cone", {.p = {{1.5, 0, 0}, {0, 0, 3}}, .phi_max_deg = 360}, radius_cone, v_cone, 3},
     {"paraboloid", {.profile = BIS_PROFILE_PARABOLA, .radius = 2, .z = {.5, 3}, .phi_max_deg = 360}, radius_parabola,
      v_parabola, 3},
-    {"sphere", {.profile = BIS_PROFILE_CIRCLE, .radius = 2, .z = {-1, 1.5}, .phi_max_deg = 270}, radius_sphere, v_sphere,
+    {"sphere", {.profile = BIS_PROFILE_CIRCLE, .radius = 2, .z = {-1, 1.5}, .phi_max_deg = 270}, radius_sphere,
+     v_sphere,
      2},
     {"hyperboloid", {.p = {{1, .5, -1}, {-.5, 1, 1}}, .phi_max_deg = 360}, radius_skew, v_skew, 2},
 };
@@ -246,7 +247,8 @@ static void a_height_field_spans_the_unit_square(void **state)
     bis_mesh_clear(&m);
 }
 
-/* A half circle that turns by a quarter of another: rational quadratics give an octant, or more, of a sphere exactly. */
+/* A half circle that turns by a quarter of another: rational quadratics give an octant, or more, of a sphere exactly.
+ */
 static void a_rational_patch_is_a_sphere(void **state)
 {
     (void)state;
@@ -383,7 +385,8 @@ static void check_limit(uint32_t k, bool closed, unsigned levels, uint64_t seed)
     /* The tangent plane: all other parts decay faster; after 60 steps less than 4e-4 of them is left. On a border, the
      * direction along it is that between its points, and that across it shows in sums which are the same from both
      * ends. (Beyond six triangles a further part decays more slowly than that along the border. It cancels in such
-     * sums.) One triangle, and three, have no such other parts; their own decay so fast that 60 steps would lose them. */
+     * sums.) One triangle, and three, have no such other parts; their own decay so fast that 60 steps would lose them.
+     */
     brute(p, s, n, k == 1 || k == 3 ? 20 : 60);
     for (int c = 0; c < 3; c++) {
         e[c] = (double)(closed ? p[1][c] - p[0][c] : p[n - 1][c] - p[1][c]);
@@ -471,7 +474,8 @@ static void what_is_no_surface_is_refused(void **state)
         {4, 2, {0, 1, 2, 0, 1, 3},
          "triangles 0 and 1 (counted from 0) turn against each other: exchange two indices of one of them"},
         {5, 2, {0, 1, 2, 0, 3, 4}, "two surfaces touch in point 0: give each a point of its own there"},
-        {6, 4, {0, 1, 2, 0, 2, 3, 0, 3, 1, 0, 4, 5}, "two surfaces touch in point 0: give each a point of its own there"},
+        {6, 4, {0, 1, 2, 0, 2, 3, 0, 3, 1, 0, 4, 5}, "two surfaces touch in point 0: give each a point of its own "
+         "there"},
         {3, 1, {0, 1, 1}, "triangle with points 1 and 1: all three must differ"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {

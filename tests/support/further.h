@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* further: integrators that somebody has added behind ours, as docs/extending.md says. Tables by hand leave them out, so
- * that the tests pass with them, too. */
+/* further: integrators that somebody has added behind ours, as docs/extending.md says. Tables by hand leave them out,
+ * so that the tests pass with them, too. */
 #ifndef TESTS_FURTHER_H
 #define TESTS_FURTHER_H
 

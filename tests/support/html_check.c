@@ -163,7 +163,8 @@ static bool holds(const char *text, const char *const *foreign, size_t n, char *
 bool html_is_self_contained(const char *page, char *why, size_t size)
 {
     static const char *const foreign[] = {"http", "@import", "src=", "href="};
-    static const char *const calls[] = {"@import", "https:", "fetch(", "XMLHttpRequest", "import(", "new Worker", "sendBeacon"};
+    static const char *const calls[] = {
+        "@import", "https:", "fetch(", "XMLHttpRequest", "import(", "new Worker", "sendBeacon"};
     const size_t n = strlen(page) + 1;
     char *rest = malloc(2 * n), *scripts = rest + n;
 

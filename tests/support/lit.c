@@ -49,7 +49,8 @@ static rgb pixel(lit_map map, int x, int y)
 bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate)
 {
     const unsigned needs = BIS_NEED_TABLE | BIS_NEED_CURVE | (compensate ? BIS_NEED_COMPENSATED : 0);
-    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .area_exponent = area_exponent, .levels = 8, .to_world = bis_xform_identity()};
+    const bis_light_desc desc = {
+        .L = {1, 1, 1}, .scale = 1, .area_exponent = area_exponent, .levels = 8, .to_world = bis_xform_identity()};
     bis_image image = {.width = W, .height = H};
     bis_light *light;
     bis_envmap em;
@@ -78,7 +79,10 @@ void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, 
 {
     double t = degrees * PI / 180;
 
-    *l = (lit){.light = light, .accel = {.accel = {.ops = &fake}, .hidden = hidden}, .material = m, .kind = BIS_SAMPLER_STRATIFIED};
+    *l = (lit){.light = light,
+        .accel = {.accel = {.ops = &fake}, .hidden = hidden},
+        .material = m,
+        .kind = BIS_SAMPLER_STRATIFIED};
     l->pt = (bis_point){.n = n, .ng = n, .light = light, .accel = &l->accel.accel, .counters = &l->counters};
     const frame about_n = frame_about(n);
     l->pt.wo = normalize(to_world(&about_n, vec3_from(sin(t) * 0.6, sin(t) * 0.8, cos(t))));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* lit_truth: brute force, and many estimates, see lit.h. In a file of its own, because a student's process holds lit.c. */
+/* lit_truth: brute force, and many estimates, see lit.h. In a file of its own, because a student's process holds lit.c.
+ */
 #include "lit.h"
 
 #include "bis/beyond/microfacet.h"
@@ -27,9 +28,11 @@ static node midpoint(const lit *l, int i, int k)
 {
     const bis_envmap *em = bis_light_envmap(l->light);
     double y = i / W, x = i % W, c0 = cos(PI * y / H), c1 = cos(PI * (y + 1) / H);
-    double z = c0 + (c1 - c0) * ((int)(k / K) + 0.5) / K, s = sqrt(1 - z * z), phi = 2 * PI * (x + (k % K + 0.5) / K) / W;
+    double z = c0 + (c1 - c0) * ((int)(k / K) + 0.5) / K, s = sqrt(1 - z * z),
+           phi = 2 * PI * (x + (k % K + 0.5) / K) / W;
 
-    return (node){{s * cos(phi), s * sin(phi), z}, (c0 - c1) * 2 * PI / W / (K * K), em ? em->pixels[i] : bis_light_Le(l->light, (vec3){0, 0, 1})};
+    return (node){{s * cos(phi), s * sin(phi), z}, (c0 - c1) * 2 * PI / W / (K * K),
+        em ? em->pixels[i] : bis_light_Le(l->light, (vec3){0, 0, 1})};
 }
 
 static double dot_node(const node *w, vec3 v)
@@ -44,7 +47,8 @@ double lit_fresnel(double Ks, double eta, double c)
     const long double k2 = (r * (n + 1) * (n + 1) - (n - 1) * (n - 1)) / (1 - r);
     const long double complex index = n + (k2 > 0 ? sqrtl(k2) : 0) * (long double complex)I;
     const long double complex q = csqrtl(index * index - (1 - c_o * c_o));
-    const long double s = cabsl((c_o - q) / (c_o + q)), p = cabsl((index * index * c_o - q) / (index * index * c_o + q));
+    const long double s = cabsl((c_o - q) / (c_o + q)),
+                      p = cabsl((index * index * c_o - q) / (index * index * c_o + q));
     return (double)((s * s + p * p) / 2);
 }
 
@@ -52,7 +56,8 @@ double lit_fresnel(double Ks, double eta, double c)
 static rgbd mix(const bis_material *m, double lobe, double base, double at, bool coated)
 {
     const double eta[3] = {(double)m->eta.r, (double)m->eta.g, (double)m->eta.b};
-    const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b}, Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
+    const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b},
+                 Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
     double c[3];
 
     for (int i = 0; i < 3; i++) {
@@ -76,14 +81,16 @@ static rgbd phong(const bis_material *m, double c_i, double c_o, double wi_wo, d
 
 static double smith(double a, double c) { return (sqrt(1 + a * a * (1 / (c * c) - 1)) - 1) / 2; }
 
-/* As in the papers that include/bis/beyond/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h from what
- * of wi + wo lies across n. */
+/* As in the papers that include/bis/beyond/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h
+ * from what of wi + wo lies across n. */
 static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *pdf)
 {
-    const double c_i = dot_node(wi, n), c_o = dot(wo, n), s[3] = {wi->d[0] + (double)wo.x, wi->d[1] + (double)wo.y, wi->d[2] + (double)wo.z};
+    const double c_i = dot_node(wi, n), c_o = dot(wo, n),
+                 s[3] = {wi->d[0] + (double)wo.x, wi->d[1] + (double)wo.y, wi->d[2] + (double)wo.z};
     const double along = s[0] * (double)n.x + s[1] * (double)n.y + s[2] * (double)n.z, k = along / dot(n, n);
     const double x = s[0] - k * (double)n.x, y = s[1] - k * (double)n.y, z = s[2] - k * (double)n.z;
-    const double c_d = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 2, c_h = along / (2 * c_d), tan2 = (x * x + y * y + z * z) / (along * along);
+    const double c_d = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 2, c_h = along / (2 * c_d),
+                 tan2 = (x * x + y * y + z * z) / (along * along);
     const double a = m->alpha, D = a * a / (PI * pow(c_h, 4) * pow(a * a + tan2, 2)), G1 = 1 / (1 + smith(a, c_o));
     const bool is_plastic = m->model == &bis_plastic_model; /* its base is Lambert's: 28/23 coat_i coat_o is 1 */
     const double coat_o = is_plastic ? sqrt(23 / 28.0) : 1 - pow(1 - c_o / 2, 5);
@@ -92,15 +99,17 @@ static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *
 
     *pdf = (ks * (c_h > 0 ? G1 * D / (4 * c_o) : 0) + kd * fmax(0, c_i) / PI) / (ks + kd);
     if (c_i <= 0) return (rgbd){0, 0, 0};
-    return mix(m, D / (1 + smith(a, c_o) + smith(a, c_i)) / (4 * c_i * c_o), 28 / (23 * PI) * coat_i * coat_o, c_d, true);
+    return mix(
+        m, D / (1 + smith(a, c_o) + smith(a, c_i)) / (4 * c_i * c_o), 28 / (23 * PI) * coat_i * coat_o, c_d, true);
 }
 
 rgbd lit_f(const lit *l, const double wi[3], double *pdf)
 {
     const node w = {{wi[0], wi[1], wi[2]}, 0, {0, 0, 0}};
     const double c_i = dot_node(&w, l->pt.n);
-    const rgbd f = l->material.alpha > 0 ? ggx(&l->material, &w, l->pt.wo, l->pt.n, pdf)
-                                         : phong(&l->material, c_i, dot(l->pt.n, l->pt.wo), dot_node(&w, l->pt.wo), pdf);
+    const rgbd f = l->material.alpha > 0
+                       ? ggx(&l->material, &w, l->pt.wo, l->pt.n, pdf)
+                       : phong(&l->material, c_i, dot(l->pt.n, l->pt.wo), dot_node(&w, l->pt.wo), pdf);
 
     return c_i > 0 ? f : (rgbd){0, 0, 0};
 }

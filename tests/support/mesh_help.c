@@ -164,7 +164,8 @@ double random_between(uint64_t *state, double lo, double hi) { return lo + (hi -
 
 vec3 random_point(uint64_t *state, double lo, double hi)
 {
-    const double x = random_between(state, lo, hi), y = random_between(state, lo, hi), z = random_between(state, lo, hi);
+    const double x = random_between(state, lo, hi), y = random_between(state, lo, hi),
+                 z = random_between(state, lo, hi);
 
     return vec3_from(x, y, z);
 }
@@ -279,7 +280,8 @@ bool is_tie(const bis_geometry *g, uint32_t prim, const ray *r, double ulps)
             at[i][k] = 0;
             for (int a = 0; a < 3; a++) at[i][k] += axes[k][a] * (v[a] - along * d[a]);
         }
-        largest = fmaxl(largest, fmaxl(fabsl((long double)p.x), fmaxl(fabsl((long double)p.y), fabsl((long double)p.z))));
+        largest =
+            fmaxl(largest, fmaxl(fabsl((long double)p.x), fmaxl(fabsl((long double)p.y), fabsl((long double)p.z))));
     }
     for (int a = 0; a < 3; a++) largest = fmaxl(largest, fabsl(o[a]));
     for (int i = 0; i < 3; i++) distance = fminl(distance, segment_distance(at[i], at[(i + 1) % 3]));

@@ -7,7 +7,8 @@
 char *page_data(const char *path);
 
 /* page_shown returns the page at path after its script has run (tests/tools/page.js under node), well formed, with runs
- * of blanks as one, to be freed; path may end in #PART, as an address does. NULL, after a word of why, where there is no node. `folder` takes a file. */
+ * of blanks as one, to be freed; path may end in #PART, as an address does. NULL, after a word of why, where there is
+ * no node. `folder` takes a file. */
 char *page_shown(const char *path, const char *folder);
 
 /* page_in_order asserts that each of parts[], ended by NULL, stands in the text behind the one before; a ` is a

@@ -89,7 +89,10 @@ void program_finish(program_run *run, pid_t pid)
 
 pid_t program_start(const char *arguments) { return start(0, arguments); }
 
-void program_run_limited(program_run *run, long file_limit, const char *arguments) { program_finish(run, start(file_limit, arguments)); }
+void program_run_limited(program_run *run, long file_limit, const char *arguments)
+{
+    program_finish(run, start(file_limit, arguments));
+}
 
 void program_runf(program_run *run, const char *fmt, ...)
 {
@@ -110,7 +113,8 @@ void program_expect(program_run *run, int exit_status, const char *fmt, ...)
     va_end(args);
     program_run_limited(run, 0, arguments);
     if (run->exit_status != exit_status) {
-        fail_msg("bis %s: exit status %d instead of %d\n%s%s", arguments, run->exit_status, exit_status, run->messages, run->output);
+        fail_msg("bis %s: exit status %d instead of %d\n%s%s", arguments, run->exit_status, exit_status, run->messages,
+            run->output);
     }
 }
 
@@ -118,7 +122,8 @@ void program_expect_only_the_result(const program_run *run)
 {
     static const char begin[] = "bis: wrote ";
     const char *end = strchr(run->messages, '\n');
-    if (strncmp(run->messages, begin, sizeof begin - 1) != 0 || !end || end[1]) fail_msg("standard error holds: %s", run->messages);
+    if (strncmp(run->messages, begin, sizeof begin - 1) != 0 || !end || end[1])
+        fail_msg("standard error holds: %s", run->messages);
 }
 
 /* Linux tells which signals a process catches: "SigCgt: 0000000000000002". */
@@ -183,7 +188,8 @@ int program_count_files(const char *folder)
     DIR *dir = opendir(folder);
     int n = 0;
     assert_non_null(dir);
-    for (const struct dirent *e = readdir(dir); e; e = readdir(dir)) n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    for (const struct dirent *e = readdir(dir); e; e = readdir(dir))
+        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
     closedir(dir);
     return n;
 }

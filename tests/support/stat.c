@@ -194,7 +194,8 @@ static void write_power(const char *name, const char *test, double n, stat_resul
     mkdir("build/power", 0777);
     FILE *f = fopen(path, "a");
     if (!f) return;
-    fprintf(f, "%s\t%s\t%s\t%.0f\t%.0f\t%.3g\t%.3g\n", program_invocation_short_name, name, test, n, r.dof, r.alpha, error);
+    fprintf(
+        f, "%s\t%s\t%s\t%.0f\t%.0f\t%.3g\t%.3g\n", program_invocation_short_name, name, test, n, r.dof, r.alpha, error);
     fclose(f);
 }
 
@@ -259,7 +260,8 @@ static void judge_fit(const char *name, uint64_t seed, const double *observed, c
     if (r.rejected == must_be_rejected) {
         double total = 0;
         for (size_t i = 0; i < n; i++) total += observed[i];
-        if (!r.rejected && r.dof > 0) write_power(name, "chi-square", total, r, stat_least_error(total, r.dof, alpha, POWER));
+        if (!r.rejected && r.dof > 0)
+            write_power(name, "chi-square", total, r, stat_least_error(total, r.dof, alpha, POWER));
         return;
     }
     write_histograms(name, observed, expected, n);

@@ -21,13 +21,14 @@ typedef struct stat_result {
 } stat_result;
 
 /* stat_level returns the level of each of the m statistical tests of this program, by Sidak, so that a right program
- * fails with probability `significance` at most. m is the number of p-values that it judges: too large an m costs power,
- * too small an m breaks the promise. A program has one m. When it ends, after tests that all passed and without BIS_TEST
- * (which leaves tests out), it fails if m is not the number that stat_assert_fit, stat_assert_mean and stat_judges have
- * counted, and says which number to write. */
+ * fails with probability `significance` at most. m is the number of p-values that it judges: too large an m costs
+ * power, too small an m breaks the promise. A program has one m. When it ends, after tests that all passed and without
+ * BIS_TEST (which leaves tests out), it fails if m is not the number that stat_assert_fit, stat_assert_mean and
+ * stat_judges have counted, and says which number to write. */
 double stat_level(double significance, int m);
 
-/* stat_judges counts n p-values that the caller judges without an assertion of stat, or would judge if it did not skip. */
+/* stat_judges counts n p-values that the caller judges without an assertion of stat, or would judge if it did not skip.
+ */
 void stat_judges(int n);
 
 /* Pearson's chi-square test of observed counts against expected counts (not probabilities), n cells each. Cells that

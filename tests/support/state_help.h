@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* state_help: renders whose state goes into files, checkpoints and parts: what is rendered, and what must be the same. */
+/* state_help: renders whose state goes into files, checkpoints and parts: what is rendered, and what must be the same.
+ */
 #ifndef TESTS_STATE_HELP_H
 #define TESTS_STATE_HELP_H
 

@@ -70,7 +70,8 @@ static double max_f_cos(const bis_bsdf *b)
 static double max_ratio(const bis_bsdf *b)
 {
     double m = 0;
-    for (int k = 0; k < TINY_PIXELS; k++) m = fmax(m, rgb_max(material_of(b)->f_cos[k]) / (material_of(b)->pick[k] / OCTANT));
+    for (int k = 0; k < TINY_PIXELS; k++)
+        m = fmax(m, rgb_max(material_of(b)->f_cos[k]) / (material_of(b)->pick[k] / OCTANT));
     return 1.1 * m;
 }
 
@@ -127,15 +128,16 @@ static void find_horizon(tiny *t)
 
     for (int k = 0; k < TINY_PIXELS; k++) {
         int n = 0;
-        for (int i = 0; i < K * K; i++) n += dot(t->pt.n, in_octant(k, (i % K + 0.5) / K, ((int)(i / K) + 0.5) / K)) > 0;
+        for (int i = 0; i < K * K; i++)
+            n += dot(t->pt.n, in_octant(k, (i % K + 0.5) / K, ((int)(i / K) + 0.5) / K)) > 0;
         t->above[k] = (double)n / (K * K);
     }
 }
 
 void tiny_init(tiny *t)
 {
-    static const rgb f_cos[TINY_PIXELS] = {{0.3f, 0.3f, 0.3f},   {0.02f, 0.1f, 0.2f}, {0.2f, 0.2f, 0},       {0.1f, 0.1f, 0.3f},
-                                           {0.3f, 0.05f, 0.05f}, {0.1f, 0.1f, 0.1f},  {0.05f, 0.02f, 0.04f}, {0.1f, 0.2f, 0.3f}};
+    static const rgb f_cos[TINY_PIXELS] = {{0.3f, 0.3f, 0.3f}, {0.02f, 0.1f, 0.2f}, {0.2f, 0.2f, 0}, {0.1f, 0.1f, 0.3f},
+        {0.3f, 0.05f, 0.05f}, {0.1f, 0.1f, 0.1f}, {0.05f, 0.02f, 0.04f}, {0.1f, 0.2f, 0.3f}};
     static const double pick[TINY_PIXELS] = {0.3, 0.05, 0.15, 0.1, 0.15, 0.1, 0.05, 0.1};
     const vec3 n = normalize(vec3_from(0.4, -0.5, 0.6));
 
@@ -149,7 +151,8 @@ void tiny_init(tiny *t)
     /* octants of large weights: V and w depend on each other */
     t->accel.hidden[0] = t->accel.hidden[3] = t->accel.hidden[7] = true;
     init_light(t);
-    t->pt = (bis_point){.n = n, .ng = n, .wo = n, .light = t->light, .accel = &t->accel.accel, .counters = &t->counters};
+    t->pt =
+        (bis_point){.n = n, .ng = n, .wo = n, .light = t->light, .accel = &t->accel.accel, .counters = &t->counters};
     bis_bsdf_init(&t->pt.bsdf, &t->material.material, n, n);
     find_order(t);
     find_horizon(t);
@@ -195,7 +198,8 @@ static double find_beta(tiny *t, bis_proposal proposal, uint32_t M)
         const uint32_t number = set_number(x, 0);
         const int k = tiny_pixel(set_direction(x, number));
         if (bis_set_weight(x, number) <= 0) continue;
-        const double em = t->p_em[k], brdf = t->material.pick[k], q = rgbd_sum(F(t, k)) / bis_set_weight(x, number) * OCTANT;
+        const double em = t->p_em[k], brdf = t->material.pick[k],
+                     q = rgbd_sum(F(t, k)) / bis_set_weight(x, number) * OCTANT;
         beta = (q - brdf) / (em - brdf);
         const double n_em = round(beta * M), error = 0x1p-21 * q / fabs(em - brdf);
         if (M == 1) continue;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* verify_help: what the tests of `bis verify` share (tests/tools/test_verify*.c). Each check is handed something wrong and
- * must reject it, and something right, for several seeds, and must accept it. A run's own significance is 0.01; a program
- * takes 1e-3 for the p-values of all its right runs together. What is wrong must be rejected by the run itself. */
+/* verify_help: what the tests of `bis verify` share (tests/tools/test_verify*.c). Each check is handed something wrong
+ * and must reject it, and something right, for several seeds, and must accept it. A run's own significance is 0.01; a
+ * program takes 1e-3 for the p-values of all its right runs together. What is wrong must be rejected by the run itself.
+ */
 #ifndef TESTS_VERIFY_HELP_H
 #define TESTS_VERIFY_HELP_H
 

@@ -68,7 +68,12 @@ void make_world(world *w, const bis_integrator *integrator)
     d->view.settings.shadowrays = 3;
     d->view.settings.samples = 4;
     d->has_light = true;
-    d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .to_world = bis_xform_identity()};
+    d->light = (bis_light_desc){.L = {1, 1, 1},
+        .scale = 1,
+        .area_exponent = 0.15,
+        .levels = 8,
+        .visible = true,
+        .to_world = bis_xform_identity()};
 
     bis_geometry *g = &w->scene.geometry;
     const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity(), .material = 1};
@@ -88,13 +93,15 @@ void clear_world(world *w)
 
 const double whole[4] = {0, 1, 0, 1};
 
-void render(bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options)
+void render(
+    bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options)
 {
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_render(result, film, &w->scene, &w->desc, &w->desc.view, options, NULL), BIS_OK);
 }
 
-void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers, const bis_render_options *options)
+void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers,
+    const bis_render_options *options)
 {
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want(film, layers, NULL), BIS_OK);
@@ -110,11 +117,14 @@ long first_k_without_failure(const world *w, unsigned layers)
         bis_mem_fail_at(k);
         bis_status status = bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, &diag);
         if (!status && layers) status = bis_film_want(&film, layers, &diag);
-        if (!status) status = bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
+        if (!status)
+            status = bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view,
+                &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
         bis_mem_fail_at(0);
         bis_film_clear(&film);
         const size_t n_errors = diag.n_errors;
-        for (size_t i = 0; i < diag.n; i++) assert_null(strstr(diag.messages[i].text, "for 0 ")); /* the size that there was no room for */
+        for (size_t i = 0; i < diag.n; i++)
+            assert_null(strstr(diag.messages[i].text, "for 0 ")); /* the size that there was no room for */
         bis_diag_clear(&diag);
         if (status == BIS_OK) return k;
         assert_int_equal(status, BIS_NOMEM);
@@ -132,8 +142,7 @@ void assert_same_bits(const bis_film *a, const bis_film *b)
     assert_memory_equal(a->hits, b->hits, n * sizeof *a->hits);
 }
 
-/* --- integrators of our own
- * ---------------------------------------------------------------------------------------- */
+/* ---- integrators of our own ---- */
 
 unsigned no_light_needs(const bis_settings *s)
 {

@@ -22,10 +22,12 @@ void make_world(world *w, const bis_integrator *integrator);
 void clear_world(world *w);
 
 /* Film and all; both must succeed. */
-void render(bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options);
+void render(
+    bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options);
 
 /* As render, with layers (a set of bis/layers.h). */
-void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers, const bis_render_options *options);
+void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers,
+    const bis_render_options *options);
 
 /* Film, layers and one pass with the k-th allocation failing, k = 1, 2, ...: each is one error of memory. Returns the
  * first k that does not fail. */

@@ -326,8 +326,9 @@ static void E15_a_float_table_as_printed_is_rejected_and_draws_a_black_leftover(
     build_as_printed(printed, alias, n, true);
     bis_alias ours = alias_of(w, n), twin = {n, 1, printed, alias};
     double error = worst_error(&ours, w, &black), error_as_printed = worst_error(&twin, w, &black_as_printed);
-    print_message("largest relative error of %zu items: %.2g; float table as printed: %.2g, draws %d items of weight 0\n",
-                  n, error, error_as_printed, black_as_printed);
+    print_message(
+        "largest relative error of %zu items: %.2g; float table as printed: %.2g, draws %d items of weight 0\n", n,
+        error, error_as_printed, black_as_printed);
     assert_true(error <= 1e-8 && black == 0);
     assert_true(error_as_printed > 0.01 && black_as_printed > 0);
     bis_alias_clear(&ours);
@@ -513,10 +514,11 @@ static void E12_inversion_keeps_the_structure_of_4096_sobol_points_and_alias_los
     (void)state;
     map m = make_map();
     double cdf = rms_error(&m, true, BIS_SAMPLER_SOBOL), alias = rms_error(&m, false, BIS_SAMPLER_SOBOL);
-    double cdf_random = rms_error(&m, true, BIS_SAMPLER_RANDOM), alias_random = rms_error(&m, false, BIS_SAMPLER_RANDOM);
+    double cdf_random = rms_error(&m, true, BIS_SAMPLER_RANDOM),
+           alias_random = rms_error(&m, false, BIS_SAMPLER_RANDOM);
     clear_map(&m);
-    print_message("rms error at 4096 points: cdf %.2g, alias %.2g; random numbers: %.2g, %.2g\n", cdf, alias, cdf_random,
-                  alias_random);
+    print_message("rms error at 4096 points: cdf %.2g, alias %.2g; random numbers: %.2g, %.2g\n", cdf, alias,
+        cdf_random, alias_random);
     assert_true(alias > 2 * cdf);
     /* an rms of 200 runs has a relative standard error of 1/20: four of them, for a ratio */
     assert_true(fabs(alias_random / cdf_random - 1) < 4 * sqrt(2) / 20);

@@ -45,7 +45,10 @@ static size_t block_of(vec3 w)
     return (size_t)fmin(theta / PI * DOWN, DOWN - 1) * ACROSS + (size_t)(turns * ACROSS) % ACROSS;
 }
 
-static rgbd model_of(const lit *l, vec3 wi, double *pdf) { return lit_f(l, (double[]){(double)wi.x, (double)wi.y, (double)wi.z}, pdf); }
+static rgbd model_of(const lit *l, vec3 wi, double *pdf)
+{
+    return lit_f(l, (double[]){(double)wi.x, (double)wi.y, (double)wi.z}, pdf);
+}
 
 static double density_brdf(const lit *l, vec3 wi)
 {
@@ -81,7 +84,8 @@ static void integrate(double share[CELLS], const lit *l, density_fn *density, do
     for (int i = 0; i < CELLS; i++) share[i] = 0;
     for (int y = 0; y < H * K; y++) {
         const int row = y / K;
-        const double c0 = cos(PI * row / H), c1 = cos(PI * (row + 1) / H), z = c0 + (c1 - c0) * (y % K + 0.5) / K, s = sqrt(1 - z * z);
+        const double c0 = cos(PI * row / H), c1 = cos(PI * (row + 1) / H), z = c0 + (c1 - c0) * (y % K + 0.5) / K,
+                     s = sqrt(1 - z * z);
         for (int x = 0; x < W * K; x++) {
             const double phi = 2 * PI * (x + 0.5) / (W * K);
             const vec3 wi = vec3_from(s * cos(phi), s * sin(phi), z);
@@ -126,7 +130,8 @@ static bis_scratch new_scratch(uint32_t M)
 
 static bis_stream stream_of(uint64_t run)
 {
-    static const bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = SEED, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    static const bis_sampler sampler = {
+        .kind = BIS_SAMPLER_STRATIFIED, .seed = SEED, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
     bis_stream stream;
 
     bis_stream_init(&stream, &sampler, run, 0);
@@ -176,7 +181,8 @@ static double find_beta(lit *l, const way *w)
         for (uint32_t i = 0; i < M_DRAWN; i++) {
             const uint32_t number = set_number(scratch.set, i);
             const vec3 wi = set_direction(scratch.set, number);
-            const double weight = bis_set_weight(scratch.set, number), q_L = bis_light_pdf(l->light, wi), q_f = density_brdf(l, wi);
+            const double weight = bis_set_weight(scratch.set, number), q_L = bis_light_pdf(l->light, wi),
+                         q_f = density_brdf(l, wi);
             if (weight > 0) beta = (density_product(l, wi, 1) / weight - q_f) / (q_L - q_f);
         }
     }
@@ -200,8 +206,8 @@ static void compare(const char *name, const double observed[CELLS], const double
 static void candidates_of_each_proposal_have_its_density(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
-    const bis_material materials[] = {bis_phong((rgb){0.2f, 0.3f, 0.1f}, (rgb){0.5f, 0.4f, 0.3f}, 10), bis_phong(grey(0.6), grey(0.3), 2.5),
-                                      bis_microfacet((rgb){0.4f, 0.3f, 0.2f}, (rgb){0.3f, 0.2f, 0.1f}, 0.5)};
+    const bis_material materials[] = {bis_phong((rgb){0.2f, 0.3f, 0.1f}, (rgb){0.5f, 0.4f, 0.3f}, 10),
+        bis_phong(grey(0.6), grey(0.3), 2.5), bis_microfacet((rgb){0.4f, 0.3f, 0.2f}, (rgb){0.3f, 0.2f, 0.1f}, 0.5)};
 
     (void)state;
     for (int i = 0; i < 3 * N_WAYS; i++) {
@@ -259,9 +265,12 @@ static void count_lobe(double observed[LOBE_CELLS], lit *l, double n, bool strat
     for (uint32_t run = 0; run < SETS; run++) {
         bis_stream stream = stream_of(run);
         assert_true(bis_set_draw(scratch.set, M, BIS_PROPOSAL_BRDF, stratify, &l->pt, &stream));
-        const vec3 wi = set_direction(scratch.set, set_number(scratch.set, (uint32_t)bis_rng_below(&pick, M))), d = sub(wi, l->pt.bsdf.r);
-        const double v = -expm1((n + 1) * log1p(-dot(d, d) / 2)), phi = atan2(dot(wi, l->pt.bsdf.lobe.y), dot(wi, l->pt.bsdf.lobe.x));
-        observed[(size_t)fmin(v * RINGS, RINGS - 1) * SECTORS + (size_t)fmin((phi + PI) / (2 * PI) * SECTORS, SECTORS - 1)]++;
+        const vec3 wi = set_direction(scratch.set, set_number(scratch.set, (uint32_t)bis_rng_below(&pick, M))),
+                   d = sub(wi, l->pt.bsdf.r);
+        const double v = -expm1((n + 1) * log1p(-dot(d, d) / 2)),
+                     phi = atan2(dot(wi, l->pt.bsdf.lobe.y), dot(wi, l->pt.bsdf.lobe.x));
+        observed[(size_t)fmin(v * RINGS, RINGS - 1) * SECTORS +
+                 (size_t)fmin((phi + PI) / (2 * PI) * SECTORS, SECTORS - 1)]++;
     }
     bis_scratch_clear(&scratch);
 }
@@ -329,7 +338,8 @@ static void accepted_directions_of_glossy_surfaces_have_the_product_density_eq_4
             for (int j = 0; j < BLOCKS; j++) total += share[j];
             for (int j = 0; j < BLOCKS; j++) share[j] /= total;
             share[BELOW] = 0;
-            compare(k ? "rejection_glossy" : "rejection_glossy_without_cosine", hits, share, (double)l.counters.shadow_rays, k == 1);
+            compare(k ? "rejection_glossy" : "rejection_glossy_without_cosine", hits, share,
+                (double)l.counters.shadow_rays, k == 1);
         }
     }
     bis_light_free(light);
@@ -355,7 +365,8 @@ static bis_envmap probe_map(int width, bool upside_down)
     bis_envmap em;
 
     assert_int_equal(bis_image_init(&image, SIDE, SIDE, NULL), BIS_OK);
-    for (int i = 0; i < SIDE * SIDE; i++) image.pixels[i] = probe_pixel(i % SIDE, upside_down ? SIDE - 1 - i / SIDE : i / SIDE);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        image.pixels[i] = probe_pixel(i % SIDE, upside_down ? SIDE - 1 - i / SIDE : i / SIDE);
     assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, width, NULL), BIS_OK);
     bis_image_clear(&image);
     return em;
@@ -364,7 +375,8 @@ static bis_envmap probe_map(int width, bool upside_down)
 typedef enum drawing { ALIAS, CDF, CURVE } drawing;
 typedef enum map_twin { MAP_RIGHT, THETA_UNIFORM, AS_THE_CENTRE } map_twin;
 
-static void draw_from_map(vec3 *w, const bis_envmap *em, const bis_importance *im, drawing how, bis_rng *g, map_twin wrong)
+static void draw_from_map(
+    vec3 *w, const bis_envmap *em, const bis_importance *im, drawing how, bis_rng *g, map_twin wrong)
 {
     bis_map_sample s;
     double u[4];
@@ -374,14 +386,19 @@ static void draw_from_map(vec3 *w, const bis_envmap *em, const bis_importance *i
     *w = s.w_local;
     if (wrong == MAP_RIGHT) return;
     const int x = (int)s.pixel % em->width, y = (int)s.pixel / em->width;
-    const double theta = PI * (y + bis_rng_double(g)) / em->height, phi = 2 * PI * (x + bis_rng_double(g)) / em->width; /* the sine is missing */
-    *w = wrong == AS_THE_CENTRE ? bis_envmap_direction(em, x, y, 0.5, 0.5) : vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+    const double theta = PI * (y + bis_rng_double(g)) / em->height,
+                 phi = 2 * PI * (x + bis_rng_double(g)) / em->width; /* the sine is missing */
+    *w = wrong == AS_THE_CENTRE ? bis_envmap_direction(em, x, y, 0.5, 0.5)
+                                : vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
 }
 
 static bis_importance *importance_of(const bis_envmap *em, drawing how, double b)
 {
-    const bis_importance_options o = {.table = how != CURVE, .curve = how == CURVE, .table_kind = how == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS,
-                                      .area_exponent = b, .levels = 8};
+    const bis_importance_options o = {.table = how != CURVE,
+        .curve = how == CURVE,
+        .table_kind = how == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS,
+        .area_exponent = b,
+        .levels = 8};
     bis_importance *im;
 
     assert_int_equal(bis_importance_new(&im, em, &o, NULL), BIS_OK);
@@ -407,11 +424,13 @@ static void check_cells(drawing how, double b, map_twin wrong)
         const int y = (int)fmin(theta / PI * em.height, em.height - 1);
         const double top = cos(PI * y / em.height), bottom = cos(PI * (y + 1) / em.height);
         const int v = (int)fmin(fmax(4 * (top - cos(theta)) / (top - bottom), 0), 3);
-        observed[(size_t)(4 * y + v) * width + (size_t)((double)width * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI)) % width]++;
+        observed[(size_t)(4 * y + v) * width +
+                 (size_t)((double)width * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI)) % width]++;
     }
     for (size_t i = 0; i < cells; i++) {
         const size_t pixel = i / width / 4 * (size_t)em.width + i % width / 4;
-        expected[i] = b > 0 ? bis_importance_pdf_pixel(im, pixel) : map_intensity(&em, pixel); /* the areas: tests/thesis/test_importance.c */
+        expected[i] = b > 0 ? bis_importance_pdf_pixel(im, pixel)
+                            : map_intensity(&em, pixel); /* the areas: tests/thesis/test_importance.c */
         sum += expected[i] *= map_solid_angle(&em, pixel);
     }
     for (size_t i = 0; i < cells; i++) expected[i] *= N / sum;
@@ -447,7 +466,8 @@ static void directions_from_a_probe_come_from_where_its_pixels_shine(void **stat
     (void)state;
     for (int i = 0; i < SIDE * SIDE * K * K; i++) {
         const int x = i / (K * K) % SIDE, y = i / (K * K) / SIDE;
-        const double u = 2 * (x + (i % K + 0.5) / K) / SIDE - 1, v = 1 - 2 * (y + ((int)(i / K % K) + 0.5) / K) / SIDE, r = hypot(u, v);
+        const double u = 2 * (x + (i % K + 0.5) / K) / SIDE - 1, v = 1 - 2 * (y + ((int)(i / K % K) + 0.5) / K) / SIDE,
+                     r = hypot(u, v);
         if (r > 1) continue;
         for (int k = 0; k < 2; k++) { /* [1]: dA for the solid angle */
             const double flux = rgb_sum(probe_pixel(x, y)) * (k ? 1 : sin(PI * r) / (PI * r));

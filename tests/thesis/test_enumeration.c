@@ -98,7 +98,8 @@ static void resampled_directions_have_the_law_of_finite_M_and_not_p(void **state
         double observed[TINY_STATES], expected[TINY_STATES], p[TINY_STATES];
         s.stratify = ways[i % 4].stratify;
         s.resampling = i / 12 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC;
-        tiny_candidates c = tiny_enumerate(&t, s.proposal, s.stratify, M), one = tiny_enumerate(&t, s.proposal, false, 1);
+        tiny_candidates c = tiny_enumerate(&t, s.proposal, s.stratify, M),
+                        one = tiny_enumerate(&t, s.proposal, false, 1);
         law_sum sum = {.c = &c};
         tiny_for_all(&c, add_to_law, &sum);
         observe(observed, &t, &s, RUNS);
@@ -219,7 +220,8 @@ static outcome without_replacement(const expectation *e, const int state[TINY_MA
         K++;
         o.L = rgbd_add(o.L, rgbd_scale(e->c->C[state[i]], 1 / rgbd_sum(e->c->C[state[i]])));
     }
-    double n = fmin(A, e->s->shadowrays), mean = K / A, variance = A > 1 ? mean * (1 - mean) / n * (A - n) / (A - 1) : 0;
+    double n = fmin(A, e->s->shadowrays), mean = K / A,
+           variance = A > 1 ? mean * (1 - mean) / n * (A - n) / (A - 1) : 0;
     o.L = rgbd_scale(o.L, Z / A);
     o.square = Z * Z * (mean * mean + variance);
     return o;
@@ -294,7 +296,9 @@ static void add_expectation(const int state[TINY_MAX_M], double probability, voi
 {
     expectation *e = data;
     const bis_integrator *by = e->s->integrator;
-    outcome o = by == &bis_rejection ? rejected(e, state) : by == &bis_unoccluded ? unoccluded(e, state) : resampled(e, state);
+    outcome o = by == &bis_rejection    ? rejected(e, state)
+                : by == &bis_unoccluded ? unoccluded(e, state)
+                                        : resampled(e, state);
 
     e->sum.L = rgbd_add(e->sum.L, rgbd_scale(o.L, probability));
     e->sum.square += probability * o.square;
@@ -303,7 +307,8 @@ static void add_expectation(const int state[TINY_MAX_M], double probability, voi
 static outcome expect_from(tiny *t, const bis_settings *s, bis_proposal proposal)
 {
     const tiny_candidates c = tiny_enumerate(t, proposal, s->stratify, s->candidates);
-    expectation e = {.t = t, .s = s, .c = &c, .B = s->integrator == &bis_rejection ? bis_candidates_bound(&t->pt, proposal) : 1};
+    expectation e = {
+        .t = t, .s = s, .c = &c, .B = s->integrator == &bis_rejection ? bis_candidates_bound(&t->pt, proposal) : 1};
 
     tiny_for_all(&c, add_expectation, &e);
     return e.sum;
@@ -317,7 +322,8 @@ static outcome expect(tiny *t, const bis_settings *s)
     double em = bis_candidates_bound(&t->pt, BIS_PROPOSAL_EM), brdf = bis_candidates_bound(&t->pt, BIS_PROPOSAL_BRDF);
     double share = brdf / (em + brdf);
     outcome a = expect_from(t, s, BIS_PROPOSAL_EM), b = expect_from(t, s, BIS_PROPOSAL_BRDF);
-    return (outcome){rgbd_add(rgbd_scale(a.L, share), rgbd_scale(b.L, 1 - share)), share * a.square + (1 - share) * b.square};
+    return (outcome){
+        rgbd_add(rgbd_scale(a.L, share), rgbd_scale(b.L, 1 - share)), share * a.square + (1 - share) * b.square};
 }
 
 /* Measured: the three means, and the square of the sum. */
@@ -374,8 +380,8 @@ static void sir_and_plain_rejection_have_the_enumerated_mean_which_is_the_truth_
     tiny_clear(&t);
 }
 
-/* SIR's two moments for any M in closed form. The square of one set is (S^2 + S (W - S)/N)/M^2, S the sum of w V, W that of
- * w (`resampled`). The candidates are independent, so E[S^2] and E[S W] are made of sums over single ones. */
+/* SIR's two moments for any M in closed form. The square of one set is (S^2 + S (W - S)/N)/M^2, S the sum of w V, W
+ * that of w (`resampled`). The candidates are independent, so E[S^2] and E[S W] are made of sums over single ones. */
 static outcome closed_form(const tiny *t, const tiny_candidates *c, double N)
 {
     double S = 0, W = 0, SS = 0, SW = 0;
@@ -420,7 +426,8 @@ static void sir_has_the_mean_and_variance_of_the_closed_form_for_every_M_from_1_
         }
         measure(m, &t, &s, 20000);
         check("sir_closed_form", m, expected);
-        stat_assert_not_mean("sir_closed_form_variance_halved", SEED, &m[3], (expected.square + pow(rgbd_sum(expected.L), 2)) / 2, alpha());
+        stat_assert_not_mean("sir_closed_form_variance_halved", SEED, &m[3],
+            (expected.square + pow(rgbd_sum(expected.L), 2)) / 2, alpha());
     }
     tiny_clear(&t);
 }
@@ -448,8 +455,8 @@ static void biased_estimators_have_the_bias_that_enumeration_predicts_E29(void *
         sum = (stat_moments){m[0].n, m[0].mean + m[1].mean + m[2].mean, 0};
         sum.m2 = (m[3].mean - sum.mean * sum.mean) * (sum.n - 1);
         if (fabs(bias) > 0.07) stat_assert_not_mean("ratio_as_if_unbiased", SEED, &sum, truth, alpha());
-        print_message("%s, proposal %s, M = %u, N = %u: bias %+.1f %%\n", names[i / 3 % 3], bis_proposal_name(s.proposal),
-                      (unsigned)s.candidates, (unsigned)s.shadowrays, 100 * bias);
+        print_message("%s, proposal %s, M = %u, N = %u: bias %+.1f %%\n", names[i / 3 % 3],
+            bis_proposal_name(s.proposal), (unsigned)s.candidates, (unsigned)s.shadowrays, 100 * bias);
     }
     assert_true(largest[0] > 0.03 && largest[1] > 0.08 && largest[2] > 1);
     tiny_clear(&t);
@@ -525,7 +532,8 @@ static void em_brdf_and_mis_have_the_variance_of_their_samples_E31(void **state)
     (void)state;
     tiny_init(&t);
     const double L = rgbd_sum(tiny_truth(&t, true));
-    tiny_candidates em = tiny_enumerate(&t, BIS_PROPOSAL_EM, false, 1), brdf = tiny_enumerate(&t, BIS_PROPOSAL_BRDF, false, 1);
+    tiny_candidates em = tiny_enumerate(&t, BIS_PROPOSAL_EM, false, 1),
+                    brdf = tiny_enumerate(&t, BIS_PROPOSAL_BRDF, false, 1);
     for (int i = 0; i < 6; i++) {
         const bis_integrator *integrators[] = {&bis_em, &bis_brdf, &bis_mis};
         bis_settings s = bis_settings_default(integrators[i % 3]);

@@ -113,7 +113,8 @@ static void directions_go_south_and_east_as_u_grows(void **state)
         for (int y = 0; y < height; y++) {
             double z = 2;
             for (int i = 0; i < 8; i++) {
-                const vec3 w = bis_envmap_direction(&em, 0, y, 0.5, i / 8.0), e = bis_envmap_direction(&em, 0, y, 0.6, i / 8.0);
+                const vec3 w = bis_envmap_direction(&em, 0, y, 0.5, i / 8.0),
+                           e = bis_envmap_direction(&em, 0, y, 0.6, i / 8.0);
                 assert_true((double)w.z < z);
                 assert_true(w.x * e.y >= w.y * e.x);
                 z = (double)w.z;
@@ -168,7 +169,8 @@ static void directions_look_up_to_their_pixel_but_for_rounding_at_edges(void **s
             assert_true(dy <= 1 && (dx <= 1 || dx == em.width - 1));
         }
         const double bound = 1e-7 * (2 * em.width / (2 * PI) + 2 * em.height / PI) * n;
-        print_message("%d x %d: %d of %d directions look up to a neighbour (bound %.0f)\n", em.width, em.height, missed, n, bound + 5);
+        print_message("%d x %d: %d of %d directions look up to a neighbour (bound %.0f)\n", em.width, em.height, missed,
+            n, bound + 5);
         assert_true(missed <= bound + 5);
         bis_envmap_clear(&em);
     }
@@ -192,7 +194,8 @@ static void count_in_patch(const bis_envmap *em, int x, int y, how way, int n, d
 
         /* The height in the patch from theta, not from z: sin^2(theta/2) = (1 - z)/2 without cancellation. */
         const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z);
-        const double top = pow(sin(PI * y / (2.0 * em->height)), 2), bottom = pow(sin(PI * (y + 1) / (2.0 * em->height)), 2);
+        const double top = pow(sin(PI * y / (2.0 * em->height)), 2),
+                     bottom = pow(sin(PI * (y + 1) / (2.0 * em->height)), 2);
         const double v = (pow(sin(theta / 2), 2) - top) / (bottom - top);
         const double turn = atan2((double)w.y, (double)w.x) / (2 * PI) * em->width - x;
         const double u = turn - floor(turn / em->width) * em->width;
@@ -391,8 +394,9 @@ static void scaling_multiplies_channels_and_refuses_to_overflow(void **state)
     assert_int_equal(bis_envmap_scale(&em, (rgb){1e10f, 7, 8}, &diag), BIS_INPUT);
     em.pixels[2] = (rgb){0, 0, 0};
     assert_int_equal(diag.n_errors, 1);
-    assert_non_null(strstr(diag.messages[0].text, "the largest radiance of the map, (1e+30 6 30), times (1e+10 7 8) exceeds "
-                                                  "the largest float, 3.40282e+38; choose a smaller scale"));
+    assert_non_null(
+        strstr(diag.messages[0].text, "the largest radiance of the map, (1e+30 6 30), times (1e+10 7 8) exceeds "
+                                      "the largest float, 3.40282e+38; choose a smaller scale"));
     assert_true(em.pixels[5].r == 1e30f && em.pixels[5].b == 30);
     bis_diag_clear(&diag);
     bis_envmap_clear(&em);
@@ -485,7 +489,8 @@ static void one_lit_probe_pixel_keeps_its_energy_and_its_place(void **state)
         /* The pixel's solid angle by the midpoint rule on 64 x 64 parts of it. */
         double solid_angle = 0;
         for (int i = 0; i < 64 * 64; i++) {
-            const double right = 2 * (x + (i % 64 + 0.5) / 64) / side - 1, up = 1 - 2 * (y + (i / 64 + 0.5) / 64) / side;
+            const double right = 2 * (x + (i % 64 + 0.5) / 64) / side - 1,
+                         up = 1 - 2 * (y + (i / 64 + 0.5) / 64) / side;
             const double t = PI * hypot(right, up);
             solid_angle += t < PI ? PI * PI * sin(t) / t * 4 / side / side / 4096 : 0;
         }
@@ -496,7 +501,8 @@ static void one_lit_probe_pixel_keeps_its_energy_and_its_place(void **state)
             worst = fmax(worst, off);
         }
         const size_t best = brightest(&em);
-        assert_true(dot(bis_envmap_direction(&em, (int)(best % 128), (int)(best / 128), 0.5, 0.5), w) > cos(2.5 * PI / side));
+        assert_true(
+            dot(bis_envmap_direction(&em, (int)(best % 128), (int)(best / 128), 0.5, 0.5), w) > cos(2.5 * PI / side));
         bis_envmap_clear(&em);
         bis_image_clear(&image);
     }
@@ -512,11 +518,13 @@ static void a_smooth_probe_is_resampled_to_its_formula(void **state)
         for (int x = 0; x < side; x++) {
             double r;
             const vec3 w = probe_direction(side, x, y, &r);
-            image.pixels[y * side + x] = r > 1 ? (rgb){1e9f, NAN, -1} : rgb_from(2 + (double)w.x, 2 + (double)w.y, 2 + (double)w.z);
+            image.pixels[y * side + x] =
+                r > 1 ? (rgb){1e9f, NAN, -1} : rgb_from(2 + (double)w.x, 2 + (double)w.y, 2 + (double)w.z);
         }
     }
     bis_envmap em;
-    assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 127, NULL), BIS_OK); /* odd: rounded up */
+    assert_int_equal(
+        bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 127, NULL), BIS_OK); /* odd: rounded up */
     assert_int_equal(em.width, 128);
     assert_int_equal(em.height, 64);
     assert_int_equal(em.defects.n_nan + em.defects.n_negative, 0); /* the corners are no part of the map */
@@ -579,7 +587,8 @@ static void grace_probe_agrees_with_the_map_derived_from_it_elsewhere(void **sta
         skip();
     }
     assert_int_equal(bis_image_read(&probe, path, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_image_read(&derived, shared_data("env/derived/grace_1024x512.exr"), (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(
+        bis_image_read(&derived, shared_data("env/derived/grace_1024x512.exr"), (bis_loc){0}, NULL), BIS_OK);
     bis_envmap em, other;
     assert_int_equal(bis_envmap_from_mapping(&em, &probe, BIS_MAPPING_ANGULAR, 1024, NULL), BIS_OK);
     assert_int_equal(bis_envmap_from_latlong(&other, &derived, NULL), BIS_OK);
@@ -598,7 +607,8 @@ static void grace_probe_agrees_with_the_map_derived_from_it_elsewhere(void **sta
             for (int i = 0; i < 5; i++) as_is[i] += s[i] / (512 * 1024), mirrored[i] += t[i] / (512 * 1024);
         }
     }
-    const double r1 = (as_is[4] - as_is[0] * as_is[1]) / sqrt((as_is[2] - as_is[0] * as_is[0]) * (as_is[3] - as_is[1] * as_is[1]));
+    const double r1 =
+        (as_is[4] - as_is[0] * as_is[1]) / sqrt((as_is[2] - as_is[0] * as_is[0]) * (as_is[3] - as_is[1] * as_is[1]));
     const double r2 = (mirrored[4] - mirrored[0] * mirrored[1]) /
                       sqrt((mirrored[2] - mirrored[0] * mirrored[0]) * (mirrored[3] - mirrored[1] * mirrored[1]));
     print_message("Grace: correlation %.5f, mirrored %.5f\n", r1, r2);
@@ -619,7 +629,8 @@ static void every_allocation_may_fail(void **state)
             bis_image image = probe_new(8);
             bis_envmap em;
             bis_mem_fail_at(k);
-            status = angular ? bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL) : bis_envmap_from_latlong(&em, &image, NULL);
+            status = angular ? bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL)
+                             : bis_envmap_from_latlong(&em, &image, NULL);
             bis_mem_fail_at(0);
             assert_true(status == BIS_OK || status == BIS_NOMEM);
             assert_true(status == BIS_OK ? em.pixels != NULL : em.pixels == NULL);

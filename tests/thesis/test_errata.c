@@ -35,8 +35,13 @@ static const vec3 up = {0, 0, 1};
 /* A light from pixel(x, y), drawn as printed or not. */
 static bis_light *new_light(rgb (*pixel)(int x, int y), double b, bis_table_kind kind, unsigned as_printed)
 {
-    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .area_exponent = b, .levels = 8, .table_kind = kind, .as_printed = as_printed,
-                                 .to_world = bis_xform_identity()};
+    const bis_light_desc desc = {.L = {1, 1, 1},
+        .scale = 1,
+        .area_exponent = b,
+        .levels = 8,
+        .table_kind = kind,
+        .as_printed = as_printed,
+        .to_world = bis_xform_identity()};
     bis_image image = {.width = W, .height = H, .pixels = bis_alloc(W * H, sizeof *image.pixels)};
     bis_light *light;
     bis_envmap em;
@@ -47,7 +52,8 @@ static bis_light *new_light(rgb (*pixel)(int x, int y), double b, bis_table_kind
     return light;
 }
 
-static bis_settings settings(const bis_integrator *integrator, uint32_t M, uint32_t N, bis_proposal proposal, unsigned as_printed)
+static bis_settings settings(
+    const bis_integrator *integrator, uint32_t M, uint32_t N, bis_proposal proposal, unsigned as_printed)
 {
     bis_settings s = bis_settings_default(integrator);
 
@@ -191,8 +197,10 @@ static rgb sun_and_sky(int x, int y) { return x == 90 && y == 18 ? (rgb){5000, 0
 static void E20_the_unweighted_density_takes_light_from_the_sun_and_gives_it_to_the_sky(void **state)
 {
     const double b = 0.45;
-    bis_light *right = new_light(sun_and_sky, b, BIS_TABLE_ALIAS, 0), *printed = new_light(sun_and_sky, b, BIS_TABLE_ALIAS, BIS_E20);
-    double A = bis_light_envmap(right)->row_solid_angle[18], factor = pow(A / 0.01, b), sun = 5000 * A, sky = 4 * PI - A;
+    bis_light *right = new_light(sun_and_sky, b, BIS_TABLE_ALIAS, 0),
+              *printed = new_light(sun_and_sky, b, BIS_TABLE_ALIAS, BIS_E20);
+    double A = bis_light_envmap(right)->row_solid_angle[18], factor = pow(A / 0.01, b), sun = 5000 * A,
+           sky = 4 * PI - A;
     double mean_factor = (sun * factor + sky) / (sun + sky);
 
     (void)state;
@@ -264,7 +272,8 @@ static void E22_drawing_until_N_are_accepted_is_too_bright(void **state)
     assert_true(fabs(overestimate(1, 0.02) - 4.0) < 0.02 && fabs(overestimate(4, 0.02) - 1.32) < 0.01);
     assert_true(fabs(overestimate(15, 0.02) - 1.070) < 0.001);
     assert_true(fabs(overestimate(1, 0.25) + log(0.25) / 0.75) < 1e-9);
-    for (uint32_t N = 1; N <= 4; N += 3) { /* cos theta/B: one in four is accepted, and of M = 200 four will always be */
+    for (uint32_t N = 1; N <= 4;
+        N += 3) { /* cos theta/B: one in four is accepted, and of M = 200 four will always be */
         bis_settings s = settings(&bis_rejection, 200, N, BIS_PROPOSAL_EM, 0);
         stat_moments m[4];
         lit l;
@@ -289,7 +298,8 @@ static double share_above(double n, double degrees)
     double theta = degrees * PI / 180, sum = 0;
 
     for (int k = 0; k < K; k++) {
-        double cos_alpha = pow((k + 0.5) / K, 1 / (n + 1)), x = -cos_alpha / (sqrt(1 - cos_alpha * cos_alpha) * tan(theta));
+        double cos_alpha = pow((k + 0.5) / K, 1 / (n + 1)),
+               x = -cos_alpha / (sqrt(1 - cos_alpha * cos_alpha) * tan(theta));
         sum += x <= -1 ? 1 : acos(x) / PI; /* of the circle about the axis */
     }
     return sum / K;
@@ -316,7 +326,8 @@ static void E23_weights_f_and_L_reflect_more_than_arrives(void **state)
         stat_assert_not_mean("E23_printed", SEED, &m[0], truth, alpha());
         stat_assert_mean("E23_share", SEED, &m[0], share_above(50, degrees[i]), alpha());
     }
-    bis_settings s = settings(&bis_sir, 16, 4, BIS_PROPOSAL_EM, BIS_E23); /* w = f_r: a white surface returns twice what it gets */
+    bis_settings s =
+        settings(&bis_sir, 16, 4, BIS_PROPOSAL_EM, BIS_E23); /* w = f_r: a white surface returns twice what it gets */
     lit_init(&l, light, white_diffuse(), up, 30, LIT_OPEN);
     lit_run(m, &l, &s, 4000, SEED);
     assert_true(fabs(m[0].mean - 2) < 1e-6); /* all estimates are the same but for rounding */
@@ -433,7 +444,8 @@ static void a_switch_changes_nothing_where_it_does_not_reach(void **state)
 {
     (void)state;
     for (const bis_erratum *e = bis_errata; e->name; e++) {
-        bis_light *right = new_light(contrasty, 0.15, BIS_TABLE_ALIAS, 0), *printed = new_light(contrasty, 0.15, BIS_TABLE_ALIAS, e->flag);
+        bis_light *right = new_light(contrasty, 0.15, BIS_TABLE_ALIAS, 0),
+                  *printed = new_light(contrasty, 0.15, BIS_TABLE_ALIAS, e->flag);
         for (const bis_integrator *const *i = bis_integrators; *i; i++) {
             if (*i == &bis_exact || bis_erratum_reaches(e, (*i)->name)) continue;
             bis_settings s = bis_settings_default(*i);
@@ -503,7 +515,8 @@ static void the_scenes_of_the_errata_show_a_difference(void **state)
         render_small(path, e->flag, printed);
         assert_true(sum > 0);
         for (int i = 0; i < 20 * 15; i++) {
-            difference += fabs((double)right[i].r - (double)printed[i].r) + fabs((double)right[i].g - (double)printed[i].g) +
+            difference += fabs((double)right[i].r - (double)printed[i].r) +
+                          fabs((double)right[i].g - (double)printed[i].g) +
                           fabs((double)right[i].b - (double)printed[i].b);
         }
         if (!(difference > 0.005 * sum)) fail_msg("%s: the pictures differ by %g of %g", path, difference, sum);
@@ -512,8 +525,9 @@ static void the_scenes_of_the_errata_show_a_difference(void **state)
 
 /* ---- where a user says it ---- */
 
-#define BALL                                                                                                                       \
-    "\nFilm \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 6\nWorldBegin\nLightSource \"infinite\"\nTranslate 0 0 4\n"     \
+#define BALL \
+    "\nFilm \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 6\nWorldBegin\nLightSource " \
+    "\"infinite\"\nTranslate 0 0 4\n" \
     "Shape \"sphere\"\n"
 
 static void an_option_of_the_scene_outlives_the_integrator_and_may_be_a_list(void **state)

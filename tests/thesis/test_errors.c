@@ -25,10 +25,10 @@ enum { N_INTEGRATORS = 9 };
 /* Every unbiased integrator, its parts in the proportion 4 candidates to 1 ray. */
 static bis_settings unbiased(int i, uint32_t scale)
 {
-    static const bis_integrator *const integrators[N_INTEGRATORS] = {&bis_em,  &bis_brdf, &bis_mis,       &bis_sir,      &bis_sir,
-                                                                     &bis_sir, &bis_rejection, &bis_rejection, &bis_rejection};
-    static const bis_proposal proposals[N_INTEGRATORS] = {BIS_PROPOSAL_MIX, BIS_PROPOSAL_MIX, BIS_PROPOSAL_MIX, BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX,
-                                                          BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
+    static const bis_integrator *const integrators[N_INTEGRATORS] = {
+        &bis_em, &bis_brdf, &bis_mis, &bis_sir, &bis_sir, &bis_sir, &bis_rejection, &bis_rejection, &bis_rejection};
+    static const bis_proposal proposals[N_INTEGRATORS] = {BIS_PROPOSAL_MIX, BIS_PROPOSAL_MIX, BIS_PROPOSAL_MIX,
+        BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
     bis_settings s = bis_settings_default(integrators[i]);
 
     s.samples = 4 * scale;
@@ -68,8 +68,8 @@ static void error_falls_with_the_square_root_of_the_cost_for_every_integrator_E9
         for (int k = 0; k < 2; k++) slope[k] = (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
         const double over_all = (y[2] - y[0]) / (x[2] - x[0]);
         const bis_settings s = unbiased(i, 1);
-        print_message("%s, proposal %s: slope %.3f (%.3f, %.3f)\n", s.integrator->name, bis_proposal_name(s.proposal), over_all, slope[0],
-                      slope[1]);
+        print_message("%s, proposal %s: slope %.3f (%.3f, %.3f)\n", s.integrator->name, bis_proposal_name(s.proposal),
+            over_all, slope[0], slope[1]);
         assert_true(fabs(over_all + 0.5) < 0.05);
         assert_true(fabs(over_all + 2) > 0.05); /* "image quality depends on N^2" */
     }
@@ -97,8 +97,10 @@ static void intervals_from_16_replicates_cover_95_percent_of_10000_runs_E32(void
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         for (uint64_t run = 0; run < RUNS; run++) {
             stat_moments m = {0};
-            for (uint64_t k = 0; k < REPLICATES; k++) stat_add(&m, rgb_sum(lit_once(&l, &s, &scratch, SEED, run * REPLICATES + k)));
-            covered += bis_stats_student_p((m.mean - truth) / sqrt(stat_variance(&m) / REPLICATES), REPLICATES - 1) >= 0.05;
+            for (uint64_t k = 0; k < REPLICATES; k++)
+                stat_add(&m, rgb_sum(lit_once(&l, &s, &scratch, SEED, run * REPLICATES + k)));
+            covered +=
+                bis_stats_student_p((m.mean - truth) / sqrt(stat_variance(&m) / REPLICATES), REPLICATES - 1) >= 0.05;
         }
         print_message("%s: %.2f %% of 95 %% intervals hold the truth\n", s.integrator->name, 100.0 * covered / RUNS);
         assert_true(covered > 0.93 * RUNS && covered < 0.97 * RUNS);
@@ -212,7 +214,8 @@ static void white_furnace_agrees_with_quadrature_from_0_to_89_9_degrees_for_ever
             const bis_settings s = unbiased(i, 1);
             stat_moments m[4];
             l.kind = (bis_sampler_kind)(i % 4);
-            const bool blind = s.integrator == &bis_em || s.proposal == BIS_PROPOSAL_EM || s.proposal == BIS_PROPOSAL_CHOOSE;
+            const bool blind =
+                s.integrator == &bis_em || s.proposal == BIS_PROPOSAL_EM || s.proposal == BIS_PROPOSAL_CHOOSE;
             lit_run(m, &l, &s, blind ? 40000 : 8000, SEED); /* blind: 1 direction in 50 falls into the lobe */
             stat_assert_mean("furnace", SEED, &m[0], truth, alpha());
             /* twin: a white surface that returns all */

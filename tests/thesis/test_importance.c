@@ -48,7 +48,8 @@ static double *expected_pmf(const bis_envmap *em, double b, bool compensate)
     const size_t n = map_n(em);
     double *pmf = malloc(n * sizeof *pmf);
     long double mean = 0, sum = 0;
-    for (size_t i = 0; compensate && i < n; i++) mean += (long double)map_intensity(em, i) * (long double)map_solid_angle(em, i) / (long double)(4 * PI);
+    for (size_t i = 0; compensate && i < n; i++)
+        mean += (long double)map_intensity(em, i) * (long double)map_solid_angle(em, i) / (long double)(4 * PI);
     for (size_t i = 0; i < n; i++) {
         const long double intensity = (long double)map_intensity(em, i) - mean;
         pmf[i] = 0;
@@ -94,7 +95,9 @@ static void check_tables(const bis_envmap *em, const char *what)
             const double slack = o.table_kind == BIS_TABLE_CDF ? 4 * DBL_EPSILON : 0;
             const bool ok = (expected[i] == 0) == (p == 0) && fabs(p - expected[i]) <= 2e-7 * expected[i] &&
                             fabs(implied[i] - p) <= 1e-8 * p + slack && (p > 0 || implied[i] == 0);
-            if (!ok) fail_msg("%s, b %g, kind %d, pixel %zu: told %g, drawn %g, expected %g", what, b, o.table_kind, i, p, implied[i], expected[i]);
+            if (!ok)
+                fail_msg("%s, b %g, kind %d, pixel %zu: told %g, drawn %g, expected %g", what, b, o.table_kind, i, p,
+                    implied[i], expected[i]);
             sum += p;
         }
         assert_near(sum, expected[0] >= 0 && bis_envmap_power(em) > 0 ? 1 : 0, 1e-9);
@@ -201,9 +204,11 @@ static void count_cells(const bis_envmap *em, drawing how, double b, twin wrong,
     bis_envmap drawn_from = map_new(em->width, em->height);
     memcpy(drawn_from.pixels, em->pixels, map_n(em) * sizeof *em->pixels);
     for (size_t i = 0; wrong == NO_SOLID_ANGLE && i < map_n(em); i++) {
-        drawn_from.pixels[i] = rgb_scale(em->pixels[i], 1 / map_solid_angle(em, i)); /* P ~ I, as the thesis prints it */
+        drawn_from.pixels[i] =
+            rgb_scale(em->pixels[i], 1 / map_solid_angle(em, i)); /* P ~ I, as the thesis prints it */
     }
-    bis_importance *im = importance_of(&drawn_from, both(how == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, wrong == NO_AREA ? 0 : b));
+    bis_importance *im =
+        importance_of(&drawn_from, both(how == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, wrong == NO_AREA ? 0 : b));
     bis_rng g;
     bis_rng_init(&g, 17, 0, 0, 0);
     memset(observed, 0, 16 * map_n(em) * sizeof *observed);
@@ -214,7 +219,8 @@ static void count_cells(const bis_envmap *em, drawing how, double b, twin wrong,
         for (int k = 0; k < 4; k++) u[k] = bis_rng_double(&g);
         assert_true(how == CURVE ? bis_importance_sample_curve(im, u[0], u + 2, &s) : bis_importance_sample(im, u, &s));
         const size_t width = (size_t)em->width;
-        if (wrong == CENTRE_ONLY) s.w_local = bis_envmap_direction(em, (int)(s.pixel % width), (int)(s.pixel / width), 0.5, 0.5);
+        if (wrong == CENTRE_ONLY)
+            s.w_local = bis_envmap_direction(em, (int)(s.pixel % width), (int)(s.pixel / width), 0.5, 0.5);
         if (wrong == UPSIDE_DOWN) s.w_local.z = -s.w_local.z;
 
         /* Where it lies, from the direction alone: theta, then z between the row's edges; phi in turns. */
@@ -380,8 +386,10 @@ static void cdfs_keep_even_points_even_and_alias_tables_do_not_E12(void **state)
     double truth = 0;
     for (size_t i = 0; i < map_n(&em); i++) {
         for (int k = 0; k < 64; k++) { /* quadrature in the pixel */
-            const vec3 w = bis_envmap_direction(&em, (int)(i % 64), (int)(i / 64), (k % 8 + 0.5) / 8, (k / 8 + 0.5) / 8);
-            truth += map_intensity(&em, i) * map_solid_angle(&em, i) / 64 * fmax(0, 0.6 * (double)w.x + 0.8 * (double)w.z);
+            const vec3 w =
+                bis_envmap_direction(&em, (int)(i % 64), (int)(i / 64), (k % 8 + 0.5) / 8, (k / 8 + 0.5) / 8);
+            truth +=
+                map_intensity(&em, i) * map_solid_angle(&em, i) / 64 * fmax(0, 0.6 * (double)w.x + 0.8 * (double)w.z);
         }
     }
     for (int kind = 0; kind < 2; kind++) {
@@ -397,7 +405,8 @@ static void cdfs_keep_even_points_even_and_alias_tables_do_not_E12(void **state)
                 const double u[4] = {a - floor(a), b - floor(b), bis_rng_double(&g), bis_rng_double(&g)};
                 bis_map_sample s;
                 bis_importance_sample(im, u, &s);
-                sum += map_intensity(&em, s.pixel) * fmax(0, 0.6 * (double)s.w_local.x + 0.8 * (double)s.w_local.z) / s.pdf;
+                sum += map_intensity(&em, s.pixel) * fmax(0, 0.6 * (double)s.w_local.x + 0.8 * (double)s.w_local.z) /
+                       s.pdf;
             }
             error[kind] += pow(sum / 4096 / truth - 1, 2) / 40;
         }
@@ -539,7 +548,11 @@ static void sixteen_bytes_a_pixel_are_enough(void **state)
         o.curve = !o.table;
         bis_importance *im = importance_of(&em, o);
         const double bytes = (double)bis_importance_bytes(im) / (double)map_n(&em);
-        print_message("%s, b = %g: %.2f bytes a pixel\n", o.curve ? "curve" : k % 3 ? "cdf" : "alias", o.area_exponent, bytes);
+        print_message("%s, b = %g: %.2f bytes a pixel\n",
+            o.curve ? "curve"
+            : k % 3 ? "cdf"
+                    : "alias",
+            o.area_exponent, bytes);
         assert_true(bytes <= 16);
         bis_importance_free(im);
     }
@@ -651,7 +664,8 @@ static void every_allocation_may_fail(void **state)
             bis_mem_fail_at(k);
             status = bis_importance_new(&im, &em, &o, &diag);
             bis_mem_fail_at(0);
-            assert_true(status == BIS_OK ? im != NULL : (status == BIS_NOMEM && !im && diag.n_errors + diag.n_lost > 0));
+            assert_true(
+                status == BIS_OK ? im != NULL : (status == BIS_NOMEM && !im && diag.n_errors + diag.n_lost > 0));
             assert_true(k < 1000);
             bis_importance_free(im);
             bis_diag_clear(&diag);

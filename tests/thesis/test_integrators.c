@@ -50,10 +50,12 @@ typedef struct setting {
 
 static void setting_init(setting *c)
 {
-    const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, grey(0), 1), glossy(), bis_phong(grey(0.5), (rgb){0.5f, 0.3f, 0.1f}, 50)};
+    const bis_material materials[] = {
+        bis_phong((rgb){0.8f, 0.5f, 0.2f}, grey(0), 1), glossy(), bis_phong(grey(0.5), (rgb){0.5f, 0.3f, 0.1f}, 50)};
 
     c->next = 0;
-    for (int i = 0; i < 4; i++) c->lights[i] = lit_new_light(i / 2 ? LIT_SMOOTH : LIT_SPOTTY, 1, i % 2 ? 0.15 : 0, false);
+    for (int i = 0; i < 4; i++)
+        c->lights[i] = lit_new_light(i / 2 ? LIT_SMOOTH : LIT_SPOTTY, 1, i % 2 ? 0.15 : 0, false);
     for (int i = 0; i < 24; i++) {
         lit_init(&c->points[i], c->lights[i % 4], materials[i % 3], tilted(), 40, i / 12 ? LIT_HALF : LIT_OPEN);
         c->truth[i] = lit_truth(&c->points[i], true);
@@ -75,7 +77,8 @@ static void check(const char *name, const stat_moments m[4], rgbd truth)
 
 static void check_next(setting *c, const bis_settings *s, uint32_t cost)
 {
-    static const bis_sampler_kind kinds[] = {BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
+    static const bis_sampler_kind kinds[] = {
+        BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
     const int i = c->next++ % 24;
     stat_moments m[4];
 
@@ -192,7 +195,8 @@ static void balance_heuristic_needs_the_counts(void **state)
                 y.Le = bis_light_Le(light, y.wi);
                 y.pdf = bis_light_pdf(light, y.wi);
             }
-            double F = (double)bis_bsdf_f_pdf(&l.pt.bsdf, y.wi, &q_brdf).g * fmax(0, bis_bsdf_cos(&l.pt.bsdf, y.wi)) * (double)y.Le.g;
+            double F = (double)bis_bsdf_f_pdf(&l.pt.bsdf, y.wi, &q_brdf).g * fmax(0, bis_bsdf_cos(&l.pt.bsdf, y.wi)) *
+                       (double)y.Le.g;
             if (F <= 0) continue;
             sum[0] += F / (N_EM * y.pdf + N_BRDF * q_brdf);
             sum[1] += F / ((y.pdf + q_brdf) / 2 * (N_EM + N_BRDF));
@@ -391,8 +395,9 @@ static void constant_light_on_open_diffuse_plane_is_exact_from_the_brdf_and_righ
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.8f}, grey(0), 1), tilted(), 40, LIT_OPEN);
     all_settings(s);
     for (int i = 0; i < N_ALL; i++) {
-        const bool from_brdf = s[i].integrator == &bis_brdf ||
-                               (s[i].integrator == &bis_sir && (s[i].proposal == BIS_PROPOSAL_BRDF || s[i].proposal == BIS_PROPOSAL_MIX));
+        const bool from_brdf =
+            s[i].integrator == &bis_brdf ||
+            (s[i].integrator == &bis_sir && (s[i].proposal == BIS_PROPOSAL_BRDF || s[i].proposal == BIS_PROPOSAL_MIX));
         stat_moments m[4];
         if (s[i].integrator == &bis_exact) continue; /* 131072 rays a run: below */
         lit_run(m, &l, &s[i], from_brdf ? 100 : 20000, SEED);
@@ -459,7 +464,8 @@ static void each_channel_is_right_under_coloured_light_E5(void **state)
     bis_rng_init(&r, SEED, 0, 0, 0);
     for (int i = 0; i < 20000; i++) {
         bis_light_point y;
-        assert_true(bis_light_sample(light, (double[4]){bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r)}, &y));
+        assert_true(bis_light_sample(
+            light, (double[4]){bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r)}, &y));
         double cos_theta = fmax(0, bis_bsdf_cos(&l.pt.bsdf, y.wi));
         stat_add(&twin, (double)l.material.Kd.b / PI * cos_theta * bis_light_power(light) / 3);
     }
@@ -508,7 +514,8 @@ static void first_and_last_random_numbers_are_survived(void **state)
         for (int k = 0; k < 2 * 2 * 2 * 60; k++) {
             lit l;
             bis_stream stream;
-            lit_init(&l, lights[k / 2 % 2], bis_phong(grey(0.3), grey(0.6), k / 4 % 2 ? 0.0 : 50), tilted(), 85, LIT_HALF);
+            lit_init(
+                &l, lights[k / 2 % 2], bis_phong(grey(0.3), grey(0.6), k / 4 % 2 ? 0.0 : 50), tilted(), 85, LIT_HALF);
             bis_stream_init(&stream, &sampler, 7, 0);
             stream.rng = forced(k % 2 ? 1 - 0x1p-53 : 0, (uint64_t)k / 8);
             rgb L = s[i].integrator->Lo(&s[i], &l.pt, &stream, &scratch);
@@ -568,7 +575,8 @@ static void counters_equal_hand_counts_E30(void **state)
     s = bis_settings_default(&bis_exact);
     s.perpatch = 3;
     lit_run(m, &l, &s, 1, SEED);
-    assert_true(l.counters.shadow_rays > 8600 && l.counters.shadow_rays < 11000); /* 3 in each of 64 * 64 above the horizon, a fifth of them black */
+    assert_true(l.counters.shadow_rays > 8600 &&
+                l.counters.shadow_rays < 11000); /* 3 in each of 64 * 64 above the horizon, a fifth of them black */
     bis_light_free(light);
 }
 
@@ -716,7 +724,8 @@ static void mis_scatters_as_the_weights_of_its_heuristic_say(void **state)
     bis_light_free(light);
 }
 
-/* split times samples, rounded, are the map's, but each technique has at least one; there is room for the larger share. */
+/* split times samples, rounded, are the map's, but each technique has at least one; there is room for the larger share.
+ */
 static void mis_divides_its_samples(void **state)
 {
     static const struct { double split; uint32_t samples, larger; } rows[] = {

@@ -33,7 +33,8 @@ static double alpha(void) { return stat_level(1e-3, 2 * 7 + 2); }
 
 /* The largest error over floats from `first` to `last` (>= 0), every `step`-th of them and all of the last thousand:
  * relative to the truth, or absolute. Where the truth is 0, an error is infinite in relation to it. */
-static double worst(float (*f)(float), long double (*truth)(long double), float first, float last, int step, bool relative)
+static double worst(
+    float (*f)(float), long double (*truth)(long double), float first, float last, int step, bool relative)
 {
     const int32_t end = bis_bits_of_float(last);
     double most = 0;
@@ -91,7 +92,8 @@ static void exp_is_good_to_2_to_the_minus_22_and_never_below_2_to_the_minus_64(v
     (void)state;
     assert_within("exp", worst(exp_minus, true_exp_minus, 0, 44.3614f, 997, true), 0x1p-22);
     assert_true(bis_lanes_exp(0) == 1 && bis_lanes_exp(-0.0f) == 1 && bis_lanes_exp(-FLT_TRUE_MIN) == 1);
-    for (int i = 0; i < 5; i++) assert_true(fabs((double)exp_minus(beyond[i]) * 0x1p64 - 1) < 0x1p-17); /* 64 ln 2 as a float */
+    for (int i = 0; i < 5; i++)
+        assert_true(fabs((double)exp_minus(beyond[i]) * 0x1p64 - 1) < 0x1p-17); /* 64 ln 2 as a float */
     assert_true(worst(exp_minus_off, true_exp_minus, 0, 44.3614f, 997, true) >= 0x1p-22);
 }
 
@@ -99,7 +101,8 @@ static void one_minus_exp_is_good_to_2_to_the_minus_22_down_to_0(void **state)
 {
     (void)state;
     assert_within("1mexp", worst(one_minus_exp_minus, true_one_minus_exp_minus, 0, 44.3614f, 997, true), 0x1p-22);
-    assert_true(bis_lanes_1mexp(-0.0f) == 0 && bis_lanes_1mexp(-FLT_MAX) == 1 && one_minus_exp_minus(FLT_TRUE_MIN) == FLT_TRUE_MIN);
+    assert_true(bis_lanes_1mexp(-0.0f) == 0 && bis_lanes_1mexp(-FLT_MAX) == 1 &&
+                one_minus_exp_minus(FLT_TRUE_MIN) == FLT_TRUE_MIN);
     assert_true(worst(one_minus_exp_minus_off, true_one_minus_exp_minus, 0, 44.3614f, 997, true) >= 0x1p-22);
 }
 
@@ -151,7 +154,8 @@ static double worst_atan2(float (*f)(float, float), double r, int n)
     for (int i = 0; i <= n; i++) {
         const double phi = 2 * PI * i / n;
         const float y = (float)(r * sin(phi)), x = (float)(r * cos(phi));
-        most = fmax(most, (double)fabsl(remainderl((long double)f(y, x) - atan2l((long double)y, (long double)x), 2 * pi)));
+        most = fmax(
+            most, (double)fabsl(remainderl((long double)f(y, x) - atan2l((long double)y, (long double)x), 2 * pi)));
     }
     return most;
 }
@@ -162,11 +166,14 @@ static void atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes(void **state)
     const float h = 1.57079633f, p = 3.14159265f, least = FLT_TRUE_MIN;
 
     (void)state;
-    for (int i = 0; i < 7; i++) assert_within("atan2", worst_atan2(bis_lanes_atan2, radii[i], i ? 10000 : 1000000), 4e-7);
-    assert_true(bis_lanes_atan2(0, 1) == 0 && bis_lanes_atan2(1, 0) == h && bis_lanes_atan2(0, -1) == p && bis_lanes_atan2(-1, 0) == -h);
+    for (int i = 0; i < 7; i++)
+        assert_within("atan2", worst_atan2(bis_lanes_atan2, radii[i], i ? 10000 : 1000000), 4e-7);
+    assert_true(bis_lanes_atan2(0, 1) == 0 && bis_lanes_atan2(1, 0) == h && bis_lanes_atan2(0, -1) == p &&
+                bis_lanes_atan2(-1, 0) == -h);
     assert_true(bis_lanes_atan2(0, 0) == 0 && bis_lanes_atan2(-0.0f, 0) == 0 && bis_lanes_atan2(0, -0.0f) == 0);
     assert_true(bis_lanes_atan2(-0.0f, -1) == p); /* the C library says -pi: the same direction */
-    assert_true(bis_lanes_atan2(least, -1) == p && bis_lanes_atan2(-least, -1) == -p && bis_lanes_atan2(-1, least) == -h);
+    assert_true(
+        bis_lanes_atan2(least, -1) == p && bis_lanes_atan2(-least, -1) == -p && bis_lanes_atan2(-1, least) == -h);
     assert_true(worst_atan2(atan2_off, 1, 10000) >= 4e-7);
 }
 
@@ -223,7 +230,8 @@ static uint32_t strays(const float *u1, const float *u2, uint32_t n, uint32_t n_
     uint32_t count = 0;
 
     for (uint32_t i = 0; i < n; i++) {
-        const double t = cell_of(u1[i], u2[i]), first = (double)CELLS * i / n_strata, end = (double)CELLS * (i + 1) / n_strata;
+        const double t = cell_of(u1[i], u2[i]), first = (double)CELLS * i / n_strata,
+                     end = (double)CELLS * (i + 1) / n_strata;
         count += !(t > first - 1.5 && t < end + 0.5);
     }
     return count;
@@ -258,7 +266,8 @@ static void points_are_a_function_of_the_key_and_fill_the_last_block_and_no_more
         assert_memory_equal(a, b, sizeof a);
         for (uint32_t i = 0; i < 48; i++) {
             for (int j = 0; j < 2; j++) {
-                assert_true(i < end ? a[j][i] >= 0 && a[j][i] < 1 && a[j][i] * 0x1p24f == floorf(a[j][i] * 0x1p24f) : a[j][i] == -1);
+                assert_true(i < end ? a[j][i] >= 0 && a[j][i] < 1 && a[j][i] * 0x1p24f == floorf(a[j][i] * 0x1p24f)
+                                    : a[j][i] == -1);
             }
         }
         bis_curve_points(b[0], b[1], n, 6);
@@ -300,7 +309,8 @@ static void points_are_uniform_in_the_square_and_inside_the_last_cells(void **st
         stat_assert_fit("lanes-square", SEED, square, expected, BINS * BINS, alpha());
         stat_assert_fit("lanes-inside", SEED, inside, expected, BINS * BINS, alpha());
         if (k) continue;
-        stat_assert_no_fit("lanes-square-uneven", SEED, square, half, BINS * BINS, alpha()); /* twins: every second cell 6 % less */
+        stat_assert_no_fit(
+            "lanes-square-uneven", SEED, square, half, BINS * BINS, alpha()); /* twins: every second cell 6 % less */
         stat_assert_no_fit("lanes-inside-uneven", SEED, inside, half, BINS * BINS, alpha());
     }
 }
@@ -346,10 +356,12 @@ static void assert_gaps(uint32_t n, uint32_t first, uint32_t sets)
         double dof;
         const double chi2 = dispersion(n, first, sets, twin, &dof), m = (double)sets * n / CELLS;
         const double z = (chi2 - dof) / sqrt(dof * (2 + 1 / m)), p = bis_stats_normal_p(z);
-        print_message("n = %u%s: cells vary by %.4f of chance, p %.2g\n", (unsigned)n, twin ? ", in float" : "", chi2 / dof, p);
+        print_message(
+            "n = %u%s: cells vary by %.4f of chance, p %.2g\n", (unsigned)n, twin ? ", in float" : "", chi2 / dof, p);
         if (!twin) stat_judges(1);
         if (twin) assert_true(p < alpha());
-        if (!twin && p < alpha()) fail_msg("n = %u: cells are not drawn evenly, chi-square %g, dof %g, p %g", (unsigned)n, chi2, dof, p);
+        if (!twin && p < alpha())
+            fail_msg("n = %u: cells are not drawn evenly, chi-square %g, dof %g, p %g", (unsigned)n, chi2, dof, p);
     }
 }
 
@@ -368,7 +380,8 @@ static double distance(const bis_envmap *em, uint32_t pixel, const double w[3])
     const double x = pixel % (uint32_t)em->width, y = pixel / (uint32_t)em->width;
     const double s = hypot(w[0], w[1]), theta = atan2(s, w[2]);
     const double middle = 2 * PI * (x + 0.5) / em->width, phi = fabs(remainder(atan2(w[1], w[0]) - middle, 2 * PI));
-    const double south = fmax(0, fabs(theta - PI * (y + 0.5) / em->height) - PI / 2 / em->height), east = fmax(0, phi - PI / em->width);
+    const double south = fmax(0, fabs(theta - PI * (y + 0.5) / em->height) - PI / 2 / em->height),
+                 east = fmax(0, phi - PI / em->width);
 
     return hypot(south, fmin(s * east, 2 * s));
 }
@@ -419,7 +432,8 @@ static double farthest(const bis_envmap *em, const vec3 axis[3], const vec3 foun
         const double local[3] = {dot(w, axis[0]), dot(w, axis[1]), dot(w, axis[2])};
         assert_true(pixel[i] < (uint32_t)em->width * (uint32_t)em->height);
         most = fmax(most, distance(em, pixel[i], local));
-        if (i >= 64 && i % 5 == 0) *differ += 5.0 / n * (pixel[i] != bis_envmap_pixel(em, vec3_from(local[0], local[1], local[2])));
+        if (i >= 64 && i % 5 == 0)
+            *differ += 5.0 / n * (pixel[i] != bis_envmap_pixel(em, vec3_from(local[0], local[1], local[2])));
     }
     bis_free(memory);
     bis_free(pixel);
@@ -428,7 +442,8 @@ static double farthest(const bis_envmap *em, const vec3 axis[3], const vec3 foun
 
 static void pixels_are_those_of_envmap_within_a_microradian_of_their_edges(void **state)
 {
-    static const int size[][2] = {{1, 1}, {2, 1}, {1, 7}, {1, 4096}, {3, 5}, {64, 32}, {1024, 512}, {8192, 4096}, {16384, 8192}, {30011, 20011}};
+    static const int size[][2] = {
+        {1, 1}, {2, 1}, {1, 7}, {1, 4096}, {3, 5}, {64, 32}, {1024, 512}, {8192, 4096}, {16384, 8192}, {30011, 20011}};
     const vec3 straight[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const frame f = frame_about(normalize((vec3){0.3f, -0.8f, 0.4f}));
     const vec3 turned[3] = {f.x, f.y, f.z}, mirrored[3] = {{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
@@ -441,9 +456,12 @@ static void pixels_are_those_of_envmap_within_a_microradian_of_their_edges(void 
         for (int a = 0; a < 3; a++) {
             double differ;
             const double most = farthest(&em, axes[a], axes[a], N, &differ);
-            if (k > 5) print_message("%d x %d, axes %d: %.2g rad, %.3f%% differ\n", em.width, em.height, a, most, 100 * differ);
+            if (k > 5)
+                print_message(
+                    "%d x %d, axes %d: %.2g rad, %.3f%% differ\n", em.width, em.height, a, most, 100 * differ);
             assert_true(most < 1e-6);
-            assert_true(differ < 4e-7 * (em.width + em.height) + 1e-3); /* 2e-7 radians on each side of every column and row, and chance */
+            assert_true(differ < 4e-7 * (em.width + em.height) +
+                                     1e-3); /* 2e-7 radians on each side of every column and row, and chance */
         }
     }
     /* twin: axes off by two microradians */
@@ -476,7 +494,8 @@ static void a_look_at_the_light_gives_each_direction_its_radiance_and_density(vo
     for (uint32_t i = 0; i < N; i++) {
         const vec3 w = {l.x[i], l.y[i], l.z[i]};
         const rgb L = bis_light_Le(light, w);
-        assert_true(fabs((double)l.r[i] * unit - (double)L.r) <= 1e-6 * (double)L.r && fabs((double)l.g[i] * unit - (double)L.g) <= 1e-6 * (double)L.g &&
+        assert_true(fabs((double)l.r[i] * unit - (double)L.r) <= 1e-6 * (double)L.r &&
+                    fabs((double)l.g[i] * unit - (double)L.g) <= 1e-6 * (double)L.g &&
                     fabs((double)l.b[i] * unit - (double)L.b) <= 1e-6 * (double)L.b);
         const double pdf = bis_light_pdf(light, w);
         assert_true(fabs((double)l.q[i] - pdf) <= 1e-6 * pdf);
@@ -497,7 +516,8 @@ static void points_and_pixels_have_the_same_bits_on_every_processor(void **state
     const bis_envmap em = {.width = 4096, .height = 2048};
     const frame f = frame_about(normalize((vec3){0.3f, -0.8f, 0.4f}));
     const vec3 axis[3] = {f.x, f.y, f.z};
-    float *a = bis_alloc(2 * N, sizeof *a), *b = bis_alloc(2 * N, sizeof *b), *memory = bis_alloc(BIS_LANES_ARRAYS * N, sizeof *memory);
+    float *a = bis_alloc(2 * N, sizeof *a), *b = bis_alloc(2 * N, sizeof *b),
+          *memory = bis_alloc(BIS_LANES_ARRAYS * N, sizeof *memory);
     uint32_t *p = bis_alloc(N, sizeof *p), *q = bis_alloc(N, sizeof *q);
     const bis_lanes l = bis_lanes_in(memory, N);
     bis_rng r;
@@ -527,8 +547,8 @@ static void points_and_pixels_have_the_same_bits_on_every_processor(void **state
     bis_free(q);
 }
 
-/* Each of the 64 x 64 squares is one piece of Hilbert's curve, and n points one in each n-th of it: a square holds n/4096
- * of them, one more or less at either end. More than 2^16 points need products beyond 32 bits. */
+/* Each of the 64 x 64 squares is one piece of Hilbert's curve, and n points one in each n-th of it: a square holds
+ * n/4096 of them, one more or less at either end. More than 2^16 points need products beyond 32 bits. */
 static void a_million_points_are_as_even_as_a_hundred(void **state)
 {
     static const uint32_t counts[] = {100, 4096, 32768, 32769, 46341, 65537, 100000, 390001, 1 << 20};

@@ -26,8 +26,13 @@ static double alpha(void) { return stat_level(1e-3, 4); }
 
 static bis_light_desc desc_of(bis_xform to_world)
 {
-    return (bis_light_desc){
-        .L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .to_world = to_world, .loc = {"s.txt", 7, 3}};
+    return (bis_light_desc){.L = {1, 1, 1},
+        .scale = 1,
+        .area_exponent = 0.15,
+        .levels = 8,
+        .visible = true,
+        .to_world = to_world,
+        .loc = {"s.txt", 7, 3}};
 }
 
 static bis_light *light_of(bis_envmap *em, bis_light_desc desc, unsigned needs)
@@ -58,7 +63,8 @@ static void a_rotation_turns_the_light_and_a_reflection_mirrors_it(void **state)
     for (int k = 0; k < 3; k++) {
         bis_envmap em = map_new(16, 8);
         for (int x = 0; x < 16; x++) em.pixels[x] = (rgb){1, 0, 0};                 /* about +z */
-        em.pixels[4 * 16] = em.pixels[4 * 16 + 15] = em.pixels[3 * 16] = em.pixels[3 * 16 + 15] = (rgb){0, 1, 0}; /* about +x */
+        em.pixels[4 * 16] = em.pixels[4 * 16 + 15] = em.pixels[3 * 16] = em.pixels[3 * 16 + 15] =
+            (rgb){0, 1, 0}; /* about +x */
         bis_light *light = light_of(&em, desc_of(frames[k]), 0);
         assert_true(bis_light_Le(light, expected[k][0]).r == 1);
         assert_true(bis_light_Le(light, neg(expected[k][0])).r == 0);
@@ -316,7 +322,8 @@ static void bad_values_are_one_warning_with_counts_and_share(void **state)
     image.pixels[9].g = NAN;
     image.pixels[10] = (rgb){INFINITY, -INFINITY, -2};
     bis_light *light = load(image, desc_of(bis_xform_identity()), BIS_OK,
-                            "s.txt:7:3: warning: \"%s\": bad channel values set to 0: 1 NaN, 2 infinite, 1 negative; the first is G of "
+                            "s.txt:7:3: warning: \"%s\": bad channel values set to 0: 1 NaN, 2 infinite, 1 negative; "
+                            "the first is G of "
                             "pixel (1, 1); they cover 8.84%% of the sphere");
     assert_non_null(light);
     bis_light_free(light);
@@ -350,7 +357,8 @@ static void a_square_map_must_say_its_mapping(void **state)
     desc.has_mapping = false;
     desc.is_v4 = true; /* named by "filename": what pbrt-v4 takes it for */
     light = load(grey(8, 8, 1), desc, BIS_OK,
-                 "s.txt:7:3: warning: \"%s\" is square, 8 x 8, and named by \"filename\": it is taken for an equal-area map, "
+                 "s.txt:7:3: warning: \"%s\" is square, 8 x 8, and named by \"filename\": it is taken for an "
+                 "equal-area map, "
                  "as in pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe), or bis envmap "
                  "--mapping angular --to latlong makes a map that needs no word");
     assert_int_equal(bis_light_envmap(light)->width, 16);
@@ -361,7 +369,8 @@ static void a_square_map_must_say_its_mapping(void **state)
     bis_light_free(light);
     desc.mapping = BIS_MAPPING_ANGULAR;
     assert_null(load(grey(8, 4, 1), desc, BIS_INPUT,
-                     "s.txt:7:3: error: \"%s\" is 8 x 4; a map of mapping \"angular\" must be square (\"latlong\" maps are 2:1)"));
+                     "s.txt:7:3: error: \"%s\" is 8 x 4; a map of mapping \"angular\" must be square (\"latlong\" maps "
+                     "are 2:1)"));
 }
 
 /* docs/scene-format.md: LightSource "infinite" without parameters. */
@@ -383,17 +392,20 @@ static void a_scale_that_overflows_is_an_error(void **state)
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.scale = 1e30;
     assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
-                     "s.txt:7:3: error: \"%s\" times \"L\" (1 1 1) and \"scale\" 1e+30 exceeds the largest float; choose a smaller scale"));
+                     "s.txt:7:3: error: \"%s\" times \"L\" (1 1 1) and \"scale\" 1e+30 exceeds the largest float; "
+                     "choose a smaller scale"));
     desc.L = (rgb){1, 2, 3};
     assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
-                     "s.txt:7:3: error: \"%s\" times \"L\" (1 2 3) and \"scale\" 1e+30 exceeds the largest float; choose a smaller scale"));
+                     "s.txt:7:3: error: \"%s\" times \"L\" (1 2 3) and \"scale\" 1e+30 exceeds the largest float; "
+                     "choose a smaller scale"));
     desc.scale = 1e300;
     bis_light *light;
     bis_diag diag = {0};
     assert_int_equal(bis_light_load(&light, &desc, 0, NULL, &diag), BIS_INPUT);
     assert_null(light);
     assert_int_equal(diag.n_errors, 1);
-    assert_string_equal(diag.messages[0].text, "s.txt:7:3: error: \"L\" (1 2 3) times \"scale\" 1e+300 exceeds the largest float; choose a smaller scale");
+    assert_string_equal(diag.messages[0].text,
+        "s.txt:7:3: error: \"L\" (1 2 3) times \"scale\" 1e+300 exceeds the largest float; choose a smaller scale");
     bis_diag_clear(&diag);
 }
 

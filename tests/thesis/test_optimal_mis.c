@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The best weights of two techniques (docs/theory.md, "Multiple importance sampling"), solved there by hand.
  *
- * The other road: on eight patches all outcomes of the samples are enumerated, which gives the mean and the variance of an
- * estimate without any formula for them. The variance is a convex function of the eight weights that one is free to choose
- * (those of the second technique are 1 less them), so weights at which no derivative is left are the best there are. */
+ * The other road: on eight patches all outcomes of the samples are enumerated, which gives the mean and the variance of
+ * an estimate without any formula for them. The variance is a convex function of the eight weights that one is free to
+ * choose (those of the second technique are 1 less them), so weights at which no derivative is left are the best there
+ * are. */
 #include "bis/thesis/rng.h"
 
 #include <math.h>
@@ -84,8 +85,8 @@ static double variance(const problem *p, const double h[PATCHES], double *mean)
     return square - *mean * *mean;
 }
 
-/* The largest derivative of the variance by one of the weights. The variance is quadratic, so the difference over any step
- * is exact but for rounding: 1e-16 of a square of some 10, over steps of 1. */
+/* The largest derivative of the variance by one of the weights. The variance is quadratic, so the difference over any
+ * step is exact but for rounding: 1e-16 of a square of some 10, over steps of 1. */
 static double slope(const problem *p, const double h[PATCHES])
 {
     double most = 0, mean;

@@ -76,7 +76,8 @@ static int cell(const double x[N_ALPHA + 1], const frame *lobe, vec3 w)
 }
 
 /* The lobe's share in closed form, the cosine's by midpoints. */
-static void expect_mixture(double *expected, const double x[N_ALPHA + 1], const frame *lobe, vec3 normal, double n, double p_specular, double count)
+static void expect_mixture(double *expected, const double x[N_ALPHA + 1], const frame *lobe, vec3 normal, double n,
+    double p_specular, double count)
 {
     enum { K = 32 };
 
@@ -88,7 +89,8 @@ static void expect_mixture(double *expected, const double x[N_ALPHA + 1], const 
             for (int k = 0; k < K * K; k++) {
                 double c = 1 - (x[i] + (x[i + 1] - x[i]) * (k % K + 0.5) / K), s = sqrt(fmax(0, 1 - c * c));
                 double phi = -PI + 2 * PI * (j + ((int)(k / K) + 0.5) / K) / N_PHI;
-                sum += fmax(0, c * dot(normal, lobe->z) + s * (cos(phi) * dot(normal, lobe->x) + sin(phi) * dot(normal, lobe->y)));
+                sum += fmax(0,
+                    c * dot(normal, lobe->z) + s * (cos(phi) * dot(normal, lobe->x) + sin(phi) * dot(normal, lobe->y)));
             }
             double in_cosine = sum / (K * K) * (x[i + 1] - x[i]) * 2 * PI / N_PHI / PI;
             expected[i * N_PHI + j] = count * (p_specular * in_lobe + (1 - p_specular) * in_cosine);
@@ -177,9 +179,11 @@ static void mixture_of_lobes_is_drawn_with_its_density_E35(void **state)
 
 /* Integral of g over the sphere: panels in 1 - cos alpha that grow geometrically from the lobe's core, so that any
  * exponent is resolved. */
-static double integrate(const bis_bsdf *b, double n, double (*g)(const bis_bsdf *b, vec3 wi, double one_minus_cos), int n_phi)
+static double integrate(
+    const bis_bsdf *b, double n, double (*g)(const bis_bsdf *b, vec3 wi, double one_minus_cos), int n_phi)
 {
-    static const double node[3] = {0.1127016653792583, 0.5, 0.8872983346207417}, mass[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+    static const double node[3] = {0.1127016653792583, 0.5, 0.8872983346207417},
+                        mass[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
     double edge = 0, step = 0.02 / (n + 1), sum = 0;
 
     while (edge < 2) {

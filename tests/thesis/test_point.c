@@ -87,8 +87,9 @@ static void many_rays_answer_as_one_by_one(void **state)
                 const uint32_t n = counts[c % N_COUNTS];
                 ray r[MOST + 1];
                 for (uint32_t i = 0; i <= n; i++) {
-                    r[i] = (ray){{(float)random_double(&seed), (float)random_double(&seed), (float)random_double(&seed)},
-                                 random_direction(&seed), INFINITY};
+                    r[i] =
+                        (ray){{(float)random_double(&seed), (float)random_double(&seed), (float)random_double(&seed)},
+                            random_direction(&seed), INFINITY};
                     if (c % 3 == 1) r[i].o = r[0].o;                         /* from one point */
                     if (c % 3 == 2) r[i].o = (vec3){2, 2, (float)i / MOST}; /* side by side */
                     if (c % 3 == 2) r[i].d = normalize((vec3){-1, -1, -0.3f});
@@ -110,7 +111,8 @@ static void many_rays_answer_as_one_by_one(void **state)
 static void packets_answer_as_single_rays_on_real_meshes(void **state)
 {
     (void)state;
-    static const char *const names[] = {"mesh/armadillo_86k.ply", "mesh/igea_269k.ply", "mesh/nefertiti_100k.ply", "mesh/dragon_871k.ply"};
+    static const char *const names[] = {
+        "mesh/armadillo_86k.ply", "mesh/igea_269k.ply", "mesh/nefertiti_100k.ply", "mesh/dragon_871k.ply"};
     const int n_packets = getenv("BIS_LONG") ? 250000 / 128 : 100;
     long rays = 0, hidden = 0;
 
@@ -125,22 +127,25 @@ static void packets_answer_as_single_rays_on_real_meshes(void **state)
         const vec3 lo = g.box.lo, hi = g.box.hi;
         const double size = fmax((double)(hi.x - lo.x), fmax((double)(hi.y - lo.y), (double)(hi.z - lo.z)));
         for (int i = 0; m == 3 && i < 20; i++) {
-            const bis_xform move = bis_xform_translate(random_between(&seed, (double)lo.x, (double)hi.x), random_between(&seed, (double)lo.y, (double)hi.y),
-                                                       random_between(&seed, (double)lo.z, (double)hi.z));
+            const bis_xform move = bis_xform_translate(random_between(&seed, (double)lo.x, (double)hi.x),
+                random_between(&seed, (double)lo.y, (double)hi.y), random_between(&seed, (double)lo.z, (double)hi.z));
             const bis_quadric q = {BIS_SPHERE, 0.05 * size, 0, move, 0};
             assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
         }
         bis_accel *a = backend(&g, 1);
-        const vec3 middle = vec3_from(0.5 * (double)(lo.x + hi.x), 0.5 * (double)(lo.y + hi.y), 0.5 * (double)(lo.z + hi.z));
+        const vec3 middle =
+            vec3_from(0.5 * (double)(lo.x + hi.x), 0.5 * (double)(lo.y + hi.y), 0.5 * (double)(lo.z + hi.z));
         for (int k = 0; k < n_packets; k++) {
             ray eye[128], shadow[128];
             uint32_t prim[128], n = 0;
             const vec3 side = random_direction(&seed), aim = random_direction(&seed);
             for (int i = 0; i < 128; i++) { /* a bundle of camera rays, a hundredth of the mesh wide */
                 const vec3 jitter = random_direction(&seed);
-                const vec3 from = vec3_from((double)middle.x + 2 * size * (double)side.x, (double)middle.y + 2 * size * (double)side.y, (double)middle.z + 2 * size * (double)side.z);
-                const vec3 to = vec3_from((double)middle.x + size * (0.3 * (double)aim.x + 0.005 * (double)jitter.x), (double)middle.y + size * (0.3 * (double)aim.y + 0.005 * (double)jitter.y),
-                                          (double)middle.z + size * (0.3 * (double)aim.z + 0.005 * (double)jitter.z));
+                const vec3 from = vec3_from((double)middle.x + 2 * size * (double)side.x,
+                    (double)middle.y + 2 * size * (double)side.y, (double)middle.z + 2 * size * (double)side.z);
+                const vec3 to = vec3_from((double)middle.x + size * (0.3 * (double)aim.x + 0.005 * (double)jitter.x),
+                    (double)middle.y + size * (0.3 * (double)aim.y + 0.005 * (double)jitter.y),
+                    (double)middle.z + size * (0.3 * (double)aim.z + 0.005 * (double)jitter.z));
                 eye[i] = (ray){from, normalize((vec3){to.x - from.x, to.y - from.y, to.z - from.z}), INFINITY};
             }
             same_as_one_by_one(a, eye, 128);
@@ -203,7 +208,8 @@ static void terms_are_added_where_light_arrives_and_never_below_the_surface(void
         listener l = {.ray_sink = {listen}};
         bis_counters now = {0}, put_off = {0}, single = {0};
         for (int c = 0; a && c < 3000; c++) {
-            const bis_point pt = {.ng = random_direction(&seed), .origin = {0.5f, 0.4f, 0.6f}, .accel = a, .counters = &now};
+            const bis_point pt = {
+                .ng = random_direction(&seed), .origin = {0.5f, 0.4f, 0.6f}, .accel = a, .counters = &now};
             bis_point later = pt, one = pt;
             const vec3 wi = random_direction(&seed);
             const bool above = dot(pt.ng, wi) > 0;
@@ -217,7 +223,8 @@ static void terms_are_added_where_light_arrives_and_never_below_the_surface(void
             const int before = l.n;
             bis_point_add(&untouched, &later, wi, (rgbd){4, 5, 6}, &waiting);
             assert_int_equal(l.n, before + above);
-            if (above) assert_true(l.wi.x == wi.x && l.wi.y == wi.y && l.wi.z == wi.z && l.C.b == 6 && l.seen == &waiting);
+            if (above)
+                assert_true(l.wi.x == wi.x && l.wi.y == wi.y && l.wi.z == wi.z && l.C.b == 6 && l.seen == &waiting);
             assert_true(untouched.r == 1 && untouched.g == 2 && untouched.b == 3 && waiting == 40);
             assert_true(above || !V);
         }

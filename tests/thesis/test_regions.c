@@ -191,7 +191,8 @@ static size_t *brute_force(const bis_envmap *em, int levels, bool wrap)
     for (size_t a = 0; a < n; a++) {
         for (size_t b = a + 1; b < n; b++) {
             if (map_intensity(em, a) == 0 || map_intensity(em, b) == 0) continue;
-            if (bis_level_of_intensity(&l, map_intensity(em, a)) != bis_level_of_intensity(&l, map_intensity(em, b))) continue;
+            if (bis_level_of_intensity(&l, map_intensity(em, a)) != bis_level_of_intensity(&l, map_intensity(em, b)))
+                continue;
             if (are_neighbours(em, a, b, wrap)) parent[root(parent, a)] = root(parent, b);
         }
     }

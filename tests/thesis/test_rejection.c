@@ -73,9 +73,11 @@ static void expect_product(double *expected, const lit *l, double count)
         double c0 = cos(PI * (i / ACROSS) / DOWN), c1 = cos(PI * ((int)(i / ACROSS) + 1) / DOWN);
         expected[i] = 0;
         for (int k = 0; k < K * K; k++) {
-            double z = c0 + (c1 - c0) * ((int)(k / K) + 0.5) / K, phi = 2 * PI * (i % ACROSS + (k % K + 0.5) / K) / ACROSS, s = sqrt(1 - z * z);
+            double z = c0 + (c1 - c0) * ((int)(k / K) + 0.5) / K,
+                   phi = 2 * PI * (i % ACROSS + (k % K + 0.5) / K) / ACROSS, s = sqrt(1 - z * z);
             vec3 wi = vec3_from(s * cos(phi), s * sin(phi), z);
-            expected[i] += rgb_sum(rgb_mul(l->material.Kd, bis_light_Le(l->light, wi))) * fmax(0, dot(wi, l->pt.n)) * (c0 - c1);
+            expected[i] +=
+                rgb_sum(rgb_mul(l->material.Kd, bis_light_Le(l->light, wi))) * fmax(0, dot(wi, l->pt.n)) * (c0 - c1);
         }
         total += expected[i];
     }
@@ -135,7 +137,8 @@ static void mean_acceptance_is_L_ns_over_B_E27(void **state)
         assert_true(expected < 1);
         stat_assert_mean("E27", SEED, &accepted, expected, alpha());
         /* twin: c = f_max in place of f_max Lam / L_ns, as printed: M = f_max N */
-        if (proposal == BIS_PROPOSAL_EM) stat_assert_not_mean("E27_printed", SEED, &accepted, fmin(1, 1 / bis_bsdf_max_f_cos(&l.pt.bsdf)), alpha());
+        if (proposal == BIS_PROPOSAL_EM)
+            stat_assert_not_mean("E27_printed", SEED, &accepted, fmin(1, 1 / bis_bsdf_max_f_cos(&l.pt.bsdf)), alpha());
         bis_scratch_clear(&scratch);
         bis_light_free(light);
     }
@@ -218,7 +221,8 @@ static bis_material extreme(int k)
 {
     static const double exponents[] = {0, 1, 50, 1e5, 1e8}, indices[] = {1.5, 0.6, 1.05, 1.001};
     static const double roughnesses[] = {BIS_MICROFACET_MIN_ROUGHNESS, 0.1, 0.5, 1};
-    const double n = exponents[k / 12 % 5], a = roughnesses[k / 12 % 4], Ks = (double[]){1, 0.04, 1e-3, 1e-6}[k / 12 % 3];
+    const double n = exponents[k / 12 % 5], a = roughnesses[k / 12 % 4],
+                 Ks = (double[]){1, 0.04, 1e-3, 1e-6}[k / 12 % 3];
 
     switch (k % 12) {
     case 0: return bis_phong(grey(0), grey(1), n);
@@ -323,7 +327,8 @@ static void at_most_N_of_the_accepted_are_traced_each_once(void **state)
         l.counters = (bis_counters){0};
         lit_once(&l, &s, &scratch, SEED, run);
         assert_int_equal(l.counters.candidates, 20);
-        if (l.counters.accepted > 0) assert_int_equal(l.counters.shadow_rays, l.counters.accepted < 3 ? l.counters.accepted : 3);
+        if (l.counters.accepted > 0)
+            assert_int_equal(l.counters.shadow_rays, l.counters.accepted < 3 ? l.counters.accepted : 3);
         assert_int_equal(l.counters.fallbacks, l.counters.accepted == 0);
     }
     bis_scratch_clear(&scratch);
@@ -413,7 +418,9 @@ static void fallback_unoccluded_brightens_shadows_and_resample_does_not_E29(void
         double truth = rgbd_sum(lit_truth(&l, true));
         lit_run(m[k], &l, &s, 20000, SEED);
         assert_true(l.counters.fallbacks > 10000);
-        if (k == 0) assert_true(fabs(m[k][3].mean / truth - 1) < 0.1); /* what remains is the O(1/M) of the ratio, and noise of 3 % */
+        if (k == 0)
+            assert_true(
+                fabs(m[k][3].mean / truth - 1) < 0.1); /* what remains is the O(1/M) of the ratio, and noise of 3 % */
         if (k == 2) assert_true(m[k][3].mean / truth - 1 > 0.1);
     }
     bis_light_free(light);

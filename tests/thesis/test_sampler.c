@@ -327,7 +327,8 @@ static void no_cell_is_visited_twice_whatever_their_number(void **state)
     }
 }
 
-/* Each of the n cells is as likely as any other for one sample. For the twin one cell in seven passes its samples on. */
+/* Each of the n cells is as likely as any other for one sample. For the twin one cell in seven passes its samples on.
+ */
 enum { ORDER_PIXELS = 100000 };
 
 static void check_cells(uint64_t n, uint64_t sample, bool shifted)
@@ -382,7 +383,8 @@ static void the_halves_of_the_camera_samples_interleave(void **state)
         uint64_t cell[64], mixed[64];
         bool good = true, twin_good = true;
         for (uint64_t i = 0; i < 64; i++) cell[i] = cell_of(&p, pixel, i);
-        for (uint64_t i = 0; i < 64; i++) mixed[i] = cell[i * 19 % 64 / 2 + i % 2 * 32]; /* another order of the same cells */
+        for (uint64_t i = 0; i < 64; i++)
+            mixed[i] = cell[i * 19 % 64 / 2 + i % 2 * 32]; /* another order of the same cells */
         for (uint64_t k = 1; k <= 5; k++)
             for (uint64_t first = 0; first < 64; first += (uint64_t)1 << k) {
                 const uint64_t across = (uint64_t)1 << (k + 1) / 2, down = (uint64_t)1 << k / 2;
@@ -510,8 +512,10 @@ static void the_error_falls_with_the_exponent_of_its_kind(void **state)
     for (int kind = 0; kind < KINDS; kind++) {
         double coarse = rms_error((bis_sampler_kind)kind, 64, 400), fine = rms_error((bis_sampler_kind)kind, 4096, 400);
         double slope = log(fine / coarse) / log(64);
-        if (fabs(slope - exponent[kind]) > 0.2) fail_msg("%s: slope %g", bis_sampler_name((bis_sampler_kind)kind), slope);
-        if (kind == BIS_SAMPLER_RANDOM) assert_true(fabs(fine / sqrt(variance / 4096) - 1) < 0.15); /* 4 standard errors */
+        if (fabs(slope - exponent[kind]) > 0.2)
+            fail_msg("%s: slope %g", bis_sampler_name((bis_sampler_kind)kind), slope);
+        if (kind == BIS_SAMPLER_RANDOM)
+            assert_true(fabs(fine / sqrt(variance / 4096) - 1) < 0.15); /* 4 standard errors */
     }
 }
 
@@ -566,7 +570,8 @@ static void kinds_have_their_names_and_sobol_and_halton_are_low_discrepancy(void
  * sample k again. */
 static void camera_samples_are_counted_beyond_32_bits(void **state)
 {
-    static const uint64_t spp[] = {(uint64_t)1 << 32, 4800000000u, 1024 * UINT64_C(1000000000), 6 * UINT64_C(715827883)};
+    static const uint64_t spp[] = {
+        (uint64_t)1 << 32, 4800000000u, 1024 * UINT64_C(1000000000), 6 * UINT64_C(715827883)};
     static const uint64_t ysamples[] = {65536, 64000, 1000000, 6}; /* the last: 6 times a prime */
 
     (void)state;

@@ -89,22 +89,25 @@ static double error_of_em(const lit *l, vec3 wi)
 {
     const double n = l->material.exponent, power = bis_phong_power(l->pt.bsdf.r, wi, n), cosine = dot(wi, l->pt.bsdf.r);
 
-    return 0x1p-19 + 0x1p-22 / bis_bsdf_cos(&l->pt.bsdf, wi) + (cosine > 0 ? 0x1p-20 * (1 - log(fmax(power, 0x1p-64))) + n * 0x1p-22 * (1 / cosine - 1) : 0);
+    return 0x1p-19 + 0x1p-22 / bis_bsdf_cos(&l->pt.bsdf, wi) +
+           (cosine > 0 ? 0x1p-20 * (1 - log(fmax(power, 0x1p-64))) + n * 0x1p-22 * (1 / cosine - 1) : 0);
 }
 
-/* From the map: the same direction, bit for bit. From the BRDF: u1 and u2 are rounded to floats, and the lobe's formula is
- * computed in floats: 2^-25 of u1 moves 1 - cos = 1 - (1 - u1)^(1/21) by 2^-25/(21 (1 - u1)), and no u1 of 2000 lies
+/* From the map: the same direction, bit for bit. From the BRDF: u1 and u2 are rounded to floats, and the lobe's formula
+ * is computed in floats: 2^-25 of u1 moves 1 - cos = 1 - (1 - u1)^(1/21) by 2^-25/(21 (1 - u1)), and no u1 of 2000 lies
  * nearer to 0 or 1 than 2^-15 here. So the direction is off by less than 2^-17, the cosine by as much, and F/q = Le Ks
  * cos/p_s by their quotient, unless a pixel ends in between. */
 static void M_1_N_1_is_plain_importance_sampling_E24(void **state)
 {
-    static const bis_sampler_kind kinds[] = {BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
+    static const bis_sampler_kind kinds[] = {
+        BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
     (void)state;
     for (int k = 0; k < 16; k++) {
         const bool brdf = k % 2;
-        bis_settings s = sir(brdf ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM, 1, 1, false), plain = bis_settings_default(brdf ? &bis_brdf : &bis_em);
+        bis_settings s = sir(brdf ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM, 1, 1, false),
+                     plain = bis_settings_default(brdf ? &bis_brdf : &bis_em);
         int judged = 0;
         plain.samples = 1;
         s.resampling = k / 8 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC;
@@ -118,7 +121,8 @@ static void M_1_N_1_is_plain_importance_sampling_E24(void **state)
             assert_true(sqrt(dot(moved, moved)) < 0x1p-17);
             if (rgb_is_black(b) || bis_light_Le(light, wi).r != bis_light_Le(light, wi_plain).r) continue;
             const double error = brdf ? 0x1p-19 + 0x1p-17 / bis_bsdf_cos(&l.pt.bsdf, wi) : error_of_em(&l, wi);
-            assert_true(fabs((double)a.r / (double)b.r - 1) < error && fabs((double)a.g / (double)b.g - 1) < error && fabs((double)a.b / (double)b.b - 1) < error);
+            assert_true(fabs((double)a.r / (double)b.r - 1) < error && fabs((double)a.g / (double)b.g - 1) < error &&
+                        fabs((double)a.b / (double)b.b - 1) < error);
             judged++;
         }
         assert_true(judged > 1000);
@@ -182,8 +186,8 @@ static void stratified_candidates_with_systematic_resampling_are_less_noisy(void
 static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
 {
     static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK, LIT_CONSTANT};
-    const bis_material materials[] = {bis_phong(grey(0.8), grey(0), 1), bis_phong(grey(0), grey(1), 5), bis_phong(grey(0), grey(1), 50),
-                                      bis_phong(grey(0), grey(1), 1000), bis_phong(grey(0.5), grey(0.5), 50)};
+    const bis_material materials[] = {bis_phong(grey(0.8), grey(0), 1), bis_phong(grey(0), grey(1), 5),
+        bis_phong(grey(0), grey(1), 50), bis_phong(grey(0), grey(1), 1000), bis_phong(grey(0.5), grey(0.5), 50)};
 
     int em_alone = 0, brdf_alone = 0;
 
@@ -205,7 +209,8 @@ static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
         if (truth <= 1e-6) continue; /* the lobe misses the block */
         const double bound = 1.5 * better + 1e-5 * truth;
         if (rmse[BIS_PROPOSAL_MIX] > bound) {
-            fail_msg("map %d, material %d: em %g, brdf %g, mix %g of %g", i % 4, i / 4, rmse[0], rmse[1], rmse[2], truth);
+            fail_msg(
+                "map %d, material %d: em %g, brdf %g, mix %g of %g", i % 4, i / 4, rmse[0], rmse[1], rmse[2], truth);
         }
         em_alone += rmse[BIS_PROPOSAL_EM] > bound;
         brdf_alone += rmse[BIS_PROPOSAL_BRDF] > bound;
@@ -242,7 +247,8 @@ static void repeats_are_traced_once_and_counted_k_times_E32(void **state)
     }
     bis_set_weigh(x, &l.pt);
     bis_set_choose(x, 6, BIS_RESAMPLING_SYSTEMATIC, &stream);
-    assert_true(x->choice.n_chosen == 3 && x->choice.times[0] == 3 && x->choice.times[1] == 1 && x->choice.times[2] == 2);
+    assert_true(
+        x->choice.n_chosen == 3 && x->choice.times[0] == 3 && x->choice.times[1] == 1 && x->choice.times[2] == 2);
     const rgbd L = bis_set_trace((rgbd){1, 0, 0}, x, &l.pt, 4);
     assert_int_equal(l.counters.shadow_rays, 3);
     /* of 6 marks 4 are seen, at y < 0; each adds Z F/phat = (3, 1, 0) */
@@ -293,7 +299,8 @@ static double mean_V(const lit *l, const bis_set *x)
 {
     double V = 0;
 
-    for (uint32_t j = 0; j < x->choice.n_chosen; j++) V += x->choice.times[j] * bis_point_sees(&l->pt, set_direction(x, x->choice.item[j]));
+    for (uint32_t j = 0; j < x->choice.n_chosen; j++)
+        V += x->choice.times[j] * bis_point_sees(&l->pt, set_direction(x, x->choice.item[j]));
     return V / n_marks(x);
 }
 
@@ -314,7 +321,8 @@ static void colour_of_shadows_is_right_E6(void **state)
     lit_init(&l, light, bis_phong(grey(0.9), grey(0), 1), (vec3){0, 0, 1}, 0, LIT_HALF);
     rgbd truth = lit_truth(&l, true);
     assert_true(truth.r == 0 && truth.b > 0.4);
-    stat_moments m = run_printed(&l, BIS_PROPOSAL_EM, 32, 4, 4000, ours), twin = run_printed(&l, BIS_PROPOSAL_EM, 32, 4, 4000, L_ns_times_mean_V);
+    stat_moments m = run_printed(&l, BIS_PROPOSAL_EM, 32, 4, 4000, ours),
+                 twin = run_printed(&l, BIS_PROPOSAL_EM, 32, 4, 4000, L_ns_times_mean_V);
     assert_true(m.mean == 0 && m.m2 == 0);
     stat_assert_not_mean("E6_printed", SEED, &twin, 0, alpha());
     bis_light_free(light);
@@ -346,7 +354,8 @@ static void area_weighting_does_not_change_the_picture_E20(void **state)
             double u[4];
             for (int k = 0; k < 4; k++) u[k] = bis_stream_random(&stream);
             assert_true(bis_light_sample(light, u, &y));
-            stat_add(&twin, (double)l.material.Kd.r / PI * fmax(0, bis_bsdf_cos(&l.pt.bsdf, y.wi)) * bis_light_power(light));
+            stat_add(
+                &twin, (double)l.material.Kd.r / PI * fmax(0, bis_bsdf_cos(&l.pt.bsdf, y.wi)) * bis_light_power(light));
         }
         if (b[i] == 0) {
             stat_assert_mean("E20_b_0", SEED, &twin, rgbd_sum(truth), alpha());
@@ -482,7 +491,8 @@ static void furnace_returns_the_albedo_at_grazing_E23(void **state)
         lit_init(&l, light, bis_phong(grey(0), grey(1), 50), tilted(), degrees[i], LIT_OPEN);
         double truth = lit_truth(&l, true).r;
         assert_true(fabs(truth - albedo[i]) < 1e-3);
-        stat_moments m = run_printed(&l, BIS_PROPOSAL_BRDF, 16, 4, 10000, ours), twin = run_printed(&l, BIS_PROPOSAL_BRDF, 16, 4, 10000, weight_is_Le);
+        stat_moments m = run_printed(&l, BIS_PROPOSAL_BRDF, 16, 4, 10000, ours),
+                     twin = run_printed(&l, BIS_PROPOSAL_BRDF, 16, 4, 10000, weight_is_Le);
         stat_assert_mean("E23", SEED, &m, truth, alpha());
         stat_assert_not_mean("E23_printed", SEED, &twin, truth, alpha());
     }
@@ -524,8 +534,8 @@ static void the_number_that_chose_the_lobe_is_used_again_below_1(void **state)
     }
 }
 
-/* Without a guide nothing finds the lobe but the BRDF's own candidates: "product" then divides as "mix" does. Its mixture
- * had a quarter of them, and 1.5 times the squared error. */
+/* Without a guide nothing finds the lobe but the BRDF's own candidates: "product" then divides as "mix" does. Its
+ * mixture had a quarter of them, and 1.5 times the squared error. */
 static void product_without_a_guide_is_mix(void **state)
 {
     (void)state;

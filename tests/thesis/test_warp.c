@@ -82,7 +82,8 @@ static void the_hemisphere_is_hit_in_proportion_to_the_cosine(void **state)
 static void directions_are_unit_at_all_corners(void **state)
 {
     (void)state;
-    const double corners[] = {0, 0x1p-53, 0x1p-30, 0.25, 0.5 - 0x1p-54, 0.5, 0.5 + 0x1p-53, 0.75, 1 - 0x1p-30, 1 - 0x1p-53};
+    const double corners[] = {
+        0, 0x1p-53, 0x1p-30, 0.25, 0.5 - 0x1p-54, 0.5, 0.5 + 0x1p-53, 0.75, 1 - 0x1p-30, 1 - 0x1p-53};
     for (int i = 0; i < 10; i++)
         for (int j = 0; j < 10; j++) {
             double u1 = corners[i], u2 = corners[j];
@@ -93,8 +94,8 @@ static void directions_are_unit_at_all_corners(void **state)
         }
 }
 
-/* sqrt(1 - x^2 - y^2) is 0 for the outermost 2^-53 of the disc, and has 3 good digits at z = 1e-7. By another road: z is
- * the root of the area outside the ring. */
+/* sqrt(1 - x^2 - y^2) is 0 for the outermost 2^-53 of the disc, and has 3 good digits at z = 1e-7. By another road: z
+ * is the root of the area outside the ring. */
 static void z_keeps_its_digits_near_the_rim(void **state)
 {
     (void)state;
@@ -111,13 +112,15 @@ static void numbers_lead_to_the_places_worked_out(void **state)
     (void)state;
     const double h = sqrt(0.75);
     const struct { vec3 w; double x, y, z; } places[] = {
-        {bis_warp_sphere(0, 0.3), 0, 0, 1}, {bis_warp_sphere(0.25, 0), h, 0, 0.5}, {bis_warp_sphere(0.25, 0.25), 0, h, 0.5},
+        {bis_warp_sphere(0, 0.3), 0, 0, 1}, {bis_warp_sphere(0.25, 0), h, 0, 0.5},
+         {bis_warp_sphere(0.25, 0.25), 0, h, 0.5},
         {bis_warp_sphere(0.75, 0.5), -h, 0, -0.5}, {bis_warp_sphere(0.5, 0.75), 0, -1, 0},
         {bis_warp_cosine(0, 0.3), 0, 0, 1}, {bis_warp_cosine(0.36, 0), 0.6, 0, 0.8},
         {bis_warp_cosine(0.64, 0.25), 0, 0.8, 0.6}, {bis_warp_cosine(0.25, 0.5), -0.5, 0, h}};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         const vec3 w = places[i].w;
-        const double off = fabs((double)w.x - places[i].x) + fabs((double)w.y - places[i].y) + fabs((double)w.z - places[i].z);
+        const double off =
+            fabs((double)w.x - places[i].x) + fabs((double)w.y - places[i].y) + fabs((double)w.z - places[i].z);
         if (!(off < 3e-7)) fail_msg("place %zu: %g %g %g", i, (double)w.x, (double)w.y, (double)w.z);
     }
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* compare: the figures of docs/command-line.md, "bis compare", by hand, by the formulas written out, and at the edges. */
+/* compare: the figures of docs/command-line.md, "bis compare", by hand, by the formulas written out, and at the edges.
+ */
 #include "bis/tools/compare.h"
 #include "bis/thesis/rng.h"
 
@@ -128,7 +129,8 @@ static void pixels_that_are_not_finite_are_counted_and_left_out(void **state)
     assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
     assert_int_equal(c.nonfinite, 4);
     assert_int_equal(c.pixels, 4);
-    assert_true(c.relmse == without.relmse && c.bias == without.bias && c.mean_b == without.mean_b && c.bias_se == without.bias_se);
+    assert_true(c.relmse == without.relmse && c.bias == without.bias && c.mean_b == without.mean_b &&
+                c.bias_se == without.bias_se);
     bis_image_clear(&a);
     bis_image_clear(&b);
 }
@@ -165,7 +167,8 @@ static void images_of_other_sizes_are_refused_by_name_of_the_sizes(void **state)
     init(&a, 4, 2, 1, 1);
     init(&b, 2, 4, 1, 1);
     assert_int_equal(bis_compare(&c, &a, &b, &diag), BIS_INPUT);
-    assert_string_equal(diag.messages[0].text, "error: images of 4 x 2 and 2 x 4 pixels cannot be compared; sizes must be equal");
+    assert_string_equal(
+        diag.messages[0].text, "error: images of 4 x 2 and 2 x 4 pixels cannot be compared; sizes must be equal");
     assert_int_equal(bis_compare_picture(&picture, &a, &b, &diag), BIS_INPUT);
     bis_diag_clear(&diag);
     bis_image_clear(&a);
@@ -194,7 +197,8 @@ static void colours_run_from_black_over_blue_red_yellow_to_white(void **state)
         assert_true(fabs((double)(picture.pixels[i].g - colour[i].g)) < 1e-3);
         assert_true(fabs((double)(picture.pixels[i].b - colour[i].b)) < 1e-3);
     }
-    assert_true(picture.pixels[N].r == 1 && picture.pixels[N].g == 0 && picture.pixels[N].b == 1); /* magenta: not finite */
+    assert_true(
+        picture.pixels[N].r == 1 && picture.pixels[N].g == 0 && picture.pixels[N].b == 1); /* magenta: not finite */
     bis_image_clear(&a);
     bis_image_clear(&b);
     bis_image_clear(&picture);

@@ -46,7 +46,8 @@ static void a_picture_goes_round_through_all_formats(void **state)
     assert_int_equal(bis_image_read(&image, DIR "/b.pfm", (bis_loc){0}, NULL), BIS_OK);
     assert_true(image.width == W && image.height == H);
     for (int i = 0; i < W * H; i++)
-        assert_true(image.pixels[i].r == values[i] / 2 && image.pixels[i].g == values[i] / 4 && image.pixels[i].b == values[i] / 2);
+        assert_true(image.pixels[i].r == values[i] / 2 && image.pixels[i].g == values[i] / 4 &&
+                    image.pixels[i].b == values[i] / 2);
     bis_image_clear(&image);
 }
 
@@ -86,13 +87,17 @@ static void a_curve_bends_each_channel(void **state)
     static const struct { float in[3]; double ev; bis_tone tone; double out[3]; } cases[] = {
         {{0.5f, -1, 4}, 1, BIS_TONE_NONE, {1, -2, 8}}, {{0.5f, 1, 4}, -2, BIS_TONE_NONE, {0.125, 0.25, 1}},
         {{1, 0, 0}, 0, BIS_TONE_REINHARD, {1 / 1.2126, 0, 0}}, {{0, 1, 0}, 0, BIS_TONE_REINHARD, {0, 1 / 1.7152, 0}},
-        {{0, 0, 1}, 0, BIS_TONE_REINHARD, {0, 0, 1 / 1.0722}}, {{1, 2, 4}, 0, BIS_TONE_REINHARD, {1 / 2.9318, 2 / 2.9318, 4 / 2.9318}},
-        {{0.25f, 0.5f, 1}, 2, BIS_TONE_REINHARD, {1 / 2.9318, 2 / 2.9318, 4 / 2.9318}}, {{0, 0, 0}, 0, BIS_TONE_REINHARD, {0, 0, 0}},
+        {{0, 0, 1}, 0, BIS_TONE_REINHARD, {0, 0, 1 / 1.0722}}, {{1, 2, 4}, 0, BIS_TONE_REINHARD, {1 / 2.9318,
+         2 / 2.9318, 4 / 2.9318}},
+        {{0.25f, 0.5f, 1}, 2, BIS_TONE_REINHARD, {1 / 2.9318, 2 / 2.9318, 4 / 2.9318}},
+         {{0, 0, 0}, 0, BIS_TONE_REINHARD, {0, 0, 0}},
         {{-10, 1, 0}, 0, BIS_TONE_REINHARD, {0, 1, 0}},            /* the luminance is below 0 */
         {{-1, 1, 0.5f}, 0, BIS_TONE_REINHARD, {0, 1 / 1.5387, 0.5 / 1.5387}}, /* 1 - 0.2126 + 0.7152 + 0.0361 */
-        {{1, -1, 0.5f}, 0, BIS_TONE_REINHARD, {1, 0, 0.5}}, {{0.5f, 1, -1}, 0, BIS_TONE_REINHARD, {0.5 / 1.7493, 1 / 1.7493, 0}},
+        {{1, -1, 0.5f}, 0, BIS_TONE_REINHARD, {1, 0, 0.5}}, {{0.5f, 1, -1}, 0, BIS_TONE_REINHARD, {0.5 / 1.7493,
+         1 / 1.7493, 0}},
         /* (2.51 x^2 + .03 x)/(2.43 x^2 + .59 x + .14) of 1, 2, 4: 2.54/3.16, 10.1/11.04, 40.28/41.38 */
-        {{1, 2, 4}, 0, BIS_TONE_FILMIC, {2.54 / 3.16, 10.1 / 11.04, 40.28 / 41.38}}, {{8, 2, 4}, -1, BIS_TONE_FILMIC, {40.28 / 41.38, 2.54 / 3.16, 10.1 / 11.04}},
+        {{1, 2, 4}, 0, BIS_TONE_FILMIC, {2.54 / 3.16, 10.1 / 11.04, 40.28 / 41.38}},
+         {{8, 2, 4}, -1, BIS_TONE_FILMIC, {40.28 / 41.38, 2.54 / 3.16, 10.1 / 11.04}},
         {{-1, 0, 1}, 0, BIS_TONE_FILMIC, {0, 0, 2.54 / 3.16}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -104,7 +109,8 @@ static void a_curve_bends_each_channel(void **state)
         for (int k = 0; k < 6; k++) {
             const double found[3] = {(double)pixels[k].r, (double)pixels[k].g, (double)pixels[k].b};
             for (int c = 0; c < 3; c++)
-                if (fabs(found[c] - cases[i].out[c]) > 1e-6) fail_msg("case %zu, pixel %d, channel %d: %g", i, k, c, found[c]);
+                if (fabs(found[c] - cases[i].out[c]) > 1e-6)
+                    fail_msg("case %zu, pixel %d, channel %d: %g", i, k, c, found[c]);
         }
     }
     for (int c = 0; c < 3; c++) {
@@ -153,9 +159,11 @@ static void a_png_stays_itself(void **state)
     program_expect(&r, 0, "compare --tolerance 0 " DIR "/c.png " DIR "/b.png");
     assert_string_equal(r.messages, "");
     program_expect(&r, 0, "convert " DIR "/c.png " DIR "/c.exr");
-    assert_string_equal(r.messages, DIR "/c.png: warning: a PNG holds what a screen shows, exposed and clipped, no radiance\n");
+    assert_string_equal(
+        r.messages, DIR "/c.png: warning: a PNG holds what a screen shows, exposed and clipped, no radiance\n");
     program_expect(&r, 0, "compare " DIR "/c.exr " DIR "/c.png");
-    assert_string_equal(r.messages, DIR "/c.png: warning: a PNG holds what a screen shows, exposed and clipped: compare it with another PNG\n");
+    assert_string_equal(r.messages,
+        DIR "/c.png: warning: a PNG holds what a screen shows, exposed and clipped: compare it with another PNG\n");
     assert_non_null(strstr(r.output, "max_abs 0\n"));
 }
 
@@ -170,7 +178,8 @@ static void any_png_is_read_as_linear_colours(void **state)
     const struct { png_uint_32 format; int width; const void *data; } files[] = {
         {PNG_FORMAT_GRAY, 2, grey}, {PNG_FORMAT_RGBA, 2, clear}, {PNG_FORMAT_LINEAR_RGB, 1, deep}};
     for (int i = 0; i < 3; i++) {
-        png_image png = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)files[i].width, .height = 1, .format = files[i].format};
+        png_image png = {
+            .version = PNG_IMAGE_VERSION, .width = (png_uint_32)files[i].width, .height = 1, .format = files[i].format};
         assert_true(png_image_write_to_file(&png, scratch("x.png"), 0, files[i].data, 0, NULL));
         keep_as_seed(scratch("x.png"));
         assert_int_equal(bis_image_read_any(&image, &is_screen, scratch("x.png"), (bis_loc){0}, NULL), BIS_OK);
@@ -181,8 +190,9 @@ static void any_png_is_read_as_linear_colours(void **state)
         if (i == 2) assert_true(c.r == 1 && fabs((double)c.g - .5) < .01 && c.b == 0);
         bis_image_clear(&image);
     }
-    expect_refusal(scratch("x.png"), BIS_INPUT, "it is a PNG: 8 bits for a screen, no radiance; take an .exr, .pfm or .hdr "
-                   "(`bis SCENE --outfile NAME.exr` writes one)"); /* still no map */
+    expect_refusal(scratch("x.png"), BIS_INPUT,
+        "it is a PNG: 8 bits for a screen, no radiance; take an .exr, .pfm or .hdr "
+        "(`bis SCENE --outfile NAME.exr` writes one)"); /* still no map */
 }
 
 static void bad_pngs_and_usage_are_named(void **state)
@@ -208,7 +218,8 @@ static void bad_pngs_and_usage_are_named(void **state)
     program_expect(&r, 1, "convert " DIR "/none.exr " DIR "/b.png");
     program_expect(&r, 2, "convert " DIR "/a.exr " DIR "/b.gif");
     program_expect(&r, 2, "convert " DIR "/a.exr " DIR "/b.exr --tone filmic");
-    assert_string_equal(r.messages, "bis: error: --tone is for a .png: the other formats hold radiance, which a curve would spoil\n");
+    assert_string_equal(
+        r.messages, "bis: error: --tone is for a .png: the other formats hold radiance, which a curve would spoil\n");
     program_expect(&r, 2, "convert " DIR "/a.exr " DIR "/a.exr");
     program_expect(&r, 2, "convert " DIR "/a.exr");
     program_expect(&r, 2, "convert " DIR "/a.exr " DIR "/b.png --tone loud");

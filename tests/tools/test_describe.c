@@ -38,26 +38,36 @@ static void a_line_names_every_parameter_and_its_type(void **state)
 {
     (void)state;
     bis_settings s = {.samples = 7, .candidates = 33, .shadowrays = 5, .perpatch = 9, .proposal = BIS_PROPOSAL_BRDF,
-                      .heuristic = BIS_HEURISTIC_POWER, .resampling = BIS_RESAMPLING_MULTINOMIAL, .estimator = BIS_ESTIMATOR_PLAIN,
+                      .heuristic = BIS_HEURISTIC_POWER, .resampling = BIS_RESAMPLING_MULTINOMIAL,
+                          .estimator = BIS_ESTIMATOR_PLAIN,
                       .fallback = BIS_FALLBACK_SUBSET, .split = 0.25, .compensate = true, .learn = true};
-    bis_settings other = {.samples = 1, .candidates = 2, .shadowrays = 3, .perpatch = 4, .proposal = BIS_PROPOSAL_PRODUCT,
-                          .heuristic = BIS_HEURISTIC_BALANCE, .resampling = BIS_RESAMPLING_SYSTEMATIC, .estimator = BIS_ESTIMATOR_RATIO,
+    bis_settings other = {.samples = 1, .candidates = 2, .shadowrays = 3, .perpatch = 4,
+        .proposal = BIS_PROPOSAL_PRODUCT,
+                          .heuristic = BIS_HEURISTIC_BALANCE, .resampling = BIS_RESAMPLING_SYSTEMATIC,
+                              .estimator = BIS_ESTIMATOR_RATIO,
                           .fallback = BIS_FALLBACK_RESAMPLE, .split = 0.75, .stratify = true};
     const struct { const bis_integrator *integrator; int n; const char *line, *other; } cases[] = {
         {&bis_em, 2, "Integrator \"em\" \"integer samples\" 7 \"bool stratify\" false",
          "Integrator \"em\" \"integer samples\" 1 \"bool stratify\" true"},
         {&bis_brdf, 1, "Integrator \"brdf\" \"integer samples\" 7", "Integrator \"brdf\" \"integer samples\" 1"},
-        {&bis_mis, 5, "Integrator \"mis\" \"integer samples\" 7 \"string heuristic\" \"power\" \"float split\" 0.25 \"bool compensate\" true \"bool stratify\" false",
-         "Integrator \"mis\" \"integer samples\" 1 \"string heuristic\" \"balance\" \"float split\" 0.75 \"bool compensate\" false \"bool stratify\" true"},
-        {&bis_rejection, 5, "Integrator \"rejection\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string proposal\" \"brdf\" \"string estimator\" \"plain\" \"string fallback\" \"subset\"",
-         "Integrator \"rejection\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" \"string estimator\" \"ratio\" \"string fallback\" \"resample\""},
-        {&bis_sir, 6, "Integrator \"sir\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" \"bool stratify\" false \"bool learn\" true",
-         "Integrator \"sir\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" \"string resampling\" \"systematic\" \"bool stratify\" true \"bool learn\" false"},
+        {&bis_mis, 5, "Integrator \"mis\" \"integer samples\" 7 \"string heuristic\" \"power\" \"float split\" 0.25 "
+         "\"bool compensate\" true \"bool stratify\" false",
+         "Integrator \"mis\" \"integer samples\" 1 \"string heuristic\" \"balance\" \"float split\" 0.75 \"bool "
+         "compensate\" false \"bool stratify\" true"},
+        {&bis_rejection, 5, "Integrator \"rejection\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string "
+         "proposal\" \"brdf\" \"string estimator\" \"plain\" \"string fallback\" \"subset\"",
+         "Integrator \"rejection\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" "
+         "\"string estimator\" \"ratio\" \"string fallback\" \"resample\""},
+        {&bis_sir, 6, "Integrator \"sir\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string proposal\" "
+         "\"brdf\" \"string resampling\" \"multinomial\" \"bool stratify\" false \"bool learn\" true",
+         "Integrator \"sir\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" "
+         "\"string resampling\" \"systematic\" \"bool stratify\" true \"bool learn\" false"},
         {&bis_exact, 1, "Integrator \"exact\" \"integer perpatch\" 9", "Integrator \"exact\" \"integer perpatch\" 4"},
-        {&bis_unoccluded, 1, "Integrator \"unoccluded\" \"integer candidates\" 33", "Integrator \"unoccluded\" \"integer candidates\" 2"},
+        {&bis_unoccluded, 1, "Integrator \"unoccluded\" \"integer candidates\" 33",
+         "Integrator \"unoccluded\" \"integer candidates\" 2"},
     };
-    static const char *const names[] = {"samples", "candidates", "shadowrays", "perpatch", "proposal", "heuristic", "resampling",
-                                        "estimator", "fallback", "split", "compensate", "stratify", "learn", "candidate", ""};
+    static const char *const names[] = {"samples", "candidates", "shadowrays", "perpatch", "proposal", "heuristic",
+        "resampling", "estimator", "fallback", "split", "compensate", "stratify", "learn", "candidate", ""};
     char line[BIS_MAX_LINE];
     bis_attribute parameters[BIS_MAX_PARAMETERS];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -68,7 +78,8 @@ static void a_line_names_every_parameter_and_its_type(void **state)
         for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
             char word[32];
             snprintf(word, sizeof word, " %s\" ", names[k]);
-            assert_true((bis_parameter_of(cases[i].integrator, names[k]) != NULL) == (strstr(cases[i].line, word) != NULL));
+            assert_true(
+                (bis_parameter_of(cases[i].integrator, names[k]) != NULL) == (strstr(cases[i].line, word) != NULL));
         }
     }
     s.integrator = &bis_rejection;
@@ -82,16 +93,19 @@ static void a_short_line_leaves_out_what_has_its_default(void **state)
     (void)state;
     char line[BIS_MAX_LINE];
     bis_settings s = settings(&bis_sir, 800, 15);
-    assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15");
+    assert_string_equal(
+        bis_describe_line(line, &s, false), "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15");
     s.stratify = false;
     s.proposal = BIS_PROPOSAL_PRODUCT;
     assert_string_equal(bis_describe_line(line, &s, false),
-                        "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15 \"string proposal\" \"product\" \"bool stratify\" false");
+                        "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15 \"string proposal\" "
+                        "\"product\" \"bool stratify\" false");
     s = settings(&bis_mis, 0, 6);
     assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"mis\" \"integer samples\" 6");
     s.stratify = true; /* here it is the other way round */
     s.split = 0.25;
-    assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"mis\" \"integer samples\" 6 \"float split\" 0.25 \"bool stratify\" true");
+    assert_string_equal(bis_describe_line(line, &s, false),
+        "Integrator \"mis\" \"integer samples\" 6 \"float split\" 0.25 \"bool stratify\" true");
 }
 
 /* ---- figures about the run ---- */
@@ -116,26 +130,42 @@ static void the_stats_are_those_by_hand(void **state)
 {
     (void)state;
     static const char before[] =
-        "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  \"proposal\": \"choose\",\n"
+        "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  "
+        "\"proposal\": \"choose\",\n"
         "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"spp\": 12,\n"
-        "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  \"height\": 3,\n"
-        "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    \"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
-        "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  \"candidates_drawn\": 103,\n"
+        "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  "
+        "\"height\": 3,\n"
+        "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    "
+        "\"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
+        "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  "
+        "\"candidates_drawn\": 103,\n"
         "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
     /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
-    static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2344\n  },\n"
-                                "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
+    static const char after[] =
+        "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2344\n  },\n"
+        "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
     bis_scene_desc desc = small_scene();
     bis_scene scene = {.accel = NULL};
     bis_film film;
-    const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .error = {.relative_rmse = 0.125, .upper = 0.25, .is_known = true},
-                                      .interrupted = true, .spp = 12, .passes = 3, .n_threads = 5, .bytes = 1000};
+    const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0},
+        .seconds = 5,
+        .error = {.relative_rmse = 0.125, .upper = 0.25, .is_known = true},
+        .interrupted = true,
+        .spp = 12,
+        .passes = 3,
+        .n_threads = 5,
+        .bytes = 1000};
     desc.view.settings = settings(&bis_rejection, 31, 6);
     desc.view.settings.proposal = BIS_PROPOSAL_CHOOSE;
     desc.view.sampler.seed = 34;
     assert_int_equal(bis_light_constant(&scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 7, 3, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
-    bis_stats s = {.desc = &desc, .scene = bis_scene_figures_of(&scene), .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .line = "the line"};
+    bis_stats s = {.desc = &desc,
+        .scene = bis_scene_figures_of(&scene),
+        .film = &film,
+        .result = &result,
+        .seconds = {1, 2, 3, 4, 5, 6, 7},
+        .line = "the line"};
 
     char *text = stats_of(&s), *rest = strstr(text, "  \"peak_memory_bytes\": ");
     assert_non_null(rest);
@@ -196,7 +226,8 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_stats s = {.desc = &desc, .film = &film, .result = &result, .line = "all"};
     int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
-                        "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
+                        "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 "
+                        "bis:version=" BIS_VERSION " ");
     /* a share of light samples is told where it is one, and where pixels on edges have more than one sample */
     static const struct { uint32_t samples; double light; const char *told; } edges[] = {
         {0, 0.25, ""}, {1, 0.25, ""}, {2, 0, "edgesamples=2 "}, {2, 1, "edgesamples=2 "}, {2, 2, "edgesamples=2 "},
@@ -218,8 +249,10 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_film_add(&film, 1, 0, (rgb){2, 2, 2}, 1, 1);
     n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
-                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 "
-                        "spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
+                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 "
+                        "edgelight=0.25 "
+                        "spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 "
+                        "bis:version=" BIS_VERSION " ");
     bis_film_clear(&film);
 }
 
@@ -244,61 +277,66 @@ static void assert_plan(const char *scene, const char *expected)
 
 #define EMBREE (bis_accel_embree_version() ? "embree" : "grid, default density")
 
-/* 200 x 100 pixels, the lower half of the right half: 5000 pixels of 72 bytes; albedo, normal and depth are 7 values of 12
- * bytes. The map is 8 x 4: 384 bytes, 512 to draw from. */
+/* 200 x 100 pixels, the lower half of the right half: 5000 pixels of 72 bytes; albedo, normal and depth are 7 values of
+ * 12 bytes. The map is 8 x 4: 384 bytes, 512 to draw from. */
 static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
 {
     (void)state;
     char expected[8192];
     static const char scene[] =
-        "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"string filename\" \"out.exr\" \"float cropwindow\" [0.5 1 0.5 1]\n"
+        "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"string filename\" \"out.exr\" \"float "
+        "cropwindow\" [0.5 1 0.5 1]\n"
         "  \"string layers\" [\"albedo\" \"normal\" \"depth\"]\n"
         "Camera \"perspective\" \"float fov\" 50\n"
         "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2\n"
         "  \"integer seed\" 7 \"integer edgesamples\" 5\n" /* without jitter, no pixel has more */
-        "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" \"power\"\n"
+        "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" "
+        "\"power\"\n"
         "Option \"string asprinted\" \"E6\" Option \"bool disablepixeljitter\" true\nAccelerator \"grid\"\nWorldBegin\n"
         "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"bool visible\" false\n"
-        "Material \"phong\" \"rgb Kd\" [0.5 0.25 0.125] \"float Ks\" 0 \"float exponent\" 3\nShape \"sphere\" Shape \"disk\"\n"
+        "Material \"phong\" \"rgb Kd\" [0.5 0.25 0.125] \"float Ks\" 0 \"float exponent\" 3\nShape \"sphere\" Shape "
+        "\"disk\"\n"
         "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" 9\n"
         "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0  1 0 0  1 1 0  0 1 0]\n"
         "Shape \"plymesh\" \"string filename\" \"t.ply\" Shape \"plymesh\" \"string filename\" \"t.ply\"\n"
         "Material \"microfacet\" \"float roughness\" 0.5 \"float Kd\" 0.1 \"float Ks\" 0.2 Shape \"sphere\"\n"
         "ObjectBegin \"nobody\" Shape \"objmesh\" \"string filename\" \"unused.obj\" ObjectEnd\n";
     const bis_erratum *e6 = bis_erratum_find("E6");
-    program_write_file(DIR "/t.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
+    program_write_file(DIR "/t.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
     program_write_file(DIR "/unused.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     snprintf(expected, sizeof expected,
-             "scene        " DIR "/scene.txt\n"
-             "film         200 x 100, cropwindow 0.5 1 0.5 1, to out.exr\n"
-             "camera       perspective, fov 50\n"
-             "sampler      stratified, 8 camera samples a pixel (4 x 2), seed 7, all through the pixel's centre\n"
-             "integrator   mis: samples 12, heuristic power, split 0.25, compensate true, stratify false\n"
-             "claim        %s\n"
-             "as printed   E6 (%s): %s\n"
-             "light        map " DIR "/map.pfm, latlong, 8 x 4: 0.0 MB of pixels\n"
-             "light        not visible to camera rays\n"
-             "build        light table, alias tables, compensated for mis: at most 0.0 MB\n"
-             "skip         light curve: this integrator, so set, draws from the table\n"
-             "build        light components, 8 levels, areaexponent 0.15\n"
-             "geometry     6 shapes with instances: 3 of meshes, 3 spheres and disks\n"
-             "build        mesh of the scene file, 2 triangles, for 1 shape\n"
-             "build        mesh " DIR "/t.ply, 3 vertices, 1 faces, read once for 2 shapes\n"
-             "skip         mesh " DIR "/unused.obj: no shape or instance uses it\n"
-             "materials    3 in use\n"
-             "material     0: phong, Kd 0.5 0.25 0.125, Ks 0, exponent 3; 2 shapes\n"
-             "material     1: phong, Kd 0, Ks 0.5, exponent 9; 3 shapes\n"
-             "material     2: microfacet, Kd 0.1, Ks 0.2, roughness 0.5; 1 shape\n"
-             "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
-             "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
-             "build        accelerator grid, default density\n"
-             "build        film: about 0.4 MB\n"
-             "build        layers albedo normal depth: about 0.4 MB\n"
-             /* 14 MB; the film: 5000 pixels of 64 + 17 and 7 (8 + 4) bytes; while it is written, 64 + 7 8 + (4 + 7) 4, and
-              * for a thread three copies of 16 rows of 100 pixels of (4 + 7) 4 */
-             "memory       about 15.0 MB at the peak: film 0.8 MB, map 0.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n",
-             bis_mis.claim, e6->section, e6->effect);
+        "scene        " DIR "/scene.txt\n"
+        "film         200 x 100, cropwindow 0.5 1 0.5 1, to out.exr\n"
+        "camera       perspective, fov 50\n"
+        "sampler      stratified, 8 camera samples a pixel (4 x 2), seed 7, all through the pixel's centre\n"
+        "integrator   mis: samples 12, heuristic power, split 0.25, compensate true, stratify false\n"
+        "claim        %s\n"
+        "as printed   E6 (%s): %s\n"
+        "light        map " DIR "/map.pfm, latlong, 8 x 4: 0.0 MB of pixels\n"
+        "light        not visible to camera rays\n"
+        "build        light table, alias tables, compensated for mis: at most 0.0 MB\n"
+        "skip         light curve: this integrator, so set, draws from the table\n"
+        "build        light components, 8 levels, areaexponent 0.15\n"
+        "geometry     6 shapes with instances: 3 of meshes, 3 spheres and disks\n"
+        "build        mesh of the scene file, 2 triangles, for 1 shape\n"
+        "build        mesh " DIR "/t.ply, 3 vertices, 1 faces, read once for 2 shapes\n"
+        "skip         mesh " DIR "/unused.obj: no shape or instance uses it\n"
+        "materials    3 in use\n"
+        "material     0: phong, Kd 0.5 0.25 0.125, Ks 0, exponent 3; 2 shapes\n"
+        "material     1: phong, Kd 0, Ks 0.5, exponent 9; 3 shapes\n"
+        "material     2: microfacet, Kd 0.1, Ks 0.2, roughness 0.5; 1 shape\n"
+        "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
+        "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
+        "build        accelerator grid, default density\n"
+        "build        film: about 0.4 MB\n"
+        "build        layers albedo normal depth: about 0.4 MB\n"
+        /* 14 MB; the film: 5000 pixels of 64 + 17 and 7 (8 + 4) bytes; while it is written, 64 + 7 8 + (4 + 7) 4, and
+         * for a thread three copies of 16 rows of 100 pixels of (4 + 7) 4 */
+        "memory       about 15.0 MB at the peak: film 0.8 MB, map 0.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator "
+        "0.0 MB\n",
+        bis_mis.claim, e6->section, e6->effect);
     assert_plan(scene, expected);
 }
 
@@ -312,7 +350,8 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "scene        " DIR "/scene.txt\n"
              "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
              "camera       orthographic\n"
-             "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light samples each, seed 0\n"
+             "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light "
+             "samples each, seed 0\n"
              "integrator   em: samples 16, stratify false\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
@@ -320,14 +359,18 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
     static const char scene[] =
         "Film \"rgb\" \"integer xresolution\" 4000 \"integer yresolution\" 3000\nCamera \"orthographic\"\n"
         "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4 \"float edgelight\" 0.375\n"
-        "Integrator \"em\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\"\n";
+        "Integrator \"em\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" "
+        "\"angular\"\n";
     static const char none[] =
-        "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to light\n"
+        "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to "
+        "light\n"
         "skip         light components: there is no geometry to light\n"
         "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
-        "skip         accelerator: there is no geometry\nbuild        film: about 960.0 MB\nskip         layers: none is asked for\n"
+        "skip         accelerator: there is no geometry\nbuild        film: about 960.0 MB\nskip         layers: none "
+        "is asked for\n"
         /* 12 million pixels of 80 1/4 bytes; 18 million texels of 12 */
-        "memory       about 1193.1 MB at the peak: film 963.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
+        "memory       about 1193.1 MB at the peak: film 963.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, "
+        "accelerator 0.0 MB\n";
     strncat(expected, none, sizeof expected - 1 - strlen(expected));
     assert_plan(scene, expected);
 
@@ -350,11 +393,15 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "build        film: about 0.0 MB\n"
              "skip         layers: none is asked for\n"
              /* 4002 x 2001 texels of 12 and 10.4 bytes */
-             "memory       about 193.4 MB at the peak: film 0.0 MB, map 179.4 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n", bis_rejection.claim, EMBREE);
+             "memory       about 193.4 MB at the peak: film 0.0 MB, map 179.4 MB, meshes 0.0 MB, textures 0.0 MB, "
+             "accelerator 0.0 MB\n", bis_rejection.claim, EMBREE);
     assert_plan("Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 10\nSampler \"sobol\"\n"
-                "Integrator \"rejection\" \"integer candidates\" 50 \"integer shadowrays\" 2 \"string proposal\" \"em\" \"string estimator\" \"plain\" \"string fallback\" \"subset\"\n"
-                "WorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\" \"integer width\" 4001 \"float areaexponent\" 0\n"
-                "Material \"phong\" \"float Kd\" 0.5 \"float Ks\" 0.5 \"float exponent\" 50 Shape \"sphere\"\n", expected);
+                "Integrator \"rejection\" \"integer candidates\" 50 \"integer shadowrays\" 2 \"string proposal\" "
+                "\"em\" \"string estimator\" \"plain\" \"string fallback\" \"subset\"\n"
+                "WorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\" "
+                "\"integer width\" 4001 \"float areaexponent\" 0\n"
+                "Material \"phong\" \"float Kd\" 0.5 \"float Ks\" 0.5 \"float exponent\" 50 Shape \"sphere\"\n",
+                expected);
 }
 
 /* A map or mesh whose header tells nothing: the size of the file. */
@@ -374,7 +421,8 @@ static void a_file_that_tells_nothing_has_its_bytes(void **state)
     FILE *out = open_memstream(&plan, &n);
     bis_scene_plan(desc, out);
     fclose(out);
-    if (!strstr(plan, "\nlight        map " DIR "/strange.hdr, latlong, a file of 2.5 MB\n") || !strstr(plan, "\nbuild        light curve, one CDF along a space-filling curve\n") ||
+    if (!strstr(plan, "\nlight        map " DIR "/strange.hdr, latlong, a file of 2.5 MB\n") ||
+        !strstr(plan, "\nbuild        light curve, one CDF along a space-filling curve\n") ||
         !strstr(plan, "\nbuild        mesh " DIR "/strange.obj, a file of 2.5 MB, read once for 1 shape\n"))
         fail_msg("%s", plan);
     free(plan);

@@ -33,8 +33,11 @@ static void write_hill(int n)
 {
     FILE *out = fopen(DIR "/hill.ply", "wb");
     assert_non_null(out);
-    fprintf(out, "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
-            "element face %d\nproperty list uchar int vertex_indices\nend_header\n", n * n, 2 * (n - 1) * (n - 1));
+    fprintf(out,
+        "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float "
+        "z\n"
+        "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
+        n * n, 2 * (n - 1) * (n - 1));
     for (int i = 0; i < n * n; i++) {
         const double x = 4.0 * (i % n) / n - 2, y = 4.0 * (i / n) / n - 2;
         fwrite((const float[3]){(float)x, (float)y, (float)(sin(3 * x) * sin(5 * y) / 9)}, sizeof(float), 3, out);
@@ -94,7 +97,8 @@ static void write_scene(const char *light, const char *shape, int width, int hei
 {
     char text[1024];
     snprintf(text, sizeof text, "LookAt 0 -6 2  0 0 0  0 0 1\nCamera \"perspective\"\n"
-             "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nWorldBegin\nLightSource \"infinite\" %s\n"
+             "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nWorldBegin\nLightSource \"infinite\" "
+             "%s\n"
              "Material \"phong\"\nShape %s\n", width, height, light, shape);
     program_write_file(DIR "/scene.txt", text);
 }
@@ -132,8 +136,9 @@ static void a_large_mesh_takes_what_was_foretold(void **state)
     assert_foretold("--integrator brdf --samples 1");
 }
 
-/* A picture of 78 GB: the plan tells so and warns, and the render warns before it fails, here because it may have 8 GB alone. A
- * process cannot change what is free, so the figures of the advice are those of a machine; the test below has them all. */
+/* A picture of 78 GB: the plan tells so and warns, and the render warns before it fails, here because it may have 8 GB
+ * alone. A process cannot change what is free, so the figures of the advice are those of a machine; the test below has
+ * them all. */
 static void what_does_not_fit_is_told_before(void **state)
 {
     (void)state;
@@ -143,11 +148,15 @@ static void what_does_not_fit_is_told_before(void **state)
     assert_true(fabs(megabytes_foretold("--integrator brdf") / (32768.0 * 32768 * 80.25 / 1e6) - 1) < 0.01);
     program_expect(&run, 0, "--plan --integrator brdf " DIR "/scene.txt");
     assert_non_null(strstr(run.messages, "warning: this render takes about 86.2 GB, but "));
-    assert_true(system("ulimit -v 8000000; ${BIS_PROGRAM:-build/release/bis} --integrator brdf --spp 1 --outfile " DIR "/out.pfm "
-                       DIR "/scene.txt 2>" DIR "/messages") != 0);
-    assert_int_equal(system("grep -q 'warning: this render takes about 86.2 GB, but .* GB of memory are free: it will be slow, or the system will end it. Less is taken by crops, as --cropwindow 0,1,0,0.*, .* parts, as --part 1/.* (.* GB; bis merge takes 8[56].. GB)$' " DIR "/messages"), 0);
+    assert_true(system("ulimit -v 8000000; ${BIS_PROGRAM:-build/release/bis} --integrator brdf --spp 1 --outfile " DIR
+                       "/out.pfm " DIR "/scene.txt 2>" DIR "/messages") != 0);
+    assert_int_equal(system("grep -q 'warning: this render takes about 86.2 GB, but .* GB of memory are free: it will "
+                            "be slow, or the system will end it. Less is taken by crops, as --cropwindow 0,1,0,0.*, .* "
+                            "parts, as --part 1/.* (.* GB; bis merge takes 8[56].. GB)$' " DIR "/messages"),
+        0);
     assert_int_equal(system("grep -q 'error: no memory' " DIR "/messages"), 0);
-    program_expect(&run, 0, "--integrator brdf --samples 1 --spp 1 --resolution 60x60 --outfile " DIR "/out.pfm " DIR "/scene.txt");
+    program_expect(&run, 0,
+        "--integrator brdf --samples 1 --spp 1 --resolution 60x60 --outfile " DIR "/out.pfm " DIR "/scene.txt");
     assert_null(strstr(run.messages, "this render takes"));
 }
 
@@ -157,8 +166,10 @@ static void what_does_not_fit_is_told_before(void **state)
 static void write_ply_head(const char *path, int vertices, int faces)
 {
     char text[256];
-    snprintf(text, sizeof text, "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
-             "element face %d\nproperty list uchar int vertex_indices\nend_header\n", vertices, faces);
+    snprintf(text, sizeof text,
+        "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
+        vertices, faces);
     program_write_file(path, text);
 }
 
@@ -194,8 +205,8 @@ static void assert_bytes(double found, double expected)
 #define PLY(name) "Shape \"plymesh\" \"string filename\" \"" name ".ply\" "
 #define SMALL "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 10 Integrator \"brdf\" "
 
-/* A vertex: 12 bytes, 24 with a normal, 8 more with (u, v); a triangle: 12. Three shapes of a, two of the smooth b, one of c,
- * none of d; of the meshes with several shapes the largest is kept beside. Each triangle: 82 bytes of tree. */
+/* A vertex: 12 bytes, 24 with a normal, 8 more with (u, v); a triangle: 12. Three shapes of a, two of the smooth b, one
+ * of c, none of d; of the meshes with several shapes the largest is kept beside. Each triangle: 82 bytes of tree. */
 static void meshes_take_their_arrays_for_each_shape(void **state)
 {
     (void)state;
@@ -203,8 +214,10 @@ static void meshes_take_their_arrays_for_each_shape(void **state)
     write_ply_head(DIR "/b.ply", 500, 700);
     write_ply_head(DIR "/c.ply", 9000, 9001);
     write_ply_head(DIR "/d.ply", 77777, 77777);
-    static const char shapes[] = CONSTANT_LIGHT PLY("c") "Shape \"sphere\" ObjectBegin \"o\" " PLY("a") "Shape \"plymesh\" \"string filename\" \"b.ply\" \"bool smooth\" true "
-                                 "Shape \"disk\" ObjectEnd ObjectBegin \"none\" " PLY("d") "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " PLY("a");
+    static const char shapes[] = CONSTANT_LIGHT PLY("c") "Shape \"sphere\" ObjectBegin \"o\" " PLY(
+        "a") "Shape \"plymesh\" \"string filename\" \"b.ply\" \"bool smooth\" true "
+             "Shape \"disk\" ObjectEnd ObjectBegin \"none\" " PLY(
+                 "d") "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " PLY("a");
     char with_texture[2048];
     const double a = 1000 * 12 + 2000 * 12, b = 500 * 24 + 700 * 12, c = 9000 * 12 + 9001 * 12;
     const double triangles = 3 * 2000 + 2 * 700 + 9001;
@@ -216,12 +229,16 @@ static void meshes_take_their_arrays_for_each_shape(void **state)
     /* while the tree is built it takes 100 bytes, and the film of 100 pixels nothing yet */
     assert_bytes(m.peak, 14e6 + m.meshes + 100 * triangles);
     write_pfm_head(DIR "/t.pfm", 30, 20);
-    snprintf(with_texture, sizeof with_texture, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" Material \"diffuse\" \"texture reflectance\" \"t\" %s", shapes);
+    snprintf(with_texture, sizeof with_texture,
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" Material \"diffuse\" \"texture "
+        "reflectance\" \"t\" %s",
+        shapes);
     m = foreseen(SMALL, with_texture);
     assert_bytes(m.meshes, 3 * a + 2 * b + c + a + 8 * (4 * 1000 + 2 * 500 + 9000));
     assert_bytes(m.textures, 12 * 30 * 20);
     /* a mesh of the scene itself; a small one beside a larger one that has one shape only */
-    m = foreseen(SMALL, CONSTANT_LIGHT "ObjectBegin \"o\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2 2 1 3] ObjectEnd "
+    m = foreseen(SMALL, CONSTANT_LIGHT "ObjectBegin \"o\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 "
+                                       "0] \"integer indices\" [0 1 2 2 1 3] ObjectEnd "
                                        "ObjectInstance \"o\" ObjectInstance \"o\" " PLY("a"));
     assert_bytes(m.meshes, 2 * (4 * 12 + 2 * 12) + a + (4 * 12 + 2 * 12));
     m = foreseen(SMALL, CONSTANT_LIGHT "Shape \"sphere\" Shape \"disk\"");
@@ -248,7 +265,8 @@ static void a_file_that_tells_nothing_is_guessed_by_its_length(void **state)
     m = foreseen(SMALL, "LightSource \"infinite\" \"string filename\" \"odd.pfm\"");
     assert_bytes(m.map, 2500 * 12);
     assert_true(m.guessed);
-    m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"odd.pfm\"" SHOW("t"));
+    m = foreseen(
+        SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"odd.pfm\"" SHOW("t"));
     assert_true(m.textures == 0 && m.guessed);
 }
 
@@ -258,17 +276,21 @@ static void every_texture_file_that_a_shape_shows_counts_once(void **state)
     write_pfm_head(DIR "/t.pfm", 30, 20);
     write_pfm_head(DIR "/u.pfm", 7, 5);
     write_pfm_head(DIR "/v.pfm", 11, 9);
-    const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
-        "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \"t.pfm\" Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" \"u.pfm\" "
-        "Texture \"v\" \"spectrum\" \"imagemap\" \"string filename\" \"v.pfm\" "
-        "Texture \"c\" \"spectrum\" \"checkerboard\"" SHOW("t") SHOW("again") SHOW("u") SHOW("c")); /* nothing shows v */
+    const bis_memory m =
+        foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
+                                       "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \"t.pfm\" Texture "
+                                       "\"u\" \"spectrum\" \"imagemap\" \"string filename\" \"u.pfm\" "
+                                       "Texture \"v\" \"spectrum\" \"imagemap\" \"string filename\" \"v.pfm\" "
+                                       "Texture \"c\" \"spectrum\" \"checkerboard\"" SHOW("t") SHOW("again") SHOW("u")
+                                           SHOW("c")); /* nothing shows v */
     assert_bytes(m.textures, 12 * (30 * 20 + 7 * 5));
     assert_false(m.guessed);
     /* by whatever path; another encoding makes another image */
-    const bis_memory n = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
-        "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \".././test_memory/t.pfm\" "
-        "Texture \"other\" \"float\" \"imagemap\" \"string filename\" \"./t.pfm\" \"string encoding\" \"gamma 3\"" SHOW("t")
-        SHOW("again") SHOW("other"));
+    const bis_memory n = foreseen(SMALL,
+        CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
+                       "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \".././test_memory/t.pfm\" "
+                       "Texture \"other\" \"float\" \"imagemap\" \"string filename\" \"./t.pfm\" \"string encoding\" "
+                       "\"gamma 3\"" SHOW("t") SHOW("again") SHOW("other"));
     assert_bytes(n.textures, 2 * 12 * 30 * 20);
 }
 
@@ -289,12 +311,14 @@ static void a_claim_that_no_file_can_keep_takes_nothing(void **state)
 {
     (void)state;
     static const struct { unsigned width, height; size_t bytes; bool possible; } cases[] = {
-        {1000000, 1000000, 100, false}, {800, 1032, 100, true}, {800, 1033, 100, false}, {32768, 25, 100, true}, {25, 32768, 100, true},
+        {1000000, 1000000, 100, false}, {800, 1032, 100, true}, {800, 1033, 100, false}, {32768, 25, 100, true},
+         {25, 32768, 100, true},
         {32769, 25, 4000, false}, {25, 32769, 4000, false}, {32768, 1000, 4000, true},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_png_head(DIR "/claim.png", cases[i].width, cases[i].height, cases[i].bytes);
-        const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"claim.png\"" SHOW("t"));
+        const bis_memory m = foreseen(SMALL,
+            CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"claim.png\"" SHOW("t"));
         assert_bytes(m.textures, cases[i].possible ? 12.0 * cases[i].width * cases[i].height : 0);
         assert_true(m.guessed == !cases[i].possible);
     }
@@ -311,15 +335,23 @@ static void a_film_takes_its_pixels_in_the_crop(void **state)
 #define LEARNS "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true"
     static const struct { const char *film, *integrator; double pixels, a_pixel; } cases[] = {
         {"\"integer xresolution\" 400 \"integer yresolution\" 300", "\"brdf\"", 120000, 64 + 16.25},
-        {"\"integer xresolution\" 400 \"integer yresolution\" 300 \"float cropwindow\" [0.25 0.75 0 0.5]", "\"brdf\"", 200 * 150, 64 + 16.25},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"albedo\" \"depth\"]", "\"brdf\"", 1200, 64 + 16.25 + 4 * 12},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" \"all\"", "\"brdf\"", 1200, 64 + 16.25 + 15 * 12},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"stderr\" \"visibility\"]", "\"brdf\"", 1200, 64 + 16.25 + 2 * 12},
+        {"\"integer xresolution\" 400 \"integer yresolution\" 300 \"float cropwindow\" [0.25 0.75 0 0.5]", "\"brdf\"",
+         200 * 150, 64 + 16.25},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"albedo\" \"depth\"]", "\"brdf\"",
+         1200, 64 + 16.25 + 4 * 12},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" \"all\"", "\"brdf\"", 1200,
+         64 + 16.25 + 15 * 12},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"stderr\" \"visibility\"]",
+         "\"brdf\"", 1200, 64 + 16.25 + 2 * 12},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30", LEARNS, 1200, 64 + 16.25 + 64},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" false", 1200, 64 + 16.25},
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", LEARNS, 8388608, 64 + 16.25 + 64}, /* 2^23 pixels have cells, */
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", LEARNS, 4096 * 2049, 64 + 16.25 + 4}, /* more have tiles, */
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 4096 \"float cropwindow\" [0 0.125 0 0.125]", LEARNS, 512 * 512, 64 + 16.25 + 4}, /* in a part, too */
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30",
+         "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" false", 1200, 64 + 16.25},
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", LEARNS, 8388608, 64 + 16.25 + 64},
+         /* 2^23 pixels have cells, */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", LEARNS, 4096 * 2049, 64 + 16.25 + 4},
+         /* more have tiles, */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 4096 \"float cropwindow\" [0 0.125 0 0.125]", LEARNS,
+         512 * 512, 64 + 16.25 + 4}, /* in a part, too */
     };
     write_pfm_head(DIR "/map.pfm", 64, 32);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -328,7 +360,8 @@ static void a_film_takes_its_pixels_in_the_crop(void **state)
         bis_memory m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\"");
         assert_bytes(m.film, cases[i].pixels * cases[i].a_pixel);
         if (cases[i].pixels > 1e6) assert_bytes(m.peak, 14e6 + m.film + m.map);
-        m = foreseen(before, CONSTANT_LIGHT "Shape \"sphere\""); /* nothing is learned of a constant, or without a surface */
+        m = foreseen(
+            before, CONSTANT_LIGHT "Shape \"sphere\""); /* nothing is learned of a constant, or without a surface */
         const double learned = strstr(cases[i].integrator, "true") ? (cases[i].a_pixel == 64 + 16.25 + 4 ? 4 : 64) : 0;
         assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));
         m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\"");
@@ -336,46 +369,54 @@ static void a_film_takes_its_pixels_in_the_crop(void **state)
     }
 }
 
-/* 16 bytes a pixel of the picture are in the place of the pass and of what was learned; each thread holds three times 16
- * rows of it, if there are as many: nine times that at 144 rows, ten at 145. Albedo and depth: 8 + 4 bytes for each of their
- * four values. */
+/* 16 bytes a pixel of the picture are in the place of the pass and of what was learned; each thread holds three times
+ * 16 rows of it, if there are as many: nine times that at 144 rows, ten at 145. Albedo and depth: 8 + 4 bytes for each
+ * of their four values. */
 static void a_picture_takes_a_chunk_for_each_thread_while_it_is_written(void **state)
 {
     (void)state;
     static const struct { int width, height, threads; const char *layers; double pixel, writers; } cases[] = {
-        {30000, 144, 32, "", 16, 9}, {30000, 145, 32, "", 16, 10}, {30000, 145, 5, "", 16, 5}, {30000, 144, 7, "[\"albedo\" \"depth\"]", 16 + 4 * 4, 7}};
+        {30000, 144, 32, "", 16, 9}, {30000, 145, 32, "", 16, 10}, {30000, 145, 5, "", 16, 5},
+         {30000, 144, 7, "[\"albedo\" \"depth\"]", 16 + 4 * 4, 7}};
     const int before = use_threads(1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char film[256];
         const double sums = 64 + 8 * (cases[i].pixel - 16) / 4, pixels = 30000.0 * cases[i].height;
-        snprintf(film, sizeof film, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d %s%s Integrator \"brdf\"", cases[i].width,
-                 cases[i].height, *cases[i].layers ? "\"string layers\" " : "", cases[i].layers);
+        snprintf(film, sizeof film,
+            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d %s%s Integrator \"brdf\"",
+            cases[i].width, cases[i].height, *cases[i].layers ? "\"string layers\" " : "", cases[i].layers);
         use_threads(cases[i].threads);
         const bis_memory m = foreseen(film, CONSTANT_LIGHT "Shape \"sphere\"");
-        assert_bytes(m.peak, 14e6 + pixels * (sums + cases[i].pixel) + cases[i].writers * 3 * 16 * 30000 * cases[i].pixel);
+        assert_bytes(
+            m.peak, 14e6 + pixels * (sums + cases[i].pixel) + cases[i].writers * 3 * 16 * 30000 * cases[i].pixel);
         assert_bytes(m.film, pixels * (sums + cases[i].pixel + 0.25));
     }
     use_threads(before);
 }
 
-/* 12 bytes a pixel; 14.4 for the table that directions are drawn with, 5.5 for the curve; one more while it is made. The
- * 5 bytes while regions are found are less than each. */
+/* 12 bytes a pixel; 14.4 for the table that directions are drawn with, 5.5 for the curve; one more while it is made.
+ * The 5 bytes while regions are found are less than each. */
 static void a_map_takes_what_its_integrator_needs(void **state)
 {
     (void)state;
     static const struct { const char *integrator; double a_pixel, beside; } cases[] = {
-        {"\"brdf\"", 12, 0}, {"\"em\" \"bool stratify\" false", 12 + 14.4, 0}, {"\"em\" \"bool stratify\" true", 12 + 5.5, 1},
+        {"\"brdf\"", 12, 0}, {"\"em\" \"bool stratify\" false", 12 + 14.4, 0},
+         {"\"em\" \"bool stratify\" true", 12 + 5.5, 1},
         {"\"sir\" \"bool stratify\" false", 12 + 14.4, 0}, {"\"mis\" \"bool stratify\" true", 12 + 5.5, 1}};
     write_pfm_head(DIR "/map.pfm", 2048, 1024);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char before[256];
-        snprintf(before, sizeof before, "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 Integrator %s", cases[i].integrator);
+        snprintf(before, sizeof before,
+            "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 Integrator %s", cases[i].integrator);
         bis_memory m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\"");
         assert_bytes(m.map, 2048 * 1024 * cases[i].a_pixel);
-        /* one pixel's film is not written to while the curve is made; and its pass, or the head of the file, or a chunk */
+        /* one pixel's film is not written to while the curve is made; and its pass, or the head of the file, or a chunk
+         */
         const double least = 14e6 + m.map + (cases[i].beside > 0 ? 0 : 64) + 2048 * 1024 * cases[i].beside;
-        if (!(m.peak >= least && m.peak <= least + 100 + 3 * 16 * 16)) fail_msg("%s: %.10g bytes at the peak", cases[i].integrator, m.peak);
-        m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\""); /* nothing is drawn without a surface */
+        if (!(m.peak >= least && m.peak <= least + 100 + 3 * 16 * 16))
+            fail_msg("%s: %.10g bytes at the peak", cases[i].integrator, m.peak);
+        m = foreseen(before,
+            "LightSource \"infinite\" \"string filename\" \"map.pfm\""); /* nothing is drawn without a surface */
         assert_bytes(m.map, 2048 * 1024 * 12);
     }
     const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT);
@@ -390,7 +431,8 @@ static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
         {"\"string mapping\" \"angular\" \"integer width\" 100", 100, 50, BIS_MAPPING_ANGULAR},
         {"\"string mapping\" \"angular\" \"integer width\" 101", 102, 51, BIS_MAPPING_ANGULAR},
         {"\"string mapping\" \"equalarea\" \"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA},
-        {"\"string mapping\" \"latlong\"", 60, 60, BIS_MAPPING_LATLONG}, {"\"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA}};
+        {"\"string mapping\" \"latlong\"", 60, 60, BIS_MAPPING_LATLONG},
+         {"\"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA}};
     write_pfm_head(DIR "/probe.pfm", 60, 60);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char world[256];
@@ -415,26 +457,43 @@ static void advice_names_what_takes_less_and_how_much(void **state)
 #define HUGE "Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 "
 #define LARGE "Film \"rgb\" \"integer xresolution\" 4096 \"integer yresolution\" 2048 "
 #define MAP "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" "
-    static const struct { const char *before, *world; double room; const char *expected; bool needs_embree; } cases[] = {
+    static const struct {
+        const char *before, *world;
+        double room;
+        const char *expected;
+        bool needs_embree;
+    } cases[] = {
         {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 20e9,
-         "crops, as --cropwindow 0,1,0,0.125 (10.8 GB), 64 parts, as --part 1/64 (16.0 GB; bis merge takes 85.9 GB)", false},
+            "crops, as --cropwindow 0,1,0,0.125 (10.8 GB), 64 parts, as --part 1/64 (16.0 GB; bis merge takes 85.9 GB)",
+            false},
         {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 50e9,
-         "crops, as --cropwindow 0,1,0,0.5 (43.1 GB), 16 parts, as --part 1/16 (48.3 GB; bis merge takes 85.9 GB)", false},
+            "crops, as --cropwindow 0,1,0,0.5 (43.1 GB), 16 parts, as --part 1/16 (48.3 GB; bis merge takes 85.9 GB)",
+            false},
         {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 1,
-         "crops, as --cropwindow 0,1,0,0.015625 (1.4 GB), 1024 parts, as --part 1/1024 (5.9 GB; bis merge takes 85.9 GB)", false},
+            "crops, as --cropwindow 0,1,0,0.015625 (1.4 GB), 1024 parts, as --part 1/1024 (5.9 GB; bis merge takes "
+            "85.9 GB)",
+            false},
         /* four values of 12 bytes */
-        {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 \"float cropwindow\" [0 1 0.5 1] \"string layers\" [\"albedo\" \"depth\"] Integrator \"brdf\"",
-         CONSTANT_LIGHT "Shape \"sphere\"", 40e9,
-         "--layers none (43.1 GB), crops, as --cropwindow 0,1,0.5,0.75 (34.4 GB), 16 parts, as --part 1/16 (38.6 GB; bis merge takes 68.8 GB)", false},
+        {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 \"float cropwindow\" [0 1 0.5 1] "
+         "\"string layers\" [\"albedo\" \"depth\"] Integrator \"brdf\"",
+            CONSTANT_LIGHT "Shape \"sphere\"", 40e9,
+            "--layers none (43.1 GB), crops, as --cropwindow 0,1,0.5,0.75 (34.4 GB), 16 parts, as --part 1/16 (38.6 "
+            "GB; bis merge takes 68.8 GB)",
+            false},
         /* 2^23 pixels learn 64 bytes each */
-        {LARGE "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", MAP, 1e9,
-         "--learn off (0.7 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.7 GB; bis merge takes 0.7 GB)", false},
+        {LARGE "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", MAP,
+            1e9,
+            "--learn off (0.7 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.7 GB; bis "
+            "merge takes 0.7 GB)",
+            false},
         /* 10^7 triangles: 12 bytes, and 82 of a grid or 40 of Embree; the film is nothing beside them */
         {SMALL "Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9, "--accelerator embree (0.5 GB)", true},
         {SMALL "Accelerator \"embree\"", CONSTANT_LIGHT PLY("many"), 1, "", true},
         /* a picture of 0.67 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
         {LARGE "Integrator \"brdf\" Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9,
-         "--accelerator embree (1.2 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part 1/1024 (1.1 GB; bis merge takes 0.7 GB)", true},
+            "--accelerator embree (1.2 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part "
+            "1/1024 (1.1 GB; bis merge takes 0.7 GB)",
+            true},
     };
     const int before = use_threads(1);
     write_pfm_head(DIR "/map.pfm", 64, 32);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What a scene requires is found once (src/scene/scene_needs.h): what is built, printed by --plan, foretold of memory and
- * looked at before a render follows from it. */
+/* What a scene requires is found once (src/scene/scene_needs.h): what is built, printed by --plan, foretold of memory
+ * and looked at before a render follows from it. */
 #include "bis/base/mem.h"
 #include "program.h"
 #include "scene/scene_needs.h"

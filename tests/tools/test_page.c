@@ -32,7 +32,9 @@ static void a_page_gets_its_data_and_its_text(void **state)
 {
     char *text;
     (void)state;
-    assert_int_equal(filled(&text, "<p>null" TEXT "</pre>" DATA "null</script>null", "{\"a\": \"</script>\"}\n", "a < b\n", NULL), BIS_OK);
+    assert_int_equal(
+        filled(&text, "<p>null" TEXT "</pre>" DATA "null</script>null", "{\"a\": \"</script>\"}\n", "a < b\n", NULL),
+        BIS_OK);
     assert_string_equal(text, "<p>null" TEXT "a &lt; b\n</pre>" DATA "{\"a\": \"\\u003c/script>\"}\n</script>null");
     free(text);
 }
@@ -61,10 +63,16 @@ static void each_byte_of_a_text_is_itself_an_entity_or_replaced(void **state)
 
     (void)state;
     for (int c = 1; c < 256 + 5; c++) {
-        const char byte[2] = {(char)c, 0}, *const entity = c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : NULL;
+        const char byte[2] = {(char)c, 0}, *const entity = c == '&'   ? "&amp;"
+                                                           : c == '<' ? "&lt;"
+                                                           : c == '>' ? "&gt;"
+                                                                      : NULL;
         const char *const is = c < 256 ? byte : rows[c - 256][0];
         snprintf(letter, sizeof letter, "%c", c);
-        const char *const becomes = c >= 256 ? rows[c - 256][1] : entity ? entity : c == '\n' || (c >= 32 && c < 127) ? letter : "\xef\xbf\xbd";
+        const char *const becomes = c >= 256                            ? rows[c - 256][1]
+                                    : entity                            ? entity
+                                    : c == '\n' || (c >= 32 && c < 127) ? letter
+                                                                        : "\xef\xbf\xbd";
         snprintf(wanted, sizeof wanted, TEXT "%s</pre>" DATA "1</script>", becomes);
         assert_int_equal(filled(&text, TEXT "</pre>" DATA "null</script>", "1", is, NULL), BIS_OK);
         assert_string_equal(text, wanted);
@@ -97,7 +105,8 @@ static void a_picture_in_the_page_is_that_of_the_file(void **state)
         unsigned char *file, here[1024];
         size_t size;
         assert_int_equal(bis_image_init(&image, width, 1, NULL), BIS_OK);
-        for (int i = 0; i < width; i++) image.pixels[i] = (rgb){0.01f * (float)(i * i * 37 % 101), 0.5f, 0.02f * (float)i};
+        for (int i = 0; i < width; i++)
+            image.pixels[i] = (rgb){0.01f * (float)(i * i * 37 % 101), 0.5f, 0.02f * (float)i};
         char *text = bis_page_png(&image, 0, NULL);
         assert_int_equal(bis_image_save_colours(&image, "build/test_page.png", NULL), BIS_OK);
         assert_int_equal(bis_file_read(&file, &size, "build/test_page.png", (bis_loc){0}, NULL), BIS_OK);

@@ -14,12 +14,15 @@ static void the_scale_of_heat_has_seven_stops(void **state)
 {
     (void)state;
     static const struct { double t; int code[3]; } cases[] = {
-        {0, {0x0d, 0x08, 0x33}}, {1 / 6.0, {0x40, 0x12, 0x6e}}, {2 / 6.0, {0x87, 0x21, 0x6b}}, {4 / 6.0, {0xf2, 0x78, 0x1f}},
-        {5 / 6.0, {0xfa, 0xc2, 0x38}}, {1, {0xff, 0xfc, 0xcc}}, {1 / 12.0, {0x26, 0x0d, 0x50}}, {5 / 12.0, {0xaa, 0x2f, 0x5c}},
+        {0, {0x0d, 0x08, 0x33}}, {1 / 6.0, {0x40, 0x12, 0x6e}}, {2 / 6.0, {0x87, 0x21, 0x6b}},
+         {4 / 6.0, {0xf2, 0x78, 0x1f}},
+        {5 / 6.0, {0xfa, 0xc2, 0x38}}, {1, {0xff, 0xfc, 0xcc}}, {1 / 12.0, {0x26, 0x0d, 0x50}},
+         {5 / 12.0, {0xaa, 0x2f, 0x5c}},
         {0.75, {0xf6, 0x9d, 0x2b}}, {11 / 12.0, {0xfc, 0xdf, 0x82}}, {-1, {0x0d, 0x08, 0x33}}, {2, {0xff, 0xfc, 0xcc}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const int *c = cases[i].code;
-        const rgb is = bis_palette_heat(cases[i].t), lo = bis_palette_srgb((c[0] - 0.51) / 255, (c[1] - 0.51) / 255, (c[2] - 0.51) / 255);
+        const rgb is = bis_palette_heat(cases[i].t),
+                  lo = bis_palette_srgb((c[0] - 0.51) / 255, (c[1] - 0.51) / 255, (c[2] - 0.51) / 255);
         const rgb hi = bis_palette_srgb((c[0] + 0.51) / 255, (c[1] + 0.51) / 255, (c[2] + 0.51) / 255);
         assert_true(is.r >= lo.r && is.r <= hi.r && is.g >= lo.g && is.g <= hi.g && is.b >= lo.b && is.b <= hi.b);
     }

@@ -78,7 +78,8 @@ static void exact_is_what_brute_force_gives(void **state)
         const rgbd seen = lit_truth(&l, true), open = lit_truth(&l, false);
         assert_agrees(&e.lit, seen);
         assert_agrees(&e.open, open);
-        if (maps[i] == LIT_SMOOTH || maps[i] == LIT_CONSTANT) assert_true(p_of(&e.lit, open, 1e-4) < alpha()); /* the twin: shadows forgotten */
+        if (maps[i] == LIT_SMOOTH || maps[i] == LIT_CONSTANT)
+            assert_true(p_of(&e.lit, open, 1e-4) < alpha()); /* the twin: shadows forgotten */
         assert_true(e.lit.se[3] < 0.01 * e.lit.mean[3]);
         bis_light_free(light);
     }
@@ -178,14 +179,16 @@ static void skewness_is_known_even_of_what_was_not_hit(void **state)
     assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
     for (int i = 0; i < 2; i++) {
         bis_pixel_method m = {.settings = bis_settings_default(by[i])};
-        assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 20000, 80 + (uint64_t)i, NULL), BIS_OK);
+        assert_int_equal(
+            bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 20000, 80 + (uint64_t)i, NULL), BIS_OK);
         assert_near(m.skewness / m.true_skewness, 1, 0.1);
     }
     lit_init(&l, lights[1], glossy(), slanted(), 40, LIT_OPEN);
     assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
     bis_pixel_method m = {.settings = bis_settings_default(&bis_brdf)};
     assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 10, 82, NULL), BIS_OK);
-    if (!(m.true_skewness > 2 * fabs(m.skewness) && m.true_skewness > 0.1)) fail_msg("skewness %g, truly %g", m.skewness, m.true_skewness);
+    if (!(m.true_skewness > 2 * fabs(m.skewness) && m.true_skewness > 0.1))
+        fail_msg("skewness %g, truly %g", m.skewness, m.true_skewness);
     for (int i = 0; i < 2; i++) bis_light_free(lights[i]);
 }
 
@@ -224,7 +227,8 @@ static void figures_of_a_method_are_those_of_its_estimates(void **state)
 
 static bis_sampler one_sample(uint64_t seed)
 {
-    return (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    return (bis_sampler){
+        .kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
 }
 
 /* phat and q_f by eq. 3.14, 3.15 and E35, with pow. */
@@ -232,7 +236,8 @@ static double product_of(const lit *l, vec3 wi, double *q_f)
 {
     const bis_material *m = &l->material;
     const double c_i = dot(l->pt.n, wi), c_o = dot(l->pt.n, l->pt.wo), a = 2 * c_i * c_o - dot(wi, l->pt.wo);
-    const double lobe = a > 0 ? (m->exponent + 1) / (2 * PI) * pow(a, m->exponent) : 0, ks = rgb_sum(m->Ks), kd = rgb_sum(m->Kd);
+    const double lobe = a > 0 ? (m->exponent + 1) / (2 * PI) * pow(a, m->exponent) : 0, ks = rgb_sum(m->Ks),
+                 kd = rgb_sum(m->Kd);
     const rgb Le = bis_light_Le(l->light, wi);
     *q_f = (ks * lobe + kd * c_i / PI) / (ks + kd);
     return c_i * (rgb_sum(rgb_mul(m->Ks, Le)) * lobe + rgb_sum(rgb_mul(m->Kd, Le)) / PI);
@@ -273,7 +278,8 @@ static uint32_t assert_figures(const lit *l, const bis_pixel_candidates *c)
 }
 
 /* Weights are floats: the logarithm and power of the lobe are good to 2^-20 (1 + |log f|), and a cosine to 2^-22, which
- * an exponent of 20 multiplies by 20/cos. Where the lobe counts beside the diffuse part, cos > 0.63 and |log f| < 10. */
+ * an exponent of 20 multiplies by 20/cos. Where the lobe counts beside the diffuse part, cos > 0.63 and |log f| < 10.
+ */
 static const double of_floats = 0x1p-20 * 11 + 0x1p-22 * EXPONENT / 0.63;
 
 static bis_settings sir_of(bis_proposal proposal)
@@ -320,9 +326,9 @@ static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitio
     bis_light_free(light);
 }
 
-/* Within a cluster the product's density is a multiple s of q_L, the same for all of its candidates. Of n candidates from
- * the map it should hold n share s: each pixel has those within one, because marks are equally spaced. Over all clusters
- * share s adds up to 1, but for those that no pixel of 128 has met. Nothing here asks the product. */
+/* Within a cluster the product's density is a multiple s of q_L, the same for all of its candidates. Of n candidates
+ * from the map it should hold n share s: each pixel has those within one, because marks are equally spaced. Over all
+ * clusters share s adds up to 1, but for those that no pixel of 128 has met. Nothing here asks the product. */
 static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
 {
     (void)state;
@@ -356,7 +362,8 @@ static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
         }
         for (uint32_t k = 0; k < clusters.n; k++) {
             const double expected = n * bis_cluster_share(&clusters, k) * s[k];
-            if (s[k] > 0 && fabs(count[k] - expected) > 1 + 1e-3) fail_msg("cluster %u has %g, expects %g", k, count[k], expected);
+            if (s[k] > 0 && fabs(count[k] - expected) > 1 + 1e-3)
+                fail_msg("cluster %u has %g, expects %g", k, count[k], expected);
         }
         bis_pixel_candidates_clear(&c);
     }
@@ -394,7 +401,8 @@ static void the_estimate_shown_is_what_renders(void **state)
                 bis_stream_init(&stream, &sampler, (uint64_t)i, 0);
                 assert_int_equal(bis_pixel_candidates_draw(&c, &pt, &w.desc.view.settings, &stream, NULL), BIS_OK);
                 const rgb L = rgbd_round(c.L);
-                const bool same = (double)L.r == film.sum[3 * i] && (double)L.g == film.sum[3 * i + 1] && (double)L.b == film.sum[3 * i + 2];
+                const bool same = (double)L.r == film.sum[3 * i] && (double)L.g == film.sum[3 * i + 1] &&
+                                  (double)L.b == film.sum[3 * i + 2];
                 if (seed) other += same;
                 else equal += same;
                 bis_pixel_candidates_clear(&c);
@@ -488,7 +496,8 @@ static void candidates_without_weight_are_told(void **state)
     bis_pixel_candidates c;
     bis_stream_init(&stream, &sampler, 0, 0);
     assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
-    assert_true(c.W == 0 && c.ess == 0 && c.positive == 0 && c.distinct == 0 && isnan(c.share_em) && rgbd_sum(c.L) == 0);
+    assert_true(
+        c.W == 0 && c.ess == 0 && c.positive == 0 && c.distinct == 0 && isnan(c.share_em) && rgbd_sum(c.L) == 0);
     bis_pixel_candidates_clear(&c);
     bis_light_free(light);
 }
@@ -604,7 +613,8 @@ static void write_scene(const char *path, const char *light, const char *more)
              "Camera \"orthographic\" \"float screenwindow\" [-4 4 -2 2]\n"
              "WorldBegin\n%s"
              "Material \"phong\" \"rgb Kd\" [0.4 0.3 0.2] \"rgb Ks\" [0.3 0.3 0.3] \"float exponent\" 30\n"
-             "Shape \"trianglemesh\" \"point3 P\" [-4 -2 0  -2 -2 0  -2 2 0  -4 2 0] \"integer indices\" [0 1 2  0 2 3]\n"
+             "Shape \"trianglemesh\" \"point3 P\" [-4 -2 0  -2 -2 0  -2 2 0  -4 2 0] \"integer indices\" [0 1 2  0 2 "
+             "3]\n"
              "Translate 0 0 -1\nShape \"sphere\" \"float radius\" 1.5\n"
              "Shape \"trianglemesh\" \"point3 P\" [1.6 -2 0  3 -2 0  1.6 9 0] \"integer indices\" [0 1 2]\n%s",
              light, more);
@@ -666,7 +676,8 @@ static void read_table(table *t, const char *path)
     fclose(f);
     t->n_rows = 0;
     int commas = -1;
-    for (const char *line = t->text; *line; line = strchr(line, '\n') + 1) { /* each line ends, and has as many fields as the first */
+    for (const char *line = t->text; *line;
+        line = strchr(line, '\n') + 1) { /* each line ends, and has as many fields as the first */
         int n = 0;
         for (const char *c = line; *c != '\n'; c++) {
             assert_true(*c);
@@ -728,7 +739,8 @@ static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
     assert_near(atof(field(buf, &t, 2, "se_sum")) / json_real(r.output, "unoccluded.sum_standard_error"), 1, 1e-12);
     assert_string_equal(field(buf, &t, 3, "method"), "em");
     for (int i = 1; i < t.n_rows; i++) {
-        const double colours = atof(field(buf, &t, i, "r")) + atof(field(buf, &t, i, "g")) + atof(field(buf, &t, i, "b"));
+        const double colours =
+            atof(field(buf, &t, i, "r")) + atof(field(buf, &t, i, "g")) + atof(field(buf, &t, i, "b"));
         char sum[128];
         assert_near(colours / atof(field(sum, &t, i, "sum")), 1, 1e-9);
     }
@@ -753,7 +765,8 @@ static void each_column_of_the_tables_is_what_it_is_called(void **state)
     int n = 0;
     start();
     write_scene(SCENE, map_light,
-        "Shape \"trianglemesh\" \"point3 P\" [-1.9 -9 1  -1.9 9 1  -1.9 9 9  -1.9 -9 9] \"integer indices\" [0 1 2  0 2 3]\n"); /* a wall */
+        "Shape \"trianglemesh\" \"point3 P\" [-1.9 -9 1  -1.9 9 1  -1.9 9 9  -1.9 -9 9] \"integer indices\" [0 1 2  0 "
+        "2 3]\n"); /* a wall */
     program_expect(&r, 0, "pixel --json --repeats 20 --output " DIR "/out " SCENE " 6 3");
     const double beta = json_real(r.output, "candidates.share_of_map"), seen = json_real(r.output,
         "exact.sum") / json_real(r.output, "unoccluded.sum");
@@ -791,7 +804,8 @@ static void a_hit_knows_its_shape_and_triangle(void **state)
     write_scene(SCENE, map_light, "");
     verify_built built = verify_build(SCENE);
     const struct { int x, y; bis_shape_kind kind; int line; uint32_t part; double t; } cases[] = {
-        {6, 3, BIS_SHAPE_TRIANGLES, 8, 0, 10}, {7, 0, BIS_SHAPE_TRIANGLES, 8, 1, 10}, {4, 1, BIS_SHAPE_SPHERE, 10, 0, 0},
+        {6, 3, BIS_SHAPE_TRIANGLES, 8, 0, 10}, {7, 0, BIS_SHAPE_TRIANGLES, 8, 1, 10},
+         {4, 1, BIS_SHAPE_SPHERE, 10, 0, 0},
         {1, 3, BIS_SHAPE_TRIANGLES, 11, 0, 11}};
     for (size_t i = 0; i < 4; i++) {
         bis_counters counters = {0};
@@ -817,7 +831,8 @@ static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
     write_scene(SCENE, map_light, "");
     write_scene(DIR "/dark.txt", "", "");
     write_scene(DIR "/black.txt", map_light,
-                "Material \"phong\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [0 0 0]\nShape \"disk\" \"float radius\" 50 \"float height\" 5\n");
+                "Material \"phong\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [0 0 0]\nShape \"disk\" \"float radius\" 50 \"float "
+                "height\" 5\n");
     const struct { const char *scene, *answer; } cases[] = {
         {SCENE, "no surface"}, {DIR "/dark.txt", "no surface"}, {DIR "/black.txt", "the material is black"}};
     for (size_t i = 0; i < 3; i++) {
@@ -871,7 +886,9 @@ static void options_override_the_scene_for_all_methods(void **state)
     char buf[128];
     start();
     write_scene(SCENE, map_light, "");
-    program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 3 --candidates 17 --shadowrays 4 --samples 6 --proposal em --seed 5 --json --output " DIR "/o");
+    program_expect(&r, 0,
+        "pixel " SCENE
+        " 3 2 --repeats 3 --candidates 17 --shadowrays 4 --samples 6 --proposal em --seed 5 --json --output " DIR "/o");
     assert_near(json_real(r.output, "seed"), 5, 0);
     assert_near(json_real(r.output, "candidates.drawn"), 17, 0);
     assert_near(json_real(r.output, "candidates.shadowrays"), 4, 0);
@@ -881,8 +898,11 @@ static void options_override_the_scene_for_all_methods(void **state)
     read_table(&t, DIR "/o/methods.csv");
     assert_string_equal(field(buf, &t, 3, "repeats"), "3");
     static program_run again;
-    program_expect(&again, 0, "pixel " SCENE " 3 2 --repeats 3 --candidates 17 --shadowrays 4 --samples 6 --proposal em --seed 5 --json --output " DIR "/o");
-    assert_string_equal(r.output, again.output); /* a folder that is there is written into; the same seed, the same numbers */
+    program_expect(&again, 0,
+        "pixel " SCENE
+        " 3 2 --repeats 3 --candidates 17 --shadowrays 4 --samples 6 --proposal em --seed 5 --json --output " DIR "/o");
+    assert_string_equal(
+        r.output, again.output); /* a folder that is there is written into; the same seed, the same numbers */
 }
 
 /* What a method's row of methods.csv says in `column`. */
@@ -894,8 +914,8 @@ static void method_says(char text[128], const table *t, const char *method, cons
     field(text, t, row, column);
 }
 
-/* With --proposal P the row of sir is that of a scene which names P, and unlike that of any other P. That of unoccluded,
- * which has no "product", is that of "mix" there. */
+/* With --proposal P the row of sir is that of a scene which names P, and unlike that of any other P. That of
+ * unoccluded, which has no "product", is that of "mix" there. */
 static void each_proposal_is_measured_by_its_name(void **state)
 {
     (void)state;
@@ -906,7 +926,8 @@ static void each_proposal_is_measured_by_its_name(void **state)
     start();
     write_scene(SCENE, map_light, "");
     for (int k = 0; k < 4; k++) {
-        program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 3 --seed 5 --json --proposal %s --output " DIR "/p", names[k]);
+        program_expect(
+            &r, 0, "pixel " SCENE " 3 2 --repeats 3 --seed 5 --json --proposal %s --output " DIR "/p", names[k]);
         read_table(&t, DIR "/p/methods.csv");
         method_says(sir[k], &t, "sir", "r");
         method_says(open[k], &t, "unoccluded", "r");
@@ -914,7 +935,8 @@ static void each_proposal_is_measured_by_its_name(void **state)
         if (k < 2) assert_near(of_map, k == 0, 0);
         else assert_true(of_map > 0);
         char command[256];
-        snprintf(command, sizeof command, "sed 's/\"sir\"/& \"string proposal\" \"%s\"/' " SCENE " >" DIR "/named.txt", names[k]);
+        snprintf(command, sizeof command, "sed 's/\"sir\"/& \"string proposal\" \"%s\"/' " SCENE " >" DIR "/named.txt",
+            names[k]);
         assert_int_equal(system(command), 0);
         program_expect(&r, 0, "pixel " DIR "/named.txt 3 2 --repeats 3 --seed 5 --json --output " DIR "/p");
         read_table(&t, DIR "/p/methods.csv");
@@ -938,7 +960,8 @@ static void as_many_runs_are_shown_as_make_150_rays(void **state)
     for (size_t k = 0; k < sizeof rays / sizeof *rays; k++) {
         static program_run r;
         static const char *const methods[] = {"em,", "brdf,", "sir,"};
-        program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 2 --samples %d --shadowrays %d --output " DIR "/shown", rays[k][0], rays[k][1]);
+        program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 2 --samples %d --shadowrays %d --output " DIR "/shown",
+            rays[k][0], rays[k][1]);
         char line[512];
         int last[3] = {-1, -1, -1};
         FILE *f = fopen(DIR "/shown/rays.csv", "r");

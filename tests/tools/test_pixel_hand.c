@@ -246,8 +246,9 @@ static void the_json_has_each_figure(void **state)
     f.shape.kind = BIS_SHAPE_SPHERE;
     f.l.material = bis_microfacet((rgb){0.25f, 0.5f, 0.75f}, (rgb){0.125f, 0, 0}, 0.5); /* alpha: roughness squared */
     text = json_of(&f.r);
-    assert_non_null(strstr(text, "\"model\": \"microfacet\",\"Kd\": [0.25,0.5,0.75],\"Ks\": [0.125,0,0],\"exponent\": null,"
-                                 "\"alpha\": 0.25,\"p_specular\""));
+    assert_non_null(
+        strstr(text, "\"model\": \"microfacet\",\"Kd\": [0.25,0.5,0.75],\"Ks\": [0.125,0,0],\"exponent\": null,"
+                     "\"alpha\": 0.25,\"p_specular\""));
     assert_non_null(strstr(text, "\"shape\": \"sphere\",\"file\": null,\"line\": 8,\"triangle\": null,"));
     assert_non_null(strstr(text, "\"exact\": {\"by\": \"mis\""));
     free(text);
@@ -302,7 +303,8 @@ static void each_estimator_has_a_row_of_its_own(void **state)
             if (i >= 3 && i < 6) assert_int_equal(s->shadowrays, 5);
             if (i < 3) assert_int_equal(s->samples, 16);
         }
-        assert_true(list[3].settings.estimator == BIS_ESTIMATOR_RATIO && list[4].settings.estimator == BIS_ESTIMATOR_PLAIN);
+        assert_true(
+            list[3].settings.estimator == BIS_ESTIMATOR_RATIO && list[4].settings.estimator == BIS_ESTIMATOR_PLAIN);
     }
 }
 
@@ -378,8 +380,10 @@ static void tables_have_each_figure_in_its_column(void **state)
     assert_non_null(strstr(text, "\n1,,,,,,,0.5,0.25,0.75,7,0,0,0,\n"));
     bis_free(text);
     text = page_shown(DIR "/pixel.html", DIR);
-    if (text) page_in_order(text, (const char *const[]){"under a constant light; phong, exponent 20, Ks 0, Kd 0.3 (means of r, g, b)",
-        "No candidate weighs anything", NULL});
+    if (text)
+        page_in_order(
+            text, (const char *const[]){"under a constant light; phong, exponent 20, Ks 0, Kd 0.3 (means of r, g, b)",
+                      "No candidate weighs anything", NULL});
     free(text);
     clear(&f);
 }
@@ -465,16 +469,17 @@ static double *sphere_of(const char *text, const char *name)
     return q;
 }
 
-/* Half a step of a code is a factor of 10^(7/65534/2), 1.2e-4, and the sphere holds floats. What is below the scale, here
- * 10^-7, is 0. */
+/* Half a step of a code is a factor of 10^(7/65534/2), 1.2e-4, and the sphere holds floats. What is below the scale,
+ * here 10^-7, is 0. */
 static void assert_density(double q, double expected, int x, int y)
 {
-    if (expected < 1e-7 ? q != 0 : !(fabs(q / expected - 1) < 1.3e-4)) fail_msg("(%d, %d): %g, not %g", x, y, q, expected);
+    if (expected < 1e-7 ? q != 0 : !(fabs(q / expected - 1) < 1.3e-4))
+        fail_msg("(%d, %d): %g, not %g", x, y, q, expected);
 }
 
 /* A row is half a degree. The map has 1/(4 pi) everywhere, the BRDF cos/pi, whose integral is 1, the product 0.5 cos/pi
- * over L_ns, said to be 12. Seen is what lies at y <= 0, which are the light's x <= 0: phi from 90 to 270. The scale ends
- * at 1, since 1/pi, the largest, is below that. */
+ * over L_ns, said to be 12. Seen is what lies at y <= 0, which are the light's x <= 0: phi from 90 to 270. The scale
+ * ends at 1, since 1/pi, the largest, is below that. */
 static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
 {
     (void)state;
@@ -489,7 +494,8 @@ static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
         for (int y = 0; y < 360; y += y >= 176 && y < 184 ? 1 : y == 352 ? 7 : 8) {
             for (int x = 5; x < 720; x += 50) {
                 /* the mean over 2 x 2 directions, a quarter of a row away */
-                const double at = (y + 0.5) / 360 * PI, cosine = fmax(cos(at) * cos(PI / 1440), 0), product = 0.5 * cosine / PI / 12;
+                const double at = (y + 0.5) / 360 * PI, cosine = fmax(cos(at) * cos(PI / 1440), 0),
+                             product = 0.5 * cosine / PI / 12;
                 const double expected[] = {1 / (4 * PI), cosine / PI, product, x > 180 && x < 540 ? product : 0};
                 if (y < 179 || y > 180) assert_density(q[y * 720 + x], expected[k], x, y);
             }
@@ -508,8 +514,8 @@ static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
     clear(&f);
 }
 
-/* A map of 2160 x 1080 has 3 x 3 pixels in each place. A lamp in the middle one is seen: of a place's nine directions one
- * meets it, no less and no more. With four directions none would. */
+/* A map of 2160 x 1080 has 3 x 3 pixels in each place. A lamp in the middle one is seen: of a place's nine directions
+ * one meets it, no less and no more. With four directions none would. */
 static void a_lamp_of_one_pixel_is_in_its_place(void **state)
 {
     (void)state;
@@ -549,8 +555,8 @@ static void assert_text(const char *text, const char *path, const char *wanted)
     if (strcmp(json_value(is, sizeof is, text, path), wanted) != 0) fail_msg("%s is %s, not %s", path, is, wanted);
 }
 
-/* The light is turned by 90 degrees: the eye and the first ray, (0.6, 0, 0.8), are at phi 270 and theta 36.87. The first
- * candidate weighs nothing. */
+/* The light is turned by 90 degrees: the eye and the first ray, (0.6, 0, 0.8), are at phi 270 and theta 36.87. The
+ * first candidate weighs nothing. */
 static void rays_candidates_and_marks_are_those_of_the_report(void **state)
 {
     (void)state;
@@ -558,9 +564,12 @@ static void rays_candidates_and_marks_are_those_of_the_report(void **state)
         const char *path;
         double value;
     } numbers[] = {
-        {"x", 3}, {"exact.sum", 6}, {"methods.0.sum", 6.5}, {"sphere.n.theta_deg", 0}, {"sphere.eye.theta_deg", 36.8699},
-        {"sphere.eye.phi_deg", 270}, {"sphere.R.phi_deg", 90}, {"shown.0.estimates", 3}, {"shown.0.rays", 2}, {"shown.2.rays", 1},
-        {"shown.3.rays", 0}, {"rays.0.sample", 1}, {"rays.0.theta_deg", 36.8699}, {"rays.0.phi_deg", 270}, {"rays.1.theta_deg", 180},
+        {"x", 3}, {"exact.sum", 6}, {"methods.0.sum", 6.5}, {"sphere.n.theta_deg", 0},
+         {"sphere.eye.theta_deg", 36.8699},
+        {"sphere.eye.phi_deg", 270}, {"sphere.R.phi_deg", 90}, {"shown.0.estimates", 3}, {"shown.0.rays", 2},
+         {"shown.2.rays", 1},
+        {"shown.3.rays", 0}, {"rays.0.sample", 1}, {"rays.0.theta_deg", 36.8699}, {"rays.0.phi_deg", 270},
+         {"rays.1.theta_deg", 180},
         {"rays.0.q_map", 1 / (4 * PI)}, {"rays.0.q_brdf", 0.8 / PI},
         {"candidate_list.0.candidate", 1}, {"candidate_list.0.theta_deg", 90}, {"candidate_list.0.phi_deg", 0},
         {"candidate_list.0.q_map", 0.5}, {"candidate_list.0.q_brdf", 0.25}, {"candidate_list.0.q", 0.75},
@@ -571,7 +580,8 @@ static void rays_candidates_and_marks_are_those_of_the_report(void **state)
     char *text = page_of(&f);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         const double is = json_number(text, numbers[i].path);
-        if (!(fabs(is - numbers[i].value) <= 1e-5 * fmax(1, fabs(is)))) fail_msg("%s is %g, not %g", numbers[i].path, is, numbers[i].value);
+        if (!(fabs(is - numbers[i].value) <= 1e-5 * fmax(1, fabs(is))))
+            fail_msg("%s is %g, not %g", numbers[i].path, is, numbers[i].value);
     }
     const double product = bis_pixel_product(&f.r.pt, f.ray[0].wi);
     assert_true(product > 0 && fabs(json_number(text, "rays.0.product") / product - 1) < 1e-12);
@@ -593,18 +603,21 @@ static void rays_candidates_and_marks_are_those_of_the_report(void **state)
 
 #define NIGHT "#05050d"
 #define DISC(x, y, r, fill) "<circle cx=`" x "` cy=`" y "` r=`" r "` fill=`" fill "`/>"
-#define RING(x, y, r, stroke) "<circle cx=`" x "` cy=`" y "` r=`" r "` fill=`none` stroke-width=`1.7` stroke=`" stroke "`/>"
+#define RING(x, y, r, stroke) \
+    "<circle cx=`" x "` cy=`" y "` r=`" r "` fill=`none` stroke-width=`1.7` stroke=`" stroke "`/>"
 
-/* Fields begin at (34, 8), two pixels for a degree. A candidate's area is its weight over the mean one: 1, 4, 100 and 0.01
- * of a sum of 5, where 1 is a radius of 2.4, from 0.9 to 9; the chosen come last, ringed. */
+/* Fields begin at (34, 8), two pixels for a degree. A candidate's area is its weight over the mean one: 1, 4, 100 and
+ * 0.01 of a sum of 5, where 1 is a radius of 2.4, from 0.9 to 9; the chosen come last, ringed. */
 static void the_page_has_dots_where_the_rays_go(void **state)
 {
     (void)state;
     static const char *const parts[] = {
         "<h1>Pixel (3, 2) of scene.txt</h1>", "under sky.exr; ", "seen at 36.9 degrees", "reflects 6 (r+g+b)", "be 12.",
-        "<b>Map: q<sub>L</sub></b>", "eq. 4.2", "<b>BRDF: q<sub>f</sub></b>", "eq. 4.3", "<b>Product: p</b>", "eq. 4.4", "<b>Product, seen: p V</b>",
+        "<b>Map: q<sub>L</sub></b>", "eq. 4.2", "<b>BRDF: q<sub>f</sub></b>", "eq. 4.3", "<b>Product: p</b>", "eq. 4.4",
+        "<b>Product, seen: p V</b>",
         "L/L<sub>ns</sub> = 0.5", ">n</text>", "text-anchor=`end` class=`p-on`>eye</text>", ">R</text>",
-        "data-choose=`em` aria-pressed=`false`", "data-choose=`candidates of sir`", "data-choose=`sir`", "data-choose=`all` aria-pressed=`true`",
+        "data-choose=`em` aria-pressed=`false`", "data-choose=`candidates of sir`", "data-choose=`sir`",
+        "data-choose=`all` aria-pressed=`true`",
         "<figure data-panel=`em`>", "<span>2 shadow rays of 3 estimates, 1 saw the light; error of one: 50 %</span>",
         DISC("574", "81.74", "4.8", NIGHT) DISC("574", "81.74", "3.6", "#59ffeb"),
         DISC("34", "368", "4.8", NIGHT) RING("34", "368", "3", "#ff6b52"),
@@ -612,10 +625,13 @@ static void the_page_has_dots_where_the_rays_go(void **state)
         DISC("34", "188", "3.6", NIGHT) DISC("34", "188", "2.4", "#59ffeb"), DISC("214", "81.74", "0.9", "#bffa59"),
         DISC("574", "81.74", "4.8", "#bffa59") "<circle cx=`574` cy=`81.74` r=`7.8` fill=`none` stroke=`#fff`",
         DISC("394", "188", "9", "#59ffeb") "<circle cx=`394` cy=`188` r=`12`",
-        "<figure data-panel=`sir`>", "<span>1 shadow rays of 1 estimate, 1 saw the light; error of one: 125 %</span>", "save this list",
+        "<figure data-panel=`sir`>", "<span>1 shadow rays of 1 estimate, 1 saw the light; error of one: 125 %</span>",
+        "save this list",
         "<th>1</th><td>36.87</td><td>270</td>", "<td>yes</td>",
-        "exact</th><td></td><td>6</td> <td>0.5</td>", "em</th><td>16</td> <td>6.5</td><td>0.25</td><td>1.0833</td>", "2.00</td> <td>50 %</td><td>16</td>",
-        "rejection plain</th>", "-1.50?</td> <td>–</td>", "sir</th><td>4/64</td> <td>9</td>", ">–</td> <td>125 %</td><td>4</td>",
+        "exact</th><td></td><td>6</td> <td>0.5</td>", "em</th><td>16</td> <td>6.5</td><td>0.25</td><td>1.0833</td>",
+        "2.00</td> <td>50 %</td><td>16</td>",
+        "rejection plain</th>", "-1.50?</td> <td>–</td>", "sir</th><td>4/64</td> <td>9</td>",
+        ">–</td> <td>125 %</td><td>4</td>",
         "unoccluded</th><td>64</td> <td>12</td><td>0.5</td><td>1.0000</td>", "effective sample size", NULL};
     forged f;
     forge(&f);
@@ -636,7 +652,9 @@ static void the_page_has_dots_where_the_rays_go(void **state)
     f.r.n_methods = 1;
     free(page_of(&f));
     page = page_shown(DIR "/pixel.html", DIR); /* without sir the first method is shown */
-    if (page) page_in_order(page, (const char *const[]){"of nothing", "<figure data-panel=`em`>", "1 saw the light</span>", NULL});
+    if (page)
+        page_in_order(
+            page, (const char *const[]){"of nothing", "<figure data-panel=`em`>", "1 saw the light</span>", NULL});
     free(page);
     clear(&f);
 }
@@ -652,8 +670,9 @@ static void without_a_script_the_page_is_the_text(void **state)
     char *page = read_text(DIR "/pixel.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s", why);
-    page_in_order(page, (const char *const[]){"<noscript>", "<pre id=`text`>pixel       (3, 2) of 8 x 4", "one estimate by sir",
-        "/pixel.html methods.csv candidates.csv rays.csv\n</pre>", "</noscript>", NULL});
+    page_in_order(
+        page, (const char *const[]){"<noscript>", "<pre id=`text`>pixel       (3, 2) of 8 x 4", "one estimate by sir",
+                  "/pixel.html methods.csv candidates.csv rays.csv\n</pre>", "</noscript>", NULL});
     bis_free(page);
     clear(&f);
 }

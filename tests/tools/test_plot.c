@@ -115,7 +115,8 @@ static void a_line_goes_through_its_places(void **state)
     read_axis(&left, &top, &bottom, &right);
     const char *line = strstr(said, "<g data-series=\"0\"");
     assert_non_null(line);
-    assert_int_equal(sscanf(strstr(line, " d=\"M"), " d=\"M%lf %lfL%lf %lfM%lf %lf", x, y, x + 1, y + 1, x + 2, y + 2), 6);
+    assert_int_equal(
+        sscanf(strstr(line, " d=\"M"), " d=\"M%lf %lfL%lf %lfM%lf %lf", x, y, x + 1, y + 1, x + 2, y + 2), 6);
     assert_place(x[0], left), assert_place(y[0], top);
     assert_place(x[1], (left + right) / 2), assert_place(y[1], (top + bottom) / 2);
     assert_place(x[2], right), assert_place(y[2], bottom);
@@ -156,7 +157,8 @@ static void what_is_missing_leaves_an_empty_drawing(void **state)
     assert_int_equal(html_count(said, ">here</text>"), 1);
 }
 
-/* The ends of the heat, (0.05, 0.03, 0.20) and (1, 0.99, 0.80) of 255; half way is its fourth stop. Night is 5, 5, 13. */
+/* The ends of the heat, (0.05, 0.03, 0.20) and (1, 0.99, 0.80) of 255; half way is its fourth stop. Night is 5, 5, 13.
+ */
 static void a_field_has_the_colours_of_its_values(void **state)
 {
     (void)state;
@@ -170,7 +172,8 @@ static void a_field_has_the_colours_of_its_values(void **state)
 /* Our own reader, with libpng behind it, checks every sum and length in the file. */
 static void a_png_reads_back(void **state)
 {
-    static const int wanted[6][3] = {{255, 252, 204}, {204, 61, 77}, {13, 8, 51}, {5, 5, 13}, {255, 252, 204}, {5, 5, 13}};
+    static const int wanted[6][3] = {
+        {255, 252, 204}, {204, 61, 77}, {13, 8, 51}, {5, 5, 13}, {255, 252, 204}, {5, 5, 13}};
     bis_image image;
     (void)state;
     ask("drawing png");
@@ -178,7 +181,8 @@ static void a_png_reads_back(void **state)
     assert_int_equal(bis_image_read_colours(&image, DIR "/field.png", 1, (bis_loc){0}, NULL), BIS_OK);
     assert_true(image.width == 3 && image.height == 2);
     for (int i = 0; i < 6; i++) {
-        const double code[3] = {255 * (double)image.pixels[i].r, 255 * (double)image.pixels[i].g, 255 * (double)image.pixels[i].b};
+        const double code[3] = {
+            255 * (double)image.pixels[i].r, 255 * (double)image.pixels[i].g, 255 * (double)image.pixels[i].b};
         for (int k = 0; k < 3; k++) assert_int_equal(lround(code[k]), wanted[i][k]);
     }
     bis_image_clear(&image);
@@ -197,7 +201,8 @@ static void a_list_of_shapes_becomes_elements(void **state)
         "<circle cx=\"3\" cy=\"4\" r=\"5\" fill=\"#ff0000\"/>\n",
         "<circle cx=\"3\" cy=\"4\" r=\"5\" stroke=\"#0000ff\" stroke-width=\"2\" fill=\"none\"/>\n",
         "<text x=\"30\" y=\"80\" font-size=\"25\" fill=\"#000000\">a&lt;b &amp; &quot;c&quot;</text>\n",
-        "<text x=\"30\" y=\"80\" font-size=\"25\" text-anchor=\"middle\" fill=\"#000000\">HIH</text>\n", "text-anchor=\"end\"",
+        "<text x=\"30\" y=\"80\" font-size=\"25\" text-anchor=\"middle\" fill=\"#000000\">HIH</text>\n",
+        "text-anchor=\"end\"",
         "<image id=\"map\" width=\"30\" height=\"20\"", "href=\"data:image/png;base64,AAAA\"/></defs>\n",
         "<use href=\"#map\" x=\"7\" y=\"8\"/>\n</svg>\n"};
     char why[200];
@@ -217,7 +222,8 @@ static void exponents_are_raised_and_indices_lowered_to_the_next_blank(void **st
     static const struct {
         const char *letter;
         double lift;
-    } wanted[] = {{">A", 0}, {">B<", 5.5}, {"> C<", 0}, {">D<", -2.5}, {">,E", 0}, {">F<", -2.5}, {">)G", 0}, {">H<", 5.5}, {">I<", -2.5}, {"> J", 0}};
+    } wanted[] = {{">A", 0}, {">B<", 5.5}, {"> C<", 0}, {">D<", -2.5}, {">,E", 0}, {">F<", -2.5}, {">)G", 0},
+        {">H<", 5.5}, {">I<", -2.5}, {"> J", 0}};
     ask("drawing list");
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         double sum = 0;

@@ -114,7 +114,8 @@ static void constant_and_black_maps_have_plain_surveys(void **state)
     (void)state;
     bis_envmap em = map_new(16, 8);
     bis_survey s = survey_of(&em, 8);
-    assert_true(s.power == 0 && s.n_regions == 0 && s.n_levels == 0 && s.black > 0.999 && s.median == 0 && s.least == 0);
+    assert_true(
+        s.power == 0 && s.n_regions == 0 && s.n_levels == 0 && s.black > 0.999 && s.median == 0 && s.least == 0);
     for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){1, 2, 4};
     s = survey_of(&em, 8);
     assert_near(s.median, 7, 1e-9);
@@ -151,7 +152,8 @@ static void pictures_show_levels_regions_and_importance(void **state)
             assert_true(same(levels.pixels[a], levels.pixels[b]) == (la == lb));
             if (la > lb) assert_true(grey(levels.pixels[a]) > grey(levels.pixels[b]));
             if (r.label[a] == r.label[b]) assert_true(same(regions.pixels[a], regions.pixels[b]));
-            if (map_intensity(&em, a) > map_intensity(&em, b)) assert_true(grey(importance.pixels[a]) >= grey(importance.pixels[b]));
+            if (map_intensity(&em, a) > map_intensity(&em, b))
+                assert_true(grey(importance.pixels[a]) >= grey(importance.pixels[b]));
         }
     }
     for (size_t i = 0; i < map_n(&em); i++) {
@@ -209,8 +211,8 @@ static void the_command_reports_draws_and_refuses(void **state)
 
 /* ---- a map of 4 x 2 pixels by hand ---- */
 
-/* Every pixel is pi/2 sr. r+g+b: 3 0 1 0 above, 3 3 16 3 below; what is 0 was bad: in all 3 negative, 2 infinite values,
- * and a NaN in the pixel below the first bad one. Four levels, 1 to 2 to 4 to 8 to 16. */
+/* Every pixel is pi/2 sr. r+g+b: 3 0 1 0 above, 3 3 16 3 below; what is 0 was bad: in all 3 negative, 2 infinite
+ * values, and a NaN in the pixel below the first bad one. Four levels, 1 to 2 to 4 to 8 to 16. */
 static bis_image map_by_hand(rgb pixels[8])
 {
     const rgb values[8] = {{1, 1, 1}, {-1, -2, -3}, {1, 0, 0},          {INFINITY, INFINITY, 0},
@@ -219,8 +221,8 @@ static bis_image map_by_hand(rgb pixels[8])
     return (bis_image){4, 2, pixels};
 }
 
-/* Level 1 is one region: it holds together over the seam. Its centre: pixels 0 and 4 cancel but for x and y, so do 5 and 7:
- * (2a, 2a, -1), a = sqrt(3/8); its length is 2. */
+/* Level 1 is one region: it holds together over the seam. Its centre: pixels 0 and 4 cancel but for x and y, so do 5
+ * and 7: (2a, 2a, -1), a = sqrt(3/8); its length is 2. */
 static void a_map_by_hand_has_the_report_by_hand(void **state)
 {
     (void)state;
@@ -268,7 +270,8 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
         {"mean_rgb.0", 1.25}, {"mean_rgb.1", 1.5}, {"mean_rgb.2", 0.875}, {"power", 29 * sr}, {"black_share", 0.25},
         {"brightest_0.1_percent", 0.001 * 8 * 16 / 29}, {"peak.x", 2}, {"peak.y", 1}, {"peak.direction.theta_deg", 120},
         {"peak.direction.phi_deg", 225}, {"peak.direction.x", -a}, {"peak.direction.y", -a}, {"peak.direction.z", -0.5},
-        {"bad_values.nan", 1}, {"bad_values.infinite", 2}, {"bad_values.negative", 3}, {"bad_values.sphere_share", 3 / 8.0},
+        {"bad_values.nan", 1}, {"bad_values.infinite", 2}, {"bad_values.negative", 3},
+         {"bad_values.sphere_share", 3 / 8.0},
         {"regions", 3},
         {"levels.0.from", 1}, {"levels.0.to", 2}, {"levels.0.pixels", 1}, {"levels.0.sphere_share", 1 / 8.0},
         {"levels.0.power_share", 1 / 29.0}, {"levels.0.regions", 1},
@@ -278,18 +281,23 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
         {"levels.2.power_share", 0}, {"levels.2.regions", 0},
         {"levels.3.from", 8}, {"levels.3.to", 16}, {"levels.3.pixels", 1}, {"levels.3.sphere_share", 1 / 8.0},
         {"levels.3.power_share", 16 / 29.0}, {"levels.3.regions", 1},
-        {"largest_regions.0.level", 3}, {"largest_regions.0.power_share", 16 / 29.0}, {"largest_regions.0.solid_angle", sr},
+        {"largest_regions.0.level", 3}, {"largest_regions.0.power_share", 16 / 29.0},
+         {"largest_regions.0.solid_angle", sr},
         {"largest_regions.0.direction.theta_deg", 120}, {"largest_regions.0.direction.phi_deg", 225},
-        {"largest_regions.1.level", 1}, {"largest_regions.1.power_share", 12 / 29.0}, {"largest_regions.1.solid_angle", 4 * sr},
+        {"largest_regions.1.level", 1}, {"largest_regions.1.power_share", 12 / 29.0},
+         {"largest_regions.1.solid_angle", 4 * sr},
         {"largest_regions.1.direction.theta_deg", 120}, {"largest_regions.1.direction.phi_deg", 45},
-        {"largest_regions.1.direction.x", a}, {"largest_regions.1.direction.y", a}, {"largest_regions.1.direction.z", -0.5},
-        {"largest_regions.2.level", 0}, {"largest_regions.2.power_share", 1 / 29.0}, {"largest_regions.2.solid_angle", sr},
+        {"largest_regions.1.direction.x", a}, {"largest_regions.1.direction.y", a},
+         {"largest_regions.1.direction.z", -0.5},
+        {"largest_regions.2.level", 0}, {"largest_regions.2.power_share", 1 / 29.0},
+         {"largest_regions.2.solid_angle", sr},
         {"largest_regions.2.direction.theta_deg", 60}, {"largest_regions.2.direction.phi_deg", 225},
     };
     char value[64];
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         const double found = json_number(json.output, numbers[i].path), expected = numbers[i].value;
-        if (!(fabs(found - expected) <= 3e-7 * fabs(expected))) fail_msg("%s is %.17g", numbers[i].path, found); /* directions are floats */
+        if (!(fabs(found - expected) <= 3e-7 * fabs(expected)))
+            fail_msg("%s is %.17g", numbers[i].path, found); /* directions are floats */
     }
     static const char *const none[] = {"levels.4", "largest_regions.3", "mean_rgb.3"};
     for (int i = 0; i < 3; i++) assert_string_equal(json_value(value, sizeof value, json.output, none[i]), "");
@@ -299,8 +307,8 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
     assert_string_equal(json_value(value, sizeof value, json.output, "power_after"), "null");
 }
 
-/* A region of two pixels, from theta 0 to 45 and to 90 degrees. With a = cos 45 their shares of the solid angle are 1 - a
- * and a, the cosines in their middle (1 + a)/2 and a/2; so the sum of the cosines is (1 - a^2)/2 + a^2/2 = 1/2. */
+/* A region of two pixels, from theta 0 to 45 and to 90 degrees. With a = cos 45 their shares of the solid angle are 1 -
+ * a and a, the cosines in their middle (1 + a)/2 and a/2; so the sum of the cosines is (1 - a^2)/2 + a^2/2 = 1/2. */
 static void the_centre_of_a_region_weighs_pixels_by_their_solid_angles(void **state)
 {
     (void)state;
@@ -330,7 +338,8 @@ static void a_black_map_and_a_plain_one_have_short_reports(void **state)
     program_expect(&r, 0, "envmap " DIR "/black.pfm");
     const char *const end = strstr(r.output, "regions     0 in 0 levels\ntable       ");
     assert_non_null(end);
-    assert_non_null(strstr(r.output, "intensity   min 0, median 0, mean 0, max 0 (r+g+b; min: of the pixels that are not black)\n"));
+    assert_non_null(strstr(r.output, "intensity   min 0, median 0, mean 0, max 0 (r+g+b; min: of the pixels that are "
+                                     "not black)\n"));
     assert_non_null(strstr(r.output, "black       100% of the sphere\nregions"));
     assert_string_equal(strstr(end, " beyond the map"), " beyond the map\n");
     program_expect(&r, 0, "envmap --json " DIR "/black.pfm");
@@ -371,11 +380,13 @@ static void the_report_of_a_probe_has_its_power_before_and_after(void **state)
         assert_near(json_number(r.output, "power_before") / before, 1, 1e-12);
         assert_near(json_number(r.output, "power_after") / after, 1, 1e-12);
         assert_near(json_number(r.output, "power") / after, 1, 1e-12);
-        assert_true(json_number(r.output, "width") == (width ? width : 2 * N) && json_number(r.output, "height") == (width ? width / 2 : N));
+        assert_true(json_number(r.output, "width") == (width ? width : 2 * N) &&
+                    json_number(r.output, "height") == (width ? width / 2 : N));
         assert_string_equal(json_value(value, sizeof value, r.output, "mapping"), "\"angular\"");
         program_expect(&r, 0, "envmap --mapping angular " DIR "/power.pfm%s", option);
-        snprintf(line, sizeof line, "%d x %d, resampled from angular\npower       %.6g before, %.6g after resampling (%+.3f%%)\nintensity ",
-                 width ? width : 2 * N, width ? width / 2 : N, before, after, 100 * (after / before - 1));
+        snprintf(line, sizeof line,
+            "%d x %d, resampled from angular\npower       %.6g before, %.6g after resampling (%+.3f%%)\nintensity ",
+            width ? width : 2 * N, width ? width / 2 : N, before, after, 100 * (after / before - 1));
         if (!strstr(r.output, line)) fail_msg("no %s in %s", line, r.output);
     }
     bis_image_clear(&probe);
@@ -399,9 +410,9 @@ static void read_picture(bis_image *image, const char *path)
 }
 
 /* The map by hand: its regions are, in reading order, of levels 1, 0 and 3; their hues 0, 0.618 and 0.236 turns, their
- * saturations 0.75 - 0.45 h, values 0.25 + 0.75 h, h = 1/3, 0, 1. In sixths of a turn 0.618 is 3.708, between cyan and blue:
- * least, least + what is left, most; 0.236 is 1.416, between yellow and green. All regions are larger than a small light:
- * importance is as intensity is, and the heat of log 3 over log 16. */
+ * saturations 0.75 - 0.45 h, values 0.25 + 0.75 h, h = 1/3, 0, 1. In sixths of a turn 0.618 is 3.708, between cyan and
+ * blue: least, least + what is left, most; 0.236 is 1.416, between yellow and green. All regions are larger than a
+ * small light: importance is as intensity is, and the heat of log 3 over log 16. */
 static void pictures_of_a_map_by_hand_have_the_colours_by_hand(void **state)
 {
     (void)state;
@@ -411,7 +422,8 @@ static void pictures_of_a_map_by_hand_have_the_colours_by_hand(void **state)
     rgb pixels[8];
     const bis_image map = map_by_hand(pixels);
     const double g = 0.6180339887498949, blue = 6 * g - 3, green = 6 * (2 * g - 1) - 1;
-    const rgb black = {0, 0, 0}, of_1 = bis_palette_srgb(0.5, 0.2, 0.2), of_3 = bis_palette_srgb(0.7 + 0.3 * (1 - green), 1, 0.7),
+    const rgb black = {0, 0, 0}, of_1 = bis_palette_srgb(0.5, 0.2, 0.2),
+              of_3 = bis_palette_srgb(0.7 + 0.3 * (1 - green), 1, 0.7),
               of_0 = bis_palette_srgb(0.0625, 0.0625 + (1 - blue) * 0.1875, 0.25);
     const rgb regions[8] = {of_1, black, of_0, black, of_1, of_1, of_3, of_1};
     const double level[8] = {1, -1, 0, -1, 1, 1, 3, 1}, q = log(3) / log(16), heat[8] = {q, -1, 0, -1, q, q, 1, q};
@@ -426,7 +438,9 @@ static void pictures_of_a_map_by_hand_have_the_colours_by_hand(void **state)
             snprintf(path, sizeof path, DIR "/%s-%s.pfm", ways[w].name, what[k]);
             read_picture(&image, path);
             for (int i = 0; i < 8; i++) {
-                const rgb good = rgb_is_finite(pixels[i]) && pixels[i].r >= 0 ? pixels[i] : (rgb){0, pixels[i].g > 0 && i == 5 ? 2 : 0, i == 5 ? 1 : 0};
+                const rgb good = rgb_is_finite(pixels[i]) && pixels[i].r >= 0
+                                     ? pixels[i]
+                                     : (rgb){0, pixels[i].g > 0 && i == 5 ? 2 : 0, i == 5 ? 1 : 0};
                 if (k == 0) assert_colour(image.pixels[i], good);
                 if (k == 1) assert_colour(image.pixels[i], level[i] < 0 ? black : bis_palette_heat(level[i] / 3));
                 if (k == 2) assert_colour(image.pixels[i], regions[i]);
@@ -463,8 +477,8 @@ static void importance_is_seen_from_the_darkest_to_the_brightest_pixel(void **st
     }
 }
 
-/* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright, within 1.6
- * of it the rest is dimmed to 0.3, across the seam, not across the pole. */
+/* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright,
+ * within 1.6 of it the rest is dimmed to 0.3, across the seam, not across the pole. */
 static void assert_dot(int rows, double radius)
 {
     enum { W = 40 };
@@ -482,7 +496,9 @@ static void assert_dot(int rows, double radius)
         for (int x = 0; x < W; x++) {
             const int dx = x < W / 2 ? x : W - x, i = y * W + x;
             const double d = sqrt(dx * dx + y * y) / radius;
-            assert_colour(dotted.pixels[i], d <= 1 ? bright : d <= 1.6 ? rgb_scale(plain.pixels[i], 0.3) : plain.pixels[i]);
+            assert_colour(dotted.pixels[i], d <= 1     ? bright
+                                            : d <= 1.6 ? rgb_scale(plain.pixels[i], 0.3)
+                                                       : plain.pixels[i]);
         }
     }
     bis_image_clear(&plain);
@@ -512,7 +528,8 @@ static double number_in(const char *text, const char *path, int i, int size)
     for (int at = i * size; at < (i + 1) * size; at++) { /* byte `at` has bits of two digits */
         const char *quad = codes + 1 + at / 3 * 4;
         unsigned long bits = 0;
-        for (int k = 0; k < 4; k++) bits = bits << 6 | (quad[k] == '=' ? 0 : (unsigned long)(strchr(digits, quad[k]) - digits));
+        for (int k = 0; k < 4; k++)
+            bits = bits << 6 | (quad[k] == '=' ? 0 : (unsigned long)(strchr(digits, quad[k]) - digits));
         v = 256 * v + (double)(bits >> (16 - 8 * (at % 3)) & 255);
     }
     free(codes);
@@ -525,11 +542,13 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
 {
     (void)state;
     static const double intensity[] = {3, 0, 1, 0, 3, 3, 16, 3}, level[] = {1, 255, 0, 255, 1, 1, 3, 1};
-    static const char *const shown[] = {"<h1>hand.pfm</h1>", "<b>4 × 2</b>pixels, latlong", "<b>16 : 1</b>contrast", "<b>45.5531</b>power",
-        "<b>0.44%</b>of it in the brightest", "<b>25%</b>of the sphere is black", "<b>3</b>regions in 4 levels", "every pixel",
+    static const char *const shown[] = {"<h1>hand.pfm</h1>", "<b>4 × 2</b>pixels, latlong", "<b>16 : 1</b>contrast",
+        "<b>45.5531</b>power", "<b>0.44%</b>of it in the brightest", "<b>25%</b>of the sphere is black",
+        "<b>3</b>regions in 4 levels", "every pixel",
         "<th>3</th><td>8</td><td>16</td><td>1</td><td>12%</td> <td style=`--s:100%`>55%</td><td>1</td>",
-        "<th>1</th><td>2</td><td>4</td><td>4</td><td>50%</td> <td style=`--s:75%`>41%</td><td>1</td>", "Regions with most power",
-        "<th>1</th><td>3</td><td>55%</td><td>1.571 sr</td> <td>120.0</td><td>225.0</td>", NULL};
+        "<th>1</th><td>2</td><td>4</td><td>4</td><td>50%</td> <td style=`--s:75%`>41%</td><td>1</td>",
+        "Regions with most power", "<th>1</th><td>3</td><td>55%</td><td>1.571 sr</td> <td>120.0</td><td>225.0</td>",
+        NULL};
     program_run r;
     rgb pixels[8];
     char why[200];
@@ -538,7 +557,8 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html");
     char *text = page_data(DIR "/hand.html");
     assert_true(json_is_valid(text));
-    assert_true(json_number(text, "places.width") == 4 && json_number(text, "places.height") == 2 && json_number(text, "places.step") == 1);
+    assert_true(json_number(text, "places.width") == 4 && json_number(text, "places.height") == 2 &&
+                json_number(text, "places.step") == 1);
     assert_near(json_number(text, "power"), 29 * PI / 2, 1e-5); /* what --json says is there, too */
     assert_near(json_number(text, "places.least"), 1 / (29 * PI / 2), 1e-7);
     assert_near(json_number(text, "places.most"), 16 / (29 * PI / 2), 1e-6);
@@ -566,12 +586,15 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     size_t size;
     assert_int_equal(bis_file_read(&page, &size, DIR "/hand.html", (bis_loc){0}, NULL), BIS_OK);
     text = (char *)page;
-    if (!html_is_well_formed(text, why, sizeof why) || !html_is_self_contained(text, why, sizeof why)) fail_msg("%s", why);
-    page_in_order(text, (const char *const[]){"<pre id=`text`>map         " DIR "/hand.pfm, 4 x 2", "regions with most power", NULL});
+    if (!html_is_well_formed(text, why, sizeof why) || !html_is_self_contained(text, why, sizeof why))
+        fail_msg("%s", why);
+    page_in_order(text,
+        (const char *const[]){"<pre id=`text`>map         " DIR "/hand.pfm, 4 x 2", "regions with most power", NULL});
     bis_free(text);
 }
 
-/* Of a map of 1442 columns each third pixel is there, the one in the middle, or the last one; a black map has a page. */
+/* Of a map of 1442 columns each third pixel is there, the one in the middle, or the last one; a black map has a page.
+ */
 static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
 {
     (void)state;
@@ -585,7 +608,8 @@ static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
     assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
     program_expect(&r, 0, "envmap " DIR "/large.pfm --levels 2 --html " DIR "/large.html");
     char *text = page_data(DIR "/large.html");
-    assert_true(json_number(text, "places.width") == 481 && json_number(text, "places.height") == 2 && json_number(text, "places.step") == 3);
+    assert_true(json_number(text, "places.width") == 481 && json_number(text, "places.height") == 2 &&
+                json_number(text, "places.step") == 3);
     for (int i = 0; i < 481 * 2; i += i < 4 ? 1 : 479) {
         const bool is_bright = i == 1 || i == 2 * 481 - 1;
         assert_true(number_in(text, "places.level", i, 1) == is_bright);
@@ -609,9 +633,11 @@ static void options_end_where_they_say(void **state)
     static const struct { const char *option; bool taken; } cases[] = {
         {"--width 1", true}, {"--width 65536", true}, {"--width 0", false}, {"--width 65537", false},
         {"--levels 1", true}, {"--levels 254", true}, {"--levels 0", false}, {"--levels 255", false},
-        {"--areaexponent 0", true}, {"--areaexponent 10", true}, {"--areaexponent -1e-9", false}, {"--areaexponent 10.001", false},
+        {"--areaexponent 0", true}, {"--areaexponent 10", true}, {"--areaexponent -1e-9", false},
+         {"--areaexponent 10.001", false},
         {"--samples 0", true}, {"--samples 1000000", true}, {"--samples 1000001", false},
-        {"--mapping latlong", true}, {"--mapping angular", true}, {"--mapping equalarea", true}, {"--mapping cubestrip", true},
+        {"--mapping latlong", true}, {"--mapping angular", true}, {"--mapping equalarea", true},
+         {"--mapping cubestrip", true},
         {"--mapping sphere", false}, {"--to equalarea --out " DIR "/to.exr", true}, {"--to sphere", false},
     };
     program_run r;
@@ -620,7 +646,8 @@ static void options_end_where_they_say(void **state)
         assert_true((strstr(r.messages, "missing.hdr") != NULL) == cases[i].taken);
     }
     program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.gif");
-    assert_string_equal(r.messages, "bis: error: --out \"" DIR "/x.gif\": the ending must be .exr, .pfm, .hdr or .png\n");
+    assert_string_equal(
+        r.messages, "bis: error: --out \"" DIR "/x.gif\": the ending must be .exr, .pfm, .hdr or .png\n");
     program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.png --outdir " DIR);
     assert_string_equal(r.messages, "bis: error: --out and --outdir exclude each other\n");
 }
@@ -650,7 +677,8 @@ static void a_map_is_converted_and_comes_back(void **state)
         figures[1] = strtod(strstr(before, "before, ") + 8, NULL);
         assert_near(figures[0] / power, 1, 1e-5);
         assert_near(figures[1] / power, 1, 1e-5);
-        program_expect(&r, 0, "envmap --mapping %s " DIR "/%s.exr --to latlong --width 64 --out " DIR "/back.pfm", name, name);
+        program_expect(
+            &r, 0, "envmap --mapping %s " DIR "/%s.exr --to latlong --width 64 --out " DIR "/back.pfm", name, name);
         bis_image back;
         bis_envmap other;
         assert_int_equal(bis_image_read(&back, DIR "/back.pfm", (bis_loc){0}, NULL), BIS_OK);
@@ -664,7 +692,8 @@ static void a_map_is_converted_and_comes_back(void **state)
     }
     bis_envmap_clear(&em);
     program_expect(&r, 2, "envmap " DIR "/there.pfm --to equalarea");
-    assert_string_equal(r.messages, "bis: error: --to equalarea writes one map: name it by --out FILE, without --outdir, --html and --json\n");
+    assert_string_equal(r.messages,
+        "bis: error: --to equalarea writes one map: name it by --out FILE, without --outdir, --html and --json\n");
     program_expect(&r, 2, "envmap " DIR "/there.pfm --to verticalcross --width 100 --out " DIR "/x.exr");
     assert_non_null(strstr(r.messages, "its width, 100, must be a multiple of 3"));
 }

@@ -74,7 +74,8 @@ static void read_table(table *t, const char *path)
 {
     size_t size;
     bis_diag diag = {0};
-    if (bis_file_read(&t->data, &size, path, (bis_loc){0}, &diag)) fail_msg("%s", diag.n ? diag.messages[0].text : path);
+    if (bis_file_read(&t->data, &size, path, (bis_loc){0}, &diag))
+        fail_msg("%s", diag.n ? diag.messages[0].text : path);
     bis_diag_clear(&diag);
     t->n_rows = 0;
     for (char *line = (char *)t->data, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
@@ -127,13 +128,16 @@ static bool is_near(double a, double b) { return fabs(a - b) <= 1e-9 * fmax(fabs
 static void assert_run_is(const table *runs, const char *setting, const char *options, const char *passes)
 {
     int row = 1;
-    while (row < runs->n_rows && (strcmp(text_at(runs, row, "setting"), setting) != 0 || strcmp(text_at(runs, row, "passes"), passes) != 0)) row++;
+    while (row < runs->n_rows &&
+           (strcmp(text_at(runs, row, "setting"), setting) != 0 || strcmp(text_at(runs, row, "passes"), passes) != 0))
+        row++;
     if (row == runs->n_rows) fail_msg("no run of %s", setting);
 
     program_run r;
     bis_image a, b;
     bis_comparison c;
-    program_expect(&r, 0, SCENE " %s --spp %s --seed %s --outfile " DIR "/run.exr", options, passes, text_at(runs, row, "seed"));
+    program_expect(
+        &r, 0, SCENE " %s --spp %s --seed %s --outfile " DIR "/run.exr", options, passes, text_at(runs, row, "seed"));
     read_image(&a, DIR "/run.exr");
     read_image(&b, DIR "/given.exr");
     assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
@@ -170,7 +174,10 @@ static void a_run_has_the_pixels_of_the_full_render(void **state)
     int k = 0;
 
     program_expect(&r, 0, SCENE " %s --integrator mis --samples 4 --spp 4 --seed 5 --outfile %s", size, given);
-    program_expect(&r, 0, "trade " SCENE " %s --reference %s --nthreads 1 --time 0.5 --passes 2 --seeds 1 --integrator em --output " DIR "/thin", size, given);
+    program_expect(&r, 0,
+        "trade " SCENE " %s --reference %s --nthreads 1 --time 0.5 --passes 2 --seeds 1 --integrator em --output " DIR
+        "/thin",
+        size, given);
     FILE *f = fopen(DIR "/thin/plan.txt", "r");
     for (char line[256]; fgets(line, sizeof line, f);) (void)sscanf(line, "step %d", &k);
     fclose(f);
@@ -178,7 +185,8 @@ static void a_run_has_the_pixels_of_the_full_render(void **state)
     read_table(&runs, DIR "/thin/runs.csv");
     int row = 1;
     while (strcmp(text_at(&runs, row, "setting"), "em 16") != 0) row++;
-    program_expect(&r, 0, SCENE " %s --integrator em --samples 16 --spp %s --seed %s --outfile " DIR "/run.exr", size, text_at(&runs, row, "passes"), text_at(&runs, row, "seed"));
+    program_expect(&r, 0, SCENE " %s --integrator em --samples 16 --spp %s --seed %s --outfile " DIR "/run.exr", size,
+        text_at(&runs, row, "passes"), text_at(&runs, row, "seed"));
     read_image(&a, DIR "/run.exr");
     read_image(&b, given);
     const int w = (W - k / 2 + k - 1) / k, h = (H - k / 2 + k - 1) / k;
@@ -190,7 +198,8 @@ static void a_run_has_the_pixels_of_the_full_render(void **state)
         thin_b.pixels[i] = b.pixels[there];
     }
     assert_int_equal(bis_compare(&c, &thin_a, &thin_b, NULL), BIS_OK);
-    assert_true(number_at(&runs, row, "rmse") == c.rmse && number_at(&runs, row, "relmse") == c.relmse && number_at(&runs, row, "bias") == c.bias);
+    assert_true(number_at(&runs, row, "rmse") == c.rmse && number_at(&runs, row, "relmse") == c.relmse &&
+                number_at(&runs, row, "bias") == c.bias);
     bis_image_clear(&a);
     bis_image_clear(&b);
     bis_image_clear(&thin_a);
@@ -207,7 +216,8 @@ static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_ow
     assert_int_equal((runs.n_rows - 1) % 6, 0);
     for (int i = 1; i < runs.n_rows; i++) {
         for (int k = 1; k < i; k++) {
-            const bool same = strcmp(text_at(&runs, i, "setting"), text_at(&runs, k, "setting")) == 0 && number_at(&runs, i, "passes") == number_at(&runs, k, "passes");
+            const bool same = strcmp(text_at(&runs, i, "setting"), text_at(&runs, k, "setting")) == 0 &&
+                              number_at(&runs, i, "passes") == number_at(&runs, k, "passes");
             assert_false(same && number_at(&runs, i, "replicate") == number_at(&runs, k, "replicate"));
             assert_string_not_equal(text_at(&runs, i, "seed"), text_at(&runs, k, "seed"));
         }
@@ -222,7 +232,8 @@ static void no_two_columns_of_a_table_have_one_name(void **state)
 {
     (void)state;
     assert_int_equal(system("for f in " DIR "/own/*.csv " DIR "/given/*.csv; do head -n 1 $f | tr ',' '\\n' | sort | "
-                            "uniq -d | sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! test -s "
+                            "uniq -d | sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! "
+                            "test -s "
                             DIR "/twice"), 0);
 }
 
@@ -261,9 +272,9 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     bis_trade_unload(&t);
 }
 
-/* A square of 1 x 1.25 before four pixels of 1 x 1: it covers an eighth of each of the upper two, half of each of the lower,
- * where 16 rays a pixel say so exactly. The upper have a luminance of 8 and the lower of 1, so the weighted mean of the
- * logarithms to base 2 is 3 (1/8) / (1/8 + 1/2) = 0.6. */
+/* A square of 1 x 1.25 before four pixels of 1 x 1: it covers an eighth of each of the upper two, half of each of the
+ * lower, where 16 rays a pixel say so exactly. The upper have a luminance of 8 and the lower of 1, so the weighted mean
+ * of the logarithms to base 2 is 3 (1/8) / (1/8 + 1/2) = 0.6. */
 static void the_exposure_weighs_each_pixel_by_what_is_covered_of_it(void **state)
 {
     (void)state;
@@ -273,7 +284,8 @@ static void the_exposure_weighs_each_pixel_by_what_is_covered_of_it(void **state
         "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\nIntegrator \"em\"\n"
         "Camera \"orthographic\" \"float screenwindow\" [-1 1 -1 1]\nWorldBegin\n"
         "LightSource \"infinite\" \"string filename\" \"map.pfm\"\n"
-        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-.5 -1 2  .5 -1 2  .5 .25 2  -.5 .25 2]\n");
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-.5 -1 2  .5 -1 2  .5 .25 2  -.5 .25 "
+        "2]\n");
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     assert_int_equal(bis_image_init(&t.both.image, 2, 2, NULL), BIS_OK);
     for (int i = 0; i < 4; i++) t.both.image.pixels[i] = i < 2 ? (rgb){8, 8, 8} : (rgb){1, 1, 1};
@@ -326,7 +338,8 @@ static void assert_table_follows(const char *folder, double share, double se_mis
         assert_true(is_near(number_at(&trade, i, "bias_se"), hypot((v[0] - v[1]) / 2, by_sir ? se_sir : se_mis)));
         bool dominated = false;
         for (int k = 1; k < trade.n_rows; k++) {
-            dominated |= number_at(&trade, k, "seconds") < number_at(&trade, i, "seconds") && number_at(&trade, k, "noise") < number_at(&trade, i, "noise");
+            dominated |= number_at(&trade, k, "seconds") < number_at(&trade, i, "seconds") &&
+                         number_at(&trade, k, "noise") < number_at(&trade, i, "noise");
         }
         assert_int_equal(number_at(&trade, i, "pareto"), !dominated);
     }
@@ -388,7 +401,8 @@ static double relmse_of(const double a[OWN_VALUES], const double b[OWN_VALUES])
 {
     double m = 0, sum = 0;
     for (int i = 0; i < OWN_VALUES; i++) m += b[i] / OWN_VALUES;
-    for (int i = 0; i < OWN_VALUES; i++) sum += (a[i] - b[i]) * (a[i] - b[i]) / (b[i] * b[i] + m * m / 100) / OWN_VALUES;
+    for (int i = 0; i < OWN_VALUES; i++)
+        sum += (a[i] - b[i]) * (a[i] - b[i]) / (b[i] * b[i] + m * m / 100) / OWN_VALUES;
     return sum;
 }
 
@@ -400,7 +414,8 @@ static void the_references_noise_is_measured_and_subtracted_and_no_method_judges
     judge_reference("mis", picture[0], &share[0], &se[0], &mean[0]);
     judge_reference("sir", picture[1], &share[1], &se[1], &mean[1]);
     assert_true(share[0] > 0 && share[1] > 0);
-    assert_true(fabs(mean[0] - mean[1]) < 5 * hypot(se[0], se[1])); /* two methods, one integral; se of 7 dof: beyond 5 once in 1000 */
+    assert_true(fabs(mean[0] - mean[1]) <
+                5 * hypot(se[0], se[1])); /* two methods, one integral; se of 7 dof: beyond 5 once in 1000 */
     assert_table_follows(DIR "/own", 1 / (1 / share[0] + 1 / share[1]), se[0], se[1]);
 
     /* one run again, its distance from the reference by the other method and from the mean of both */
@@ -410,14 +425,16 @@ static void the_references_noise_is_measured_and_subtracted_and_no_method_judges
     read_table(&runs, DIR "/own/runs.csv");
     int row = 1;
     while (strcmp(text_at(&runs, row, "setting"), "sir 64/4") != 0) row++;
-    program_expect(&r, 0, SCENE " --resolution 24x16 --candidates 64 --shadowrays 4 --spp %s --seed %s --outfile " DIR "/run.exr", text_at(&runs, row, "passes"),
-                   text_at(&runs, row, "seed"));
+    program_expect(&r, 0,
+        SCENE " --resolution 24x16 --candidates 64 --shadowrays 4 --spp %s --seed %s --outfile " DIR "/run.exr",
+        text_at(&runs, row, "passes"), text_at(&runs, row, "seed"));
     read_values(own, DIR "/run.exr");
     for (int i = 0; i < OWN_VALUES; i++) both[i] = weight * picture[0][i] + (1 - weight) * picture[1][i];
     const double float_rounding = 1e-5; /* references are kept as float, and so is their mean */
     assert_true(fabs(number_at(&runs, row, "relmse") / relmse_of(own, picture[0]) - 1) < float_rounding);
     assert_true(fabs(number_at(&runs, row, "relmse_both") / relmse_of(own, both) - 1) < float_rounding);
-    assert_true(fabs(number_at(&runs, row, "relmse_both") / relmse_of(own, picture[0]) - 1) > 1e-3); /* the twin: the other method alone */
+    assert_true(fabs(number_at(&runs, row, "relmse_both") / relmse_of(own, picture[0]) - 1) >
+                1e-3); /* the twin: the other method alone */
     clear_table(&runs);
 }
 
@@ -429,14 +446,26 @@ static void forge(bis_trade *t, double v, double floor)
     memset(t, 0, sizeof *t);
     t->desc = bis_alloc(1, sizeof *t->desc);
     assert_non_null(t->desc);
-    t->plan = (bis_trade_plan){.n_settings = 1, .n_seeds = 2, .width = 10, .height = 10, .full_width = 20, .full_height = 10, .run_seconds = 0.32};
-    t->plan.settings[0] = (bis_trade_setting){.name = "em 16", .settings = bis_settings_default(&bis_em), .is_swept = true, .levels = 6};
+    t->plan = (bis_trade_plan){.n_settings = 1,
+        .n_seeds = 2,
+        .width = 10,
+        .height = 10,
+        .full_width = 20,
+        .full_height = 10,
+        .run_seconds = 0.32};
+    t->plan.settings[0] =
+        (bis_trade_setting){.name = "em 16", .settings = bis_settings_default(&bis_em), .is_swept = true, .levels = 6};
     t->both.relmse = 0.001;
     t->references[1].se = 0.25;
     for (int level = 0; level < 6; level++) {
         for (int k = 0; k < 2; k++) {
             const double passes = exp2(level);
-            const bis_trade_run run = {.level = level, .replicate = k, .seconds = 0.01 * passes, .rmse = 1, .relmse_both = 0.001 + floor + (k + 1) * v / passes, .bias = k};
+            const bis_trade_run run = {.level = level,
+                .replicate = k,
+                .seconds = 0.01 * passes,
+                .rmse = 1,
+                .relmse_both = 0.001 + floor + (k + 1) * v / passes,
+                .bias = k};
             assert_int_equal(bis_trade_add_run(t, &run, NULL), BIS_OK);
         }
     }
@@ -463,7 +492,8 @@ static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state
     assert_true(is_near(t.result.points[0].bias_se, hypot(0.5, 0.25)));
 
     const double at_one = sqrt(1.5 * 0.36); /* error of one pass, 0.01 s */
-    assert_true(is_near(bis_trade_error_at(&t.result, &t.plan, 0, 0.03, &extrapolated), at_one / sqrt(3)) && !extrapolated);
+    assert_true(
+        is_near(bis_trade_error_at(&t.result, &t.plan, 0, 0.03, &extrapolated), at_one / sqrt(3)) && !extrapolated);
     assert_true(is_near(bis_trade_error_at(&t.result, &t.plan, 0, 0.64, &extrapolated), at_one / 8) && extrapolated);
     assert_true(isnan(bis_trade_error_at(&t.result, &t.plan, 0, 0.009, &extrapolated)));
     assert_true(is_near(bis_trade_seconds_to(&t.result, &t.plan, 0, at_one / 3, &extrapolated), 0.09) && !extrapolated);
@@ -518,12 +548,14 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
         if (semicolon) *semicolon = '\0';
         snprintf(scene, sizeof scene, "%s\nWorldBegin\n", text);
         program_write_file(DIR "/line.txt", scene);
-        if (bis_scene_parse(&desc, DIR "/line.txt", &diag)) fail_msg("%s: %s", text, diag.n ? diag.messages[0].text : "?");
+        if (bis_scene_parse(&desc, DIR "/line.txt", &diag))
+            fail_msg("%s: %s", text, diag.n ? diag.messages[0].text : "?");
         bis_diag_clear(&diag);
         const bis_settings *a = &desc->view.settings, *b = &s->settings;
         assert_ptr_equal(a->integrator, b->integrator);
         const bool by_candidates = a->integrator == &bis_sir || a->integrator == &bis_rejection;
-        if (by_candidates) assert_true(a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal);
+        if (by_candidates)
+            assert_true(a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal);
         else assert_true(a->samples == b->samples);
         assert_true(a->stratify == b->stratify && a->resampling == b->resampling && a->estimator == b->estimator);
         assert_true(a->heuristic == b->heuristic && a->compensate == b->compensate && a->split == b->split);
@@ -542,11 +574,14 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
     for (int learn = 0; learn < 2; learn++) {
         bis_trade t = {.o = {.scene = DIR "/learn.txt"}};
         char text[128], scene[512];
-        snprintf(scene, sizeof scene, "Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" 16 \"string proposal\" \"product\" "
-                 "\"bool learn\" %s\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n", learn ? "true" : "false");
+        snprintf(scene, sizeof scene,
+            "Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" 16 \"string proposal\" \"product\" "
+            "\"bool learn\" %s\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n",
+            learn ? "true" : "false");
         program_write_file(DIR "/learn.txt", scene);
         assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
-        const int plain = bis_trade_find_setting(&t.plan, "sir 256/16 product"), learned = bis_trade_find_setting(&t.plan, "sir 256/16 product learned");
+        const int plain = bis_trade_find_setting(&t.plan, "sir 256/16 product"),
+                  learned = bis_trade_find_setting(&t.plan, "sir 256/16 product learned");
         assert_true(plain >= 0 && learned >= 0);
         assert_true(!t.plan.settings[plain].settings.learn && t.plan.settings[learned].settings.learn);
         assert_int_equal(t.plan.settings[plain].is_scenes, !learn);
@@ -555,7 +590,8 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
         assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product");
         bis_trade_option_text(text, &t.plan.settings[learned], t.desc->light.area_exponent);
         assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product --learn on");
-        const int independent = bis_trade_find_setting(&t.plan, "sir 256/16 independent"); /* resampling has no option */
+        const int independent =
+            bis_trade_find_setting(&t.plan, "sir 256/16 independent"); /* resampling has no option */
         bis_trade_option_text(text, &t.plan.settings[independent], t.desc->light.area_exponent);
         assert_string_equal(text, "");
         bis_trade_clear(&t);
@@ -564,12 +600,13 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
 
 /* ---- what is advised ---- */
 
-/* A setting that is advised twice is timed once: a pass of it takes as long in either. Twins: the seconds of the whole, and
- * those of another setting. */
+/* A setting that is advised twice is timed once: a pass of it takes as long in either. Twins: the seconds of the whole,
+ * and those of another setting. */
 static void the_seconds_of_a_setting_are_those_of_its_passes(void **state)
 {
     (void)state;
-    bis_trade_advice all[3] = {{.setting = 4, .passes = 5, .seconds = 10}, {.setting = 2, .passes = 3, .seconds = 99}, {.setting = 4, .passes = 20, .seconds = 1}};
+    bis_trade_advice all[3] = {{.setting = 4, .passes = 5, .seconds = 10}, {.setting = 2, .passes = 3, .seconds = 99},
+        {.setting = 4, .passes = 20, .seconds = 1}};
     assert_false(bis_trade_take_known_seconds(all, 0));
     assert_false(bis_trade_take_known_seconds(all, 1));
     assert_true(all[1].seconds == 99);
@@ -672,7 +709,9 @@ static void what_is_promised_comes_out(void **state)
         t.plan.full_width = t.plan.width = 24;
         t.plan.full_height = t.plan.height = 16;
         const int em = bis_trade_find_setting(&t.plan, "em 16"), mis = bis_trade_find_setting(&t.plan, "mis 16");
-        assert_int_equal(bis_trade_render(&t, &(bis_trade_job){&t.plan.settings[mis], 1, 4, 5}, &t.both.image, &result, NULL), BIS_OK);
+        assert_int_equal(
+            bis_trade_render(&t, &(bis_trade_job){&t.plan.settings[mis], 1, 4, 5}, &t.both.image, &result, NULL),
+            BIS_OK);
         bis_comparison reference;
         assert_int_equal(bis_compare(&reference, &t.both.image, &truth, NULL), BIS_OK);
         t.both.relmse = reference.relmse;
@@ -702,7 +741,8 @@ static void what_is_promised_comes_out(void **state)
 /* All that is not time. */
 static void assert_same_runs(const char *path_a, const char *path_b)
 {
-    static const char *const columns[] = {"setting", "passes", "replicate", "seed", "camera_rays", "shadow_rays", "candidates", "rmse", "relmse", "bias", "relmse_both"};
+    static const char *const columns[] = {"setting", "passes", "replicate", "seed", "camera_rays", "shadow_rays",
+        "candidates", "rmse", "relmse", "bias", "relmse_both"};
     table a, b;
     read_table(&a, path_a);
     read_table(&b, path_b);
@@ -718,7 +758,9 @@ static void lost_runs_are_measured_again_and_are_the_same(void **state)
 {
     (void)state;
     program_run r;
-    assert_int_equal(system("cp -r " DIR "/own " DIR "/lost && sed -i '5,40d' " DIR "/lost/runs.csv && rm " DIR "/lost/report.html " DIR "/lost/references/sir-3.exr"), 0);
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/lost && sed -i '5,40d' " DIR "/lost/runs.csv && rm " DIR
+                            "/lost/report.html " DIR "/lost/references/sir-3.exr"),
+        0);
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/lost");
     assert_same_runs(DIR "/own/runs.csv", DIR "/lost/runs.csv");
     assert_true(program_exists(DIR "/lost/report.html"));
@@ -744,24 +786,32 @@ static void no_run_at_all_is_an_error(void **state)
 {
     (void)state;
     program_run r;
-    assert_int_equal(system("cp -r " DIR "/own " DIR "/none && sed -i '2,$d' " DIR "/none/runs.csv && rm " DIR "/none/report.html"), 0);
+    assert_int_equal(
+        system("cp -r " DIR "/own " DIR "/none && sed -i '2,$d' " DIR "/none/runs.csv && rm " DIR "/none/report.html"),
+        0);
     program_expect(&r, 2, "trade " SCENE " --resume --time 0.001 --nthreads 1 --output " DIR "/none");
     assert_non_null(strstr(r.messages, "bis: error: 0 of "));
-    assert_non_null(strstr(r.messages, "none fitted into 0.001 s, so there is no advice and no page; go on with --resume --time for about "));
+    assert_non_null(strstr(r.messages, "none fitted into 0.001 s, so there is no advice and no page; go on with "
+                                       "--resume --time for about "));
     assert_string_equal(r.output, "");
     assert_false(program_exists(DIR "/none/report.html"));
-    program_expect(&r, 0, "trade " SCENE " --resume --time 100 --nthreads 1 --output " DIR "/none"); /* the twin, and the way out */
+    program_expect(&r, 0,
+        "trade " SCENE " --resume --time 100 --nthreads 1 --output " DIR "/none"); /* the twin, and the way out */
     assert_same_runs(DIR "/own/runs.csv", DIR "/none/runs.csv");
 }
 
-/* By the probe, and not after a pilot of minutes: 384 pixels of this setting take some 30 s each pass, of 4 s for everything. */
+/* By the probe, and not after a pilot of minutes: 384 pixels of this setting take some 30 s each pass, of 4 s for
+ * everything. */
 static void a_scene_that_is_too_slow_is_refused_before_its_pilot(void **state)
 {
     (void)state;
     program_run r;
-    assert_int_equal(system("sed 's/^Integrator.*/Integrator \"sir\" \"integer candidates\" 1048576 \"integer shadowrays\" 4096/' " SCENE " >" DIR "/slow.txt && "
-                            "grep -q 1048576 " DIR "/slow.txt"), 0);
-    program_expect(&r, 2, "trade " DIR "/slow.txt --time 4 --nthreads 1 --seeds 2 --integrator sir --output " DIR "/slow");
+    assert_int_equal(system("sed 's/^Integrator.*/Integrator \"sir\" \"integer candidates\" 1048576 \"integer "
+                            "shadowrays\" 4096/' " SCENE " >" DIR "/slow.txt && "
+                            "grep -q 1048576 " DIR "/slow.txt"),
+        0);
+    program_expect(
+        &r, 2, "trade " DIR "/slow.txt --time 4 --nthreads 1 --seeds 2 --integrator sir --output " DIR "/slow");
     /* the second: the machine has so much other work that the rest of the pilot took the 4 s */
     assert_true(strstr(r.messages, "bis: error: 4 s are too few: a single pass of the scene's own setting, ") ||
                 strstr(r.messages, "bis: error: 4 s are too few: the pilot alone, "));
@@ -775,7 +825,9 @@ static void a_finished_measurement_resumes_to_itself(void **state)
     assert_int_equal(system("cp -r " DIR "/own " DIR "/again"), 0);
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/again");
     assert_non_null(strstr(r.output, DIR "/again/report.html\n"));
-    assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/again/runs.csv && cmp -s " DIR "/own/trade.csv " DIR "/again/trade.csv"), 0);
+    assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/again/runs.csv && cmp -s " DIR "/own/trade.csv " DIR
+                            "/again/trade.csv"),
+        0);
     assert_int_equal(system("cmp -s " DIR "/own/pictures.csv " DIR "/again/pictures.csv"), 0);
 }
 
@@ -785,10 +837,13 @@ static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
     const struct timespec pause = {0, 5000000};
     program_run r;
     table t;
-    const char command[] = "trade " SCENE " --passes 4096 --seeds 1 --nthreads 1 --time 10 --integrator mis --reference " DIR "/given.exr --output " DIR "/stopped";
+    const char command[] =
+        "trade " SCENE " --passes 4096 --seeds 1 --nthreads 1 --time 10 --integrator mis --reference " DIR
+        "/given.exr --output " DIR "/stopped";
     pid_t pid = program_start(command);
     program_wait_for_handler(pid, SIGINT);
-    for (int i = 0; i < 12000 && !program_exists(DIR "/stopped/runs.csv"); i++) nanosleep(&pause, NULL); /* the first is written after a second */
+    for (int i = 0; i < 12000 && !program_exists(DIR "/stopped/runs.csv"); i++)
+        nanosleep(&pause, NULL); /* the first is written after a second */
     kill(pid, SIGINT);
     program_finish(&r, pid);
     assert_int_equal(r.exit_status, 130);
@@ -798,8 +853,11 @@ static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
     assert_true(before > 1);
     assert_int_equal((int)number_at(&t, 1, "passes"), 1);
     clear_table(&t);
-    assert_int_equal(system("cp " DIR "/stopped/runs.csv " DIR "/before.csv && sed -i 's/^setting 13 /setting 6 /;s/^run_seconds .*/run_seconds 0.01/' " DIR "/stopped/plan.txt && "
-                            "awk -F, 'NR == 1 || $2 <= 32' " DIR "/before.csv > " DIR "/stopped/runs.csv"), 0); /* enough for a test */
+    assert_int_equal(
+        system("cp " DIR "/stopped/runs.csv " DIR "/before.csv && sed -i 's/^setting 13 /setting 6 /;s/^run_seconds "
+                                                  ".*/run_seconds 0.01/' " DIR "/stopped/plan.txt && "
+               "awk -F, 'NR == 1 || $2 <= 32' " DIR "/before.csv > " DIR "/stopped/runs.csv"),
+        0); /* enough for a test */
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/stopped");
     read_table(&t, DIR "/stopped/runs.csv");
     assert_true((t.n_rows - 1) % 6 == 0);
@@ -812,7 +870,13 @@ static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state
     (void)state;
     static volatile sig_atomic_t flag = 1;
     const char *const integrators[] = {"mis"};
-    const bis_trade_options o = {.scene = SCENE, .folder = DIR "/own", .seconds = 4, .resume = true, .n_threads = 1, .integrators = integrators, .interrupted = &flag};
+    const bis_trade_options o = {.scene = SCENE,
+        .folder = DIR "/own",
+        .seconds = 4,
+        .resume = true,
+        .n_threads = 1,
+        .integrators = integrators,
+        .interrupted = &flag};
     bis_trade t = {.n_runs = 0};
     bis_diag diag = {0};
     bool interrupted;
@@ -928,14 +992,20 @@ static void the_checker_of_pages_can_fail(void **state)
 {
     (void)state;
     static const char *const broken[] = {
-        "<p></p>", "<!DOCTYPE html><p>", "<!DOCTYPE html></p>", "<!DOCTYPE html><p><b></p></b>", "<!DOCTYPE html><p class=x></p>", "<!DOCTYPE html><p>a & b</p>",
-        "<!DOCTYPE html><p>a < b</p>", "<!DOCTYPE html><p title=\"a></p>", "<!DOCTYPE html><style>p{}", "<!DOCTYPE html><br>",
+        "<p></p>", "<!DOCTYPE html><p>", "<!DOCTYPE html></p>", "<!DOCTYPE html><p><b></p></b>",
+        "<!DOCTYPE html><p class=x></p>", "<!DOCTYPE html><p>a & b</p>",
+        "<!DOCTYPE html><p>a < b</p>", "<!DOCTYPE html><p title=\"a></p>", "<!DOCTYPE html><style>p{}",
+        "<!DOCTYPE html><br>",
     };
-    static const char *const foreign[] = {"<a href=\"x\"/>", "see http://example.org", "url(x.png)", "<img src=\"x\"/>", "@import x"};
+    static const char *const foreign[] = {
+        "<a href=\"x\"/>", "see http://example.org", "url(x.png)", "<img src=\"x\"/>", "@import x"};
     char why[200];
-    assert_true(html_is_well_formed("<!DOCTYPE html>\n<p a=\"1\">x &amp; <b>y</b><br/></p><script>a<b&&c</script>", why, sizeof why));
-    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) assert_false(html_is_well_formed(broken[i], why, sizeof why));
-    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) assert_false(html_is_self_contained(foreign[i], why, sizeof why));
+    assert_true(html_is_well_formed(
+        "<!DOCTYPE html>\n<p a=\"1\">x &amp; <b>y</b><br/></p><script>a<b&&c</script>", why, sizeof why));
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++)
+        assert_false(html_is_well_formed(broken[i], why, sizeof why));
+    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
+        assert_false(html_is_self_contained(foreign[i], why, sizeof why));
     assert_true(html_is_self_contained("url(data:image/png;base64,AAAA)", why, sizeof why));
 }
 
@@ -945,7 +1015,8 @@ static void odd_names_do_not_break_the_page(void **state)
     char why[200];
     program_run r;
     assert_int_equal(rename(SCENE, DIR "/a<b>&\"c'.txt"), 0);
-    program_expect(&r, 0, "trade " DIR "/a<b>&\"c'.txt --nthreads 1 --time 2 --passes 1 --seeds 1 --integrator em --output " DIR "/odd");
+    program_expect(&r, 0,
+        "trade " DIR "/a<b>&\"c'.txt --nthreads 1 --time 2 --passes 1 --seeds 1 --integrator em --output " DIR "/odd");
     assert_int_equal(rename(DIR "/a<b>&\"c'.txt", SCENE), 0);
     char *page = read_page(DIR "/odd/report.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
@@ -984,7 +1055,8 @@ static void bad_input_is_told_and_nothing_is_lost(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_runf(&r, "trade " SCENE " --nthreads 1 --output " DIR "/bad %s", cases[i].arguments);
         const int expected = strstr(cases[i].arguments, "nowhere") ? 1 : 2;
-        if (r.exit_status != expected || !strstr(r.messages, cases[i].says)) fail_msg("%s: %d\n%s", cases[i].arguments, r.exit_status, r.messages);
+        if (r.exit_status != expected || !strstr(r.messages, cases[i].says))
+            fail_msg("%s: %d\n%s", cases[i].arguments, r.exit_status, r.messages);
         assert_false(program_exists(DIR "/bad"));
     }
     program_expect(&r, 1, "trade " DIR "/nothing.txt --output " DIR "/bad");
@@ -1148,9 +1220,11 @@ static void a_constant_light_is_measured_too(void **state)
 {
     (void)state;
     program_run r;
-    program_write_file(DIR "/constant.txt", "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\nLookAt 0 0 -4 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
+    program_write_file(DIR "/constant.txt", "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\nLookAt "
+                                            "0 0 -4 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
                                             "LightSource \"infinite\"\nShape \"sphere\"\n");
-    program_expect(&r, 0, "trade " DIR "/constant.txt --nthreads 1 --time 4 --passes 2 --seeds 2 --output " DIR "/constant");
+    program_expect(
+        &r, 0, "trade " DIR "/constant.txt --nthreads 1 --time 4 --passes 2 --seeds 2 --output " DIR "/constant");
     char why[200], *page = read_page(DIR "/constant/report.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     bis_free(page);
@@ -1173,10 +1247,12 @@ static void a_given_reference_gives_the_pixels_of_the_thin_film(void **state)
     const bis_film all = bis_film_place(10, 10, crop, 1), some = bis_film_place(10, 10, crop, 3);
     bis_image full, thin;
     assert_int_equal(bis_image_init(&full, 7, 5, NULL), BIS_OK);
-    for (int i = 0; i < 35; i++) full.pixels[i] = (rgb){(float)(2 + i % 7), (float)(3 + i / 7), 1}; /* its place in the picture */
+    for (int i = 0; i < 35; i++)
+        full.pixels[i] = (rgb){(float)(2 + i % 7), (float)(3 + i / 7), 1}; /* its place in the picture */
     assert_int_equal(bis_trade_thin(&thin, &full, &all, &some, NULL), BIS_OK);
     assert_true(thin.width == 2 && thin.height == 2); /* 4 and 7 of 1, 4, 7; rows 4 and 7 */
-    for (int i = 0; i < 4; i++) assert_true(thin.pixels[i].r == (float)(4 + 3 * (i % 2)) && thin.pixels[i].g == (float)(4 + 3 * (i / 2)));
+    for (int i = 0; i < 4; i++)
+        assert_true(thin.pixels[i].r == (float)(4 + 3 * (i % 2)) && thin.pixels[i].g == (float)(4 + 3 * (i / 2)));
     bis_image_clear(&full);
     bis_image_clear(&thin);
 }

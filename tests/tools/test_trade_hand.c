@@ -543,7 +543,8 @@ static void assert_value(const char *text, const char *path, const char *wanted)
 static void assert_number(const char *text, const char *path, double wanted)
 {
     const double is = json_number(text, path);
-    if (!(fabs(is - wanted) <= 1e-9 * fmax(fabs(is), fabs(wanted)))) fail_msg("%s is %.12g, not %.12g", path, is, wanted);
+    if (!(fabs(is - wanted) <= 1e-9 * fmax(fabs(is), fabs(wanted))))
+        fail_msg("%s is %.12g, not %.12g", path, is, wanted);
 }
 
 /* The strip's methods err most at the lower right corner, both of them; one has a firefly, which counts as half. What
@@ -605,9 +606,9 @@ static void forge_page(bis_trade *t)
     t->plan.width = 16, t->plan.height = 8, t->plan.full_width = 32, t->plan.full_height = 16;
 }
 
-/* Settings come in the order of cost x variance. Rays for each pixel: 110 for a pass (1.5 or 2 of them, by the seeds) of
- * 128 pixels. The standard error of a root is half the relative one of the square. A bias is a share of the mean of the
- * reference that judged it: 0.5 by mis, 0.51 by sir. Windows are a quarter of 16 x 8. */
+/* Settings come in the order of cost x variance. Rays for each pixel: 110 for a pass (1.5 or 2 of them, by the seeds)
+ * of 128 pixels. The standard error of a root is half the relative one of the square. A bias is a share of the mean of
+ * the reference that judged it: 0.5 by mis, 0.51 by sir. Windows are a quarter of 16 x 8. */
 static void the_data_are_what_follows_from_the_runs(void **state)
 {
     (void)state;
@@ -616,7 +617,8 @@ static void the_data_are_what_follows_from_the_runs(void **state)
         const char *path;
         double value;
     } numbers[] = {
-        {"runs", 29}, {"planned", 33}, {"advice.1.candidates", 64}, {"advice.1.shadowrays", 4}, {"advice.1.seconds", 10.2},
+        {"runs", 29}, {"planned", 33}, {"advice.1.candidates", 64}, {"advice.1.shadowrays", 4},
+         {"advice.1.seconds", 10.2},
         {"advice.1.error", 0.13}, {"advice.1.passes", 3}, {"advice.2.samples", 16}, {"advice.2.passes", 24},
         {"advice.2.seconds", 96}, {"times.0", 0.5}, {"times.3", 4}, {"errors.0", 0.02}, {"errors.5", 0.2},
         {"settings.0.cost_variance", 0.1 / 3}, {"settings.0.points.0.seconds", 0.5}, {"settings.0.points.0.error", 0.2},
@@ -625,18 +627,22 @@ static void the_data_are_what_follows_from_the_runs(void **state)
         {"settings.2.slope", -1}, {"settings.2.points.2.passes", 4}, {"settings.2.points.2.bias", -0.1 / 0.51},
         {"settings.2.points.3.error", 0.04419417382415922}, {"settings.2.error_at.1.value", 0.5},
         {"settings.2.seconds_to.5.value", 2.5}, {"settings.4.slope", -0.5}, {"settings.4.slope_se", 0.02},
-        {"settings.4.points.1.rays", 110 * 2 * 2 / 128.0}, {"settings.4.points.1.error", 0.5}, {"settings.4.points.1.seconds", 3},
+        {"settings.4.points.1.rays", 110 * 2 * 2 / 128.0}, {"settings.4.points.1.error", 0.5},
+         {"settings.4.points.1.seconds", 3},
         {"film.width", 16}, {"film.height", 8}, {"film.full_width", 32}, {"film.full_height", 16}, {"film.step", 2},
         {"run_seconds", 4}, {"seeds", 3}, {"threads", 2}, {"references.0.renders", 8}, {"references.0.passes", 5},
-        {"references.0.mean", 0.5}, {"references.0.se", 0.06}, {"references.0.noise", 0.2}, {"references.1.noise", 0.15},
+        {"references.0.mean", 0.5}, {"references.0.se", 0.06}, {"references.0.noise", 0.2},
+         {"references.1.noise", 0.15},
         {"noise", 0.125}, {"difference", 0.02}, {"difference_se", 0.1}, {"left_out.0.pass_seconds", 30},
-        {"left_out.1.pass_seconds", 90}, {"crops.0.x", 12}, {"crops.0.y", 6}, {"crops.0.width", 4}, {"crops.0.height", 2},
+        {"left_out.1.pass_seconds", 90}, {"crops.0.x", 12}, {"crops.0.y", 6}, {"crops.0.width", 4},
+         {"crops.0.height", 2},
         {"crops.1.x", 2}, {"crops.1.y", 2}, {"shots.0.passes", 8}, {"shots.0.seconds", 3.9}, {"shots.0.error", 0.2},
         {"shots.1.error", 0.05}};
     static const struct {
         const char *path, *value;
     } texts[] = {{"scene", "`a/hand.txt`"}, {"version", "`" BIS_VERSION "`"}, {"complete", "false"}, {"given", "false"},
-                 {"best", "`mis 16`"}, {"advice.0.setting", "null"}, {"advice.1.method", "`sir`"}, {"advice.1.samples", "null"},
+                 {"best", "`mis 16`"}, {"advice.0.setting", "null"}, {"advice.1.method", "`sir`"},
+                  {"advice.1.samples", "null"},
                  {"advice.1.extrapolated", "false"}, {"advice.2.extrapolated", "true"}, {"advice.1.options", "``"},
                  {"advice.2.options", "`--integrator mis --samples 16`"}, {"advice.2.candidates", "null"},
                  {"settings.0.biased", "true"}, {"settings.0.method", "`rejection`"}, {"settings.2.own", "true"},
@@ -644,7 +650,8 @@ static void the_data_are_what_follows_from_the_runs(void **state)
                  {"settings.0.points.0.pareto", "true"}, {"settings.0.points.1.pareto", "false"},
                  {"settings.2.points.2.bias_se", "null"}, {"settings.2.error_at.0.value", "null"},
                  {"settings.1.error_at.2.extrapolated", "true"}, {"references.0.judges", "`sir and rejection`"},
-                 {"references.1.name", "`sir 64/4`"}, {"left_out.0.name", "`brdf 16`"}, {"shots.1.setting", "`mis 16`"}};
+                 {"references.1.name", "`sir 64/4`"}, {"left_out.0.name", "`brdf 16`"},
+                  {"shots.1.setting", "`mis 16`"}};
     bis_trade t;
     char path[64];
     forge_page(&t);
@@ -655,7 +662,8 @@ static void the_data_are_what_follows_from_the_runs(void **state)
         snprintf(wanted, sizeof wanted, "`%s`", names[i]);
         assert_value(text, path, wanted);
     }
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) assert_number(text, numbers[i].path, numbers[i].value);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        assert_number(text, numbers[i].path, numbers[i].value);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) assert_value(text, texts[i].path, texts[i].value);
     assert_error_picture(&t, text);
     free(text);
@@ -679,7 +687,8 @@ static void assert_point(const char *page, const char *title, double x, double y
     while (at > page && strncmp(at, "<path d=\"M", 10) != 0) at--;
     assert_int_equal(sscanf(at, "<path d=\"M%lf %lf", is, is + 1), 2);
     if (fabs(is[0] - (left + x * (right - left))) > 0.0051 || fabs(is[1] - (bottom + y * (top - bottom))) > 0.0051)
-        fail_msg("%s is at %g, %g, not at %g, %g", title, is[0], is[1], left + x * (right - left), bottom + y * (top - bottom));
+        fail_msg("%s is at %g, %g, not at %g, %g", title, is[0], is[1], left + x * (right - left),
+            bottom + y * (top - bottom));
 }
 
 /* Axes: 0.5 ... 8 s are 0.4 ... 10 s, a ratio of 25; errors sqrt(1/512) ... sqrt(1/2), a ratio of 16, are one of 23.04.
@@ -689,36 +698,51 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     (void)state;
     static const char *const parts[] = {
         "<h1>hand.txt</h1>", "29 of 33 planned runs", "<h3>preview</h3><p class=`big`>?</p>",
-        "<p>For a good picture, with errors of about 13% of a pixel’s value, use <b>sir</b> with 64 candidates and 4 shadow rays, "
-        "3 samples in a pixel: 10 s for 32 × 16 pixels.</p> <code>Integrator &quot;sir&quot; &quot;integer candidates&quot; 64 "
+        "<p>For a good picture, with errors of about 13% of a pixel’s value, use <b>sir</b> with 64 candidates and 4 "
+        "shadow rays, "
+        "3 samples in a pixel: 10 s for 32 × 16 pixels.</p> <code>Integrator &quot;sir&quot; &quot;integer "
+        "candidates&quot; 64 "
         "&quot;integer shadowrays&quot; 4; in LightSource: &quot;float areaexponent&quot; 1.15<br/>bis a/hand.txt "
         "<span>--spp 3</span></code>",
-        "~ 96 s", "about 4.9% of", "<b>mis</b> with 16 light samples, 24 samples in a pixel: 96 s for 32 × 16 pixels, extrapolated from",
+        "~ 96 s", "about 4.9% of", "<b>mis</b> with 16 light samples, 24 samples in a pixel: 96 s for 32 × 16 pixels, "
+        "extrapolated from",
         "bis a/hand.txt <span>--integrator mis</span> <span>--samples 16</span> <span>--spp 24</span></code>",
-        ">0.5 s</text>", ">1 s</text>", ">10 s</text>", ">5%</text>", ">50%</text>", "noise of the reference, subtracted",
+        ">0.5 s</text>", ">1 s</text>", ">10 s</text>", ">5%</text>", ">50%</text>",
+        "noise of the reference, subtracted",
         "<title>mis 64</title>", "rejection 100/8, 2 passes: 20% in 1 s", "mis 16, 8 passes: 4.4% in 8 s",
-        "em 16, 4 passes: 35% in 6 s", ">em 16</text>", ">slope −0.50 ± 0.02</text>", ">mis 16</text>", ">slope −1.00</text>",
+        "em 16, 4 passes: 35% in 6 s", ">em 16</text>", ">slope −0.50 ± 0.02</text>", ">mis 16</text>",
+        ">slope −1.00</text>",
         "rays for each pixel",
         "<div class=`row k-rejection biased`><span>rejection 100/8 <em>biased</em></span> <span class=`track`>"
         "<i style=`width:18.0%`></i></span> <span>1.0×</span>",
-        "k-sir`><span>sir 64/4</span> <span class=`track`><i style=`width:28.5%`></i><b style=`left:0.0%;width:43.7%`></b></span> "
-        "<span>1.5×</span>", "mis 16 <em>the scene&#39;s</em>", "width:32.4%", "width:62.7%", "5.6×", "width:100.0%", "left:84.5%;width:15.5%",
+        "k-sir`><span>sir 64/4</span> <span class=`track`><i style=`width:28.5%`></i><b "
+        "style=`left:0.0%;width:43.7%`></b></span> "
+        "<span>1.5×</span>", "mis 16 <em>the scene&#39;s</em>", "width:32.4%", "width:62.7%", "5.6×", "width:100.0%",
+        "left:84.5%;width:15.5%",
         "24×", "had about 4 s", "the mean of both", "left:75.00%;top:75.00%", "left:12.50%;top:25.00%",
-        "background-position:100.00% 100.00%", "background-position:16.67% 33.33%", "8 passes, 3.9 s, biased", "<b>20%</b>",
+        "background-position:100.00% 100.00%", "background-position:16.67% 33.33%", "8 passes, 3.9 s, biased",
+        "<b>20%</b>",
         "1 pass, 4.1 s", "<b>5%</b>", "<label>left", "<option value=`p0` selected=`selected`>rejection", "<label>right",
         "<option value=`p1` selected=`selected`>mis 16", "<th>0.5 s</th><th>1 s</th><th>2 s</th><th>4 s</th>",
-        "rejection 100/8 <em>biased</em></th><td style=`--s:100%`>20%</td><td style=`--s:100%`>20%</td><td class=`none`>–</td>"
+        "rejection 100/8 <em>biased</em></th><td style=`--s:100%`>20%</td><td style=`--s:100%`>20%</td><td "
+        "class=`none`>–</td>"
         "<td class=`none`>–</td>",
-        "sir 64/4</th><td class=`none`>–</td><td style=`--s:92%`>22%</td><td style=`--s:100%`>~16%</td><td style=`--s:100%`>~11%</td>",
-        "</th><td class=`none`>–</td><td style=`--s:34%`>50%</td><td style=`--s:67%`>25%</td><td style=`--s:92%`>12%</td>",
+        "sir 64/4</th><td class=`none`>–</td><td style=`--s:92%`>22%</td><td style=`--s:100%`>~16%</td><td "
+        "style=`--s:100%`>~11%</td>",
+        "</th><td class=`none`>–</td><td style=`--s:34%`>50%</td><td style=`--s:67%`>25%</td><td "
+        "style=`--s:92%`>12%</td>",
         "All settings", "mis 64", "~22%",
         "<th>20%</th><th>15%</th><th>10%</th><th>5%</th><th>3%</th><th>2%</th>",
         "sir 64/4</th><td style=`--s:34%`>~1.2 s</td><td style=`--s:100%`>~2.2 s</td><td style=`--s:95%`>~5 s</td>",
         "rejection 100/8 <em>biased</em></th> <td>1</td><td>0.5 s</td><td>20%</td> <td>+10% ± 31%</td>",
-        "<td>4</td><td>4 s</td><td>12%</td> <td>−20%</td>", "<td>8</td><td>8 s</td><td>4.4%</td> <td>+20% ± 21%</td>",
-        "16 × 8 pixels of the scene’s 32 × 16: of each 2 × 2", "29 of 33: each setting", "up to 4 s, 3 seeds each, on 2 threads",
-        "reference for sir and rejection</dt><dd>mis 64, 8 renders of 5 passes with seeds of their own: mean 0.5, standard error 6% of "
-        "it; noise 20%", "mean 0.51, standard error 7.8% of it; noise 15%", "its noise, 12%, is subtracted", "differ by 2% ± 10%",
+        "<td>4</td><td>4 s</td><td>12%</td> <td>−20%</td>",
+        "<td>8</td><td>8 s</td><td>4.4%</td> <td>+20% ± 21%</td>",
+        "16 × 8 pixels of the scene’s 32 × 16: of each 2 × 2", "29 of 33: each setting",
+        "up to 4 s, 3 seeds each, on 2 threads",
+        "reference for sir and rejection</dt><dd>mis 64, 8 renders of 5 passes with seeds of their own: mean 0.5, "
+        "standard error 6% of "
+        "it; noise 20%", "mean 0.51, standard error 7.8% of it; noise 15%", "its noise, 12%, is subtracted",
+        "differ by 2% ± 10%",
         "brdf 16 (30 s a pass), brdf 64 (90 s a pass).", NULL};
     bis_trade t;
     forge_page(&t);
@@ -726,7 +750,8 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     assert_shown(parts);
     char *page = page_shown(DIR "/report.html", DIR);
     for (int k = 0; page && k < 3; k++) {
-        static const char *const at[] = {"em 16, 2 passes: 50% in 3 s<", "mis 16, 8 passes: 4.4% in 8 s<", "rejection 100/8, 1 pass: 20% in 0.5 s<"};
+        static const char *const at[] = {
+            "em 16, 2 passes: 50% in 3 s<", "mis 16, 8 passes: 4.4% in 8 s<", "rejection 100/8, 1 pass: 20% in 0.5 s<"};
         static const double seconds[] = {3, 8, 0.5}, squares[] = {0.25, 1 / 512.0, 0.04};
         assert_point(page, at[k], log(seconds[k] / 0.4) / log(25), log(1.2 * sqrt(512 * squares[k])) / log(23.04));
     }
@@ -734,27 +759,34 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     clear(&t);
 }
 
-/* One seed, one thread, every pixel, a given reference, one picture; the best is the first of the table, a biased one has
- * nothing but the reference's noise. Bars: em 0.5 s, log 2/log 4 of mis's 1 s. Cells: half of a pixel after 2 s; after 4 s
- * 0.5/sqrt(2), and mis's 0.5 is 1 - log4 sqrt(2) as strong. All windows are alike: the first, and the first beside it. */
+/* One seed, one thread, every pixel, a given reference, one picture; the best is the first of the table, a biased one
+ * has nothing but the reference's noise. Bars: em 0.5 s, log 2/log 4 of mis's 1 s. Cells: half of a pixel after 2 s;
+ * after 4 s 0.5/sqrt(2), and mis's 0.5 is 1 - log4 sqrt(2) as strong. All windows are alike: the first, and the first
+ * beside it. */
 static void the_page_counts_one_as_one(void **state)
 {
     (void)state;
     bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 1,
                    .o = {.scene = "hand.txt", .folder = DIR}, .is_complete = true};
     static const char *const parts[] = {
-        "<h1>hand.txt</h1>", "use <b>em</b> with 1 light sample (stratified), 1 sample in a pixel: 2 s for 4 × 2 pixels.</p>",
+        "<h1>hand.txt</h1>", "use <b>em</b> with 1 light sample (stratified), 1 sample in a pixel: 2 s for 4 × 2 "
+        "pixels.</p>",
         "64 candidates and 1 shadow ray (independent), 2 samples in a pixel: 3 s for 4 × 2 pixels, extrapolated",
-        "<h3>final picture</h3><p class=`big`>?</p>", "biased</em></span> <span class=`track`><i style=`width:0.0%`></i></span> <span>0.0×",
+        "<h3>final picture</h3><p class=`big`>?</p>", "biased</em></span> <span class=`track`><i "
+        "style=`width:0.0%`></i></span> <span>0.0×",
         "em 16 stratified</span> <span class=`track`><i style=`width:50.0%`></i></span> <span>1.0×",
-        "mis 16 scene&#39;s own</span> <span class=`track`><i style=`width:100.0%`></i></span> <span>2.0×", "had about 4 s", "as given",
-        "left:0.00%;top:0.00%", "left:25.00%;top:0.00%", "background-position:33.33% 0.00%", "1 pass, 2 s", "<b>50%</b>",
+        "mis 16 scene&#39;s own</span> <span class=`track`><i style=`width:100.0%`></i></span> <span>2.0×",
+        "had about 4 s", "as given",
+        "left:0.00%;top:0.00%", "left:25.00%;top:0.00%", "background-position:33.33% 0.00%", "1 pass, 2 s",
+        "<b>50%</b>",
         "<option value=`ref`>reference</option>", "<option value=`p0` selected=`selected`>em 16",
-        "<th>1 s</th><th>2 s</th><th>4 s</th>", "biased</em></th><td style=`--s:100%`>0%</td><td class=`none`>–</td><td class=`none`>",
+        "<th>1 s</th><th>2 s</th><th>4 s</th>", "biased</em></th><td style=`--s:100%`>0%</td><td "
+        "class=`none`>–</td><td class=`none`>",
         "em 16 stratified</th><td class=`none`>–</td><td style=`--s:100%`>50%</td><td style=`--s:100%`>~35%</td>",
         "own</th><td class=`none`>–</td><td class=`none`>–</td><td style=`--s:75%`>50%</td>",
         "<th>200%</th><th>100%</th><th>50%</th><th>30%</th><th>20%</th><th>15%</th>",
-        "<td>1</td><td>1 s</td><td>below the reference&#39;s</td> <td>−20%</td>", "all 4 × 2 pixels", "up to 4 s, 1 seed each, on 1 thread.",
+        "<td>1</td><td>1 s</td><td>below the reference&#39;s</td> <td>−20%</td>", "all 4 × 2 pixels",
+        "up to 4 s, 1 seed each, on 1 thread.",
         "as given by --reference", "by</dt><dd>bis " BIS_VERSION, NULL};
     assert_non_null(t.desc);
     t.desc->view.film.crop[1] = t.desc->view.film.crop[3] = 1;
@@ -818,8 +850,8 @@ static void the_page_counts_one_as_one(void **state)
     clear(&t);
 }
 
-/* Where nothing has noise there is no plot. Beyond 2.6 decades only powers of ten have a figure; thousands of rays are k:
- * 100 and 2000 for each pixel, of 8. */
+/* Where nothing has noise there is no plot. Beyond 2.6 decades only powers of ten have a figure; thousands of rays are
+ * k: 100 and 2000 for each pixel, of 8. */
 static void plots_have_the_figures_of_their_range(void **state)
 {
     (void)state;
@@ -832,8 +864,9 @@ static void plots_have_the_figures_of_their_range(void **state)
     p[0].camera_rays = 600, p[0].shadow_rays = 200;
     p[1].camera_rays = 4000, p[1].shadow_rays = 12000;
     write_page(&t);
-    assert_shown((const char *const[]){"<svg", ">0.1 s</text>", ">1 s</text>", ">10 s</text>", ">1%</text>", ">10%</text>", ">100%</text>",
-        "<svg", ">100</text>", ">200</text>", ">500</text>", ">1k</text>", ">2k</text>", NULL});
+    assert_shown(
+        (const char *const[]){"<svg", ">0.1 s</text>", ">1 s</text>", ">10 s</text>", ">1%</text>", ">10%</text>",
+            ">100%</text>", "<svg", ">100</text>", ">200</text>", ">500</text>", ">1k</text>", ">2k</text>", NULL});
     char *page = page_shown(DIR "/report.html", DIR);
     if (page) assert_null(strstr(page, ">2 s</text>")), assert_null(strstr(page, ">5%</text>"));
     free(page);
@@ -853,7 +886,8 @@ static void without_a_script_the_page_is_text(void **state)
     write_page(&t);
     char *page = read_text(DIR "/report.html");
     page_in_order(page, (const char *const[]){"<noscript>", "<pre id=`text`>", "final picture", "~96 s",
-        "29 of 33 runs in " DIR "/report.html\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s", "4.4% yes\n",
+        "29 of 33 runs in " DIR "/report.html\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s",
+        "4.4% yes\n",
         "rejection 100/8 ", "</pre>", "</noscript>", NULL});
     bis_free(page);
     clear(&t);
@@ -1222,8 +1256,9 @@ static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
     }
 }
 
-/* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the scene
- * file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit for bit. */
+/* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the
+ * scene file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit
+ * for bit. */
 static void a_light_of_its_own_is_built_as_the_scenes(void **state)
 {
     (void)state;
@@ -1252,7 +1287,8 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
         t.plan.full_width = 24, t.plan.full_height = 16;
         const bis_trade_setting *s = &t.plan.settings[bis_trade_find_setting(&t.plan, cases[i % 3].setting)];
         assert_int_equal(bis_trade_render(&t, &(bis_trade_job){s, 1, 2, 7}, &image, &result, NULL), BIS_OK);
-        program_expect(&r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
+        program_expect(
+            &r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
         assert_int_equal(bis_image_read(&right, DIR "/own/right.pfm", (bis_loc){0}, NULL), BIS_OK);
         assert_memory_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
         bis_image_clear(&image);
@@ -1548,7 +1584,8 @@ static void each_damage_has_its_place_and_its_words(void **state)
     bis_trade_clear(&t);
 }
 
-/* A plan measures at least a pixel and at most 360000: 600 x 600, one row more is refused; of 24 x 16 every fourth, 2, 6, 10,
+/* A plan measures at least a pixel and at most 360000: 600 x 600, one row more is refused; of 24 x 16 every fourth, 2,
+ * 6, 10,
  * ..., a crop of row 8 alone, or of column 12, has none. */
 static void a_plan_has_pixels_and_not_too_many(void **state)
 {
@@ -1574,8 +1611,10 @@ static void a_plan_has_pixels_and_not_too_many(void **state)
         memcpy(t.desc->view.film.crop, cases[i].crop, sizeof cases[i].crop);
         assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
         assert_int_equal(bis_trade_read_plan(&t, &diag), cases[i].pixels ? BIS_INPUT : BIS_OK);
-        snprintf(expected, sizeof expected, DIR "/plan.txt: error: by \"full\" and \"step\" %s pixels are to be measured, must "
-                 "be at least 1 and at most 360000; the file is damaged, measure into a new folder", cases[i].pixels);
+        snprintf(expected, sizeof expected,
+            DIR "/plan.txt: error: by \"full\" and \"step\" %s pixels are to be measured, must "
+                "be at least 1 and at most 360000; the file is damaged, measure into a new folder",
+            cases[i].pixels);
         assert_int_equal(diag.n, cases[i].pixels ? 1 : 0);
         if (diag.n) assert_string_equal(diag.messages[0].text, expected);
         bis_diag_clear(&diag);
@@ -1585,8 +1624,8 @@ static void a_plan_has_pixels_and_not_too_many(void **state)
 
 /* ---- references ---- */
 
-/* Replicate k of "mis" or "sir": k + 1 in red, as much and twice as much in green and blue of all pixels but one, which is
- * 3 in each channel, and one that is 64 times as dark. */
+/* Replicate k of "mis" or "sir": k + 1 in red, as much and twice as much in green and blue of all pixels but one, which
+ * is 3 in each channel, and one that is 64 times as dark. */
 static rgb of_replicate(int which, int k, int pixel)
 {
     const double v = (which ? 4 * (k + 1) : k + 1) / (pixel == 5 ? 64.0 : 1);
@@ -1715,7 +1754,8 @@ static void a_reference_of_another_size_is_refused(void **state)
     }
 }
 
-/* Two renders of one pixel, (1, 2, 4) and (3, 2, 0): the variances are 2, 0 and 8, the mean is (2, 2, 2), and so is m. */
+/* Two renders of one pixel, (1, 2, 4) and (3, 2, 0): the variances are 2, 0 and 8, the mean is (2, 2, 2), and so is m.
+ */
 static void each_channel_scatters_by_itself(void **state)
 {
     (void)state;
@@ -1851,7 +1891,8 @@ static bis_trade_advice checked_from(uint32_t first, uint32_t passes, double err
     memset(t.both.image.pixels, 0, 24 * sizeof(rgb));
     t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.5};
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
-        t.result.advice[i] = (bis_trade_advice){"final picture", error, i == 1 ? em : -1, first, 4.0 * first, -1, false};
+        t.result.advice[i] =
+            (bis_trade_advice){"final picture", error, i == 1 ? em : -1, first, 4.0 * first, -1, false};
     }
     d->n = 0;
     if (variance) {
@@ -1895,8 +1936,8 @@ static void assert_fewest(const bis_trade_advice *a)
     assert_near(a->seconds, 4.0 * a->passes);
 }
 
-/* Without time there is one attempt, of one pass each: what follows for more passes is the root law's. --passes 1 asks for
- * no clock: it goes on with what is advised, as far as 64 passes; beyond, the root law again. */
+/* Without time there is one attempt, of one pass each: what follows for more passes is the root law's. --passes 1 asks
+ * for no clock: it goes on with what is advised, as far as 64 passes; beyond, the root law again. */
 static void advice_is_put_to_the_proof(void **state)
 {
     (void)state;
@@ -1927,13 +1968,14 @@ static void advice_is_put_to_the_proof(void **state)
     assert_true(none.passes == 3 && none.seconds == 12 && none.expected_error == -1 && !none.is_extrapolated);
 }
 
-/* The first attempt has 81 passes = 9 x 9. Its scatter says that 72 = 8 x 9, 81 or 90 = 9 x 10 are needed: by at most 15 %
- * others, so its word is the last. When it says 64, 100 or more, the next attempt is made with these. */
+/* The first attempt has 81 passes = 9 x 9. Its scatter says that 72 = 8 x 9, 81 or 90 = 9 x 10 are needed: by at most
+ * 15 % others, so its word is the last. When it says 64, 100 or more, the next attempt is made with these. */
 static void what_is_close_enough_is_not_rendered_again(void **state)
 {
     (void)state;
     static const struct { double wanted, passes; bool is_last; } cases[] = {
-        {63.5, 64, false}, {71.5, 72, true}, {80.5, 81, true}, {89.5, 90, true}, {99.5, 100, false}, {109.5, 110, false}};
+        {63.5, 64, false}, {71.5, 72, true}, {80.5, 81, true}, {89.5, 90, true}, {99.5, 100, false},
+         {109.5, 110, false}};
     diary d;
     double variance;
     checked_from(81, 2, 0.5, NULL, &d, &variance);
@@ -1949,8 +1991,8 @@ static void what_is_close_enough_is_not_rendered_again(void **state)
     }
 }
 
-/* All renders of an attempt have at most 64 times the passes of --passes together: with 1, four of 16 and eight of 4, the
- * most there are. With 7, four of 90, because five have two passes too many. */
+/* All renders of an attempt have at most 64 times the passes of --passes together: with 1, four of 16 and eight of 4,
+ * the most there are. With 7, four of 90, because five have two passes too many. */
 static void renders_are_as_many_as_64_budgets_allow(void **state)
 {
     (void)state;
@@ -2041,8 +2083,8 @@ static bis_status pictured(bis_trade *t, bis_diag *diag)
 static bis_status tabled(bis_trade *t, bis_diag *diag) { return bis_trade_write_tables(t, diag); }
 static bis_status reported(bis_trade *t, bis_diag *diag) { return bis_trade_write_report(t, diag); }
 
-/* The parts of a measurement that goes on, each with its k-th allocation failing after the ones before it went well: it says
- * that there is no memory, and nothing stays behind. */
+/* The parts of a measurement that goes on, each with its k-th allocation failing after the ones before it went well: it
+ * says that there is no memory, and nothing stays behind. */
 static void each_part_says_that_there_is_no_memory(void **state)
 {
     (void)state;
@@ -2137,16 +2179,19 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
         {3, "-1", "seed"}, {4, "1.1e12", "seconds"}, {4, "-1e-9", "seconds"}, {5, "9223372036854777856", "camera_rays"},
         {5, "0.5", "camera_rays"}, {6, "9223372036854777856", "shadow_rays"}, {6, "-1", "shadow_rays"},
         {7, "9223372036854777856", "candidates"}, {7, "x", "candidates"}, {8, "1e309", "rmse"}, {8, "-1e-9", "rmse"},
-        {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"}, {10, "nan", "bias"},
+        {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"},
+         {10, "nan", "bias"},
         {11, "1e309", "relmse_both"}, {11, "-1e-9", "relmse_both"}, {11, "1 1", "relmse_both"}, {11, "", "relmse_both"},
     };
     char text[2048];
     bis_trade t;
 
     const unsigned long long print = fingerprint_of_two();
-    snprintf(text, sizeof text, "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740991\n"
-             "run_seconds 1e9\ngiven 1\nreference 0 1 mis 16\nreference 1 4194304 sir 64/4\nsetting 21 1e9 1e9 0 em 16\n"
-             "setting 0 1e-300 0 nan sir 64/4\n", print);
+    snprintf(text, sizeof text,
+        "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740991\n"
+        "run_seconds 1e9\ngiven 1\nreference 0 1 mis 16\nreference 1 4194304 sir 64/4\nsetting 21 1e9 1e9 0 em 16\n"
+        "setting 0 1e-300 0 nan sir 64/4\n",
+        print);
     program_write_file(DIR "/folder/plan.txt", text);
     snprintf(text, sizeof text, RUNS "%s\nem 16,1,1,0,0,0,0,0,0,0,1.3e308,0\n", good);
     program_write_file(DIR "/folder/runs.csv", text);
@@ -2154,20 +2199,25 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     const bis_trade_plan *p = &t.plan, fresh = t.plan;
     assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
     assert_int_equal(bis_trade_read_runs(&t, NULL), BIS_OK);
-    assert_true(p->full_width == 32768 && p->full_height == 32768 && p->step == 32768 && p->width == 1 && p->height == 1);
+    assert_true(
+        p->full_width == 32768 && p->full_height == 32768 && p->step == 32768 && p->width == 1 && p->height == 1);
     assert_true(p->n_seeds == 16 && p->seed == BIS_SEED_MAX && p->run_seconds == 1e9 && p->is_given);
     assert_true(p->reference_passes[0] == 1 && p->reference_passes[1] == 4194304);
     const int em = bis_trade_find_setting(p, "em 16"), sir = bis_trade_find_setting(p, "sir 64/4");
     const bis_trade_setting *a = &p->settings[em], *b = &p->settings[sir];
-    assert_true(a->is_swept && a->levels == 21 && a->pass_seconds == 1e9 && a->fill_seconds == 1e9 && a->pass_relmse == 0);
-    assert_true(b->is_swept && b->levels == 0 && b->pass_seconds == 1e-300 && b->fill_seconds == 0 && isnan(b->pass_relmse));
+    assert_true(
+        a->is_swept && a->levels == 21 && a->pass_seconds == 1e9 && a->fill_seconds == 1e9 && a->pass_relmse == 0);
+    assert_true(
+        b->is_swept && b->levels == 0 && b->pass_seconds == 1e-300 && b->fill_seconds == 0 && isnan(b->pass_relmse));
     assert_int_equal(t.n_runs, 2);
     const bis_trade_run *most = &t.runs[0], *least = &t.runs[1];
     assert_true(most->setting == em && most->level == 20 && most->replicate == 15 && most->seed == BIS_SEED_MAX);
-    assert_true(most->seconds == 1e12 && most->camera_rays == (uint64_t)1 << 63 && most->shadow_rays == (uint64_t)1 << 63);
+    assert_true(
+        most->seconds == 1e12 && most->camera_rays == (uint64_t)1 << 63 && most->shadow_rays == (uint64_t)1 << 63);
     assert_true(most->candidates == (uint64_t)1 << 63 && most->rmse == 1.7e308 && most->relmse == 1.6e308);
     assert_true(most->bias == -1.5e308 && most->relmse_both == 1.4e308);
-    assert_true(least->level == 0 && least->replicate == 0 && least->seed == 0 && least->seconds == 0 && least->bias == 1.3e308);
+    assert_true(least->level == 0 && least->replicate == 0 && least->seed == 0 && least->seconds == 0 &&
+                least->bias == 1.3e308);
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char line[512], expected[1024];
@@ -2182,8 +2232,10 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
         bis_diag diag = {0};
         assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
         assert_int_equal(bis_trade_read_runs(&t, &diag), BIS_INPUT);
-        snprintf(expected, sizeof expected, DIR "/folder/runs.csv:2:1: error: \"%s\" is no run of plan.txt, by its %s; remove "
-                 "the line and it is measured again", line, cases[i].name);
+        snprintf(expected, sizeof expected,
+            DIR "/folder/runs.csv:2:1: error: \"%s\" is no run of plan.txt, by its %s; remove "
+                "the line and it is measured again",
+            line, cases[i].name);
         assert_string_equal(diag.messages[0].text, expected);
         bis_diag_clear(&diag);
     }

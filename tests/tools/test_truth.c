@@ -34,14 +34,15 @@ static bis_truth truth_of(const bis_point *pt, uint64_t seed)
 
 static double measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
 
-/* Brute force is good to 1e-4 (lit.h): midpoints, in patches that are all seen or all hidden. No ray exceeds the bound of
- * its cell, for lobes narrower than a patch (0.05) as well. */
+/* Brute force is good to 1e-4 (lit.h): midpoints, in patches that are all seen or all hidden. No ray exceeds the bound
+ * of its cell, for lobes narrower than a patch (0.05) as well. */
 static void it_is_brute_force_within_its_bound(void **state)
 {
     (void)state;
     const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
-    const bis_material materials[] = {bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20), bis_phong(grey(0), grey(0.9), 300),
-                                      bis_microfacet(grey(0.3), (rgb){0.9f, 0.5f, 0.1f}, 0.4), bis_phong(grey(0.5), grey(0), 1)};
+    const bis_material materials[] = {bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20),
+        bis_phong(grey(0), grey(0.9), 300), bis_microfacet(grey(0.3), (rgb){0.9f, 0.5f, 0.1f}, 0.4),
+        bis_phong(grey(0.5), grey(0), 1)};
     for (size_t i = 0; i < 3; i++) {
         bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
         for (size_t k = 0; k < 4; k++) {
@@ -49,17 +50,21 @@ static void it_is_brute_force_within_its_bound(void **state)
             lit_init(&l, light, materials[k], normalize((vec3){0.3f, -0.4f, 0.8f}), 40, k % 2 ? LIT_OPEN : LIT_HALF);
             const bis_truth t = truth_of(&l.pt, 1 + k);
             const double seen = measure(lit_truth(&l, true)), open = measure(lit_truth(&l, false));
-            if (!(fabs(t.lit.mean[3] - seen) <= bis_truth_bound(&t.lit, chance) + 1e-4 * seen)) fail_msg("lit: map %zu, material %zu", i, k);
-            if (!(fabs(t.open.mean[3] - open) <= bis_truth_bound(&t.open, chance) + 1e-4 * open)) fail_msg("open: map %zu, material %zu", i, k);
+            if (!(fabs(t.lit.mean[3] - seen) <= bis_truth_bound(&t.lit, chance) + 1e-4 * seen))
+                fail_msg("lit: map %zu, material %zu", i, k);
+            if (!(fabs(t.open.mean[3] - open) <= bis_truth_bound(&t.open, chance) + 1e-4 * open))
+                fail_msg("open: map %zu, material %zu", i, k);
             assert_true(bis_truth_bound(&t.lit, chance) < 0.02 * open);
-            if (!(t.worst <= 1)) fail_msg("a ray is %g times the bound of its cell: map %zu, material %zu", t.worst, i, k);
+            if (!(t.worst <= 1))
+                fail_msg("a ray is %g times the bound of its cell: map %zu, material %zu", t.worst, i, k);
             assert_near(t.lit.mean[3], measure((rgbd){t.lit.mean[0], t.lit.mean[1], t.lit.mean[2]}), 1e-9 * seen);
         }
         bis_light_free(light);
     }
 }
 
-/* A lobe of 0.001 in patches of 0.2: constant light in one patch and its neighbours, so the answer is that of a furnace. */
+/* A lobe of 0.001 in patches of 0.2: constant light in one patch and its neighbours, so the answer is that of a
+ * furnace. */
 static void a_lobe_far_narrower_than_a_patch_is_found(void **state)
 {
     (void)state;
@@ -70,10 +75,12 @@ static void a_lobe_far_narrower_than_a_patch_is_found(void **state)
     assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, NULL), BIS_OK);
     for (int k = 0; k < 4; k++) { /* the lobe in the middle of a patch, at its edges */
         lit l;
-        lit_init(&l, light, bis_phong(grey(0), grey(1), 1e6), normalize(vec3_from(0.2 + 0.01 * k, -0.3, 0.8)), 10 + k, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0), grey(1), 1e6), normalize(vec3_from(0.2 + 0.01 * k, -0.3, 0.8)), 10 + k,
+            LIT_OPEN);
         const bis_truth t = truth_of(&l.pt, 3);
         /* energy: (n+2)/(2 pi) times the integral of cos^n cos theta is (n+2)/(n+1) cos theta_r, all but 1/n */
-        assert_near(t.open.mean[3] / (7 * cos((10 + k) * PI / 180)), 1, bis_truth_bound(&t.open, chance) / t.open.mean[3] + 1e-4);
+        assert_near(t.open.mean[3] / (7 * cos((10 + k) * PI / 180)), 1,
+            bis_truth_bound(&t.open, chance) / t.open.mean[3] + 1e-4);
         assert_true(bis_truth_bound(&t.open, chance) < 0.02 * t.open.mean[3]);
         assert_true(t.worst <= 1);
     }
@@ -100,7 +107,8 @@ static double four_rays(const bis_point *pt, double truth, uint64_t seed)
             bis_light_point y;
             const double u0 = bis_rng_double(&rng), u[2] = {u0, bis_rng_double(&rng)};
             bis_light_patch(pt->light, i, u, &y);
-            const double c = bis_bsdf_cos(&pt->bsdf, y.wi), F = c > 0 ? (double)bis_bsdf_f(&pt->bsdf, y.wi).r * (double)y.Le.r * c * 7 / y.pdf : 0;
+            const double c = bis_bsdf_cos(&pt->bsdf, y.wi),
+                         F = c > 0 ? (double)bis_bsdf_f(&pt->bsdf, y.wi).r * (double)y.Le.r * c * 7 / y.pdf : 0;
             x[k] = F > 0 && bis_point_sees(pt, y.wi) ? F : 0;
             mean += x[k] / 4;
         }
@@ -110,8 +118,8 @@ static double four_rays(const bis_point *pt, double truth, uint64_t seed)
     return (sum - truth) / sqrt(variance);
 }
 
-/* The defect: of a patch that is hidden by a tenth, four rays see all two times in three, and think that they know it. A
- * sum of midpoints, 1000 x 1000 in the patch, is the truth. */
+/* The defect: of a patch that is hidden by a tenth, four rays see all two times in three, and think that they know it.
+ * A sum of midpoints, 1000 x 1000 in the patch, is the truth. */
 static void a_patch_hidden_by_a_tenth_does_not_look_exact(void **state)
 {
     (void)state;
@@ -178,7 +186,8 @@ static void moments_are_those_of_draws(void **state)
     const bis_truth_density q[] = {{1, 0, 0}, {0.5, 0.5, 0}, {0.2, 0.3, 0.5}};
     bis_truth t;
     lit l;
-    lit_init(&l, light, bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20), normalize((vec3){0.3f, -0.4f, 0.8f}), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20), normalize((vec3){0.3f, -0.4f, 0.8f}), 40,
+        LIT_HALF);
     assert_int_equal(bis_truth_of(&t, &l.pt, weight, CELLS, q, 3, 1, NULL), BIS_OK);
     for (int k = 0; k < 3; k++) {
         double sum = 0, square = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What `bis verify` reports, by hand: each field of each test, the counts in the notes, the bounds, the text and the JSON.
- * That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... */
+/* What `bis verify` reports, by hand: each field of each test, the counts in the notes, the bounds, the text and the
+ * JSON. That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... */
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
@@ -36,7 +36,8 @@
 /* NAN: it must be no number. */
 static void assert_figure(double found, double expected, const char *what)
 {
-    const bool same = isnan(expected) ? isnan(found) : found == expected || fabs(found - expected) <= 1e-9 * fabs(expected);
+    const bool same =
+        isnan(expected) ? isnan(found) : found == expected || fabs(found - expected) <= 1e-9 * fabs(expected);
     if (!same) fail_msg("%s is %.17g, not %.17g", what, found, expected);
 }
 
@@ -98,7 +99,8 @@ static void a_test_has_the_fields_that_were_handed_in(void **state)
         assert_int_equal(v.n_skipped, 1);
         assert_figure(v.threshold, limit, "threshold");
     }
-    for (int i = 0; i < 200; i++) bis_verify_bound(&v, "h", i, 200, "", "%d", i); /* the list grows and keeps what it has */
+    for (int i = 0; i < 200; i++)
+        bis_verify_bound(&v, "h", i, 200, "", "%d", i); /* the list grows and keeps what it has */
     assert_test(&v.tests[0], "g", &expected[0]);
     assert_int_equal(v.n, 211);
     for (int i = 0; i < 200; i++) assert_true(atoi(v.tests[11 + i].name) == i && v.tests[11 + i].statistic == i);
@@ -134,7 +136,8 @@ static void count_part(const char *what, void *user)
 static void a_part_that_begins_is_told(void **state)
 {
     (void)state;
-    bis_verify v = {.seed = 3, .as_printed = 1, .halvings = 2, .progress = count_part, .user = &parts}, quiet = {.seed = 1};
+    bis_verify v = {.seed = 3, .as_printed = 1, .halvings = 2, .progress = count_part, .user = &parts},
+               quiet = {.seed = 1};
     bis_verify_begin(&v, "a part");
     bis_verify_begin(&quiet, "a part");
     bis_verify_clear(&v); /* what was asked for stays */
@@ -175,8 +178,8 @@ static void cells_are_pooled_in_order_and_the_rest_joins_the_last(void **state)
     bis_verify_clear(&v);
 }
 
-/* The density of the shifted gamma distribution with these cumulants, summed by Simpson's rule from the statistic on, in
- * place of a gamma function. Two cells of 5: 1, 2 + 2/5 - 6/10, 8 + 2 (22/5 + 1/25). */
+/* The density of the shifted gamma distribution with these cumulants, summed by Simpson's rule from the statistic on,
+ * in place of a gamma function. Two cells of 5: 1, 2 + 2/5 - 6/10, 8 + 2 (22/5 + 1/25). */
 static double tail_of_gamma(double statistic, double k1, double k2, double k3)
 {
     enum { STEPS = 200000 };
@@ -198,7 +201,8 @@ static void p_is_the_tail_of_a_shifted_gamma_distribution(void **state)
     bis_verify v = {.seed = 1};
     bis_verify_fit(&v, "g", off, two, 2, "two");
     bis_verify_fit(&v, "g", off_four, four, 4, "four");
-    assert_near(v.tests[0].p / tail_of_gamma(32 / 5.0, 1, 2 + 2 / 5.0 - 6 / 10.0, 8 + 2 * (22 / 5.0 + 1 / 25.0)), 1, 1e-6);
+    assert_near(
+        v.tests[0].p / tail_of_gamma(32 / 5.0, 1, 2 + 2 / 5.0 - 6 / 10.0, 8 + 2 * (22 / 5.0 + 1 / 25.0)), 1, 1e-6);
     double k2 = 6, k3 = 24;
     for (int i = 0; i < 4; i++) {
         k2 += 1 / four[i];
@@ -289,8 +293,9 @@ static void a_mean_is_judged_by_what_is_beyond_its_slack(void **state)
     bis_verify_clear(&v);
 }
 
-/* Within 1/s the bound is the normal tail, by erfc, times exp(s z^3/3). It falls up to the z at which s z (1 + z^2/dof) = 1 -
- * 1/dof: with dof = infinity at 1/s, with s = 0.1 and dof = 11 at z = 4.05977, the root of 0.1 z + 0.1 z^3/11 = 10/11. */
+/* Within 1/s the bound is the normal tail, by erfc, times exp(s z^3/3). It falls up to the z at which s z (1 + z^2/dof)
+ * = 1 - 1/dof: with dof = infinity at 1/s, with s = 0.1 and dof = 11 at z = 4.05977, the root of 0.1 z + 0.1 z^3/11 =
+ * 10/11. */
 static void the_bound_of_a_skewed_mean_is_that_of_the_page(void **state)
 {
     (void)state;
@@ -302,15 +307,16 @@ static void the_bound_of_a_skewed_mean_is_that_of_the_page(void **state)
     }
     assert_near(bis_verify_t(30, all, 0.1) / (erfc(10 / sqrt(2)) * exp(100 / 3.0)), 1, 1e-9);
     double root = 4;
-    for (int i = 0; i < 50; i++) root = root - (0.1 * root + 0.1 * root * root * root / 11 - 10 / 11.0) / (0.1 + 0.3 * root * root / 11);
+    for (int i = 0; i < 50; i++)
+        root = root - (0.1 * root + 0.1 * root * root * root / 11 - 10 / 11.0) / (0.1 + 0.3 * root * root / 11);
     assert_near(bis_verify_t(9, 11, 0.1), bis_stats_student_p(root, 11) * exp(0.1 * root * root * root / 3), 1e-12);
     assert_near(bis_verify_t(3, 11, 0), bis_stats_student_p(3, 11), 0);
 }
 
 /* ---- maps ---- */
 
-/* A map of 4 x 2: the names, limits and degrees of freedom of all tests. 2^16 draws: each of the 6 pixels that are not black
- * is a cell and, 16 times, a group of its own. */
+/* A map of 4 x 2: the names, limits and degrees of freedom of all tests. 2^16 draws: each of the 6 pixels that are not
+ * black is a cell and, 16 times, a group of its own. */
 static void the_tests_of_a_map_have_limits_by_hand(void **state)
 {
     (void)state;
@@ -351,13 +357,15 @@ static void the_tests_of_a_map_have_limits_by_hand(void **state)
     bis_verify none = {.seed = 1};
     assert_int_equal(bis_verify_map(&none, &dark, 0.15, 8, NULL), BIS_OK);
     assert_int_equal(none.n, 3);
-    const expected_test skipped = {"alias, cdf, curve", "the map gives no light, nothing can be drawn from it", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test skipped = {"alias, cdf, curve", "the map gives no light, nothing can be drawn from it", no, 0,
+        no, no, BIS_VERDICT_SKIPPED};
     assert_test(&none.tests[2], "map", &skipped);
     bis_verify_clear(&none);
     bis_envmap_clear(&dark);
 }
 
-/* Solid angles of 3 rows at the poles' circles 60 and 120 degrees: pi/2 1/2, 1, 1/2 a pixel. One row is wrong by a thousandth. */
+/* Solid angles of 3 rows at the poles' circles 60 and 120 degrees: pi/2 1/2, 1, 1/2 a pixel. One row is wrong by a
+ * thousandth. */
 static void an_error_of_a_thousandth_is_told_as_such(void **state)
 {
     (void)state;
@@ -374,8 +382,8 @@ static void an_error_of_a_thousandth_is_told_as_such(void **state)
     bis_envmap_clear(&em);
 }
 
-/* w by hand: 0.5 and 1 and 2 of one solid angle, and components smaller and larger than 0.01 sr. In 64 x 64 pixels, row 32, a
- * pixel is 0.00481 sr. */
+/* w by hand: 0.5 and 1 and 2 of one solid angle, and components smaller and larger than 0.01 sr. In 64 x 64 pixels, row
+ * 32, a pixel is 0.00481 sr. */
 static void the_definition_of_the_density_is_that_by_hand(void **state)
 {
     (void)state;
@@ -447,7 +455,8 @@ static void the_number_of_draws_follows_the_pixels(void **state)
     (void)state;
     static const struct { int width, height; unsigned halvings, draws; } cases[] = {
         {1, 1, 0, 1 << 16}, {16, 16, 0, 1 << 16}, {32, 16, 0, 1 << 17}, {64, 32, 0, 1 << 19}, {128, 64, 0, 1 << 20},
-        {128, 64, 3, 1 << 17}, {512, 512, 2, 1 << 19}, {1024, 512, 5, 1 << 17}, {1024, 1024, 5, 1 << 17}, {40, 10, 0, 6 << 14},
+        {128, 64, 3, 1 << 17}, {512, 512, 2, 1 << 19}, {1024, 512, 5, 1 << 17}, {1024, 1024, 5, 1 << 17},
+         {40, 10, 0, 6 << 14},
         {16, 16, 2, 1 << 14}, {16, 16, 3, 1 << 14}, {32, 16, 5, 1 << 14}}; /* 2^14 are the fewest */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_envmap em = map_new(cases[i].width, cases[i].height);
@@ -492,8 +501,9 @@ static rgb Lo_furnace(const bis_settings *s, const bis_point *pt, bis_stream *st
     return rgb_from(radiance_of_furnace, 0, 0);
 }
 
-/* Where nothing is drawn the statistic is the number of draws. The furnace of Kd (0.5, 0.25, 0.75) under (1, 0.5, 0.25) gives
- * 4 0.5 + 2 0.125 + 0.1875 = 2.4375, good to 5e-5 of it: what is off by a little more is seen, by a little less is not. */
+/* Where nothing is drawn the statistic is the number of draws. The furnace of Kd (0.5, 0.25, 0.75) under (1, 0.5, 0.25)
+ * gives 4 0.5 + 2 0.125 + 0.1875 = 2.4375, good to 5e-5 of it: what is off by a little more is seen, by a little less
+ * is not. */
 static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
 {
     (void)state;
@@ -519,12 +529,14 @@ static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
         assert_near(v.tests[1].statistic, 1 << 15, 1e-6);
         assert_string_equal(v.tests[2].name, "m: furnace, brdf");
         assert_string_equal(v.tests[2].note, k % 2 ? "z" : "z; equal up to rounding and quadrature");
-        assert_true(k % 2 ? v.tests[2].p == 0 && v.tests[2].dof == 511 && (v.tests[2].statistic > 0) == (k == 1) : v.tests[2].p == 1);
+        assert_true(k % 2 ? v.tests[2].p == 0 && v.tests[2].dof == 511 && (v.tests[2].statistic > 0) == (k == 1)
+                          : v.tests[2].p == 1);
         for (int i = 0; i < 3; i++) assert_string_equal(v.tests[i].group, "materials");
         bis_verify_clear(&v);
     }
     const struct { bis_material m; double limit; } limits[] = {
-        {bis_phong(grey(0.5), grey(0.4), 1e4), 5e-5 + 1e-5}, {bis_microfacet(grey(0.5), grey(0.4), sqrt(0.01)), 5e-5 + 1e-6}};
+        {bis_phong(grey(0.5), grey(0.4), 1e4), 5e-5 + 1e-5}, {bis_microfacet(grey(0.5), grey(0.4), sqrt(0.01)),
+         5e-5 + 1e-6}};
     for (int i = 0; i < 2; i++) {
         bis_verify v = {.seed = 1, .halvings = 4};
         assert_int_equal(bis_verify_material(&v, &limits[i].m, 45, &s, 0, "m", NULL), BIS_OK);
@@ -553,10 +565,15 @@ static void too_few_accepted_candidates_are_counted(void **state)
     s.candidates = 8;
     s.shadowrays = 1;
     assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
-    assert_int_equal(bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")}, &counters, NULL), BIS_OK);
+    assert_int_equal(bis_verify_runs(estimate,
+                         &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")},
+                         &counters, NULL),
+        BIS_OK);
     assert_true(tested && v.n == 1 && counters.accepted > 50 && counters.accepted < 1000);
-    snprintf(note, sizeof note, "only %u of its candidates were accepted: too few to judge", (unsigned)counters.accepted);
-    const expected_test expected = {"p: rejection", note, (double)NAN, 0, (double)NAN, (double)NAN, BIS_VERDICT_SKIPPED};
+    snprintf(
+        note, sizeof note, "only %u of its candidates were accepted: too few to judge", (unsigned)counters.accepted);
+    const expected_test expected = {
+        "p: rejection", note, (double)NAN, 0, (double)NAN, (double)NAN, BIS_VERDICT_SKIPPED};
     assert_test(&v.tests[0], "view", &expected);
     assert_int_equal(counters.shadow_rays, RUNS);
     bis_verify_clear(&v);
@@ -593,16 +610,20 @@ static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *
     }
 }
 
-/* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map has 128 x 64
- * patches, a constant light fewer. A copy that counts reads no parameter of the table, because the table knows integrators by
- * their address: it is taken for one with samples. The product, whose runs are dear, has 2^8, at least 64. */
+/* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map
+ * has 128 x 64 patches, a constant light fewer. A copy that counts reads no parameter of the table, because the table
+ * knows integrators by their address: it is taken for one with samples. The product, whose runs are dear, has 2^8, at
+ * least 64. */
 static void the_number_of_runs_follows_the_cost(void **state)
 {
     (void)state;
     static const struct { const bis_integrator *of; uint32_t samples, M, N; unsigned halvings, runs; } cases[] = {
-        {&bis_em, 16, 1, 1, 0, 1 << 14}, {&bis_em, 64, 1, 1, 0, 1 << 12}, {&bis_brdf, 64, 1, 1, 2, 1 << 10}, {&bis_mis, 1 << 12, 1, 1, 0, 64},
-        {&bis_em, 1 << 13, 1, 1, 0, 64}, {&bis_sir, 1, 800, 15, 0, 2280}, {&bis_rejection, 1, 1000, 3, 1, 1 << 10}, {&bis_unoccluded, 1, 240, 2, 0, 1 << 13},
-        {&bis_sir, 1, 100000, 3, 0, 64}, {&bis_sir, 1, 2, 1, 0, 1 << 14}, {&bis_exact, 1, 1, 1, 0, 32}, {&bis_exact, 1, 1, 1, 3, 4}, {&bis_exact, 1, 1, 1, 6, 2}};
+        {&bis_em, 16, 1, 1, 0, 1 << 14}, {&bis_em, 64, 1, 1, 0, 1 << 12}, {&bis_brdf, 64, 1, 1, 2, 1 << 10},
+         {&bis_mis, 1 << 12, 1, 1, 0, 64},
+        {&bis_em, 1 << 13, 1, 1, 0, 64}, {&bis_sir, 1, 800, 15, 0, 2280}, {&bis_rejection, 1, 1000, 3, 1, 1 << 10},
+         {&bis_unoccluded, 1, 240, 2, 0, 1 << 13},
+        {&bis_sir, 1, 100000, 3, 0, 64}, {&bis_sir, 1, 2, 1, 0, 1 << 14}, {&bis_exact, 1, 1, 1, 0, 32},
+         {&bis_exact, 1, 1, 1, 3, 4}, {&bis_exact, 1, 1, 1, 6, 2}};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_integrator counted = *cases[i].of;
@@ -698,14 +719,19 @@ static bool witness_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
     return met;
 }
 
-static bool witness_occluded(const bis_accel *a, const ray *r) { return bis_accel_occluded(((const witness *)a)->right, r); }
+static bool witness_occluded(const bis_accel *a, const ray *r)
+{
+    return bis_accel_occluded(((const witness *)a)->right, r);
+}
 
-static const bis_accel_ops witnessed = {.name = "witness", .intersect = witness_intersect, .occluded = witness_occluded};
+static const bis_accel_ops witnessed = {
+    .name = "witness", .intersect = witness_intersect, .occluded = witness_occluded};
 
 /* Where the line of r crosses z = 0; both triangles lie there. */
 static bool crosses(const ray *r, double x0, double x1, double y0, double y1, double slack)
 {
-    const double t = -(double)r->o.z / (double)r->d.z, x = (double)r->o.x + t * (double)r->d.x, y = (double)r->o.y + t * (double)r->d.y;
+    const double t = -(double)r->o.z / (double)r->d.z, x = (double)r->o.x + t * (double)r->d.x,
+                 y = (double)r->o.y + t * (double)r->d.y;
     return t > 0 && x >= x0 - slack && x <= x1 + slack && y >= y0 - slack && y <= y1 + slack;
 }
 
@@ -719,7 +745,8 @@ static int met_among(const witness *w, int n)
 static void assert_note(const bis_verify_test *t, int rays, int surfaces, int searched, int grazing, const char *name)
 {
     char note[120];
-    snprintf(note, sizeof note, "wrong of %d rays and %d from surfaces, %d of them searched; %d more graze an edge", rays, surfaces, searched, grazing);
+    snprintf(note, sizeof note, "wrong of %d rays and %d from surfaces, %d of them searched; %d more graze an edge",
+        rays, surfaces, searched, grazing);
     assert_string_equal(t->note, note);
     assert_string_equal(t->name, name);
     assert_string_equal(t->group, "accelerators");
@@ -760,7 +787,8 @@ static void the_rays_are_where_the_page_says_and_are_counted(void **state)
     }
 
     double lo[3] = {9, 9, 9}, hi[3] = {-9, -9, -9}, sum[3] = {0};
-    const double margin = 0.1 * sqrt(5), least[3] = {-margin, -margin, -margin}, most[3] = {2 + margin, 1 + margin, margin};
+    const double margin = 0.1 * sqrt(5), least[3] = {-margin, -margin, -margin},
+                 most[3] = {2 + margin, 1 + margin, margin};
     int into_small = 0;
     for (int i = 0; i < N; i++) {
         const double o[3] = {(double)a.rays[i].o.x, (double)a.rays[i].o.y, (double)a.rays[i].o.z};
@@ -773,12 +801,15 @@ static void the_rays_are_where_the_page_says_and_are_counted(void **state)
         if (fabs(o[2]) > 0.01 && !crosses(&a.rays[i], 0, 2, 0, 1, 1e-3)) fail_msg("ray %d passes the scene", i);
         into_small += crosses(&a.rays[i], 1.98, 2, 0.98, 1, 1e-4);
     }
-    for (int c = 0; c < 3; c++) { /* 6000 uniform numbers: an end is missed by a thousandth of the range, the mean by 5 standard errors */
+    for (int c = 0; c < 3;
+        c++) { /* 6000 uniform numbers: an end is missed by a thousandth of the range, the mean by 5 standard errors */
         const double range = most[c] - least[c];
-        assert_true(lo[c] >= least[c] - 1e-6 && lo[c] < least[c] + 3e-3 * range && hi[c] <= most[c] + 1e-6 && hi[c] > most[c] - 3e-3 * range);
+        assert_true(lo[c] >= least[c] - 1e-6 && lo[c] < least[c] + 3e-3 * range && hi[c] <= most[c] + 1e-6 &&
+                    hi[c] > most[c] - 3e-3 * range);
         assert_near(sum[c], (least[c] + most[c]) / 2, 5 * range / sqrt(12.0 * N));
     }
-    assert_near((double)into_small / N, 0.25, 5 * sqrt(0.25 * 0.75 / N) + 2e-3); /* half of the rays, half of the triangles */
+    assert_near(
+        (double)into_small / N, 0.25, 5 * sqrt(0.25 * 0.75 / N) + 2e-3); /* half of the rays, half of the triangles */
 
     /* two: 2^21/2/2^18 = 4 are searched, and all that differ. Farther by 1.2e-7 is rounding, by a half is wrong. */
     for (int wrong = 0; wrong < 3; wrong++) {
@@ -820,41 +851,46 @@ static void assert_sightings(const bis_geometry *g, uint32_t left, const sightin
     for (size_t i = 0; i < n; i++) {
         const ray r = {s[i].o, s[i].d, INFINITY};
         const bool meets = isfinite(s[i].t), either = s[i].doubtful;
-        const bis_verify_answer answers[6] = {{s[i].t, meets}, {s[i].t, !meets}, {none, false}, {none, true}, {meets ? s[i].t * 1.001 : 1, true}, {meets ? s[i].t * 0.999 : 2, true}};
+        const bis_verify_answer answers[6] = {{s[i].t, meets}, {s[i].t, !meets}, {none, false}, {none, true},
+            {meets ? s[i].t * 1.001 : 1, true}, {meets ? s[i].t * 0.999 : 2, true}};
         const bool expected[6] = {true, either, !meets || either, either, false, false};
         for (int k = 0; k < 6; k++) {
             bool right[1];
             bis_verify_search(right, g, &r, left, &answers[k], 1);
-            if (right[0] != expected[k]) fail_msg("ray %zu: answer %d is called %s", i, k, right[0] ? "right" : "wrong");
+            if (right[0] != expected[k])
+                fail_msg("ray %zu: answer %d is called %s", i, k, right[0] ? "right" : "wrong");
         }
     }
 }
 
-/* A disk of radius 2 at height 0.5 and a sphere of radius 0.5, both twice as large and moved: the disk is at x = 10, z = 1 and 4 wide,
- * the sphere about (0, 0, 0). */
+/* A disk of radius 2 at height 0.5 and a sphere of radius 0.5, both twice as large and moved: the disk is at x = 10, z
+ * = 1 and 4 wide, the sphere about (0, 0, 0). */
 static void a_search_knows_disks_and_spheres(void **state)
 {
     (void)state;
     const double none = (double)INFINITY;
     const bis_xform away = bis_xform_translate(10, 0, 0), twice = bis_xform_scale(2, 2, 2);
-    const bis_quadric disk = {.kind = BIS_DISK, .radius = 2, .height = 0.5, .to_world = bis_xform_compose(&away, &twice)};
+    const bis_quadric disk = {
+        .kind = BIS_DISK, .radius = 2, .height = 0.5, .to_world = bis_xform_compose(&away, &twice)};
     const bis_quadric sphere = {.kind = BIS_SPHERE, .radius = 0.5, .to_world = twice};
     bis_geometry g = {0};
     assert_int_equal(bis_geometry_add_quadric(&g, &disk, NULL), BIS_OK);
     assert_int_equal(bis_geometry_add_quadric(&g, &sphere, NULL), BIS_OK);
-    const sighting s[] = {
-        {{10, 0, 4}, {0, 0, -1}, 3, false},      {{13.5f, 0, 4}, {0, 0, -1}, 3, false},  {{14.5f, 0, 4}, {0, 0, -1}, none, false},
-        {{10, 4, 4}, {0, 0, -1}, 3, true},       {{10, 4.001f, 4}, {0, 0, -1}, none, false}, {{10, 3.999f, 4}, {0, 0, -1}, 3, false},
-        {{10, 0, 4}, {0, 0, 1}, none, false},    {{10, 0, -2}, {0, 0, 1}, 3, false},     {{10, 0, 0.5f}, {0, 0, -1}, none, false},
-        {{10, 0, 1}, {1, 0, 0}, none, false},
-        {{0, 0, 4}, {0, 0, -1}, 3, false},       {{0, 0, 4}, {0, 0, 1}, none, false},    {{0, 0, 0}, {0, 0, 1}, 1, false},
-        {{0.6f, 0, 5}, {0, 0, -1}, 4.2, false},  {{0, 0.6f, 0}, {0, 0, -1}, 0.8, false}, {{1, 0, 4}, {0, 0, -1}, 4, true},
-        {{1.001f, 0, 4}, {0, 0, -1}, none, false}, {{0, 0, -0.5f}, {0, 0, -1}, 0.5, false},
+    const sighting s[] = {{{10, 0, 4}, {0, 0, -1}, 3, false}, {{13.5f, 0, 4}, {0, 0, -1}, 3, false},
+        {{14.5f, 0, 4}, {0, 0, -1}, none, false}, {{10, 4, 4}, {0, 0, -1}, 3, true},
+        {{10, 4.001f, 4}, {0, 0, -1}, none, false}, {{10, 3.999f, 4}, {0, 0, -1}, 3, false},
+        {{10, 0, 4}, {0, 0, 1}, none, false}, {{10, 0, -2}, {0, 0, 1}, 3, false},
+        {{10, 0, 0.5f}, {0, 0, -1}, none, false}, {{10, 0, 1}, {1, 0, 0}, none, false},
+        {{0, 0, 4}, {0, 0, -1}, 3, false}, {{0, 0, 4}, {0, 0, 1}, none, false}, {{0, 0, 0}, {0, 0, 1}, 1, false},
+        {{0.6f, 0, 5}, {0, 0, -1}, 4.2, false}, {{0, 0.6f, 0}, {0, 0, -1}, 0.8, false},
+        {{1, 0, 4}, {0, 0, -1}, 4, true}, {{1.001f, 0, 4}, {0, 0, -1}, none, false},
+        {{0, 0, -0.5f}, {0, 0, -1}, 0.5, false},
         /* through the sphere and then to the disk's side: the nearer one */
         {{-4, 0, 0}, {1, 0, 0}, 3, false},
-        /* aslant, to the disk at (10, 3), (13, 0), (7, 0), (10, -3), (12.8, 2.8), beside it; to the ball at (0.6, 0.8, 0) */
-        {{10, 9, 7}, {0, -1, -1}, 6, false},     {{19, 0, 7}, {-1, 0, -1}, 6, false},    {{1, 0, 7}, {1, 0, -1}, 6, false},
-        {{10, -9, -5}, {0, 1, 1}, 6, false},     {{15.8f, 5.8f, 4}, {-1, -1, -1}, 3, false},
+        /* aslant, to the disk at (10, 3), (13, 0), (7, 0), (10, -3), (12.8, 2.8), beside it; to the ball at (0.6, 0.8,
+           0) */
+        {{10, 9, 7}, {0, -1, -1}, 6, false}, {{19, 0, 7}, {-1, 0, -1}, 6, false}, {{1, 0, 7}, {1, 0, -1}, 6, false},
+        {{10, -9, -5}, {0, 1, 1}, 6, false}, {{15.8f, 5.8f, 4}, {-1, -1, -1}, 3, false},
         {{15.9f, 5.9f, 4}, {-1, -1, -1}, none, false}, {{4.2f, -5.8f, 4}, {1, 1, -1}, 3, false},
         {{1.6f, 2.8f, 2}, {-1, -2, -2}, 1, false}, {{-1.6f, 2.8f, -2}, {1, -2, 2}, 1, false},
         {{1.6f, 2.8f, 2}, {-1, -2, 2}, none, false}, {{1.6f, 2.8f, 2}, {1, 2, 2}, none, false}};
@@ -865,8 +901,8 @@ static void a_search_knows_disks_and_spheres(void **state)
     bis_geometry_clear(&g);
 }
 
-/* A disk of radius 2 at height 0.5, turned by 90 degrees about x, then by 90 about z: (x, y, z) to (x, -z, y) to (z, x, y), so
- * it stands at x = 0.5 with y and z up to 2. A ball stretched to the half axes 1, 2, 3 about (0, 0, 20). */
+/* A disk of radius 2 at height 0.5, turned by 90 degrees about x, then by 90 about z: (x, y, z) to (x, -z, y) to (z, x,
+ * y), so it stands at x = 0.5 with y and z up to 2. A ball stretched to the half axes 1, 2, 3 about (0, 0, 20). */
 static void a_search_knows_what_is_turned_and_stretched(void **state)
 {
     (void)state;
@@ -880,11 +916,14 @@ static void a_search_knows_what_is_turned_and_stretched(void **state)
     assert_int_equal(bis_geometry_add_quadric(&g, &disk, NULL), BIS_OK);
     assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
     const sighting s[] = {
-        {{4, 0, 0}, {-1, 0, 0}, 3.5, false}, {{4, 1.5f, 1}, {-1, 0, 0}, 3.5, false}, {{4, 1.5f, 1.5f}, {-1, 0, 0}, none, false},
-        {{4, -1.5f, 1}, {-1, 0, 0}, 3.5, false}, {{-3, 0, -1.9f}, {1, 0, 0}, 3.5, false}, {{-3, 0, 0}, {-1, 0, 0}, none, false},
+        {{4, 0, 0}, {-1, 0, 0}, 3.5, false}, {{4, 1.5f, 1}, {-1, 0, 0}, 3.5, false},
+         {{4, 1.5f, 1.5f}, {-1, 0, 0}, none, false},
+        {{4, -1.5f, 1}, {-1, 0, 0}, 3.5, false}, {{-3, 0, -1.9f}, {1, 0, 0}, 3.5, false},
+         {{-3, 0, 0}, {-1, 0, 0}, none, false},
         {{3, 1, 0}, {-1, -1, 0}, 2.5, false}, {{3, 2, 0}, {-1, 1, 0}, none, false},
         {{0, 0, 30}, {0, 0, -1}, 7, false}, {{0, 9, 20}, {0, -1, 0}, 7, false}, {{9, 0, 20}, {-1, 0, 0}, 8, false},
-        {{0.6f, 9, 20}, {0, -1, 0}, 7.4, false}, {{0, 1.2f, 30}, {0, 0, -1}, 7.6, false}, {{9, 0, 21.8f}, {-1, 0, 0}, 8.2, false},
+        {{0.6f, 9, 20}, {0, -1, 0}, 7.4, false}, {{0, 1.2f, 30}, {0, 0, -1}, 7.6, false},
+         {{9, 0, 21.8f}, {-1, 0, 0}, 8.2, false},
         {{0.6f, 1.61f, 30}, {0, 0, -1}, none, false}, {{0, 0, 20}, {0, 0, 1}, 3, false}};
     assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
     bis_geometry_clear(&g);
@@ -905,9 +944,10 @@ static void a_search_finds_the_nearest_triangle(void **state)
     }
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
     bis_mesh_clear(&m);
-    const sighting s[] = {{{0.5f, 0.5f, 2}, {0, 0, -1}, 2, false}, {{0.5f, 0.5f, -0.5f}, {0, 0, -1}, 0.5, false}, {{0.5f, 0.5f, -0.5f}, {0, 0, 1}, 0.5, false},
-                          {{0.5f, 0.5f, 1}, {0, 0, 1}, none, false}, {{1.5f, 1.5f, 1}, {0, 0, -1}, none, false}, {{-0.5f, 0.5f, 1}, {0, 0, -1}, none, false},
-                          {{0.5f, -0.5f, 1}, {0, 0, -1}, none, false}};
+    const sighting s[] = {{{0.5f, 0.5f, 2}, {0, 0, -1}, 2, false}, {{0.5f, 0.5f, -0.5f}, {0, 0, -1}, 0.5, false},
+        {{0.5f, 0.5f, -0.5f}, {0, 0, 1}, 0.5, false}, {{0.5f, 0.5f, 1}, {0, 0, 1}, none, false},
+        {{1.5f, 1.5f, 1}, {0, 0, -1}, none, false}, {{-0.5f, 0.5f, 1}, {0, 0, -1}, none, false},
+        {{0.5f, -0.5f, 1}, {0, 0, -1}, none, false}};
     assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
     /* the first is left: the second is met through it */
     const sighting left[] = {{{0.5f, 0.5f, 2}, {0, 0, -1}, 3, false}, {{0.5f, 0.5f, -2}, {0, 0, 1}, 1, false}};
@@ -946,8 +986,8 @@ static void a_ray_that_starts_on_a_ball_meets_its_far_side(void **state)
 
 /* With u = 2^-24. e = (4 0 0), f = (0 4 0), n = (0 0 16), the largest coordinates 3, 3, 4, t = 4; only along z there is
  * more than 0: T = 64 errs by u (4 x 16 x 4 + 13 x 4 x 16) = 1088 u, D.n = 16 by u (2 x 3 x 4 + 2 x 3 x 4 + 8 x 16) =
- * 176 u; t by 1088/16 u + 4 (176/16 + 4) u = 128 u. All weights together are 32: one of 8 delta, where the ray passes the
- * edge at delta, is on the wrong side as far as 2 u 32. */
+ * 176 u; t by 1088/16 u + 4 (176/16 + 4) u = 128 u. All weights together are 32: one of 8 delta, where the ray passes
+ * the edge at delta, is on the wrong side as far as 2 u 32. */
 static void a_distance_may_err_by_what_was_worked_out(void **state)
 {
     (void)state;
@@ -973,9 +1013,10 @@ static void a_distance_may_err_by_what_was_worked_out(void **state)
     bis_geometry_clear(&g);
 }
 
-/* Quadrics of radius 1 are in doubt by 2^-40 of all sizes. A disk from (1, 0, 1): sizes 1 + 1 + 1, twice 3 x 2^-40 at its rim,
- * where the ray arrives delta beyond it. A ball from (1, 0, 4): sizes 1 + 1 + 4; R^2 less the square of the distance is -8
- * delta, in doubt to 4 x 6 x 6 x 2^-40. Beside the disk's plane its height is in doubt to 2^-50; a distance to 2^-22 of it. */
+/* Quadrics of radius 1 are in doubt by 2^-40 of all sizes. A disk from (1, 0, 1): sizes 1 + 1 + 1, twice 3 x 2^-40 at
+ * its rim, where the ray arrives delta beyond it. A ball from (1, 0, 4): sizes 1 + 1 + 4; R^2 less the square of the
+ * distance is -8 delta, in doubt to 4 x 6 x 6 x 2^-40. Beside the disk's plane its height is in doubt to 2^-50; a
+ * distance to 2^-22 of it. */
 static void a_quadrics_edge_is_in_doubt_by_what_was_worked_out(void **state)
 {
     (void)state;
@@ -1028,8 +1069,8 @@ static void tolerance_of(double error[2], const vec3 p[3], const ray *r, double 
 
 static vec3 turned(vec3 v, int k) { return k == 0 ? v : turned((vec3){v.y, v.z, v.x}, k - 1); }
 
-/* The second and the third corner change places, and x, y, z are named anew: the triangle is the same, and so is what may
- * be wrong with t. Each corner, and each axis, is the largest in one of them. */
+/* The second and the third corner change places, and x, y, z are named anew: the triangle is the same, and so is what
+ * may be wrong with t. Each corner, and each axis, is the largest in one of them. */
 static void a_tolerance_depends_on_no_order(void **state)
 {
     (void)state;
@@ -1097,14 +1138,19 @@ static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
     bis_verify v = {.seed = 1, .halvings = 9};
     size_t n = strlen(text);
     n += (size_t)snprintf(text + n, sizeof text - n, "%s", black);
-    n += (size_t)snprintf(text + n, sizeof text - n, "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" 2e8 Shape \"sphere\"\n%s", black);
+    n += (size_t)snprintf(text + n, sizeof text - n,
+        "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" 2e8 Shape \"sphere\"\n%s", black);
     for (int i = 0; i < 23; i++) /* 25 materials in all: each its own exponent, beyond what floats resolve */
-        n += (size_t)snprintf(text + n, sizeof text - n, "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" %d00000000 Shape \"sphere\"\n", i + 3);
+        n += (size_t)snprintf(text + n, sizeof text - n,
+            "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" %d00000000 Shape \"sphere\"\n",
+            i + 3);
     verify_text(&v, text);
     const expected_test first = {"1", "it is black: nothing is drawn", no, 0, no, no, BIS_VERDICT_SKIPPED};
-    const expected_test second = {"2, n 2e+08", "unit vectors in float cannot resolve exponents beyond 1e8", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test second = {
+        "2, n 2e+08", "unit vectors in float cannot resolve exponents beyond 1e8", no, 0, no, no, BIS_VERDICT_SKIPPED};
     const expected_test last = {"24, n 2.4e+09", second.note, no, 0, no, no, BIS_VERDICT_SKIPPED};
-    const expected_test many = {"25 and on", "too many: only the first are looked at", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test many = {
+        "25 and on", "too many: only the first are looked at", no, 0, no, no, BIS_VERDICT_SKIPPED};
     const expected_test dark = {"all integrators", "there is no light", no, 0, no, no, BIS_VERDICT_SKIPPED};
     assert_true(v.n == 28);
     assert_string_equal(v.tests[0].group, "map");
@@ -1120,9 +1166,11 @@ static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
     verify_text(&v, "WorldBegin Material \"microfacet\" \"float roughness\" 0.5 Shape \"sphere\"\n"
                     "Material \"phong\" \"float exponent\" 7 Shape \"sphere\"");
     static const char *const names[] = {
-        "1, alpha 0.25, 0 degrees", "1, alpha 0.25, 45 degrees", "1, alpha 0.25, 75 degrees", "1, alpha 0.25, 89 degrees",
+        "1, alpha 0.25, 0 degrees", "1, alpha 0.25, 45 degrees", "1, alpha 0.25, 75 degrees",
+        "1, alpha 0.25, 89 degrees",
         "2, n 7, 0 degrees", "2, n 7, 45 degrees", "2, n 7, 75 degrees", "2, n 7, 89 degrees"};
-    static const char *const what[] = {"density integrates to 1", "draws by its density", "furnace, brdf", "furnace, sir"};
+    static const char *const what[] = {
+        "density integrates to 1", "draws by its density", "furnace, brdf", "furnace, sir"};
     for (int i = 0; i < 32; i++) {
         char name[128];
         snprintf(name, sizeof name, "%s: %s", names[i / 4], what[i % 4]);
@@ -1131,8 +1179,8 @@ static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
     bis_verify_clear(&v);
 }
 
-/* The first pixel of the lattice is the middle of the film, or of its crop window; the second is 0.5 + 0.75487766625 and 0.5 +
- * 0.56984029100 of it, less 1. All integrators are in their order. */
+/* The first pixel of the lattice is the middle of the film, or of its crop window; the second is 0.5 + 0.75487766625
+ * and 0.5 + 0.56984029100 of it, less 1. All integrators are in their order. */
 static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
 {
     (void)state;
@@ -1145,17 +1193,21 @@ static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
         char text[1024];
         int n = 0;
         bis_verify v = {.seed = 1, .halvings = cases[c].halvings};
-        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 %s\nWorldBegin\n"
-                 "LightSource \"infinite\"\nMaterial \"diffuse\" Translate 0 0 4 Shape \"disk\" \"float radius\" 100\n", cases[c].film);
+        snprintf(text, sizeof text,
+            "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 %s\nWorldBegin\n"
+            "LightSource \"infinite\"\nMaterial \"diffuse\" Translate 0 0 4 Shape \"disk\" \"float radius\" 100\n",
+            cases[c].film);
         verify_text(&v, text);
         for (size_t i = 0; i < v.n; i++) {
             char name[64];
             if (strcmp(v.tests[i].group, "view") != 0) continue;
             bool is_other = false;
-            for (int k = 0; k < n_further(); k++) is_other |= strstr(v.tests[i].name, bis_integrators[OUR_INTEGRATORS + k]->name) != NULL;
+            for (int k = 0; k < n_further(); k++)
+                is_other |= strstr(v.tests[i].name, bis_integrators[OUR_INTEGRATORS + k]->name) != NULL;
             if (is_other) continue;
             assert_true(n < OUR_INTEGRATORS * cases[c].n);
-            snprintf(name, sizeof name, "pixel %s: %s", cases[c].pixels[n / OUR_INTEGRATORS], integrators[n % OUR_INTEGRATORS]);
+            snprintf(name, sizeof name, "pixel %s: %s", cases[c].pixels[n / OUR_INTEGRATORS],
+                integrators[n % OUR_INTEGRATORS]);
             assert_string_equal(v.tests[i].name, name);
             n++;
         }
@@ -1172,13 +1224,16 @@ static void an_empty_scene_has_a_report_by_hand(void **state)
     (void)state;
     static const char table[] =
         "map                                             statistic          p  threshold  verdict\n"
-        "  alias, cdf, curve                                     -          -          -  skipped: the light is a constant, there is no map\n"
+        "  alias, cdf, curve                                     -          -          -  skipped: the light is a "
+        "constant, there is no map\n"
         "\n"
         "view                                            statistic          p  threshold  verdict\n"
-        "  all integrators                                       -          -          -  skipped: there is no geometry\n"
+        "  all integrators                                       -          -          -  skipped: there is no "
+        "geometry\n"
         "\n"
         "accelerators                                    statistic          p  threshold  verdict\n"
-        "  grid and embree                                       -          -          -  skipped: there is no geometry\n"
+        "  grid and embree                                       -          -          -  skipped: there is no "
+        "geometry\n"
         "\n"
         "3 tests, 0 failed, 3 skipped. 0 of them are statistical: each fails below p = 0.01, so that all together\n"
         "raise a false alarm at most once in 100 runs (Sidak). The others fail above their threshold.\n"
@@ -1186,9 +1241,11 @@ static void an_empty_scene_has_a_report_by_hand(void **state)
         "passed\n";
 #define SKIPPED(group, name, note) \
     "    {\n      \"group\": \"" group "\",\n      \"name\": \"" name "\",\n      \"verdict\": \"skipped\",\n" \
-    "      \"statistic\": null,\n      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": \"" note "\"\n    }"
+    "      \"statistic\": null,\n      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": " \
+    "\"" note "\"\n    }"
     static const char json[] =
-        "{\n  \"file\": \"" DIR "/empty.txt\",\n  \"seed\": 1,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  \"corrected\": 0.01,\n"
+        "{\n  \"file\": \"" DIR "/empty.txt\",\n  \"seed\": 1,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  "
+        "\"corrected\": 0.01,\n"
         "  \"failed\": 0,\n  \"skipped\": 3,\n  \"passed\": true,\n  \"tests\": [\n"
         SKIPPED("map", "alias, cdf, curve", "the light is a constant, there is no map") ",\n"
         SKIPPED("view", "all integrators", "there is no geometry") ",\n"
@@ -1220,11 +1277,15 @@ static void text_and_json_of_a_map_tell_the_same(void **state)
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     assert_true(json_number(json.output, "seed") == 3 && json_number(json.output, "statistical") == 6);
     assert_figure(json_number(json.output, "corrected"), 1 - pow(0.99, 1 / 6.0), "corrected");
-    assert_non_null(strstr(text.output, "14 tests, 0 failed, 0 skipped. 6 of them are statistical: each fails below p = 0.00167, so "));
+    assert_non_null(strstr(text.output, "14 tests, 0 failed, 0 skipped. 6 of them are statistical: each fails below p "
+                                        "= 0.00167, so "));
     for (int i = 0; i < 14; i++) {
         const bis_verify_test *t = &v.tests[i];
-        const struct { const char *key; double value; } figures[] = {{"statistic", t->statistic}, {"dof", t->dof > 0 ? t->dof : (double)NAN},
-                                                                      {"p", t->p}, {"threshold", t->threshold}};
+        const struct {
+            const char *key;
+            double value;
+        } figures[] = {{"statistic", t->statistic}, {"dof", t->dof > 0 ? t->dof : (double)NAN}, {"p", t->p},
+            {"threshold", t->threshold}};
         for (int k = 0; k < 4; k++) {
             snprintf(line, sizeof line, "tests.%d.%s", i, figures[k].key);
             assert_figure(json_number(json.output, line), figures[k].value, line);
@@ -1245,8 +1306,11 @@ static void text_and_json_of_a_map_tell_the_same(void **state)
 static void an_ending_makes_a_map(void **state)
 {
     (void)state;
-    static const struct { const char *name; bool is_map; } cases[] = {{"0.hdr", true}, {"0.EXR", true}, {"0.pfm", true}, {".hdr", false},
-                                                                      {"0.png", false}, {"hdr", false}, {"0.hdr.txt", false}};
+    static const struct {
+        const char *name;
+        bool is_map;
+    } cases[] = {{"0.hdr", true}, {"0.EXR", true}, {"0.pfm", true}, {".hdr", false}, {"0.png", false}, {"hdr", false},
+        {"0.hdr.txt", false}};
     program_run r;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_runf(&r, "verify --mapping latlong %s", cases[i].name); /* none of them is there */
@@ -1260,8 +1324,10 @@ static void options_end_where_they_say(void **state)
     (void)state;
     static const struct { const char *arguments; int exit_status; const char *message; } cases[] = {
         {"--seed 0 " DIR "/no.hdr", 1, "no.hdr"}, {"--seed 9007199254740991 " DIR "/no.exr", 1, "no.exr"},
-        {"--seed 9007199254740992 " DIR "/no.pfm", 2, "[0, 9007199254740991]"}, {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
-        {"--mapping angular " DIR "/no.hdr", 1, "no.hdr"}, {DIR "/no.txt", 1, "no.txt"}, {"a.hdr b.hdr", 2, "too many operands: 2"},
+        {"--seed 9007199254740992 " DIR "/no.pfm", 2, "[0, 9007199254740991]"},
+         {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
+        {"--mapping angular " DIR "/no.hdr", 1, "no.hdr"}, {DIR "/no.txt", 1, "no.txt"},
+         {"a.hdr b.hdr", 2, "too many operands: 2"},
         {DIR "/.hdr", 1, ".hdr"}};
     program_run r;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

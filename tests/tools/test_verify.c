@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What a run of `bis verify` is: its p-values, thresholds and verdicts, for numbers whose distribution is known. The checks
- * themselves are in test_verify_map, test_verify_bsdf and so on, one program a file of src/tools/verify. */
+/* What a run of `bis verify` is: its p-values, thresholds and verdicts, for numbers whose distribution is known. The
+ * checks themselves are in test_verify_map, test_verify_bsdf and so on, one program a file of src/tools/verify. */
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
@@ -17,11 +17,13 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
 {
     (void)state;
     bis_verify v = {.seed = 1};
-    const double expected[] = {100, 100, 3, 3, 3, 0}, observed[] = {90, 110, 2, 4, 3, 0}, impossible[] = {90, 110, 2, 4, 2, 1};
+    const double expected[] = {100, 100, 3, 3, 3, 0}, observed[] = {90, 110, 2, 4, 3, 0},
+                 impossible[] = {90, 110, 2, 4, 2, 1};
     bis_verify_fit(&v, "g", observed, expected, 6, "cells of 100, 100, 9");
     bis_verify_fit(&v, "g", impossible, expected, 6, "a hit where nothing is expected");
     /* a standard error of 1, no skewness: m2 = n (n - 1) */
-    const bis_verify_moments off = {.n = 1e9, .mean = 8, .m2 = 1e9 * (1e9 - 1)}, still = {.n = 11, .mean = 2}, none = {.n = 11, .mean = (double)NAN};
+    const bis_verify_moments off = {.n = 1e9, .mean = 8, .m2 = 1e9 * (1e9 - 1)}, still = {.n = 11, .mean = 2},
+                             none = {.n = 11, .mean = (double)NAN};
     bis_verify_mean(&v, "g", &off, 5, 0, "three sigma");
     bis_verify_mean(&v, "g", &still, 5, 3, "within rounding");
     bis_verify_mean(&v, "g", &none, 5, 0, "not a number");
@@ -31,8 +33,8 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     assert_int_equal(v.n_statistical, 5);
     assert_near(v.threshold, 1 - pow(0.99, 0.2), 1e-12);
-    /* 9 expected in two pools, 6 and a rest of 3: one cell of 9. Three cells of 100, 100, 9: cumulants 2, 4.0646, 18.876; the
-     * tail of the shifted gamma distribution that has them, integrated numerically. */
+    /* 9 expected in two pools, 6 and a rest of 3: one cell of 9. Three cells of 100, 100, 9: cumulants
+     * 2, 4.0646, 18.876; the tail of the shifted gamma distribution that has them, integrated numerically. */
     assert_near(v.tests[0].p, 0.34884298, 1e-6);
     assert_true(v.tests[1].p == 0 && v.tests[4].p == 0 && v.tests[3].p == 1);
     assert_near(v.tests[2].p, 0.0026998, 1e-6);
@@ -40,15 +42,17 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
     assert_int_equal(v.n_skipped, 1);
     /* (10^2 + 10^2)/100 and 0; (8 - 5)/1; nothing beyond the slack */
     static const double statistic[] = {2, 2, 3, 0, (double)NAN, (double)NAN, 1};
-    static const bis_verdict verdict[] = {BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_PASSED, BIS_VERDICT_PASSED,
-                                          BIS_VERDICT_FAILED, BIS_VERDICT_FAILED, BIS_VERDICT_PASSED, BIS_VERDICT_SKIPPED};
-    static const char *const note[] = {"chi-square, 2 degrees of freedom", "chi-square; 1 draws fell where nothing can be drawn", "z",
-                                       "z; equal up to rounding and quadrature", "not a number", "", "", "because"};
+    static const bis_verdict verdict[] = {BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_PASSED,
+        BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_FAILED, BIS_VERDICT_PASSED, BIS_VERDICT_SKIPPED};
+    static const char *const note[] = {"chi-square, 2 degrees of freedom",
+        "chi-square; 1 draws fell where nothing can be drawn", "z", "z; equal up to rounding and quadrature",
+        "not a number", "", "", "because"};
     assert_int_equal(v.n, 8);
     for (size_t i = 0; i < 8; i++) {
         const bis_verify_test *t = &v.tests[i];
         assert_string_equal(t->group, "g");
-        if (i != 1 && i < 7 && !(isnan(statistic[i]) ? isnan(t->statistic) : fabs(t->statistic - statistic[i]) < 1e-9)) fail_msg("%s: statistic %g", t->name, t->statistic);
+        if (i != 1 && i < 7 && !(isnan(statistic[i]) ? isnan(t->statistic) : fabs(t->statistic - statistic[i]) < 1e-9))
+            fail_msg("%s: statistic %g", t->name, t->statistic);
         if (t->verdict != verdict[i]) fail_msg("%s: verdict %d", t->name, (int)t->verdict);
         if (i != 4) assert_string_equal(t->note, note[i]);
         if (!isnan(t->p)) assert_true(t->threshold == v.threshold);
@@ -69,7 +73,8 @@ static void a_larger_distance_is_never_more_likely(void **state)
             double last = 1;
             for (double z = 0; z < 200; z += 0.25) {
                 const double p = bis_verify_t(z, dof[k], skewness[i]);
-                if (!(p <= last && p >= 0 && p == bis_verify_t(-z, dof[k], skewness[i]))) fail_msg("z %g, skewness %g: p %g", z, skewness[i], p);
+                if (!(p <= last && p >= 0 && p == bis_verify_t(-z, dof[k], skewness[i])))
+                    fail_msg("z %g, skewness %g: p %g", z, skewness[i], p);
                 last = p;
             }
             if (k > 0 && fabs(skewness[i]) < BIS_VERIFY_MOST_SKEWNESS) assert_true(last < of_100_tests);
@@ -79,8 +84,8 @@ static void a_larger_distance_is_never_more_likely(void **state)
     assert_near(bis_verify_t(4, HUGE_VAL, 0.05) / (6.3342484e-5 * exp(3.2 / 3)), 1, 1e-6);
 }
 
-/* Means of 400 exponential variables, of skewness 0.1: p is below 0.001 in at most 0.1 % of 40000 experiments, but for 4
- * standard errors, and by t alone, the twin, more often. */
+/* Means of 400 exponential variables, of skewness 0.1: p is below 0.001 in at most 0.1 % of 40000 experiments, but for
+ * 4 standard errors, and by t alone, the twin, more often. */
 static void skewed_means_do_not_accuse(void **state)
 {
     (void)state;
@@ -112,8 +117,8 @@ static double poisson(bis_rng *rng, double mean)
     return k;
 }
 
-/* 200 cells that expect 5 draws each, and one that expects a million: p is below 0.01 in 1 % of 40000 experiments, but for 4
- * standard errors, and by plain chi-square, the twin, more often. */
+/* 200 cells that expect 5 draws each, and one that expects a million: p is below 0.01 in 1 % of 40000 experiments, but
+ * for 4 standard errors, and by plain chi-square, the twin, more often. */
 static void small_cells_do_not_accuse(void **state)
 {
     (void)state;
@@ -133,7 +138,8 @@ static void small_cells_do_not_accuse(void **state)
         bis_verify_clear(&v);
     }
     const double most = 0.01 * N + 4 * sqrt(0.01 * N);
-    if (!(below <= most && below_plain > most)) fail_msg("below 0.01: %d of %d, %d by plain chi-square", below, N, below_plain);
+    if (!(below <= most && below_plain > most))
+        fail_msg("below 0.01: %d of %d, %d by plain chi-square", below, N, below_plain);
 }
 
 static void every_allocation_may_fail(void **state)

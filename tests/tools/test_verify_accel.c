@@ -30,8 +30,14 @@ static bool forgetful_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
     return !is_lost(r) && bis_accel_intersect(((const forgetful *)a)->right, r, hit);
 }
 
-static bool forgetful_occluded(const bis_accel *a, const ray *r) { return bis_accel_occluded(((const forgetful *)a)->right, r); }
-static bool blind(const bis_accel *a, const ray *r) { return !is_lost(r) && bis_accel_occluded(((const forgetful *)a)->right, r); }
+static bool forgetful_occluded(const bis_accel *a, const ray *r)
+{
+    return bis_accel_occluded(((const forgetful *)a)->right, r);
+}
+static bool blind(const bis_accel *a, const ray *r)
+{
+    return !is_lost(r) && bis_accel_occluded(((const forgetful *)a)->right, r);
+}
 
 static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 {
@@ -41,9 +47,11 @@ static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 static void a_backend_that_loses_rays_is_rejected(void **state)
 {
     (void)state;
-    static const bis_accel_ops loses = {.name = "loses", .intersect = forgetful_intersect, .occluded = forgetful_occluded};
+    static const bis_accel_ops loses = {
+        .name = "loses", .intersect = forgetful_intersect, .occluded = forgetful_occluded};
     static const bis_accel_ops is_blind = {.name = "blind", .intersect = right_intersect, .occluded = blind};
-    static const bis_accel_ops is_right = {.name = "right", .intersect = right_intersect, .occluded = forgetful_occluded};
+    static const bis_accel_ops is_right = {
+        .name = "right", .intersect = right_intersect, .occluded = forgetful_occluded};
     const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity()};
     bis_geometry g = {0};
     bis_accel *grid;
@@ -88,7 +96,8 @@ static void a_floor_that_shadows_itself_is_found_with_one_backend(void **state)
     const bis_xform here = bis_xform_identity();
     bis_geometry g = {0};
     bis_accel *grid;
-    bis_mesh m = {.p = bis_alloc(4, sizeof *m.p), .index = bis_alloc(2, 3 * sizeof *m.index), .n_vertices = 4, .n_triangles = 2};
+    bis_mesh m = {
+        .p = bis_alloc(4, sizeof *m.p), .index = bis_alloc(2, 3 * sizeof *m.index), .n_vertices = 4, .n_triangles = 2};
     for (int i = 0; i < 4; i++) m.p[i] = (vec3){p[i][0], p[i][1], 0};
     memcpy(m.index, index, sizeof index);
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
@@ -122,20 +131,26 @@ static void a_grazing_ray_may_go_either_way_and_no_other(void **state)
     bis_rng rng;
     int ties = 0;
     bis_rng_init(&rng, 6, 0, 0, 1);
-    bis_mesh m = {.p = bis_alloc(3, sizeof *m.p), .index = bis_alloc(1, 3 * sizeof *m.index), .n_vertices = 3, .n_triangles = 1};
+    bis_mesh m = {
+        .p = bis_alloc(3, sizeof *m.p), .index = bis_alloc(1, 3 * sizeof *m.index), .n_vertices = 3, .n_triangles = 1};
     m.p[0] = (vec3){0.1f, 0.2f, 0.3f}, m.p[1] = (vec3){1.7f, 0.4f, -0.2f}, m.p[2] = (vec3){0.3f, 1.9f, 0.5f};
     for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
     const vec3 p[3] = {m.p[0], m.p[1], m.p[2]};
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
     bis_mesh_clear(&m);
     for (int n = 0; n < 20000; n++) {
-        const double along = .01 + .98 * bis_rng_double(&rng), beside = n % 4 == 3 ? 1e-4 : n % 4 == 2 ? -1e-4 : 1e-7 * (n % 4) * (bis_rng_double(&rng) - .5);
+        const double along = .01 + .98 * bis_rng_double(&rng),
+                     beside = n % 4 == 3   ? 1e-4
+                              : n % 4 == 2 ? -1e-4
+                                           : 1e-7 * (n % 4) * (bis_rng_double(&rng) - .5);
         const double b[3] = {1 - along - beside / 2, along - beside / 2, beside}; /* beside > 0: within */
         const vec3 at = add(add(mul(p[0], b[0]), mul(p[1], b[1])), mul(p[2], b[2]));
-        const vec3 o = add(at, vec3_from(bis_rng_double(&rng) - .5, bis_rng_double(&rng) - .5, 1 + 3 * bis_rng_double(&rng)));
+        const vec3 o =
+            add(at, vec3_from(bis_rng_double(&rng) - .5, bis_rng_double(&rng) - .5, 1 + 3 * bis_rng_double(&rng)));
         const double l = length(sub(at, o));
         const ray r = {o, mul(sub(at, o), 1 / l), INFINITY};
-        const bis_verify_answer answer[2] = {{l, true}, {(double)INFINITY, false}}, wrong[2] = {{l, false}, {l / 2, true}};
+        const bis_verify_answer answer[2] = {{l, true}, {(double)INFINITY, false}},
+                                wrong[2] = {{l, false}, {l / 2, true}};
         bool right[2], of_wrong[2];
         bis_verify_search(right, &g, &r, BIS_NO_PRIM, answer, 2);
         bis_verify_search(of_wrong, &g, &r, BIS_NO_PRIM, wrong, 2);
@@ -148,9 +163,10 @@ static void a_grazing_ray_may_go_either_way_and_no_other(void **state)
     bis_geometry_clear(&g);
 }
 
-/* What is exactly met is never called missed, and the other way round, however near the edge and far the origin. The truth
- * by volumes in long double, products of three floats' differences: 2^-60 of them. A weight that was surely negative, but
- * by less than Embree may count as inside, made the search sure of a hit: both accelerators were accused of a ray in 4 million. */
+/* What is exactly met is never called missed, and the other way round, however near the edge and far the origin. The
+ * truth by volumes in long double, products of three floats' differences: 2^-60 of them. A weight that was surely
+ * negative, but by less than Embree may count as inside, made the search sure of a hit: both accelerators were accused
+ * of a ray in 4 million. */
 static void the_truth_is_always_right(void **state)
 {
     (void)state;
@@ -160,7 +176,8 @@ static void the_truth_is_always_right(void **state)
     bis_rng rng;
     int near_edge = 0;
     bis_rng_init(&rng, 7, 0, 0, 1);
-    bis_mesh m = {.p = bis_alloc(3, sizeof *m.p), .index = bis_alloc(1, 3 * sizeof *m.index), .n_vertices = 3, .n_triangles = 1};
+    bis_mesh m = {
+        .p = bis_alloc(3, sizeof *m.p), .index = bis_alloc(1, 3 * sizeof *m.index), .n_vertices = 3, .n_triangles = 1};
     memcpy(m.p, corner, sizeof corner);
     for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
     const vec3 p[3] = {m.p[0], m.p[1], m.p[2]};
@@ -168,7 +185,8 @@ static void the_truth_is_always_right(void **state)
     bis_mesh_clear(&m);
     for (int n = 0; n < 100000; n++) {
         const double along = .01 + .98 * bis_rng_double(&rng), side = bis_rng_double(&rng) - .5;
-        const double beside = copysign(pow(10, -9 + 5 * bis_rng_double(&rng)), side), far = 1 + 30 * bis_rng_double(&rng);
+        const double beside = copysign(pow(10, -9 + 5 * bis_rng_double(&rng)), side),
+                     far = 1 + 30 * bis_rng_double(&rng);
         const vec3 at = add(add(mul(p[0], 1 - along - beside / 2), mul(p[1], along - beside / 2)), mul(p[2], beside));
         const vec3 o = add(at, vec3_from(far * (bis_rng_double(&rng) - .5), far * (bis_rng_double(&rng) - .5), far));
         const double l = length(sub(at, o));
@@ -181,13 +199,15 @@ static void the_truth_is_always_right(void **state)
         }
         for (int i = 0; i < 3; i++) {
             const long double *a = v[i], *b = v[(i + 1) % 3];
-            w[i] = (long double)r.d.x * (a[1] * b[2] - a[2] * b[1]) + (long double)r.d.y * (a[2] * b[0] - a[0] * b[2]) + (long double)r.d.z * (a[0] * b[1] - a[1] * b[0]);
+            w[i] = (long double)r.d.x * (a[1] * b[2] - a[2] * b[1]) + (long double)r.d.y * (a[2] * b[0] - a[0] * b[2]) +
+                   (long double)r.d.z * (a[0] * b[1] - a[1] * b[0]);
         }
         const bool met = (w[0] > 0 && w[1] > 0 && w[2] > 0) || (w[0] < 0 && w[1] < 0 && w[2] < 0);
         const bis_verify_answer answer[2] = {{l, true}, {(double)INFINITY, false}};
         bool right[2];
         bis_verify_search(right, &g, &r, BIS_NO_PRIM, answer, 2);
-        if (!right[met ? 0 : 1]) fail_msg("ray %d, %g beside the edge, from %g: %s", n, beside, far, met ? "met" : "missed");
+        if (!right[met ? 0 : 1])
+            fail_msg("ray %d, %g beside the edge, from %g: %s", n, beside, far, met ? "met" : "missed");
         near_edge += right[0] && right[1];
     }
     assert_true(near_edge > 10000 && near_edge < 90000);

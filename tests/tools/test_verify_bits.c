@@ -25,14 +25,16 @@ static void this_build_has_the_bits_of_every_build(void **state)
     use_threads(threads);
     for (int i = 0; i < BIS_N_BITS; i++) {
         if (rows[i].hash != rows[i].expected)
-            fail_msg("%s: %016llx, relative difference %g", rows[i].name, (unsigned long long)rows[i].hash, rows[i].departs);
+            fail_msg(
+                "%s: %016llx, relative difference %g", rows[i].name, (unsigned long long)rows[i].hash, rows[i].departs);
         assert_true(rows[i].departs == 0);
     }
 }
 
-/* Every method estimates the same picture: the sums agree with that of `exact`, but for noise. So the table holds no bits of
- * a method that was wrong when they were written down. A pixel has a relative standard error of at most some 100 % (brdf: 100
- * draws, of which one in 50 finds a lamp), so a sum of 768 pixels has 3.6 %. The largest difference is that of mis, 2.8 %. */
+/* Every method estimates the same picture: the sums agree with that of `exact`, but for noise. So the table holds no
+ * bits of a method that was wrong when they were written down. A pixel has a relative standard error of at most some
+ * 100 % (brdf: 100 draws, of which one in 50 finds a lamp), so a sum of 768 pixels has 3.6 %. The largest difference is
+ * that of mis, 2.8 %. */
 static void the_pictures_agree(void **state)
 {
     (void)state;
@@ -46,8 +48,8 @@ static void the_pictures_agree(void **state)
         if (strncmp(rows[i].name, "picture", 7) == 0) assert_true(fabs(rows[i].sum / *exact - 1) < 4 * 0.036);
 }
 
-/* The twin: the same code with results that are rounded up. Tables change in their last bits, and their sums by fewer than
- * a thousand roundings of 2^-52. */
+/* The twin: the same code with results that are rounded up. Tables change in their last bits, and their sums by fewer
+ * than a thousand roundings of 2^-52. */
 static void a_build_that_rounds_otherwise_is_found(void **state)
 {
     (void)state;

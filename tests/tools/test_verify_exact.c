@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* `bis verify` of a point in view rejects an integrator `exact` that is 1 % too bright. A program of its own, because `exact`
- * takes long. */
+/* `bis verify` of a point in view rejects an integrator `exact` that is 1 % too bright. A program of its own, because
+ * `exact` takes long. */
 #include "tools/verify/verify.h"
 #include "bis/thesis/phong.h"
 #include "lit.h"
@@ -11,7 +11,8 @@
 
 #include <cmocka.h>
 
-static rgb Lo_exact_one_percent_more(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+static rgb Lo_exact_one_percent_more(
+    const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     return rgb_scale(bis_exact.Lo(s, pt, stream, scratch), 1.01);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* `bis verify` of a map must be able to fail: each check is handed something wrong and must reject it, and something right,
- * for several seeds, and must accept it. */
+/* `bis verify` of a map must be able to fail: each check is handed something wrong and must reject it, and something
+ * right, for several seeds, and must accept it. */
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "stat.h"
@@ -19,7 +19,8 @@ static void upside_down(bis_envmap *to, const bis_envmap *from)
 {
     *to = map_new(from->width, from->height);
     for (int y = 0; y < from->height; y++) {
-        memcpy(to->pixels + y * from->width, from->pixels + (from->height - 1 - y) * from->width, (size_t)from->width * sizeof *to->pixels);
+        memcpy(to->pixels + y * from->width, from->pixels + (from->height - 1 - y) * from->width,
+            (size_t)from->width * sizeof *to->pixels);
     }
 }
 
@@ -78,7 +79,8 @@ static void wrong_solid_angles_are_rejected(void **state)
 {
     (void)state;
     bis_envmap em = map_new(64, 32);
-    for (int y = 0; y < 32; y++) em.row_solid_angle[y] = PI / 32 * 2 * PI / 64 * sin(PI * (y + 0.5) / 32); /* at the middle: 0.04 % too much */
+    for (int y = 0; y < 32; y++)
+        em.row_solid_angle[y] = PI / 32 * 2 * PI / 64 * sin(PI * (y + 0.5) / 32); /* at the middle: 0.04 % too much */
     bis_verify v = {.seed = 1};
     bis_verify_solid_angles(&v, &em);
     assert_int_equal(verify_failures(&v), 2);
@@ -288,14 +290,15 @@ static bool draw_by_pmf(const void *self, bis_rng *rng, bis_map_sample *s)
     return true;
 }
 
-/* 65536 draws; a group of pixels has at least 80 / 65536 = 0.00122 of them, so that each of its 16 places expects 5. One
- * group: 15 degrees of freedom; two: 31; a last pixel with less joins its neighbour. */
+/* 65536 draws; a group of pixels has at least 80 / 65536 = 0.00122 of them, so that each of its 16 places expects 5.
+ * One group: 15 degrees of freedom; two: 31; a last pixel with less joins its neighbour. */
 static void neighbours_share_a_group_until_each_place_expects_five(void **state)
 {
     (void)state;
     static const struct { int width; double pmf[4]; double groups; } cases[] = {
         {2, {0.001, 0.999}, 1}, {2, {0.0013, 0.9987}, 2}, {2, {0.999, 0.001}, 1}, {3, {0.0007, 0.0007, 0.9986}, 2},
-        {3, {0.5, 0.0011, 0.4989}, 2}, {4, {0.25, 0.25, 0.25, 0.25}, 4}, {4, {0.0004, 0.0004, 0.0003, 0.9989}, 1}, {1, {1}, 1}};
+        {3, {0.5, 0.0011, 0.4989}, 2}, {4, {0.25, 0.25, 0.25, 0.25}, 4}, {4, {0.0004, 0.0004, 0.0003, 0.9989}, 1},
+         {1, {1}, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_envmap em = map_new(cases[i].width, 1);
         const by_pmf self = {&em, cases[i].pmf};
@@ -314,7 +317,8 @@ static bool draw_next_column(const void *self, bis_rng *rng, bis_map_sample *s)
 {
     const bis_envmap *em = ((const wrong_sampler *)self)->em;
     const bool drawn = draw_right(self, rng, s);
-    if (bis_rng_double(rng) < 0.02) s->pixel = s->pixel / 64 * 64 + (s->pixel + 1) % 64; /* alias off by one, for one draw in fifty */
+    if (bis_rng_double(rng) < 0.02)
+        s->pixel = s->pixel / 64 * 64 + (s->pixel + 1) % 64; /* alias off by one, for one draw in fifty */
     s->w_local = in_pixel(em, s->pixel, bis_rng_double(rng), bis_rng_double(rng));
     return drawn;
 }
@@ -322,7 +326,8 @@ static bool draw_next_column(const void *self, bis_rng *rng, bis_map_sample *s)
 static bool draw_uniform_in_theta(const void *self, bis_rng *rng, bis_map_sample *s)
 {
     const bool drawn = draw_right(self, rng, s);
-    const double y = (double)(s->pixel / 64), theta = PI * (y + bis_rng_double(rng)) / 32; /* the sine forgotten inside a pixel */
+    const double y = (double)(s->pixel / 64),
+                 theta = PI * (y + bis_rng_double(rng)) / 32; /* the sine forgotten inside a pixel */
     const double phi = 2 * PI * ((double)(s->pixel % 64) + bis_rng_double(rng)) / 64;
     s->w_local = vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
     return drawn;
@@ -358,9 +363,13 @@ static bool draw_with_coarse_numbers(const void *self, bis_rng *rng, bis_map_sam
 static void wrong_samplers_of_a_map_are_rejected(void **state)
 {
     (void)state;
-    const struct { const char *name; bool (*draw)(const void *, bis_rng *, bis_map_sample *); bool right; } samplers[] = {
-        {"right", draw_right, true}, {"next column", draw_next_column, false}, {"uniform in theta", draw_uniform_in_theta, false},
-        {"centres", draw_centre, false}, {"elsewhere", draw_elsewhere, false}, {"nothing at times", draw_nothing_at_times, false},
+    const struct {
+        const char *name;
+        bool (*draw)(const void *, bis_rng *, bis_map_sample *);
+        bool right;
+    } samplers[] = {{"right", draw_right, true}, {"next column", draw_next_column, false},
+        {"uniform in theta", draw_uniform_in_theta, false}, {"centres", draw_centre, false},
+        {"elsewhere", draw_elsewhere, false}, {"nothing at times", draw_nothing_at_times, false},
         {"coarse numbers", draw_with_coarse_numbers, false}};
     const bis_importance_options options = {.table = true, .levels = 8, .area_exponent = 0.15};
     bis_envmap em = map_random(64, 32, 4, 0.1, 11);

@@ -22,11 +22,13 @@ static double alpha(void) { return stat_level(1e-3, SEEDS * SUMS); }
 /* What the renderer does at most: product, learned visibility, edge samples. */
 static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
                            "Sampler \"sobol\" \"integer pixelsamples\" 16 \"integer edgesamples\" 4\n"
-                           "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
+                           "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"integer "
+                           "shadowrays\" 16 "
                            "\"bool learn\" true\n";
 
 /* It hides the zenith: what visibility learns depends on the direction. */
-static const char roof[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-2 1.5 1  2 1.5 1  2 1.5 7  -2 1.5 7]\n";
+static const char roof[] =
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-2 1.5 1  2 1.5 1  2 1.5 7  -2 1.5 7]\n";
 
 static verify_built build_full(void)
 {
@@ -38,7 +40,8 @@ static verify_built build_full(void)
 }
 
 /* Failed tests of the picture whose names begin so; all: "". */
-static size_t failed_of_picture(bis_verify_render *render, const verify_built *b, const bis_settings *s, uint64_t seed, const char *name)
+static size_t failed_of_picture(
+    bis_verify_render *render, const verify_built *b, const bis_settings *s, uint64_t seed, const char *name)
 {
     bis_verify v = {.seed = seed, .halvings = 2};
     bool tested;
@@ -46,7 +49,8 @@ static size_t failed_of_picture(bis_verify_render *render, const verify_built *b
     assert_int_equal(bis_verify_picture(&v, render, b->scene, b->desc, s, &tested, NULL), BIS_OK);
     assert_true(tested);
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
-    for (size_t i = 0; i < v.n; i++) n += v.tests[i].verdict == BIS_VERDICT_FAILED && strncmp(v.tests[i].name, name, strlen(name)) == 0;
+    for (size_t i = 0; i < v.n; i++)
+        n += v.tests[i].verdict == BIS_VERDICT_FAILED && strncmp(v.tests[i].name, name, strlen(name)) == 0;
     bis_verify_clear(&v);
     return n;
 }
@@ -58,7 +62,8 @@ static void a_right_picture_passes(void **state)
     for (uint64_t seed = 0; seed < SEEDS; seed++) {
         bis_verify v = {.seed = seed, .halvings = 2};
         bool tested;
-        assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
         assert_true(tested);
         assert_int_equal(v.n, SUMS + 1); /* and no number that is none */
         assert_int_equal(verify_judged(&v), SUMS);
@@ -95,13 +100,14 @@ static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const 
     assert_true(bis_edges_find(bits, all, all, &(bis_edge_eye){f, scene, view, turns}, 1));
     bis_free(turns);
     for (size_t i = 0; i < pixels_of(f); i++)
-        edge[i] = bis_edges_kind(bits, all, f->x0 + (int)(i % (size_t)f->width), f->y0 + (int)(i / (size_t)f->width)) != 0;
+        edge[i] =
+            bis_edges_kind(bits, all, f->x0 + (int)(i % (size_t)f->width), f->y0 + (int)(i / (size_t)f->width)) != 0;
     bis_free(bits);
     return edge;
 }
 
-static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                     const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
     unsigned char *edge = edges_of(f, scene, desc, view);
@@ -111,14 +117,16 @@ static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, con
 }
 
 /* Camera samples of edge pixels lie a quarter of a pixel to the right, or below. */
-static bis_status render_shifted(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                 const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
+static bis_status render_shifted(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
 {
     const double h = f->picture_height, aspect = f->picture_width / h, dx = down ? 0 : 0.5 / h, dy = down ? 0.5 / h : 0;
     bis_view shifted = *view;
     bis_film other;
     bis_render_result ignored;
-    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, desc->view.film.crop, f->step, (bis_loc){0}, diag), BIS_OK);
+    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, desc->view.film.crop, f->step,
+                         (bis_loc){0}, diag),
+        BIS_OK);
     shifted.camera.has_screen = true;
     memcpy(shifted.camera.screen, (double[]){dx - aspect, dx + aspect, -1 - dy, 1 - dy}, sizeof shifted.camera.screen);
     bis_status status = bis_render(result, f, scene, desc, view, options, diag);
@@ -131,20 +139,20 @@ static bis_status render_shifted(bis_render_result *result, bis_film *f, const b
     return status;
 }
 
-static bis_status render_to_the_right(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_to_the_right(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     return render_shifted(result, f, scene, desc, view, options, diag, false);
 }
 
-static bis_status render_below(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                               const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_below(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     return render_shifted(result, f, scene, desc, view, options, diag, true);
 }
 
-static bis_status render_exchanged(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                   const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_exchanged(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
     for (size_t i = 0; i < pixels_of(f); i++) {
@@ -155,24 +163,24 @@ static bis_status render_exchanged(bis_render_result *result, bis_film *f, const
     return status;
 }
 
-static bis_status render_without_shadows(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                         const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_without_shadows(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     bis_view open = *view;
     open.settings = bis_settings_default(&bis_unoccluded);
     return bis_render(result, f, scene, desc, &open, options, diag);
 }
 
-static bis_status render_not_a_number(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_not_a_number(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
     result->counters.nonfinite += view->sampler.seed % 8 == 0; /* left out of the film, in a few renders */
     return status;
 }
 
-static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
     for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= 1.03;
@@ -203,8 +211,8 @@ static void wrong_pictures_are_rejected(void **state)
 /* Renders that have no noise: each pixel of the two is right, 5.25 by 7 = 4 + 2 + 1, times its factor. */
 static double factor[2];
 
-static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                 const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     (void)scene, (void)desc, (void)view, (void)options, (void)diag;
     *result = (bis_render_result){.counters = {0}};
@@ -213,13 +221,13 @@ static bis_status render_factors(bis_render_result *result, bis_film *f, const b
     return BIS_OK;
 }
 
-/* Floors of reflectance 1/2 end in each of one or two pixels, the picture is 7/2 or 7. All that is judged, by hand. Where
- * floors lie outside the middle of two pixels, these have opposite slopes: 5 % more in the first and less in the second
- * is nothing in all pixels, and 5 % of what the slopes weigh. Slopes along an edge are noise: "" may fail. Of one pixel its
- * slope tells nothing.
- * The last case: the second floor takes a quarter of its pixel. Roots of mean squares 5.534 and 6.310, their mean 5.922,
- * weights 0.08729 and 0.08175, pixels 5.25 and 6.125, slopes 1.75 s (1 - s) for a floor of share s: 0.4375 and 0.3281. Of 10 %
- * more in the first, 4.78 % is left of the sum of all, and 5.50 % of that with slopes. */
+/* Floors of reflectance 1/2 end in each of one or two pixels, the picture is 7/2 or 7. All that is judged, by hand.
+ * Where floors lie outside the middle of two pixels, these have opposite slopes: 5 % more in the first and less in the
+ * second is nothing in all pixels, and 5 % of what the slopes weigh. Slopes along an edge are noise: "" may fail. Of
+ * one pixel its slope tells nothing. The last case: the second floor takes a quarter of its pixel. Roots of mean
+ * squares 5.534 and 6.310, their mean 5.922, weights 0.08729 and 0.08175, pixels 5.25 and 6.125, slopes 1.75 s (1 - s)
+ * for a floor of share s: 0.4375 and 0.3281. Of 10 % more in the first, 4.78 % is left of the sum of all, and 5.50 % of
+ * that with slopes. */
 static void the_sums_of_a_picture_are_those_by_hand(void **state)
 {
     (void)state;
@@ -229,11 +237,12 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
         *const of_material[] = {"all pixels: em", "material 1: em", "not a number: em"},
         *const of_two[] = {"all pixels: em", "outlines: em", "outlines, left to right: em", "outlines, up and down: em",
                            "not a number: em"};
-    static const struct { int width, height, floors; double first, second, factor[2]; const char *found[5]; } cases[] = {
-        {1, 1, 1, 0, 0, {1, 1}, {NULL}},
-        {1, 1, 1, 9, 0, {2 / 3.0, 1}, {NULL}},
-        {1, 1, 1, 0, 0, {1.05, 1}, {"+5 %", "+5 %"}},
-        {2, 1, 2, -1, 1, {1, 1}, {NULL}},
+    static const struct {
+        int width, height, floors;
+        double first, second, factor[2];
+        const char *found[5];
+    } cases[] = {{1, 1, 1, 0, 0, {1, 1}, {NULL}}, {1, 1, 1, 9, 0, {2 / 3.0, 1}, {NULL}},
+        {1, 1, 1, 0, 0, {1.05, 1}, {"+5 %", "+5 %"}}, {2, 1, 2, -1, 1, {1, 1}, {NULL}},
         {2, 1, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "+5 %", ""}},
         {2, 1, 2, -1, 1, {0.95, 1.05}, {NULL, NULL, "-5 %", ""}},
         {1, 2, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "", "+5 %"}},
@@ -243,32 +252,36 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
         const int down = cases[i].height == 2;
         int n = snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
                          "Camera \"orthographic\"\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
-                         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n",
+                         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 "
+                         ".5]\n",
                          cases[i].width, cases[i].height);
         for (int k = 0; k < cases[i].floors; k++) {
             const double a = k ? cases[i].second : -9, b = k ? 9 : cases[i].first;
             double c[4][2] = {{a, -9}, {b, -9}, {b, 9}, {a, 9}}; /* x, y */
-            n += snprintf(text + n, sizeof text - (size_t)n, floor_text, c[0][down], c[0][!down], c[1][down], c[1][!down], c[2][down],
-                          c[2][!down], c[3][down], c[3][!down]);
+            n += snprintf(text + n, sizeof text - (size_t)n, floor_text, c[0][down], c[0][!down], c[1][down],
+                c[1][!down], c[2][down], c[2][!down], c[3][down], c[3][!down]);
         }
         program_folder(VERIFY_DIR);
         program_write_file(VERIFY_DIR "/floors.txt", text);
         verify_built b = verify_build(VERIFY_DIR "/floors.txt");
         for (int k = 0; k < 2; k++) factor[k] = cases[i].factor[k];
-        /* Where a few renders outweigh all others there is no verdict: of seeds 1 to 20 a third have none. Each row must get
-         * the right one from one of four seeds, and the wrong one from none. */
+        /* Where a few renders outweigh all others there is no verdict: of seeds 1 to 20 a third have none. Each row
+         * must get the right one from one of four seeds, and the wrong one from none. */
         bool judged[5] = {false}, all_judged = false;
         for (uint64_t seed = 1; !all_judged && seed <= 4; seed++) {
             bis_verify v = {.seed = seed, .halvings = 3};
             bool tested;
-            assert_int_equal(bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
             assert_true(tested);
             assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
             assert_int_equal(v.n, cases[i].floors == 2 ? 5 : 3);
             all_judged = true;
             for (size_t k = 0; k < v.n; k++) {
                 const char *found = cases[i].found[k];
-                const char *const name = cases[i].floors == 2 ? of_two[k] : cases[i].first == 9 ? of_material[k] : of_one[k];
+                const char *const name = cases[i].floors == 2  ? of_two[k]
+                                         : cases[i].first == 9 ? of_material[k]
+                                                               : of_one[k];
                 assert_string_equal(v.tests[k].name, name);
                 assert_string_equal(v.tests[k].group, "picture");
                 if (found && !*found) continue;
@@ -287,8 +300,8 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
 /* Counts its calls, and whether each had so many samples a pixel. */
 static struct { uint64_t spp; unsigned calls, wrong; } asked;
 
-static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                                 const bis_view *view, const bis_render_options *options, bis_diag *diag)
+static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     (void)scene, (void)desc, (void)view, (void)diag;
     *result = (bis_render_result){.counters = {0}};
@@ -299,33 +312,41 @@ static bis_status render_nothing(bis_render_result *result, bis_film *f, const b
 }
 
 /* How many renders, pixels and passes, worked out. All renders may cost 2^25 units, halved h times: 8 a shadow ray, 1 a
- * candidate; for each pass 256 units a candidate (2^18 at most) and for `product` 2^15 more. 1024 pixels halved h times, but 16
- * at least, as far as 32 renders of 2 passes (4 to learn) are paid for; 32 to 128 renders. E.g. product 8/1, h = 2: 2^23 / (32 x
- * 16 + 2048 + 32768) = 237.4 passes, 119 renders of 2; to learn 59 renders of 4. 64 x 48 pixels have 6 x 5 of each 10 x 10. */
+ * candidate; for each pass 256 units a candidate (2^18 at most) and for `product` 2^15 more. 1024 pixels halved h
+ * times, but 16 at least, as far as 32 renders of 2 passes (4 to learn) are paid for; 32 to 128 renders. E.g. product
+ * 8/1, h = 2: 2^23 / (32 x 16 + 2048 + 32768) = 237.4 passes, 119 renders of 2; to learn 59 renders of 4. 64 x 48
+ * pixels have 6 x 5 of each 10 x 10. */
 static void renders_pixels_and_passes_are_those_worked_out(void **state)
 {
     (void)state;
-    static const struct { const char *integrator; int width, height; unsigned h; const char *note; unsigned renders, spp; } cases[] = {
+    static const struct { const char *integrator; int width, height; unsigned h; const char *note; unsigned renders,
+        spp; } cases[] = {
         {"\"em\" \"integer samples\" 8", 8, 4, 5, "; 128 renders of 32 pixels, 4 passes", 128, 4},
         {"\"em\" \"integer samples\" 8", 64, 48, 5, "; 128 renders of 30 pixels, 4 passes", 128, 4},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, "; 128 renders of 32 pixels, 3 passes", 128, 3},
-        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, "; 32 renders of 8 pixels, 2 passes", 32, 2},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, "; 128 renders of 32 pixels, 3 passes",
+         128, 3},
+        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, "; 32 renders of 8 pixels, 2 passes",
+         32, 2},
         {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\"", 8, 4, 2,
          "; 119 renders of 32 pixels, 2 passes", 119, 2},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" true", 8, 4, 2,
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" "
+         "true", 8, 4, 2,
          "; 59 renders of 32 pixels, 4 passes", 59, 4}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024];
-        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\n"
-                 "Integrator %s\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"disk\" \"float height\" 2\n",
-                 cases[i].width, cases[i].height, cases[i].integrator);
+        snprintf(text, sizeof text,
+            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\n"
+            "Integrator %s\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"disk\" \"float height\" "
+            "2\n",
+            cases[i].width, cases[i].height, cases[i].integrator);
         program_folder(VERIFY_DIR);
         program_write_file(VERIFY_DIR "/counts.txt", text);
         verify_built b = verify_build(VERIFY_DIR "/counts.txt");
         bis_verify v = {.seed = 1, .halvings = cases[i].h};
         bool tested;
         asked.calls = asked.wrong = 0, asked.spp = cases[i].spp;
-        assert_int_equal(bis_verify_picture(&v, render_nothing, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_picture(&v, render_nothing, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
         assert_true(tested && v.n > 0);
         if (!strstr(v.tests[0].note, cases[i].note)) fail_msg("case %zu: %s", i, v.tests[0].note);
         assert_int_equal(asked.calls, cases[i].renders);
@@ -335,12 +356,13 @@ static void renders_pixels_and_passes_are_those_worked_out(void **state)
     }
 }
 
-/* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half of 7.
- * Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
+/* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half
+ * of 7. Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
 static void a_reference_is_the_mean_over_the_pixel(void **state)
 {
     (void)state;
-    static const char *const text = "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\nWorldBegin\n"
+    static const char *const text =
+        "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\nWorldBegin\n"
         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
         "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %d -9 2  %d 9 2  -9 9 2]\n";
     for (int whole = 0; whole < 2; whole++) {

@@ -36,9 +36,11 @@ static size_t places_of(place **places, const lit *l)
         const size_t i = k / PLACES;
         const rgb L = em->pixels[i];
         const double dO = em->row_solid_angle[i / width] / PLACES, P = rgb_sum(L) * dO / sum;
-        const vec3 d = bis_envmap_direction(em, (int)(i % width), (int)(i / width), 0.25 + 0.5 * (double)(k & 1), 0.25 + 0.25 * (double)(k & 2));
+        const vec3 d = bis_envmap_direction(
+            em, (int)(i % width), (int)(i / width), 0.25 + 0.5 * (double)(k & 1), 0.25 + 0.25 * (double)(k & 2));
         const double wi[3] = {(double)d.x, (double)d.y, (double)d.z};
-        const double c = fmax(0, wi[0] * (double)l->pt.n.x + wi[1] * (double)l->pt.n.y + wi[2] * (double)l->pt.n.z), x = P > 0 ? c * dO / P : 0;
+        const double c = fmax(0, wi[0] * (double)l->pt.n.x + wi[1] * (double)l->pt.n.y + wi[2] * (double)l->pt.n.z),
+                     x = P > 0 ? c * dO / P : 0;
         double pdf;
         const rgbd f = lit_f(l, wi, &pdf), C = {f.r * x * (double)L.r, f.g * x * (double)L.g, f.b * x * (double)L.b};
         (*places)[k] = (place){P, rgbd_sum(C), C, c, l->accel.hidden == LIT_HALF && wi[1] > 0 ? 0 : 1};
@@ -46,8 +48,9 @@ static size_t places_of(place **places, const lit *l)
     return PLACES * n;
 }
 
-/* E21, M candidates from the map: Z E[sum of C V / sum of w], for Zhat comes from others. 1/W is the integral of exp(-tW) over t, so that
- * is M times the integral of E[C V exp(-tw)] E[exp(-tw)]^(M-1); over log t by the trapezium rule. */
+/* E21, M candidates from the map: Z E[sum of C V / sum of w], for Zhat comes from others. 1/W is the integral of
+ * exp(-tW) over t, so that is M times the integral of E[C V exp(-tw)] E[exp(-tw)]^(M-1); over log t by the trapezium
+ * rule. */
 static double mean_by_E21(const place *x, size_t n, double M)
 {
     enum { STEPS = 100 };
@@ -83,7 +86,8 @@ static double mean_by_E6(const place *x, size_t n)
 static double mean_by_E23(const place *x, size_t n)
 {
     double sum = 0;
-    for (size_t k = 0; k < n; k++) sum += x[k].w > 0 ? x[k].P * bis_verify_measure(x[k].C) * x[k].V / x[k].cos_theta : 0;
+    for (size_t k = 0; k < n; k++)
+        sum += x[k].w > 0 ? x[k].P * bis_verify_measure(x[k].C) * x[k].V / x[k].cos_theta : 0;
     return sum;
 }
 
@@ -92,33 +96,44 @@ static double mean_by_E27(const place *x, size_t n, double f_max)
 {
     double sum = 0, Z = 0;
     for (size_t k = 0; k < n; k++) Z += x[k].P * x[k].w;
-    for (size_t k = 0; k < n; k++) sum += x[k].w > 0 ? x[k].P * bis_verify_measure(x[k].C) * x[k].V * fmin(1, f_max * Z / x[k].w) : 0;
+    for (size_t k = 0; k < n; k++)
+        sum += x[k].w > 0 ? x[k].P * bis_verify_measure(x[k].C) * x[k].V * fmin(1, f_max * Z / x[k].w) : 0;
     return sum;
 }
 
-/* How many percent more than right a setting gives, and what docs/proof.md says that verify finds in 99 of 100 runs: the
- * reference's error and z + 2.4 = 6.2 standard errors, of 2^14 runs. Both in shares of the truth. */
+/* How many percent more than right a setting gives, and what docs/proof.md says that verify finds in 99 of 100 runs:
+ * the reference's error and z + 2.4 = 6.2 standard errors, of 2^14 runs. Both in shares of the truth. */
 static double bias_of(double *least_found, const lit *l, const bis_settings *s, const bis_truth *t, double truth)
 {
     enum { RUNS = 1 << 14 };
     rgb *estimate = bis_alloc(RUNS, sizeof *estimate);
     bis_verify_moments m = {0};
     bis_counters counters = {0};
-    assert_int_equal(bis_verify_runs(estimate, &(bis_verify_job){&l->pt, s, BIS_SAMPLER_RANDOM, RUNS, 77}, &counters, NULL), BIS_OK);
-    for (int i = 0; i < RUNS; i++) bis_verify_add(&m, bis_verify_measure((rgbd){(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b}));
+    assert_int_equal(
+        bis_verify_runs(estimate, &(bis_verify_job){&l->pt, s, BIS_SAMPLER_RANDOM, RUNS, 77}, &counters, NULL), BIS_OK);
+    for (int i = 0; i < RUNS; i++)
+        bis_verify_add(
+            &m, bis_verify_measure((rgbd){(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b}));
     bis_free(estimate);
     *least_found = (bis_truth_bound(&t->lit, 1e-7) + 6.2 * sqrt(m.m2) / RUNS) / truth;
     return m.mean / truth - 1;
 }
 
-/* Candidates from the map, independent: with the default, stratified ones from the mixture, E21's mean over 20000 runs was
- * right to 0.3 % at M = 16, and no run can see that. The last column: what a finite M may matter for E6 and E27. */
+/* Candidates from the map, independent: with the default, stratified ones from the mixture, E21's mean over 20000 runs
+ * was right to 0.3 % at M = 16, and no run can see that. The last column: what a finite M may matter for E6 and E27. */
 static void the_thesis_as_printed_is_rejected(void **state)
 {
     (void)state;
-    const struct { const char *name; unsigned flag; const bis_integrator *integrator; lit_map map; uint32_t M; double tolerance; } printed[] = {
-        {"E21", BIS_E21, &bis_sir, LIT_SMOOTH, 16, 0}, {"E21", BIS_E21, &bis_sir, LIT_SMOOTH, 4, 0}, {"E6", BIS_E6, &bis_sir, LIT_RED_BLUE, 64, 0.1},
-        {"E23", BIS_E23, &bis_sir, LIT_SMOOTH, 16, 0}, {"E27", BIS_E27, &bis_rejection, LIT_SMOOTH, 64, 0.05}};
+    const struct {
+        const char *name;
+        unsigned flag;
+        const bis_integrator *integrator;
+        lit_map map;
+        uint32_t M;
+        double tolerance;
+    } printed[] = {{"E21", BIS_E21, &bis_sir, LIT_SMOOTH, 16, 0}, {"E21", BIS_E21, &bis_sir, LIT_SMOOTH, 4, 0},
+        {"E6", BIS_E6, &bis_sir, LIT_RED_BLUE, 64, 0.1}, {"E23", BIS_E23, &bis_sir, LIT_SMOOTH, 16, 0},
+        {"E27", BIS_E27, &bis_rejection, LIT_SMOOTH, 64, 0.05}};
     for (size_t i = 0; i < sizeof printed / sizeof *printed; i++) {
         bis_light *light = lit_new_light(printed[i].map, 1, 0, false);
         bis_settings s = bis_settings_default(printed[i].integrator);
@@ -142,8 +157,8 @@ static void the_thesis_as_printed_is_rejected(void **state)
         const double mean = s.as_printed == BIS_E21 ? mean_by_E21(x, n, M) : s.as_printed == BIS_E6 ? mean_by_E6(x, n)
                           : s.as_printed == BIS_E23 ? mean_by_E23(x, n) : mean_by_E27(x, n, f_max);
         const double expected = mean / truth - 1, bias = bias_of(&least_found, &l, &s, &reference, truth);
-        print_message("  %s, M %g: %+.1f %% by quadrature, %+.1f %% in 16384 runs, found from %.1f %%\n", printed[i].name, M, 100 * expected, 100 * bias,
-                      100 * least_found);
+        print_message("  %s, M %g: %+.1f %% by quadrature, %+.1f %% in 16384 runs, found from %.1f %%\n",
+            printed[i].name, M, 100 * expected, 100 * bias, 100 * least_found);
         assert_true(fabs(expected) > least_found);
         assert_true(fabs(bias - expected) < least_found + printed[i].tolerance);
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
@@ -166,8 +181,10 @@ static void a_scene_that_is_wrong_on_purpose_fails(void **state)
     for (size_t i = 0; i < sizeof errata / sizeof *errata; i++) {
         char options[256];
         program_run r;
-        snprintf(options, sizeof options, "%sOption \"string asprinted\" \"%s\"\nIntegrator \"%s\" \"integer candidates\" %d \"integer shadowrays\" 2\n",
-                 verify_one_pixel, errata[i], i == 2 ? "rejection" : "sir", i == 2 ? 100 : 8);
+        snprintf(options, sizeof options,
+            "%sOption \"string asprinted\" \"%s\"\nIntegrator \"%s\" \"integer candidates\" %d \"integer shadowrays\" "
+            "2\n",
+            verify_one_pixel, errata[i], i == 2 ? "rejection" : "sir", i == 2 ? 100 : 8);
         verify_write_scene("wrong.txt", options);
         if (i == 0) { /* full draws */
             program_expect(&r, 1, "verify " VERIFY_DIR "/wrong.txt");

@@ -16,8 +16,8 @@
 
 #include <cmocka.h>
 
-/* The scenes of a_pixel_is_looked_at_once, what_a_scene_lacks, every_material, pixels_of_the_lattice and our_own_files, in
- * this order. In all they have seven points of view, at which each further integrator is tested. */
+/* The scenes of a_pixel_is_looked_at_once, what_a_scene_lacks, every_material, pixels_of_the_lattice and our_own_files,
+ * in this order. In all they have seven points of view, at which each further integrator is tested. */
 static double alpha(void)
 {
     return stat_level(1e-3, 36 + (6 + 12 + 13) + (55 + 7 + 7) + 41 + (27 + 55) + 7 * n_further());
@@ -130,48 +130,62 @@ static void the_report_is_that_by_hand(void **state)
 {
     (void)state;
     program_run r;
-    const char *const head = "statistic          p  threshold  verdict\n", *const none = "          -          -          -  skipped: ";
+    const char *const head = "statistic          p  threshold  verdict\n", *const none = "          -          -       "
+                                                                                         "   -  skipped: ";
     char expected[4096];
     program_write_file(VERIFY_DIR "/empty.txt", "WorldBegin LightSource \"infinite\"");
     program_expect(&r, 0, "verify " VERIFY_DIR "/empty.txt --seed 7");
     snprintf(expected, sizeof expected,
-             "%-46s  %s  %-44s%sthe light is a constant, there is no map\n\n%-46s  %s  %-44s%sthere is no geometry\n\n%-46s  %s  %-44s%sthere is no geometry\n\n"
-             "3 tests, 0 failed, 3 skipped. 0 of them are statistical: each fails below p = 0.01, so that all together\n"
-             "raise a false alarm at most once in 100 runs (Sidak). The others fail above their threshold.\nseed 7\npassed\n",
-             "map", head, "alias, cdf, curve", none, "view", head, "all integrators", none, "accelerators", head, "grid and embree", none);
+             "%-46s  %s  %-44s%sthe light is a constant, there is no map\n\n%-46s  %s  %-44s%sthere is no "
+             "geometry\n\n%-46s  %s  %-44s%sthere is no geometry\n\n"
+             "3 tests, 0 failed, 3 skipped. 0 of them are statistical: each fails below p = 0.01, so that all "
+             "together\n"
+             "raise a false alarm at most once in 100 runs (Sidak). The others fail above their threshold.\nseed "
+             "7\npassed\n",
+             "map", head, "alias, cdf, curve", none, "view", head, "all integrators", none, "accelerators", head,
+             "grid and embree", none);
     assert_string_equal(r.output, expected);
     program_expect(&r, 0, "verify --json " VERIFY_DIR "/empty.txt --seed 7");
-    static const char *const tests[3][3] = {{"map", "alias, cdf, curve", "the light is a constant, there is no map"}, {"view", "all integrators", "there is no geometry"},
-                                            {"accelerators", "grid and embree", "there is no geometry"}};
-    int n = snprintf(expected, sizeof expected, "{\n  \"file\": \"%s\",\n  \"seed\": 7,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  \"corrected\": 0.01,\n"
-                     "  \"failed\": 0,\n  \"skipped\": 3,\n  \"passed\": true,\n  \"tests\": [\n", VERIFY_DIR "/empty.txt");
+    static const char *const tests[3][3] = {{"map", "alias, cdf, curve", "the light is a constant, there is no map"},
+        {"view", "all integrators", "there is no geometry"},
+        {"accelerators", "grid and embree", "there is no geometry"}};
+    int n = snprintf(expected, sizeof expected,
+        "{\n  \"file\": \"%s\",\n  \"seed\": 7,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  \"corrected\": "
+        "0.01,\n"
+        "  \"failed\": 0,\n  \"skipped\": 3,\n  \"passed\": true,\n  \"tests\": [\n",
+        VERIFY_DIR "/empty.txt");
     for (int i = 0; i < 3; i++)
-        n += snprintf(expected + n, sizeof expected - (size_t)n, "    {\n      \"group\": \"%s\",\n      \"name\": \"%s\",\n      \"verdict\": \"skipped\",\n      \"statistic\": null,\n"
-                      "      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": \"%s\"\n    }%s\n", tests[i][0], tests[i][1], tests[i][2], i < 2 ? "," : "");
+        n += snprintf(expected + n, sizeof expected - (size_t)n,
+            "    {\n      \"group\": \"%s\",\n      \"name\": \"%s\",\n      \"verdict\": \"skipped\",\n      "
+            "\"statistic\": null,\n"
+            "      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": \"%s\"\n    }%s\n",
+            tests[i][0], tests[i][1], tests[i][2], i < 2 ? "," : "");
     snprintf(expected + n, sizeof expected - (size_t)n, "  ]\n}\n");
     assert_string_equal(r.output, expected);
-    program_write_file(VERIFY_DIR "/dark.txt", "WorldBegin LightSource \"infinite\" \"rgb L\" [0 0 0] Material \"phong\" \"float Kd\" 0 Shape \"sphere\"");
+    program_write_file(VERIFY_DIR "/dark.txt",
+        "WorldBegin LightSource \"infinite\" \"rgb L\" [0 0 0] Material \"phong\" \"float Kd\" 0 Shape \"sphere\"");
     program_expect(&r, 0, "verify " VERIFY_DIR "/dark.txt");
     assert_non_null(strstr(r.output, "          0          -          0  passed: wrong of 100000 rays and "));
     assert_non_null(strstr(r.output, "\n4 tests, 0 failed, 3 skipped. 0 of them"));
     assert_non_null(strstr(r.output, "\nseed "));
 }
 
-/* Each material once, at four angles; what is black or too narrow is left out, and what is beyond the 24th. Of 0.25 and its
- * like all angles have equally many tests. */
+/* Each material once, at four angles; what is black or too narrow is left out, and what is beyond the 24th. Of 0.25 and
+ * its like all angles have equally many tests. */
 static void every_material_is_looked_at_once(void **state)
 {
     (void)state;
     static char world[8192] = MAP_LIGHT "Translate 50 0 0 "; /* out of view */
     bis_verify v = {.seed = 2, .halvings = 5};
-    strcat(world, PHONG("0.25", "0.25", "7") "Shape \"sphere\" " PHONG("0.25", "0.25", "8") "Shape \"sphere\" Shape \"disk\" " PHONG("0.25", "0.25", "7") "Shape \"sphere\" "
-                  PHONG("0", "0", "7") "Shape \"sphere\" " PHONG("0.25", "0.25", "1e9") "Shape \"sphere\" " PHONG("0.5", "0.25", "7") "Shape \"sphere\" "
-                  PHONG("0.25", "0.5", "7") "Shape \"sphere\" ");
+    strcat(world, PHONG("0.25", "0.25", "7") "Shape \"sphere\" " PHONG("0.25", "0.25",
+                      "8") "Shape \"sphere\" Shape \"disk\" " PHONG("0.25", "0.25", "7") "Shape \"sphere\" " PHONG("0",
+                      "0", "7") "Shape \"sphere\" " PHONG("0.25", "0.25", "1e9") "Shape \"sphere\" " PHONG("0.5",
+                      "0.25", "7") "Shape \"sphere\" " PHONG("0.25", "0.5", "7") "Shape \"sphere\" ");
     run_text(&v, verify_one_pixel, world);
     assert_true(has_skip(&v, "materials", "3", "it is black: nothing is drawn"));
     assert_true(has_skip(&v, "materials", "4, n 1e+09", "unit vectors in float cannot resolve exponents beyond 1e8"));
-    static const char *const names[] = {"1, n 7, 0 degrees", "1, n 7, 45 degrees", "1, n 7, 75 degrees", "1, n 7, 89 degrees", "2, n 8, 0 degrees",
-                                        "2, n 8, 89 degrees", "5, n 7, 45 degrees", "6, n 7, 75 degrees"};
+    static const char *const names[] = {"1, n 7, 0 degrees", "1, n 7, 45 degrees", "1, n 7, 75 degrees",
+        "1, n 7, 89 degrees", "2, n 8, 0 degrees", "2, n 8, 89 degrees", "5, n 7, 45 degrees", "6, n 7, 75 degrees"};
     const size_t each = count(&v, "materials", names[0]);
     assert_true(each >= 3);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) assert_int_equal(count(&v, "materials", names[i]), each);
@@ -179,7 +193,8 @@ static void every_material_is_looked_at_once(void **state)
     verify_assert_accepted(&v, alpha());
 
     strcpy(world, MAP_LIGHT "Translate 50 0 0 " PHONG("0", "0", "7") "Shape \"sphere\" ");
-    for (int i = 1; i < 24; i++) snprintf(world + strlen(world), 256, PHONG("0.25", "0.25", "1e%d") "Shape \"sphere\" ", 8 + i);
+    for (int i = 1; i < 24; i++)
+        snprintf(world + strlen(world), 256, PHONG("0.25", "0.25", "1e%d") "Shape \"sphere\" ", 8 + i);
     v = (bis_verify){.seed = 2, .halvings = 5};
     run_text(&v, verify_one_pixel, world);
     assert_int_equal(count(&v, "materials", ""), 24);
@@ -289,8 +304,10 @@ static void pixels_of_the_lattice_lie_in_the_crop(void **state)
 {
     (void)state;
     bis_verify v = {.seed = 3, .halvings = 1}; /* three pixels are wanted */
-    run_text(&v, "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 \"float cropwindow\" [0.25 0.75 0.5 1] Integrator \"brdf\"",
-             MAP_LIGHT "Material \"diffuse\" Translate 0 0 3 Shape \"disk\" \"float radius\" 1000");
+    run_text(&v,
+        "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 \"float cropwindow\" [0.25 0.75 0.5 1] "
+        "Integrator \"brdf\"",
+        MAP_LIGHT "Material \"diffuse\" Translate 0 0 3 Shape \"disk\" \"float radius\" 1000");
     const size_t each = count(&v, "view", "pixel (20, 15): ");
     assert_true(each >= 3);
     assert_int_equal(count(&v, "view", "pixel (15, 10): "), each);
@@ -299,8 +316,9 @@ static void pixels_of_the_lattice_lie_in_the_crop(void **state)
     verify_assert_accepted(&v, alpha());
 }
 
-/* A pixel visits each patch 6 times, and 2^25 visits are made: of a map of 2^21 patches, 12.6 million for each of two pixels.
- * A third, which the same scene has under a small map, would make 37.7 million. The map is black but for some rows. */
+/* A pixel visits each patch 6 times, and 2^25 visits are made: of a map of 2^21 patches, 12.6 million for each of two
+ * pixels. A third, which the same scene has under a small map, would make 37.7 million. The map is black but for some
+ * rows. */
 static void a_large_map_has_fewer_pixels_looked_at(void **state)
 {
     (void)state;

@@ -64,7 +64,8 @@ static void a_test_does_not_depend_on_those_before_it(void **state)
     lit l;
     lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
     assert_int_equal(bis_verify_point(&all, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
-    assert_int_equal(bis_verify_point(&one, &l.pt, all_settings() + 4, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(
+        bis_verify_point(&one, &l.pt, all_settings() + 4, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
     assert_string_equal(one.tests[0].name, all.tests[4].name);
     assert_true(one.tests[0].statistic == all.tests[4].statistic && one.tests[0].p == all.tests[4].p);
     bis_verify_clear(&all);
@@ -135,7 +136,8 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
     bis_light_free(light);
 }
 
-/* An integrator that verify does not know: directions uniform over the sphere, times a factor, blind to bright light. */
+/* An integrator that verify does not know: directions uniform over the sphere, times a factor, blind to bright light.
+ */
 static double factor;
 static float brightest = INFINITY;
 
@@ -147,18 +149,20 @@ static rgb Lo_of_a_stranger(const bis_settings *s, const bis_point *pt, bis_stre
         const vec3 wi = bis_warp_sphere(scratch->u[j][0], scratch->u[j][1]);
         const rgb L = bis_light_Le(pt->light, wi);
         const double c = bis_bsdf_cos(&pt->bsdf, wi), q = s->samples / (4 * 3.14159265358979 * factor);
-        if (c > 0 && L.r > 0 && L.r < brightest) bis_point_add(&sum, pt, wi, bis_estimate(bis_bsdf_f(&pt->bsdf, wi), L, c, q), NULL);
+        if (c > 0 && L.r > 0 && L.r < brightest)
+            bis_point_add(&sum, pt, wi, bis_estimate(bis_bsdf_f(&pt->bsdf, wi), L, c, q), NULL);
     }
     return rgbd_round(sum);
 }
 
-/* A stranger may have missed a lamp by bad luck, if uniform directions would have, too; else it is judged as ours are. The
- * lamp is met by one uniform direction of 150: perhaps by none of 64 runs, but by many of 16384. */
+/* A stranger may have missed a lamp by bad luck, if uniform directions would have, too; else it is judged as ours are.
+ * The lamp is met by one uniform direction of 150: perhaps by none of 64 runs, but by many of 16384. */
 static void a_stranger_is_held_to_what_uniform_directions_do(void **state)
 {
     (void)state;
     const struct { lit_map map; double factor; float brightest; unsigned halvings; bool passes; } rows[] = {
-        {LIT_SMOOTH, 1, INFINITY, 2, true},   {LIT_SMOOTH, 0.9, INFINITY, 2, false}, {LIT_SMOOTH, 1.1, INFINITY, 2, false},
+        {LIT_SMOOTH, 1, INFINITY, 2, true},   {LIT_SMOOTH, 0.9, INFINITY, 2, false},
+         {LIT_SMOOTH, 1.1, INFINITY, 2, false},
         {LIT_ONE_BLOCK, 1, 2, 8, true},       {LIT_ONE_BLOCK, 1, 2, 0, false},
     };
     bis_integrator stranger = bis_brdf; /* its needs, and its name, which is its parameters' */
@@ -229,7 +233,9 @@ static void runs_are_those_of_their_streams(void **state)
     l.kind = BIS_SAMPLER_SOBOL;
     s.candidates = 8; /* few: some runs fall back */
     estimate[RUNS] = (rgb){7, 8, 9};
-    assert_int_equal(bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_SOBOL, RUNS, SEED}, &counters, NULL), BIS_OK);
+    assert_int_equal(
+        bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_SOBOL, RUNS, SEED}, &counters, NULL),
+        BIS_OK);
     assert_true(estimate[RUNS].r == 7 && estimate[RUNS].g == 8 && estimate[RUNS].b == 9);
     l.counters = (bis_counters){0};
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
@@ -290,8 +296,8 @@ static void the_density_of_its_samples_decides_how_an_integrator_is_judged(void 
     }
 }
 
-/* Where four rays a patch accused five of seven integrators (seed 17 of 40, z = 9): a wall's edge across bright patches. The
- * point of pixel (12, 8) of the scene of verify_help, 40 seeds; 1e-3 for all of them. */
+/* Where four rays a patch accused five of seven integrators (seed 17 of 40, z = 9): a wall's edge across bright
+ * patches. The point of pixel (12, 8) of the scene of verify_help, 40 seeds; 1e-3 for all of them. */
 static void seeds_that_were_accused_pass(void **state)
 {
     (void)state;
@@ -300,7 +306,8 @@ static void seeds_that_were_accused_pass(void **state)
     bis_pixel_hit hit;
     bis_point pt;
     ray eye;
-    bis_settings s[] = {bis_settings_default(&bis_em), bis_settings_default(&bis_mis), bis_settings_default(&bis_exact)};
+    bis_settings s[] = {
+        bis_settings_default(&bis_em), bis_settings_default(&bis_mis), bis_settings_default(&bis_exact)};
     verify_write_map();
     verify_write_scene("scene.txt", "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16\n");
     verify_built b = verify_build(VERIFY_DIR "/scene.txt");
@@ -312,7 +319,8 @@ static void seeds_that_were_accused_pass(void **state)
         assert_true(tested && v.n == 3);
         for (size_t i = 0; i < v.n; i++) {
             stat_judges(1);
-            if (!(v.tests[i].p > alpha())) fail_msg("%s: seed %u, z %g", v.tests[i].name, (unsigned)seed, v.tests[i].statistic);
+            if (!(v.tests[i].p > alpha()))
+                fail_msg("%s: seed %u, z %g", v.tests[i].name, (unsigned)seed, v.tests[i].statistic);
         }
         bis_verify_clear(&v);
     }

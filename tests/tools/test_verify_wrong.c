@@ -72,8 +72,8 @@ static double f_many_without_cosine(const bis_reflected *f, const bis_bsdf *b, c
     return unit;
 }
 
-/* In the row that is sir's own; the right sir passes (test_verify_view.c). Not with proposal brdf: where q holds a cosine
- * that phat forgets, grazing candidates outweigh all others, and the test is skipped. */
+/* In the row that is sir's own; the right sir passes (test_verify_view.c). Not with proposal brdf: where q holds a
+ * cosine that phat forgets, grazing candidates outweigh all others, and the test is skipped. */
 static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
 {
     (void)state;
@@ -90,7 +90,8 @@ static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
         s.candidates = 200;
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
             bis_verify v = {.seed = seed, .halvings = 1};
-            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
             if (verify_failures(&v) == 0) fail_msg("proposal %s was accepted", bis_proposal_name(s.proposal));
         }
     }
@@ -100,8 +101,10 @@ static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
 static void wrong_integrators_are_rejected(void **state)
 {
     (void)state;
-    const struct { const bis_integrator *from; rgb (*Lo)(const bis_settings *, const bis_point *, bis_stream *, bis_scratch *); } wrong[] = {
-        {&bis_sir, Lo_without_shadows}, {&bis_em, Lo_exchanged}, {&bis_mis, Lo_three_percent_more},
+    const struct {
+        const bis_integrator *from;
+        rgb (*Lo)(const bis_settings *, const bis_point *, bis_stream *, bis_scratch *);
+    } wrong[] = {{&bis_sir, Lo_without_shadows}, {&bis_em, Lo_exchanged}, {&bis_mis, Lo_three_percent_more},
         {&bis_sir, Lo_not_a_number}, {&bis_mis, Lo_wrong_weights}, {&bis_em, Lo_without_cosine}};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit l;
@@ -114,7 +117,8 @@ static void wrong_integrators_are_rejected(void **state)
         s.integrator = &forged;
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
             bis_verify v = {.seed = seed, .halvings = 1};
-            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
             if (verify_failures(&v) == 0) fail_msg("wrong integrator %zu was accepted", i);
         }
     }

@@ -70,8 +70,12 @@ static bis_status write_film(const bis_film *film, rgb *result, bis_diag *diag)
     bis_film_resolve(film, rgba);
     for (int i = 0; i < WIDTH * HEIGHT; i++) result[i] = (rgb){rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]};
     const bis_channel channels[] = {{"R", rgba, 4}, {"G", rgba + 1, 4}, {"B", rgba + 2, 4}, {"A", rgba + 3, 4}};
-    const bis_picture picture = {.width = WIDTH, .height = HEIGHT, .full_width = WIDTH, .full_height = HEIGHT, .channels = channels,
-                                 .n_channels = 4};
+    const bis_picture picture = {.width = WIDTH,
+        .height = HEIGHT,
+        .full_width = WIDTH,
+        .full_height = HEIGHT,
+        .channels = channels,
+        .n_channels = 4};
     return bis_image_write(scratch("out.exr"), &picture, diag);
 }
 
@@ -105,14 +109,16 @@ done:
 /* Meshes from both kinds of file and from the scene itself, with invented normals, an object and its instances,
  * quadrics, named and nameless materials, transformations that have names. */
 static const char world[] =
-    "MakeNamedMaterial \"shiny\" \"string type\" \"phong\" \"rgb Kd\" [.2 .3 .4] \"rgb Ks\" [.4 .4 .4] \"float exponent\" 50\n"
+    "MakeNamedMaterial \"shiny\" \"string type\" \"phong\" \"rgb Kd\" [.2 .3 .4] \"rgb Ks\" [.4 .4 .4] \"float "
+    "exponent\" 50\n"
     "CoordinateSystem \"here\"\n"
     "AttributeBegin NamedMaterial \"shiny\" Translate 0 0 1 Shape \"sphere\" AttributeEnd\n"
     "ObjectBegin \"piece\" Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
     "  Shape \"plymesh\" \"string filename\" \"" SCENES "tetrahedron.ply\" \"bool smooth\" \"true\"\n"
     "  Shape \"objmesh\" \"string filename\" \"" SCENES "square.obj\"\nObjectEnd\n"
     "CoordSysTransform \"here\" Translate 2 0 0 ObjectInstance \"piece\" Translate 0 2 0 ObjectInstance \"piece\"\n"
-    "Shape \"disk\" \"float radius\" 4 Shape \"trianglemesh\" \"point3 P\" [0 0 3 1 0 3 0 1 3] \"normal N\" [0 0 1 0 0 1 0 0 1]\n";
+    "Shape \"disk\" \"float radius\" 4 Shape \"trianglemesh\" \"point3 P\" [0 0 3 1 0 3 0 1 3] \"normal N\" [0 0 1 0 0 "
+    "1 0 0 1]\n";
 
 static const char *store_scene(const char *integrator, const char *accelerator, const char *sampler, const char *light)
 {
@@ -160,10 +166,12 @@ static void every_kind_of_light_table_and_sampler_or_a_clean_error(void **state)
 {
     (void)state;
     const char *samplers[] = {"independent", "stratified", "halton"};
-    const char *lights[] = {MAP "\"float areaexponent\" 0", MAP "\"string sampler\" \"cdf\"", MAP "\"string sampler\" \"alias\"",
-                            "\"rgb L\" [1 2 3]"};
-    for (size_t i = 0; i < sizeof samplers / sizeof samplers[0]; i++) fail_each_of_scene("\"em\"", "grid", samplers[i], MAP);
-    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) fail_each_of_scene("\"sir\"", "grid", "stratified", lights[i]);
+    const char *lights[] = {MAP "\"float areaexponent\" 0", MAP "\"string sampler\" \"cdf\"",
+        MAP "\"string sampler\" \"alias\"", "\"rgb L\" [1 2 3]"};
+    for (size_t i = 0; i < sizeof samplers / sizeof samplers[0]; i++)
+        fail_each_of_scene("\"em\"", "grid", samplers[i], MAP);
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++)
+        fail_each_of_scene("\"sir\"", "grid", "stratified", lights[i]);
 }
 
 static void maps_of_every_format_and_mapping_or_a_clean_error(void **state)
@@ -178,8 +186,8 @@ static void maps_of_every_format_and_mapping_or_a_clean_error(void **state)
             char name[32], light[256];
             snprintf(name, sizeof name, "probe.%s", endings[i]);
             assert_int_equal(bis_image_save(&image, scratch(name), NULL), BIS_OK);
-            snprintf(light, sizeof light, "\"string filename\" \"%s\" \"string mapping\" \"%s\"", strrchr(scratch(name), '/') + 1,
-                     angular ? "angular" : "latlong");
+            snprintf(light, sizeof light, "\"string filename\" \"%s\" \"string mapping\" \"%s\"",
+                strrchr(scratch(name), '/') + 1, angular ? "angular" : "latlong");
             fail_each_of_scene("\"sir\"", "grid", "stratified", light);
         }
     bis_image_clear(&image);
@@ -217,13 +225,17 @@ static void a_mesh_of_every_format_or_a_clean_error(void **state)
 {
     (void)state;
     static const char *const files[] = {
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
-        "property float nz\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\n"
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+        "nx\nproperty float ny\n"
+        "property float nz\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\nelement edge "
+        "1\nproperty int a\n"
         "end_header\n0 0 0 0 0 1 9\n1 0 0 0 0 1 9\n1 1 0 0 0 1 9\n0 1 0 0 0 1 9\n4 0 1 2 3\n3 0 1 2\n7\n",
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n"
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement "
+        "tristrips 1\n"
         "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n8 0 1 2 -1 1 2 3 0\n",
     };
-    const char *obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1 4//1\nf 1//2 2//1 3//2\nf -1 -2 -3\n";
+    const char *obj =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1 4//1\nf 1//2 2//1 3//2\nf -1 -2 -3\n";
     bytes b = {0};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         b.n = 0;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What a module says that it takes (`--plan`, `--stats`) is what the C library gave it.
  *
- * The other road is malloc's own account: bytes in use before and after. Beyond what is asked for, a block costs at most
- * 128 bytes of header and alignment (mem.c), 64 + 16 of malloc's alignment and header, and, where the kernel gives it,
- * the rest of a page. */
+ * The other road is malloc's own account: bytes in use before and after. Beyond what is asked for, a block costs at
+ * most 128 bytes of header and alignment (mem.c), 64 + 16 of malloc's alignment and header, and, where the kernel gives
+ * it, the rest of a page. */
 #include "bis/base/mem.h"
 #include "bis/beyond/clusters.h"
 #include "bis/beyond/pool.h"

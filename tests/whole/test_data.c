@@ -28,10 +28,10 @@
 #define ONE "build/test-data/one"
 #define TWO "build/test-data/two"
 
-static const char *const models[] = {"king", "queen", "bishop", "knight", "rook", "pawn", "squares_light", "squares_dark", "board", "knot",
-                                     "pedestal", "paving", "louvres", "sphere"};
-static const char *const maps[] = {"interior.hdr", "outdoor.hdr", "overcast.hdr", "studio.hdr", "lamps.hdr", "squares.hdr", "one_pixel.exr",
-                                   "halves.exr", "constant.exr"};
+static const char *const models[] = {"king", "queen", "bishop", "knight", "rook", "pawn", "squares_light",
+    "squares_dark", "board", "knot", "pedestal", "paving", "louvres", "sphere"};
+static const char *const maps[] = {"interior.hdr", "outdoor.hdr", "overcast.hdr", "studio.hdr", "lamps.hdr",
+    "squares.hdr", "one_pixel.exr", "halves.exr", "constant.exr"};
 /* What mapped.c makes of the lat-long maps. */
 static const struct {
     const char *name, *of;
@@ -44,8 +44,8 @@ static const struct {
     {"clouds_verticalcross.hdr.gz", "overcast.hdr", BIS_MAPPING_VERTICAL_CROSS},
     {"clouds_horizontalcross.pfm", "overcast.hdr", BIS_MAPPING_HORIZONTAL_CROSS},
 };
-/* vase.ply, vase.ply.gz, crates.obj, crates.obj.gz, crates.mtl, tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr, stud.pfm:
- * tests/scene/test_textures.c renders them */
+/* vase.ply, vase.ply.gz, crates.obj, crates.obj.gz, crates.mtl, tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr,
+ * stud.pfm: tests/scene/test_textures.c renders them */
 enum { N_MODELS = sizeof models / sizeof models[0], N_MAPS = sizeof maps / sizeof maps[0],
        N_MAPPED = sizeof mapped / sizeof mapped[0], N_TEXTURES = 11 };
 
@@ -77,7 +77,8 @@ static int run_generator(const char *environment, const char *arguments)
 {
     const char *p = program(), *slash = strrchr(p, '/');
 
-    return run("%s %.*sbis-data %s 2> build/test-data/messages", environment, slash ? (int)(slash - p + 1) : 0, p, arguments);
+    return run(
+        "%s %.*sbis-data %s 2> build/test-data/messages", environment, slash ? (int)(slash - p + 1) : 0, p, arguments);
 }
 
 static int make_both(void **state)
@@ -125,9 +126,11 @@ static void read_ply(bis_mesh *m, const char *path)
     const char *faces = strstr((char *)data, "element face ");
     assert_non_null(faces);
     assert_int_equal(sscanf(faces, "element face %zu", &m->n_triangles), 1);
-    int n = snprintf(header, sizeof header, "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\nproperty float y\n"
-                     "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face %zu\n"
-                     "property list uchar int vertex_indices\nend_header\n", m->n_vertices, m->n_triangles);
+    int n = snprintf(header, sizeof header,
+        "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face %zu\n"
+        "property list uchar int vertex_indices\nend_header\n",
+        m->n_vertices, m->n_triangles);
     assert_memory_equal(data, header, (size_t)n);
     assert_int_equal(size, (size_t)n + 24 * m->n_vertices + 13 * m->n_triangles);
     m->p = bis_alloc(m->n_vertices, sizeof *m->p);
@@ -187,7 +190,10 @@ typedef struct d3 {
     double x, y, z;
 } d3;
 
-static d3 minus(vec3 a, vec3 b) { return (d3){(double)a.x - (double)b.x, (double)a.y - (double)b.y, (double)a.z - (double)b.z}; }
+static d3 minus(vec3 a, vec3 b)
+{
+    return (d3){(double)a.x - (double)b.x, (double)a.y - (double)b.y, (double)a.z - (double)b.z};
+}
 static double d3_length(d3 a) { return sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
 
 /* Twice the area times the normal, of triangle i, in double from the corners. */
@@ -219,7 +225,8 @@ static void every_mesh_is_closed_and_wound_outwards(void **state)
     for (int i = 0; i < N_MODELS; i++) {
         bis_mesh m = {0};
         read_model(&m, models[i]);
-        if (!is_closed_and_consistent(&m)) fail_msg("%s.ply is open or pinched, or its triangles are wound differently", models[i]);
+        if (!is_closed_and_consistent(&m))
+            fail_msg("%s.ply is open or pinched, or its triangles are wound differently", models[i]);
         if (!(volume6(&m) > 0)) fail_msg("%s.ply is wound inwards", models[i]);
         bis_mesh_clear(&m);
     }
@@ -254,7 +261,8 @@ static void no_triangle_is_without_area(void **state)
         read_model(&m, models[i]);
         for (size_t k = 0; k < m.n_triangles; k++) {
             double longest, twice_area = d3_length(triangle_normal(&m, k, &longest));
-            if (!(twice_area > 1e-4 * longest * longest)) fail_msg("%s.ply: triangle %zu is %g by %g", models[i], k, longest, twice_area / longest);
+            if (!(twice_area > 1e-4 * longest * longest))
+                fail_msg("%s.ply: triangle %zu is %g by %g", models[i], k, longest, twice_area / longest);
         }
         bis_mesh_clear(&m);
     }
@@ -276,7 +284,8 @@ static void vertex_normals_are_unit_and_face_outwards(void **state)
         }
         /* The bishop's slot is steeper than its mesh is fine: a vertex at its bottom may join faces more than 90
          * degrees apart. */
-        if (wrong > m.n_triangles / 1000) fail_msg("%s.ply: %zu of %zu corners face away from their triangle", models[i], wrong, 3 * m.n_triangles);
+        if (wrong > m.n_triangles / 1000)
+            fail_msg("%s.ply: %zu of %zu corners face away from their triangle", models[i], wrong, 3 * m.n_triangles);
         bis_mesh_clear(&m);
     }
 }
@@ -518,7 +527,8 @@ static void the_plain_maps_hold_their_idea(void **state)
     bis_image_clear(&image);
 }
 
-/* The mean radiance in a cell of COLUMNS x COLUMNS/2 of the sphere, of r+g+b; a cell is many pixels of any of the maps. */
+/* The mean radiance in a cell of COLUMNS x COLUMNS/2 of the sphere, of r+g+b; a cell is many pixels of any of the maps.
+ */
 enum { COLUMNS = 16, CELLS = COLUMNS * COLUMNS / 2 };
 
 static void cell_means(double mean[CELLS], const bis_image *latlong)
@@ -547,9 +557,9 @@ static double cells_apart(const double *a, const double *b, bool flip)
     return sum;
 }
 
-/* mapped.c has formulas of its own, and the library reads what they drew. A pixel is 3 to 6 degrees wide, a cell 22.5: what
- * pixels on its border take from the next cell is some thousandths. The twin is the mirrored picture, what a wrong sign
- * would make; a cloudy sky is nearly its own mirror image, and still differs twice as much. */
+/* mapped.c has formulas of its own, and the library reads what they drew. A pixel is 3 to 6 degrees wide, a cell 22.5:
+ * what pixels on its border take from the next cell is some thousandths. The twin is the mirrored picture, what a wrong
+ * sign would make; a cloudy sky is nearly its own mirror image, and still differs twice as much. */
 static void maps_in_other_mappings_show_the_map_that_they_are_of(void **state)
 {
     (void)state;
@@ -616,13 +626,16 @@ static void check_says_what_to_look_for(const char *path)
     size_t size;
 
     read_file(path, &data, &size);
-    if (data[0] != '#' || strchr((char *)data, '\n') - (char *)data < 40) fail_msg("%s does not open with a comment that tells its idea", path);
+    if (data[0] != '#' || strchr((char *)data, '\n') - (char *)data < 40)
+        fail_msg("%s does not open with a comment that tells its idea", path);
     bis_free(data);
 }
 
 static void check_renders(const char *path)
 {
-    int status = run("%s --quiet --resolution 32x24 --spp 1 --outfile build/test-data/scene.exr %s 2> build/test-data/messages", program(), path);
+    int status =
+        run("%s --quiet --resolution 32x24 --spp 1 --outfile build/test-data/scene.exr %s 2> build/test-data/messages",
+            program(), path);
 
     if (status != 0) {
         run("cat build/test-data/messages");

@@ -139,8 +139,8 @@ static void copy_block(const char *mark, const char *path)
     assert_in_range(n_lines, 4, 20);
 }
 
-/* The loop over parts runs as it stands, and its picture is that of one render. The tasks of the array job run one after
- * the other, with a stand-in for srun; only the camera samples are fewer, and the pixels. */
+/* The loop over parts runs as it stands, and its picture is that of one render. The tasks of the array job run one
+ * after the other, with a stand-in for srun; only the camera samples are fewer, and the pixels. */
 static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 {
     (void)state;
@@ -164,11 +164,11 @@ static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 static void links_of_the_pages_lead_to_files(void **state)
 {
     (void)state;
-    const char *pages[] = {"README.md", "docs/command-line.md", "src/README.md", "docs/integrators.md", "docs/scene-format.md",
-                           "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/measured.md",
-                           "docs/guide.md", "docs/theory.md", "docs/json.md", "docs/live.md", "docs/library.md",
-                           "docs/teaching.md", "docs/assignments/README.md", "docs/paper.md", "docs/SECURITY.md",
-                           "docs/CODE_OF_CONDUCT.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
+    const char *pages[] = {"README.md", "docs/command-line.md", "src/README.md", "docs/integrators.md",
+        "docs/scene-format.md", "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md",
+        "docs/budgets.md", "docs/measured.md", "docs/guide.md", "docs/theory.md", "docs/json.md", "docs/live.md",
+        "docs/library.md", "docs/teaching.md", "docs/assignments/README.md", "docs/paper.md", "docs/SECURITY.md",
+        "docs/CODE_OF_CONDUCT.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
         FILE *f = fopen(pages[i], "r");
@@ -185,8 +185,7 @@ static void links_of_the_pages_lead_to_files(void **state)
     }
 }
 
-/* --- the guide
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- the guide ---- */
 
 static void code_on_the_pages_is_what_the_compiler_sees(void **state)
 {
@@ -202,13 +201,17 @@ static void a_fragment_that_is_gone_or_differs_is_found(void **state)
     const struct { const char *page, *source, *message; } cases[] = {
         {right, "{\n    /* [add] */\n    return a + b;\n    /* [end] */\n}\n", NULL},
         {right, "{\n    /* [add] */\n    return b + a;\n    /* [end] */\n}\n", "docs/page.md: code differs"},
-        {right, "{\n    /* [sum] */\n    return a + b;\n    /* [end] */\n}\n", "docs/page.md:3: src/a.c has no fragment [add]"},
+        {right, "{\n    /* [sum] */\n    return a + b;\n    /* [end] */\n}\n",
+         "docs/page.md:3: src/a.c has no fragment [add]"},
         {right, "{\n    /* [add] */\n    return a + b;\n}\n", "docs/page.md:3: src/a.c has no fragment [add]"},
-        {"<!-- src/a.c [add] -->\nText.\n", "/* [add] */\nint a;\n/* [end] */\n", "docs/page.md:2: the block of code is missing"},
+        {"<!-- src/a.c [add] -->\nText.\n", "/* [add] */\nint a;\n/* [end] */\n",
+         "docs/page.md:2: the block of code is missing"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         static char text[4096];
-        assert_int_equal(shell("cd build && rm -rf fragments && mkdir -p fragments/docs fragments/src && echo > fragments/README.md"), 0);
+        assert_int_equal(shell("cd build && rm -rf fragments && mkdir -p fragments/docs fragments/src && echo > "
+                               "fragments/README.md"),
+            0);
         program_write_file("build/fragments/docs/page.md", cases[i].page);
         program_write_file("build/fragments/src/a.c", cases[i].source);
         int status = shell("sh scripts/check/fragments.sh --check build/fragments > build/fragments.out 2>&1");
@@ -229,8 +232,9 @@ static void every_equation_of_the_guide_stands_in_the_files_it_names(void **stat
 static void an_equation_that_a_file_does_not_name_is_found(void **state)
 {
     (void)state;
-    static const char others[] = "| 3.17 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16 | |\n"
-                                 "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
+    static const char others[] =
+        "| 3.17 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16 | |\n"
+        "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
     static const char sections[] = "## 3.1 A\n*Do:* x\n<details>\ny\n</details>\n"
                                    "## 4.1 B\n*Do:* x\n<details>\ny\n</details>\n## 5 C\n";
     const char *page = "| 3.1 | light | [`src/a.c`](../src/a.c) `add` |\n";
@@ -289,8 +293,7 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
     }
 }
 
-/* --- docstrings
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- docstrings ---- */
 
 static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(void **state)
 {
@@ -305,24 +308,31 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
 {
     (void)state;
     const struct { const char *header, *source, *message, *private; } cases[] = {
-        {"/* f does it. */\nint f(int x);\n", "\n", NULL},
-        {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return f(1);\n}\n", "\n", NULL},
-        {"/* g does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f does not begin with its name"},
-        {"/* Does it. */\nint *f(int x,\n       int y);\n", "\n", "include/bis/base/x.h:2: the comment above f"},
-        {"/* f2 does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f"},
-        {"/* f does it. */\nint f(int x);\n\nint g(int x);\n", "\n", "include/bis/base/x.h:4: the comment above g"},
-        {"/* f does it. */\ntypedef int t;\nint f(int x);\n", "\n", "include/bis/base/x.h:3: the comment above f"},
-        {"/* f does it. */\nint f(int x);\n", "/* As SP" "EC 5. */\n", "src/base/x.c:1:/* As SP" "EC 5. */"},
-        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "12345678901234 */\n", NULL},
-        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "123456789012345 */\n", "src/base/x.c:1: 121 columns"},
+        {"/* f does it. */\nint f(int x);\n", "\n", NULL, NULL},
+        {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return "
+         "f(1);\n}\n", "\n", NULL, NULL},
+        {"/* g does it. */\nint f(int x);\n", "\n",
+         "include/bis/base/x.h:2: the comment above f does not begin with its name", NULL},
+        {"/* Does it. */\nint *f(int x,\n       int y);\n", "\n", "include/bis/base/x.h:2: the comment above f", NULL},
+        {"/* f2 does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f", NULL},
+        {"/* f does it. */\nint f(int x);\n\nint g(int x);\n", "\n",
+         "include/bis/base/x.h:4: the comment above g", NULL},
+        {"/* f does it. */\ntypedef int t;\nint f(int x);\n", "\n",
+         "include/bis/base/x.h:3: the comment above f", NULL},
+        {"/* f does it. */\nint f(int x);\n", "/* As SP" "EC 5. */\n", "src/base/x.c:1:/* As SP" "EC 5. */", NULL},
+        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "12345678901234 */\n", NULL, NULL},
+        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "123456789012345 */\n",
+         "src/base/x.c:1: 121 columns", NULL},
         {"/* f does it. */\nint f(int x);\n", "\n", NULL, "/* g does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
-        {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g", "/* Does it. */\nint g(int x);\n"},
+        {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g",
+         "/* Does it. */\nint g(int x);\n"},
         {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g",
          "/* Does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024] = "";
-        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
+        assert_int_equal(
+            shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
         program_write_file("build/docstrings/include/bis/base/x.h", cases[i].header);
         program_write_file("build/docstrings/src/base/x.c", cases[i].source);
         program_write_file("build/docstrings/src/base/y.h", cases[i].private ? cases[i].private : "\n");
@@ -335,8 +345,7 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
     }
 }
 
-/* --- layers
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- layers ---- */
 
 static void arrows_only_go_down(void **state)
 {
@@ -354,13 +363,15 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
          "src/thesis/sir.c:2: thesis may not include \"bis/scene/scene.h\""},
         {"base/file.c", "#  include \"shape/grid.h\"\n", "src/base/file.c:1: base may not include \"shape/grid.h\""},
         {"tools/trade/trade.c", "#include \"bis/thesis/envmap.h\"\n#include \"trade.h\"\n", NULL},
-        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n", "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
+        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n",
+         "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
         {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char path[256], text[1024] = "", command[512];
         snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
-        snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base", path);
+        snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base",
+            path);
         assert_int_equal(shell(command), 0);
         program_write_file("build/layers/include/bis/base/vec.h", "");
         program_write_file(path, *cases[i].text ? cases[i].text : "\n");
@@ -414,8 +425,8 @@ static void a_prefetch_that_the_compiler_leaves_out_is_found(void **state)
     }
 }
 
-/* The compiler's report of a loop over lanes, and of three twins that it leaves scalar. The first also tells whether this
- * compiler can be asked. */
+/* The compiler's report of a loop over lanes, and of three twins that it leaves scalar. The first also tells whether
+ * this compiler can be asked. */
 static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
 {
     static const char *const bodies[] = {"a[i] = b[i] * b[i];", "float v[3] = {b[i], 1, 2}; a[i] = v[i % 3];",
@@ -431,7 +442,8 @@ static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
         FILE *f = fopen("build/vectors.c", "w");
         assert_non_null(f);
         fprintf(f, "#include \"bis/base/clones.h\"\nvoid other(float *, unsigned);\nvoid store(float *, float);\n"
-                   "void all(float *, const float *, unsigned);\nBIS_LANES\nstatic void lanes(float *a, const float *b, unsigned n)\n{\n"
+                   "void all(float *, const float *, unsigned);\nBIS_LANES\nstatic void lanes(float *a, const float "
+                   "*b, unsigned n)\n{\n"
                    "#pragma omp simd\n    for (unsigned i = 0; i < n; i++) {\n        %s\n    }\n}\n"
                    "void all(float *a, const float *b, unsigned n) { lanes(a, b, n); }\n", bodies[i]);
         fclose(f);
@@ -450,11 +462,12 @@ static void a_shift_beyond_32_bits_is_found(void **state)
     if (shell("sh scripts/check/check_32_bits.sh src/cli/cmd_pixel.c | grep -q 'not checked'") == 0) skip();
     assert_int_equal(shell("sh scripts/check/check_32_bits.sh"), 0);
     /* twin: the seed of a method in size_t, as it once was; on 32 bits all methods then drew the same numbers */
-    assert_int_equal(shell("sed 's/(uint64_t)i + 2/i + 2/' src/cli/cmd_pixel.c >build/shift.c && sh scripts/check/check_32_bits.sh build/shift.c 2>/dev/null"), 1);
+    assert_int_equal(shell("sed 's/(uint64_t)i + 2/i + 2/' src/cli/cmd_pixel.c >build/shift.c && sh "
+                           "scripts/check/check_32_bits.sh build/shift.c 2>/dev/null"),
+        1);
 }
 
-/* --- errata
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- errata ---- */
 
 static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void **state)
 {
@@ -507,9 +520,11 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
     const struct { const char *page, *source, *scene, *message; } cases[] = {
         {"`float fov` and `Rotate degrees x y z`\n", "read(\"sobol\");\n", "Rotate 1 \"float fov\" \"sobol\"\n", NULL},
         {"`float fov`\n```\n`float gap`\n```\n", "read(\"sobol\");\n", "\"float fov\" \"sobol\"\n", NULL},
-        {"`float fov`\n", "read(\"sobol\");\n", "\"sobol\" # \"float fov\"\n", "docs/scene-format.md: \"fov\" stands in no scene"},
+        {"`float fov`\n", "read(\"sobol\");\n", "\"sobol\" # \"float fov\"\n",
+         "docs/scene-format.md: \"fov\" stands in no scene"},
         {"`float fov`\n", "read(\"sobol\");\n", "\"float fov\"\n", "src/parse/p.c: \"sobol\" stands in no scene"},
-        {"`Rotate x y z`\n", "read(\"sobol\");\n", "\"sobol\"\n", "docs/scene-format.md: \"Rotate\" stands in no scene"},
+        {"`Rotate x y z`\n", "read(\"sobol\");\n", "\"sobol\"\n",
+         "docs/scene-format.md: \"Rotate\" stands in no scene"},
         {"float fov\n", "read(\"sobol\");\n", "\"sobol\"\n", "no words found"},
     };
     assert_int_equal(shell("sh scripts/check/check_scenes.sh"), 0);
@@ -521,8 +536,10 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
         program_write_file("build/scenes_check/docs/scene-format.md", cases[i].page);
         program_write_file("build/scenes_check/src/parse/p.c", cases[i].source);
         /* the parameters' types, one of each */
-        snprintf(scene, sizeof scene, "%sinteger float bool string rgb color point3 point vector3 vector normal normal3 point2 "
-                 "texture spectrum xyz blackbody\n", cases[i].scene);
+        snprintf(scene, sizeof scene,
+            "%sinteger float bool string rgb color point3 point vector3 vector normal normal3 point2 "
+            "texture spectrum xyz blackbody\n",
+            cases[i].scene);
         program_write_file("build/scenes_check/data/scenes/a.txt", scene);
         program_write_file("build/scenes_check/scene.txt", "");
         const int status = shell("sh scripts/check/check_scenes.sh build/scenes_check > build/scenes_check.out");
@@ -540,36 +557,55 @@ static void every_mutation_finds_its_text(void **state)
     (void)state;
     assert_int_equal(shell("sh scripts/check/mutate.sh -a"), 0);
     assert_int_equal(shell("cd build && rm -rf mutate && mkdir -p mutate && cp -R ../src ../include mutate && "
-                           "sed 's/BIS_EDGE_OUTLINE;/BIS_EDGE_NONE;/' ../src/render/edges.c > mutate/src/render/edges.c"), 0);
+                           "sed 's/BIS_EDGE_OUTLINE;/BIS_EDGE_NONE;/' ../src/render/edges.c > "
+                           "mutate/src/render/edges.c"), 0);
     assert_int_equal(shell("cd build/mutate && sh ../../scripts/check/mutate.sh -a > ../mutate.out"), 1);
-    assert_int_equal(shell("grep -qx '.* edges .*outline.*: DOES NOT APPLY' build/mutate.out && test $(wc -l <build/mutate.out) = 1"), 0);
+    assert_int_equal(shell("grep -qx '.* edges .*outline.*: DOES NOT APPLY' build/mutate.out && test $(wc -l "
+                           "<build/mutate.out) = 1"),
+        0);
 }
 
 /* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
 static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 {
     (void)state;
-    static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e build/mine && echo x > build/mine\n";
+    static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e "
+                               "build/mine && echo x > build/mine\n";
     program_folder("build/test_runs");
     program_write_file("build/test_runs/good", good);
     program_write_file("build/test_runs/bad", "#!/bin/sh\necho x > build/mine; exit 1\n");
     /* Two that end well only if they run at once: each makes a file beside the roots and waits for the other's. */
-    program_write_file("build/test_runs/meet", "#!/bin/sh\ntouch ../meet; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e ../again || exit 0; sleep 1; done; exit 1\n");
-    program_write_file("build/test_runs/meet-again", "#!/bin/sh\ntouch ../again; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e ../meet || exit 0; sleep 1; done; exit 1\n");
+    program_write_file("build/test_runs/meet", "#!/bin/sh\ntouch ../meet; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e "
+                                               "../again || exit 0; sleep 1; done; exit 1\n");
+    program_write_file("build/test_runs/meet-again", "#!/bin/sh\ntouch ../again; for i in 1 2 3 4 5 6 7 8 9 10; do "
+                                                     "test ! -e ../meet || exit 0; sleep 1; done; exit 1\n");
     assert_int_equal(shell("cp build/test_runs/good build/test_runs/again && chmod 755 build/test_runs/*"), 0);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(shell("TEST_JOBS=1 sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/again > build/test_runs/out"), 1); /* the second finds what the first left */
-        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/*/build}"), 0);
-        assert_int_equal(shell("TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/meet build/test_runs/meet-again > build/test_runs/out"), 0); /* each waits for the other, elsewhere */
-        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good > build/test_runs/out"), 0); /* and this run does not */
+        assert_int_equal(shell("TEST_JOBS=1 sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/again > "
+                               "build/test_runs/out"),
+            1); /* the second finds what the first left */
+        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f "
+                               "$folder/mine && rm -r ${folder%/*/build}"),
+            0);
+        assert_int_equal(shell("TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/meet "
+                               "build/test_runs/meet-again > build/test_runs/out"),
+            0); /* each waits for the other, elsewhere */
+        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good > build/test_runs/out"),
+            0); /* and this run does not */
         assert_int_equal(shell("test ! -e $(sed -n 2p build/test_runs/out)"), 0);
     }
     assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/bad > build/test_runs/out"), 1);
-    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/*/build}"), 0);
-    assert_int_equal(shell("cp build/test_runs/bad build/test_runs/worse && TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/bad build/test_runs/good build/test_runs/worse "
-                           "> build/test_runs/out"), 1);
-    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' build/test_runs/out && folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && "
-                           "folder=${folder%% *} && rm -r ${folder%/*/build}"), 0);
+    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f "
+                           "$folder/mine && rm -r ${folder%/*/build}"),
+        0);
+    assert_int_equal(shell("cp build/test_runs/bad build/test_runs/worse && TEST_JOBS=2 sh scripts/check/run_tests.sh "
+                           "build/test_runs/bad build/test_runs/good build/test_runs/worse "
+                           "> build/test_runs/out"),
+        1);
+    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' build/test_runs/out && folder=$(sed -n "
+                           "'s/.*what they wrote is in //p' build/test_runs/out) && "
+                           "folder=${folder%% *} && rm -r ${folder%/*/build}"),
+        0);
     assert_false(program_exists("build/mine"));
 }
 
@@ -582,16 +618,19 @@ static void make_test_chooses_the_programs(void **state)
     } cases[] = {{"", "tests/*/test_*.c"}, {"T=shape", "tests/shape/test_*.c"}, {"T=film", "tests/*/test_*film*.c"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char command[512];
-        snprintf(command, sizeof command, "ls %s | sed 's,.*/,,; s,[.]c$,,' | sort > build/test_choice.expected", cases[i].files);
+        snprintf(command, sizeof command, "ls %s | sed 's,.*/,,; s,[.]c$,,' | sort > build/test_choice.expected",
+            cases[i].files);
         assert_int_equal(shell(command), 0);
         snprintf(command, sizeof command,
-                 "env -u MAKEFLAGS -u MFLAGS -u T make -n test %s | grep run_tests[.]sh | tr ' ' '\\n' | sed -n 's,.*/tests/test_,test_,p' | "
+                 "env -u MAKEFLAGS -u MFLAGS -u T make -n test %s | grep run_tests[.]sh | tr ' ' '\\n' | sed -n "
+                 "'s,.*/tests/test_,test_,p' | "
                  "sort > build/test_choice",
                  cases[i].choice);
         assert_int_equal(shell(command), 0);
         assert_int_equal(shell("test -s build/test_choice && diff build/test_choice.expected build/test_choice"), 0);
     }
-    assert_int_not_equal(shell("env -u MAKEFLAGS -u MFLAGS -u T sh scripts/check/run_tests.sh > build/test_choice"), 0); /* nothing chosen is no success */
+    assert_int_not_equal(shell("env -u MAKEFLAGS -u MFLAGS -u T sh scripts/check/run_tests.sh > build/test_choice"),
+        0); /* nothing chosen is no success */
 }
 
 int main(void)

@@ -98,10 +98,11 @@ static void what_the_list_expects_passes(void **state)
     char said[8192];
     write_list(0, BROKEN, -1, -1, 0, NULL);
     assert_int_equal(judge(program(), DIR "/scenes", DIR "/list.tsv", said), 0);
-    assert_string_equal(said, "elsewhere: 4 scenes read, 0 not there: 2 pass as they are, 2 with --approximate, 0 do not\n"
-                              "elsewhere: 3 lack no file, of which 3 pass (100.0 %); pictures: 2 lit, 1 black and said "
-                              "to be, 0 black by surprise\n"
-                              "elsewhere: 0 are other than the list expects\n");
+    assert_string_equal(said,
+        "elsewhere: 4 scenes read, 0 not there: 2 pass as they are, 2 with --approximate, 0 do not\n"
+        "elsewhere: 3 lack no file, of which 3 pass (100.0 %); pictures: 2 lit, 1 black and said "
+        "to be, 0 black by surprise\n"
+        "elsewhere: 0 are other than the list expects\n");
 }
 
 /* The twin: each column of each line, wrong, is found. */
@@ -172,11 +173,13 @@ static void a_render_says_that_its_picture_is_black(void **state)
     program_expect(&r, 0, "--resolution 8x6 --outfile " DIR "/a.pfm " DIR "/away.pbrt");
     assert_non_null(strstr(r.messages, "the picture is black: the camera sees no shape"));
     /* a box of 2 x 2 x 2 lies in a ball of radius sqrt(3), which fills 90 degrees from sqrt(3) / sin(45 degrees) */
-    assert_non_null(strstr(r.messages, "They lie in x -1 to 1, y -1 to 1, z -4 to -2; \"LookAt 0 0 -5.44949  0 0 -3  0 1 0\" "
-                                       "as all that moves its Camera sees all of them"));
-    program_write_file(DIR "/turned.pbrt", "LookAt 0 0 -5.44949  0 0 -3  0 1 0 Camera \"perspective\" WorldBegin LightSource \"infinite\" "
-                                           "\"bool visible\" false Translate 0 0 -3 Shape \"trianglemesh\" \"point3 P\" "
-                                           "[-1 -1 -1  1 -1 -1  0 1 1]\n");
+    assert_non_null(
+        strstr(r.messages, "They lie in x -1 to 1, y -1 to 1, z -4 to -2; \"LookAt 0 0 -5.44949  0 0 -3  0 1 0\" "
+                           "as all that moves its Camera sees all of them"));
+    program_write_file(DIR "/turned.pbrt",
+        "LookAt 0 0 -5.44949  0 0 -3  0 1 0 Camera \"perspective\" WorldBegin LightSource \"infinite\" "
+        "\"bool visible\" false Translate 0 0 -3 Shape \"trianglemesh\" \"point3 P\" "
+        "[-1 -1 -1  1 -1 -1  0 1 1]\n");
     program_expect(&r, 0, "--resolution 8x6 --stats - --outfile " DIR "/a.pfm " DIR "/turned.pbrt");
     assert_null(strstr(r.messages, "black"));
     assert_non_null(strstr(r.output, "\"extent\": {\n    \"low\": [\n      -1,\n      -1,\n      -4\n    ],\n"

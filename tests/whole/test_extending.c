@@ -81,7 +81,8 @@ static void density_of_hemisphere(bis_guide *guide, bis_set *x)
 
 static void forget_density(bis_guide *guide, bis_set *x) { (void)guide, (void)x; }
 
-static rgb sir_guided(bis_guide *guide, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+static rgb sir_guided(
+    bis_guide *guide, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     bis_scratch_share(scratch, NULL, guide);
     return bis_sir.Lo(s, pt, stream, scratch);
@@ -101,10 +102,16 @@ static rgb forgetful_Lo(const bis_settings *s, const bis_point *pt, bis_stream *
 
 static void hemisphere_scratch_needs(const bis_settings *s, bis_needs *need) { bis_sir.scratch_needs(s, need); }
 
-static const bis_integrator hemisphere = {.name = "hemisphere", .claim = "unbiased for every M, N >= 1",
-                                          .light_needs = uniform_light_needs, .scratch_needs = hemisphere_scratch_needs, .Lo = hemisphere_Lo};
-static const bis_integrator forgetful = {.name = "density forgotten", .claim = "wrong",
-                                         .light_needs = uniform_light_needs, .scratch_needs = hemisphere_scratch_needs, .Lo = forgetful_Lo};
+static const bis_integrator hemisphere = {.name = "hemisphere",
+    .claim = "unbiased for every M, N >= 1",
+    .light_needs = uniform_light_needs,
+    .scratch_needs = hemisphere_scratch_needs,
+    .Lo = hemisphere_Lo};
+static const bis_integrator forgetful = {.name = "density forgotten",
+    .claim = "wrong",
+    .light_needs = uniform_light_needs,
+    .scratch_needs = hemisphere_scratch_needs,
+    .Lo = forgetful_Lo};
 
 /* ---- a mapping of the light ---- */
 
@@ -174,7 +181,8 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
     bis_light_free(light);
 }
 
-/* Under light of 1 from everywhere: Kd/2 (1 - c log(1 + 1/c)), c = cos theta_o. The twin is Kd, of a diffuse surface. */
+/* Under light of 1 from everywhere: Kd/2 (1 - c log(1 + 1/c)), c = cos theta_o. The twin is Kd, of a diffuse surface.
+ */
 static void dust_has_the_albedo_of_lommel_and_seeliger_by_every_integrator(void **state)
 {
     static const bis_integrator *const integrators[] = {&bis_brdf, &bis_mis, &bis_rejection, &bis_sir};
@@ -257,9 +265,9 @@ static char *read_text(const char *path)
 /* Is every ```c block of the page a piece of one of these files? Returns how many there are. */
 static int blocks_found(const char *page, bool expected)
 {
-    static const char *const sources[] = {"tests/whole/test_extending.c", "tests/whole/uniform.c", "tests/support/beyond/moon.c",
-                                          "tests/support/beyond/moon_formulas.h", "src/scene/parameters.c",
-                                          "tests/beyond/test_microfacet.c", "include/bis/thesis/bsdf.h"};
+    static const char *const sources[] = {"tests/whole/test_extending.c", "tests/whole/uniform.c",
+        "tests/support/beyond/moon.c", "tests/support/beyond/moon_formulas.h", "src/scene/parameters.c",
+        "tests/beyond/test_microfacet.c", "include/bis/thesis/bsdf.h"};
     int n = 0;
 
     for (const char *at = strstr(page, "```c\n"); at; at = strstr(at, "```c\n")) {
@@ -289,7 +297,8 @@ static void every_block_of_the_page_is_code_that_was_compiled(void **state)
     assert_int_equal(blocks_found("```c\nint never_written;\n```\n", false), 1); /* twin */
 }
 
-/* The page's integrator, put where the page says, into a copy of the sources: compiled, linked, asked for by every command. */
+/* The page's integrator, put where the page says, into a copy of the sources: compiled, linked, asked for by every
+ * command. */
 static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
 {
     (void)state;
@@ -298,14 +307,17 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
         skip();
     }
     /* those that ask for every integrator and take less than 7 s; all programs take as long as make test */
-    const char *tests = getenv("BIS_LONG") ? "all" : "test_help test_verify test_parameters test_bytes test_errata test_layers test_render "
-                                                     "test_verify_view test_survey test_options test_parser test_scene test_flat";
+    const char *tests = getenv("BIS_LONG")
+                            ? "all"
+                            : "test_help test_verify test_parameters test_bytes test_errata test_layers test_render "
+                              "test_verify_view test_survey test_options test_parser test_scene test_flat";
     char command[256];
     snprintf(command, sizeof command, "sh scripts/check/check_extending.sh %s", tests);
     assert_int_equal(system(command), 0);
     /* the twin: a page that has lost a line */
     assert_int_equal(system("grep -v '^+.*readers.*bis_uniform' docs/extending.md >\"$BIS_BUILD/extending.md\" && "
-                            "! EXTENDING_PAGE=\"$BIS_BUILD/extending.md\" sh scripts/check/check_extending.sh >/dev/null 2>&1"), 0);
+                            "! EXTENDING_PAGE=\"$BIS_BUILD/extending.md\" sh scripts/check/check_extending.sh "
+                            ">/dev/null 2>&1"), 0);
 }
 
 /* The page's BRDF is part of that check; its twin: a `remake` that forgets the exponent. */
@@ -313,23 +325,29 @@ static void a_brdf_whose_remake_forgets_a_number_is_found(void **state)
 {
     (void)state;
     if (!getenv("BIS_COMPILE")) skip();
-    assert_int_equal(system("! EXTENDING_EDIT='s,exponent ? \\*exponent : m->exponent,&/2,' sh scripts/check/check_extending.sh "
-                            ">\"$BIS_BUILD/extending.txt\" 2>&1 && grep -q 'loses something' \"$BIS_BUILD/extending.txt\""), 0);
+    assert_int_equal(
+        system("! EXTENDING_EDIT='s,exponent ? \\*exponent : m->exponent,&/2,' sh scripts/check/check_extending.sh "
+               ">\"$BIS_BUILD/extending.txt\" 2>&1 && grep -q 'loses something' \"$BIS_BUILD/extending.txt\""),
+        0);
 }
 
-/* A number of bis_material that bis_material_numbers does not list would be lost to checkpoints, --plan and bis verify. */
+/* A number of bis_material that bis_material_numbers does not list would be lost to checkpoints, --plan and bis verify.
+ */
 static void every_number_of_a_material_is_listed(void **state)
 {
     (void)state;
     const size_t word = sizeof(float), end = offsetof(bis_material, eta) + sizeof(rgb);
-    assert_true(offsetof(bis_material, model) == 0 && (sizeof(bis_material) - end) < _Alignof(bis_material)); /* eta is the last field */
+    assert_true(offsetof(bis_material, model) == 0 &&
+                (sizeof(bis_material) - end) < _Alignof(bis_material)); /* eta is the last field */
     for (size_t at = sizeof(bis_bsdf_model *); at < end; at += word) {
         bis_material m = bis_phong(grey(0.5), grey(0.25), 8);
         double before[BIS_MATERIAL_NUMBERS], after[BIS_MATERIAL_NUMBERS];
         bis_material_numbers(before, &m);
-        ((unsigned char *)&m)[at + word - 2] ^= 0x40; /* of a float or the upper half of a double; of a lower half a digit */
+        ((unsigned char *)&m)[at + word - 2] ^=
+            0x40; /* of a float or the upper half of a double; of a lower half a digit */
         bis_material_numbers(after, &m);
-        if (memcmp(before, after, sizeof before) == 0) fail_msg("byte %zu of bis_material is no number of bis_material_numbers", at);
+        if (memcmp(before, after, sizeof before) == 0)
+            fail_msg("byte %zu of bis_material is no number of bis_material_numbers", at);
     }
 }
 
@@ -340,7 +358,8 @@ static void a_texture_of_a_model_without_remake_is_an_error(void **state)
     bis_bsdf_model model = bis_phong_model;
     bis_texture white = {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.5, 0.5}};
     const bis_textures t = {.list = &white, .n = 1};
-    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {"s.txt", 1, 1}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
+    const bis_material_textures of = {
+        0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {"s.txt", 1, 1}, BIS_NO_TEXTURE, BIS_NO_TEXTURE};
     bis_material m = bis_phong(grey(0.5), grey(0.25), 8);
     bis_diag diag = {0};
     m.model = &model;

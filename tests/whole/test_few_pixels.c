@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* few_pixels: a map of few pixels has few clusters, and the default is as good under it as candidates that are drawn for
- * each point alone. It had 36 times their squared error under a map of one pixel, because all points of a pass shared
- * 64 directions, of which few met a lobe. */
+/* few_pixels: a map of few pixels has few clusters, and the default is as good under it as candidates that are drawn
+ * for each point alone. It had 36 times their squared error under a map of one pixel, because all points of a pass
+ * shared 64 directions, of which few met a lobe. */
 #include "program.h"
 
 #include <setjmp.h>
@@ -46,7 +46,8 @@ static double scatter(const char *options)
     program_run run;
 
     for (int seed = 1; seed <= 2; seed++)
-        program_expect(&run, 0, DIR "/scene.txt --quiet --spp 8 --seed %d --outfile " DIR "/%d.pfm %s", seed, seed, options);
+        program_expect(
+            &run, 0, DIR "/scene.txt --quiet --spp 8 --seed %d --outfile " DIR "/%d.pfm %s", seed, seed, options);
     program_expect(&run, 0, "compare " DIR "/1.pfm " DIR "/2.pfm");
     const char *relmse = strstr(run.output, "relmse ");
     assert_non_null(relmse);
@@ -65,7 +66,8 @@ static void the_default_is_as_good_as_mix(void **state)
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         write_map(sizes[i][0], sizes[i][1]);
         const double ratio = scatter("") / scatter("--integrator sir --proposal mix --learn off" COUNTS);
-        if (ratio > most) fail_msg("%d x %d: squared error of the default over that of mix: %g", sizes[i][0], sizes[i][1], ratio);
+        if (ratio > most)
+            fail_msg("%d x %d: squared error of the default over that of mix: %g", sizes[i][0], sizes[i][1], ratio);
     }
 }
 

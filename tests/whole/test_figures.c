@@ -93,7 +93,8 @@ static void every_figure_that_the_page_of_results_names_is_made(void **state)
         if (!name) continue;
         size_t length = strspn(name, "0123456789.");
         if (name[length - 1] == '.') length--;
-        if (!is_listed(list, name, length)) fail_msg(PAGE ": figure %.*s is not one of scripts/figures/figures.sh", (int)length, name);
+        if (!is_listed(list, name, length))
+            fail_msg(PAGE ": figure %.*s is not one of scripts/figures/figures.sh", (int)length, name);
         n++;
     }
     assert_true(n >= 5);
@@ -149,7 +150,8 @@ static void every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB(void **st
         struct stat st;
         if (entry->d_name[0] == '.') continue;
         snprintf(path, sizeof path, "\n%s\n", entry->d_name);
-        if (!strstr(list, path)) fail_msg("docs/figures/%s: scripts/figures/docs_figures.sh does not make it", entry->d_name);
+        if (!strstr(list, path))
+            fail_msg("docs/figures/%s: scripts/figures/docs_figures.sh does not make it", entry->d_name);
         snprintf(path, sizeof path, "docs/figures/%s", entry->d_name);
         assert_int_equal(stat(path, &st), 0);
         if (st.st_size > 300000) fail_msg("%s has %ld bytes", path, (long)st.st_size);
@@ -160,7 +162,8 @@ static void every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB(void **st
 }
 
 /* Those that take less than half a second each, but the rest, too, where BIS_LONG is set. */
-static const char fast[] = "3.3 3.4 3.8 3.9 4.3 4.4 4.5 E1 E2 E4 E8 E10 E11 E12 E15 E17 E18 E19 E24 E25 E33 E35 E36 E37";
+static const char fast[] =
+    "3.3 3.4 3.8 3.9 4.3 4.4 4.5 E1 E2 E4 E8 E10 E11 E12 E15 E17 E18 E19 E24 E25 E33 E35 E36 E37";
 static const char slow[] = "E5 E9 E14 E26 E28 E30 E31 E32";
 
 /* Draws build/test_figures/NAME.svg from NAME.json, which edit (of sed) may change, and compares it with what is
@@ -170,9 +173,11 @@ static int drawn_otherwise(const char *name, const char *edit)
     char command[1200];
 
     snprintf(command, sizeof command,
-             "cd build/test_figures && sed '%s' %s.json > drawn.new && mv drawn.new %s.json && node ../../scripts/figures/still.js %s.json && "
+             "cd build/test_figures && sed '%s' %s.json > drawn.new && mv drawn.new %s.json && node "
+             "../../scripts/figures/still.js %s.json && "
              "for f in errata thesis results; do g=../../docs/figures/$f-%s.svg; if [ -f $g ]; then "
-             "sed 's/base64,[^\"]*//g' $g > there && sed 's/base64,[^\"]*//g' %s.svg | cmp -s - there; exit $?; fi; done; exit 3",
+             "sed 's/base64,[^\"]*//g' $g > there && sed 's/base64,[^\"]*//g' %s.svg | cmp -s - there; exit $?; fi; "
+             "done; exit 3",
              edit, name, name, name, name, name);
     return WEXITSTATUS(system(command));
 }
@@ -184,10 +189,13 @@ static void each_drawing_of_the_docs_is_drawn_again_the_same(void **state)
     (void)state;
     if (system("command -v node > /dev/null") != 0) skip();
     snprintf(names, sizeof names, "%s %s", fast, getenv("BIS_LONG") ? slow : "");
-    snprintf(command, sizeof command, "mkdir -p build/test_figures && \"$(dirname \"$BIS_PROGRAM\")\"/figures still build/test_figures %s", names);
+    snprintf(command, sizeof command,
+        "mkdir -p build/test_figures && \"$(dirname \"$BIS_PROGRAM\")\"/figures still build/test_figures %s", names);
     assert_int_equal(system(command), 0);
     for (char *name = strtok(names, " "); name; name = strtok(NULL, " ")) {
-        if (drawn_otherwise(name, "") != 0) fail_msg("docs/figures has another %s: sh scripts/figures/docs_figures.sh build/release thesis plots", name);
+        if (drawn_otherwise(name, "") != 0)
+            fail_msg(
+                "docs/figures has another %s: sh scripts/figures/docs_figures.sh build/release thesis plots", name);
     }
     assert_int_equal(drawn_otherwise("E11", "s/0.45/0.46/"), 1);         /* twin: another P */
     assert_int_equal(drawn_otherwise("3.9", "s/\"below\": [0-9]*/\"below\": 7/"), 1); /* twin: another count */

@@ -81,7 +81,8 @@ static ray eye_ray(const bis_geometry *g, uint64_t *seed)
     if (shape == 3) w *= 1e-9;
     const vec3 a = g->p[v[0]], b = g->p[v[1]], c = g->p[v[2]];
     const vec3 at = add(add(mul(a, 1 - u - w), mul(b, u)), mul(c, w));
-    const vec3 out = random_direction(seed), o = add(at, mul(out, size * random_between(seed, 1e-3, 4))), d = sub(at, o);
+    const vec3 out = random_direction(seed), o = add(at, mul(out, size * random_between(seed, 1e-3, 4))),
+               d = sub(at, o);
     return (ray){o, length(d) > 0 ? normalize(d) : neg(out), INFINITY};
 }
 
@@ -143,8 +144,9 @@ static void no_flat_mesh_across_an_axis_shadows_itself_E37(void **state)
         for (int i = 0; i < backends; i++) {
             leave(&t, a[i], &g, n_rays() / (2 * 300 * backends), 0, &seed);
             if (t.own || t.others) {
-                fail_msg("%s: axis %d, height %g, scale %g, %d squares: %ld of %ld rays meet their own triangle, %ld another",
-                         bis_accel_name(a[i]), axis, height, scale, n, t.own, t.rays, t.others);
+                fail_msg("%s: axis %d, height %g, scale %g, %d squares: %ld of %ld rays meet their own triangle, %ld "
+                         "another",
+                    bis_accel_name(a[i]), axis, height, scale, n, t.own, t.rays, t.others);
             }
             bis_accel_free(a[i]);
         }
@@ -154,7 +156,8 @@ static void no_flat_mesh_across_an_axis_shadows_itself_E37(void **state)
     assert_true(t.rays > n_rays() / 4);
 }
 
-/* Tilted, or turned by quarter turns that rounding makes inexact: triangles are flat, the mesh is so but for rounding. */
+/* Tilted, or turned by quarter turns that rounding makes inexact: triangles are flat, the mesh is so but for rounding.
+ */
 static void no_turned_triangle_shadows_itself(void **state)
 {
     tally t = {0};
@@ -166,8 +169,8 @@ static void no_turned_triangle_shadows_itself(void **state)
         if (scale < 1e-2 * fabs(height)) continue; /* floats there do not resolve the mesh */
         bis_mesh m = flat_mesh(squares[turn % 2], turn % 3, height, scale, turn % 4 == 3);
         /* a quarter turn in two eighths, in nine tenths of a right angle and the rest, or any turn */
-        const bis_xform about[3] = {bis_xform_rotate(turn < 8 ? 45 : 13, 0, 1, turn % 2), bis_xform_rotate(turn < 4 ? 45 : 77, 0, 1, turn % 2),
-                                    bis_xform_rotate(turn < 8 ? 0 : 31 * turn, 1, 2, 3)};
+        const bis_xform about[3] = {bis_xform_rotate(turn < 8 ? 45 : 13, 0, 1, turn % 2),
+            bis_xform_rotate(turn < 4 ? 45 : 77, 0, 1, turn % 2), bis_xform_rotate(turn < 8 ? 0 : 31 * turn, 1, 2, 3)};
         const bis_xform two = bis_xform_compose(&about[0], &about[1]), all = bis_xform_compose(&about[2], &two);
         bis_geometry g = {0};
         bis_accel *a[BACKENDS];
@@ -176,8 +179,8 @@ static void no_turned_triangle_shadows_itself(void **state)
         for (int i = 0; i < backends; i++) {
             leave(&t, a[i], &g, n_rays() / (2 * 300 * backends), no_side, &seed);
             if (t.own) {
-                fail_msg("%s: turn %d, height %g, scale %g: %ld of %ld rays meet their own triangle", bis_accel_name(a[i]), turn, height,
-                         scale, t.own, t.rays);
+                fail_msg("%s: turn %d, height %g, scale %g: %ld of %ld rays meet their own triangle",
+                    bis_accel_name(a[i]), turn, height, scale, t.own, t.rays);
             }
             bis_accel_free(a[i]);
         }
@@ -204,7 +207,8 @@ static void no_needle_shadows_itself(void **state)
         c[2][x] = (float)(along / 3 + width), c[2][y] = (float)((1 - along) / 3);
         for (int i = 0; i < 3; i++) m.p[i] = (vec3){c[i][0], c[i][1], c[i][2]}, m.index[i] = (uint32_t)i;
         const bis_xform turn = bis_xform_rotate(k, 3, 1, 2);
-        add_mesh(&g, &m, k % 2 ? NULL : &turn, 0); /* rounding may take away what area a turned needle has: not below 1e-4 */
+        add_mesh(
+            &g, &m, k % 2 ? NULL : &turn, 0); /* rounding may take away what area a turned needle has: not below 1e-4 */
         const int backends = make_backends(a, &g);
         for (int i = 0; i < backends; i++) {
             tally t = {0};
@@ -264,7 +268,8 @@ static void no_disk_shadows_itself(void **state)
         bis_xform place = bis_xform_identity();
         /* quarter turns, in up to 60 steps: products of rounded matrices, and their inverses */
         for (int i = 0; i < (turn < 3 ? 1 : 60); i++) {
-            const bis_xform step = bis_xform_rotate(turn < 3 ? 90 : 91.5 * (turn - 2), turn % 3 == 0, turn % 3 == 1, turn % 3 == 2);
+            const bis_xform step =
+                bis_xform_rotate(turn < 3 ? 90 : 91.5 * (turn - 2), turn % 3 == 0, turn % 3 == 1, turn % 3 == 2);
             place = bis_xform_compose(&step, &place);
         }
         const bis_quadric q = {BIS_DISK, scale, height, place, 0};
@@ -289,7 +294,9 @@ static void no_disk_shadows_itself(void **state)
                 t.rays++;
                 t.own += bis_accel_occluded(a[i], &shadow);
             }
-            if (t.own) fail_msg("%s: turn %d, height %g, radius %g: %ld of %ld", bis_accel_name(a[i]), turn, height, scale, t.own, t.rays);
+            if (t.own)
+                fail_msg("%s: turn %d, height %g, radius %g: %ld of %ld", bis_accel_name(a[i]), turn, height, scale,
+                    t.own, t.rays);
             bis_accel_free(a[i]);
         }
         bis_geometry_clear(&g);
@@ -312,8 +319,8 @@ static void add_box(bis_geometry *g, double h, double z0, bool bottom)
 }
 
 /* A floor with a box that stands on it, or hovers by `gap`. The floor's points are made as a renderer does, by a ray
- * from just above them. Below the box nothing of the sky is seen; beside its wall no direction towards the wall is free.
- * On the outer sides every direction is occluded that meets floor or box by geometry. */
+ * from just above them. Below the box nothing of the sky is seen; beside its wall no direction towards the wall is
+ * free. On the outer sides every direction is occluded that meets floor or box by geometry. */
 static void a_box_on_the_floor_occludes_at_its_contact(void **state)
 {
     const double gaps[] = {0, 1e-12, 1e-6, 1e-3}; /* heights of the bottom, in units of the box */
@@ -329,10 +336,13 @@ static void a_box_on_the_floor_occludes_at_its_contact(void **state)
         add_box(&g, scale, gap * scale, gap > 0);
         const int backends = make_backends(a, &g);
         for (int n = 0; n < 4000; n++) {
-            const double x = random_between(&seed, -1, 1), y = random_between(&seed, -1, 1), out = pow(10, random_between(&seed, -6, 0));
+            const double x = random_between(&seed, -1, 1), y = random_between(&seed, -1, 1),
+                         out = pow(10, random_between(&seed, -6, 0));
             const bool under = n % 2;
-            const vec3 at = under ? vec3_from(.999 * scale * x, .999 * scale * y, 0) : vec3_from(scale * (1 + out), scale * y * .999, 0);
-            const ray r = {{at.x, at.y, (float)(gap > 0 && under ? .5 * gap * scale : .5 * scale)}, {0, 0, -1}, INFINITY};
+            const vec3 at = under ? vec3_from(.999 * scale * x, .999 * scale * y, 0)
+                                  : vec3_from(scale * (1 + out), scale * y * .999, 0);
+            const ray r = {
+                {at.x, at.y, (float)(gap > 0 && under ? .5 * gap * scale : .5 * scale)}, {0, 0, -1}, INFINITY};
             for (int i = 0; i < backends; i++) {
                 bis_hit hit;
                 bis_surface s;
@@ -342,14 +352,15 @@ static void a_box_on_the_floor_occludes_at_its_contact(void **state)
                 vec3 w = outward(&s, n / 2, &seed);
                 /* below a gap: up through the bottom, not out at the sides, 1e-4 from the border */
                 if (under && gap > 0) w = normalize((vec3){w.x * 1e-3f, w.y * 1e-3f, 1});
-                if (!under) w = normalize((vec3){-1, 0, (float)(gap + (.9 - gap) * random_double(&seed) * .5 / (1 + out))});
+                if (!under)
+                    w = normalize((vec3){-1, 0, (float)(gap + (.9 - gap) * random_double(&seed) * .5 / (1 + out))});
                 if (!under && gap > 0 && out < 1e-2) continue; /* such a ray passes below a box that hovers */
                 const ray shadow = {bis_surface_offset(&s), w, INFINITY};
                 if (!(under ? fabs(x) < .9 && fabs(y) < .9 : gap == 0) || dot(w, s.ng) <= 0) continue;
                 if (!bis_accel_occluded(a[i], &shadow)) {
-                    fail_msg("%s: light leaks %s a box of %g at a gap of %g: from %g %g %g to %g %g %g", bis_accel_name(a[i]),
-                             under ? "below" : "beside", scale, gap, (double)shadow.o.x, (double)shadow.o.y, (double)shadow.o.z, (double)w.x,
-                             (double)w.y, (double)w.z);
+                    fail_msg("%s: light leaks %s a box of %g at a gap of %g: from %g %g %g to %g %g %g",
+                        bis_accel_name(a[i]), under ? "below" : "beside", scale, gap, (double)shadow.o.x,
+                        (double)shadow.o.y, (double)shadow.o.z, (double)w.x, (double)w.y, (double)w.z);
                 }
                 *(under ? &below : &beside) += 1;
             }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* library: what `make install` installs is enough for a stranger's program. The example of docs/library.md is compiled against
- * installed files and run; the mean that it must print is that of the picture of the program `bis`, or known in closed form. */
+/* library: what `make install` installs is enough for a stranger's program. The example of docs/library.md is compiled
+ * against installed files and run; the mean that it must print is that of the picture of the program `bis`, or known in
+ * closed form. */
 #include "bis/base/image.h"
 #include "bis/files/image_file.h"
 #include "program.h"

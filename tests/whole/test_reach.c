@@ -23,16 +23,19 @@ static void write_scene(const char *place, const char *camera, const char *shape
     char text[2000];
 
     snprintf(text, sizeof text,
-             "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 6 \"string filename\" \"" FOLDER "/film.pfm\"\n"
+             "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 6 \"string filename\" "
+             "\"" FOLDER "/film.pfm\"\n"
              "Sampler \"random\" \"integer pixelsamples\" 1\nIntegrator \"brdf\" \"integer samples\" 1\n%s\nCamera %s\n"
-             "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"phong\" \"rgb Kd\" [0.5 0.5 0.5]\nShape %s\n", place, camera, shape);
+             "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"phong\" \"rgb Kd\" [0.5 0.5 "
+             "0.5]\nShape %s\n", place, camera, shape);
     program_write_file(FOLDER "/scene.txt", text);
 }
 
 static const char perspective[] = "\"perspective\" \"float fov\" 40";
 static const char orthographic[] = "\"orthographic\" \"float screenwindow\" [-3e38 3e38 -1 1]";
 static const char ball[] = "\"sphere\" \"float radius\" 1";
-static const char floor_of[] = "\"trianglemesh\" \"point3 P\" [-%s -%s 0  %s -%s 0  %s %s 0] \"integer indices\" [0 1 2]";
+static const char floor_of[] =
+    "\"trianglemesh\" \"point3 P\" [-%s -%s 0  %s -%s 0  %s %s 0] \"integer indices\" [0 1 2]";
 
 /* Among the lines of a render there is this warning and no other, but for that of a black picture: cameras of some rows
  * stand in the ball. */
@@ -70,7 +73,8 @@ static void expect(const char *limit, const char *never)
     program_expect(&r, limit ? 2 : 0, FOLDER "/scene.txt --accelerator embree --outfile " FOLDER "/embree.pfm");
     snprintf(expected, sizeof expected, "bis: error: %s" WAY_OUT "\n", limit ? limit : "");
     if (limit) assert_string_equal(r.messages, expected);
-    program_expect(&r, 0, "compare " FOLDER "/grid.pfm " FOLDER "/%s --tolerance 1e-9", limit ? "film.pfm" : "embree.pfm");
+    program_expect(
+        &r, 0, "compare " FOLDER "/grid.pfm " FOLDER "/%s --tolerance 1e-9", limit ? "film.pfm" : "embree.pfm");
 }
 
 static void a_camera_out_of_reach(void **state)
@@ -80,17 +84,25 @@ static void a_camera_out_of_reach(void **state)
     } rows[] = {
         {"LookAt 0 -5 0 0 0 0 0 0 1", perspective, NULL, NULL},
         {"LookAt 0 -2.9e12 0 0 0 0 0 0 1", perspective, NULL, NULL},
-        {"LookAt 0 -3.2e12 0 0 0 0 0 0 1", perspective, "the scene and its camera measure 3.2e+12 along y, and Embree loses triangles beyond 3e+12", NULL},
-        {"LookAt 1.9e18 0 0 0 0 0 0 0 1", perspective, "the scene or its camera reaches to x = 1.9e+18, and Embree works up to 1.8e+18", NULL},
-        {"LookAt 0 0 -3e38 0 0 0 0 1 0", perspective, "the scene or its camera reaches to z = -3e+38, and Embree works up to 1.8e+18", NULL},
-        {"LookAt 1e39 0 0 0 0 0 0 0 1", perspective, NULL, "the camera stands at x = 1e+39, beyond the largest float, 3.40282e+38: scale the scene"},
-        {"LookAt 0 1e300 0 0 0 0 0 0 1", perspective, NULL, "the camera stands at y = 1e+300, beyond the largest float, 3.40282e+38: scale the scene"},
-        {"Translate 0 0 1e39", perspective, NULL, "the camera stands at z = -1e+39, beyond the largest float, 3.40282e+38: scale the scene"},
+        {"LookAt 0 -3.2e12 0 0 0 0 0 0 1", perspective,
+         "the scene and its camera measure 3.2e+12 along y, and Embree loses triangles beyond 3e+12", NULL},
+        {"LookAt 1.9e18 0 0 0 0 0 0 0 1", perspective,
+         "the scene or its camera reaches to x = 1.9e+18, and Embree works up to 1.8e+18", NULL},
+        {"LookAt 0 0 -3e38 0 0 0 0 1 0", perspective, "the scene or its camera reaches to z = -3e+38, and Embree works "
+         "up to 1.8e+18", NULL},
+        {"LookAt 1e39 0 0 0 0 0 0 0 1", perspective, NULL,
+         "the camera stands at x = 1e+39, beyond the largest float, 3.40282e+38: scale the scene"},
+        {"LookAt 0 1e300 0 0 0 0 0 0 1", perspective, NULL,
+         "the camera stands at y = 1e+300, beyond the largest float, 3.40282e+38: scale the scene"},
+        {"Translate 0 0 1e39", perspective, NULL, "the camera stands at z = -1e+39, beyond the largest float, "
+         "3.40282e+38: scale the scene"},
         {"Scale 1e-39 1e-39 1e-39 LookAt 1 0 0 0 0 0 0 0 1", perspective, NULL, NULL},
         {"Scale 1e-39 1e-39 1e-39 Translate 0 0 1e-20", perspective, NULL, NULL},
-        {"Translate 0 0 1 Scale 1e-39 1e-39 1e-39", perspective, NULL, "the camera stands at z = -1e+39, beyond the largest float, 3.40282e+38: scale the scene"},
+        {"Translate 0 0 1 Scale 1e-39 1e-39 1e-39", perspective, NULL,
+         "the camera stands at z = -1e+39, beyond the largest float, 3.40282e+38: scale the scene"},
         {"", orthographic, "the scene or its camera reaches to x = -3e+38, and Embree works up to 1.8e+18", NULL},
-        {"Scale .5 .5 .5", orthographic, NULL, "the camera stands at x = -6e+38, beyond the largest float, 3.40282e+38: scale the scene"},
+        {"Scale .5 .5 .5", orthographic, NULL, "the camera stands at x = -6e+38, beyond the largest float, "
+         "3.40282e+38: scale the scene"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -150,7 +162,8 @@ static void at_its_limits_embree_sees_what_the_grid_sees(void **state)
             }
             int differ = 0, hits = 0;
             for (int n = 0; n < 20000; n++) {
-                const vec3 at = mul(random_direction(&seed), sizes[k] * random_double(&seed)), d = random_direction(&seed);
+                const vec3 at = mul(random_direction(&seed), sizes[k] * random_double(&seed)),
+                           d = random_direction(&seed);
                 const ray r = {add(at, mul(d, -.3 * sizes[k])), d, INFINITY};
                 bis_hit h[2] = {{-1, 0}, {-1, 0}};
                 for (int i = 0; i < 2; i++) bis_accel_intersect(a[i], &r, &h[i]);

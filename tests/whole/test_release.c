@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What a release promises of its files: one version, and a licence in every source file. (`make release` builds, tests and
- * installs the tarball.) */
+/* What a release promises of its files: one version, and a licence in every source file. (`make release` builds, tests
+ * and installs the tarball.) */
 #include "program.h"
 
 #include <setjmp.h>

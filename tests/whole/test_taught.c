@@ -28,7 +28,8 @@ static int make_program(void **state)
 {
     static int status;
 
-    status = build() && getenv("BIS_COMPILE") ? check("") : 77; /* alone, without make test, nobody says how to compile */
+    status =
+        build() && getenv("BIS_COMPILE") ? check("") : 77; /* alone, without make test, nobody says how to compile */
     *state = &status;
     return 0;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Every scene that we ship is rendered with both accelerators, with the same random numbers: the mean of the pixels'
  * differences must be 0. A z-test for each scene, its standard error from the scatter of the differences; together they
- * reject what is right with probability ALPHA. Single pixels may differ (rays at edges), areas may not. Both are compared
- * with a third road, too: the sheared triangle test of the grid alone, which shadows floors at 0, is the twin and must be
- * rejected. Without Embree the plain grid takes its place. */
+ * reject what is right with probability ALPHA. Single pixels may differ (rays at edges), areas may not. Both are
+ * compared with a third road, too: the sheared triangle test of the grid alone, which shadows floors at 0, is the twin
+ * and must be rejected. Without Embree the plain grid takes its place. */
 #include "bis/base/stats.h"
 #include "stat.h"
 #include "bis/render/render.h"
@@ -48,8 +48,10 @@ static void render(double sum[WIDTH * HEIGHT], const bis_scene *s, const bis_sce
     bis_render_result result;
 
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_render(&result, &film, s, d, &d->view, &(bis_render_options){.budget = {.spp = SPP}}, NULL), BIS_OK);
-    for (int i = 0; i < WIDTH * HEIGHT; i++) sum[i] = (film.sum[3 * i] + film.sum[3 * i + 1] + film.sum[3 * i + 2]) / SPP;
+    assert_int_equal(
+        bis_render(&result, &film, s, d, &d->view, &(bis_render_options){.budget = {.spp = SPP}}, NULL), BIS_OK);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        sum[i] = (film.sum[3 * i] + film.sum[3 * i + 1] + film.sum[3 * i + 2]) / SPP;
     bis_film_clear(&film);
 }
 
@@ -101,13 +103,17 @@ static void every_scene_has_one_picture(void **state)
         render(one, s, d);
         bis_accel *second, *first = s->accel;
         d->accel.density = bis_accel_embree_version() ? 0 : 64; /* not packed */
-        assert_int_equal(bis_scene_accel(&second, s, d, bis_accel_embree_version() ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
+        assert_int_equal(
+            bis_scene_accel(&second, s, d, bis_accel_embree_version() ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL),
+            BIS_OK);
         s->accel = second;
         render(other, s, d);
         const double z = z_of(one, other, &pixels), p = bis_stats_normal_p(z);
         stat_judges(1);
         if (pixels) print_message("%s: %d pixels differ, z = %.2f\n", path[i], pixels, z);
-        if (p < alpha) fail_msg("%s: %s and %s differ, z = %g, p = %g", path[i], bis_accel_name(first), bis_accel_name(second), z, p);
+        if (p < alpha)
+            fail_msg(
+                "%s: %s and %s differ, z = %g, p = %g", path[i], bis_accel_name(first), bis_accel_name(second), z, p);
         bis_accel_free(first);
         bis_scene_free(s);
         bis_scene_desc_free(d);
@@ -121,7 +127,10 @@ typedef struct sheared {
     const bis_accel *right;
 } sheared;
 
-static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit) { return bis_accel_intersect(((const sheared *)a)->right, r, hit); }
+static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return bis_accel_intersect(((const sheared *)a)->right, r, hit);
+}
 
 static bool sheared_occluded(const bis_accel *a, const ray *r)
 {
@@ -227,8 +236,8 @@ static void write_floor(const char *path, double h, double scale, int k, bool ha
 static const double heights[] = {0, 1e-30, 1e-10, 1, -1e5}, scales[] = {1, 1e-6, 1e6};
 static const char path[] = "build/test_two_accelerators.txt";
 
-/* The picture's mean is expected[turn] to 1e-6 at all heights up to `farthest` sizes, at all sizes, by all accelerators.
- * 0: what the first one is, which is stored. */
+/* The picture's mean is expected[turn] to 1e-6 at all heights up to `farthest` sizes, at all sizes, by all
+ * accelerators. 0: what the first one is, which is stored. */
 static void assert_same_everywhere(double expected[3], bool has_box, double farthest)
 {
     for (int j = 0; j < 5 * 3 * 3; j++) {
@@ -245,16 +254,17 @@ static void assert_same_everywhere(double expected[3], bool has_box, double fart
     }
 }
 
-/* Half of a constant light 1 comes back from Kd = 0.5, where nothing else is in the way. (Where a float's step is larger
- * than the floor, the camera cannot be put above it.) */
+/* Half of a constant light 1 comes back from Kd = 0.5, where nothing else is in the way. (Where a float's step is
+ * larger than the floor, the camera cannot be put above it.) */
 static void open_floors_give_half_of_the_light(void **state)
 {
     (void)state;
     assert_same_everywhere((double[3]){0.5, 0.5, 0.5}, false, 1e5);
 }
 
-/* A closed box that rests on a floor: its picture does not depend on where both lie, how large they are and how they are
- * turned, nor on the accelerator. (Not so far away that a float's step moves the box's points by 10^-5 of its size.) */
+/* A closed box that rests on a floor: its picture does not depend on where both lie, how large they are and how they
+ * are turned, nor on the accelerator. (Not so far away that a float's step moves the box's points by 10^-5 of its
+ * size.) */
 static void a_box_on_a_floor_looks_the_same_everywhere(void **state)
 {
     double expected[3] = {0}; /* of each turn: directions are drawn about the normal in a frame that it decides */
