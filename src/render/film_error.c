@@ -24,6 +24,7 @@
  * 8, ... 256, and .093 to .095 for points that are not mirrored. A model with these steps was no better, because pixels
  * on outlines have 8 samples for one of others. Smooth radiance falls faster, but soon leaves the error to edges and
  * noise: the share is never above 1.
+ *
  * n need not be a power of two: where the end is known, the film chooses a half of a third to two thirds (see blocks).
  * Where it is not known (--error), the second part may be a few samples, whose difference says little. The quarters
  * then say most, and an earlier estimate remembers what the quarters of the quarters said.

@@ -6,7 +6,7 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 {
     if (intensity == 0) return BIS_LEVEL_NONE;
     if (l->log_range == 0) return 0;
-    const double bin = fabs(l->n * log(intensity) / l->log_range);
+    const double bin = fmax(0, l->n * log(intensity) / l->log_range);
     return (uint8_t)fmin(bin, l->n - 1); /* the brightest pixel stands on the last bin's upper edge */
 }
 /* [end] */

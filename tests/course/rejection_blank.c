@@ -18,11 +18,11 @@ static uint32_t accept(bis_set *x, double B, bis_stream *stream)
 }
 /* [end] */
     /* [rejection-estimate] */
-/* Yours to write: x->choice.item[A] holds the accepted ones. Trace at most N of them, drawn without replacement, and
- * return the estimate, by s->estimator. Of use: draw_without_replacement, bis_set_take, bis_set_trace (thesis eq. 4.6,
- * with Z in the place of L_ns/N). The line that is there belongs between the last two: it makes an erratum of the
- * thesis, if the command line asks for it. */
-(void)M, (void)B, (void)draw_without_replacement;
-if (s->as_printed & BIS_E6) bis_as_printed_colours(x);
-return (rgb){0, 0, 0};
-/* [end] */
+    /* Yours to write: x->choice.item[A] holds the accepted ones. Trace at most N of them, drawn without replacement,
+     * and return the estimate, by s->estimator. Of use: draw_without_replacement, bis_set_take, bis_set_trace
+     * (thesis eq. 4.6, with Z in the place of L_ns/N). The line that is there belongs between the last two: it makes
+     * an erratum of the thesis, if the command line asks for it. */
+    (void)M, (void)B, (void)draw_without_replacement;
+    if (s->as_printed & BIS_E6) bis_as_printed_colours(x);
+    return (rgb){0, 0, 0};
+    /* [end] */

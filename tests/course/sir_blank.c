@@ -43,8 +43,9 @@ void bis_choose_multinomial(bis_choice *c, uint32_t N, double W, bis_stream *str
 }
 /* [end] */
     /* [sir-estimate] */
-/* Yours to write: choose N candidates, and put into L what they are worth. Of use: bis_set_choose, bis_set_trace. The
- * line that is there belongs between the two: it makes an erratum of the thesis, if the command line asks for it. */
-(void)N;
-if (s->as_printed & BIS_E6) bis_as_printed_colours(x);
-/* [end] */
+    /* Yours to write: choose N candidates, and put into L what they are worth. Of use: bis_set_choose,
+     * bis_set_trace. The line that is there belongs between the two: it makes an erratum of the thesis, if the
+     * command line asks for it. */
+    (void)N;
+    if (s->as_printed & BIS_E6) bis_as_printed_colours(x);
+    /* [end] */

@@ -4,13 +4,13 @@
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */
 /* loses: rays_add_no_noise_where_nothing_is_hidden */
-/* [sir-estimate] */
-const uint32_t n = N < M ? N : M;
-for (uint32_t i = 0; i < n; i++) {
-    const double w = bis_set_weight(x, i);
-    if (w <= 0) continue;
-    x->choice.item[0] = i;
-    bis_set_take(x, 1);
-    L = bis_set_trace(L, x, pt, w / n);
-}
+    /* [sir-estimate] */
+    const uint32_t n = N < M ? N : M;
+    for (uint32_t i = 0; i < n; i++) {
+        const double w = bis_set_weight(x, i);
+        if (w <= 0) continue;
+        x->choice.item[0] = i;
+        bis_set_take(x, 1);
+        L = bis_set_trace(L, x, pt, w / n);
+    }
     /* [end] */
