@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall, make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
+# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make
+# data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall,
+# make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
 #   make MPI=1           bis-mpi, too, for several machines (docs/command-line.md)
-#   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
+#   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
+#   make V=1             show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
 # All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order.
 ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS))$(word 2,$(MAKECMDGOALS)),0)
@@ -12,12 +15,14 @@ VARIANT ?= release
 PREFIX  ?= /usr/local
 B       := build/$(VARIANT)
 
-# What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first, then 3.
+# What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first,
+# then 3.
 probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
 embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
 JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
 OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
-# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps there.
+# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps
+# there.
 SSE := $(if $(call probe,\043include <float.h>\n_Static_assert(FLT_EVAL_METHOD == 2\054 "");),-msse2 -mfpmath=sse)
 ifneq ($(EMBREE),0)
 EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
@@ -31,8 +36,8 @@ $(if $(JPEG),,$(info bis: building without libjpeg; textures cannot be JPEGs))
 $(if $(OPENMP),,$(info bis: $(CC) has no OpenMP; one thread))
 endif
 
-# Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
-# leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
+# Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The
+# third: gcc 12 leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
 DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
 # clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
@@ -44,8 +49,8 @@ SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c 
 PAGES   := $(wildcard src/tools/*/page.html)
 OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o)
 LIB     := $B/libbis.a
-# What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The shared
-# library has objects of its own, because only these are position-independent.
+# What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The
+# shared library has objects of its own, because only these are position-independent.
 VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 STATIC  := $B/library/libbis.a
 SHARED_LIB := $B/library/libbis.so.$(VERSION)
@@ -55,7 +60,8 @@ INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB)
 # A format is a literal, so that the compiler sees whether the arguments fit.
 $(SRC:%.c=$B/%.o): OURS += -Wformat=2
 $(SHARED_OBJ): OURS += -fPIC -fno-semantic-interposition
-# tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/ itself.
+# tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/
+# itself.
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
@@ -132,7 +138,8 @@ $(STATIC): $(STATIC_OBJ)
 	@rm -f $@
 	$Q$(AR) rcs $@ $^
 
-# Before 1.0 a new minor version may change any function: it is part of the soname. Names that do not begin with bis_ stay inside.
+# Before 1.0 a new minor version may change any function: it is part of the soname. Names that do not begin with bis_
+# stay inside.
 $(SHARED_LIB): $(SHARED_OBJ)
 	@mkdir -p $(@D)
 	@echo '{ global: bis_*; local: *; };' >$B/library/names.map
@@ -157,7 +164,8 @@ $B/%.o: %.c $B/.flags
 $B/pic/%.o: %.c $B/.flags
 	$(COMPILE)
 
-# src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string bis_NAME_page: a line of the page is a line of C.
+# src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string
+# bis_NAME_page: a line of the page is a line of C.
 $(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: src/tools/page.awk src/tools/frame.html docs/live/plot.js docs/live/page.css $B/.flags
 $(PAGES:%.html=$B/%.o): $B/%.o: %.html
 	$(PAGE)
@@ -179,7 +187,8 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	$Q$B/bis-data data
 	@touch $@
 
-# Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
+# Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and
+# the program itself.
 test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
 	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
@@ -195,7 +204,8 @@ HAS_WASM := $(and $(shell command -v clang),$(shell command -v wasm-ld),$(wildca
 docs: $(if $(HAS_WASM),web)
 	@sh scripts/site/site.sh build/docs
 
-# The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make test`.
+# The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make
+# test`.
 test-browser: $B/bis $(STAMP)
 	@sh scripts/check/test_browser.sh $B/bis $B/browser
 
@@ -238,7 +248,8 @@ test-32:
 asan:
 	$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" test
 
-# Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with. clang alone has it.
+# Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with.
+# clang alone has it.
 FUZZ_SECONDS ?= 60
 fuzz:
 	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
@@ -252,29 +263,33 @@ coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/check/coverage.sh build/coverage
 
-# The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where it is set. C computes
-# them; docs/live/plot.js draws, under node, which a clone does not need.
+# The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where
+# it is set. C computes them; docs/live/plot.js draws, under node, which a clone does not need.
 figures: $B/bis $B/figures $(STAMP)
 	@sh scripts/figures/figures.sh $B
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 	@sh scripts/bench/bench.sh $B
 
-# Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB of disk.
+# Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB
+# of disk.
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
 
-# What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py calls it.
+# What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py
+# calls it.
 python-parts: $B/bis $(SHARED_LIB)
 	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
 
-# The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer in numpy; no part of `make test`, because it needs numpy.
+# The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer
+# in numpy; no part of `make test`, because it needs numpy.
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
 	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
 	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it, PYTHON=program names another"; fi
 
-# The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them only.
+# The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them
+# only.
 installed: $(INSTALLED)
 install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)
 	@MPI=$(MPI) DESTDIR='$(DESTDIR)' sh scripts/install.sh $B '$(PREFIX)' '$(LIBDIR)'
@@ -282,8 +297,9 @@ install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)
 uninstall:
 	@DESTDIR='$(DESTDIR)' sh scripts/install.sh --remove '$(PREFIX)' '$(LIBDIR)'
 
-# What is committed, as build/dist/bis-VERSION.tar.gz with its hash: the same bytes whoever makes it. `make release` also builds, tests, installs and
-# uninstalls it, from the tarball alone. `make deb` makes Debian packages of it in chroots (as root).
+# What is committed, as build/dist/bis-VERSION.tar.gz with its hash: the same bytes whoever makes it. `make release`
+# also builds, tests, installs and uninstalls it, from the tarball alone. `make deb` makes Debian packages of it in
+# chroots (as root).
 tarball release:
 	@sh scripts/release.sh $@
 deb:

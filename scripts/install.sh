@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # install: puts the program, its man page and the library below a prefix (make install calls it), or removes them again.
-#     [MPI=1] [DESTDIR=folder] scripts/install.sh BUILD PREFIX [LIBDIR]   BUILD holds what make has made; MPI=1: bis-mpi, too
+#     [MPI=1] [DESTDIR=folder] scripts/install.sh BUILD PREFIX [LIBDIR]   BUILD holds what make has made; MPI=1:
+#     bis-mpi, too
 #     [DESTDIR=folder] scripts/install.sh --remove PREFIX [LIBDIR]
 # LIBDIR: where libraries go, PREFIX/lib by default; systems of several architectures have another place for each.
 # The list below is the whole of it; docs/library.md describes the files.

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # release: the tarball of what is committed, and the proof that it needs nothing else.
 #     scripts/release.sh tarball           build/dist/bis-VERSION.tar.gz and its hash beside it (`make tarball`)
-#     scripts/release.sh release           the same, then build, test, install and uninstall from the tarball alone (`make release`)
+#     scripts/release.sh release           the same, then build, test, install and uninstall from the tarball alone
+#                                          (`make release`)
 # From the root. RELEASE_TEST=alias: only these tests (as T= of make test), for a trial; RELEASE_TEST=none: no test.
 # The bytes depend on the commit alone, because names, order and times are the commit's and gzip keeps no time.
 set -eu

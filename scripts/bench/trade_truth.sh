@@ -3,9 +3,9 @@
 # trade_truth: the table of docs/command-line.md: does the error that `bis trade` promises come out? Each of its three
 # advices for each of ten scenes is rendered as a whole picture, with eight seeds; the median of their errors
 # (trade_truth.c), relative to a render of twice the final passes, 100 at least, is what comes out. (By a render of 16,
-# it came out a third too large on steel-on-paper.) Two seeds would not do: a candle that one camera ray of 180 meets past a
-# sphere of glossy-row makes the error of one picture of 45 three times as large. The root mean square, the least and the
-# largest tell of it. The advice is measured by passes (--passes), so the table
+# it came out a third too large on steel-on-paper.) Two seeds would not do: a candle that one camera ray of 180 meets
+# past a sphere of glossy-row makes the error of one picture of 45 three times as large. The root mean square, the least
+# and the largest tell of it. The advice is measured by passes (--passes), so the table
 # hardly depends on how busy the machine is: the clock has a say in which setting is advised alone. RESOLUTION, TIME (of
 # the pilot), ERROR (of the final picture), SEEDS (how many pictures) and SEED (of the measurement) may be set.
 #     make bis build/release/trade_truth data && scripts/bench/trade_truth.sh [build/release [SCENE...]]
@@ -20,8 +20,8 @@ test $# -gt 0 || set -- scene.txt data/scenes/overcast-diffuse.txt data/scenes/c
     data/scenes/outdoor-sun.txt data/scenes/glossy-row.txt data/scenes/steel-on-paper.txt data/scenes/microfacet.txt data/scenes/pinpoint.txt
 mkdir -p "$dir" || exit 1
 
-# scene FILE [INTEGRATOR-LINE [B]]: a copy in $dir, whose name it prints, with absolute paths, perhaps with another integrator
-# and area exponent.
+# scene FILE [INTEGRATOR-LINE [B]]: a copy in $dir, whose name it prints, with absolute paths, perhaps with another
+# integrator and area exponent.
 scene() {
     copy=$dir/$(basename "$1" .txt)${2:+-advised}.txt
     sed -e "s|\"\.\./|\"$PWD/data/|; s|\"data/|\"$PWD/data/|; s|^Include \"|&$PWD/data/scenes/|" "$1" >"$copy"

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of eleven
-# scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has them.
-# About twenty minutes of one processor for 200.
+# verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of
+# eleven scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has
+# them. About twenty minutes of one processor for 200.
 #     make bis data build/release/verify_alarms && scripts/bench/verify_alarms.sh [build/release [200 [FIRST-SEED]]]
 B=${1:-build/release}
 runs=${2:-200}

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_docstrings: what a reader may expect of a source file.
 #   - Each function of a header, public (include/bis) or private (src), has a comment above it that begins with the
-#     function's name. One comment may serve several functions that follow one another without an empty line, if it names
-#     the first of them.
-#   - No line of src, include, tests and scripts refers to the SPEC: it is not in the repository. Name the page and the heading.
+#     function's name. One comment may serve several functions that follow one another without an empty line, if it
+#     names the first of them.
+#   - No line of src, include, tests and scripts refers to the SPEC: it is not in the repository. Name the page and the
+#     heading.
 #   - No line of src and include has more than 120 columns.
 #     scripts/check/check_docstrings.sh [ROOT]          ROOT holds include, src, tests and scripts; default: here
 cd "${1:-.}" || exit 1

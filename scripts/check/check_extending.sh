@@ -1,15 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the page: the
-# file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a copy of the
-# sources; only what changed is compiled, and linked before the present library; then the program has one integrator more.
+# check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the
+# page: the file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a
+# copy of the sources; only what changed is compiled, and linked before the present library; then the program has one
+# integrator more.
 #     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too;
-# First a BRDF, by the page's section: Phong's file once more under the name "again", with its entries in parser_world.c. With
-# textures for all that it has it must render the bits of Material "phong". EXTENDING_EDIT: a sed script for that copy (a twin).
-# "all": all as make test runs them, but this one and those of the course, the pages and what is installed.
+# First a BRDF, by the page's section: Phong's file once more under the name "again", with its entries in
+# parser_world.c. With textures for all that it has it must render the bits of Material "phong". EXTENDING_EDIT: a sed
+# script for that copy (a twin). "all": all as make test runs them, but this one and those of the course, the pages and
+# what is installed.
 # EXTENDING_PAGE: another page.
-# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk).
-# The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything fails.
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link
+# (scripts/course/course.mk). The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything
+# fails.
 root=$BIS_BUILD/extending
 say() {
     echo "extending: $*"

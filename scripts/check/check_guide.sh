@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation
 # says "eq. N" in a comment, and has the functions named after it; and none of the thesis's equations, 3.1 to 3.17 and
-# 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with "*Do:*",
-# and behind it the answer, hidden in <details>.
+# 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with
+# "*Do:*", and behind it the answer, hidden in <details>.
 #     scripts/check/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1

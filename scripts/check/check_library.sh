@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_library: is what `make install` installs enough for other programs? Installed below a scratch prefix, the example of
-# docs/library.md is compiled with pkg-config, with the shared library and with the archive, and run.
+# check_library: is what `make install` installs enough for other programs? Installed below a scratch prefix, the
+# example of docs/library.md is compiled with pkg-config, with the shared library and with the archive, and run.
 #     scripts/check/check_library.sh SCENE MEAN          MEAN: what the example must print for the scene
-# LIBRARY_PAGE: another page. From the root; BIS_BUILD and BIS_LINK are those of make test. The prefix is build/check_library.
-# Exit status 1, and a line that says why, where anything fails.
+# LIBRARY_PAGE: another page. From the root; BIS_BUILD and BIS_LINK are those of make test. The prefix is
+# build/check_library. Exit status 1, and a line that says why, where anything fails.
 scene=$1 mean=$2
 prefix=$(pwd)/build/check_library
 say() {
@@ -38,7 +38,8 @@ awk '/^<!-- example\.c -->$/ { found = 1; next } found && /^```c$/ { inside = 1;
     "${LIBRARY_PAGE:-docs/library.md}" >"$prefix/example.c"
 [ -s "$prefix/example.c" ] || say "the page has no example"
 [ "$(wc -l <"$prefix/example.c")" -le 40 ] || say "the example has more than 40 lines"
-# The page's own lines, in the folder of the example, with our compiler and flags, and the scratch prefix as its $HOME/bis.
+# The page's own lines, in the folder of the example, with our compiler and flags, and the scratch prefix as its
+# $HOME/bis.
 awk '/^<!-- compile -->$/ { found = 1; next } found && /^```sh$/ { inside = 1; next } /^```$/ { if (inside) exit } inside { print }' \
     "${LIBRARY_PAGE:-docs/library.md}" >"$prefix/compile.sh"
 grep -q '^cc ' "$prefix/compile.sh" || say "the page does not say how to compile the example"

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_taught: what is taught is what runs. Each method's picture must run the files of src/thesis that teach it.
 #     scripts/check/check_taught.sh BUILD                        BUILD/libbis.a and BUILD/src/cli/main.o are there
-#     scripts/check/check_taught.sh BUILD NAME OPTIONS FILES     one claim alone, by the program that the first form has made
-# The files of the table are compiled once more, with the compiler's counters (gcov), and linked before the library. BIS_COMPILE,
-# BIS_LINK and BIS_LIBS say how (scripts/course/course.mk). Prints the share of lines that the default picture runs. Exits with 1 where
-# a method does not reach a file, and with 77 where there is no gcov.
+#     scripts/check/check_taught.sh BUILD NAME OPTIONS FILES     one claim alone, by the program that the first form has
+#     made
+# The files of the table are compiled once more, with the compiler's counters (gcov), and linked before the library.
+# BIS_COMPILE, BIS_LINK and BIS_LIBS say how (scripts/course/course.mk). Prints the share of lines that the default
+# picture runs. Exits with 1 where a method does not reach a file, and with 77 where there is no gcov.
 build=$1
 [ -n "$build" ] && [ -n "$BIS_COMPILE" ] || { echo "check_taught: run by make test T=taught, which tells how to compile"; exit 2; }
 gcov=${GCOV:-gcov}

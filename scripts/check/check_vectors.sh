@@ -1,12 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_vectors: the loops over lanes are vectors. gcc leaves a loop scalar without a word, which is three times as slow, if
-# its body has a local array, a result through a pointer, or a branch. Each loop below a plain `#pragma omp simd` must become
-# vectors of 16, 32 and 64 bytes (include/bis/base/clones.h) in all its copies; gcc's own report tells.
+# check_vectors: the loops over lanes are vectors. gcc leaves a loop scalar without a word, which is three times as
+# slow, if its body has a local array, a result through a pointer, or a branch. Each loop below a plain `#pragma omp
+# simd` must become vectors of 16, 32 and 64 bytes (include/bis/base/clones.h) in all its copies; gcc's own report
+# tells.
 #     scripts/check/check_vectors.sh [FILE...]          default: all files of src/ that have or include such a loop
-# From the root. make gives, in BIS_COMPILE, how to compile (scripts/course/course.mk). Prints the loops that are scalar, and
-# exits with 1. Where this compiler, with these flags, makes no such vectors even of the simplest loop, it says so and exits
-# with 0. Loops with a reduction are not looked at, because gcc leaves them scalar for a processor without masks.
+# From the root. make gives, in BIS_COMPILE, how to compile (scripts/course/course.mk). Prints the loops that are
+# scalar, and exits with 1. Where this compiler, with these flags, makes no such vectors even of the simplest loop, it
+# says so and exits with 0. Loops with a reduction are not looked at, because gcc leaves them scalar for a processor
+# without masks.
 : "${BIS_COMPILE:?make test tells how to compile}"
 here=$(mktemp -d) || exit 1
 trap 'rm -rf "$here"' EXIT

@@ -9,10 +9,10 @@
 #     N/M                             shapes kept of the shapes that it has, with instances
 #     K                               files that it names and that its collection, as it was read, does not hold
 # A scene that is not there, or whose hash is another, is not judged. A scene without the same K loses or gains shapes:
-# then only whether it is accepted is judged. A scene is inside the model (plain) if its errors name missing files alone.
-# Scenes that lack no file are rendered, small: a black picture must be announced by a warning.
-# The last lines are the score. Exit status 1: a scene is not what the list expects, or fewer than 95 % of those without
-# missing files are accepted, or a picture is black and nothing says so. Exit status 3: no scene of the list is there.
+# then only whether it is accepted is judged. A scene is inside the model (plain) if its errors name missing files
+# alone. Scenes that lack no file are rendered, small: a black picture must be announced by a warning. The last lines
+# are the score. Exit status 1: a scene is not what the list expects, or fewer than 95 % of those without missing files
+# are accepted, or a picture is black and nothing says so. Exit status 3: no scene of the list is there.
 bis=$1 folder=$2 list=${3:-tests/data/elsewhere.tsv}
 [ -x "$bis" ] && [ -d "$folder" ] || { echo "usage: elsewhere.sh BIS FOLDER [LIST]"; exit 2; }
 work=$(mktemp -d) || exit 2

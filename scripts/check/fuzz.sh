@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
-#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part checkpoint; default: all
+#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part
+#                                                            checkpoint; default: all
 # What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
 # data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
 # build/fuzz/found; exit status 1 then.

@@ -3,8 +3,8 @@
 # power.sh: what our statistical tests would have found. Each test program of the last `make test` left a line for each
 # assertion in build/power/PROGRAM.txt (tests/support/stat.c); this joins them in build/power.txt and prints the table
 # of docs/proof.md.
-#     scripts/check/power.sh             one row for each claim: how often it was tested, on how many values, and the smallest
-#     errors found
+#     scripts/check/power.sh             one row for each claim: how often it was tested, on how many values, and the
+#                                        smallest errors found
 #     scripts/check/power.sh --update    writes the table into docs/proof.md, between its marks
 # Exit status 1 when there is nothing to join.
 page=docs/proof.md

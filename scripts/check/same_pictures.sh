@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # same_pictures: do two programs, say of two compilers, make the same bits of every shipped scene?
 #     scripts/check/same_pictures.sh BIS OTHER_BIS
-# From the root. Small renders of scene.txt and data/scenes, as they are and by each integrator over the grid; a scene whose bits differ is named
-# with the figures of `bis compare`. Exit status 1 if there is one.
+# From the root. Small renders of scene.txt and data/scenes, as they are and by each integrator over the grid; a scene
+# whose bits differ is named with the figures of `bis compare`. Exit status 1 if there is one.
 folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
 n=0

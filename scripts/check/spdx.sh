@@ -3,8 +3,8 @@
 # spdx: every source file names its licence in the form that tools read (https://spdx.dev/learn/handling-license-info).
 #     scripts/check/spdx.sh [ROOT]             writes the line where it is missing, behind #! or at the top
 #     scripts/check/spdx.sh --check [ROOT]     names the files without it; exit status 1; part of `make test`
-# C, shell, awk, make, Python and Lua. Not the hand-ins among the tests, which stand for files of strangers, nor what is no
-# program: pages, scenes, the page that is put into bis trade.
+# C, shell, awk, make, Python and Lua. Not the hand-ins among the tests, which stand for files of strangers, nor what is
+# no program: pages, scenes, the page that is put into bis trade.
 check=no
 [ "$1" = --check ] && check=yes && shift
 cd "${1:-.}" || exit 1

@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# assignment: the starter kit of an assignment (docs/assignments/README.md): a copy of the project in which the bodies under study are blank, the
-# handout, and the tests that mark it, in the place of all others.
+# assignment: the starter kit of an assignment (docs/assignments/README.md): a copy of the project in which the bodies
+# under study are blank, the handout, and the tests that mark it, in the place of all others.
 #     scripts/course/assignment.sh NAME FOLDER        (make assignment A=NAME DEST=FOLDER)
-# From the root. FOLDER must be new or empty. ASSIGNMENT.md in it is the handout; `assignment` holds the name, and the files to hand in.
+# From the root. FOLDER must be new or empty. ASSIGNMENT.md in it is the handout; `assignment` holds the name, and the
+# files to hand in.
 name=$1
 kit=$2
 all=$(ls tests/course 2>/dev/null | sed -n 's/_blank\.c$//p' | tr '\n' ' ')
@@ -30,8 +31,8 @@ echo "$name" >"$kit/assignment"
 while IFS= read -r file; do
     cp "$kit/tests/given/blank/$file" "$kit/src/$file" && echo "src/$file" >>"$kit/assignment" || exit 1
 done <"$kit/tests/given/files"
-# What would show the answer in another form: tests/course/NAME_hidden.c holds harmless fragments in the place of such code, and names
-# files that the kit does without. None of that is handed in.
+# What would show the answer in another form: tests/course/NAME_hidden.c holds harmless fragments in the place of such
+# code, and names files that the kit does without. None of that is handed in.
 hidden=$(pwd)/tests/course/${name}_hidden.c
 if [ -f "$hidden" ]; then
     for file in $(cd "$kit" && sh scripts/course/splice.sh "$hidden" "$blanks"); do

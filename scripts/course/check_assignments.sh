@@ -1,10 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies, every one holds; each of the
-# typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points, and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the present library.
+# check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies,
+# every one holds; each of the typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points,
+# and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the
+# present library.
 #     scripts/course/check_assignments.sh [NAME...]        (default: all)
-# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk). Reports go to
-# $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link
+# (scripts/course/course.mk). Reports go to $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
 root=$BIS_BUILD/assignments
 if [ $# -ne 1 ]; then
     [ $# -gt 0 ] || set -- $(ls tests/course | sed -n 's/_blank\.c$//p')

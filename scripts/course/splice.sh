@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# splice: copies of the files of src/ that hold the fragments of FRAGMENTS, with these in place of theirs (scripts/course/splice.awk), into FOLDER.
+# splice: copies of the files of src/ that hold the fragments of FRAGMENTS, with these in place of theirs
+# (scripts/course/splice.awk), into FOLDER.
 #     scripts/course/splice.sh FRAGMENTS FOLDER
 # Prints the files' paths below src/. Every fragment must be in one file of src/.
 here=$(dirname "$0")

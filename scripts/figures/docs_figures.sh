@@ -1,14 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
-#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel, thesis,
-#                                                          errata, plots, results, machines (default: all)
+#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel,
+#                                                          thesis, errata, plots, results, machines (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis, plots (of the errata without a switch) and results, make
 # build/release/figures. What is timed differs from run to run, and so does its picture.
-# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel, live): a
-# headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
-# and none above 300 KB. pbrt needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
+# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel,
+# live): a headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of
+# 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. pbrt
+# needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
 plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch

@@ -3,8 +3,8 @@
 # site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser
 # without a network.
 #     scripts/site/site.sh FOLDER            (`make docs`; from the root)
-# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Where `make web` has made build/web, the
-# figures that live stand where a page says <!-- live: NAME -->. Needs nothing at view
+# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Where `make web` has
+# made build/web, the figures that live stand where a page says <!-- live: NAME -->. Needs nothing at view
 # time.
 out=$1
 if ! command -v pandoc >/dev/null; then

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# pages: what stands beside bis.wasm in build/web: the scripts of docs/live, the library and the map as base64 in assets.js, and a page
-# with all figures. A page that was opened from disk may load scripts, but neither workers nor other files: hence base64.
+# pages: what stands beside bis.wasm in build/web: the scripts of docs/live, the library and the map as base64 in
+# assets.js, and a page with all figures. A page that was opened from disk may load scripts, but neither workers nor
+# other files: hence base64.
 #     scripts/web/pages.sh BIS FOLDER            (`make web`)
 # Figures stand in the order of scripts/web/order.
 bis=$1
