@@ -36,6 +36,8 @@ for header in $headers; do
     mkdir -p "$to/include/${header%/*}"
     install -m 644 "include/$header" "$to/include/$header"
 done
-awk -v prefix="$prefix" -v libdir="$libdir" '/^prefix=/ { $0 = "prefix=" prefix } /^libdir=/ && libdir != "" { $0 = "libdir=" libdir } { print }' \
+awk -v prefix="$prefix" -v libdir="$libdir" '/^prefix=/ { $0 = "prefix=" prefix }
+    /^libdir=/ && libdir != "" { $0 = "libdir=" libdir }
+    { print }' \
     "$build/bis.pc" >"$lib/pkgconfig/bis.pc"
 chmod 644 "$lib/pkgconfig/bis.pc"

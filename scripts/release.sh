@@ -48,7 +48,8 @@ prefix=$folder/prefix
 make install PREFIX="$prefix" >"$folder/log" 2>&1 || { cat "$folder/log"; say "it cannot be installed"; }
 "$prefix/bin/bis" --version | head -n 1 | grep -qx "bis $version" || say "the program is not of version $version"
 "$prefix/bin/bis" verify --bits || say "the bits differ"
-"$prefix/bin/bis" scene.txt --resolution 80x60 --spp 1 --quiet --outfile "$folder/picture.png" || say "it does not render"
+"$prefix/bin/bis" scene.txt --resolution 80x60 --spp 1 --quiet --outfile "$folder/picture.png" ||
+    say "it does not render"
 make uninstall PREFIX="$prefix"
 left=$(find "$prefix" ! -type d)
 [ -z "$left" ] || say "make uninstall leaves $left"

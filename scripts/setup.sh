@@ -15,7 +15,9 @@ if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
     system=debian
     needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch"
     light="libembree-dev libjpeg-dev"
-    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium nodejs clang lld wasi-libc libclang-rt-dev-wasm32" python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
+    mpi="openmpi-bin libopenmpi-dev"
+    web="pandoc chromium nodejs clang lld wasi-libc libclang-rt-dev-wasm32"
+    python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
 elif command -v dnf > /dev/null; then
     system=fedora
     needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch"

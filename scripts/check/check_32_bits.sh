@@ -13,7 +13,9 @@
 if [ "$1" = --run ]; then
     compiler="${CC:-cc} -m32" probe=$(mktemp) || exit 1
     for library in OpenEXRCore png z cmocka; do
-        echo 'int main(void) { return 0; }' | $compiler -x c - -o "$probe" $LDFLAGS -Wl,--no-as-needed -l$library >/dev/null 2>&1 && continue
+        echo 'int main(void) { return 0; }' |
+            $compiler -x c - -o "$probe" $LDFLAGS -Wl,--no-as-needed -l$library >/dev/null 2>&1 &&
+                continue
         rm -f "$probe"
         echo "32 bits: SKIPPED: $compiler cannot link -l$library"
         exit 0
@@ -27,7 +29,8 @@ fi
 stubs=$(mktemp -d) || exit 1
 trap 'rm -rf "$stubs"' EXIT
 mkdir "$stubs/gnu" && : >"$stubs/gnu/stubs-32.h"
-compile="${BIS_COMPILE:-cc -std=c11} -m32 -fsyntax-only -Werror -Wno-conversion -Wno-psabi -I$stubs -isystem /usr/include/$(uname -m)-linux-gnu"
+compile="${BIS_COMPILE:-cc -std=c11} -m32 -fsyntax-only -Werror -Wno-conversion -Wno-psabi -I$stubs"
+compile="$compile -isystem /usr/include/$(uname -m)-linux-gnu"
 printf '#include <stdio.h>\n_Static_assert(sizeof(void *) == 4, "");\n' >"$stubs/probe.c"
 $compile "$stubs/probe.c" 2>/dev/null || { echo "32 bits: not checked: the compiler has no -m32"; exit 0; }
 [ $# -gt 0 ] || set -- $(find src -name "*.c" ! -name "ranks_mpi.c")

@@ -23,7 +23,11 @@ awk '
             return line
         }
         if (line ~ /^FORMULA /) sub(/_float\(/, "(", line)
-        if (line ~ /^bis_alias_builder [a-z_]+;/) { sub(/^bis_alias_builder /, "", line); sub(/;.*/, "", line); return line }
+        if (line ~ /^bis_alias_builder [a-z_]+;/) {
+            sub(/^bis_alias_builder /, "", line)
+            sub(/;.*/, "", line)
+            return line
+        }
         if (!match(line, /[A-Za-z_0-9]+\(/)) return ""
         return RSTART > 1 ? substr(line, RSTART, RLENGTH - 1) : ""
     }
@@ -39,7 +43,10 @@ awk '
         if (served) next
         text = comment
         gsub(/^\/\*+ */, "", text)
-        if (text !~ "^" name "[ ,(]") { printf "%s:%d: the comment above %s does not begin with its name\n", FILENAME, FNR, name; bad = 1 }
+        if (text !~ "^" name "[ ,(]") {
+            printf "%s:%d: the comment above %s does not begin with its name\n", FILENAME, FNR, name
+            bad = 1
+        }
         served = 1
     }
     END { if (!functions) print "include/bis: no functions"; exit bad || !functions }

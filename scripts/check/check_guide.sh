@@ -11,8 +11,14 @@ awk -F '|' '
     function end_section() {
         if (section == "") return
         if (!asks) { printf "docs/guide.md:%d: section %s has no *Do:*\n", at, section; bad = 1 }
-        else if (!answers) { printf "docs/guide.md:%d: section %s hides no answer in <details> below its *Do:*\n", at, section; bad = 1 }
-        else if (answers > closes) { printf "docs/guide.md:%d: section %s does not close its <details>\n", at, section; bad = 1 }
+        else if (!answers) {
+            printf "docs/guide.md:%d: section %s hides no answer in <details> below its *Do:*\n", at, section
+            bad = 1
+        }
+        else if (answers > closes) {
+            printf "docs/guide.md:%d: section %s does not close its <details>\n", at, section
+            bad = 1
+        }
     }
     /^## / {
         end_section()
@@ -44,7 +50,10 @@ awk -F '|' '
             close(file)
             pattern = equation
             sub(/\./, "\\.", pattern)
-            if (text !~ "[Ee]q\\. +" pattern "[^0-9]") { printf "docs/guide.md:%d: %s never says eq. %s\n", NR, file, equation; bad = 1 }
+            if (text !~ "[Ee]q\\. +" pattern "[^0-9]") {
+                printf "docs/guide.md:%d: %s never says eq. %s\n", NR, file, equation
+                bad = 1
+            }
             rest = part[i]
             sub(/^[^)]*\)/, "", rest)
             while (match(rest, /`[^`]+`/)) {

@@ -24,7 +24,8 @@ judge() {
                 for (w = 16; w <= 64; w *= 2) if ((file ":" i, w) in vector) has[w] = 1
             }
             if (!bad && has[16] && has[32] && has[64]) return
-            printf "check_vectors: %s:%d: this loop is scalar in %s; has it a local array, a result through a pointer, a branch?\n", file, from, source
+            printf "check_vectors: %s:%d: this loop is scalar in %s; has it a local array, a result through a " \
+                "pointer, a branch?\n", file, from, source
             wrong = 1
         }
         { split($0, at, ":") }
@@ -64,7 +65,11 @@ static void twice_lanes(float *a, unsigned n)
 void twice(float *a, unsigned n) { twice_lanes(a, n); }
 END
 judge "$here/simple.c" >"$here/log" 2>&1 ||
-    { echo "check_vectors: SKIPPED: this compiler, with these flags, makes or reports no vectors of 16, 32 and 64 bytes"; exit 0; }
+    {
+        echo "check_vectors: SKIPPED: this compiler, with these flags, makes or reports no vectors" \
+            "of 16, 32 and 64 bytes"
+        exit 0
+    }
 # shellcheck disable=SC2046
 [ $# -gt 0 ] || set -- $(grep -lE '^ *#pragma omp simd$|^#include "thesis/model.h"' src/*/*.c)
 printf '%s\n' "$@" | judging=1 xargs -P 2 -n 1 sh "$0" || [ -f assignment ] || exit 1 # in a starter kit it is advice

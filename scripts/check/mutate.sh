@@ -35,7 +35,8 @@ word=$1
 log=$copy/log
 rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data $copy/build   # an ended run leaves a mutated object
 mkdir -p $copy
-make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy && mkdir -p $copy/docs && cp -Rp docs/live $copy/docs || exit 1
+make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy &&
+    mkdir -p $copy/docs && cp -Rp docs/live $copy/docs || exit 1
 
 # make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {
@@ -46,7 +47,8 @@ build() {
 # nothing.
 run() {
     for t in "$@"; do
-        (cd $copy && BIS_PROGRAM=build/mutant/bis timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
+        (cd $copy && BIS_PROGRAM=build/mutant/bis timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) ||
+            { culprit=$t; return 1; }
     done
 }
 
@@ -74,7 +76,10 @@ while IFS= read -r head; do
     n=$((n + 1))
     cp -p $copy/"$file" $copy/original
     OLD=${old#??} NEW=${new#??} awk '
-        !done && (i = index($0, ENVIRON["OLD"])) { $0 = substr($0, 1, i - 1) ENVIRON["NEW"] substr($0, i + length(ENVIRON["OLD"])); done = 1 }
+        !done && (i = index($0, ENVIRON["OLD"])) {
+            $0 = substr($0, 1, i - 1) ENVIRON["NEW"] substr($0, i + length(ENVIRON["OLD"]))
+            done = 1
+        }
         { print }
         END { exit !done }' $copy/original >$copy/"$file"
     if [ $? -ne 0 ]; then
@@ -531,7 +536,7 @@ exit
 #
 # * film_layers test_layers : the interval is a normal one, however few passes
 # - static double student_975(double dof)
-# + static double student_975(double dof) { return 1.96 + 0 * dof; } __attribute__((unused)) static double old(double dof)
+# + static double student_975(double d) { return 1.96 + 0 * d; } __attribute__((unused)) static double old(double dof)
 #
 # * trade_stats test_trade : the reference's noise counts as the method's
 # - p.noise = mean_of(&both) - t->both.relmse;

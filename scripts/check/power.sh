@@ -13,7 +13,10 @@ LC_ALL=C sort build/power/*.txt > build/power.txt
 
 table() {
     awk -F '\t' '
-    function percent(e) { return e >= 0.0995 ? sprintf("%.0f %%", 100 * e) : e >= 0.00995 ? sprintf("%.1f %%", 100 * e) : sprintf("%.2g %%", 100 * e) }
+    function percent(e) {
+        if (e >= 0.0995) return sprintf("%.0f %%", 100 * e)
+        return e >= 0.00995 ? sprintf("%.1f %%", 100 * e) : sprintf("%.2g %%", 100 * e)
+    }
     {
         key = $1 "\t" $2 "\t" $3
         if (!(key in n)) { order[++rows] = key; least[key] = $7; most[key] = $7; values[key] = $4 }

@@ -78,7 +78,8 @@ for power in "$all"/*/build/power; do
     [ ! -d "$power" ] || { mkdir -p build/power && cp "$power"/* build/power/; }
 done
 if [ -n "$(ls "$all/failed")" ]; then
-    echo "make test: FAILED:$(cd "$all/failed" && printf ' %s' *) ($# programs, $ok tests passed); what they wrote is in $(sort -u "$all"/failed/* | paste -s -d ' ')"
+    echo "make test: FAILED:$(cd "$all/failed" && printf ' %s' *) ($# programs, $ok tests passed);" \
+        "what they wrote is in $(sort -u "$all"/failed/* | paste -s -d ' ')"
     exit 1
 fi
 rm -rf "$all"

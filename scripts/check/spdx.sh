@@ -11,7 +11,8 @@ cd "${1:-.}" || exit 1
 id=SPDX-License-Identifier:
 licence="$id BSD-2-Clause"
 status=0
-for file in $(find Makefile .ci pyproject.toml include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
+for file in $(find Makefile .ci pyproject.toml include src tests scripts data/generate \
+    -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
     case $file in
     *.[ch]) line="/* $licence */" ;;
     *.lua) line="-- $licence" ;;
@@ -24,7 +25,8 @@ for file in $(find Makefile .ci pyproject.toml include src tests scripts data/ge
         status=1
         continue
     fi
-    awk -v line="$line" 'NR == 1 && !/^#!/ { print line } { print } NR == 1 && /^#!/ { print line }' "$file" >"$file.spdx.tmp" &&
+    awk -v line="$line" 'NR == 1 && !/^#!/ { print line } { print } NR == 1 && /^#!/ { print line }' \
+        "$file" >"$file.spdx.tmp" &&
         cat "$file.spdx.tmp" >"$file" # cat keeps the mode
     rm -f "$file.spdx.tmp"
 done

@@ -14,18 +14,22 @@ for name in ${CHROMIUM:-} chromium chromium-browser google-chrome; do
     command -v "$name" >/dev/null && browser=$name && break
 done
 if [ -z "$browser" ]; then
-    echo "make test-browser: SKIPPED: no chromium, chromium-browser or google-chrome here; scripts/setup.sh --web installs one, CHROMIUM=path names one"
+    echo "make test-browser: SKIPPED: no chromium, chromium-browser or google-chrome here;" \
+        "scripts/setup.sh --web installs one, CHROMIUM=path names one"
     exit 0
 fi
 rm -rf "$folder"
 mkdir -p "$folder"
-"$bis" trade scene.txt --quiet --time 12 --passes 2 --seeds 2 --resolution 96x72 --integrator em --integrator mis --integrator sir --output "$folder/trade" || exit 1
+"$bis" trade scene.txt --quiet --time 12 --passes 2 --seeds 2 --resolution 96x72 \
+    --integrator em --integrator mis --integrator sir --output "$folder/trade" ||
+    exit 1
 profile=$(mktemp -d) || exit 1
 trap 'rm -rf "$profile"' EXIT
 
 # browse OPTIONS... URL: every request that is not for the file itself goes nowhere.
 browse() {
-    "$browser" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$profile" --no-first-run --disable-background-networking \
+    "$browser" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$profile" --no-first-run \
+        --disable-background-networking \
         --host-resolver-rules="MAP * ~NOTFOUND" --virtual-time-budget=3000 "$@" 2>/dev/null
 }
 
@@ -48,7 +52,8 @@ grep -q 'data-selftest' "$folder/twin_dom.html" && fail "a page without its scri
 "$bis" envmap data/maps/interior.hdr --html "$folder/map.html" >/dev/null || exit 1
 check_page() { # PAGE EXPECTED
     browse --dump-dom "file://$1#selftest" > "$folder/dom.html"
-    grep -q "data-selftest=\"$2\"" "$folder/dom.html" || fail "$1 says $(grep -o 'data-selftest="[^"]*"' "$folder/dom.html")"
+    grep -q "data-selftest=\"$2\"" "$folder/dom.html" ||
+        fail "$1 says $(grep -o 'data-selftest="[^"]*"' "$folder/dom.html")"
 }
 pixel=$(cd "$folder/pixel" && pwd)/pixel.html
 map=$(cd "$folder" && pwd)/map.html
@@ -64,7 +69,9 @@ done
 echo "make test-browser: passed ($browser); see $folder/page_1200.png and $folder/page_390.png"
 
 if command -v pandoc >/dev/null; then
-    sh scripts/site/site.sh "$folder/site" >/dev/null && sh scripts/check/check_site.sh "$browser" "$folder/site" || exit 1
+    sh scripts/site/site.sh "$folder/site" >/dev/null &&
+        sh scripts/check/check_site.sh "$browser" "$folder/site" ||
+        exit 1
 else
     echo "make test-browser: the site SKIPPED: no pandoc here; scripts/setup.sh --web installs it"
 fi

@@ -31,14 +31,17 @@ mark() {
         for file in $(sh scripts/course/units.sh $files); do
             source=$folder/$1/src/$file
             echo "$files" | grep -qx "$file" || source=src/$file # of a header
-            $BIS_COMPILE -Werror -iquote "$folder/$1/src" -iquote "src/${file%/*}" -c -o "$folder/$1/src/$file.o" "$source" ||
+            $BIS_COMPILE -Werror -iquote "$folder/$1/src" -iquote "src/${file%/*}" -c \
+                -o "$folder/$1/src/$file.o" "$source" ||
                 say "the $1 one does not compile without warnings"
             objects="$objects $folder/$1/src/$file.o"
         done
     fi
     # shellcheck disable=SC2086
-    $BIS_LINK -o "$folder/$1/student" $BIS_SERVER $objects ${BIS_OBJECTS##* } $BIS_LIBS || say "the $1 one does not link"
-    "$BIS_BUILD/grade" claims "$PWD/$folder/$1/student" "$folder/claims" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
+    $BIS_LINK -o "$folder/$1/student" $BIS_SERVER $objects ${BIS_OBJECTS##* } $BIS_LIBS ||
+        say "the $1 one does not link"
+    "$BIS_BUILD/grade" claims "$PWD/$folder/$1/student" "$folder/claims" >"$folder/$1.marks" ||
+        say "the marks of the $1 one do not come to an end"
 }
 
 # The load that is timed, with this secret: status 8 where the answers are right, 9 where they are not
@@ -71,8 +74,14 @@ prove() {
                 printf "%s: %s: %d of %d points, %d of %d claims\n", name, variant, points, all, right, n
                 if (all != 80) { printf "%s: the points of its claims sum to %d, must be 80\n", name, all; bad = 1 }
                 if (variant == "original" && right < n || variant == "blank" && right > 0) bad = 1
-                if (variant ~ /wrong/ && (right == 0 || right == n)) { printf "%s: %s is to be worth some of the points\n", name, variant; bad = 1 }
-                if (variant ~ /wrong/ && lost != loses) { printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses; bad = 1 }
+                if (variant ~ /wrong/ && (right == 0 || right == n)) {
+                    printf "%s: %s is to be worth some of the points\n", name, variant
+                    bad = 1
+                }
+                if (variant ~ /wrong/ && lost != loses) {
+                    printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses
+                    bad = 1
+                }
                 exit bad
             }' "$folder/$variant.marks" || exit 1
     done

@@ -7,7 +7,10 @@
 here=$(dirname "$0")
 for name in $(sed -n 's|^ */\* \[\([a-z0-9-]*\)\] \*/$|\1|p' "$1" | grep -vx end); do
     file=$(grep -l "^ */\* \[$name\] \*/\$" src/*/*.[ch] src/*/*/*.[ch])
-    [ "$(echo "$file" | wc -w)" -eq 1 ] || { echo "splice: [$name] of $1 is in so many files of src/: $file" >&2; exit 1; }
+    [ "$(echo "$file" | wc -w)" -eq 1 ] || {
+        echo "splice: [$name] of $1 is in so many files of src/: $file" >&2
+        exit 1
+    }
     echo "${file#src/}"
 done >"$2/spliced" || exit 1
 [ -s "$2/spliced" ] || { echo "splice: $1 holds no fragment" >&2; exit 1; }
