@@ -17,7 +17,8 @@ B       := build/$(VARIANT)
 
 # What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first,
 # then 3.
-probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
+probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | \
+    $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
 embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
 JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
 OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
@@ -38,12 +39,16 @@ endif
 
 # Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The
 # third: gcc 12 leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math \
+    -fno-tree-slp-vectorize -ffp-contract=off
 # clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
-WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
+WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes \
+    -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
-OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
-LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
+OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) \
+    $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
+    $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 PAGES   := $(wildcard src/tools/*/page.html)
@@ -65,7 +70,8 @@ $(SHARED_OBJ): OURS += -fPIC -fno-semantic-interposition
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
-CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
+CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) \
+    $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
 DATA_SRC := $(wildcard data/generate/*.c)
@@ -75,7 +81,8 @@ STAMP    := data/models/.made
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 ASAN     := -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
-SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png image_screen ply obj gzip part convert)
+SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png image_screen \
+    ply obj gzip part convert)
 
 # What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
 # given ($B/.flags changes only when they do), and ./bis is the program that was made last.
@@ -88,7 +95,9 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
+.PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long \
+    envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall \
+    tarball release deb clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -144,7 +153,8 @@ $(SHARED_LIB): $(SHARED_OBJ)
 	@mkdir -p $(@D)
 	@echo '{ global: bis_*; local: *; };' >$B/library/names.map
 	$(call say,LINK,$@)
-	$Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -shared -Wl,-soname,libbis.so.$(basename $(VERSION)) -Wl,--version-script=$B/library/names.map -o $@ $^ $(LIBS)
+	$Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -shared -Wl,-soname,libbis.so.$(basename $(VERSION)) \
+	    -Wl,--version-script=$B/library/names.map -o $@ $^ $(LIBS)
 
 # @PREFIX@ is filled in by scripts/install.sh.
 $B/bis.pc: $B/.flags include/bis/base/version.h Makefile
@@ -166,7 +176,8 @@ $B/pic/%.o: %.c $B/.flags
 
 # src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string
 # bis_NAME_page: a line of the page is a line of C.
-$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: src/tools/page.awk src/tools/frame.html docs/live/plot.js docs/live/page.css $B/.flags
+$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: \
+    src/tools/page.awk src/tools/frame.html docs/live/plot.js docs/live/page.css $B/.flags
 $(PAGES:%.html=$B/%.o): $B/%.o: %.html
 	$(PAGE)
 $(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
@@ -174,7 +185,9 @@ $(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
 define PAGE
 @mkdir -p $(@D)
 $(call say,CC,$<)
-$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; \
+    awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | \
+    $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 endef
 
 compile_commands.json: FORCE
@@ -189,7 +202,8 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 
 # Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and
 # the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
+test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) \
+    $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
 	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
 	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)
@@ -218,12 +232,16 @@ envelope: $(ENVELOPE)
 # libclang-rt-dev-wasm32, and gzip; nothing of it is needed for `make` or `make test`.
 W        := build/web
 WASM_CC  ?= clang
-WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c src/base/threads.c,$(SRC)) scripts/web/wasm.c
+WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c \
+    src/base/threads.c,$(SRC)) scripts/web/wasm.c
 WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o)
-WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h -nostdlibinc -isystem /usr/include/wasm32-wasi \
-    -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_PROCESS_CLOCKS -fno-math-errno -fno-trapping-math -ffp-contract=off -msimd128
+WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h \
+    -nostdlibinc -isystem /usr/include/wasm32-wasi \
+    -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_PROCESS_CLOCKS -fno-math-errno -fno-trapping-math \
+    -ffp-contract=off -msimd128
 # All memory of a page: the stack, which stands first so that an overflow is caught, and a heap that grows to 512 MiB.
-WASM_LINK := --target=wasm32-wasi -mexec-model=reactor -Wl,-z,stack-size=4194304 -Wl,--stack-first -Wl,--max-memory=536870912 -Wl,--gc-sections -Wl,--strip-all \
+WASM_LINK := --target=wasm32-wasi -mexec-model=reactor -Wl,-z,stack-size=4194304 -Wl,--stack-first \
+    -Wl,--max-memory=536870912 -Wl,--gc-sections -Wl,--strip-all \
     -lwasi-emulated-signal -lwasi-emulated-mman -lwasi-emulated-process-clocks -lwasi-emulated-getpid -lm
 FLAT_NAMES = $(sort $(shell grep -ho '\bbis_flat_[a-z0-9_]*' include/bis/flat/*.h))
 $W/objects/%.o: %.c scripts/web/wasi.h Makefile
@@ -252,7 +270,8 @@ asan:
 # clang alone has it.
 FUZZ_SECONDS ?= 60
 fuzz:
-	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
+	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 \
+	    CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
 fuzz-run: $(FUZZERS) $(SEEDERS) $B/bis
 	@sh scripts/check/fuzz.sh $B $(FUZZ_SECONDS) $(FUZZ)
 $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
@@ -279,14 +298,20 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 # What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py
 # calls it.
 python-parts: $B/bis $(SHARED_LIB)
-	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
+	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && \
+	 install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
 
 # The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer
 # in numpy; no part of `make test`, because it needs numpy.
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
-	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
-	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it, PYTHON=program names another"; fi
+	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then \
+	    BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive \
+	    $(PYTHON) -m unittest discover -s tests/python; \
+	else \
+	    echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it," \
+	        "PYTHON=program names another"; \
+	fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them
 # only.
@@ -310,6 +335,7 @@ clean:
 
 include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
-ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
+ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) \
+    $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
 .SECONDARY: $(ALL_C:%.c=$B/%.o) $(SHARED_OBJ)
 -include $(ALL_C:%.c=$B/%.d) $(SHARED_OBJ:.o=.d) $(WASM_OBJ:.o=.d)
