@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall, make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
+# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make
+# data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall,
+# make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
 #   make MPI=1           bis-mpi, too, for several machines (docs/command-line.md)
-#   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
+#   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
+#   make V=1             show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
 # All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order.
 ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS))$(word 2,$(MAKECMDGOALS)),0)
@@ -12,12 +15,15 @@ VARIANT ?= release
 PREFIX  ?= /usr/local
 B       := build/$(VARIANT)
 
-# What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first, then 3.
-probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
+# What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first,
+# then 3.
+probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | \
+    $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
 embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
 JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
 OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
-# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps there.
+# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps
+# there.
 SSE := $(if $(call probe,\043include <float.h>\n_Static_assert(FLT_EVAL_METHOD == 2\054 "");),-msse2 -mfpmath=sse)
 ifneq ($(EMBREE),0)
 EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
@@ -31,21 +37,25 @@ $(if $(JPEG),,$(info bis: building without libjpeg; textures cannot be JPEGs))
 $(if $(OPENMP),,$(info bis: $(CC) has no OpenMP; one thread))
 endif
 
-# Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
-# leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
+# Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The
+# third: gcc 12 leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-errno -fno-trapping-math \
+    -fno-tree-slp-vectorize -ffp-contract=off
 # clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
-WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
+WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes \
+    -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
-OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
-LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
+OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) \
+    $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
+    $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 PAGES   := $(wildcard src/tools/*/page.html)
 OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o)
 LIB     := $B/libbis.a
-# What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The shared
-# library has objects of its own, because only these are position-independent.
+# What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The
+# shared library has objects of its own, because only these are position-independent.
 VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 STATIC  := $B/library/libbis.a
 SHARED_LIB := $B/library/libbis.so.$(VERSION)
@@ -55,11 +65,13 @@ INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB)
 # A format is a literal, so that the compiler sees whether the arguments fit.
 $(SRC:%.c=$B/%.o): OURS += -Wformat=2
 $(SHARED_OBJ): OURS += -fPIC -fno-semantic-interposition
-# tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/ itself.
+# tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/
+# itself.
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
-CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
+CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) \
+    $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
 DATA_SRC := $(wildcard data/generate/*.c)
@@ -69,7 +81,8 @@ STAMP    := data/models/.made
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 ASAN     := -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
-SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png image_screen ply obj gzip part convert)
+SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png image_screen \
+    ply obj gzip part convert)
 
 # What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
 # given ($B/.flags changes only when they do), and ./bis is the program that was made last.
@@ -82,7 +95,9 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall tarball release deb clean
+.PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long \
+    envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall \
+    tarball release deb clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -132,12 +147,14 @@ $(STATIC): $(STATIC_OBJ)
 	@rm -f $@
 	$Q$(AR) rcs $@ $^
 
-# Before 1.0 a new minor version may change any function: it is part of the soname. Names that do not begin with bis_ stay inside.
+# Before 1.0 a new minor version may change any function: it is part of the soname. Names that do not begin with bis_
+# stay inside.
 $(SHARED_LIB): $(SHARED_OBJ)
 	@mkdir -p $(@D)
 	@echo '{ global: bis_*; local: *; };' >$B/library/names.map
 	$(call say,LINK,$@)
-	$Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -shared -Wl,-soname,libbis.so.$(basename $(VERSION)) -Wl,--version-script=$B/library/names.map -o $@ $^ $(LIBS)
+	$Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -shared -Wl,-soname,libbis.so.$(basename $(VERSION)) \
+	    -Wl,--version-script=$B/library/names.map -o $@ $^ $(LIBS)
 
 # @PREFIX@ is filled in by scripts/install.sh.
 $B/bis.pc: $B/.flags include/bis/base/version.h Makefile
@@ -157,8 +174,10 @@ $B/%.o: %.c $B/.flags
 $B/pic/%.o: %.c $B/.flags
 	$(COMPILE)
 
-# src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string bis_NAME_page: a line of the page is a line of C.
-$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: src/tools/page.awk src/tools/frame.html docs/live/plot.js docs/live/page.css $B/.flags
+# src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string
+# bis_NAME_page: a line of the page is a line of C.
+$(PAGES:%.html=$B/%.o) $(PAGES:%.html=$B/pic/%.o): $B/%/page.o: \
+    src/tools/page.awk src/tools/frame.html docs/live/plot.js docs/live/page.css $B/.flags
 $(PAGES:%.html=$B/%.o): $B/%.o: %.html
 	$(PAGE)
 $(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
@@ -166,7 +185,9 @@ $(PAGES:%.html=$B/pic/%.o): $B/pic/%.o: %.html
 define PAGE
 @mkdir -p $(@D)
 $(call say,CC,$<)
-$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; \
+    awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | \
+    $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 endef
 
 compile_commands.json: FORCE
@@ -179,8 +200,10 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	$Q$B/bis-data data
 	@touch $@
 
-# Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
+# Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and
+# the program itself.
+test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) \
+    $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
 	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
 	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)
@@ -195,7 +218,8 @@ HAS_WASM := $(and $(shell command -v clang),$(shell command -v wasm-ld),$(wildca
 docs: $(if $(HAS_WASM),web)
 	@sh scripts/site/site.sh build/docs
 
-# The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make test`.
+# The pages of bis trade, pixel and envmap and the site in a headless Chromium, where there is one; no part of `make
+# test`.
 test-browser: $B/bis $(STAMP)
 	@sh scripts/check/test_browser.sh $B/bis $B/browser
 
@@ -208,12 +232,16 @@ envelope: $(ENVELOPE)
 # libclang-rt-dev-wasm32, and gzip; nothing of it is needed for `make` or `make test`.
 W        := build/web
 WASM_CC  ?= clang
-WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c src/base/threads.c,$(SRC)) scripts/web/wasm.c
+WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c \
+    src/base/threads.c,$(SRC)) scripts/web/wasm.c
 WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o)
-WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h -nostdlibinc -isystem /usr/include/wasm32-wasi \
-    -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_PROCESS_CLOCKS -fno-math-errno -fno-trapping-math -ffp-contract=off -msimd128
+WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h \
+    -nostdlibinc -isystem /usr/include/wasm32-wasi \
+    -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_PROCESS_CLOCKS -fno-math-errno -fno-trapping-math \
+    -ffp-contract=off -msimd128
 # All memory of a page: the stack, which stands first so that an overflow is caught, and a heap that grows to 512 MiB.
-WASM_LINK := --target=wasm32-wasi -mexec-model=reactor -Wl,-z,stack-size=4194304 -Wl,--stack-first -Wl,--max-memory=536870912 -Wl,--gc-sections -Wl,--strip-all \
+WASM_LINK := --target=wasm32-wasi -mexec-model=reactor -Wl,-z,stack-size=4194304 -Wl,--stack-first \
+    -Wl,--max-memory=536870912 -Wl,--gc-sections -Wl,--strip-all \
     -lwasi-emulated-signal -lwasi-emulated-mman -lwasi-emulated-process-clocks -lwasi-emulated-getpid -lm
 FLAT_NAMES = $(sort $(shell grep -ho '\bbis_flat_[a-z0-9_]*' include/bis/flat/*.h))
 $W/objects/%.o: %.c scripts/web/wasi.h Makefile
@@ -238,10 +266,12 @@ test-32:
 asan:
 	$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" test
 
-# Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with. clang alone has it.
+# Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with.
+# clang alone has it.
 FUZZ_SECONDS ?= 60
 fuzz:
-	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
+	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 \
+	    CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
 fuzz-run: $(FUZZERS) $(SEEDERS) $B/bis
 	@sh scripts/check/fuzz.sh $B $(FUZZ_SECONDS) $(FUZZ)
 $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
@@ -252,29 +282,39 @@ coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/check/coverage.sh build/coverage
 
-# The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where it is set. C computes
-# them; docs/live/plot.js draws, under node, which a clone does not need.
+# The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where
+# it is set. C computes them; docs/live/plot.js draws, under node, which a clone does not need.
 figures: $B/bis $B/figures $(STAMP)
 	@sh scripts/figures/figures.sh $B
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 	@sh scripts/bench/bench.sh $B
 
-# Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB of disk.
+# Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB
+# of disk.
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
 
-# What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py calls it.
+# What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py
+# calls it.
 python-parts: $B/bis $(SHARED_LIB)
-	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
+	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && \
+	 install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
 
-# The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer in numpy; no part of `make test`, because it needs numpy.
+# The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer
+# in numpy; no part of `make test`, because it needs numpy.
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
-	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
-	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it, PYTHON=program names another"; fi
+	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then \
+	    BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive \
+	    $(PYTHON) -m unittest discover -s tests/python; \
+	else \
+	    echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it," \
+	        "PYTHON=program names another"; \
+	fi
 
-# The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them only.
+# The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them
+# only.
 installed: $(INSTALLED)
 install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)
 	@MPI=$(MPI) DESTDIR='$(DESTDIR)' sh scripts/install.sh $B '$(PREFIX)' '$(LIBDIR)'
@@ -282,8 +322,9 @@ install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)
 uninstall:
 	@DESTDIR='$(DESTDIR)' sh scripts/install.sh --remove '$(PREFIX)' '$(LIBDIR)'
 
-# What is committed, as build/dist/bis-VERSION.tar.gz with its hash: the same bytes whoever makes it. `make release` also builds, tests, installs and
-# uninstalls it, from the tarball alone. `make deb` makes Debian packages of it in chroots (as root).
+# What is committed, as build/dist/bis-VERSION.tar.gz with its hash: the same bytes whoever makes it. `make release`
+# also builds, tests, installs and uninstalls it, from the tarball alone. `make deb` makes Debian packages of it in
+# chroots (as root).
 tarball release:
 	@sh scripts/release.sh $@
 deb:
@@ -294,6 +335,7 @@ clean:
 
 include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
-ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
+ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) \
+    $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
 .SECONDARY: $(ALL_C:%.c=$B/%.o) $(SHARED_OBJ)
 -include $(ALL_C:%.c=$B/%.d) $(SHARED_OBJ:.o=.d) $(WASM_OBJ:.o=.d)

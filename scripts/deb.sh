@@ -38,7 +38,8 @@ unset MAKEFLAGS MAKELEVEL MFLAGS
 
 # in_chroot CHROOT COMMAND: runs a line of shell in it, with /proc and /dev for as long as it takes.
 in_chroot() {
-    unshare --mount sh -c 'mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && exec chroot "$0" /bin/sh -ec "$1"' \
+    unshare --mount sh -c 'mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" &&
+                    exec chroot "$0" /bin/sh -ec "$1"' \
         "$folder/$1" "$2"
 }
 megabytes() { du -smx "$folder/$1" | cut -f 1; }
@@ -100,10 +101,12 @@ mkdir "$folder/test/debs"
 cp "$out"/*.deb "$folder/test/debs/"
 in_chroot test "apt-get -q update && apt-get clean" >"$folder/log" 2>&1 || fail "there is no list of packages"
 before=$(megabytes test)
-in_chroot test "cd /debs && rm ./*-dbgsym_*.deb && apt-get -qy install --no-install-recommends ./*.deb && apt-get clean" \
+in_chroot test "cd /debs && rm ./*-dbgsym_*.deb && apt-get -qy install --no-install-recommends ./*.deb &&
+    apt-get clean" \
     >"$folder/log" 2>&1 || fail "the packages cannot be installed"
 row "all packages and what they need, installed" $(($(megabytes test) - before))
-autopkgtest --no-built-binaries "$out"/*.dsc "$out"/*.deb -- chroot "$folder/test" >"$folder/log" 2>&1 || fail "autopkgtest"
+autopkgtest --no-built-binaries "$out"/*.dsc "$out"/*.deb -- chroot "$folder/test" >"$folder/log" 2>&1 ||
+    fail "autopkgtest"
 cp "$folder/log" "$out/autopkgtest.log"
 row "autopkgtest"
 echo "$table"

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # install: puts the program, its man page and the library below a prefix (make install calls it), or removes them again.
-#     [MPI=1] [DESTDIR=folder] scripts/install.sh BUILD PREFIX [LIBDIR]   BUILD holds what make has made; MPI=1: bis-mpi, too
+#     [MPI=1] [DESTDIR=folder] scripts/install.sh BUILD PREFIX [LIBDIR]   BUILD holds what make has made; MPI=1:
+#     bis-mpi, too
 #     [DESTDIR=folder] scripts/install.sh --remove PREFIX [LIBDIR]
 # LIBDIR: where libraries go, PREFIX/lib by default; systems of several architectures have another place for each.
 # The list below is the whole of it; docs/library.md describes the files.
@@ -35,6 +36,8 @@ for header in $headers; do
     mkdir -p "$to/include/${header%/*}"
     install -m 644 "include/$header" "$to/include/$header"
 done
-awk -v prefix="$prefix" -v libdir="$libdir" '/^prefix=/ { $0 = "prefix=" prefix } /^libdir=/ && libdir != "" { $0 = "libdir=" libdir } { print }' \
+awk -v prefix="$prefix" -v libdir="$libdir" '/^prefix=/ { $0 = "prefix=" prefix }
+    /^libdir=/ && libdir != "" { $0 = "libdir=" libdir }
+    { print }' \
     "$build/bis.pc" >"$lib/pkgconfig/bis.pc"
 chmod 644 "$lib/pkgconfig/bis.pc"

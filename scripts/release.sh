@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # release: the tarball of what is committed, and the proof that it needs nothing else.
 #     scripts/release.sh tarball           build/dist/bis-VERSION.tar.gz and its hash beside it (`make tarball`)
-#     scripts/release.sh release           the same, then build, test, install and uninstall from the tarball alone (`make release`)
+#     scripts/release.sh release           the same, then build, test, install and uninstall from the tarball alone
+#                                          (`make release`)
 # From the root. RELEASE_TEST=alias: only these tests (as T= of make test), for a trial; RELEASE_TEST=none: no test.
 # The bytes depend on the commit alone, because names, order and times are the commit's and gzip keeps no time.
 set -eu
@@ -47,7 +48,8 @@ prefix=$folder/prefix
 make install PREFIX="$prefix" >"$folder/log" 2>&1 || { cat "$folder/log"; say "it cannot be installed"; }
 "$prefix/bin/bis" --version | head -n 1 | grep -qx "bis $version" || say "the program is not of version $version"
 "$prefix/bin/bis" verify --bits || say "the bits differ"
-"$prefix/bin/bis" scene.txt --resolution 80x60 --spp 1 --quiet --outfile "$folder/picture.png" || say "it does not render"
+"$prefix/bin/bis" scene.txt --resolution 80x60 --spp 1 --quiet --outfile "$folder/picture.png" ||
+    say "it does not render"
 make uninstall PREFIX="$prefix"
 left=$(find "$prefix" ! -type d)
 [ -z "$left" ] || say "make uninstall leaves $left"

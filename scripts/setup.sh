@@ -2,18 +2,22 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # setup: installs what bis needs to build, to render and to test itself, and nothing when all of it is there.
 #     scripts/setup.sh [--mpi] [--web] [--python] [--marking] [--all]
-# Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs`, `make web`, `make test-web` and `make test-browser`, --python `make test-python`;
-# --marking the sandbox of `make grade`; --all is all four. As root, or by sudo. For Debian 12 and 13 (there libembree-dev is Embree 4; the source takes both) and Ubuntu 24.04.
+# Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs`, `make web`, `make
+# test-web` and `make test-browser`, --python `make test-python`; --marking the sandbox of `make grade`; --all is all
+# four. As root, or by sudo. For Debian 12 and 13 (there libembree-dev is Embree 4; the source takes both) and Ubuntu
+# 24.04.
 # UNTRIED: Fedora and Arch, whose names come from documentation.
 set -eu
 
-# needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka and patch for the tests. light: Embree (rays), which exists for some processors
-# only, and libjpeg (textures); bis does without. mpi, web, python: by option.
+# needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka and patch for the tests. light: Embree (rays),
+# which exists for some processors only, and libjpeg (textures); bis does without. mpi, web, python: by option.
 if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
     system=debian
     needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch"
     light="libembree-dev libjpeg-dev"
-    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium nodejs clang lld wasi-libc libclang-rt-dev-wasm32" python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
+    mpi="openmpi-bin libopenmpi-dev"
+    web="pandoc chromium nodejs clang lld wasi-libc libclang-rt-dev-wasm32"
+    python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
 elif command -v dnf > /dev/null; then
     system=fedora
     needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch"

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* calls: the functions of bis/flat/*.h that figures call, each with its return value and its arguments, a letter each.
- * Returned: s a status, v nothing, r a double, i an int. Taken: i int, n size_t or uint32_t, r double, z text, l a list of texts;
- * d f u b an array (double, float, uint32_t, uint8_t) that is read; D F U B one that is written; I an array of int that is written;
- * h what another call has opened; O what this one opens; 0 a NULL. say and size follow where a status is returned. ~ before the
- * rest: a function of libm reaches the last bits, so the hash leaves them out, and a test compares the numbers to 1e-9. */
+ * Returned: s a status, v nothing, r a double, i an int. Taken: i int, n size_t or uint32_t, r double, z text, l a list
+ * of texts; d f u b an array (double, float, uint32_t, uint8_t) that is read; D F U B one that is written; I an array
+ * of int that is written; h what another call has opened; O what this one opens; 0 a NULL. say and size follow where a
+ * status is returned. ~ before the rest: a function of libm reaches the last bits, so the hash leaves them out, and a
+ * test compares the numbers to 1e-9. */
 'use strict';
 var bisCalls = {
   "bis_flat_uniform": "v nnnD",

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* engine: libbis as WebAssembly, asked by lists of calls. The same code runs in a page's worker and under node.
  *
- * bisEngine(wasm, files, calls) makes one: wasm is a WebAssembly.Module, files {path: Uint8Array}, calls those of calls.js.
- *   engine.run(list)      makes the calls [[name, argument...], ...] in their order. An argument is a number, a text, an array, or
- *                         "#k.j", the j-th array that call k of this list has written; for a written array it is its length; for
- *                         what is opened or was opened a name of the caller's own. Returns {out: [[array...]...], hash, seconds}.
- *                         Throws an Error with the library's words; after a trap the library starts anew.
+ * bisEngine(wasm, files, calls) makes one: wasm is a WebAssembly.Module, files {path: Uint8Array}, calls those of
+ * calls.js.
+ *   engine.run(list)      makes the calls [[name, argument...], ...] in their order. An argument is a number, a text,
+ *                         an array, or "#k.j", the j-th array that call k of this list has written; for a written array
+ *                         it is its length; for what is opened or was opened a name of the caller's own. Returns
+ *                         {out: [[array...]...], hash, seconds}. Throws an Error with the library's words; after a
+ *                         trap the library starts anew.
  *   engine.put(path, bytes)   adds a file.
  * What was opened by the same arguments is not opened again. A name that is opened anew closes what it had.
  *
@@ -13,7 +15,8 @@
 'use strict';
 function bisEngine(wasm, files, calls) {
   const ARRAYS = {d: Float64Array, f: Float32Array, u: Uint32Array, b: Uint8Array, i: Int32Array};
-  const CLOSES = {light: 'bis_flat_light_close', bsdf: 'bis_flat_bsdf_close', stage: 'bis_flat_stage_close', render: 'bis_flat_picture_close'};
+  const CLOSES = {light: 'bis_flat_light_close', bsdf: 'bis_flat_bsdf_close', stage: 'bis_flat_stage_close',
+    render: 'bis_flat_picture_close'};
   const SAY = 4096;
   let lib, open, opened, waiting;
 
@@ -21,7 +24,8 @@ function bisEngine(wasm, files, calls) {
 
   const view = () => new DataView(lib.memory.buffer);
   const text = (at, n) => new TextDecoder().decode(new Uint8Array(lib.memory.buffer, at, n));
-  const clean = (path) => path.split('/').reduce((all, p) => p === '..' ? all.slice(0, -1) : p && p !== '.' ? all.concat(p) : all, []).join('/');
+  const clean = (path) => path.split('/').reduce((all, p) => p === '..' ? all.slice(0, -1) : p && p !== '.'
+    ? all.concat(p) : all, []).join('/');
   const BADF = 8, NOENT = 44, NOSYS = 52;
 
   function stat(at, bytes, isFolder) {
@@ -33,8 +37,16 @@ function bisEngine(wasm, files, calls) {
   const system = {
     environ_get: () => 0,
     environ_sizes_get(n, size) { view().setUint32(n, 0, true); view().setUint32(size, 0, true); return 0; },
-    clock_time_get(id, precision, at) { view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true); return 0; },
-    fd_prestat_get(fd, at) { if (fd !== 3) return BADF; view().setUint8(at, 0); view().setUint32(at + 4, 1, true); return 0; },
+    clock_time_get(id, precision, at) {
+      view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
+      return 0;
+    },
+    fd_prestat_get(fd, at) {
+      if (fd !== 3) return BADF;
+      view().setUint8(at, 0);
+      view().setUint32(at + 4, 1, true);
+      return 0;
+    },
     fd_prestat_dir_name(fd, at, n) { new Uint8Array(lib.memory.buffer)[at] = 47; return 0; },
     fd_fdstat_get(fd, at) {
       new Uint8Array(lib.memory.buffer, at, 24).fill(0);
@@ -62,7 +74,8 @@ function bisEngine(wasm, files, calls) {
       let all = 0;
       if (!f) return BADF;
       for (let i = 0; i < n; i++) {
-        const to = view().getUint32(list + 8 * i, true), room = view().getUint32(list + 8 * i + 4, true), part = f.bytes.subarray(f.at, f.at + room);
+        const to = view().getUint32(list + 8 * i, true), room = view().getUint32(list + 8 * i + 4, true),
+          part = f.bytes.subarray(f.at, f.at + room);
         new Uint8Array(lib.memory.buffer).set(part, to);
         f.at += part.length;
         all += part.length;
@@ -140,25 +153,30 @@ function bisEngine(wasm, files, calls) {
       return copyIn(mine, Type, given);
     }
     const at = claim(mine, given * Type.BYTES_PER_ELEMENT);
-    new Uint8Array(lib.memory.buffer, at, given * Type.BYTES_PER_ELEMENT).fill(0); /* what is not written has the same hash everywhere */
+    /* what is not written has the same hash everywhere */
+    new Uint8Array(lib.memory.buffer, at, given * Type.BYTES_PER_ELEMENT).fill(0);
     outs.push({at, n: given, Type});
     return at;
   }
 
   function call(one, done, hash) {
-    const [name, ...given] = one, hidden = calls[name].startsWith('~'), [returns, letters] = calls[name].replace('~', '').split(' ');
+    const [name, ...given] = one, hidden = calls[name].startsWith('~'),
+      [returns, letters] = calls[name].replace('~', '').split(' ');
     const key = JSON.stringify(given), at = letters.indexOf('O'), mine = [], outs = [], own = at < 0 ? null : given[at];
     if (own && opened[own] && opened[own].key === name + key) return [];
     if (own) close(own);
     let used = 0;
     try {
-      const values = [...letters].map((c) => marshal(c, c === '0' ? 0 : given[used++], done, mine, outs)); /* a 0 is not given */
+      /* a 0 is not given */
+      const values = [...letters].map((c) => marshal(c, c === '0' ? 0 : given[used++], done, mine, outs));
       if (returns === 's') values.push(claim(mine, SAY), SAY);
       const result = lib[name](...values);
       if (returns === 's' && result) throw new Error(cString(values[values.length - 2]));
-      if (own) opened[own] = {at: view().getUint32(values[at], true), key: name + key, kind: /bis_flat_([a-z]*)/.exec(name)[1]};
+      if (own) opened[own] = {at: view().getUint32(values[at], true), key: name + key,
+        kind: /bis_flat_([a-z]*)/.exec(name)[1]};
       if (!hidden) for (const o of outs) lib.bis_flat_fnv(hash, o.n * o.Type.BYTES_PER_ELEMENT, o.at);
-      return returns === 'r' || returns === 'i' ? [result] : outs.map((o) => new o.Type(lib.memory.buffer, o.at, o.n).slice());
+      return returns === 'r' || returns === 'i' ? [result]
+        : outs.map((o) => new o.Type(lib.memory.buffer, o.at, o.n).slice());
     } finally {
       mine.forEach((p) => lib.free(p));
     }
@@ -190,10 +208,12 @@ function bisEngine(wasm, files, calls) {
 /* What runs in the worker. files arrive compressed by gzip where their names end in .gz. */
 function bisWorker() {
   let engine;
-  const unpack = (bytes) => new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
+  const unpack = (bytes) => new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
+    .arrayBuffer();
   async function begin(m) {
     const files = {};
-    for (const name of Object.keys(m.files)) files[name.replace(/\.gz$/, '')] = new Uint8Array(await unpack(m.files[name]));
+    for (const name of Object.keys(m.files))
+      files[name.replace(/\.gz$/, '')] = new Uint8Array(await unpack(m.files[name]));
     engine = bisEngine(await WebAssembly.compile(await unpack(m.wasm)), files, m.calls);
   }
   let last = Promise.resolve();
@@ -214,8 +234,8 @@ function bisWorker() {
   };
 }
 
-/* assets: {'bis.wasm.gz': base64, path: base64}. The worker is made of this file's own text, because a page that was opened from
- * disk may load neither a worker nor a module from there. */
+/* assets: {'bis.wasm.gz': base64, path: base64}. The worker is made of this file's own text, because a page that was
+ * opened from disk may load neither a worker nor a module from there. */
 function bisClient(assets, calls) {
   const source = '"use strict";\n' + bisEngine + '\n' + bisWorker + '\nbisWorker();';
   const worker = new Worker(URL.createObjectURL(new Blob([source], {type: 'text/javascript'})));
@@ -227,10 +247,15 @@ function bisClient(assets, calls) {
     if (event.data.error === undefined) w.done(event.data.answer);
     else w.fail(new Error(event.data.error));
   };
-  const send = (m) => new Promise((done, fail) => { m.id = next++; waits.set(m.id, {done, fail}); worker.postMessage(m); });
+  const send = (m) => new Promise((done, fail) => {
+    m.id = next++;
+    waits.set(m.id, {done, fail});
+    worker.postMessage(m);
+  });
   const files = {};
   for (const name of Object.keys(assets)) if (name !== 'bis.wasm.gz') files[name] = bytes(assets[name]);
   const began = send({wasm: bytes(assets['bis.wasm.gz']), files, calls});
-  return {ask: (list) => began.then(() => send({list})), put: (path, data) => began.then(() => send({put: path, bytes: data}))};
+  return {ask: (list) => began.then(() => send({list})),
+    put: (path, data) => began.then(() => send({put: path, bytes: data}))};
 }
 if (typeof module !== 'undefined') module.exports = bisEngine;

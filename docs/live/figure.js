@@ -12,19 +12,22 @@
  *       {name, hidden: true, values: [...], min, max}   no control: what before() finds out, kept in links
  *   before(state, ask)   if there, runs before calls() and may change hidden values; ask(calls) is the worker
  *   map            true: the visitor's own map may take the place of the page's
- *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map of bisFigure.shape, [width, height]
- *   draw(state, out, wide)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they show; wide: how
- *                  many pixels a drawing across the page may take. A drawing's title stands above it
+ *   calls(state)   the calls of docs/live/engine.js; the map is the file bisFigure.map of bisFigure.shape,
+ *                  [width, height]
+ *   draw(state, out, wide)   {html, words}: drawings by bisPlot, and one or two sentences with the numbers that they
+ *                  show; wide: how many pixels a drawing across the page may take. A drawing's title stands above it
  *   touch          {name of a control: (x, y) => value}: a click on the first drawing's field, x and y in [0,1]
- *   tasks          [{ask, check(state, out), answer}]; check returns '' if it is solved, else a hint; answer is a link's state
- *                  that solves it, for tests
+ *   tasks          [{ask, check(state, out), answer}]; check returns '' if it is solved, else a hint; answer is a
+ *                  link's state that solves it, for tests
  *
- * A link to a state is #NAME:w=1,2,3;seed=4. A page's address may say ?only=NAME. Everything that a visitor sees is a function of it, and of an own map.
- * bisFigure.seen[NAME] is {state, calls, hash, out, seconds, error}: what is shown, for tests. */
+ * A link to a state is #NAME:w=1,2,3;seed=4. A page's address may say ?only=NAME. Everything that a visitor sees is a
+ * function of it, and of an own map. bisFigure.seen[NAME] is {state, calls, hash, out, seconds, error}: what is shown,
+ * for tests. */
 'use strict';
 var bisFigure = (function () {
   const WIDE = 760; /* pixels of a drawing across the page, where there is room */
-  const OURS = {map: 'maps/interior.hdr', shape: [128, 64]}, MOST = 2048; /* columns of an own map: its values are drawn one by one */
+  /* columns of an own map: its values are drawn one by one */
+  const OURS = {map: 'maps/interior.hdr', shape: [128, 64]}, MOST = 2048;
   const specs = {}, seen = {};
   let client = null, nextId = 0;
 
@@ -41,18 +44,23 @@ var bisFigure = (function () {
   function parse(c, text) {
     const numbers = text.split(',').map(Number), ok = numbers.every(Number.isFinite);
     if (c.options) return Object.prototype.hasOwnProperty.call(c.options, text) ? text : first(c);
-    if (c.values) return ok && numbers.length === c.values.length ? numbers.map((v) => Math.min(Math.max(v, c.min), c.max)) : first(c);
+    if (c.values) return ok && numbers.length === c.values.length
+      ? numbers.map((v) => Math.min(Math.max(v, c.min), c.max)) : first(c);
     if (!ok) return first(c);
     return c.add ? Math.min(Math.max(numbers[0], 0), c.most) : Math.min(Math.max(numbers[0], c.min), c.max);
   }
   function stateOf(spec, link) {
     const state = {}, given = {};
     const [name, rest] = decodeURIComponent(link.replace(/^#/, '')).split(':');
-    if (name === spec.name && rest) for (const part of rest.split(';')) { const [k, v] = part.split('='); given[k] = v; }
+    if (name === spec.name && rest) for (const part of rest.split(';')) {
+      const [k, v] = part.split('=');
+      given[k] = v;
+    }
     for (const c of spec.controls) state[c.name] = given[c.name] === undefined ? first(c) : parse(c, given[c.name]);
     return state;
   }
-  const linkOf = (spec, state) => '#' + spec.name + ':' + spec.controls.map((c) => c.name + '=' + state[c.name]).join(';');
+  const linkOf = (spec, state) => '#' + spec.name + ':' + spec.controls.map((c) => c.name + '=' + state[c.name])
+    .join(';');
 
   /* ---- controls ---- */
 
@@ -62,22 +70,33 @@ var bisFigure = (function () {
     const input = element('input', {type: 'range', id, min: to(c.min), max: to(c.max), step: isLog ? 1 : c.step || 1});
     const output = element('output', {for: id});
     input.addEventListener('input', () => { set(from(+input.value)); f.changed(); });
-    f.shows.push(() => { input.value = to(get()); output.textContent = c.words ? c.words(get()) : get(); input.setAttribute('aria-valuetext', output.textContent); });
+    f.shows.push(() => {
+      input.value = to(get());
+      output.textContent = c.words ? c.words(get()) : get();
+      input.setAttribute('aria-valuetext', output.textContent);
+    });
     return element('div', {class: 'live-control'}, element('label', {for: id}, label), input, output);
   }
   function control(f, c) {
     const s = f.state;
     if (c.values) return element('fieldset', {class: 'live-weights'}, element('legend', {}, c.label),
-      ...c.values.map((v, i) => slider(f, c, c.item ? c.item(i) : String(i), () => s[c.name][i], (w) => { s[c.name][i] = w; })));
+      ...c.values.map((v, i) => slider(f, c, c.item ? c.item(i) : String(i), () => s[c.name][i], (w) => {
+        s[c.name][i] = w;
+      })));
     if (c.options) {
-      const id = 'live' + nextId++, select = element('select', {id}, ...Object.entries(c.options).map(([k, w]) => element('option', {value: k}, w)));
+      const id = 'live' + nextId++, select = element('select', {id},
+        ...Object.entries(c.options).map(([k, w]) => element('option', {value: k}, w)));
       select.addEventListener('change', () => { s[c.name] = select.value; f.changed(); });
       f.shows.push(() => { select.value = s[c.name]; });
       return element('div', {class: 'live-control'}, element('label', {for: id}, c.label), select);
     }
     if (c.add) {
-      const button = element('button', {type: 'button'}, c.label), back = element('button', {type: 'button', 'aria-label': 'Back to 0: ' + c.label}, 'Back to 0');
-      button.addEventListener('click', () => { s[c.name] = s[c.name] + c.add > c.most ? 0 : s[c.name] + c.add; f.changed(); });
+      const button = element('button', {type: 'button'}, c.label),
+        back = element('button', {type: 'button', 'aria-label': 'Back to 0: ' + c.label}, 'Back to 0');
+      button.addEventListener('click', () => {
+        s[c.name] = s[c.name] + c.add > c.most ? 0 : s[c.name] + c.add;
+        f.changed();
+      });
       back.addEventListener('click', () => { s[c.name] = 0; f.changed(); });
       return element('div', {class: 'live-control live-buttons'}, button, back);
     }
@@ -87,7 +106,8 @@ var bisFigure = (function () {
   /* ---- tasks, own maps ---- */
 
   function task(f, t, i) {
-    const says = element('span', {role: 'status'}), button = element('button', {type: 'button', 'data-task': i}, 'Check');
+    const says = element('span', {role: 'status'}),
+      button = element('button', {type: 'button', 'data-task': i}, 'Check');
     button.addEventListener('click', () => {
       const hint = seen[f.spec.name].out ? t.check(f.state, seen[f.spec.name].out) : 'Wait until the figure is drawn.';
       says.textContent = hint ? ' Not yet. ' + hint : ' Right.';
@@ -101,8 +121,10 @@ var bisFigure = (function () {
       if (!file) return;
       await f.client().put('maps/own', new Uint8Array(await file.arrayBuffer()));
       try {
-        const [, [shape]] = (await f.client().ask([['bis_flat_light_open_as', 'own light', 'maps/own', []], ['bis_flat_light_shape', 'own light', 2]])).out;
-        if (shape[0] > MOST) throw new Error('this map has ' + shape[0] + ' columns; a page takes ' + MOST + ' at most: bis envmap MAP --to latlong --width ' + MOST);
+        const [, [shape]] = (await f.client().ask([['bis_flat_light_open_as', 'own light', 'maps/own', []],
+          ['bis_flat_light_shape', 'own light', 2]])).out;
+        if (shape[0] > MOST) throw new Error('this map has ' + shape[0] + ' columns; a page takes ' + MOST +
+          ' at most: bis envmap MAP --to latlong --width ' + MOST);
         Object.assign(bisFigure, {map: 'maps/own', shape: [...shape]});
       } catch (e) {
         failed(f, e);
@@ -113,7 +135,8 @@ var bisFigure = (function () {
     input.addEventListener('change', () => take(input.files[0]));
     f.box.addEventListener('dragover', (e) => e.preventDefault());
     f.box.addEventListener('drop', (e) => { e.preventDefault(); take(e.dataTransfer.files[0]); });
-    return element('p', {class: 'live-own'}, element('label', {for: id}, 'Your own map (.hdr or .pfm, lat-long; it stays on your machine): '), input);
+    return element('p', {class: 'live-own'}, element('label', {for: id},
+      'Your own map (.hdr or .pfm, lat-long; it stays on your machine): '), input);
   }
 
   /* ---- a figure ---- */
@@ -127,12 +150,19 @@ var bisFigure = (function () {
     f.words = element('p', {class: 'live-words', role: 'status'}, 'The figure starts when it is seen.');
     f.foot = element('p', {class: 'live-foot'});
     f.reset = element('button', {type: 'button'}, 'Start again');
-    f.reset.addEventListener('click', () => { Object.assign(f.state, stateOf(spec, '')); Object.assign(bisFigure, OURS); f.changed(); });
+    f.reset.addEventListener('click', () => {
+      Object.assign(f.state, stateOf(spec, ''));
+      Object.assign(bisFigure, OURS);
+      f.changed();
+    });
     box.setAttribute('role', 'group');
     box.setAttribute('aria-labelledby', id);
-    box.replaceChildren(element('div', {class: 'live-title', id}, spec.title), element('p', {class: 'live-look'}, 'Look: ' + spec.look),
-      element('div', {class: 'live-controls'}, ...spec.controls.filter((c) => !c.hidden).map((c) => control(f, c)), f.reset), f.picture, f.words,
-      element('ol', {class: 'live-tasks', 'aria-label': 'Tasks'}, ...spec.tasks.map((t, i) => task(f, t, i))), spec.map ? dropZone(f) : '', f.foot);
+    box.replaceChildren(element('div', {class: 'live-title', id}, spec.title),
+      element('p', {class: 'live-look'}, 'Look: ' + spec.look),
+      element('div', {class: 'live-controls'}, ...spec.controls.filter((c) => !c.hidden).map((c) => control(f, c)),
+        f.reset), f.picture, f.words,
+      element('ol', {class: 'live-tasks', 'aria-label': 'Tasks'}, ...spec.tasks.map((t, i) => task(f, t, i))),
+      spec.map ? dropZone(f) : '', f.foot);
     f.changed = () => changed(f);
     f.picture.addEventListener('click', (e) => touched(f, e));
     figures[spec.name] = f;
@@ -188,8 +218,10 @@ var bisFigure = (function () {
     const drawing = f.spec.draw(state, answer.out, Math.min(WIDE, f.picture.clientWidth)), link = linkOf(f.spec, state);
     seen[f.spec.name] = {state, calls, hash: answer.hash, out: answer.out, seconds, error: null};
     f.picture.innerHTML = drawing.html;
-    for (const svg of f.picture.querySelectorAll('svg')) { /* a title inside a drawing is for people who do not see it */
-      const box = element('div', {class: 'live-drawing'}, element('div', {class: 'live-caption', 'aria-hidden': 'true'}, svg.querySelector('title').textContent));
+    /* a title inside a drawing is for people who do not see it */
+    for (const svg of f.picture.querySelectorAll('svg')) {
+      const box = element('div', {class: 'live-drawing'},
+        element('div', {class: 'live-caption', 'aria-hidden': 'true'}, svg.querySelector('title').textContent));
       svg.replaceWith(box);
       box.append(svg);
     }
@@ -219,7 +251,8 @@ var bisFigure = (function () {
   }
   if (typeof document !== 'undefined') document.addEventListener('DOMContentLoaded', begin);
 
-  /* bisFigure.screen(rgb) returns the picture of radiances [n][stride] as bytes for a screen: L/(1 + L), then a power of 1/2.2. */
+  /* bisFigure.screen(rgb) returns the picture of radiances [n][stride] as bytes for a screen: L/(1 + L), then a power
+   * of 1/2.2. */
   function screen(values, n, stride, exposure) {
     const bytes = new Uint8Array(3 * n);
     for (let i = 0; i < n; i++) for (let k = 0; k < 3; k++) {

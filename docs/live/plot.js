@@ -7,8 +7,8 @@
  *   title, text     what it is, and what one sees in it: for people who do not see it; title is required
  *   width, height   in pixels (720 x 420)
  *   x, y            an axis: {label, log, min, max, ticks, format, grid}. Absent min and max are those of the data,
- *                   made round. ticks: [numbers] or [{at, text}]; format(v) is the text at a tick; grid false: no lines;
- *                   above true: the label of y stands above the axis, where a long one has room
+ *                   made round. ticks: [numbers] or [{at, text}]; format(v) is the text at a tick; grid false: no
+ *                   lines; above true: the label of y stands above the axis, where a long one has room
  *   series          in the order of drawing, each {kind, x, y, lo, hi, label, colour, ...}, x and y of one length:
  *       kind        'line'; 'points'; 'errors' (points with bars from lo to hi); 'steps' (a histogram's outline: y[i]
  *                   from x[i] to x[i + 1], so x may have one more); 'bars' (x is the middle); 'area' (lo to hi, or from
@@ -618,7 +618,9 @@ function drawScale(spec, left, top, height) {
       axis.at(t.at) + 4, 'start', t.text);
   }
   out += spec.label ? text(left + 8, top + height + 19, 'start', spec.label) : '';
-  const texts = axis.list.map(function (t) { return 25 + textWidth(t.text || '', 12); }).concat(8 + textWidth(spec.label || '', 12));
+  const texts = axis.list.map(function (t) {
+    return 25 + textWidth(t.text || '', 12);
+  }).concat(8 + textWidth(spec.label || '', 12));
   return {body: out, width: Math.max(58, Math.ceil(Math.max.apply(null, texts)) + 4)};
 }
 
@@ -627,7 +629,8 @@ function drawDot(d, i, x, y) {
   const r = d.radius || 3.6, at = ' cx="' + place(x.at(d.x)) + '" cy="' + place(y.at(d.y)) + '"', c = colour(d.colour);
   return '<g' + (d.data === undefined ? '' : ' data-i="' + escape(d.data) + '"') + '>' + (d.title ? '<title>' +
     escape(d.title) + '</title>' : '') +
-    (d.rim === false ? '' : '<circle' + at + ' r="' + place(r + 1.2) + '" fill="#05050d"/>') + '<circle' + at + ' r="' + place(d.ring ? r - 0.6 :
+    (d.rim === false ? '' : '<circle' + at + ' r="' + place(r + 1.2) + '" fill="#05050d"/>') + '<circle' + at + ' r="' +
+    place(d.ring ? r - 0.6 :
       r) + '" ' +
     (d.ring ? 'fill="none" stroke-width="1.7" stroke' : 'fill') + '="' + c + '"/>' +
     (d.chosen ? '<circle' + at + ' r="' + place(r + 3) + '" fill="none" stroke="#fff" stroke-width="1.5"/>' : '') +
@@ -647,9 +650,11 @@ function heat(spec) {
   const x = makeAxis(Object.assign({min: 0, max: spec.columns || 1, ticks: []}, spec.x), []);
   const y = makeAxis(Object.assign({min: 0, max: spec.rows || 1, ticks: []}, spec.y), []);
   const left = y.list.length || y.label ? 34 + (y.label ? 20 : 0) : 2;
-  const bottom = (x.list.length ? 22 : 2) + (x.label ? 20 : 0); /* the label stands below the texts of the ticks, if there are any */
+  /* the label stands below the texts of the ticks, if there are any */
+  const bottom = (x.list.length ? 22 : 2) + (x.label ? 20 : 0);
   const top = y.list.length || scale ? 8 : 2, asked = spec.width || 480;
-  const w = Math.min(asked, (spec.most || Infinity) - left - (scale ? 86 : 14)), h = Math.round((spec.height || 240) * w / asked);
+  const w = Math.min(asked, (spec.most || Infinity) - left - (scale ? 86 : 14)),
+    h = Math.round((spec.height || 240) * w / asked);
   x.from = left, x.to = left + w, y.from = top, y.to = top + h;
   const pixels = spec.values && heatPixels(spec);
   const href = pixels ? png(pixels.columns, pixels.rows, pixels.rgb, spec.deflate) : spec.image;
@@ -688,7 +693,8 @@ function drawColumn(c, left, top) {
   if (c.note) say(c.note);
   at += at > top ? 10 : 0;
   for (const p of parts) {
-    body += '<g transform="translate(' + place(left + (width - p.width) / 2) + ' ' + place(at) + ')">' + p.inside + '</g>\n';
+    body += '<g transform="translate(' + place(left + (width - p.width) / 2) + ' ' + place(at) + ')">' + p.inside +
+      '</g>\n';
     at += p.height;
   }
   for (const f of c.feet || []) say(f, {fill: colour(c.colour)});
@@ -742,7 +748,8 @@ function draw(list) {
       '</svg>\n';
 }
 
-return {chart: chart, heat: heat, together: together, draw: draw, heatPixels: heatPixels, png: png, linearTicks: linearTicks,
+return {chart: chart, heat: heat, together: together, draw: draw, heatPixels: heatPixels, png: png,
+  linearTicks: linearTicks,
   logTicks: logTicks, number: number,
   fixed: fixed, duration: duration, percent: percent, power: power, escape: escape, rich: rich, colour: colour,
   heatColour: heatColour, greyColour: greyColour, css: css};

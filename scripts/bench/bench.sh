@@ -44,13 +44,18 @@ if [ -r "$shared/mesh/dragon_871k.ply" ]; then
     dragon='LookAt 0 0.16 0.55  -0.006 0.122 0  0 1 0 Camera "perspective" "float fov" 17'
     armadillo='LookAt 0 0.1 2.6  -0.01 -0.06 0  0 1 0 Camera "perspective" "float fov" 19'
     up="Rotate -90 1 0 0"
-    template dragon-grace "$dragon" "$(map "$up" "$shared/env/grace_latlong_fyp_extreme.hdr")" "$(mesh dragon_871k.ply)" "$centres"
-    template dragon-stpeters "$dragon" "$(map "$up" "$shared/env/stpeters_latlong_1500x750.hdr")" "$(mesh dragon_871k.ply)" "$centres"
-    template armadillo-uffizi "$armadillo" "$(map "$up" "$shared/env/uffizi_latlong_1200x600.hdr")" "$(mesh armadillo_86k.ply)" "$centres"
-    template rival "$dragon" "$(map "$up" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply)" ""
+    template dragon-grace "$dragon" "$(map "$up" "$shared/env/grace_latlong_fyp_extreme.hdr")" \
+        "$(mesh dragon_871k.ply)" "$centres"
+    template dragon-stpeters "$dragon" "$(map "$up" "$shared/env/stpeters_latlong_1500x750.hdr")" \
+        "$(mesh dragon_871k.ply)" "$centres"
+    template armadillo-uffizi "$armadillo" "$(map "$up" "$shared/env/uffizi_latlong_1200x600.hdr")" \
+        "$(mesh armadillo_86k.ply)" "$centres"
+    template rival "$dragon" "$(map "$up" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" \
+        "$(mesh dragon_871k.ply)" ""
     aside='LookAt -0.09 0.17 0.30  -0.007 0.122 -0.004  0 1 0 Camera "perspective" "float fov" 28'
     swapped="Transform [1 0 0 0  0 0 1 0  0 1 0 0  0 0 0 1]"
-    template steps "$aside" "$(map "$swapped" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply) \"bool smooth\" true" ""
+    template steps "$aside" "$(map "$swapped" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" \
+        "$(mesh dragon_871k.ply) \"bool smooth\" true" ""
     pairs="dragon-grace dragon-stpeters armadillo-uffizi $pairs"
     first=dragon-grace
     model=$shared/mesh/dragon_871k.ply
@@ -80,7 +85,8 @@ beside_mitsuba() {
     if [ ! -r "$shared/mesh/dragon_871k.ply" ] || [ ! -r "$shared/env/grace_latlong_pbrt2.exr" ]; then
         echo "rival is left out: no real data at $shared (set BIS_SHARED)"
     elif ! "$python" -c 'import mitsuba, numpy; mitsuba.set_variant("llvm_ad_rgb")' 2>/dev/null; then
-        echo "rival is left out: $python cannot use Mitsuba 3, numpy and LLVM (set BENCH_PYTHON, DRJIT_LIBLLVM_PATH; docs/measured.md)"
+        echo "rival is left out: $python cannot use Mitsuba 3, numpy and LLVM (set BENCH_PYTHON, DRJIT_LIBLLVM_PATH;" \
+            "docs/measured.md)"
     else
         core=$(taskset -cp $$ | sed 's/.*[^0-9]//')
         keep "$out/rival.txt" taskset -c "$core" "$python" scripts/bench/rival.py "$build/bis" "$shared" "$out"
@@ -99,10 +105,20 @@ for section; do
     accel) keep "$out/accel.txt" "$build/bench_accel" "$model" ;;
     equal) keep "$out/equal.txt" each_pair equal ;;
     resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
-    reach) if [ "$rival" ]; then keep "$out/reach.txt" "$build/bench_error" reach "$reach_reference_seconds" "$out/scenes/$rival"; fi ;;
-    steps) if [ "$rival" ]; then keep "$out/steps.txt" "$build/bench_error" steps "$reach_reference_seconds" "$out/scenes/steps"; fi ;;
+    reach)
+        if [ "$rival" ]; then
+            keep "$out/reach.txt" "$build/bench_error" reach "$reach_reference_seconds" "$out/scenes/$rival"
+        fi ;;
+    steps)
+        if [ "$rival" ]; then
+            keep "$out/steps.txt" "$build/bench_error" steps "$reach_reference_seconds" "$out/scenes/steps"
+        fi ;;
     rival) beside_mitsuba ;;
-    table) awk -f scripts/bench/bench_table.awk $(for f in references light cost threads accel equal resample reach steps rival; do [ -r "$out/$f.txt" ] && echo "$out/$f.txt"; done) ;;
+    table)
+        awk -f scripts/bench/bench_table.awk \
+            $(for f in references light cost threads accel equal resample reach steps rival; do
+                [ -r "$out/$f.txt" ] && echo "$out/$f.txt"
+            done) ;;
     *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;
     esac
 done

@@ -60,10 +60,14 @@ maps() {
 value() { sed -n "s/.*\"$2\": *\([0-9.eE+-]*\).*/\1/p" "$1" | tail -n 1; }
 # Own report and the system's, of the program itself, all threads.
 peak_of() {
-    sed "s/@integrator/Sampler \"stratified\" Integrator \"sir\"/; s/@material/\"float Ks\" 0.5/" "$out/scenes/scale" > "$out/scenes/peak.txt"
+    sed "s/@integrator/Sampler \"stratified\" Integrator \"sir\"/; s/@material/\"float Ks\" 0.5/" \
+        "$out/scenes/scale" > "$out/scenes/peak.txt"
     for a in $backends; do
-        system=$("$build/bench_scale" peak "$build/bis" --quiet --spp 1 --accelerator "$a" --stats "$made/stats.json" --outfile "$made/peak.pfm" "$out/scenes/peak.txt")
-        echo "$1 $a $2 $(value "$made/stats.json" peak_memory_bytes) $system $(value "$made/stats.json" mesh) $(value "$made/stats.json" accel) $(value "$made/stats.json" envmap)"
+        system=$("$build/bench_scale" peak "$build/bis" --quiet --spp 1 \
+            --accelerator "$a" --stats "$made/stats.json" --outfile "$made/peak.pfm" \
+            "$out/scenes/peak.txt")
+        echo "$1 $a $2 $(value "$made/stats.json" peak_memory_bytes) $system" \
+            "$(value "$made/stats.json" mesh) $(value "$made/stats.json" accel) $(value "$made/stats.json" envmap)"
     done
 }
 peak() {
@@ -77,16 +81,19 @@ peak() {
     peak_of map-width "$largest_map"
 }
 table() {
-    for plot in "candidates M candidates" "shadowrays N shadowrays" "samples camera samples a pixel" "pixels pixels" "triangles triangles" "maps pixels of the map"; do
+    for plot in "candidates M candidates" "shadowrays N shadowrays" "samples camera samples a pixel" \
+        "pixels pixels" "triangles triangles" "maps pixels of the map"; do
         what=${plot%% *}
         cat "$out"/scale-sweep.txt "$out"/scale-triangles.txt "$out"/scale-maps.txt 2>/dev/null |
             awk -v what="$what" -v axis="${plot#* }" -v json="$out/scale-$what.json" -f scripts/bench/bench_plot.awk
-        [ ! -r "$out/scale-$what.json" ] || ! command -v node >/dev/null || node scripts/figures/still.js "$out/scale-$what.json"
+        [ ! -r "$out/scale-$what.json" ] || ! command -v node >/dev/null ||
+            node scripts/figures/still.js "$out/scale-$what.json"
     done
     [ -r "$out/scale-peak.txt" ] || return 0
     printf '\npeak memory, GiB (must: 8 at most, own report within 10%% of the system'\''s)\n'
     awk '{ ok = $5 <= 8 * 2^30 && $4 / $5 > 0.9 && $4 / $5 < 1.1
-           printf "%-10s %-7s %9d  own %.2f  system %.2f  mesh %.2f  accelerator %.2f  light %.2f  %s\n", $1, $2, $3, $4 / 2^30, $5 / 2^30, $6 / 2^30, $7 / 2^30, $8 / 2^30, ok ? "yes" : "NO" }' "$out/scale-peak.txt"
+           printf "%-10s %-7s %9d  own %.2f  system %.2f  mesh %.2f  accelerator %.2f  light %.2f  %s\n", $1, $2, $3,
+               $4 / 2^30, $5 / 2^30, $6 / 2^30, $7 / 2^30, $8 / 2^30, ok ? "yes" : "NO" }' "$out/scale-peak.txt"
 }
 
 [ $# -gt 0 ] || set -- sweep triangles maps peak table

@@ -24,7 +24,11 @@ file == "cost" { cost[$2] = $0; note(per_ray, $7 / $6); note(per_ray_large, $8 /
 file == "threads" { note(speedup, $5); note(speedup_cpu, $6) }
 file == "accel" { accel[++n_accel] = $0 }
 file == "accel" && /^build, 1 thread / { grid_build = after("ratio") }
-file == "accel" && /disagree/ { rays += $2; disagree += after("disagree"); if ($1 != "nearest") note(grid_any, after("ratio")) }
+file == "accel" && /disagree/ {
+    rays += $2
+    disagree += after("disagree")
+    if ($1 != "nearest") note(grid_any, after("ratio"))
+}
 file == "equal" || file == "resample" {
     key = $1 SUBSEP $2 SUBSEP $3
     if (file == "equal" && !($1 in seen)) { seen[$1]; scene[++n_scenes] = $1 }
@@ -59,10 +63,13 @@ function row(what, m, a, value, lo, hi, sense,    good, worst, verdict) {
     worst = sense > 0 ? lo >= m : hi <= m
     verdict = !good ? "NO" : (sense > 0 ? value >= a : value <= a) ? "aim" : "yes"
     if (good && !worst) verdict = verdict ", spread"
-    line(what, (sense > 0 ? ">= " : "<= ") shown(m), (sense > 0 ? ">= " : "<= ") shown(a), shown(value) " (" shown(lo) ".." shown(hi) ")", verdict)
+    line(what, (sense > 0 ? ">= " : "<= ") shown(m), (sense > 0 ? ">= " : "<= ") shown(a),
+        shown(value) " (" shown(lo) ".." shown(hi) ")", verdict)
 }
 function shown(x) { return x < 0.1 && x > 0 ? fraction(x) : x == int(x) ? x "" : short(x) }
-function line(what, m, a, value, verdict) { printf "| %-66s | %-8s | %-8s | %-26s | %-11s |\n", what, m, a, value, verdict }
+function line(what, m, a, value, verdict) {
+    printf "| %-66s | %-8s | %-8s | %-26s | %-11s |\n", what, m, a, value, verdict
+}
 
 # Ratio of two settings' errors: mean over seeds, and the range of the ratios seed by seed.
 function ratio(a, b,    i, r) {
@@ -76,7 +83,8 @@ function ratio(a, b,    i, r) {
 }
 
 function print_equal(    s, m, k, key, name) {
-    printf "\nequal time, %d seeds: relMSE [without the worst 1%% of pixels] and N; us a shaded pixel in {}. last: its best stratified rival : ours\n", n_seeds
+    printf "\nequal time, %d seeds: relMSE [without the worst 1%% of pixels] and N; us a shaded pixel in {}. " \
+        "last: its best stratified rival : ours\n", n_seeds
     printf "%-25s %6s", "scene and material", "ref"
     for (k = 1; k <= n_methods; k++) printf "  %-34s", method[k]
     print " best rival"
@@ -102,7 +110,8 @@ function print_equal(    s, m, k, key, name) {
             by_seed[i] += log(seed[name, best, i] / seed[name, "ours", i])
             worse_by_seed[i] += seed[name, best, i] / seed[name, "ours", i] < 1 / 1.1
         }
-        printf " %s %s (%s..%s) [%s]\n", best, short(r), short(lo), short(hi), short(best_trimmed / trimmed[name, "ours"])
+        printf " %s %s (%s..%s) [%s]\n", best, short(r), short(lo), short(hi),
+            short(best_trimmed / trimmed[name, "ours"])
     }
 }
 
@@ -113,17 +122,20 @@ function range(a,    i) {
 }
 
 END {
-    if (n_references) print "references: scene, material, own relMSE, disagreement of mis and sir : expected, difference of their means, processor seconds"
+    if (n_references) print "references: scene, material, own relMSE, disagreement of mis and sir : expected, " \
+        "difference of their means, processor seconds"
     for (i = 1; i <= n_references; i++) print "  " reference[i]
     if (n_light) print "\na map gets ready, one thread"
     for (i = 1; i <= n_light; i++) print "  " light[i]
     if (n_accel) print "\nrays and builds, one thread"
     for (i = 1; i <= n_accel; i++) print "  " accel[i]
-    if (per_ray["n"]) print "\nSIR 15/800: material, us a shaded pixel without camera rays and film, us of these, rays traced, ns a ray, ns a candidate, the same with 4 times the pixels, SIR : its rays, ns a ray in packets"
+    if (per_ray["n"]) print "\nSIR 15/800: material, us a shaded pixel without camera rays and film, us of these, " \
+        "rays traced, ns a ray, ns a candidate, the same with 4 times the pixels, SIR : its rays, ns a ray in packets"
     for (m = 1; m <= 4; m++) if (material[m] in cost) print "  " substr(cost[material[m]], 6)
     if (n_scenes) print_equal()
 
-    if (n_steps) print "\nsteps to the default, 16 antialiased camera samples: material, setting, seconds, us a camera sample, relMSE, relMSE x seconds"
+    if (n_steps) print "\nsteps to the default, 16 antialiased camera samples: material, setting, seconds, " \
+        "us a camera sample, relMSE, relMSE x seconds"
     for (i = 1; i <= n_steps; i++) print "  " substr(steps[i], 7)
     if (n_beside) print "\nbeside Mitsuba 3, one core"
     for (i = 1; i <= n_beside; i++) print "  " beside[i]
@@ -132,23 +144,31 @@ END {
     line("quantity", "must", "aim", "measured (min..max)", "ok")
     line("---", "---", "---", "---", "---")
     if (per_ray["n"]) {
-        row("a candidate, M = 800 : Embree ray (4 materials)", 1 / 30, 1 / 110, geometric(per_ray), per_ray["min"], per_ray["max"], -1)
-        row("the same, 4 times the pixels a pass", 1 / 30, 1 / 110, geometric(per_ray_large), per_ray_large["min"], per_ray_large["max"], -1)
-        row("time of SIR 15/800 : of its rays, one by one", 3, 1.6, geometric(sir_to_rays), sir_to_rays["min"], sir_to_rays["max"], -1)
+        row("a candidate, M = 800 : Embree ray (4 materials)", 1 / 30, 1 / 110, geometric(per_ray),
+            per_ray["min"], per_ray["max"], -1)
+        row("the same, 4 times the pixels a pass", 1 / 30, 1 / 110, geometric(per_ray_large),
+            per_ray_large["min"], per_ray_large["max"], -1)
+        row("time of SIR 15/800 : of its rays, one by one", 3, 1.6, geometric(sir_to_rays),
+            sir_to_rays["min"], sir_to_rays["max"], -1)
     }
-    if (grid_any["n"]) row("grid any-hit ray : Embree's (" grid_any["n"] " sets of rays)", 2.5, 1.5, geometric(grid_any), grid_any["min"], grid_any["max"], -1)
+    if (grid_any["n"])
+        row("grid any-hit ray : Embree's (" grid_any["n"] " sets of rays)", 2.5, 1.5, geometric(grid_any),
+            grid_any["min"], grid_any["max"], -1)
     if (grid_build) row("grid build : Embree build, one thread", 0.6, 0.3, grid_build, grid_build, grid_build, -1)
     if (rays) row("grid and Embree disagree, of " rays " rays", rays / 1e6, 0, disagree, disagree, disagree, -1)
     for (s = 1; s <= n_scenes; s++) for (m = 1; m <= 4; m++) if ((scene[s], m) in must) {
         r = ratio(scene[s] SUBSEP material[m] SUBSEP "mis-iid", scene[s] SUBSEP material[m] SUBSEP "ours")
-        row("equal time, i.i.d. MIS : SIR, " scene[s] " " material[m], must[scene[s], m], aim[scene[s], m], r, lo, hi, 1)
+        row("equal time, i.i.d. MIS : SIR, " scene[s] " " material[m], must[scene[s], m], aim[scene[s], m],
+            r, lo, hi, 1)
     }
     if (n_scenes) {
         pairs = over_rival["n"]
         for (i = 1; i <= n_seeds; i++) by_seed[i] = exp(by_seed[i] / pairs)
         range(by_seed)
-        row("best of stratified MIS, EM, BRDF : SIR, geometric mean of " pairs, 1.5, 3, geometric(over_rival), lo, hi, 1)
-        row("the same, trimmed", 1.5, 3, geometric(over_rival_trimmed), geometric(over_rival_trimmed), geometric(over_rival_trimmed), 1)
+        row("best of stratified MIS, EM, BRDF : SIR, geometric mean of " pairs, 1.5, 3,
+            geometric(over_rival), lo, hi, 1)
+        row("the same, trimmed", 1.5, 3, geometric(over_rival_trimmed),
+            geometric(over_rival_trimmed), geometric(over_rival_trimmed), 1)
         range(worse_by_seed)
         row("pairs of " pairs " where SIR is over 10% worse than the best rival", 3, 0, worse + 0, lo, hi, -1)
     }
@@ -158,12 +178,15 @@ END {
     }
     if (speedup["n"]) {
         row("2 threads : 1, render phase, on the wall", 1.85, 2, geometric(speedup), speedup["min"], speedup["max"], 1)
-        row("the same by processor seconds (an idle machine's bound)", 1.85, 2, geometric(speedup_cpu), speedup_cpu["min"], speedup_cpu["max"], 1)
+        row("the same by processor seconds (an idle machine's bound)", 1.85, 2, geometric(speedup_cpu),
+            speedup_cpu["min"], speedup_cpu["max"], 1)
     }
     for (m = 1; m <= 4; m++) if (material[m] in fine) {
         r = rival_coarse[m] / coarse[material[m]]
-        row(sprintf("strongest rival %s s : ours %s s to relMSE 1e-2, %s", rival_coarse[m], coarse[material[m]], material[m]), 4, 10, r, r, r, 1)
+        row(sprintf("strongest rival %s s : ours %s s to relMSE 1e-2, %s", rival_coarse[m], coarse[material[m]],
+            material[m]), 4, 10, r, r, r, 1)
         r = rival_fine[m] / fine[material[m]]
-        row(sprintf("strongest rival %s s : ours %s s to relMSE 1e-3, %s", rival_fine[m], fine[material[m]], material[m]), 4, 10, r, r, r, 1)
+        row(sprintf("strongest rival %s s : ours %s s to relMSE 1e-3, %s", rival_fine[m], fine[material[m]],
+            material[m]), 4, 10, r, r, r, 1)
     }
 }

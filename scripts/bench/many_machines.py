@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""many_machines: how long bis-mpi takes on more ranks than anybody here has, by simulation. docs/command-line.md has the
-table.
+"""many_machines: how long bis-mpi takes on more ranks than anybody here has, by simulation. docs/command-line.md has
+the table.
 
     python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--json FILE]
 
 1, 10, 100, 1000 and 10000 threads work together, at most T (32) of them in a rank: one rank for each machine.
 
-Simulated is what src/render/scheduler_deal.c does: rank 0 deals out batches, each rank has one at work and one waiting; a
-rank gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends
+Simulated is what src/render/scheduler_deal.c does: rank 0 deals out batches, each rank has one at work and one waiting;
+a rank gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends
 to it between two of its own tiles; costly tiles come first from the second pass on; finished tiles come back some
 together, and rank 0 looks after the others alone (more than 16 ranks). Every message to rank 0 comes one after the
-other. A pass is as long as its slowest rank, and then rank 0 adds it to the film. Passes of 4 camera samples are
-alike, so the third of three is counted as often as one is made; those of 1 and 2 are in proportion.
+other. A pass is as long as its slowest rank, and then rank 0 adds it to the film. Passes of 4 camera samples are alike,
+so the third of three is counted as often as one is made; those of 1 and 2 are in proportion.
 
 Costs: those marked with m are measured with scene.txt (sir, product, learn) on one processor, see the page; the network
 is assumed: 2 us from machine to machine, 10 Gbit/s at each, 1 us of software for a message."""
@@ -230,7 +230,8 @@ def curves_of(rows):
     """Speed-up against threads, for scripts/figures/still.js (docs/json.md)."""
     most = rows[0][1][-1][0]
     return {"title": "Speed-up against threads, simulated", "x": "threads", "y": "speed-up", "diagonal": [1, most],
-            "curves": [{"label": title, "x": [p[0] for p in points], "y": [p[1] for p in points]} for title, points in rows]}
+            "curves": [{"label": title, "x": [p[0] for p in points], "y": [p[1] for p in points]}
+                       for title, points in rows]}
 
 
 def main(arguments):
@@ -239,7 +240,8 @@ def main(arguments):
         sys.exit(__doc__)
     options.update(zip(arguments[::2], arguments[1::2]))
     most, link = int(options["--threads"]), float(options["--link"])
-    print("| picture | samples | ranks x threads | seconds | speed-up | efficiency | the rest of the time | tiles that move |")
+    print("| picture | samples | ranks x threads | seconds | speed-up | efficiency | the rest of the time "
+          "| tiles that move |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     curves = []
     for width, height in ((1920, 1080), (16384, 8192)):
@@ -256,7 +258,8 @@ def main(arguments):
                 points.append((n, speed))
                 rest = sorted(((v, k) for k, v in parts.items() if k != "rendering"), reverse=True)[:2]
                 names = ", ".join(f"{k} {100 * v / total:.0f} %" for v, k in rest if v > 0.02 * total)
-                print(f"| {width} x {height} | {spp} | {ranks} x {threads} | {total:.3g} | {speed:.3g} | {100 * speed / n:.0f} % "
+                print(f"| {width} x {height} | {spp} | {ranks} x {threads} | {total:.3g} | {speed:.3g} | "
+                      f"{100 * speed / n:.0f} % "
                       f"| {names} | {f'{100 * moved:.1f} %' if ranks > 1 else ''} |", flush=True)
             curves.append((f"{width} x {height}, {spp} samples", points))
     if options["--json"]:

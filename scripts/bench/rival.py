@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""rival: seconds on one core to relMSE 1e-2 and 1e-3, bis beside Mitsuba 3, in one run. docs/measured.md reads the table.
+"""rival: seconds on one core to relMSE 1e-2 and 1e-3, bis beside Mitsuba 3, in one run. docs/measured.md reads the
+table.
 
     python3 scripts/bench/rival.py BIS SHARED OUT     SHARED has mesh/ and env/, OUT keeps references and scenes
 
@@ -75,7 +76,8 @@ class Phong(mi.BSDF):
         if self.ks:
             c = (1 - v.x) ** (1 / (self.n + 1))
             s, phi = dr.safe_sqrt(1 - c * c), 2 * math.pi * v.y
-            lobe = mi.Frame3f(mi.Vector3f(-wi.x, -wi.y, wi.z)).to_world(mi.Vector3f(s * dr.cos(phi), s * dr.sin(phi), c))
+            mirror = mi.Frame3f(mi.Vector3f(-wi.x, -wi.y, wi.z))
+            lobe = mirror.to_world(mi.Vector3f(s * dr.cos(phi), s * dr.sin(phi), c))
             wo = dr.select(u < self.lobes, lobe, wo) if self.kd else lobe
         value, pdf = self.eval_pdf(ctx, si, wo, active)
         b = mi.BSDFSample3f()
@@ -133,7 +135,8 @@ Shape "plymesh" "string filename" "{MESH}" "bool smooth" true
 def bis_picture(scene, spp, seed, options=()):
     """Picture and seconds."""
     picture, stats = out + '/rival.pfm', out + '/rival.json'
-    subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed), '--outfile', picture, '--stats', stats,
+    subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed), '--outfile', picture,
+                    '--stats', stats,
                     *options], check=True)
     with open(stats) as f:
         s = json.load(f)

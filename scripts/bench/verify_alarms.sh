@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of eleven
-# scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has them.
-# About twenty minutes of one processor for 200.
+# verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of
+# eleven scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has
+# them. About twenty minutes of one processor for 200.
 #     make bis data build/release/verify_alarms && scripts/bench/verify_alarms.sh [build/release [200 [FIRST-SEED]]]
 B=${1:-build/release}
 runs=${2:-200}
@@ -39,15 +39,24 @@ END
 # the same, rendered by all that learns and shares
 {
     echo 'Sampler "sobol" "integer pixelsamples" 16 "integer edgesamples" 4'
-    echo 'Integrator "sir" "string proposal" "product" "integer candidates" 64 "integer shadowrays" 16 "bool learn" true'
+    echo 'Integrator "sir" "string proposal" "product" "integer candidates" 64' \
+        '"integer shadowrays" 16 "bool learn" true'
     cat "$dir/ball.txt"
 } >"$dir/ball-product.txt"
 scenes="$dir/ball.txt $dir/ball-product.txt"
-for name in figure-5.3 outdoor-sun pinpoint coloured-shadows trianglemesh steel-on-paper; do scenes="$scenes data/scenes/$name.txt"; done
+for name in figure-5.3 outdoor-sun pinpoint coloured-shadows trianglemesh steel-on-paper; do
+    scenes="$scenes data/scenes/$name.txt"
+done
 if test -n "$BIS_SHARED"; then
-    scenes="$scenes $(real bunny-uffizi uffizi_256x128.hdr bunny_69k.ply '"microfacet" "rgb Ks" [.9 .8 .4] "float roughness" 0.3' 'Translate 0 -0.75 0 Scale 6 6 6')"
-    scenes="$scenes $(real dragon-grace grace_new_256x128.hdr dragon_res4_11k_ascii.ply '"phong" "rgb Kd" [.2 .3 .2] "rgb Ks" [.6 .6 .6] "float exponent" 200' 'Translate 0 -0.95 0 Scale 6 6 6')"
-    scenes="$scenes $(real teapot-wells wells_256x128.hdr teapot_2k_ascii.ply '"diffuse" "rgb reflectance" [.7 .7 .7]' 'Rotate -90 1 0 0 Scale 0.25 0.25 0.25')"
+    scenes="$scenes $(real bunny-uffizi uffizi_256x128.hdr bunny_69k.ply \
+        '"microfacet" "rgb Ks" [.9 .8 .4] "float roughness" 0.3' \
+        'Translate 0 -0.75 0 Scale 6 6 6')"
+    scenes="$scenes $(real dragon-grace grace_new_256x128.hdr dragon_res4_11k_ascii.ply \
+        '"phong" "rgb Kd" [.2 .3 .2] "rgb Ks" [.6 .6 .6] "float exponent" 200' \
+        'Translate 0 -0.95 0 Scale 6 6 6')"
+    scenes="$scenes $(real teapot-wells wells_256x128.hdr teapot_2k_ascii.ply \
+        '"diffuse" "rgb reflectance" [.7 .7 .7]' \
+        'Rotate -90 1 0 0 Scale 0.25 0.25 0.25')"
 else
     for name in overcast-diffuse orthographic crop; do scenes="$scenes data/scenes/$name.txt"; done
 fi

@@ -5,9 +5,10 @@
 
 Each material is rendered with alpha 0.05, 0.1, 0.2, 0.4 and 0.8, once in light of 1 from everywhere (the furnace) and
 once under the map of a studio. For each row and all of its balls: the mean over all pixels and channels of bis over
-that of the reference, less 1, and below it the root of the mean squared difference of pixels over the mean. Pictures are
-rendered SEEDS times, and the square is estimated by products of the differences of two of them, in which noise cancels.
-OUT/NAME.png shows the balls under the map, bis above and the reference below. WORD: only materials whose name holds it. Exit status: 0, 1 where what the page calls exact is off by more than 0.3 %, 77 without Mitsuba."""
+that of the reference, less 1, and below it the root of the mean squared difference of pixels over the mean. Pictures
+are rendered SEEDS times, and the square is estimated by products of the differences of two of them, in which noise
+cancels. OUT/NAME.png shows the balls under the map, bis above and the reference below. WORD: only materials whose name
+holds it. Exit status: 0, 1 where what the page calls exact is off by more than 0.3 %, 77 without Mitsuba."""
 import os
 import sys
 
@@ -84,7 +85,8 @@ def main():
             for label, i in (('mean', 0), ('difference', 1), ('error of the mean', 2)):
                 print(f'{name if i == 0 else "":24s}{kind if i == 0 else "":8s}{label[:4]:4s}'
                       + ''.join(f'{100 * r[i]:8.2f}' for r in rows), flush=True)
-        mi.Bitmap(tone(np.concatenate(strips, 1))).write(os.path.join(out, name.replace(', ', '-').replace(' ', '-') + '.png'))
+        picture = name.replace(', ', '-').replace(' ', '-') + '.png'
+        mi.Bitmap(tone(np.concatenate(strips, 1))).write(os.path.join(out, picture))
     sys.exit(1 if failed else 0)
 
 

@@ -3,13 +3,14 @@
 
     python3 scripts/check/beside_mitsuba.py BIS OUT [SCENE...]      OUT is a folder for what is made on the way
 
-Mitsuba gets the scene from a reader of its own: this file's, which knows the format from docs/scene-format.md. Materials
-(mitsuba_materials.py) and textures are formulas; rays, shapes, cameras, light and integration are Mitsuba's. Both take
-the box filter of one pixel, each picture is rendered SEEDS times, and the error bar of a ratio is one standard error of
-the means together. A row fails if a channel is off by more than 1 % and by more than 3 such errors. Substrates and coats
-are those of that page, which are near pbrt's; a row "by pbrt", which does not judge, has pbrt's own in their place. Where
-bis resamples the map, which moves edges that the camera sees, it is judged by a row with a map of 2048 pixels, as wide as
-Mitsuba's. Exit status: 0, 1 where a scene fails, 77 without Mitsuba 3, numpy or LLVM (docs/measured.md says how to get them).
+Mitsuba gets the scene from a reader of its own: this file's, which knows the format from docs/scene-format.md.
+Materials (mitsuba_materials.py) and textures are formulas; rays, shapes, cameras, light and integration are Mitsuba's.
+Both take the box filter of one pixel, each picture is rendered SEEDS times, and the error bar of a ratio is one
+standard error of the means together. A row fails if a channel is off by more than 1 % and by more than 3 such errors.
+Substrates and coats are those of that page, which are near pbrt's; a row "by pbrt", which does not judge, has pbrt's
+own in their place. Where bis resamples the map, which moves edges that the camera sees, it is judged by a row with a
+map of 2048 pixels, as wide as Mitsuba's. Exit status: 0, 1 where a scene fails, 77 without Mitsuba 3, numpy or LLVM
+(docs/measured.md says how to get them).
 
 Left out of data/scenes/pbrt are those that only --approximate renders: approximate-v2, -v3 and -v4 (thin lenses, point
 and area lights, glass), and every-word (a dozen materials and shapes that bis replaces by others)."""
@@ -166,7 +167,8 @@ def image_texture(p, out):
         a = decode(a, 'linear' if value(p, 'gamma', 'true') == 'false' else value(p, 'encoding', 'sRGB'))
     h, w = a.shape[:2]
     pixels = mi.Float(np.ascontiguousarray(a[::-1]).astype(np.float32).ravel())  # row 0 at the bottom
-    wrap, scale, invert, to_st = value(p, 'wrap', 'repeat'), value(p, 'scale', 1), value(p, 'invert', 'false') == 'true', mapped(p)
+    wrap, scale = value(p, 'wrap', 'repeat'), value(p, 'scale', 1)
+    invert, to_st = value(p, 'invert', 'false') == 'true', mapped(p)
 
     def texel(i, j):
         inside = dr.full(mi.Mask, True, 1)
@@ -226,7 +228,8 @@ def texture(kind, p, known, out):
 def mesh_of(points, faces, normals, uv, surface):
     props = mi.Properties()
     props['surface'] = mi.load_dict(surface)
-    m = mi.Mesh('mesh', len(points), len(faces), has_vertex_normals=normals is not None, has_vertex_texcoords=uv is not None,
+    m = mi.Mesh('mesh', len(points), len(faces), has_vertex_normals=normals is not None,
+                has_vertex_texcoords=uv is not None,
                 props=props)
     t = mi.traverse(m)
     t['vertex_positions'], t['faces'] = np.ravel(points).astype(np.float32), np.ravel(faces).astype(np.uint32)
@@ -323,17 +326,20 @@ def shapes_of(kind, p, ctm, surface, out):
     if kind == 'disk':
         r, h = value(p, 'radius', 1), value(p, 'height', 0)
         m = ctm @ translate(0, 0, h) @ np.diag([r, r, 1, 1])
-        return [mi.load_dict({'type': 'disk', 'to_world': mi.ScalarTransform4f(m), 'bsdf': bsdf(surface, kind, ctm, r)})]
+        return [mi.load_dict({'type': 'disk', 'to_world': mi.ScalarTransform4f(m),
+                              'bsdf': bsdf(surface, kind, ctm, r)})]
     path = value(p, 'filename', '')
     if kind == 'objmesh':
         own, smooth = (value(p, name, 'false') == 'true' for name in ('materials', 'smooth'))
-        return [mesh_of(moved(ctm, points[v]), np.arange(len(v)).reshape(-1, 3), turned(ctm, n[v]) if smooth else None, uv,
+        return [mesh_of(moved(ctm, points[v]), np.arange(len(v)).reshape(-1, 3),
+                        turned(ctm, n[v]) if smooth else None, uv,
                         bsdf(s if own else surface)) for points, v, n, uv, s in obj_parts(path, surface, out)]
     if kind == 'plymesh':
         plain = os.path.join(out, os.path.basename(path).removesuffix('.gz'))
         with open(plain, 'wb') as f:
             f.write(read_bytes(path))
-        return [mi.load_dict({'type': 'ply', 'filename': plain, 'to_world': mi.ScalarTransform4f(ctm), 'bsdf': bsdf(surface)})]
+        return [mi.load_dict({'type': 'ply', 'filename': plain, 'to_world': mi.ScalarTransform4f(ctm),
+                              'bsdf': bsdf(surface)})]
     raise NotImplementedError(f'Shape "{kind}"')
 
 
@@ -342,7 +348,8 @@ def shapes_of(kind, p, ctm, surface, out):
 def face_pixel(d, side, places):
     """From directions (front, right, up) to pixels of faces: places[face] = (column, row, turned)."""
     f, r, u = d
-    faces = {'front': (f, r, u), 'back': (-f, -r, u), 'right': (r, -f, u), 'left': (-r, f, u), 'up': (u, r, -f), 'down': (-u, r, f)}
+    faces = {'front': (f, r, u), 'back': (-f, -r, u), 'right': (r, -f, u), 'left': (-r, f, u), 'up': (u, r, -f),
+             'down': (-u, r, f)}
     x, y = np.zeros(f.shape, int), np.zeros(f.shape, int)
     for name, (main, a, b) in faces.items():
         on = (main > 0) & (main >= np.abs(a)) & (main >= np.abs(b))
@@ -384,7 +391,8 @@ def looked_up(a, mapping, x, y, z):
         n, r = a.shape[0], np.sqrt((1 + x) / 2) / np.maximum(np.hypot(y, z), 1e-9)  # the sine of half the angle from -x
         return a[np.clip((1 - r * z) * n / 2, 0, n - 1).astype(int), np.clip((1 - r * y) * n / 2, 0, n - 1).astype(int)]
     if mapping == 'verticalcross':
-        places = {'up': (1, 0, 0), 'left': (0, 1, 0), 'front': (1, 1, 0), 'right': (2, 1, 0), 'down': (1, 2, 0), 'back': (1, 3, 1)}
+        places = {'up': (1, 0, 0), 'left': (0, 1, 0), 'front': (1, 1, 0), 'right': (2, 1, 0), 'down': (1, 2, 0),
+                  'back': (1, 3, 1)}
         px, py = face_pixel((-x, -y, z), a.shape[1] // 3, places)
         return a[py, px]
     if mapping == 'cubestrip':
@@ -419,7 +427,8 @@ def light(p, ctm, out):
 # ---- camera ----
 
 def camera(kind, p, film, to_camera):
-    """The sensor, and what makes bis's picture of Mitsuba's, whose x runs to the left where pbrt's runs to the right."""
+    """The sensor, and what makes bis's picture of Mitsuba's, whose x runs to the left where pbrt's runs to the
+    right."""
     w, h = int(value(film, 'xresolution', 1280)), int(value(film, 'yresolution', 720))
     screen = p['screenwindow'][1] if 'screenwindow' in p else np.array([-w, w, -h, h]) / min(w, h)
     if not np.allclose(screen, np.array([-screen[1], screen[1], -screen[1] * h / w, screen[1] * h / w])):
@@ -436,9 +445,11 @@ def camera(kind, p, film, to_camera):
               'film': {'type': 'hdrfilm', 'width': w, 'height': h, 'pixel_format': 'rgb', 'component_format': 'float32',
                        'rfilter': {'type': 'box'}}}
     if kind == 'orthographic':
-        return {'type': kind, 'to_world': mi.ScalarTransform4f(m @ np.diag([screen[1], screen[1], 1, 1])), **common}, finish
+        return {'type': kind, 'to_world': mi.ScalarTransform4f(m @ np.diag([screen[1], screen[1], 1, 1])),
+                **common}, finish
     half = np.tan(np.radians(value(p, 'fov', 90)) / 2) * screen[1]
-    return {'type': kind, 'to_world': mi.ScalarTransform4f(m), 'fov_axis': 'x', 'fov': float(2 * np.degrees(np.arctan(half))),
+    return {'type': kind, 'to_world': mi.ScalarTransform4f(m), 'fov_axis': 'x',
+            'fov': float(2 * np.degrees(np.arctan(half))),
             **common}, finish
 
 
@@ -543,7 +554,8 @@ def read_scene(path, out, by_page=True):
 def bis_pictures(bis, path, out, spp=SPP):
     picture, found = os.path.join(out, 'beside.pfm'), []
     for i in range(SEEDS):
-        subprocess.run([bis, path, '--quiet', '--spp', str(spp), '--seed', str(100 + i), '--outfile', picture], check=True)
+        subprocess.run([bis, path, '--quiet', '--spp', str(spp), '--seed', str(100 + i), '--outfile', picture],
+                       check=True)
         found.append(np.array(mi.Bitmap(picture), dtype=float)[:, :, :3])
     return found
 
@@ -578,7 +590,8 @@ def row(ours, theirs):
     (a, ea), (b, eb) = mean_and_error(ours), mean_and_error(theirs)
     ratio, error = a / b - 1, np.hypot(ea / a, eb / b)
     fails = bool(np.any((np.abs(ratio) > LIMIT) & (np.abs(ratio) > ERRORS * error)))
-    return ''.join(f'{100 * r:+8.2f} +-{100 * e:5.2f}' for r, e in zip(ratio, error)) + f'{worst_tile(ours, theirs):8.1f}', fails
+    return ''.join(f'{100 * r:+8.2f} +-{100 * e:5.2f}'
+                   for r, e in zip(ratio, error)) + f'{worst_tile(ours, theirs):8.1f}', fails
 
 
 def main():

@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_docstrings: what a reader may expect of a source file.
 #   - Each function of a header, public (include/bis) or private (src), has a comment above it that begins with the
-#     function's name. One comment may serve several functions that follow one another without an empty line, if it names
-#     the first of them.
-#   - No line of src, include, tests and scripts refers to the SPEC: it is not in the repository. Name the page and the heading.
-#   - No line of src and include has more than 120 columns.
+#     function's name. One comment may serve several functions that follow one another without an empty line, if it
+#     names the first of them.
+#   - No line of src, include, tests and scripts refers to the SPEC: it is not in the repository. Name the page and the
+#     heading.
+#   - No line of C, shell, awk, Python, JavaScript or make has more than 120 columns: the Makefile, .ci, src, include,
+#     tests, scripts, data/generate and docs/live.
 #     scripts/check/check_docstrings.sh [ROOT]          ROOT holds include, src, tests and scripts; default: here
 cd "${1:-.}" || exit 1
 bad=0
@@ -22,7 +24,11 @@ awk '
             return line
         }
         if (line ~ /^FORMULA /) sub(/_float\(/, "(", line)
-        if (line ~ /^bis_alias_builder [a-z_]+;/) { sub(/^bis_alias_builder /, "", line); sub(/;.*/, "", line); return line }
+        if (line ~ /^bis_alias_builder [a-z_]+;/) {
+            sub(/^bis_alias_builder /, "", line)
+            sub(/;.*/, "", line)
+            return line
+        }
         if (!match(line, /[A-Za-z_0-9]+\(/)) return ""
         return RSTART > 1 ? substr(line, RSTART, RLENGTH - 1) : ""
     }
@@ -38,7 +44,10 @@ awk '
         if (served) next
         text = comment
         gsub(/^\/\*+ */, "", text)
-        if (text !~ "^" name "[ ,(]") { printf "%s:%d: the comment above %s does not begin with its name\n", FILENAME, FNR, name; bad = 1 }
+        if (text !~ "^" name "[ ,(]") {
+            printf "%s:%d: the comment above %s does not begin with its name\n", FILENAME, FNR, name
+            bad = 1
+        }
         served = 1
     }
     END { if (!functions) print "include/bis: no functions"; exit bad || !functions }
@@ -49,10 +58,16 @@ if grep -rnIw SPEC src include tests scripts 2>/dev/null | grep -v '^scripts/che
     bad=1
 fi
 
-# Lines over 120 columns.
+# Lines over 120 columns. Bytes that only continue a character are none.
 # shellcheck disable=SC2046
 LC_ALL=C awk '
-    { line = $0; gsub(/[\200-\277]/, "", line) } # bytes that only continue a character
-    length(line) > 120 { printf "%s:%d: %d columns, at most 120 are allowed\n", FILENAME, FNR, length(line); bad = 1 }
-    END { exit bad }' $(find src include -name '*.[ch]' | sort) || bad=1
+    length($0) > 120 {
+        gsub(/[\200-\277]/, "")
+        if (length($0) <= 120) next
+        printf "%s:%d: %d columns, at most 120 are allowed\n", FILENAME, FNR, length($0)
+        bad = 1
+    }
+    END { exit bad }' $(find Makefile .ci/run src include tests scripts data/generate docs/live -type f \
+    \( -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.py' -o -name '*.js' -o -name '*.mk' \
+    -o -name Makefile -o -path .ci/run \) 2>/dev/null | sort) || bad=1
 exit $bad

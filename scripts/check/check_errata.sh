@@ -52,7 +52,8 @@ END {
     for (name in test) {
         n = split(name, word, "_")
         for (k = 1; k <= n; k++)
-            if (word[k] ~ /^E[0-9]+$/ && !(word[k] in is_item)) complain(test[name] ": " name ": " word[k] " is no item")
+            if (word[k] ~ /^E[0-9]+$/ && !(word[k] in is_item))
+                complain(test[name] ": " name ": " word[k] " is no item")
     }
     if (!items) complain("docs/errata.md: no items")
     exit bad

@@ -1,15 +1,18 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the page: the
-# file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a copy of the
-# sources; only what changed is compiled, and linked before the present library; then the program has one integrator more.
+# check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the
+# page: the file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a
+# copy of the sources; only what changed is compiled, and linked before the present library; then the program has one
+# integrator more.
 #     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too;
-# First a BRDF, by the page's section: Phong's file once more under the name "again", with its entries in parser_world.c. With
-# textures for all that it has it must render the bits of Material "phong". EXTENDING_EDIT: a sed script for that copy (a twin).
-# "all": all as make test runs them, but this one and those of the course, the pages and what is installed.
+# First a BRDF, by the page's section: Phong's file once more under the name "again", with its entries in
+# parser_world.c. With textures for all that it has it must render the bits of Material "phong". EXTENDING_EDIT: a sed
+# script for that copy (a twin). "all": all as make test runs them, but this one and those of the course, the pages and
+# what is installed.
 # EXTENDING_PAGE: another page.
-# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk).
-# The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything fails.
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link
+# (scripts/course/course.mk). The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything
+# fails.
 root=$BIS_BUILD/extending
 say() {
     echo "extending: $*"
@@ -26,20 +29,33 @@ awk -v root="$root" '
 test -s "$root/src/beyond/uniform.c" && test -s "$root/page.diff" || say "the page has no example"
 
 # ---- the BRDF ----
-sed -e 's/bis_phong/bis_again/g; s/phong_reach_lanes/again_reach_lanes/g; s/define MODEL phong/define MODEL again/; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
+sed -e 's/bis_phong/bis_again/g; s/phong_reach_lanes/again_reach_lanes/g' \
+    -e 's/define MODEL phong/define MODEL again/; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' \
+    -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
 sed 's/bis_phong/bis_again/g' include/bis/thesis/phong.h >"$root/include/bis/beyond/again.h"
 awk '/^static bis_material read_phong/ { inside = 1 }
-    inside { line = $0; gsub(/read_phong/, "read_again", line); gsub(/bis_phong/, "bis_again", line); copy = copy line "\n" }
+    inside {
+        line = $0
+        gsub(/read_phong/, "read_again", line)
+        gsub(/bis_phong/, "bis_again", line)
+        copy = copy line "\n"
+    }
     { print }
     inside && /^}/ { inside = 0; printf "\n%s", copy }' src/parse/parser_world.c |
-    sed -e '0,/^#include/s/^#include/#include "bis\/beyond\/again.h"\n&/' -e 's/enum { PHONG,/enum { AGAIN, PHONG,/; s/{"phong", PHONG},/{"again", AGAIN}, &/' \
+    sed -e '0,/^#include/s/^#include/#include "bis\/beyond\/again.h"\n&/' \
+        -e 's/enum { PHONG,/enum { AGAIN, PHONG,/; s/{"phong", PHONG},/{"again", AGAIN}, &/' \
         -e 's/^ *\[PHONG\] = read_phong,/    [AGAIN] = read_again,\n&/' >"$root/src/parse/world_again.c"
-grep -q "again.*AGAIN" "$root/src/parse/world_again.c" && grep -q "AGAIN. = read_again" "$root/src/parse/world_again.c" || say "parser_world.c has no place for a material"
+grep -q "again.*AGAIN" "$root/src/parse/world_again.c" &&
+    grep -q "AGAIN. = read_again" "$root/src/parse/world_again.c" ||
+    say "parser_world.c has no place for a material"
 for file in src/beyond/again src/parse/world_again; do
-    (cd "$root" && $BIS_COMPILE -Werror -c -o "$(basename $file).o" "$file.c") || say "$file does not compile without warnings"
+    (cd "$root" && $BIS_COMPILE -Werror -c -o "$(basename $file).o" "$file.c") ||
+        say "$file does not compile without warnings"
 done
 # shellcheck disable=SC2086
-$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/world_again.o" "$BIS_BUILD/libbis.a" $BIS_LIBS || say "the program with a BRDF more does not link"
+$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/world_again.o" \
+    "$BIS_BUILD/libbis.a" $BIS_LIBS ||
+    say "the program with a BRDF more does not link"
 for model in phong again; do
     cat >"$root/$model-textured.txt" <<END
 Film "rgb" "integer xresolution" 24 "integer yresolution" 12 "float cropwindow" [.5 1 0 1]
@@ -54,14 +70,20 @@ AttributeBegin Translate 0.6 0 4 Shape "sphere" AttributeEnd
 Material "$model" "texture Ks" "c" "texture exponent" "n"
 AttributeBegin Translate 2 0 5 Shape "sphere" AttributeEnd
 END
-    "$root/bis-again" --quiet --spp 4 --outfile "$root/$model.pfm" "$root/$model-textured.txt" 2>"$root/$model.txt" || say "render: $(tail -1 "$root/$model.txt")"
-    "$root/bis-again" pixel --repeats 50 --output "$root/pixel-$model" "$root/$model-textured.txt" 13 6 2>&1 | grep "^exact" >"$root/$model-exact.txt" || say "pixel of a textured $model has no exact row"
+    "$root/bis-again" --quiet --spp 4 --outfile "$root/$model.pfm" "$root/$model-textured.txt" 2>"$root/$model.txt" ||
+        say "render: $(tail -1 "$root/$model.txt")"
+    "$root/bis-again" pixel --repeats 50 --output "$root/pixel-$model" "$root/$model-textured.txt" 13 6 2>&1 |
+        grep "^exact" >"$root/$model-exact.txt" ||
+        say "pixel of a textured $model has no exact row"
 done
-cmp "$root/phong.pfm" "$root/again.pfm" || say "the BRDF loses something under a texture: its picture is not that of its twin phong"
-cmp "$root/phong-exact.txt" "$root/again-exact.txt" || say "bis pixel: the exact row of the BRDF under a texture is not that of phong"
+cmp "$root/phong.pfm" "$root/again.pfm" ||
+    say "the BRDF loses something under a texture: its picture is not that of its twin phong"
+cmp "$root/phong-exact.txt" "$root/again-exact.txt" ||
+    say "bis pixel: the exact row of the BRDF under a texture is not that of phong"
 
 # ---- the integrator ----
-patch -s -p1 -d "$root" <"$root/page.diff" >"$root/patch.txt" 2>&1 || say "the changes on the page do not fit the sources: $(head -3 "$root/patch.txt")"
+patch -s -p1 -d "$root" <"$root/page.diff" >"$root/patch.txt" 2>&1 ||
+    say "the changes on the page do not fit the sources: $(head -3 "$root/patch.txt")"
 sh scripts/check/check_layers.sh "$root" || say "it is no layer of ours"
 
 objects=""
@@ -71,7 +93,8 @@ for file in src/beyond/uniform.c $(sed -n 's|^+++ b/\(src/.*\.c\)$|\1|p' "$root/
     objects="$objects $root/$object"
 done
 # shellcheck disable=SC2086
-$BIS_LINK -o "$root/bis" "$BIS_BUILD/src/cli/main.o" $objects "$BIS_BUILD/libbis.a" $BIS_LIBS || say "the program does not link"
+$BIS_LINK -o "$root/bis" "$BIS_BUILD/src/cli/main.o" $objects "$BIS_BUILD/libbis.a" $BIS_LIBS ||
+    say "the program does not link"
 
 # has NAME TEXT COMMAND...: the command ends well and prints that text.
 has() {
@@ -92,14 +115,17 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 -1 -9  9 -1 
 END
 has help "uniform  *directions uniform" "$root/bis" help integrators
 has plan "uniform: samples 8" "$root/bis" --plan "$root/of-the-page.txt"
-has render "\"integrator\": \"uniform\"" "$root/bis" --quiet --spp 1 --stats - --outfile "$root/out.exr" "$root/of-the-page.txt"
+has render "\"integrator\": \"uniform\"" "$root/bis" --quiet --spp 1 --stats - --outfile "$root/out.exr" \
+    "$root/of-the-page.txt"
 has pixel "^uniform  *8 " "$root/bis" pixel --repeats 50 --output "$root/pixel" "$root/of-the-page.txt" 8 9
-has trade "--integrator uniform --samples " "$root/bis" trade --quiet --time 2 --passes 1 --seeds 2 --integrator uniform --output "$root/trade" --resolution 16x12 "$root/of-the-page.txt"
+has trade "--integrator uniform --samples " "$root/bis" trade --quiet --time 2 --passes 1 --seeds 2 \
+    --integrator uniform --output "$root/trade" --resolution 16x12 "$root/of-the-page.txt"
 has verify "uniform .*passed" "$root/bis" verify "$root/of-the-page.txt"
 
 if test "$*" = all; then
     # shellcheck disable=SC2046
-    set -- $(find tests -name "test_*.c" -exec basename {} .c \; | grep -vx "test_extending\|test_assignments\|test_docs\|test_library")
+    set -- $(find tests -name "test_*.c" -exec basename {} .c \; |
+        grep -vx "test_extending\|test_assignments\|test_docs\|test_library")
 fi
 # the tests work in the copy, whose pages are the changed ones
 for file in *; do test -e "$root/$file" || ln -s "$PWD/$file" "$root"; done
@@ -109,7 +135,9 @@ done
 failed=""
 for test in "$@"; do
     source=$(find tests -name "$test.c")
-    cp "$BIS_BUILD/${source%.c}.o" "$root/$test.o" 2>/dev/null || $BIS_COMPILE -c -o "$root/$test.o" "$source" || say "$test does not compile"
+    cp "$BIS_BUILD/${source%.c}.o" "$root/$test.o" 2>/dev/null ||
+        $BIS_COMPILE -c -o "$root/$test.o" "$source" ||
+        say "$test does not compile"
     # shellcheck disable=SC2086
     $BIS_LINK -o "$root/$test" "$root/$test.o" $objects $BIS_OBJECTS $BIS_LIBS || say "$test does not link"
     (cd "$root" && env -u BIS_LONG BIS_PROGRAM="$PWD/bis" "./$test" >"$test.txt" 2>&1) ||

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation
 # says "eq. N" in a comment, and has the functions named after it; and none of the thesis's equations, 3.1 to 3.17 and
-# 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with "*Do:*",
-# and behind it the answer, hidden in <details>.
+# 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with
+# "*Do:*", and behind it the answer, hidden in <details>.
 #     scripts/check/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1
@@ -11,8 +11,14 @@ awk -F '|' '
     function end_section() {
         if (section == "") return
         if (!asks) { printf "docs/guide.md:%d: section %s has no *Do:*\n", at, section; bad = 1 }
-        else if (!answers) { printf "docs/guide.md:%d: section %s hides no answer in <details> below its *Do:*\n", at, section; bad = 1 }
-        else if (answers > closes) { printf "docs/guide.md:%d: section %s does not close its <details>\n", at, section; bad = 1 }
+        else if (!answers) {
+            printf "docs/guide.md:%d: section %s hides no answer in <details> below its *Do:*\n", at, section
+            bad = 1
+        }
+        else if (answers > closes) {
+            printf "docs/guide.md:%d: section %s does not close its <details>\n", at, section
+            bad = 1
+        }
     }
     /^## / {
         end_section()
@@ -44,7 +50,10 @@ awk -F '|' '
             close(file)
             pattern = equation
             sub(/\./, "\\.", pattern)
-            if (text !~ "[Ee]q\\. +" pattern "[^0-9]") { printf "docs/guide.md:%d: %s never says eq. %s\n", NR, file, equation; bad = 1 }
+            if (text !~ "[Ee]q\\. +" pattern "[^0-9]") {
+                printf "docs/guide.md:%d: %s never says eq. %s\n", NR, file, equation
+                bad = 1
+            }
             rest = part[i]
             sub(/^[^)]*\)/, "", rest)
             while (match(rest, /`[^`]+`/)) {

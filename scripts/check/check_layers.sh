@@ -19,15 +19,27 @@ BEGIN {
     may["cli"]    = "base shape thesis beyond files scene parse render out tools flat"
 }
 function folder(path) { sub(/^(src|include\/bis|bis)\//, "", path); sub(/\/.*/, "", path); return path }
-FNR == 1 { mine = folder(FILENAME); if (!(mine in may)) { print FILENAME ": folder \"" mine "\" has no line in scripts/check/check_layers.sh"; bad = 1 } }
+FNR == 1 {
+    mine = folder(FILENAME)
+    if (!(mine in may)) {
+        print FILENAME ": folder \"" mine "\" has no line in scripts/check/check_layers.sh"
+        bad = 1
+    }
+}
 /^[ \t]*#[ \t]*include[ \t]*"[^"]*\// {
     split($0, q, "\"")
     theirs = folder(q[2])
-    if (theirs != mine && index(" " may[mine] " ", " " theirs " ") == 0) { printf "%s:%d: %s may not include \"%s\"\n", FILENAME, FNR, mine, q[2]; bad = 1 }
+    if (theirs != mine && index(" " may[mine] " ", " " theirs " ") == 0) {
+        printf "%s:%d: %s may not include \"%s\"\n", FILENAME, FNR, mine, q[2]
+        bad = 1
+    }
 }
 cloned && /^static / {
     name = $0; sub(/\(.*/, "", name); sub(/.*[ *]/, "", name)
-    if (name in file && file[name] != FILENAME) { printf "%s:%d: %s has another BIS_LANES function %s\n", FILENAME, FNR, file[name], name; bad = 1 }
+    if (name in file && file[name] != FILENAME) {
+        printf "%s:%d: %s has another BIS_LANES function %s\n", FILENAME, FNR, file[name], name
+        bad = 1
+    }
     file[name] = FILENAME
 }
 { cloned = /^BIS_LANES/ }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_prefetch: the compiler has kept the prefetches of bis_geometry_prefetch, which no picture and no other test shows.
+# check_prefetch: the compiler has kept the prefetches of bis_geometry_prefetch, which no picture and no other test
+# shows.
 #     scripts/check/check_prefetch.sh BUILD          BUILD/src holds the objects
 # Prints the object without them and exits with 1. Other processors than x86-64 and aarch64 are not looked at.
 case $(uname -m) in

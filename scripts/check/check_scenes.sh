@@ -9,8 +9,8 @@
 cd "${1:-.}" || exit 1
 LC_ALL=C exec awk '
 BEGIN {
-    n = split("integer float bool string rgb color point3 point vector3 vector normal normal3 point2 texture spectrum " \
-        "xyz blackbody", word, " ")
+    n = split("integer float bool string rgb color point3 point vector3 vector normal normal3 point2 texture " \
+        "spectrum xyz blackbody", word, " ")
     for (i = 1; i <= n; i++) is_type[word[i]] = 1
     # placeholders and numbers of directives (`LookAt ex ey ez ...`), fields and commands of bis, files of other formats
     except("degrees ex ey ez lx ly lz ux uy uz KIND MAP NAME SCENE TYPE WHAT X VERTEX approximated bis envmap errata")
@@ -85,4 +85,5 @@ END {
     }
     exit bad
 }
-' docs/scene-format.md $(find src/parse -name '*.c' ! -name parser_mtl.c | sort) scene.txt $(find data/scenes -type f ! -name '*.spd' | sort)
+' docs/scene-format.md $(find src/parse -name '*.c' ! -name parser_mtl.c | sort) scene.txt \
+    $(find data/scenes -type f ! -name '*.spd' | sort)

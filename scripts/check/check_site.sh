@@ -45,7 +45,8 @@ async function look(page) {
         seen.links++;
         const [url, id] = a.href.split("#"), there = await exists(url);
         if (there === null) out.push(page + ": no " + a.getAttribute("href"));
-        else if (id && !(url == here ? d.getElementById(decodeURIComponent(id)) : there.includes('id="' + decodeURIComponent(id) + '"')))
+        else if (id && !(url == here ? d.getElementById(decodeURIComponent(id))
+            : there.includes('id="' + decodeURIComponent(id) + '"')))
             out.push(page + ": no place " + a.getAttribute("href"));
     }
     frame.remove();
@@ -58,23 +59,33 @@ async function look(page) {
 SCRIPT
     } >"$site/check.html"
     "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$profile" --no-first-run \
-        --disable-background-networking --allow-file-access-from-files --host-resolver-rules="MAP * ~NOTFOUND" --virtual-time-budget=120000 \
+        --disable-background-networking --allow-file-access-from-files --host-resolver-rules="MAP * ~NOTFOUND" \
+        --virtual-time-budget=120000 \
         --dump-dom "file://$site/check.html" 2>/dev/null |
         sed -n '/BEGIN$/,/^END/p' | sed '/BEGIN$/d; /^END/d; /^$/d'
 }
 
 cd "$site" || exit 1
 cat >twin.html <<'EOT'
-<!DOCTYPE html><meta charset="utf-8"><body><a href="nowhere.html">x</a><a href="index.html#nowhere">y</a><img src="nothing.png"><div style="width:500px">wide</div>
+<!DOCTYPE html><meta charset="utf-8"><body><a href="nowhere.html">x</a><a href="index.html#nowhere">y</a>
+<img src="nothing.png">
+<div style="width:500px">wide</div>
 EOT
 found=$(look twin.html)
 for defect in "no nowhere.html" "no place index.html#nowhere" "no picture nothing.png" "pixels wide"; do
-    echo "$found" | grep -q "twin.html: .*$defect" || { echo "check_site: FAILED: a page with \"$defect\" passes: $found"; exit 1; }
+    echo "$found" | grep -q "twin.html: .*$defect" || {
+        echo "check_site: FAILED: a page with \"$defect\" passes: $found"
+        exit 1
+    }
 done
 rm -f twin.html
-found=$(look $(find . -name '*.html' ! -name '*.[ch].html' ! -name '*.js.html' ! -name '*.sh.html' ! -name '*.awk.html' ! -name '*.txt.html' ! -name '*.py.html' ! -name '*.ipynb.html' ! -name check.html ! -name Makefile.html \
-    ! -name LICENSE.html ! -name CITATION.cff.html | sed 's|^\./||' | sort))
-echo "$found" | grep -q '^SEEN .*"formulas":[1-9]' || { echo "check_site: FAILED: not all pages were seen, or none with mathematics: $found"; exit 1; }
+found=$(look $(find . -name '*.html' ! -name '*.[ch].html' ! -name '*.js.html' ! -name '*.sh.html' \
+    ! -name '*.awk.html' ! -name '*.txt.html' ! -name '*.py.html' ! -name '*.ipynb.html' ! -name check.html \
+    ! -name Makefile.html ! -name LICENSE.html ! -name CITATION.cff.html | sed 's|^\./||' | sort))
+echo "$found" | grep -q '^SEEN .*"formulas":[1-9]' || {
+    echo "check_site: FAILED: not all pages were seen, or none with mathematics: $found"
+    exit 1
+}
 if echo "$found" | grep -qv '^SEEN'; then
     echo "$found"
     echo "check_site: FAILED"

@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_taught: what is taught is what runs. Each method's picture must run the files of src/thesis that teach it.
 #     scripts/check/check_taught.sh BUILD                        BUILD/libbis.a and BUILD/src/cli/main.o are there
-#     scripts/check/check_taught.sh BUILD NAME OPTIONS FILES     one claim alone, by the program that the first form has made
-# The files of the table are compiled once more, with the compiler's counters (gcov), and linked before the library. BIS_COMPILE,
-# BIS_LINK and BIS_LIBS say how (scripts/course/course.mk). Prints the share of lines that the default picture runs. Exits with 1 where
-# a method does not reach a file, and with 77 where there is no gcov.
+#     scripts/check/check_taught.sh BUILD NAME OPTIONS FILES     one claim alone, by the program that the first form has
+#     made
+# The files of the table are compiled once more, with the compiler's counters (gcov), and linked before the library.
+# BIS_COMPILE, BIS_LINK and BIS_LIBS say how (scripts/course/course.mk). Prints the share of lines that the default
+# picture runs. Exits with 1 where a method does not reach a file, and with 77 where there is no gcov.
 build=$1
-[ -n "$build" ] && [ -n "$BIS_COMPILE" ] || { echo "check_taught: run by make test T=taught, which tells how to compile"; exit 2; }
+[ -n "$build" ] && [ -n "$BIS_COMPILE" ] || {
+    echo "check_taught: run by make test T=taught, which tells how to compile"
+    exit 2
+}
 gcov=${GCOV:-gcov}
 skip() { echo "check_taught: SKIPPED: $*"; exit 77; }
 command -v "$gcov" >/dev/null || skip "there is no $gcov"
@@ -38,7 +42,8 @@ reached() {
 }
 
 # A method: the options that choose it, and the files that teach it.
-common="thesis/rng.c thesis/sampler.c thesis/envmap.c thesis/importance.c thesis/regions.c thesis/light.c thesis/bsdf.c thesis/phong.c
+common="thesis/rng.c thesis/sampler.c thesis/envmap.c thesis/importance.c thesis/regions.c thesis/light.c
+    thesis/bsdf.c thesis/phong.c
  thesis/phong_formulas.h"
 sets="thesis/candidates.c thesis/draw.c thesis/set.c"
 bad=0
@@ -46,7 +51,10 @@ check() {
     name=$1 options=$2 files=$3
     rm -f "$dir"/*.gcda
     # shellcheck disable=SC2086
-    "$dir/bis" scene.txt --quiet --resolution 48x36 --spp 1 --outfile "$dir/picture.pfm" $options >/dev/null || { bad=1; return; }
+    "$dir/bis" scene.txt --quiet --resolution 48x36 --spp 1 --outfile "$dir/picture.pfm" $options >/dev/null || {
+        bad=1
+        return
+    }
     reached >"$dir/reached"
     for file in $files; do
         awk -v f="src/$file" '$1 == f && $2 > 0 { found = 1 } END { exit !found }' "$dir/reached" && continue
@@ -64,9 +72,11 @@ check brdf "--integrator brdf" "thesis/brdf.c thesis/bsdf.c thesis/phong.c thesi
 check mis "--integrator mis" "$common thesis/mis.c thesis/proposal.c thesis/importance_table.c thesis/cdf.c"
 check rejection "--integrator rejection" "$common $sets thesis/rejection.c thesis/importance_table.c thesis/alias.c"
 check unoccluded "--integrator unoccluded" "$common $sets thesis/unoccluded.c thesis/importance_curve.c"
-check sir "--integrator sir --proposal mix --learn off" "$common $sets thesis/choose.c thesis/sir.c thesis/importance_curve.c"
+check sir "--integrator sir --proposal mix --learn off" \
+    "$common $sets thesis/choose.c thesis/sir.c thesis/importance_curve.c"
 check grid "--accelerator grid" "shape/grid_build.c shape/grid_walk.c"
 check "the default picture" "" "$common $sets thesis/choose.c thesis/sir.c thesis/importance_curve.c"
 awk '$1 ~ /thesis/ { run += $2 * $3 / 100; lines += $3 }
-    END { printf "the default picture runs %.0f %% of the %d lines of src/thesis\n", 100 * run / lines, lines }' "$dir/reached"
+    END { printf "the default picture runs %.0f %% of the %d lines of src/thesis\n",
+        100 * run / lines, lines }' "$dir/reached"
 exit $bad

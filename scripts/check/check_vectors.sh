@@ -1,12 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_vectors: the loops over lanes are vectors. gcc leaves a loop scalar without a word, which is three times as slow, if
-# its body has a local array, a result through a pointer, or a branch. Each loop below a plain `#pragma omp simd` must become
-# vectors of 16, 32 and 64 bytes (include/bis/base/clones.h) in all its copies; gcc's own report tells.
+# check_vectors: the loops over lanes are vectors. gcc leaves a loop scalar without a word, which is three times as
+# slow, if its body has a local array, a result through a pointer, or a branch. Each loop below a plain `#pragma omp
+# simd` must become vectors of 16, 32 and 64 bytes (include/bis/base/clones.h) in all its copies; gcc's own report
+# tells.
 #     scripts/check/check_vectors.sh [FILE...]          default: all files of src/ that have or include such a loop
-# From the root. make gives, in BIS_COMPILE, how to compile (scripts/course/course.mk). Prints the loops that are scalar, and
-# exits with 1. Where this compiler, with these flags, makes no such vectors even of the simplest loop, it says so and exits
-# with 0. Loops with a reduction are not looked at, because gcc leaves them scalar for a processor without masks.
+# From the root. make gives, in BIS_COMPILE, how to compile (scripts/course/course.mk). Prints the loops that are
+# scalar, and exits with 1. Where this compiler, with these flags, makes no such vectors even of the simplest loop, it
+# says so and exits with 0. Loops with a reduction are not looked at, because gcc leaves them scalar for a processor
+# without masks.
 : "${BIS_COMPILE:?make test tells how to compile}"
 here=$(mktemp -d) || exit 1
 trap 'rm -rf "$here"' EXIT
@@ -22,7 +24,8 @@ judge() {
                 for (w = 16; w <= 64; w *= 2) if ((file ":" i, w) in vector) has[w] = 1
             }
             if (!bad && has[16] && has[32] && has[64]) return
-            printf "check_vectors: %s:%d: this loop is scalar in %s; has it a local array, a result through a pointer, a branch?\n", file, from, source
+            printf "check_vectors: %s:%d: this loop is scalar in %s; has it a local array, a result through a " \
+                "pointer, a branch?\n", file, from, source
             wrong = 1
         }
         { split($0, at, ":") }
@@ -62,7 +65,11 @@ static void twice_lanes(float *a, unsigned n)
 void twice(float *a, unsigned n) { twice_lanes(a, n); }
 END
 judge "$here/simple.c" >"$here/log" 2>&1 ||
-    { echo "check_vectors: SKIPPED: this compiler, with these flags, makes or reports no vectors of 16, 32 and 64 bytes"; exit 0; }
+    {
+        echo "check_vectors: SKIPPED: this compiler, with these flags, makes or reports no vectors" \
+            "of 16, 32 and 64 bytes"
+        exit 0
+    }
 # shellcheck disable=SC2046
 [ $# -gt 0 ] || set -- $(grep -lE '^ *#pragma omp simd$|^#include "thesis/model.h"' src/*/*.c)
 printf '%s\n' "$@" | judging=1 xargs -P 2 -n 1 sh "$0" || [ -f assignment ] || exit 1 # in a starter kit it is advice

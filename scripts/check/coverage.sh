@@ -14,12 +14,19 @@ find "$build/src" -name '*.gcno' | sort | while IFS= read -r object; do
         !mine { next }
         /^ *#####:|^ *=====:/ { lines++; print "src/" name ".c" substr($0, index($0, ":")) >>list; next }
         /^ *[0-9]+\*?:/ { lines++; run++ }
-        /^branch .*(taken|never executed)/ { if ($0 ~ /\(throw\)/) next; branches++; if ($0 !~ /taken 0%|never executed/) taken++ }
+        /^branch .*(taken|never executed)/ {
+            if ($0 ~ /\(throw\)/) next
+            branches++
+            if ($0 !~ /taken 0%|never executed/) taken++
+        }
         END {
             if (lines) printf "%6.1f %% of %4d lines   %6.1f %% of %4d branches   src/%s.c\n", 100 * run / lines, lines,
                               branches ? 100 * taken / branches : 100, branches, name
         }'
 done | sort -n | awk '
     { print; lines += $4; run += $1 * $4 / 100; branches += $9; taken += $6 * $9 / 100 }
-    END { if (lines) printf "%6.1f %% of %4d lines   %6.1f %% of %4d branches   in all\n", 100 * run / lines, lines, 100 * taken / branches, branches }'
+    END {
+        if (lines) printf "%6.1f %% of %4d lines   %6.1f %% of %4d branches   in all\n",
+            100 * run / lines, lines, 100 * taken / branches, branches
+    }'
 echo "lines never run: $build/uncovered.txt"

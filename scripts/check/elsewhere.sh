@@ -9,10 +9,10 @@
 #     N/M                             shapes kept of the shapes that it has, with instances
 #     K                               files that it names and that its collection, as it was read, does not hold
 # A scene that is not there, or whose hash is another, is not judged. A scene without the same K loses or gains shapes:
-# then only whether it is accepted is judged. A scene is inside the model (plain) if its errors name missing files alone.
-# Scenes that lack no file are rendered, small: a black picture must be announced by a warning.
-# The last lines are the score. Exit status 1: a scene is not what the list expects, or fewer than 95 % of those without
-# missing files are accepted, or a picture is black and nothing says so. Exit status 3: no scene of the list is there.
+# then only whether it is accepted is judged. A scene is inside the model (plain) if its errors name missing files
+# alone. Scenes that lack no file are rendered, small: a black picture must be announced by a warning. The last lines
+# are the score. Exit status 1: a scene is not what the list expects, or fewer than 95 % of those without missing files
+# are accepted, or a picture is black and nothing says so. Exit status 3: no scene of the list is there.
 bis=$1 folder=$2 list=${3:-tests/data/elsewhere.tsv}
 [ -x "$bis" ] && [ -d "$folder" ] || { echo "usage: elsewhere.sh BIS FOLDER [LIST]"; exit 2; }
 work=$(mktemp -d) || exit 2
@@ -29,13 +29,17 @@ read_scene() {
         missing=$(grep -c '^missing ' "$work/plan")
         light=own
         grep -q '^approximated no light from infinity' "$work/plan" && light=sky
-        kept=$(awk '$1 == "geometry" { n = $2 } / Shape .*: left out/ { lost += $2 } END { print n + 0 "/" n + lost }' "$work/plan")
+        kept=$(awk '$1 == "geometry" { n = $2 }
+                       / Shape .*: left out/ { lost += $2 }
+                       END { print n + 0 "/" n + lost }' \
+                "$work/plan")
     else
         accepted=refused light=- kept=- missing=0
     fi
     picture=-
     if [ $accepted != refused ] && [ "$missing" = 0 ]; then
-        if "$bis" --approximate --resolution 32x24 --spp 1 --nthreads 1 --outfile "$work/a.pfm" "$1" >/dev/null 2>"$work/said" </dev/null; then
+        if "$bis" --approximate --resolution 32x24 --spp 1 --nthreads 1 --outfile "$work/a.pfm" \
+            "$1" >/dev/null 2>"$work/said" </dev/null; then
             picture=lit
             # a PFM's three lines, then numbers: 0 is zero bytes alone
             if [ "$(tail -n +4 "$work/a.pfm" | tr -d '\000' | wc -c)" -eq 0 ]; then
@@ -67,7 +71,8 @@ while IFS="$tab" read -r name hash want want_light want_kept want_missing; do
     [ "$accepted" = "$want" ] || verdict=other
     if [ "$missing" = "$want_missing" ] && [ "$light $kept" != "$want_light $want_kept" ]; then verdict=other; fi
     [ $picture != black ] || verdict=black
-    [ $verdict = same ] || echo "$name: $verdict: $accepted $light $kept $missing, expected $want $want_light $want_kept $want_missing"
+    [ $verdict = same ] ||
+        echo "$name: $verdict: $accepted $light $kept $missing, expected $want $want_light $want_kept $want_missing"
     whole=part
     [ "$missing" = 0 ] && whole=whole
     echo "$verdict $accepted $whole $picture" >>"$work/judged"
@@ -78,8 +83,12 @@ $1 == "absent" { absent++; next }
 $3 == "whole" { whole++; if ($2 != "refused") passed++ }
 END {
     if (!read_) { print "elsewhere: no scene of the list is there"; exit 3 }
-    printf "elsewhere: %d scenes read, %d not there: %d pass as they are, %d with --approximate, %d do not\n", read_, absent, on["plain"], on["approximate"], on["refused"]
-    printf "elsewhere: %d lack no file, of which %d pass (%.1f %%); pictures: %d lit, %d black and said to be, %d black by surprise\n", whole, passed, whole ? 100 * passed / whole : 100, seen["lit"], seen["told"], seen["black"]
+    printf "elsewhere: %d scenes read, %d not there: %d pass as they are, %d with --approximate, %d do not\n",
+        read_, absent, on["plain"], on["approximate"], on["refused"]
+    printf "elsewhere: %d lack no file, of which %d pass (%.1f %%); pictures: %d lit, " \
+        "%d black and said to be, %d black by surprise\n",
+        whole, passed, whole ? 100 * passed / whole : 100,
+        seen["lit"], seen["told"], seen["black"]
     printf "elsewhere: %d are other than the list expects\n", is["other"]
     exit is["other"] || is["black"] || passed < 0.95 * whole
 }' "$work/judged"

@@ -8,7 +8,10 @@ set -e
 page=docs/envelope.md
 rm -f build/envelope/?.md
 for program in "$@"; do
-    BIS_LONG=1 BIS_ENVELOPE_WRITE=1 "$program" || { echo "make envelope: a bound does not hold; $page is as it was"; exit 1; }
+    BIS_LONG=1 BIS_ENVELOPE_WRITE=1 "$program" || {
+        echo "make envelope: a bound does not hold; $page is as it was"
+        exit 1
+    }
 done
 sed '/^<!-- tables -->$/q' $page > $page.tmp
 { echo; cat build/envelope.md; } | sed '$d' >> $page.tmp

@@ -5,8 +5,8 @@
 # and what stands in the block of code below it is what stands between /* [alias-sample] */ and the next /* [end] */
 # of that file, to the letter.
 #     scripts/check/fragments.sh [ROOT]              writes the blocks anew
-#     scripts/check/fragments.sh --check [ROOT]      exit status 1 where a block differs or its fragment is gone; part of
-# `make test`
+#     scripts/check/fragments.sh --check [ROOT]      exit status 1 where a block differs or its fragment is gone; part
+#                                                    of `make test`
 check=no
 [ "$1" = --check ] && check=yes && shift
 cd "${1:-.}" || exit 1

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""mitsuba_materials: pbrt's materials, the thesis's Phong, colours and spectra for Mitsuba 3, by other roads than bis's.
+"""mitsuba_materials: pbrt's materials, the thesis's Phong, colours and spectra for Mitsuba 3, by other roads than
+bis's.
 
 A material is (base, gloss): base(uv, c_i, c_o) is the diffuse part of f, gloss a lobe or None. Formulas are those of
-pbrt's books (3rd edition, chapters 8 and 9; 4th edition, chapters 9, 10 and 14): pbrt's code has the two indices of "plastic"
-exchanged (its issue 210), which its authors call a mistake. The distribution of facets, Fresnel's equations, the observer,
-D65 and the metals' constants are Mitsuba's. Importing this without Mitsuba 3, numpy or LLVM ends with status 77."""
+pbrt's books (3rd edition, chapters 8 and 9; 4th edition, chapters 9, 10 and 14): pbrt's code has the two indices of
+"plastic" exchanged (its issue 210), which its authors call a mistake. The distribution of facets, Fresnel's equations,
+the observer, D65 and the metals' constants are Mitsuba's. Importing this without Mitsuba 3, numpy or LLVM ends with
+status 77."""
 import os
 import sys
 
@@ -192,7 +194,8 @@ def dielectric(ks, eta):
 def conductor(eta, k):
     """Colours, or spectra at NM: then a table over the cosine."""
     if len(eta) == 3:
-        return lambda uv, c: mi.Color3f(*(mi.fresnel_conductor(c, mi.Complex2f(float(n), float(a))) for n, a in zip(eta, k)))
+        return lambda uv, c: mi.Color3f(*(mi.fresnel_conductor(c, mi.Complex2f(float(n), float(a)))
+                                          for n, a in zip(eta, k)))
     size, table = 512, []
     for c in np.arange(513) / 512:
         s = np.sqrt((eta + 1j * k) ** 2 - (1 - c * c))
@@ -204,7 +207,8 @@ def conductor(eta, k):
     def look_up(uv, c):
         x = dr.clip(c * size, 0, size - 0.001)
         i = mi.Int(x)
-        return mi.Color3f(*(dr.lerp(dr.gather(mi.Float, flat, 3 * i + j), dr.gather(mi.Float, flat, 3 * i + 3 + j), x - i)
+        return mi.Color3f(*(dr.lerp(dr.gather(mi.Float, flat, 3 * i + j),
+                                    dr.gather(mi.Float, flat, 3 * i + 3 + j), x - i)
                             for j in range(3)))
     return look_up
 
@@ -238,8 +242,8 @@ NEAR = ('substrate', 'coateddiffuse')  # what bis replaces by "microfacet"
 
 
 def material(kind, p, textures, by_page):
-    """From a Material's parameters {name: (type, values)}; textures: {name: function of u and v}. by_page: those of NEAR
-    as docs/scene-format.md says that bis makes them, and not as pbrt's books do."""
+    """From a Material's parameters {name: (type, values)}; textures: {name: function of u and v}. by_page: those of
+    NEAR as docs/scene-format.md says that bis makes them, and not as pbrt's books do."""
     def part(name, usual):
         if name in p and p[name][0] == 'texture':
             return textures[p[name][1][0]]
@@ -277,7 +281,8 @@ def material(kind, p, textures, by_page):
         return under_gloss(part('Kd', 0.5), ks), Facets(facets(0.1, alpha_v3), schlick(ks), blend=not by_page)
     if kind == 'coateddiffuse':
         eta, thickness = (p[k][1][0] if k in p else usual for k, usual in (('eta', 1.5), ('thickness', 0.01)))
-        bounces = int(p['maxdepth'][1][0] + 1) // 2 if 'maxdepth' in p else 5  # a walk of 10 steps meets the base 5 times
+        # a walk of 10 steps meets the base 5 times
+        bounces = int(p['maxdepth'][1][0] + 1) // 2 if 'maxdepth' in p else 5
         r, alpha = part('reflectance', 0.5), facets(0, dr.sqrt)
         is_texture = 'roughness' in p and p['roughness'][0] == 'texture'
         alphas = ALPHAS if is_texture else [np.array(mi.Float(alpha(0.5, 0.5))).item()]

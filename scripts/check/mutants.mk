@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# For scripts/check/mutants: the library as a shared one, so that a change of one source links one file and no test program.
+# For scripts/check/mutants: the library as a shared one, so that a change of one source links one file and no test
+# program.
 #     make -f scripts/check/mutants.mk VARIANT=name CFLAGS=... shared
 include Makefile
 SHARED := $B/shared

@@ -1,12 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
+# mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every
+# mutation below.
 #     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
 #     scripts/check/mutate.sh -a              tells which no longer apply; changes and runs nothing
-# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/; .c is understood), "- the text as it stands",
-# "+ the text instead", an empty one. The first place where the text stands is changed. The copy is build/mutants; objects
-# are made once and only what a mutation touches is made anew.
-# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of make test.
+# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/; .c is understood), "- the text as
+# it stands", "+ the text instead", an empty one. The first place where the text stands is changed. The copy is
+# build/mutants; objects are made once and only what a mutation touches is made anew.
+# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of
+# make test.
 mutations() {
     sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
 }
@@ -33,17 +35,20 @@ word=$1
 log=$copy/log
 rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data $copy/build   # an ended run leaves a mutated object
 mkdir -p $copy
-make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy && mkdir -p $copy/docs && cp -Rp docs/live $copy/docs || exit 1
+make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy &&
+    mkdir -p $copy/docs && cp -Rp docs/live $copy/docs || exit 1
 
 # make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {
     make -s -C $copy VARIANT=mutant CFLAGS=-O1 build/mutant/bis "$@" >$log 2>&1
 }
 
-# All tests of these names; fails if one of them does, dies or hangs (TEST_SECONDS, default 300). On success, prints nothing.
+# All tests of these names; fails if one of them does, dies or hangs (TEST_SECONDS, default 300). On success, prints
+# nothing.
 run() {
     for t in "$@"; do
-        (cd $copy && BIS_PROGRAM=build/mutant/bis timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
+        (cd $copy && BIS_PROGRAM=build/mutant/bis timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) ||
+            { culprit=$t; return 1; }
     done
 }
 
@@ -71,7 +76,10 @@ while IFS= read -r head; do
     n=$((n + 1))
     cp -p $copy/"$file" $copy/original
     OLD=${old#??} NEW=${new#??} awk '
-        !done && (i = index($0, ENVIRON["OLD"])) { $0 = substr($0, 1, i - 1) ENVIRON["NEW"] substr($0, i + length(ENVIRON["OLD"])); done = 1 }
+        !done && (i = index($0, ENVIRON["OLD"])) {
+            $0 = substr($0, 1, i - 1) ENVIRON["NEW"] substr($0, i + length(ENVIRON["OLD"]))
+            done = 1
+        }
         { print }
         END { exit !done }' $copy/original >$copy/"$file"
     if [ $? -ne 0 ]; then
@@ -528,7 +536,7 @@ exit
 #
 # * film_layers test_layers : the interval is a normal one, however few passes
 # - static double student_975(double dof)
-# + static double student_975(double dof) { return 1.96 + 0 * dof; } static double unused(double dof) __attribute__((unused)); static double unused(double dof)
+# + static double student_975(double d) { return 1.96 + 0 * d; } __attribute__((unused)) static double old(double dof)
 #
 # * trade_stats test_trade : the reference's noise counts as the method's
 # - p.noise = mean_of(&both) - t->both.relmse;

@@ -3,8 +3,8 @@
 # power.sh: what our statistical tests would have found. Each test program of the last `make test` left a line for each
 # assertion in build/power/PROGRAM.txt (tests/support/stat.c); this joins them in build/power.txt and prints the table
 # of docs/proof.md.
-#     scripts/check/power.sh             one row for each claim: how often it was tested, on how many values, and the smallest
-#     errors found
+#     scripts/check/power.sh             one row for each claim: how often it was tested, on how many values, and the
+#                                        smallest errors found
 #     scripts/check/power.sh --update    writes the table into docs/proof.md, between its marks
 # Exit status 1 when there is nothing to join.
 page=docs/proof.md
@@ -13,7 +13,10 @@ LC_ALL=C sort build/power/*.txt > build/power.txt
 
 table() {
     awk -F '\t' '
-    function percent(e) { return e >= 0.0995 ? sprintf("%.0f %%", 100 * e) : e >= 0.00995 ? sprintf("%.1f %%", 100 * e) : sprintf("%.2g %%", 100 * e) }
+    function percent(e) {
+        if (e >= 0.0995) return sprintf("%.0f %%", 100 * e)
+        return e >= 0.00995 ? sprintf("%.1f %%", 100 * e) : sprintf("%.2g %%", 100 * e)
+    }
     {
         key = $1 "\t" $2 "\t" $3
         if (!(key in n)) { order[++rows] = key; least[key] = $7; most[key] = $7; values[key] = $4 }

@@ -3,15 +3,16 @@
 # run_tests: runs test programs (make test calls it), shows what they say and how long they took, and closes with one
 # line that counts.
 #     scripts/check/run_tests.sh PROGRAM...
-# Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 1800, ten times what the slowest takes on a
-# machine without other work), or there was nothing to run.
+# Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 1800, ten times what the slowest takes
+# on a machine without other work), or there was nothing to run.
 #
-# TEST_JOBS programs run side by side (default: as many as there are processors, at most 4, because each has threads of its
-# own). What a program says is shown when it ends, so that nothing is mixed.
+# TEST_JOBS programs run side by side (default: as many as there are processors, at most 4, because each has threads of
+# its own). What a program says is shown when it ends, so that nothing is mixed.
 #
 # Programs find everything from the root of the project and make their files below build/. Each job gives them a root of
-# its own, build/run.XXXXXX/N, a copy of all that is here (20 MB, half a second) but for build/, so that two programs never
-# meet. It is removed after success, kept and named after a failure. A program that is called by hand works in build/ itself.
+# its own, build/run.XXXXXX/N, a copy of all that is here (20 MB, half a second) but for build/, so that two programs
+# never meet. It is removed after success, kept and named after a failure. A program that is called by hand works in
+# build/ itself.
 
 # run_tests.sh --one ALL PROGRAM: one program in the root of this job, which xargs numbers. What it says goes to the
 # screen as a whole, under a lock.
@@ -29,7 +30,8 @@ if [ "${1:-}" = --one ]; then
     exit
 fi
 
-# Threads that wait for each other go to sleep: where the machine has other work, spinning took a program from 6 s to 132.
+# Threads that wait for each other go to sleep: where the machine has other work, spinning took a program from 6 s to
+# 132.
 export OMP_WAIT_POLICY="${OMP_WAIT_POLICY:-passive}"
 if [ $# -eq 0 ]; then
     echo "make test: no test program of that name"
@@ -76,7 +78,8 @@ for power in "$all"/*/build/power; do
     [ ! -d "$power" ] || { mkdir -p build/power && cp "$power"/* build/power/; }
 done
 if [ -n "$(ls "$all/failed")" ]; then
-    echo "make test: FAILED:$(cd "$all/failed" && printf ' %s' *) ($# programs, $ok tests passed); what they wrote is in $(sort -u "$all"/failed/* | paste -s -d ' ')"
+    echo "make test: FAILED:$(cd "$all/failed" && printf ' %s' *) ($# programs, $ok tests passed);" \
+        "what they wrote is in $(sort -u "$all"/failed/* | paste -s -d ' ')"
     exit 1
 fi
 rm -rf "$all"

@@ -3,15 +3,16 @@
 # spdx: every source file names its licence in the form that tools read (https://spdx.dev/learn/handling-license-info).
 #     scripts/check/spdx.sh [ROOT]             writes the line where it is missing, behind #! or at the top
 #     scripts/check/spdx.sh --check [ROOT]     names the files without it; exit status 1; part of `make test`
-# C, shell, awk, make, Python and Lua. Not the hand-ins among the tests, which stand for files of strangers, nor what is no
-# program: pages, scenes, the page that is put into bis trade.
+# C, shell, awk, make, Python and Lua. Not the hand-ins among the tests, which stand for files of strangers, nor what is
+# no program: pages, scenes, the page that is put into bis trade.
 check=no
 [ "$1" = --check ] && check=yes && shift
 cd "${1:-.}" || exit 1
 id=SPDX-License-Identifier:
 licence="$id BSD-2-Clause"
 status=0
-for file in $(find Makefile .ci pyproject.toml include src tests scripts data/generate -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
+for file in $(find Makefile .ci pyproject.toml include src tests scripts data/generate \
+    -type f ! -path '*/handed_in/*' 2>/dev/null | sort); do
     case $file in
     *.[ch]) line="/* $licence */" ;;
     *.lua) line="-- $licence" ;;
@@ -24,7 +25,8 @@ for file in $(find Makefile .ci pyproject.toml include src tests scripts data/ge
         status=1
         continue
     fi
-    awk -v line="$line" 'NR == 1 && !/^#!/ { print line } { print } NR == 1 && /^#!/ { print line }' "$file" >"$file.spdx.tmp" &&
+    awk -v line="$line" 'NR == 1 && !/^#!/ { print line } { print } NR == 1 && /^#!/ { print line }' \
+        "$file" >"$file.spdx.tmp" &&
         cat "$file.spdx.tmp" >"$file" # cat keeps the mode
     rm -f "$file.spdx.tmp"
 done

@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# test_browser: do the pages of `bis trade`, `bis pixel` and `bis envmap` and the site of `make docs` work in a real browser? `make test-browser` calls it; no part of `make
-# test`.
+# test_browser: do the pages of `bis trade`, `bis pixel` and `bis envmap` and the site of `make docs` work in a real
+# browser? `make test-browser` calls it; no part of `make test`.
 #     scripts/check/test_browser.sh BIS FOLDER
 # Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what
-# the page's script says of itself (src/tools/trade/page.html): it draws, the slider's cut moves, the choice of a picture works,
-# nothing was fetched. Then two screenshots, wide and narrow, must not be blank. And a twin: the page without its script
-# must fail. Without a Chromium it says so and exits with 0.
+# the page's script says of itself (src/tools/trade/page.html): it draws, the slider's cut moves, the choice of a
+# picture works, nothing was fetched. Then two screenshots, wide and narrow, must not be blank. And a twin: the page
+# without its script must fail. Without a Chromium it says so and exits with 0.
 bis=$1
 folder=$2
 browser=""
@@ -14,18 +14,22 @@ for name in ${CHROMIUM:-} chromium chromium-browser google-chrome; do
     command -v "$name" >/dev/null && browser=$name && break
 done
 if [ -z "$browser" ]; then
-    echo "make test-browser: SKIPPED: no chromium, chromium-browser or google-chrome here; scripts/setup.sh --web installs one, CHROMIUM=path names one"
+    echo "make test-browser: SKIPPED: no chromium, chromium-browser or google-chrome here;" \
+        "scripts/setup.sh --web installs one, CHROMIUM=path names one"
     exit 0
 fi
 rm -rf "$folder"
 mkdir -p "$folder"
-"$bis" trade scene.txt --quiet --time 12 --passes 2 --seeds 2 --resolution 96x72 --integrator em --integrator mis --integrator sir --output "$folder/trade" || exit 1
+"$bis" trade scene.txt --quiet --time 12 --passes 2 --seeds 2 --resolution 96x72 \
+    --integrator em --integrator mis --integrator sir --output "$folder/trade" ||
+    exit 1
 profile=$(mktemp -d) || exit 1
 trap 'rm -rf "$profile"' EXIT
 
 # browse OPTIONS... URL: every request that is not for the file itself goes nowhere.
 browse() {
-    "$browser" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$profile" --no-first-run --disable-background-networking \
+    "$browser" --headless --no-sandbox --disable-gpu --hide-scrollbars --user-data-dir="$profile" --no-first-run \
+        --disable-background-networking \
         --host-resolver-rules="MAP * ~NOTFOUND" --virtual-time-budget=3000 "$@" 2>/dev/null
 }
 
@@ -48,7 +52,8 @@ grep -q 'data-selftest' "$folder/twin_dom.html" && fail "a page without its scri
 "$bis" envmap data/maps/interior.hdr --html "$folder/map.html" >/dev/null || exit 1
 check_page() { # PAGE EXPECTED
     browse --dump-dom "file://$1#selftest" > "$folder/dom.html"
-    grep -q "data-selftest=\"$2\"" "$folder/dom.html" || fail "$1 says $(grep -o 'data-selftest="[^"]*"' "$folder/dom.html")"
+    grep -q "data-selftest=\"$2\"" "$folder/dom.html" ||
+        fail "$1 says $(grep -o 'data-selftest="[^"]*"' "$folder/dom.html")"
 }
 pixel=$(cd "$folder/pixel" && pwd)/pixel.html
 map=$(cd "$folder" && pwd)/map.html
@@ -64,7 +69,9 @@ done
 echo "make test-browser: passed ($browser); see $folder/page_1200.png and $folder/page_390.png"
 
 if command -v pandoc >/dev/null; then
-    sh scripts/site/site.sh "$folder/site" >/dev/null && sh scripts/check/check_site.sh "$browser" "$folder/site" || exit 1
+    sh scripts/site/site.sh "$folder/site" >/dev/null &&
+        sh scripts/check/check_site.sh "$browser" "$folder/site" ||
+        exit 1
 else
     echo "make test-browser: the site SKIPPED: no pandoc here; scripts/setup.sh --web installs it"
 fi

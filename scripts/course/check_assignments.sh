@@ -1,10 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies, every one holds; each of the
-# typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points, and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the present library.
+# check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies,
+# every one holds; each of the typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points,
+# and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the
+# present library.
 #     scripts/course/check_assignments.sh [NAME...]        (default: all)
-# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk). Reports go to
-# $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link
+# (scripts/course/course.mk). Reports go to $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
 root=$BIS_BUILD/assignments
 if [ $# -ne 1 ]; then
     [ $# -gt 0 ] || set -- $(ls tests/course | sed -n 's/_blank\.c$//p')
@@ -29,14 +31,17 @@ mark() {
         for file in $(sh scripts/course/units.sh $files); do
             source=$folder/$1/src/$file
             echo "$files" | grep -qx "$file" || source=src/$file # of a header
-            $BIS_COMPILE -Werror -iquote "$folder/$1/src" -iquote "src/${file%/*}" -c -o "$folder/$1/src/$file.o" "$source" ||
+            $BIS_COMPILE -Werror -iquote "$folder/$1/src" -iquote "src/${file%/*}" -c \
+                -o "$folder/$1/src/$file.o" "$source" ||
                 say "the $1 one does not compile without warnings"
             objects="$objects $folder/$1/src/$file.o"
         done
     fi
     # shellcheck disable=SC2086
-    $BIS_LINK -o "$folder/$1/student" $BIS_SERVER $objects ${BIS_OBJECTS##* } $BIS_LIBS || say "the $1 one does not link"
-    "$BIS_BUILD/grade" claims "$PWD/$folder/$1/student" "$folder/claims" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
+    $BIS_LINK -o "$folder/$1/student" $BIS_SERVER $objects ${BIS_OBJECTS##* } $BIS_LIBS ||
+        say "the $1 one does not link"
+    "$BIS_BUILD/grade" claims "$PWD/$folder/$1/student" "$folder/claims" >"$folder/$1.marks" ||
+        say "the marks of the $1 one do not come to an end"
 }
 
 # The load that is timed, with this secret: status 8 where the answers are right, 9 where they are not
@@ -69,8 +74,14 @@ prove() {
                 printf "%s: %s: %d of %d points, %d of %d claims\n", name, variant, points, all, right, n
                 if (all != 80) { printf "%s: the points of its claims sum to %d, must be 80\n", name, all; bad = 1 }
                 if (variant == "original" && right < n || variant == "blank" && right > 0) bad = 1
-                if (variant ~ /wrong/ && (right == 0 || right == n)) { printf "%s: %s is to be worth some of the points\n", name, variant; bad = 1 }
-                if (variant ~ /wrong/ && lost != loses) { printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses; bad = 1 }
+                if (variant ~ /wrong/ && (right == 0 || right == n)) {
+                    printf "%s: %s is to be worth some of the points\n", name, variant
+                    bad = 1
+                }
+                if (variant ~ /wrong/ && lost != loses) {
+                    printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses
+                    bad = 1
+                }
                 exit bad
             }' "$folder/$variant.marks" || exit 1
     done

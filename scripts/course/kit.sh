@@ -34,7 +34,8 @@ bis=$(dirname "$0")/bis
 [ -d "$bis" ] || bis=/autograder/source/bis
 sh "$bis/scripts/setup.sh" --marking
 pkg-config --atleast-version=3.1 OpenEXR || {
-    echo "setup: OpenEXR is $(pkg-config --modversion OpenEXR), and bis needs 3.1: take an image of Debian 12 or Ubuntu 24.04" >&2
+    echo "setup: OpenEXR is $(pkg-config --modversion OpenEXR), and bis needs 3.1:" \
+        "take an image of Debian 12 or Ubuntu 24.04" >&2
     exit 1
 }
 make -s -C "$bis" -j2 grader

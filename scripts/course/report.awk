@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # report: what one hand-in got, as JSON, from its remarks and its lines (points, of how many, criterion, remark, with
-# tabs between), in this order. kind: grade; gradescope, its results.json; classroom50, its classroom50/result/v1, with what
-# its runner sets in the environment. This has no place for remarks: they stand with the first test.
+# tabs between), in this order. kind: grade; gradescope, its results.json; classroom50, its classroom50/result/v1, with
+# what its runner sets in the environment. This has no place for remarks: they stand with the first test.
 function quoted(s) {
     gsub(/\\/, "&&", s)
     gsub(/"/, "\\\"", s)

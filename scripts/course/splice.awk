@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# splice: the named fragments of a source file, /* [name] */ ... /* [end] */, replaced by those of the same name in another.
+# splice: the named fragments of a source file, /* [name] */ ... /* [end] */, replaced by those of the same name in
+# another.
 #     awk -f scripts/course/splice.awk FRAGMENTS SOURCE > RESULT
 # The markers stay. A fragment that FRAGMENTS does not hold stays as it is.
 function name_of(line) {

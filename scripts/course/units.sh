@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# units: the files below src/ that are compiled where FILES are under study: a .c itself; for a header the .c that names it.
+# units: the files below src/ that are compiled where FILES are under study: a .c itself; for a header the .c that names
+# it.
 #     scripts/course/units.sh FILE...          FILE: a path below src/
 # From the root.
 for file in "$@"; do

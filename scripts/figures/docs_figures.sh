@@ -1,20 +1,22 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
-#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel, thesis,
-#                                                          errata, plots, results, machines (default: all)
+#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel,
+#                                                          thesis, errata, plots, results, machines (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis, plots (of the errata without a switch) and results, make
 # build/release/figures. What is timed differs from run to run, and so does its picture.
-# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel, live): a
-# headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
-# and none above 300 KB. pbrt needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
+# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel,
+# live): a headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of
+# 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. pbrt
+# needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
-plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
+# errata that have no switch
+plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37"
 if [ "${1:-}" = --list ]; then
-    for name in chess methods microfacet pbrt-materials map-importance map-levels map-regions pixel-densities pixel-samples \
-        results-5.2 results-5.5 results-5.8; do
+    for name in chess methods microfacet pbrt-materials map-importance map-levels map-regions pixel-densities \
+        pixel-samples results-5.2 results-5.5 results-5.8; do
         echo $name.png
     done
     echo live-sir.gif
@@ -80,12 +82,14 @@ shown() {
 
 # error_of METHOD: its squared error relative to the picture, as `compare` prints it, in two digits
 error_of() {
-    "$build/bis" compare "$tmp/$1.exr" "$tmp/clean.exr" | awk '$1 == "relmse" { printf "%.12g", sprintf("%.2g", $2) + 0 }'
+    "$build/bis" compare "$tmp/$1.exr" "$tmp/clean.exr" |
+        awk '$1 == "relmse" { printf "%.12g", sprintf("%.2g", $2) + 0 }'
 }
 
 # panel: one scene by three methods at equal rays, and the reference, into $tmp/methods.svg
 panel() {
-    for method in "clean --spp 64" "em --spp 4 --integrator em --samples 4" "brdf --spp 4 --integrator brdf --samples 4" \
+    for method in "clean --spp 64" "em --spp 4 --integrator em --samples 4" \
+        "brdf --spp 4 --integrator brdf --samples 4" \
         "sir --spp 4 --proposal mix --candidates 800 --learn off --shadowrays 4"; do
         # shellcheck disable=SC2086 # the options of a method
         "$build/bis" scene.txt --quiet --resolution 400x300 ${method#* } --outfile "$tmp/${method%% *}.exr"
@@ -103,7 +107,8 @@ panel() {
 for picture; do
     case $picture in
     chess) # the command under the picture in README
-        "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 --outfile "$tmp/chess.png"
+        "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 \
+            --outfile "$tmp/chess.png"
         keep "$tmp/chess.png" chess FloydSteinberg
         ;;
     methods) # the commands of the tour in README; the reference has a number of samples in the place of a time
@@ -112,7 +117,8 @@ for picture; do
         ;;
     live)
         mkdir "$tmp/live"
-        python3 scripts/figures/live_frames.py "$tmp/live" sir "M=1;N=1" "M=4;N=4" "M=16;N=8" "M=64;N=8" "M=256;N=8" "M=1024;N=8" "M=1024;N=32"
+        python3 scripts/figures/live_frames.py "$tmp/live" sir "M=1;N=1" "M=4;N=4" "M=16;N=8" \
+            "M=64;N=8" "M=256;N=8" "M=1024;N=8" "M=1024;N=32"
         convert -delay 200 "$tmp"/live/*.png +dither -colors 40 -layers optimize "$out/live-sir.gif"
         echo "$out/live-sir.gif"
         ;;
@@ -122,7 +128,8 @@ for picture; do
         ;;
     pbrt)
         if "${BENCH_PYTHON:-python3}" scripts/check/beside_materials.py "$build/bis" "$tmp"; then
-            (cd "$tmp" && convert conductor-copper.png plastic-Ks-1.png uber-eta-1.8.png substrate.png coateddiffuse.png -append pbrt.png)
+            (cd "$tmp" && convert conductor-copper.png plastic-Ks-1.png uber-eta-1.8.png substrate.png \
+                coateddiffuse.png -append pbrt.png)
             keep "$tmp/pbrt.png" pbrt-materials FloydSteinberg
         fi
         ;;
@@ -134,7 +141,8 @@ for picture; do
         keep "$tmp/hall-regions.png" map-regions
         ;;
     pixel)
-        "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --html --output "$tmp/pixel" >/dev/null
+        "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --html \
+            --output "$tmp/pixel" >/dev/null
         draw_part maps pixel-densities 720
         draw_part samples pixel-samples 1130
         ;;
@@ -163,7 +171,8 @@ for picture; do
         copy "$tmp/many-machines.svg" many-machines
         ;;
     *)
-        echo "docs_figures.sh: no picture \"$picture\" among chess, methods, live, microfacet, pbrt, map, pixel, thesis, errata, plots, results, machines" >&2
+        echo "docs_figures.sh: no picture \"$picture\" among chess, methods, live, microfacet, pbrt, map," \
+            "pixel, thesis, errata, plots, results, machines" >&2
         exit 2
         ;;
     esac

@@ -18,7 +18,10 @@ for figure; do
     *) echo "figures.sh: no figure \"$figure\" among: $all" >&2 && exit 2 ;;
     esac
 done
-command -v node >/dev/null || { echo "figures.sh: node draws the figures, and is not here: scripts/setup.sh --web installs it" >&2 && exit 1; }
+command -v node >/dev/null || {
+    echo "figures.sh: node draws the figures, and is not here: scripts/setup.sh --web installs it" >&2
+    exit 1
+}
 out=build/figures${BIS_SHARED:+/shared}
 mkdir -p "$out" build/bench
 size=${FIGURES_SIZE:-88x124}

@@ -3,8 +3,8 @@
 # site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser
 # without a network.
 #     scripts/site/site.sh FOLDER            (`make docs`; from the root)
-# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Where `make web` has made build/web, the
-# figures that live stand where a page says <!-- live: NAME -->. Needs nothing at view
+# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Where `make web` has
+# made build/web, the figures that live stand where a page says <!-- live: NAME -->. Needs nothing at view
 # time.
 out=$1
 if ! command -v pandoc >/dev/null; then
@@ -46,16 +46,23 @@ page() {
         # without the head that docs/paper.md has for its journal
         awk 'NR == 1 && /^---$/ { head = 1; next } head && /^---$/ { head = 0; next } !head' "$1"
     } |
-        if [ -n "$live" ]; then sed 's|^<!-- live: \([a-z]*\) -->$|<figure class="live" data-figure="\1"></figure>|'; else cat; fi |
+        if [ -n "$live" ]; then
+            sed 's|^<!-- live: \([a-z]*\) -->$|<figure class="live" data-figure="\1"></figure>|'
+        else
+            cat
+        fi |
         pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site/site.lua \
-            -c "${up}site.css" -H "$head" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
+            -c "${up}site.css" -H "$head" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" \
+            -o "$html" || exit 1
 }
 
 # source FILE: its text, escaped
 source() {
     mkdir -p "$out/$(dirname "$1")"
     {
-        printf '<!DOCTYPE html>\n<html><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>%s</title><style>pre { overflow-x: auto; }</style></head>\n<body><pre>' "$1"
+        printf '<!DOCTYPE html>\n<html><head><meta charset="utf-8">'
+        printf '<meta name="viewport" content="width=device-width"><title>%s</title>' "$1"
+        printf '<style>pre { overflow-x: auto; }</style></head>\n<body><pre>'
         sed 's/&/\&amp;/g; s/</\&lt;/g' "$1"
         printf '</pre></body></html>\n'
     } >"$out/$1.html" || exit 1
@@ -65,7 +72,8 @@ for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>
 for picture in bis.png $(find docs -name '*.png' -o -name '*.svg' -o -name '*.gif'); do
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
-sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.js' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |
+sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o \
+    -name '*.sh' -o -name '*.awk' -o -name '*.js' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |
     grep -v '^tests/data/bad/') # some are not UTF-8
 for file in LICENSE CITATION.cff codemeta.json docs/paper.bib Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"

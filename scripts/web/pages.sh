@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# pages: what stands beside bis.wasm in build/web: the scripts of docs/live, the library and the map as base64 in assets.js, and a page
-# with all figures. A page that was opened from disk may load scripts, but neither workers nor other files: hence base64.
+# pages: what stands beside bis.wasm in build/web: the scripts of docs/live, the library and the map as base64 in
+# assets.js, and a page with all figures. A page that was opened from disk may load scripts, but neither workers nor
+# other files: hence base64.
 #     scripts/web/pages.sh BIS FOLDER            (`make web`)
 # Figures stand in the order of scripts/web/order.
 bis=$1
@@ -14,7 +15,10 @@ cp docs/live/*.js docs/live/live.css "$out" && cp docs/live/figures/*.js "$out/f
 {
     printf 'var bisAssets = {\n'
     printf '"bis.wasm.gz": "%s",\n' "$(gzip -9nc "$out/bis.wasm" | base64 -w 0)"
-    for map in interior lamps; do printf '"maps/%s.hdr.gz": "%s",\n' $map "$(gzip -9nc "$out/maps/$map.hdr" | base64 -w 0)"; done
+    for map in interior lamps; do
+        printf '"maps/%s.hdr.gz": "%s",\n' $map \
+            "$(gzip -9nc "$out/maps/$map.hdr" | base64 -w 0)"
+    done
     printf '};\n'
 } >"$out/assets.js" || exit 1
 scripts="" figures=""
@@ -25,4 +29,5 @@ for name in $(cat scripts/web/order); do
 "
 done
 sed "s|@SCRIPTS@|$scripts|; s|@FIGURES@|$figures|" docs/live/page.html >"$out/index.html" || exit 1
-echo "make web: $out/index.html, $(cat "$out"/*.js "$out"/figures/*.js "$out/live.css" | gzip -9c | wc -c) bytes by gzip"
+echo "make web: $out/index.html," \
+    "$(cat "$out"/*.js "$out"/figures/*.js "$out/live.css" | gzip -9c | wc -c) bytes by gzip"

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What the package bis of scripts/python promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
+"""What the package bis of scripts/python promises (make test-python). Expected values are closed forms, sums over
+pixels, or pictures of the program.
 
-Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each has a twin."""
+Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each
+has a twin."""
 import copy
 import gc
 import glob
@@ -80,8 +82,10 @@ class Maps(unittest.TestCase):
         self.assertTrue((view.pixels == em.pixels[:, ::-1]).all())
         # All pixels of an equal-area square have one solid angle: its integral is 4 pi times its mean.
         square = np.random.default_rng(3).random((8, 8, 3))
-        self.assertAlmostEqual(bis.Envmap(square, mapping="equalarea").power / (4 * np.pi * square.sum() / 64), 1, places=5)
-        self.assertNotAlmostEqual(bis.Envmap(square, mapping="latlong").power / (4 * np.pi * square.sum() / 64), 1, places=3)
+        self.assertAlmostEqual(bis.Envmap(square, mapping="equalarea").power / (4 * np.pi * square.sum() / 64), 1,
+                               places=5)
+        self.assertNotAlmostEqual(bis.Envmap(square, mapping="latlong").power / (4 * np.pi * square.sum() / 64), 1,
+                                  places=3)
 
     def test_what_is_no_map(self):
         for a, text in (
@@ -114,7 +118,8 @@ class Tables(unittest.TestCase):
 
 class Materials(unittest.TestCase):
     def test_densities_and_reflectance(self):
-        """E[cos^2 / pdf] over the hemisphere is 2 pi/3, whatever the density; E[f cos / pdf] of a diffuse surface is Kd."""
+        """E[cos^2 / pdf] over the hemisphere is 2 pi/3, whatever the density; E[f cos / pdf] of a diffuse surface is
+        Kd."""
         for width in ({"exponent": 5}, {"roughness": 0.5}):
             m = bis.Material(0.5, 0.5, normal=(1, 2, 3), wo=(1, 2, 4), **width)
             wi, lobe = m.sample(200000, seed=2)
@@ -130,7 +135,8 @@ class Materials(unittest.TestCase):
 
 
     def test_a_metal_of_eta_and_k(self):
-        """Copper's red, head on: ((eta - 1)^2 + k^2)/((eta + 1)^2 + k^2), where Schlick's facets of that colour are the same."""
+        """Copper's red, head on: ((eta - 1)^2 + k^2)/((eta + 1)^2 + k^2), where Schlick's facets of that colour are the
+        same."""
         eta, k = np.array([0.2, 0.92, 1.1]), np.array([3.9, 2.45, 2.14])
         Ks = ((eta - 1) ** 2 + k**2) / ((eta + 1) ** 2 + k**2)
         for wo, is_same in (((0, 0, 1), True), ((-0.97, 0, 0.25), False)):  # the second is the twin
@@ -153,7 +159,8 @@ class Pictures(unittest.TestCase):
     def by_program(self, *options):
         out = os.path.join(self.folder.name, "out.pfm")
         program = os.environ.get("BIS_PROGRAM", os.path.join(ROOT, "bis"))
-        r = subprocess.run([program, self.scene, "--outfile", out, "--stats", "-", *options], check=True, capture_output=True)
+        r = subprocess.run([program, self.scene, "--outfile", out, "--stats", "-", *options], check=True,
+                           capture_output=True)
         with open(out, "rb") as f:
             f.readline(), f.readline(), f.readline()
             data = np.frombuffer(f.read(), "<f4")
@@ -223,7 +230,8 @@ class Pictures(unittest.TestCase):
         mesh = bis.Mesh(points, faces, normals, uv)
         with open(os.path.join(self.folder.name, "mesh.ply"), "wb") as f:
             f.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 30\n")
-            f.write(b"".join(b"property float %s\n" % name for name in (b"x", b"y", b"z", b"nx", b"ny", b"nz", b"u", b"v")))
+            f.write(b"".join(b"property float %s\n" % name
+                             for name in (b"x", b"y", b"z", b"nx", b"ny", b"nz", b"u", b"v")))
             f.write(b"element face 10\nproperty list uchar int vertex_indices\nend_header\n")
             f.write(np.hstack([points, normals, uv]).astype("<f4").tobytes())
             for face in faces:

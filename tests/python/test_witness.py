@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """bis against another renderer (witness.py): 100 random scenes, every integrator (make test-python).
 
-A scene has a small map, a few spheres, disks and triangles under random matrices, and both materials, some with textures. Compared is the mean
-of the picture, over pixels and channels, with N_SEEDS seeds. For each scene and integrator: Student's t beyond what the witness's own sum may
-miss (the change from half as many cells a side). For each integrator: t of the relative differences of all scenes, which finds small errors
-that all scenes share: with standard errors of 0.03 % (unoccluded) to 0.15 % (em), 0.3 % to 1.1 % are found with 99 % power. Both kinds of tests together reject what is right with probability ALPHA (Sidak). The twins are witnesses with a
-mistake; each must be rejected."""
+A scene has a small map, a few spheres, disks and triangles under random matrices, and both materials, some with
+textures. Compared is the mean of the picture, over pixels and channels, with N_SEEDS seeds. For each scene and
+integrator: Student's t beyond what the witness's own sum may miss (the change from half as many cells a side). For each
+integrator: t of the relative differences of all scenes, which finds small errors that all scenes share: with standard
+errors of 0.03 % (unoccluded) to 0.15 % (em), 0.3 % to 1.1 % are found with 99 % power. Both kinds of tests together
+reject what is right with probability ALPHA (Sidak). The twins are witnesses with a mistake; each must be rejected."""
 import os
 import sys
 import tempfile
@@ -25,7 +26,8 @@ METHODS = {  # settings; whether shadows are seen
     "brdf": ({"integrator": "brdf", "samples": 8}, True),
     "mis": ({"integrator": "mis", "samples": 8}, True),
     # the default estimator is a ratio, whose bias docs/integrators.md states
-    "rejection": ({"integrator": "rejection", "estimator": "plain", "proposal": "em", "candidates": 64, "shadowrays": 8}, True),
+    "rejection": ({"integrator": "rejection", "estimator": "plain", "proposal": "em", "candidates": 64,
+                   "shadowrays": 8}, True),
     "sir": ({"integrator": "sir", "candidates": 32, "shadowrays": 4}, True),
     "sir product": ({"integrator": "sir", "proposal": "product", "candidates": 32, "shadowrays": 4}, True),
     "exact": ({"integrator": "exact", "perpatch": 1}, True),
@@ -35,7 +37,8 @@ N_TESTS = len(METHODS) * (N_SCENES + 1)
 
 
 def t_bound(dof, alpha):
-    """The t that |t| exceeds with probability alpha: Student's density is summed in s = atan(t / sqrt(dof)), where it is cos^(dof-1)."""
+    """The t that |t| exceeds with probability alpha: Student's density is summed in s = atan(t / sqrt(dof)), where it
+    is cos^(dof-1)."""
     s = np.linspace(0, np.pi / 2, 2000001)
     tail = np.cumsum(np.cos(s[::-1]) ** (dof - 1))
     return np.sqrt(dof) * np.tan(s[::-1][np.searchsorted(tail, alpha * tail[-1])])
@@ -78,9 +81,12 @@ def random_scene(seed):
         if kind == "mesh":
             s.update(P=r.normal(0, 1, (4, 3)), indices=np.array([[0, 1, 2], [0, 2, 3]]), uv=r.uniform(0, 1, (4, 2)))
         shapes.append(s)
-    shapes.append({"kind": "disk", "matrix": random_matrix(r, [0, 0, -1.5]), "radius": 4.0, "height": 0.0, "material": random_material(r)})
-    return {"eye": witness.unit(r.normal(size=3)) * 5, "look": r.normal(0, 0.2, 3), "up": r.normal(size=3), "fov": r.uniform(25, 50),
-            "width": 4, "height": 3, "shapes": shapes, "light": {"rotation": random_rotation(r), "pixels": pixels.astype(np.float64)}}
+    shapes.append({"kind": "disk", "matrix": random_matrix(r, [0, 0, -1.5]), "radius": 4.0, "height": 0.0,
+                   "material": random_material(r)})
+    return {"eye": witness.unit(r.normal(size=3)) * 5, "look": r.normal(0, 0.2, 3), "up": r.normal(size=3),
+            "fov": r.uniform(25, 50),
+            "width": 4, "height": 3, "shapes": shapes,
+            "light": {"rotation": random_rotation(r), "pixels": pixels.astype(np.float64)}}
 
 
 # ---- the same as text ----
@@ -94,7 +100,8 @@ def shape_text(k, s):
     Kd = '"rgb Kd" ' + numbers(m["Kd"])
     if "checks" in m:
         first, second, times = m["checks"]
-        out.append('Texture "t%d" "spectrum" "checkerboard" "rgb tex1" %s "rgb tex2" %s "float uscale" %d "float vscale" %d'
+        out.append('Texture "t%d" "spectrum" "checkerboard" "rgb tex1" %s "rgb tex2" %s "float uscale" %d '
+                   '"float vscale" %d'
                    % (k, numbers(first), numbers(second), times, times))
         Kd = '"texture Kd" "t%d"' % k
     width = '"float exponent" %r' % m["exponent"] if m["kind"] == "phong" else '"float roughness" %r' % m["roughness"]
@@ -117,8 +124,10 @@ def write(scene, folder):
     turn[:3, :3] = scene["light"]["rotation"]
     lines = ['Film "rgb" "integer xresolution" %d "integer yresolution" %d' % (scene["width"], scene["height"]),
              'Sampler "random" "integer pixelsamples" 8', 'Option "bool disablepixeljitter" true',
-             "LookAt " + numbers([scene["eye"], scene["look"], scene["up"]])[1:-1], 'Camera "perspective" "float fov" %r' % float(scene["fov"]),
-             "WorldBegin", "AttributeBegin Transform " + numbers(turn.T), 'LightSource "infinite" "string filename" "map.pfm"', "AttributeEnd"]
+             "LookAt " + numbers([scene["eye"], scene["look"], scene["up"]])[1:-1],
+             'Camera "perspective" "float fov" %r' % float(scene["fov"]),
+             "WorldBegin", "AttributeBegin Transform " + numbers(turn.T),
+             'LightSource "infinite" "string filename" "map.pfm"', "AttributeEnd"]
     path = os.path.join(folder, "scene.txt")
     with open(path, "w") as f:
         f.write("\n".join(lines + [line for k, s in enumerate(scene["shapes"]) for line in shape_text(k, s)]) + "\n")
@@ -135,13 +144,16 @@ def measure():
             path = write(random_scene(i), folder)
             for name, (settings, _) in METHODS.items():
                 for k in range(N_SEEDS):
-                    means[name][i, k] = bis.render(path, seed=1000 * i + k, threads=1, **settings).rgb.mean(dtype=np.float64)
+                    means[name][i, k] = bis.render(path, seed=1000 * i + k, threads=1,
+                                                   **settings).rgb.mean(dtype=np.float64)
     return means
 
 
 def truths():
-    """The witness's means (scenes, 2) with and without shadows, and how far they may be off: the change from half as many cells a side."""
-    fine, coarse = ([witness.render(random_scene(i), k).mean((1, 2, 3)) for i in range(N_SCENES)] for k in (CELLS, CELLS // 2))
+    """The witness's means (scenes, 2) with and without shadows, and how far they may be off: the change from half as
+    many cells a side."""
+    fine, coarse = ([witness.render(random_scene(i), k).mean((1, 2, 3)) for i in range(N_SCENES)]
+                    for k in (CELLS, CELLS // 2))
     return np.array(fine), np.abs(np.array(fine) - np.array(coarse))
 
 

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""A second renderer, by brute force, to hold bis against. It was written from docs/scene-format.md, docs/integrators.md, docs/guide.md
-(which way a map's columns run) and the formulas at the head of include/bis/thesis/phong.h and include/bis/beyond/microfacet.h alone, and
-shares no line with bis: rays against every shape, and a sum over small cells of every pixel of a small map. Doubles throughout.
+"""A second renderer, by brute force, to hold bis against. It was written from docs/scene-format.md,
+docs/integrators.md, docs/guide.md (which way a map's columns run) and the formulas at the head of
+include/bis/thesis/phong.h and include/bis/beyond/microfacet.h alone, and shares no line with bis: rays against every
+shape, and a sum over small cells of every pixel of a small map. Doubles throughout.
 
-A scene is a dict: eye, look, up, fov, width, height; light (rotation 3x3, pixels (h, w, 3), row 0 at the top); shapes, each a dict with kind
-(sphere, disk, mesh), matrix 4x4, its own numbers, and material; a material is a dict with kind (phong, microfacet), Kd, Ks, exponent or
-roughness, and perhaps checks: a pair of colours that take the place of Kd, and how often they repeat."""
+A scene is a dict: eye, look, up, fov, width, height; light (rotation 3x3, pixels (h, w, 3), row 0 at the top); shapes,
+each a dict with kind (sphere, disk, mesh), matrix 4x4, its own numbers, and material; a material is a dict with kind
+(phong, microfacet), Kd, Ks, exponent or roughness, and perhaps checks: a pair of colours that take the place of Kd, and
+how often they repeat."""
 import numpy as np
 
 UNSEEN = np.inf
@@ -74,7 +76,8 @@ def surface(shape, o, d, t):
 # ---- light ----
 
 def cells(light, k):
-    """Directions in the world, solid angles and radiance of k x k cells of each pixel; row 0 of the map is at +z of its frame."""
+    """Directions in the world, solid angles and radiance of k x k cells of each pixel; row 0 of the map is at +z of its
+    frame."""
     h, w, _ = light["pixels"].shape
     edges = np.cos(np.pi * np.arange(k * h + 1) / (k * h))
     theta = np.arccos((edges[:-1] + edges[1:]) / 2)  # the middle of a cell by area
@@ -96,7 +99,8 @@ def colour(material, uv):
 
 def f_phong(m, Kd, wi, wo, n):
     mirror = 2 * (n @ wo) * n - wo
-    return m["Ks"] * ((m["exponent"] + 1) / (2 * np.pi) * np.maximum(0, wi @ mirror) ** m["exponent"])[:, None] + Kd / np.pi
+    lobe = (m["exponent"] + 1) / (2 * np.pi) * np.maximum(0, wi @ mirror) ** m["exponent"]
+    return m["Ks"] * lobe[:, None] + Kd / np.pi
 
 
 def f_microfacet(m, Kd, wi, wo, n):
@@ -109,7 +113,8 @@ def f_microfacet(m, Kd, wi, wo, n):
     F = m["Ks"] + (1 - m["Ks"]) * ((1 - c_d) ** 5)[:, None]  # Schlick 1994
     F = np.where(m["Ks"] > 0, F, 0)
     coat = [1 - (1 - c / 2) ** 5 for c in (c_i, c_o)]
-    return F * (D * G2 / (4 * c_i * c_o))[:, None] + 28 / (23 * np.pi) * Kd * (1 - m["Ks"]) * (coat[0] * coat[1])[:, None]
+    below = 28 / (23 * np.pi) * Kd * (1 - m["Ks"]) * (coat[0] * coat[1])[:, None]
+    return F * (D * G2 / (4 * c_i * c_o))[:, None] + below
 
 
 MODELS = {"phong": f_phong, "microfacet": f_microfacet}
@@ -142,8 +147,8 @@ def radiance(scene, d, eye, light, k):
 
 
 def render(scene, k):
-    """Two pictures (height, width, 3), with and without shadows: what rays through the pixels' centres see, with k x k cells in a pixel of
-    the map."""
+    """Two pictures (height, width, 3), with and without shadows: what rays through the pixels' centres see, with k x k
+    cells in a pixel of the map."""
     W, H = scene["width"], scene["height"]
     forward = unit(scene["look"] - scene["eye"])
     right = unit(np.cross(scene["up"], forward))  # the world is left-handed: x right, y up, z forward

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-2-Clause
-"""Print the table of tests/files/test_image_conformance.c: the checksum of every file's pixels as readers other than ours see them.
+"""Print the table of tests/files/test_image_conformance.c: the checksum of every file's pixels as readers other than
+ours see them.
 
     python3 tests/support/image_checksums.py ../shared/data/conformance/exr/*.exr ../shared/data/conformance/hdr/*.hdr
 
-wants numpy, OpenEXR (3.5.3 was used) and opencv-python-headless (5.0.0). `make test` does not run this. The checksum is the
-sum of (2 i + 1) * bits of float i, modulo 2^64, over R, G, B of all pixels from the top; every NaN counts as 0x7fc00000.
-Old run-length encoding, which OpenCV does not read, is decoded here. Luminance with chroma has no independent reader:
-such files get the mean of Y instead, which is the mean luminance of R, G, B.
+wants numpy, OpenEXR (3.5.3 was used) and opencv-python-headless (5.0.0). `make test` does not run this. The checksum is
+the sum of (2 i + 1) * bits of float i, modulo 2^64, over R, G, B of all pixels from the top; every NaN counts as
+0x7fc00000. Old run-length encoding, which OpenCV does not read, is decoded here. Luminance with chroma has no
+independent reader: such files get the mean of Y instead, which is the mean luminance of R, G, B.
 """
 import os
 import sys

@@ -22,12 +22,14 @@ class Browser:
     """Browser starts Chromium with file descriptors 3 and 4 as the protocol's pipe, and ends it."""
 
     def __init__(self, program):
-        # A child of Chromium may still write while the folder is removed, because Chromium does not wait for its children.
+        # A child of Chromium may still write while the folder is removed, because Chromium does not wait for its
+        # children.
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_read, self.to = os.pipe()
         self.back, to_write = os.pipe()
         command = [program, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run",
-                   "--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND", "--remote-debugging-pipe",
+                   "--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND",
+                   "--remote-debugging-pipe",
                    f"--user-data-dir={self.profile.name}", "about:blank"]
         shell = 'exec 3<&"$1" 4>&"$2"; shift 2; exec "$@"'     # 3 and 4, whatever the pipes are here
         self.process = subprocess.Popen(["bash", "-c", shell, "-", str(to_read), str(to_write), *command],
@@ -79,7 +81,8 @@ class Browser:
     def page(self, address, width=1100, height=900, dark=False):
         """page opens an address in a new tab."""
         target = self.send("Target.createTarget", url="about:blank", newWindow=True)["targetId"]
-        return Page(self, self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"], address, width, height,
+        return Page(self, self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"], address,
+                    width, height,
                     dark)
 
 
@@ -91,7 +94,8 @@ class Page:
         for what in ("Page", "Runtime", "Network"):
             self.send(what + ".enable")
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
-        self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+        self.send("Emulation.setEmulatedMedia",
+                  features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
         self.send("Page.navigate", url=address)
         self.wait("document.readyState === 'complete'", 30)
 
@@ -103,7 +107,8 @@ class Page:
         """value returns what JavaScript computes (JSON)."""
         answer = self.send("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
-            raise RuntimeError(f"{expression[:200]}: {answer['exceptionDetails'].get('exception', {}).get('description')}")
+            raise RuntimeError(f"{expression[:200]}: "
+                               f"{answer['exceptionDetails'].get('exception', {}).get('description')}")
         return answer["result"].get("value")
 
     def wait(self, expression, seconds=60):
@@ -117,7 +122,8 @@ class Page:
 
     def place(self, expression):
         """place scrolls an element into view and returns its middle."""
-        return self.value(f"(() => {{ const e = {expression}; e.scrollIntoView({{block: 'center'}}); const r = e.getBoundingClientRect();"
+        return self.value(f"(() => {{ const e = {expression}; e.scrollIntoView({{block: 'center'}}); "
+                          "const r = e.getBoundingClientRect();"
                           " return [r.left + r.width / 2, r.top + r.height / 2]; })()")
 
     def click_at(self, x, y):

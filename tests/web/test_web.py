@@ -3,9 +3,9 @@
 
 `make test-web` calls it: python3 tests/web/test_web.py FOLDER LIBRARY [NAME...]   FOLDER: build/web, LIBRARY: libbis.so
 
-Each figure is driven in a headless Chromium as a person would: opened by a link, moved by keys, clicked. After each step the
-hash that it shows is compared with that of the same calls of the native library. The twin: one wrong bit changes the hash.
-Without a Chromium it says so and ends with 0."""
+Each figure is driven in a headless Chromium as a person would: opened by a link, moved by keys, clicked. After each
+step the hash that it shows is compared with that of the same calls of the native library. The twin: one wrong bit
+changes the hash. Without a Chromium it says so and ends with 0."""
 import json
 import os
 import pathlib
@@ -49,42 +49,53 @@ def same_numbers(table, calls, shown, own):
 
 def settle(page, name):
     """settle waits until the figure shows what its controls say; so long that a loaded machine does not matter."""
-    return page.wait(f"bisFigure.seen['{name}'] && !document.querySelector('[data-figure={name}]').hasAttribute('aria-busy')", 900)
+    return page.wait(f"bisFigure.seen['{name}'] && "
+                     f"!document.querySelector('[data-figure={name}]').hasAttribute('aria-busy')", 900)
 
 
 def compare(t, lib, page, name, step):
     """compare holds what the figure shows against the native library."""
     if not t.claim(settle(page, name), f"{name}, {step}: is drawn"):
         return
-    seen = page.value(f"(() => {{ const s = bisFigure.seen['{name}']; return {{calls: JSON.stringify(s.calls), hash: s.hash, error: s.error,"
+    seen = page.value(f"(() => {{ const s = bisFigure.seen['{name}']; return {{"
+                      "calls: JSON.stringify(s.calls), hash: s.hash, error: s.error,"
                       " out: JSON.stringify(s.out.map((o, i) => bisCalls[s.calls[i][0]][0] === '~' ? o : []))}; })()")
     if not t.claim(not seen["error"], f"{name}, {step}: {seen['error']}"):
         return
     calls = json.loads(seen["calls"])
     out, digest = lib.run(calls)
     t.claim(digest == seen["hash"], f"{name}, {step}: shows {seen['hash']}, native {digest}")
-    t.claim(same_numbers(lib.table, calls, json.loads(seen["out"]), out), f"{name}, {step}: p-values and the like are the native ones")
+    t.claim(same_numbers(lib.table, calls, json.loads(seen["out"]), out),
+            f"{name}, {step}: p-values and the like are the native ones")
     shown = page.value(f"document.querySelector('[data-figure={name}] [data-hash]').textContent")
     t.claim(shown == seen["hash"], f"{name}, {step}: prints its hash")
 
 
 CONTROLS = "[...document.querySelectorAll('[data-figure=%s] .live-controls %s')]"
 
-# Every control has a name and can be reached, drawings have words, no id stands twice, text has a contrast of 4.5 (WCAG 2.2 AA).
+# Every control has a name and can be reached, drawings have words, no id stands twice, text has a contrast of 4.5 (WCAG
+# 2.2 AA).
 ACCESSIBLE = r"""(() => {
   const bad = [], ids = new Set();
   for (const e of document.querySelectorAll('[id]')) { if (ids.has(e.id)) bad.push('two ids ' + e.id); ids.add(e.id); }
   for (const e of document.querySelectorAll('figure.live input, figure.live select, figure.live button, figure.live a'))
-    if (!(e.labels && e.labels.length) && !e.textContent.trim() && !e.getAttribute('aria-label')) bad.push('no name: ' + e.outerHTML.slice(0, 80));
+    if (!(e.labels && e.labels.length) && !e.textContent.trim() && !e.getAttribute('aria-label'))
+      bad.push('no name: ' + e.outerHTML.slice(0, 80));
   for (const e of document.querySelectorAll('figure.live svg'))
-    if (e.getAttribute('role') !== 'img' || !e.querySelector('title') || !e.querySelector('title').textContent) bad.push('a drawing without words');
-  const light = (c) => { const v = c.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255).map((x) => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
-    return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2]; };
-  for (const e of document.querySelectorAll('figure.live p, figure.live label, figure.live output, figure.live button, figure.live li, figure.live a, figure.live legend')) {
+    if (e.getAttribute('role') !== 'img' || !e.querySelector('title') || !e.querySelector('title').textContent)
+      bad.push('a drawing without words');
+  const light = (c) => {
+    const v = c.match(/[\d.]+/g).slice(0, 3).map((x) => x / 255)
+      .map((x) => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
+    return 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
+  };
+  for (const e of document.querySelectorAll(
+    'figure.live :is(p, label, output, button, li, a, legend)')) {
     let b = e;
     while (b && getComputedStyle(b).backgroundColor === 'rgba(0, 0, 0, 0)') b = b.parentElement;
     const back = b ? light(getComputedStyle(b).backgroundColor) : 1, ink = light(getComputedStyle(e).color);
-    if ((Math.max(back, ink) + 0.05) / (Math.min(back, ink) + 0.05) < 4.5) bad.push('contrast: ' + e.textContent.slice(0, 40));
+    if ((Math.max(back, ink) + 0.05) / (Math.min(back, ink) + 0.05) < 4.5)
+      bad.push('contrast: ' + e.textContent.slice(0, 40));
   }
   return bad;
 })()"""
@@ -115,13 +126,15 @@ def drive(t, lib, b, folder, name):
             compare(t, lib, page, name, f"with {control['name']}={option}")
     link = page.value(f"document.querySelector('[data-figure={name}] .live-foot a').getAttribute('href')")
     twin = b.page(f"{address}?only={name}{link}")
-    t.claim(settle(twin, name) and twin.value(f"bisFigure.seen['{name}'].hash") == page.value(f"bisFigure.seen['{name}'].hash"),
+    of_name = f"bisFigure.seen['{name}'].hash"
+    t.claim(settle(twin, name) and twin.value(of_name) == page.value(of_name),
             f"{name}: its link shows the same")
     tasks = page.value(f"document.querySelectorAll('[data-figure={name}] [data-task]').length")
     t.claim(tasks == 2, f"{name}: has two tasks")
     for i in range(tasks):
         page.click(f"document.querySelectorAll('[data-figure={name}] [data-task]')[{i}]")
-        t.claim(page.value(f"document.querySelectorAll('[data-figure={name}] [data-task] + span')[{i}].textContent.length > 3"), f"{name}: task {i} answers")
+        t.claim(page.value(f"document.querySelectorAll('[data-figure={name}] "
+                           f"[data-task] + span')[{i}].textContent.length > 3"), f"{name}: task {i} answers")
     solve(t, b, address, name, page)
     for dark in (False, True):
         look = b.page(f"{address}?only={name}#{name}", width=390, dark=dark)
@@ -166,7 +179,8 @@ def axe(t, page, name):
     if not axe_source:
         return
     page.value(axe_source + "; 0")
-    bad = page.value("axe.run('figure.live').then((r) => r.violations.map((v) => v.id + ': ' + v.nodes.map((n) => n.html.slice(0, 80)).join(' | ')))")
+    bad = page.value("axe.run('figure.live').then((r) => r.violations.map((v) => v.id + ': ' + v."
+                     "nodes.map((n) => n.html.slice(0, 80)).join(' | ')))")
     t.claim(not bad, f"{name}: axe-core says {bad}")
 
 
@@ -176,14 +190,16 @@ def own_maps(t, lib, b, folder):
     settle(page, "sir")
     whole = (pathlib.Path(lib.folder) / "maps/interior.hdr").read_bytes()
     choose = "document.querySelector('[data-figure=sir] input[type=file]')"
-    for kind, data in (("cut off", whole[:9000]), ("of noise", bytes(range(256)) * 40), ("OpenEXR", b"v/1\x01" + bytes(99)), ("empty", b"")):
+    for kind, data in (("cut off", whole[:9000]), ("of noise", bytes(range(256)) * 40),
+                       ("OpenEXR", b"v/1\x01" + bytes(99)), ("empty", b"")):
         path = pathlib.Path(lib.folder) / f"damaged_{kind[0]}.hdr"     # of another name each: else nothing has changed
         path.write_bytes(data)
         page.value("(bisFigure.seen.sir.error = null, 0)")
         node = page.send("Runtime.evaluate", expression=choose)["result"]["objectId"]
         page.send("DOM.setFileInputFiles", files=[str(path)], objectId=node)
         t.claim(page.wait("!!bisFigure.seen.sir.error", 20), f"a map that is {kind} is an error")
-        t.claim("cannot read" in page.value("bisFigure.seen.sir.error || ''"), f"{kind}: {page.value('bisFigure.seen.sir.error')}")
+        t.claim("cannot read" in page.value("bisFigure.seen.sir.error || ''"),
+                f"{kind}: {page.value('bisFigure.seen.sir.error')}")
         path.unlink()
     os.makedirs(pathlib.Path(lib.folder) / "maps", exist_ok=True)
     own = pathlib.Path(lib.folder) / "maps/own"
@@ -208,7 +224,8 @@ def bits(t, lib, b, folder):
     """bits: `bis verify --bits` in the browser."""
     page = b.page(f"file://{folder}/index.html?only=alias#alias")
     settle(page, "alias")
-    code = ("bisClient(bisAssets, bisCalls).ask([['bis_flat_bits', 32, 32, 1024, 1]]).then((a) => { const [h, e, n, k] = a.out[0];"
+    code = ("bisClient(bisAssets, bisCalls).ask([['bis_flat_bits', 32, 32, 1024, 1]]).then((a) => { "
+            "const [h, e, n, k] = a.out[0];"
             " return [...Array(k[0]).keys()].filter((i) => h[2 * i] !== e[2 * i] || h[2 * i + 1] !== e[2 * i + 1])"
             ".map((i) => new TextDecoder().decode(n.subarray(64 * i, 64 * i + 64)).replace(/\\0.*/, '')); })")
     different = page.value(code)
@@ -217,7 +234,8 @@ def bits(t, lib, b, folder):
 
 def main():
     folder, library = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-    program = next((p for p in [os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome"] if p and shutil.which(p)), None)
+    program = next((p for p in [os.environ.get("CHROMIUM"), "chromium", "chromium-browser", "google-chrome"]
+                    if p and shutil.which(p)), None)
     if not program:
         print("make test-web: SKIPPED: no chromium here; scripts/setup.sh --web installs one, CHROMIUM=path names one")
         return 0
@@ -233,7 +251,8 @@ def main():
             drive(t, lib, b, folder, name)
         own_maps(t, lib, b, folder)
         bits(t, lib, b, folder)
-    print(f"make test-web: {t.n - t.failed} of {t.n} claims hold, {len(names)} figures ({program}); see {folder}/test_*.png")
+    print(f"make test-web: {t.n - t.failed} of {t.n} claims hold, {len(names)} figures ({program}); see "
+          f"{folder}/test_*.png")
     return t.failed > 0
 
 

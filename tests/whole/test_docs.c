@@ -345,7 +345,39 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
     }
 }
 
+/* Of the files that are written by hand, each kind in one of its folders; a scene may be as wide as it likes. */
+static void a_long_line_is_found_in_every_kind_of_file(void **state)
+{
+    static const char *const files[] = {"Makefile", ".ci/run", "src/base/x.awk", "tests/base/x.c", "scripts/x.sh",
+                                        "scripts/x.awk", "scripts/x.mk", "tests/base/x.py", "data/generate/x.h",
+                                        "docs/live/x.js"};
+    const char *line = COLUMNS_50 COLUMNS_50 "12345678901234567890";
+    char path[128], text[256], said[1024];
+
+    (void)state;
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
+                               "mkdir -p include/bis/base .ci src/base tests/base scripts data/generate docs/live"), 0);
+        program_write_file("build/docstrings/include/bis/base/x.h", "/* f does it. */\nint f(int x);\n");
+        snprintf(text, sizeof text, "%s+\n", line);
+        program_write_file("build/docstrings/tests/base/scene.txt", text);
+        snprintf(path, sizeof path, "build/docstrings/%s", files[i]);
+        for (int over = 0; over < 2; over++) {
+            snprintf(text, sizeof text, "%s%s\n", line, over ? "+" : "");
+            program_write_file(path, text);
+            assert_int_equal(over,
+                             shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
+        }
+        snprintf(text, sizeof text, "%s:1: 121 columns, at most 120 are allowed\n", files[i]);
+        FILE *f = fopen("build/docstrings.out", "r");
+        said[fread(said, 1, sizeof said - 1, f)] = '\0';
+        fclose(f);
+        assert_string_equal(said, text);
+    }
+}
+
 /* ---- layers ---- */
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void arrows_only_go_down(void **state)
 {
@@ -648,6 +680,7 @@ int main(void)
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
         cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
+        cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),
         cmocka_unit_test(each_job_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),

@@ -2,14 +2,19 @@
 /* errata: equations as the thesis prints them, beside the right ones (docs/errata.md). */
 'use strict';
 (function () {
-const WIDE = 48, HIGH = 32, COLUMNS = 32; /* of the map: `exact` sums over all its pixels at every pixel of the picture */
+/* COLUMNS of the map: `exact` sums over all its pixels at every pixel of the picture */
+const WIDE = 48, HIGH = 32, COLUMNS = 32;
 const WHICH = {
-  E6: ['E6: one colour for all rays', ['integrator=sir', 'candidates=64', 'shadowrays=2', 'proposal=mix', 'learn=false'], 'maps/lamps.hdr', 0.1],
+  E6: ['E6: one colour for all rays', ['integrator=sir', 'candidates=64', 'shadowrays=2', 'proposal=mix',
+    'learn=false'], 'maps/lamps.hdr', 0.1],
   E14: ['E14: u - i > prob in the alias table'],
-  E21: ['E21: Zhat from other candidates', ['integrator=sir', 'candidates=16', 'shadowrays=8', 'proposal=mix', 'learn=false']],
+  E21: ['E21: Zhat from other candidates', ['integrator=sir', 'candidates=16', 'shadowrays=8', 'proposal=mix',
+    'learn=false']],
   E22: ['E22: draw until N are accepted', ['integrator=rejection', 'candidates=256', 'shadowrays=2', 'proposal=brdf']],
-  E23: ['E23: a weight without the cosine', ['integrator=sir', 'candidates=64', 'shadowrays=8', 'proposal=em', 'learn=false']],
-  E29: ['E29: no ray where nothing is accepted', ['integrator=rejection', 'candidates=16', 'shadowrays=4', 'proposal=em']]
+  E23: ['E23: a weight without the cosine', ['integrator=sir', 'candidates=64', 'shadowrays=8', 'proposal=em',
+    'learn=false']],
+  E29: ['E29: no ray where nothing is accepted',
+    ['integrator=rejection', 'candidates=16', 'shadowrays=4', 'proposal=em']]
 };
 
 /* ---- E14: a table of 256 items, of which every other one has weight 0, and u of few bits ---- */
@@ -19,17 +24,24 @@ const weights = [...Array(ITEMS).keys()].map((i) => i % 2);
 const table = COIN.map((k) => ['bis_flat_alias_few_bits', ITEMS, weights, ITEM_BITS + k, ITEMS, ITEMS, 2]);
 function drawTable(out, wide) {
   const shares = (way) => out.map((o) => o[2][way]);
-  const chart = bisPlot.chart({title: 'Draws of impossible items', width: wide, height: 320, legend: 'top', text: bisPlot.percent(shares(0)[2]) + ' as printed with two bits left, right ' + bisPlot.percent(shares(1)[2]),
-    x: {label: 'bits of u that are left for the coin', min: 0, max: COIN.length - 1, ticks: COIN}, y: {label: 'share of the draws in their bins', min: 0, max: 1},
-    series: [{kind: 'line', x: COIN, y: shares(0), label: 'as printed: u - i > prob', colour: 'em', points: true}, {kind: 'line', x: COIN, y: shares(1), label: 'right: frac < prob', colour: 'sir', points: true, dash: true}]});
-  return {html: chart, words: WHICH.E14[0] + '. Every other of ' + ITEMS + ' items has weight 0, and u takes all values of so many bits: ' + ITEM_BITS + ' choose the bin, the others are a coin. Where the coin is 0 the printed test draws the impossible item: ' +
-    'in all draws without a bit for the coin, in ' + bisPlot.percent(shares(0)[8]) + ' with 8 bits. The right test never does. Tables have no picture here, so the sliders change nothing.'};
+  const chart = bisPlot.chart({title: 'Draws of impossible items', width: wide, height: 320, legend: 'top',
+    text: bisPlot.percent(shares(0)[2]) + ' as printed with two bits left, right ' + bisPlot.percent(shares(1)[2]),
+    x: {label: 'bits of u that are left for the coin', min: 0, max: COIN.length - 1, ticks: COIN},
+    y: {label: 'share of the draws in their bins', min: 0, max: 1},
+    series: [{kind: 'line', x: COIN, y: shares(0), label: 'as printed: u - i > prob', colour: 'em', points: true},
+      {kind: 'line', x: COIN, y: shares(1), label: 'right: frac < prob', colour: 'sir', points: true, dash: true}]});
+  return {html: chart, words: WHICH.E14[0] + '. Every other of ' + ITEMS +
+    ' items has weight 0, and u takes all values of so many bits: ' + ITEM_BITS + ' choose the bin, the others are a ' +
+    'coin. Where the coin is 0 the printed test draws the impossible item: ' +
+    'in all draws without a bit for the coin, in ' + bisPlot.percent(shares(0)[8]) +
+    ' with 8 bits. The right test never does. Tables have no picture here, so the sliders change nothing.'};
 }
 
 /* ---- the others: three pictures ---- */
 
 const mapOf = (s) => bisFigure.map === 'maps/own' ? bisFigure.map : WHICH[s.which][2] || bisFigure.map;
-const scene = (s, printed) => 'text=Option "bool disablepixeljitter" true\n' + bisScene({n: s.n, width: WIDE, height: HIGH, asprinted: printed});
+const scene = (s, printed) => 'text=Option "bool disablepixeljitter" true\n' +
+  bisScene({n: s.n, width: WIDE, height: HIGH, asprinted: printed});
 const settings = (s) => WHICH[s.which][1].concat('spp=' + s.spp, 'seed=' + s.seed);
 function pictures(s) {
   const map = mapOf(s), small = bisSmall(map, COLUMNS);
@@ -52,9 +64,11 @@ bisFigure.define({
   map: true,
   title: 'The errata as switches: the printed equation and the right one',
   section: '4',
-  look: 'some printed equations change the brightness for good, and no number of samples helps: the difference keeps its colour while the noise goes.',
+  look: 'some printed equations change the brightness for good, and no number of samples helps: the difference keeps ' +
+    'its colour while the noise goes.',
   controls: [
-    {name: 'which', label: 'equation', options: Object.fromEntries(Object.entries(WHICH).map(([k, v]) => [k, v[0]])), value: 'E6'},
+    {name: 'which', label: 'equation', options: Object.fromEntries(Object.entries(WHICH).map(([k, v]) => [k, v[0]])),
+      value: 'E6'},
     {name: 'spp', label: 'samples a pixel', min: 1, max: 64, log: true, value: 8},
     {name: 'n', label: 'exponent of the balls', min: 1, max: 1024, log: true, value: 32},
     {name: 'seed', label: 'seed', min: 1, max: 99, value: 1}
@@ -64,15 +78,25 @@ bisFigure.define({
     if (s.which === 'E14') return drawTable(all, wide);
     const out = all.slice(2); /* behind the map's two calls */
     const most = WHICH[s.which][3] || 0.3, common = {width: 230, height: 153, columns: WIDE, rows: HIGH, most: wide};
-    const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false, image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))}, common));
-    const difference = (title, pixels) => bisPlot.heat(Object.assign({title: title + ', green', text: title, colours: 'difference', night: false, lo: -most, hi: most, label: '',
+    const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false,
+      image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))}, common));
+    const difference = (title, pixels) => bisPlot.heat(Object.assign({title: title + ', green', text: title,
+      colours: 'difference', night: false, lo: -most, hi: most, label: '',
       values: [...Array(WIDE * HIGH).keys()].map((i) => pixels[4 * i + 1] - out[1][0][4 * i + 1])}, common));
-    return {html: '<div>' + show('as printed', out[5][0]) + show('right', out[3][0]) + show('exact', out[1][0]) + '</div><div>' + difference('printed - exact', out[5][0]) + difference('right - exact', out[3][0]) + '</div>',
-      words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) + ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' + bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').' + (s.which === 'E6' ? ' The sum of the three colours is the same; look at the colours of the shadows.' : '')};
+    return {html: '<div>' + show('as printed', out[5][0]) + show('right', out[3][0]) + show('exact', out[1][0]) +
+      '</div><div>' + difference('printed - exact', out[5][0]) + difference('right - exact', out[3][0]) + '</div>',
+      words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) +
+        ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' +
+        bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').' +
+        (s.which === 'E6' ? ' The sum of the three colours is the same; look at the colours of the shadows.' : '')};
   },
   tasks: [
-    {ask: 'Find an equation whose printed form makes the picture brighter by more than 0.1 in the mean.', answer: 'which=E23', check: (s, out) => s.which === 'E14' ? 'This one has no picture.' : bias(out) > 0.1 ? '' : 'This one is off by ' + bisPlot.number(bias(out), 3) + '.'},
-    {ask: 'Two equations belong to rejection. Find the one that is off by more than 0.03.', answer: 'which=E22', check: (s, out) => s.which !== 'E22' && s.which !== 'E29' ? 'This one does not belong to rejection.' : bias(out) > 0.03 ? '' : 'It is off by ' + bisPlot.number(bias(out), 3) + '.'}
+    {ask: 'Find an equation whose printed form makes the picture brighter by more than 0.1 in the mean.',
+      answer: 'which=E23', check: (s, out) => s.which === 'E14' ? 'This one has no picture.' : bias(out) > 0.1 ? ''
+        : 'This one is off by ' + bisPlot.number(bias(out), 3) + '.'},
+    {ask: 'Two equations belong to rejection. Find the one that is off by more than 0.03.', answer: 'which=E22',
+      check: (s, out) => s.which !== 'E22' && s.which !== 'E29' ? 'This one does not belong to rejection.'
+        : bias(out) > 0.03 ? '' : 'It is off by ' + bisPlot.number(bias(out), 3) + '.'}
   ]
 });
 })();

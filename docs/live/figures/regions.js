@@ -8,7 +8,8 @@ bisFigure.define({
   name: 'regions',
   title: 'Levels, components, and the area weighting b',
   section: '3.4',
-  look: 'pixels of one level that touch are one light source; with b above 0 small sources lose importance to large ones.',
+  look: 'pixels of one level that touch are one light source; with b above 0 small sources lose importance to large ' +
+    'ones.',
   map: true,
   controls: [
     {name: 'levels', label: 'levels', min: 1, max: 32, value: 8},
@@ -24,15 +25,25 @@ bisFigure.define({
   ],
   draw(s, out, wide) {
     const [W, H] = bisFigure.shape, level = out[1][1], pdf = out[3][0], hi = peak(out, 3);
-    const common = {width: 340, height: 170, most: wide, columns: W, rows: H, x: {label: 'phi', min: 0, max: 360, ticks: [0, 180, 360]}, y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}};
-    const levels = bisPlot.heat(Object.assign({title: 'The level of each pixel', text: s.levels + ' levels', values: [...level].map((v) => v > 254 ? -1 : v), lo: 0, hi: Math.max(1, s.levels - 1), colours: 'heat', label: 'level'}, common));
-    const density = bisPlot.heat(Object.assign({title: 'The density of drawing', text: 'with b = ' + s.b, values: pdf, log: true, lo: hi / 1e5, hi, label: '1/sr'}, common));
-    return {html: levels + density, words: s.levels + ' levels make ' + out[1][4][0] + ' components. The largest density is ' + bisPlot.number(hi, 3) + ' per steradian; without area weighting it is ' +
+    const common = {width: 340, height: 170, most: wide, columns: W, rows: H,
+      x: {label: 'phi', min: 0, max: 360, ticks: [0, 180, 360]},
+      y: {label: 'theta', min: 0, max: 180, ticks: [0, 90, 180]}};
+    const levels = bisPlot.heat(Object.assign({title: 'The level of each pixel', text: s.levels + ' levels',
+      values: [...level].map((v) => v > 254 ? -1 : v), lo: 0, hi: Math.max(1, s.levels - 1), colours: 'heat',
+      label: 'level'}, common));
+    const density = bisPlot.heat(Object.assign({title: 'The density of drawing', text: 'with b = ' + s.b, values: pdf,
+      log: true, lo: hi / 1e5, hi, label: '1/sr'}, common));
+    return {html: levels + density, words: s.levels + ' levels make ' + out[1][4][0] +
+      ' components. The largest density is ' + bisPlot.number(hi, 3) + ' per steradian; without area weighting it is ' +
       bisPlot.number(peak(out, 5), 3) + ', ' + bisPlot.number(gain(out), 3) + ' times as much.'};
   },
   tasks: [
-    {ask: 'Find the smallest number of levels that makes more than 1000 components.', answer: 'levels=12', check: (s, out) => out[1][4][0] <= 1000 ? 'There are ' + out[1][4][0] + '.' : s.levels <= 12 ? '' : 'Fewer levels do, too.'},
-    {ask: 'Keep 8 levels and find the smallest b that divides the largest density by 1.4 or more.', answer: 'levels=8;b=0.3', check: (s, out) => s.levels !== 8 ? 'Set the levels to 8.' : gain(out) < 1.4 ? 'It is divided by ' + bisPlot.number(gain(out), 3) + '.' : s.b < 0.31 ? '' : 'A smaller b does, too.'}
+    {ask: 'Find the smallest number of levels that makes more than 1000 components.', answer: 'levels=12',
+      check: (s, out) => out[1][4][0] <= 1000 ? 'There are ' + out[1][4][0] + '.' : s.levels <= 12 ? ''
+        : 'Fewer levels do, too.'},
+    {ask: 'Keep 8 levels and find the smallest b that divides the largest density by 1.4 or more.',
+      answer: 'levels=8;b=0.3', check: (s, out) => s.levels !== 8 ? 'Set the levels to 8.' : gain(out) < 1.4
+        ? 'It is divided by ' + bisPlot.number(gain(out), 3) + '.' : s.b < 0.31 ? '' : 'A smaller b does, too.'}
   ]
 });
 })();

@@ -1,7 +1,8 @@
 #!/bin/sh
 # make: hand-ins of a class for the assignment alias, as tests/course/test_assignments.c and who works on the marking
 # needs them: right, wrong, empty, copied, hostile, as files and as folders.
-#     tests/course/handed_in/make.sh FOLDER [N]          N: at least so many; the right and wrong ones come again, renamed
+#     tests/course/handed_in/make.sh FOLDER [N]          N: at least so many; the right and wrong ones come again,
+#                                                        renamed
 # From the root. The names say what they are: right*, wrong*, copy*, nothing*, attack* (worth nothing), odd*
 # (names, places and forms; 2 and 3 are blank, the others right).
 to=$1
