@@ -194,7 +194,7 @@ static const struct unknown {
     {"Sampler", "sobol", "\"sobol\""},
     {"Film", "rgb", "an ordinary film"},
     {"Accelerator", "bvh", "the default"},
-    {"PixelFilter", "triangle", "the box of one pixel is used"},
+    {"PixelFilter", "triangle", NULL},
 };
 
 const char *bis_approximate_unknown(bis_parser *p, const char *directive, const char *name, bis_loc at)

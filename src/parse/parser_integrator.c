@@ -95,7 +95,8 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         if (p->approximate)
             bis_approximate_integrator(p, p->name_at, "Integrator", bis_parser_text(p, p->name));
         else bis_warn(p->diag, p->name_at,
-                 "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
+                 "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\", one bounce; its parameters are "
+                 "ignored",
                  chosen->name, bis_sir.name);
         const unsigned as_printed = p->desc->view.settings.as_printed;
         p->desc->view.settings = bis_settings_unnamed();

@@ -141,7 +141,8 @@ void bis_directive_filter(bis_parser *p, bis_loc at)
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_FILTER, "PixelFilter", at);
     if (chosen->value == BIS_REPLACED && p->approximate) {
-        bis_approximate_note(p, p->name_at, "the box of one pixel is used", "PixelFilter \"%s\"", chosen->name);
+        bis_approximate_note(p, p->name_at, "the box of one pixel is used", "PixelFilter \"%s\"",
+                             bis_parser_word(p, bis_parser_text(p, p->name)));
         return;
     }
     if (chosen->value == BIS_REPLACED) {

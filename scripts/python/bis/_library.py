@@ -59,8 +59,8 @@ def _load() -> ctypes.CDLL:
         library.bis_flat_version.restype = ctypes.c_char_p
         return library
     except (OSError, AttributeError) as e:
-        raise ImportError("the package bis finds no usable libbis.so (%s): run `make install`, or set BIS_LIBRARY to "
-                          "its path" % e) from None
+        raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in the repository or "
+                          "`make install`, or set BIS_LIBRARY to its path" % e) from None
 
 
 _library = _load()
