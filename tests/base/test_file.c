@@ -363,7 +363,7 @@ static void one_file_under_two_names_is_known(void **state)
     assert_int_equal(symlink(".", DIR_NAME "/here"), 0);
     const struct { const char *a, *b; bool same; } cases[] = {
         {"there", "there", true},          {"there", "./there", true},      {"there", "soft", true},
-         {"there", "hard", true},
+        {"there", "hard", true},
         {"there", "here/there", true},     {"there", "other", false},       {"to_come", "to_come", true},
         {"to_come", "here/to_come", true}, {"to_come", "early", true},      {"here/early", "to_come", true},
         {"to_come", "to_com", false},      {"to_come", "there", false},     {"in_no/folder", "in_no/folder", false},

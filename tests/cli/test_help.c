@@ -91,9 +91,9 @@ static void every_name_of_the_scene_format_is_in_its_topic(void **state)
     (void)state;
     const struct { const char *section, *topic, *and_topic; int at_least; } cases[] = {
         {"\n### Camera\n", "scene", NULL, 4}, {"\n### Film\n", "scene", "output", 5},
-         {"\n### Sampler\n", "scene", NULL, 8},
+        {"\n### Sampler\n", "scene", NULL, 8},
         {"\n### Shape\n", "scene", NULL, 10}, {"\n### Integrator\n", "integrators", NULL, 20},
-         {"\n### Material\n", "materials", NULL, 9}, {"\n### Texture\n", "textures", NULL, 9},
+        {"\n### Material\n", "materials", NULL, 9}, {"\n### Texture\n", "textures", NULL, 9},
         {"\n### LightSource\n", "lights", NULL, 9},
     };
     const char *page = read_page("docs/scene-format.md");

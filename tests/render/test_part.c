@@ -696,7 +696,7 @@ static void numbers_that_make_no_sense_are_refused(void **state)
         {-100, bits_of(nan), 8, bad},
         {SUMS, bits_of(nan), 8, sum}, {DEVIATIONS - 8, bits_of(inf), 8, sum}, {DEVIATIONS, 0x7f800000, 4, sum},
         {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {QUARTER - 4, 0x7fc00000, 4, sum},
-         {QUARTER, 0x7f800000, 4, sum},
+        {QUARTER, 0x7f800000, 4, sum},
         {HITS - 4, 0x7fc00000, 4, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
         {DEPTHS, bits_of(nan), 8, sum}, {END - 8, bits_of(inf), 8, sum},
     };

@@ -524,7 +524,7 @@ static void a_mix_has_the_lobe_of_the_stronger_one(void **state)
 #define OF "\"string materials\" [\"one\" \"two\"] "
     static const struct { const char *mix; float Kd[3], Ks[3]; bool first; } cases[] = {
         {OF "\"float amount\" 0", {.2f, .4f, .8f}, {.3f, .1f, 0}, true},
-         {OF "\"float amount\" 1", {0, .4f, .2f}, {0, .2f, .4f}, false},
+        {OF "\"float amount\" 1", {0, .4f, .2f}, {0, .2f, .4f}, false},
         {OF "\"float amount\" 0.25", {.15f, .4f, .65f}, {.225f, .125f, .1f}, true},
         {OF, {.1f, .4f, .5f}, {.15f, .15f, .2f}, false}, /* 0.2 against 0.3 */
         {OF "\"float amount\" 0.375", {.125f, .4f, .575f}, {.1875f, .1375f, .15f}, true}, /* 0.25 against 0.225 */

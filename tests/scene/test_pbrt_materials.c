@@ -252,7 +252,7 @@ static void metals_reflect_on_average_what_their_spectra_do(void **state)
     (void)state;
     static const struct { const char *name; double mean[3]; } known[] = {
         {"Ag", {0.96958, 0.95857, 0.91795}}, {"Al", {0.90078, 0.91154, 0.91682}}, {"Cu", {0.95219, 0.64684, 0.55546}},
-         {"Au", {1, 0.79192, 0.38046}},
+        {"Au", {1, 0.79192, 0.38046}},
         {"", {0.95219, 0.64684, 0.55546}}}; /* copper by its spectra */
     for (int i = 0; i < 5; i++) {
         char text[2048];
@@ -950,7 +950,7 @@ static void words_about_filtering_are_ignored(void **state)
     char x[64], text[1024];
     static const struct { const char *words; bool is_told; } cases[] = {
         {"\"string filter\" \"bilinear\"", false}, {"\"bool trilinear\" true \"float maxanisotropy\" 4", false},
-         {"\"string filter\" \"ewa\"", true}};
+        {"\"string filter\" \"ewa\"", true}};
     store(scratch("x.png"), "x", 1);
     snprintf(x, sizeof x, "%s", strrchr(scratch("x.png"), '/') + 1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

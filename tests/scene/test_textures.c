@@ -593,27 +593,27 @@ static void what_a_library_says_in_vain_is_told_once(void **state)
     (void)state;
     static const struct { const char *mtl, *warning; } cases[] = {
         {"d 1", NULL}, {"d 2", NULL}, {"Tr 0", NULL}, {"Tr -1", NULL}, {"Ke 0 0 0", NULL}, {"Ke 0", NULL},
-         {"d 1\nTr 0\nKe 0", NULL},
+        {"d 1\nTr 0\nKe 0", NULL},
         {"Ka 1 2 3\nNi 1.5\nTf 1 1 1\nsharpness 60\nmap_Ka no.png", NULL}, {"# d 0.5\n\t# x\n\n  \t\n", NULL},
         {"d 0.5", "2: warning: d is ignored: the material is opaque"}, {"d 0.999",
          "2: warning: d is ignored: the material is opaque"},
         {"d 1\nTr 0.25", "3: warning: Tr is ignored: the material is opaque"},
-         {"Tr 1e-3", "2: warning: Tr is ignored: the material is opaque"},
+        {"Tr 1e-3", "2: warning: Tr is ignored: the material is opaque"},
         {"d 0.5\nTr 0.5\nd 0", "2: warning: d is ignored: the material is opaque"},
         {"Ke 1 0 0", "2: warning: Ke is ignored: no surface gives light"},
-         {"Ke 0 1 0", "2: warning: Ke is ignored: no surface gives light"},
+        {"Ke 0 1 0", "2: warning: Ke is ignored: no surface gives light"},
         {"Ke 0 0 1", "2: warning: Ke is ignored: no surface gives light"},
-         {"Ke 0.1\nKe 2 2 2", "2: warning: Ke is ignored: no surface gives light"},
+        {"Ke 0.1\nKe 2 2 2", "2: warning: Ke is ignored: no surface gives light"},
         {"map_Ks x", "2: warning: map_Ks is ignored"}, {"map_Ns x", "2: warning: map_Ns is ignored"},
-         {"map_d x", "2: warning: map_d is ignored"},
+        {"map_d x", "2: warning: map_d is ignored"},
         {"map_Ke x", "2: warning: map_Ke is ignored"},
         {"disp x", "2: warning: disp is ignored"},
         {"decal x", "2: warning: decal is ignored"}, {"refl x", "2: warning: refl is ignored"},
-         {"Pr 1", "2: warning: Pr is ignored"},
+        {"Pr 1", "2: warning: Pr is ignored"},
         {"Pm 1", "2: warning: Pm is ignored"}, {"Ps 1", "2: warning: Ps is ignored"},
-         {"Pc 1", "2: warning: Pc is ignored"},
+        {"Pc 1", "2: warning: Pc is ignored"},
         {"map_Pr x", "2: warning: map_Pr is ignored"}, {"map_Pm x", "2: warning: map_Pm is ignored"},
-         {"aniso 1\naniso 2", "2: warning: aniso is ignored"},
+        {"aniso 1\naniso 2", "2: warning: aniso is ignored"},
         {"foo 1\nbar 2", "2: warning: the unknown word \"foo\" is ignored, and others like it"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -634,17 +634,17 @@ static void numbers_of_a_library_are_checked(void **state)
     (void)state;
     static const struct { const char *mtl, *error; } cases[] = {
         {"Kd 0.1 x 0.3", "2: error: Kd is \"0.1 x 0.3\", must be three numbers"},
-         {"Kd", "2: error: Kd is \"\", must be three numbers"},
+        {"Kd", "2: error: Kd is \"\", must be three numbers"},
         {"Kd 0.1 0.2 nan", "2: error: Kd is \"0.1 0.2 nan\", must be three numbers"},
-         {"Kd 0.1 0.2", "2: error: Kd is \"0.1 0.2\", must be three numbers"},
-         {"Ks 0.1 inf 0", "2: error: Ks is \"0.1 inf 0\", must be three numbers"},
+        {"Kd 0.1 0.2", "2: error: Kd is \"0.1 0.2\", must be three numbers"},
+        {"Ks 0.1 inf 0", "2: error: Ks is \"0.1 inf 0\", must be three numbers"},
         {"Ks 0 1.5 0", "2: error: \"Ks\" is 1.5, must be in [0, 1]"},
         {"Ks -0.5 0 0", "2: error: \"Ks\" is -0.5, must be in [0, 1]"},
-         {"Ks 0 0 2", "2: error: \"Ks\" is 2, must be in [0, 1]"},
+        {"Ks 0 0 2", "2: error: \"Ks\" is 2, must be in [0, 1]"},
         {"Ns -1", "2: error: \"Ns\" is -1, must be "}, {"Ns inf", "2: error: Ns is \"inf\", must be a number"},
-         {"d x", "2: error: d is \"x\", must be a number"},
+        {"d x", "2: error: d is \"x\", must be a number"},
         {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"},
-         {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
+        {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
         {"map_Kd -s 2 -bm 2 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
         {"map_Kd -mm 0.5 four.pfm", "2: error: the option -mm of a map is not modelled: remove it"},
         {"map_Kd -mm 0 2 four.pfm", "2: error: the option -mm of a map is not modelled: remove it"},
@@ -653,7 +653,7 @@ static void numbers_of_a_library_are_checked(void **state)
          "be sRGB or linear"},
         {"map_Kd -what 1 four.pfm", "2: error: the option -what of a map is not modelled: remove it"},
         {"bump -bm x four.pfm", "2: error: -bm is \"x four.pfm\", must be a number"},
-         {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
+        {"bump -bm inf four.pfm", "2: error: -bm is \"inf four.pfm\", must be a number"},
         {"map_bump -imfchan r four.pfm", "2: error: -imfchan r is not modelled, because a map of numbers is the mean "
          "of red, green and blue: save the channel as a grey image and remove the option"},
         {"norm -bm 2 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
@@ -682,13 +682,13 @@ static void a_librarys_values_are_those_of_the_material(void **state)
         {"", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"Kd 0.25", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50},
         {"Kd 0.25 # grey", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50}, {"Kd 0.25 1 0 # green", {0.25f, 1, 0}, {0, 0, 0}, 50},
         {"Ks 0.125 0.25 0.5", {0.5f, 0.5f, 0.5f}, {0.125f, 0.25f, 0.5f}, 50},
-         {"Ks 0.25\nillum 0", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50},
+        {"Ks 0.25\nillum 0", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50},
         {"Ks 0.25\nillum 1", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"illum 2\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f,
          0.25f}, 50},
         {"illum 1\nKs 0.25\nillum 3", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 50},
-         {"Ns 0\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 0},
+        {"Ns 0\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 0},
         {"Kd 0 1 0.5\rKs 0\r\n\tNs  1000 \t", {0, 1, 0.5f}, {0, 0, 0}, 1000},
-         {"Kd 1 1 1\nnewmtl a\nKd 0 0 0", {1, 1, 1}, {0, 0, 0}, 50},
+        {"Kd 1 1 1\nnewmtl a\nKd 0 0 0", {1, 1, 1}, {0, 0, 0}, 50},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
@@ -708,9 +708,9 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
     (void)state;
     static const struct { const char *options; double factor[2], offset[2]; bis_wrap wrap; } cases[] = {
         {"", {1, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 ", {2, 1}, {0, 0}, BIS_WRAP_REPEAT},
-         {"-s 2 3 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
+        {"-s 2 3 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
         {"-s 2 3 4 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT}, {"-o 5 ", {1, 1}, {5, 0}, BIS_WRAP_REPEAT},
-         {"-o 5 6 ", {1, 1}, {5, 6}, BIS_WRAP_REPEAT},
+        {"-o 5 6 ", {1, 1}, {5, 6}, BIS_WRAP_REPEAT},
         {"-o 5 6 7 -s 2 3 4 ", {2, 3}, {5, 6}, BIS_WRAP_REPEAT}, {"-s -2 0.5 4\t-o 5 6 7  ", {-2, 0.5}, {5, 6},
          BIS_WRAP_REPEAT},
         {"-clamp on ", {1, 1}, {0, 0}, BIS_WRAP_CLAMP}, {"-clamp off ", {1, 1}, {0, 0}, BIS_WRAP_REPEAT},
@@ -1452,9 +1452,9 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
          "it receives. Make one of them smaller, a texture by its \"float scale\", or in an .mtl by the Kd or Ks "
          "beside it", true},
         {9, NO, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in green", true},
-         {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
+        {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
         {NO, 8, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in red", true},
-         {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
+        {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
         {8, NO, NO, true, 1, NULL, false}, /* of facets nothing is too much */
     };
     bis_texture list[] = {constant_of(0, 0.5, 0), constant_of(0.5, 1.5, 1), constant_of(0.5, 0.5, -0.25),
@@ -1539,7 +1539,7 @@ static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
         {.kind = BIS_TEXTURE_IMAGE, .image = 2},
         {.kind = BIS_TEXTURE_IMAGE, .image = 1, .mapping = BIS_TEXTURE_PLANAR},
         {.kind = BIS_TEXTURE_MIX, .of = {1, 0, 0}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 0}},
-         {.kind = BIS_TEXTURE_MIX, .of = {0, 0, 1}},
+        {.kind = BIS_TEXTURE_MIX, .of = {0, 0, 1}},
         {.kind = BIS_TEXTURE_SCALE, .of = {1, 0}}, {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}},
         {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {1, 0}, .mapping = BIS_TEXTURE_SPHERICAL},
         {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .mapping = BIS_TEXTURE_SPHERICAL},
@@ -1549,9 +1549,9 @@ static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
     };
     static const struct { bool uv, image[3]; } expected[] = {
         {false, {0}}, {true, {0, 0, 1}}, {false, {0, 1, 0}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}},
-         {true, {0, 0, 1}},
+        {true, {0, 0, 1}},
         {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}},
-         {true, {0, 0, 0}}, {false, {0, 1, 0}}};
+        {true, {0, 0, 0}}, {false, {0, 1, 0}}};
     const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
     for (uint32_t i = 0; i < t.n; i++) {
         bool used[3] = {false, false, false};
@@ -1605,9 +1605,9 @@ static void energy_is_warned_of_once(void **state)
     (void)state;
     static const struct { const char *words, *warning; } cases[] = {
         {"\"texture Kd\" \"t\" \"float Ks\" 0.6", "Kd + Ks may reach 1.5 in red"},
-         {"\"texture Ks\" \"t\" \"float Kd\" 0.6", "Kd + Ks may reach 1.5 in red"},
+        {"\"texture Ks\" \"t\" \"float Kd\" 0.6", "Kd + Ks may reach 1.5 in red"},
         {"\"texture Ks\" \"t\" \"texture Kd\" \"t\"", "Kd + Ks may reach 1.8 in red"},
-         {"\"texture exponent\" \"f\" \"float Kd\" 0.75 \"float Ks\" 0.5", "Kd + Ks is 1.25 in red"}};
+        {"\"texture exponent\" \"f\" \"float Kd\" 0.75 \"float Ks\" 0.5", "Kd + Ks is 1.25 in red"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b = build(LIGHT "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" "
                               "0.9\nTexture \"f\" \"float\" \"checkerboard\"\n"

@@ -113,7 +113,7 @@ static void numbers_lead_to_the_places_worked_out(void **state)
     const double h = sqrt(0.75);
     const struct { vec3 w; double x, y, z; } places[] = {
         {bis_warp_sphere(0, 0.3), 0, 0, 1}, {bis_warp_sphere(0.25, 0), h, 0, 0.5},
-         {bis_warp_sphere(0.25, 0.25), 0, h, 0.5},
+        {bis_warp_sphere(0.25, 0.25), 0, h, 0.5},
         {bis_warp_sphere(0.75, 0.5), -h, 0, -0.5}, {bis_warp_sphere(0.5, 0.75), 0, -1, 0},
         {bis_warp_cosine(0, 0.3), 0, 0, 1}, {bis_warp_cosine(0.36, 0), 0.6, 0, 0.8},
         {bis_warp_cosine(0.64, 0.25), 0, 0.8, 0.6}, {bis_warp_cosine(0.25, 0.5), -0.5, 0, h}};

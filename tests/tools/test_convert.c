@@ -90,14 +90,14 @@ static void a_curve_bends_each_channel(void **state)
         {{0, 0, 1}, 0, BIS_TONE_REINHARD, {0, 0, 1 / 1.0722}}, {{1, 2, 4}, 0, BIS_TONE_REINHARD, {1 / 2.9318,
          2 / 2.9318, 4 / 2.9318}},
         {{0.25f, 0.5f, 1}, 2, BIS_TONE_REINHARD, {1 / 2.9318, 2 / 2.9318, 4 / 2.9318}},
-         {{0, 0, 0}, 0, BIS_TONE_REINHARD, {0, 0, 0}},
+        {{0, 0, 0}, 0, BIS_TONE_REINHARD, {0, 0, 0}},
         {{-10, 1, 0}, 0, BIS_TONE_REINHARD, {0, 1, 0}},            /* the luminance is below 0 */
         {{-1, 1, 0.5f}, 0, BIS_TONE_REINHARD, {0, 1 / 1.5387, 0.5 / 1.5387}}, /* 1 - 0.2126 + 0.7152 + 0.0361 */
         {{1, -1, 0.5f}, 0, BIS_TONE_REINHARD, {1, 0, 0.5}}, {{0.5f, 1, -1}, 0, BIS_TONE_REINHARD, {0.5 / 1.7493,
          1 / 1.7493, 0}},
         /* (2.51 x^2 + .03 x)/(2.43 x^2 + .59 x + .14) of 1, 2, 4: 2.54/3.16, 10.1/11.04, 40.28/41.38 */
         {{1, 2, 4}, 0, BIS_TONE_FILMIC, {2.54 / 3.16, 10.1 / 11.04, 40.28 / 41.38}},
-         {{8, 2, 4}, -1, BIS_TONE_FILMIC, {40.28 / 41.38, 2.54 / 3.16, 10.1 / 11.04}},
+        {{8, 2, 4}, -1, BIS_TONE_FILMIC, {40.28 / 41.38, 2.54 / 3.16, 10.1 / 11.04}},
         {{-1, 0, 1}, 0, BIS_TONE_FILMIC, {0, 0, 2.54 / 3.16}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

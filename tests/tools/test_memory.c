@@ -312,7 +312,7 @@ static void a_claim_that_no_file_can_keep_takes_nothing(void **state)
     (void)state;
     static const struct { unsigned width, height; size_t bytes; bool possible; } cases[] = {
         {1000000, 1000000, 100, false}, {800, 1032, 100, true}, {800, 1033, 100, false}, {32768, 25, 100, true},
-         {25, 32768, 100, true},
+        {25, 32768, 100, true},
         {32769, 25, 4000, false}, {25, 32769, 4000, false}, {32768, 1000, 4000, true},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -377,7 +377,7 @@ static void a_picture_takes_a_chunk_for_each_thread_while_it_is_written(void **s
     (void)state;
     static const struct { int width, height, threads; const char *layers; double pixel, writers; } cases[] = {
         {30000, 144, 32, "", 16, 9}, {30000, 145, 32, "", 16, 10}, {30000, 145, 5, "", 16, 5},
-         {30000, 144, 7, "[\"albedo\" \"depth\"]", 16 + 4 * 4, 7}};
+        {30000, 144, 7, "[\"albedo\" \"depth\"]", 16 + 4 * 4, 7}};
     const int before = use_threads(1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char film[256];
@@ -401,7 +401,7 @@ static void a_map_takes_what_its_integrator_needs(void **state)
     (void)state;
     static const struct { const char *integrator; double a_pixel, beside; } cases[] = {
         {"\"brdf\"", 12, 0}, {"\"em\" \"bool stratify\" false", 12 + 14.4, 0},
-         {"\"em\" \"bool stratify\" true", 12 + 5.5, 1},
+        {"\"em\" \"bool stratify\" true", 12 + 5.5, 1},
         {"\"sir\" \"bool stratify\" false", 12 + 14.4, 0}, {"\"mis\" \"bool stratify\" true", 12 + 5.5, 1}};
     write_pfm_head(DIR "/map.pfm", 2048, 1024);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -432,7 +432,7 @@ static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
         {"\"string mapping\" \"angular\" \"integer width\" 101", 102, 51, BIS_MAPPING_ANGULAR},
         {"\"string mapping\" \"equalarea\" \"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA},
         {"\"string mapping\" \"latlong\"", 60, 60, BIS_MAPPING_LATLONG},
-         {"\"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA}};
+        {"\"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA}};
     write_pfm_head(DIR "/probe.pfm", 60, 60);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char world[256];

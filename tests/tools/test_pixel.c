@@ -805,7 +805,7 @@ static void a_hit_knows_its_shape_and_triangle(void **state)
     verify_built built = verify_build(SCENE);
     const struct { int x, y; bis_shape_kind kind; int line; uint32_t part; double t; } cases[] = {
         {6, 3, BIS_SHAPE_TRIANGLES, 8, 0, 10}, {7, 0, BIS_SHAPE_TRIANGLES, 8, 1, 10},
-         {4, 1, BIS_SHAPE_SPHERE, 10, 0, 0},
+        {4, 1, BIS_SHAPE_SPHERE, 10, 0, 0},
         {1, 3, BIS_SHAPE_TRIANGLES, 11, 0, 11}};
     for (size_t i = 0; i < 4; i++) {
         bis_counters counters = {0};

@@ -565,11 +565,11 @@ static void rays_candidates_and_marks_are_those_of_the_report(void **state)
         double value;
     } numbers[] = {
         {"x", 3}, {"exact.sum", 6}, {"methods.0.sum", 6.5}, {"sphere.n.theta_deg", 0},
-         {"sphere.eye.theta_deg", 36.8699},
+        {"sphere.eye.theta_deg", 36.8699},
         {"sphere.eye.phi_deg", 270}, {"sphere.R.phi_deg", 90}, {"shown.0.estimates", 3}, {"shown.0.rays", 2},
-         {"shown.2.rays", 1},
+        {"shown.2.rays", 1},
         {"shown.3.rays", 0}, {"rays.0.sample", 1}, {"rays.0.theta_deg", 36.8699}, {"rays.0.phi_deg", 270},
-         {"rays.1.theta_deg", 180},
+        {"rays.1.theta_deg", 180},
         {"rays.0.q_map", 1 / (4 * PI)}, {"rays.0.q_brdf", 0.8 / PI},
         {"candidate_list.0.candidate", 1}, {"candidate_list.0.theta_deg", 90}, {"candidate_list.0.phi_deg", 0},
         {"candidate_list.0.q_map", 0.5}, {"candidate_list.0.q_brdf", 0.25}, {"candidate_list.0.q", 0.75},

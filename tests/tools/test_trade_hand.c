@@ -618,7 +618,7 @@ static void the_data_are_what_follows_from_the_runs(void **state)
         double value;
     } numbers[] = {
         {"runs", 29}, {"planned", 33}, {"advice.1.candidates", 64}, {"advice.1.shadowrays", 4},
-         {"advice.1.seconds", 10.2},
+        {"advice.1.seconds", 10.2},
         {"advice.1.error", 0.13}, {"advice.1.passes", 3}, {"advice.2.samples", 16}, {"advice.2.passes", 24},
         {"advice.2.seconds", 96}, {"times.0", 0.5}, {"times.3", 4}, {"errors.0", 0.02}, {"errors.5", 0.2},
         {"settings.0.cost_variance", 0.1 / 3}, {"settings.0.points.0.seconds", 0.5}, {"settings.0.points.0.error", 0.2},
@@ -628,14 +628,14 @@ static void the_data_are_what_follows_from_the_runs(void **state)
         {"settings.2.points.3.error", 0.04419417382415922}, {"settings.2.error_at.1.value", 0.5},
         {"settings.2.seconds_to.5.value", 2.5}, {"settings.4.slope", -0.5}, {"settings.4.slope_se", 0.02},
         {"settings.4.points.1.rays", 110 * 2 * 2 / 128.0}, {"settings.4.points.1.error", 0.5},
-         {"settings.4.points.1.seconds", 3},
+        {"settings.4.points.1.seconds", 3},
         {"film.width", 16}, {"film.height", 8}, {"film.full_width", 32}, {"film.full_height", 16}, {"film.step", 2},
         {"run_seconds", 4}, {"seeds", 3}, {"threads", 2}, {"references.0.renders", 8}, {"references.0.passes", 5},
         {"references.0.mean", 0.5}, {"references.0.se", 0.06}, {"references.0.noise", 0.2},
-         {"references.1.noise", 0.15},
+        {"references.1.noise", 0.15},
         {"noise", 0.125}, {"difference", 0.02}, {"difference_se", 0.1}, {"left_out.0.pass_seconds", 30},
         {"left_out.1.pass_seconds", 90}, {"crops.0.x", 12}, {"crops.0.y", 6}, {"crops.0.width", 4},
-         {"crops.0.height", 2},
+        {"crops.0.height", 2},
         {"crops.1.x", 2}, {"crops.1.y", 2}, {"shots.0.passes", 8}, {"shots.0.seconds", 3.9}, {"shots.0.error", 0.2},
         {"shots.1.error", 0.05}};
     static const struct {
@@ -1975,7 +1975,7 @@ static void what_is_close_enough_is_not_rendered_again(void **state)
     (void)state;
     static const struct { double wanted, passes; bool is_last; } cases[] = {
         {63.5, 64, false}, {71.5, 72, true}, {80.5, 81, true}, {89.5, 90, true}, {99.5, 100, false},
-         {109.5, 110, false}};
+        {109.5, 110, false}};
     diary d;
     double variance;
     checked_from(81, 2, 0.5, NULL, &d, &variance);
@@ -2180,7 +2180,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
         {5, "0.5", "camera_rays"}, {6, "9223372036854777856", "shadow_rays"}, {6, "-1", "shadow_rays"},
         {7, "9223372036854777856", "candidates"}, {7, "x", "candidates"}, {8, "1e309", "rmse"}, {8, "-1e-9", "rmse"},
         {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"},
-         {10, "nan", "bias"},
+        {10, "nan", "bias"},
         {11, "1e309", "relmse_both"}, {11, "-1e-9", "relmse_both"}, {11, "1 1", "relmse_both"}, {11, "", "relmse_both"},
     };
     char text[2048];

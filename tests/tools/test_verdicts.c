@@ -456,7 +456,7 @@ static void the_number_of_draws_follows_the_pixels(void **state)
     static const struct { int width, height; unsigned halvings, draws; } cases[] = {
         {1, 1, 0, 1 << 16}, {16, 16, 0, 1 << 16}, {32, 16, 0, 1 << 17}, {64, 32, 0, 1 << 19}, {128, 64, 0, 1 << 20},
         {128, 64, 3, 1 << 17}, {512, 512, 2, 1 << 19}, {1024, 512, 5, 1 << 17}, {1024, 1024, 5, 1 << 17},
-         {40, 10, 0, 6 << 14},
+        {40, 10, 0, 6 << 14},
         {16, 16, 2, 1 << 14}, {16, 16, 3, 1 << 14}, {32, 16, 5, 1 << 14}}; /* 2^14 are the fewest */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_envmap em = map_new(cases[i].width, cases[i].height);
@@ -619,11 +619,11 @@ static void the_number_of_runs_follows_the_cost(void **state)
     (void)state;
     static const struct { const bis_integrator *of; uint32_t samples, M, N; unsigned halvings, runs; } cases[] = {
         {&bis_em, 16, 1, 1, 0, 1 << 14}, {&bis_em, 64, 1, 1, 0, 1 << 12}, {&bis_brdf, 64, 1, 1, 2, 1 << 10},
-         {&bis_mis, 1 << 12, 1, 1, 0, 64},
+        {&bis_mis, 1 << 12, 1, 1, 0, 64},
         {&bis_em, 1 << 13, 1, 1, 0, 64}, {&bis_sir, 1, 800, 15, 0, 2280}, {&bis_rejection, 1, 1000, 3, 1, 1 << 10},
-         {&bis_unoccluded, 1, 240, 2, 0, 1 << 13},
+        {&bis_unoccluded, 1, 240, 2, 0, 1 << 13},
         {&bis_sir, 1, 100000, 3, 0, 64}, {&bis_sir, 1, 2, 1, 0, 1 << 14}, {&bis_exact, 1, 1, 1, 0, 32},
-         {&bis_exact, 1, 1, 1, 3, 4}, {&bis_exact, 1, 1, 1, 6, 2}};
+        {&bis_exact, 1, 1, 1, 3, 4}, {&bis_exact, 1, 1, 1, 6, 2}};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_integrator counted = *cases[i].of;
@@ -917,13 +917,13 @@ static void a_search_knows_what_is_turned_and_stretched(void **state)
     assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
     const sighting s[] = {
         {{4, 0, 0}, {-1, 0, 0}, 3.5, false}, {{4, 1.5f, 1}, {-1, 0, 0}, 3.5, false},
-         {{4, 1.5f, 1.5f}, {-1, 0, 0}, none, false},
+        {{4, 1.5f, 1.5f}, {-1, 0, 0}, none, false},
         {{4, -1.5f, 1}, {-1, 0, 0}, 3.5, false}, {{-3, 0, -1.9f}, {1, 0, 0}, 3.5, false},
-         {{-3, 0, 0}, {-1, 0, 0}, none, false},
+        {{-3, 0, 0}, {-1, 0, 0}, none, false},
         {{3, 1, 0}, {-1, -1, 0}, 2.5, false}, {{3, 2, 0}, {-1, 1, 0}, none, false},
         {{0, 0, 30}, {0, 0, -1}, 7, false}, {{0, 9, 20}, {0, -1, 0}, 7, false}, {{9, 0, 20}, {-1, 0, 0}, 8, false},
         {{0.6f, 9, 20}, {0, -1, 0}, 7.4, false}, {{0, 1.2f, 30}, {0, 0, -1}, 7.6, false},
-         {{9, 0, 21.8f}, {-1, 0, 0}, 8.2, false},
+        {{9, 0, 21.8f}, {-1, 0, 0}, 8.2, false},
         {{0.6f, 1.61f, 30}, {0, 0, -1}, none, false}, {{0, 0, 20}, {0, 0, 1}, 3, false}};
     assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
     bis_geometry_clear(&g);
@@ -1241,8 +1241,8 @@ static void an_empty_scene_has_a_report_by_hand(void **state)
         "passed\n";
 #define SKIPPED(group, name, note) \
     "    {\n      \"group\": \"" group "\",\n      \"name\": \"" name "\",\n      \"verdict\": \"skipped\",\n" \
-    "      \"statistic\": null,\n      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": " \
-    "\"" note "\"\n    }"
+    "      \"statistic\": null,\n      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n" \
+    "      \"note\": \"" note "\"\n    }"
     static const char json[] =
         "{\n  \"file\": \"" DIR "/empty.txt\",\n  \"seed\": 1,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  "
         "\"corrected\": 0.01,\n"
@@ -1325,9 +1325,9 @@ static void options_end_where_they_say(void **state)
     static const struct { const char *arguments; int exit_status; const char *message; } cases[] = {
         {"--seed 0 " DIR "/no.hdr", 1, "no.hdr"}, {"--seed 9007199254740991 " DIR "/no.exr", 1, "no.exr"},
         {"--seed 9007199254740992 " DIR "/no.pfm", 2, "[0, 9007199254740991]"},
-         {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
+        {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
         {"--mapping angular " DIR "/no.hdr", 1, "no.hdr"}, {DIR "/no.txt", 1, "no.txt"},
-         {"a.hdr b.hdr", 2, "too many operands: 2"},
+        {"a.hdr b.hdr", 2, "too many operands: 2"},
         {DIR "/.hdr", 1, ".hdr"}};
     program_run r;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

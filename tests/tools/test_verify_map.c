@@ -298,7 +298,7 @@ static void neighbours_share_a_group_until_each_place_expects_five(void **state)
     static const struct { int width; double pmf[4]; double groups; } cases[] = {
         {2, {0.001, 0.999}, 1}, {2, {0.0013, 0.9987}, 2}, {2, {0.999, 0.001}, 1}, {3, {0.0007, 0.0007, 0.9986}, 2},
         {3, {0.5, 0.0011, 0.4989}, 2}, {4, {0.25, 0.25, 0.25, 0.25}, 4}, {4, {0.0004, 0.0004, 0.0003, 0.9989}, 1},
-         {1, {1}, 1}};
+        {1, {1}, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_envmap em = map_new(cases[i].width, 1);
         const by_pmf self = {&em, cases[i].pmf};

@@ -162,7 +162,7 @@ static void a_stranger_is_held_to_what_uniform_directions_do(void **state)
     (void)state;
     const struct { lit_map map; double factor; float brightest; unsigned halvings; bool passes; } rows[] = {
         {LIT_SMOOTH, 1, INFINITY, 2, true},   {LIT_SMOOTH, 0.9, INFINITY, 2, false},
-         {LIT_SMOOTH, 1.1, INFINITY, 2, false},
+        {LIT_SMOOTH, 1.1, INFINITY, 2, false},
         {LIT_ONE_BLOCK, 1, 2, 8, true},       {LIT_ONE_BLOCK, 1, 2, 0, false},
     };
     bis_integrator stranger = bis_brdf; /* its needs, and its name, which is its parameters' */
