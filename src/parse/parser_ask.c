@@ -40,10 +40,12 @@ const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wante
     }
     if (param->type == BIS_TYPE_RGB && wanted & BIS_TYPE_FLOAT) count = 3; /* rgb where a float would do, too */
     if (count ? param->n == count : param->n > 0) return param;
-    if (count)
-        bis_parser_error(p, param->at, "\"%s\" has %zu value%s, must have %zu", name, param->n,
-                         param->n == 1 ? "" : "s", count);
-    else
+    if (count) {
+        char kind[BIS_APPROXIMATION_KIND];
+        snprintf(kind, sizeof kind, "\"%s\" of %zu value%s", name, param->n, param->n == 1 ? "" : "s");
+        bis_approximate_or_refuse(p, param->at, kind, "the default is taken", "\"%s\" has %zu value%s, must have %zu",
+                                  name, param->n, param->n == 1 ? "" : "s", count);
+    } else
         bis_parser_error(p, param->at, "\"%s\" has no value", name);
     return NULL;
 }
@@ -143,9 +145,12 @@ bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *
         }
         bis_append(list, sizeof list, "%s\"%s\"", i == 0 ? "" : i + 1 < n ? ", " : " or ", choices[i]);
     }
-    return bis_parser_error(p, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
-                            bis_parser_word(p, chosen), list,
-                            bis_parser_hint(p, bis_nearest_name(chosen, choices, n)));
+    char kind[BIS_APPROXIMATION_KIND];
+    snprintf(kind, sizeof kind, "\"%s\" that is \"%s\"", name, bis_parser_word(p, chosen));
+    bis_approximate_or_refuse(p, bis_params_at(p, name), kind, "the default is taken",
+                              "\"%s\" is \"%s\", must be %s%s", name, bis_parser_word(p, chosen), list,
+                              bis_parser_hint(p, bis_nearest_name(chosen, choices, n)));
+    return false;
 }
 
 void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
