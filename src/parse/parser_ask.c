@@ -56,16 +56,20 @@ bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double *v_
     const double value = *v_io;
     const bool high = r.hi_open ? value >= r.hi : value > r.hi, low = r.lo_open ? value <= r.lo : value < r.lo;
     if (!high && !low) return true;
-    if (p->approximate && (high ? !r.hi_open : !r.lo_open)) {
-        bis_approximate_note(p, at, "the nearest value that it may have", "\"%s\" out of its range", name);
-        *v_io = high ? r.hi : r.lo;
-        return true;
-    }
+    const bool has_end = high ? !r.hi_open : !r.lo_open;
     bis_format_double(lo, r.lo);
     bis_format_double(hi, r.hi);
     if (isinf(r.hi)) snprintf(rule, sizeof rule, "%s %s", r.lo_open ? ">" : ">=", lo);
     else snprintf(rule, sizeof rule, "in %c%s, %s%c", r.lo_open ? '(' : '[', lo, hi, r.hi_open ? ')' : ']');
-    return bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule);
+    bis_format_double(v, value);
+    if (!has_end) return bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, v, rule);
+    char kind[BIS_APPROXIMATION_KIND];
+    snprintf(kind, sizeof kind, "\"%s\" out of its range", name);
+    if (!bis_approximate_or_refuse(p, at, kind, "the nearest value that it may have", "\"%s\" is %s, must be %s", name,
+                                   v, rule))
+        return false;
+    *v_io = high ? r.hi : r.lo;
+    return true;
 }
 
 bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n, bis_interval range)
