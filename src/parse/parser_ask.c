@@ -220,8 +220,9 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
     const char *instead = bis_approximate_unknown(p, directive, name, at);
     for (size_t i = 0; i < n && instead; i++)
         if (strcmp(instead, choices[i].name) == 0) return &choices[i];
-    bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_parser_word(p, name),
-                     bis_parser_hint(p, bis_nearest_name(name, names, n_names)));
+    bis_parser_error(p, at, "unknown %s \"%s\"%s%s", directive, bis_parser_word(p, name),
+                     bis_parser_hint(p, bis_nearest_name(name, names, n_names)),
+                     bis_approximate_unknown_hint(p, directive));
     return NULL;
 }
 
