@@ -227,6 +227,17 @@ void bis_approximate_integrator(bis_parser *p, bis_loc at, const char *directive
     note(p, at, effect, consequence, kind);
 }
 
+const char *bis_approximate_unknown_hint(bis_parser *p, const char *directive)
+{
+    for (size_t i = 0; i < BIS_COUNT(unknowns) && !p->approximate; i++) {
+        const struct unknown *u = &unknowns[i];
+        if (strcmp(u->directive, directive) != 0 || !u->consequence) continue;
+        snprintf(p->way_out, sizeof p->way_out, "; with --approximate: %s", u->consequence);
+        return p->way_out;
+    }
+    return "";
+}
+
 const char *bis_approximate_hint(bis_parser *p, const char *directive, const char *name)
 {
     const replaced *r = p->approximate ? NULL : find(directive, name);

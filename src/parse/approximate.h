@@ -24,6 +24,9 @@ const char *bis_approximate_begin(bis_parser *p, const char *directive);
  * given. Then it is noted, and the name to take instead is returned; else NULL. */
 const char *bis_approximate_unknown(bis_parser *p, const char *directive, const char *name, bis_loc at);
 
+/* bis_approximate_unknown_hint returns the end of the error of an unknown name, as bis_approximate_hint does. */
+const char *bis_approximate_unknown_hint(bis_parser *p, const char *directive);
+
 /* bis_approximate_note counts one replacement of a kind ("3 x KIND: CONSEQUENCE"). consequence: a string constant. The
  * effect is that of the directive that is read. */
 void bis_approximate_note(bis_parser *p, bis_loc at, const char *consequence, const char *fmt, ...) BIS_PRINTF(4, 5);

@@ -40,10 +40,12 @@ const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wante
     }
     if (param->type == BIS_TYPE_RGB && wanted & BIS_TYPE_FLOAT) count = 3; /* rgb where a float would do, too */
     if (count ? param->n == count : param->n > 0) return param;
-    if (count)
-        bis_parser_error(p, param->at, "\"%s\" has %zu value%s, must have %zu", name, param->n,
-                         param->n == 1 ? "" : "s", count);
-    else
+    if (count) {
+        char kind[BIS_APPROXIMATION_KIND];
+        snprintf(kind, sizeof kind, "\"%s\" of %zu value%s", name, param->n, param->n == 1 ? "" : "s");
+        bis_approximate_or_refuse(p, param->at, kind, "the default is taken", "\"%s\" has %zu value%s, must have %zu",
+                                  name, param->n, param->n == 1 ? "" : "s", count);
+    } else
         bis_parser_error(p, param->at, "\"%s\" has no value", name);
     return NULL;
 }
@@ -54,16 +56,20 @@ bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double *v_
     const double value = *v_io;
     const bool high = r.hi_open ? value >= r.hi : value > r.hi, low = r.lo_open ? value <= r.lo : value < r.lo;
     if (!high && !low) return true;
-    if (p->approximate && (high ? !r.hi_open : !r.lo_open)) {
-        bis_approximate_note(p, at, "the nearest value that it may have", "\"%s\" out of its range", name);
-        *v_io = high ? r.hi : r.lo;
-        return true;
-    }
+    const bool has_end = high ? !r.hi_open : !r.lo_open;
     bis_format_double(lo, r.lo);
     bis_format_double(hi, r.hi);
     if (isinf(r.hi)) snprintf(rule, sizeof rule, "%s %s", r.lo_open ? ">" : ">=", lo);
     else snprintf(rule, sizeof rule, "in %c%s, %s%c", r.lo_open ? '(' : '[', lo, hi, r.hi_open ? ')' : ']');
-    return bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule);
+    bis_format_double(v, value);
+    if (!has_end) return bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, v, rule);
+    char kind[BIS_APPROXIMATION_KIND];
+    snprintf(kind, sizeof kind, "\"%s\" out of its range", name);
+    if (!bis_approximate_or_refuse(p, at, kind, "the nearest value that it may have", "\"%s\" is %s, must be %s", name,
+                                   v, rule))
+        return false;
+    *v_io = high ? r.hi : r.lo;
+    return true;
 }
 
 bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n, bis_interval range)
@@ -143,9 +149,12 @@ bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *
         }
         bis_append(list, sizeof list, "%s\"%s\"", i == 0 ? "" : i + 1 < n ? ", " : " or ", choices[i]);
     }
-    return bis_parser_error(p, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
-                            bis_parser_word(p, chosen), list,
-                            bis_parser_hint(p, bis_nearest_name(chosen, choices, n)));
+    char kind[BIS_APPROXIMATION_KIND];
+    snprintf(kind, sizeof kind, "\"%s\" that is \"%s\"", name, bis_parser_word(p, chosen));
+    bis_approximate_or_refuse(p, bis_params_at(p, name), kind, "the default is taken",
+                              "\"%s\" is \"%s\", must be %s%s", name, bis_parser_word(p, chosen), list,
+                              bis_parser_hint(p, bis_nearest_name(chosen, choices, n)));
+    return false;
 }
 
 void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
@@ -211,8 +220,9 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
     const char *instead = bis_approximate_unknown(p, directive, name, at);
     for (size_t i = 0; i < n && instead; i++)
         if (strcmp(instead, choices[i].name) == 0) return &choices[i];
-    bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_parser_word(p, name),
-                     bis_parser_hint(p, bis_nearest_name(name, names, n_names)));
+    bis_parser_error(p, at, "unknown %s \"%s\"%s%s", directive, bis_parser_word(p, name),
+                     bis_parser_hint(p, bis_nearest_name(name, names, n_names)),
+                     bis_approximate_unknown_hint(p, directive));
     return NULL;
 }
 

@@ -121,15 +121,15 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
         const bis_param *param = bis_params_take(p, name, BIS_TYPE_TEXTURE, 1);
         return param && bis_parser_find_texture(p, param, of_floats, index);
     }
-    const bool given = bis_params_has(p, name);
+    const bool usual_will_do = !bis_params_has(p, name) || p->approximate;
     bool ok = true;
     if (of_floats) {
-        ok = bis_params_float(p, name, &value.r, range) || !given;
+        ok = bis_params_float(p, name, &value.r, range) || usual_will_do;
         value.g = value.b = value.r;
     } else {
         rgb c;
         if (bis_params_rgb(p, name, &c, range, true)) value = (rgbd){(double)c.r, (double)c.g, (double)c.b};
-        else ok = !given;
+        else ok = usual_will_do;
     }
     const bis_texture x = constant(value);
     return ok && bis_parser_add_texture(p, &x, index);
@@ -183,13 +183,19 @@ static void read_plane(bis_parser *p, bis_texture *x)
     memcpy(x->from_world, row, sizeof row);
 }
 
+/* One of words; with --approximate any other word leaves the default. False: complained. */
+static bool read_word(bis_parser *p, const char *name, int *value, const char *const *words, size_t n)
+{
+    const bool given = bis_params_has(p, name);
+    return bis_params_choice(p, name, value, words, n) || !given || p->approximate;
+}
+
 static bool read_mapping(bis_parser *p, bis_texture *x)
 {
     static const char *const names[] = {"uscale", "vscale"}, *const deltas[] = {"udelta", "vdelta"};
     static const char *const mappings[] = {"uv", "spherical", "cylindrical", "planar"}; /* bis_texture_mapping */
     int chosen = BIS_TEXTURE_UV;
-    const bool given = bis_params_has(p, "mapping");
-    const bool ok = bis_params_choice(p, "mapping", &chosen, mappings, BIS_COUNT(mappings)) || !given;
+    const bool ok = read_word(p, "mapping", &chosen, mappings, BIS_COUNT(mappings));
     x->mapping = (bis_texture_mapping)chosen;
     for (int i = 0; i < 2; i++) {
         if (x->mapping == BIS_TEXTURE_UV) bis_params_float(p, names[i], &x->factor[i], anything);
@@ -316,11 +322,11 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     const char *name;
     int wrap = BIS_WRAP_REPEAT;
     double gamma;
-    const bool given = bis_params_has(p, "filename"), wraps_given = bis_params_has(p, "wrap");
+    const bool given = bis_params_has(p, "filename");
     bool ok = read_mapping(p, x);
 
     ok = read_encoding(p, &gamma) && ok;
-    ok = (bis_params_choice(p, "wrap", &wrap, wraps, BIS_COUNT(wraps)) || !wraps_given) && ok;
+    ok = read_word(p, "wrap", &wrap, wraps, BIS_COUNT(wraps)) && ok;
     bis_params_float(p, "scale", &x->scale, anything);
     bis_params_bool(p, "invert", &x->invert);
     read_filter(p);

@@ -84,7 +84,8 @@ void bis_directive_scale(bis_parser *p, bis_loc at)
     if (!take_numbers(p, "Scale", v, 3, false)) return;
     if (v[0] == 0 || v[1] == 0 || v[2] == 0) {
         if (flatten(p)) return;
-        bis_parser_error(p, at, "Scale by 0 is singular: no factor may be 0");
+        bis_parser_error(p, at, "Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
+                         "are left out");
         return;
     }
     bis_xform t = bis_xform_scale(v[0], v[1], v[2]);

@@ -19,14 +19,35 @@ static void keep_first(bis_status *all, bis_status status)
     if (!*all) *all = status;
 }
 
+/* A head that tells no size is damaged, or longer than what is looked at: then the loader decides. */
+static bis_status check_image(const bis_texture_file *file, bis_diag *diag)
+{
+    bis_texture_image image;
+    long width, height;
+
+    const bis_status status = bis_image_check_head(file->filename, true, file->loc, diag);
+    if (status || bis_scene_peek_image(file->filename, &width, &height)) return status;
+    const bis_status loaded = bis_textures_load(&image, file, diag);
+    if (!loaded) bis_image_clear(&image.image);
+    return loaded;
+}
+
 static bis_status check_light(const bis_light_desc *light, bis_diag *diag)
 {
     long width, height;
     bis_mapping mapping;
+    bis_image map;
 
     if (!light->filename || !is_there(light->filename)) return BIS_OK;
     const bis_status status = bis_image_check_head(light->filename, false, light->loc, diag);
-    if (status || !bis_scene_peek_image(light->filename, &width, &height)) return status;
+    if (status) return status;
+    if (!bis_scene_peek_image(light->filename, &width, &height)) {
+        const bis_status loaded = bis_image_read(&map, light->filename, light->loc, diag);
+        width = map.width;
+        height = map.height;
+        bis_image_clear(&map);
+        if (loaded) return loaded;
+    }
     return bis_light_check_size(&mapping, light, (int)width, (int)height, diag);
 }
 
@@ -68,7 +89,7 @@ static bis_status check_textures(const bis_scene_desc *d, const bis_scene_needs 
     }
     for (size_t k = 0; k < t->n_files; k++)
         if (needs->images[k] && is_there(t->files[k].filename))
-            keep_first(&status, bis_image_check_head(t->files[k].filename, true, t->files[k].loc, diag));
+            keep_first(&status, check_image(&t->files[k], diag));
     return status;
 }
 
