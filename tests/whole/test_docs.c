@@ -377,7 +377,6 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
 }
 
 /* ---- layers ---- */
- * -------------------------------------------------------------------------------------------------------- */
 
 static void arrows_only_go_down(void **state)
 {
