@@ -63,12 +63,12 @@ static void a_box_that_is_ended_at_any_moment_leaves_nothing(void **state)
     assert_int_equal(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
     for (int i = 0; i < BOXES; i++) {
         const long moment = rand() % 3000;
-        const pid_t box = fork();
-        assert_true(box >= 0);
-        if (box == 0) be_a_box();
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) be_a_box();
         sleep_for(moment);
-        kill(box, SIGTERM);
-        assert_int_equal(waitpid(box, NULL, 0), box);
+        kill(child, SIGTERM);
+        assert_int_equal(waitpid(child, NULL, 0), child);
     }
     assert_int_equal(count_left(), 0);
 }
