@@ -28,7 +28,6 @@ typedef struct bis_parameter {
     const char *const *names; /* CHOICE: the names of all values of the enum, by value */
     unsigned choices;         /* CHOICE: bit v is set if these integrators take value v */
     bool is_option;           /* `bis render` has the option --NAME */
-    bool or_auto;             /* COUNT: 0 is allowed in scenes and options, see bis_settings_leave_open */
     const char *demand;       /* COUNT below lo: what the integrator needs, for the message; NULL: lo says it */
     const char *note;         /* what `bis help` says behind the default; may be NULL */
     const char *words;        /* what the parameter is, for --help; in the first row of a name */
@@ -81,10 +80,6 @@ bis_settings bis_settings_thin(const bis_settings *s, double share);
 
 /* bis_settings_equal returns whether a and b have the same integrator and the same values of what it reads. */
 bool bis_settings_equal(const bis_settings *a, const bis_settings *b);
-
-/* bis_settings_leave_open changes sir with 0 candidates into auto that chooses only among the settings of sir. Other
- * settings stay as they are. For the parser and the command line. */
-void bis_settings_leave_open(bis_settings *s);
 
 /* bis_settings_check returns whether the values are allowed. `at` is the place that messages name. Errors: BIS_INPUT.
  * Example: mis with N = 1 is an error, and its message names em and brdf. */
