@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* identity: a hash of each part of the render, by what it holds. Files of the scene count by their content, not by
- * name. Threads and budgets are not part of it, because no pass depends on them; only whether there is an error to
- * reach, and the camera samples by which "stratified" and "halton" divide a pixel. */
+ * name. Threads and budgets are not part of it, because no pass depends on them; only the camera samples by which
+ * "stratified" and "halton" divide a pixel.
+ *
+ * A new field of a struct is a line of its table, or a word of bis_identity_structs if no picture depends on it. */
 #include "identity.h"
 
 #include "walk.h"
 
 #include "base/text.h"
 
+#include <stddef.h>
 #include <string.h>
 
 static const char *const part_names[BIS_IDENTITY_PARTS] = {
@@ -25,52 +28,160 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
     "the accelerator",
 };
 
-/* Bits and not values: -0 and 0 may give different pictures. */
-static bis_walk *hash_f32s(bis_walk *w, const float *v, size_t n)
+/* ---- the fields that count: a line for each ---- */
+
+#define FIELD(type, member, of) \
+    {#member, offsetof(type, member), sizeof ((type *)NULL)->member / sizeof(of), sizeof(of)}
+#define FIELDS(name) static const bis_identity_field name[]
+#define END {NULL, 0, 0, 0}
+
+FIELDS(film) = {
+    FIELD(bis_film, full_width, int),
+    FIELD(bis_film, full_height, int),
+    FIELD(bis_film, step, int),
+    FIELD(bis_film, picture_width, int),
+    FIELD(bis_film, picture_height, int),
+    FIELD(bis_film, x0, int),
+    FIELD(bis_film, y0, int),
+    FIELD(bis_film, width, int),
+    FIELD(bis_film, height, int),
+    END};
+FIELDS(camera) = {
+    FIELD(bis_camera, orthographic, bool),
+    FIELD(bis_camera, fov_deg, double),
+    FIELD(bis_camera, has_screen, bool),
+    FIELD(bis_camera, screen, double),
+    FIELD(bis_camera, frame_aspect, double),
+    FIELD(bis_camera, to_world, double),
+    END};
+FIELDS(sampler) = {
+    FIELD(bis_sampler, kind, bis_sampler_kind),
+    FIELD(bis_sampler, seed, uint64_t),
+    FIELD(bis_sampler, jitter, bool),
+    END};
+FIELDS(division) = {
+    FIELD(bis_sampler, spp, uint64_t),
+    FIELD(bis_sampler, xsamples, uint64_t),
+    FIELD(bis_sampler, ysamples, uint64_t),
+    END};
+FIELDS(view) = {
+    FIELD(bis_view, pixel_jitter, bool),
+    FIELD(bis_view, edge_samples, uint32_t),
+    FIELD(bis_view, edge_light, double),
+    END};
+FIELDS(quadric) = {
+    FIELD(bis_quadric, kind, bis_quadric_kind),
+    FIELD(bis_quadric, radius, double),
+    FIELD(bis_quadric, height, double),
+    FIELD(bis_quadric, to_world, double),
+    FIELD(bis_quadric, material, uint32_t),
+    END};
+FIELDS(material_textures) = {
+    FIELD(bis_material_textures, Kd, uint32_t),
+    FIELD(bis_material_textures, Ks, uint32_t),
+    FIELD(bis_material_textures, width, uint32_t),
+    FIELD(bis_material_textures, power, double),
+    FIELD(bis_material_textures, bump, uint32_t),
+    FIELD(bis_material_textures, normals, uint32_t),
+    END};
+FIELDS(texture) = {
+    FIELD(bis_texture, kind, bis_texture_kind),
+    FIELD(bis_texture, of, uint32_t),
+    FIELD(bis_texture, value, double),
+    FIELD(bis_texture, mapping, bis_texture_mapping),
+    FIELD(bis_texture, factor, double),
+    FIELD(bis_texture, offset, double),
+    FIELD(bis_texture, from_world, double),
+    FIELD(bis_texture, image, uint32_t),
+    FIELD(bis_texture, wrap, bis_wrap),
+    FIELD(bis_texture, octaves, uint32_t),
+    FIELD(bis_texture, roughness, double),
+    FIELD(bis_texture, variation, double),
+    FIELD(bis_texture, scale, double),
+    FIELD(bis_texture, invert, bool),
+    FIELD(bis_texture, is_float, bool),
+    END};
+FIELDS(light) = {
+    FIELD(bis_light_desc, L, float),
+    FIELD(bis_light_desc, scale, double),
+    FIELD(bis_light_desc, mapping, bis_mapping),
+    FIELD(bis_light_desc, width, int),
+    FIELD(bis_light_desc, area_exponent, double),
+    FIELD(bis_light_desc, levels, int),
+    FIELD(bis_light_desc, has_table_kind, bool),
+    FIELD(bis_light_desc, table_kind, bis_table_kind),
+    FIELD(bis_light_desc, visible, bool),
+    FIELD(bis_light_desc, is_smooth, bool),
+    FIELD(bis_light_desc, to_world, double),
+    END};
+FIELDS(accel) = {
+    FIELD(bis_accel_options, density, double),
+    END};
+
+const bis_identity_struct bis_identity_structs[] = {
+    /* what passes add up; of the layers those that are asked for count */
+    {"bis_film", film, "sum deviation half quarter hits passes weight half_weight quarter_weight most independent "
+                       "layers"},
+    {"bis_camera", camera, ""},
+    {"bis_sampler", sampler, ""},
+    {"bis_sampler", division, ""},
+    /* of the film the sizes of a bis_film count; settings: hash_settings */
+    {"bis_view", view, "camera film sampler settings"},
+    {"bis_quadric", quadric, ""},
+    {"bis_material_textures", material_textures, "loc"},
+    {"bis_texture", texture, "steps"}, /* they follow from the parts */
+    /* of a map its pixels count, whatever they are made of; as_printed is that of the settings */
+    {"bis_light_desc", light, "filename image has_mapping is_v4 distants n_distants capacity_distants as_printed loc"},
+    {"bis_accel_options", accel, "kind n_threads eyes"}, /* the name of what is built counts */
+    {NULL, NULL, NULL},
+};
+
+/* ---- hashes ---- */
+
+/* n numbers of `bytes` bytes each. Bits and not values: -0 and 0 may give different pictures. */
+static void hash_numbers(bis_walk *w, const void *of, size_t n, size_t bytes)
 {
-    for (size_t i = 0; i < n; i++) {
-        uint32_t bits;
-        memcpy(&bits, &v[i], sizeof bits);
-        bis_walk_u32(w, &bits);
+    const unsigned char *at = of;
+
+    for (size_t i = 0; i < n; i++, at += bytes) {
+        uint64_t v = *at;
+        uint32_t v32;
+        if (bytes == sizeof v) memcpy(&v, at, sizeof v);
+        if (bytes == sizeof v32) v = (memcpy(&v32, at, sizeof v32), v32);
+        bis_walk_field(w, v, (unsigned)bytes);
     }
-    return w;
 }
 
 static void hash_count(bis_walk *w, uint64_t v) { bis_walk_u64(w, &v); }
 static void hash_real(bis_walk *w, double v) { bis_walk_f64(w, &v); }
-static void hash_rgb(bis_walk *w, rgb c) { hash_f32s(w, (const float[3]){c.r, c.g, c.b}, 3); }
-
-static void hash_vectors(bis_walk *w, const vec3 *v, size_t n)
-{
-    for (size_t i = 0; i < n; i++) hash_f32s(w, (const float[3]){v[i].x, v[i].y, v[i].z}, 3);
-}
-
-static void hash_xform(bis_walk *w, const bis_xform *x)
-{
-    for (int i = 0; i < 16; i++) hash_real(w, x->m[i / 4][i % 4]);
-}
 
 /* With its end, so that "ab", "c" and "a", "bc" differ. */
-static void hash_text(bis_walk *w, const char *text)
+static void hash_text(bis_walk *w, const char *text) { hash_numbers(w, text, strlen(text) + 1, 1); }
+
+/* Field by field, and not the bytes of the struct, whose padding is anything. */
+static void hash_fields(bis_walk *w, const void *of, const bis_identity_field *fields)
 {
-    for (size_t i = 0; i <= strlen(text); i++) bis_walk_field(w, (unsigned char)text[i], 1);
+    for (const bis_identity_field *f = fields; f->name; f++)
+        hash_numbers(w, (const char *)of + f->offset, f->n, f->bytes);
 }
 
-static void hash_film(bis_walk *w, const bis_film *f)
+static void hash_camera(bis_walk *w, bis_camera c)
 {
-    const int sizes[] = {f->full_width, f->full_height, f->step, f->picture_width, f->picture_height,
-                         f->x0, f->y0, f->width, f->height};
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) hash_count(w, (uint64_t)sizes[i]);
+    if (!c.has_screen) memset(c.screen, 0, sizeof c.screen);
+    hash_fields(w, &c, camera);
 }
 
-static void hash_camera(bis_walk *w, const bis_camera *c)
+static void hash_division(bis_walk *w, bis_sampler s)
 {
-    hash_count(w, c->orthographic);
-    hash_real(w, c->fov_deg);
-    hash_count(w, c->has_screen);
-    for (int i = 0; i < 4 && c->has_screen; i++) hash_real(w, c->screen[i]);
-    hash_real(w, c->frame_aspect);
-    hash_xform(w, &c->to_world);
+    if (s.kind != BIS_SAMPLER_STRATIFIED && s.kind != BIS_SAMPLER_HALTON) return;
+    if (s.kind == BIS_SAMPLER_HALTON) s.xsamples = s.ysamples = 0; /* it has other cells */
+    hash_fields(w, &s, division);
+}
+
+static void hash_edges(bis_walk *w, bis_view v, bool has_edges)
+{
+    if (!has_edges) v.edge_samples = 1, v.edge_light = 1;
+    hash_fields(w, &v, view);
 }
 
 /* What an integrator does not read may differ. */
@@ -88,22 +199,16 @@ static void hash_settings(bis_walk *w, const bis_settings *s)
 static void hash_geometry(bis_walk *w, const bis_geometry *g)
 {
     hash_count(w, g->n_vertices);
-    hash_vectors(w, g->p, g->n_vertices);
+    hash_numbers(w, g->p, 3 * g->n_vertices, sizeof(float));
     hash_count(w, g->n != NULL);
-    if (g->n) hash_vectors(w, g->n, g->n_vertices);
-    for (size_t i = 0; g->uv && i < g->n_vertices; i++) hash_f32s(w, (const float[2]){g->uv[i].u, g->uv[i].v}, 2);
-    for (size_t i = 0; i < 3 * g->n_triangles; i++) bis_walk_field(w, g->index[i], 4);
-    for (size_t i = 0; i < g->n_ranges; i++) hash_count(w, (uint64_t)g->ranges[i].first << 32 | g->ranges[i].material);
-    for (size_t i = 0; i < g->n_quadrics; i++) {
-        const bis_quadric *q = &g->quadrics[i];
-        hash_count(w, (uint64_t)q->kind << 32 | q->material);
-        hash_real(w, q->radius);
-        hash_real(w, q->height);
-        hash_xform(w, &q->to_world);
-    }
+    if (g->n) hash_numbers(w, g->n, 3 * g->n_vertices, sizeof(float));
+    if (g->uv) hash_numbers(w, g->uv, 2 * g->n_vertices, sizeof(float));
+    hash_numbers(w, g->index, 3 * g->n_triangles, sizeof *g->index);
+    hash_numbers(w, g->ranges, 2 * g->n_ranges, sizeof(uint32_t));
+    for (size_t i = 0; i < g->n_quadrics; i++) hash_fields(w, &g->quadrics[i], quadric);
 }
 
-/* Numbers of the model, and not bytes of the struct, whose padding is anything. */
+/* The numbers of the model. */
 static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
 {
     for (size_t i = 0; i < desc->n_materials; i++) {
@@ -111,89 +216,64 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
         double v[BIS_MATERIAL_NUMBERS];
         hash_text(w, m->model->name);
         bis_material_numbers(v, m);
-        for (int k = 0; k < BIS_MATERIAL_NUMBERS; k++) hash_real(w, v[k]);
+        hash_numbers(w, v, BIS_MATERIAL_NUMBERS, sizeof *v);
     }
 }
 
-static void hash_texture(bis_walk *w, const bis_texture *t)
+static void hash_pixels(bis_walk *w, int width, int height, const rgb *pixels)
 {
-    const uint64_t counts[] = {t->kind, t->of[0],  t->of[1],    t->of[2],   t->of[3],
-                               t->image, t->wrap, t->invert, t->is_float, t->mapping, t->octaves};
-    const double numbers[] = {t->value.r, t->value.g, t->value.b, t->factor[0], t->factor[1], t->offset[0],
-                              t->offset[1], t->scale, t->roughness, t->variation};
-
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) hash_count(w, counts[i]);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) hash_real(w, numbers[i]);
-    for (int i = 0; i < 12; i++) hash_real(w, t->from_world[i / 4][i % 4]);
+    hash_count(w, (uint64_t)width << 32 | (uint64_t)height);
+    hash_numbers(w, pixels, 3 * (size_t)width * (size_t)height, sizeof(float));
 }
 
 /* Images count by their texels, as maps do. */
 static void hash_textures(bis_walk *w, const bis_textures *t, const bis_scene *s)
 {
     for (size_t i = 0; i < t->n_of_material; i++) {
-        const bis_material_textures *m = &t->of_material[i];
-        const bis_texture_slots slots = bis_texture_slots_of(m);
         hash_count(w, i);
-        for (int k = 0; k < BIS_MATERIAL_TEXTURES; k++) hash_count(w, slots.of[k]);
-        hash_count(w, m->normals);
-        hash_real(w, m->power);
+        hash_fields(w, &t->of_material[i], material_textures);
     }
-    for (size_t i = 0; i < t->n; i++) hash_texture(w, &t->list[i]);
+    for (size_t i = 0; i < t->n; i++) hash_fields(w, &t->list[i], texture);
     for (size_t i = 0; i < s->n_images; i++) {
         const bis_image *image = &s->images[i].image;
-        hash_count(w, (uint64_t)image->width << 32 | (uint64_t)image->height);
-        for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; k++) hash_rgb(w, image->pixels[k]);
+        hash_pixels(w, image->width, image->height, image->pixels);
     }
 }
 
 /* The light's scale is in the pixels: another one changes this part as well as its parameters. */
-static void hash_map(bis_walk *w, const bis_light *light)
+static void hash_map(bis_walk *w, const bis_light *built)
 {
-    const bis_envmap *em = bis_light_envmap(light);
-    if (!em) return;
-    hash_count(w, (uint64_t)em->width << 32 | (uint64_t)em->height);
-    for (size_t i = 0; i < (size_t)em->width * (size_t)em->height; i++) hash_rgb(w, em->pixels[i]);
+    const bis_envmap *em = bis_light_envmap(built);
+    if (em) hash_pixels(w, em->width, em->height, em->pixels);
 }
 
 /* What a scene leaves open is hashed as open: table_kind is set when the light is built, and follows from the rest. */
-static void hash_light(bis_walk *w, const bis_light_desc *l)
+static void hash_light(bis_walk *w, bis_light_desc l)
 {
-    const uint64_t counts[] = {l->mapping, (uint64_t)l->width, (uint64_t)l->levels, l->has_table_kind,
-                               l->has_table_kind ? l->table_kind : 0, l->visible, l->is_smooth};
-    hash_rgb(w, l->L);
-    hash_real(w, l->scale);
-    hash_real(w, l->area_exponent);
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) hash_count(w, counts[i]);
-    hash_xform(w, &l->to_world);
+    if (!l.has_table_kind) l.table_kind = 0;
+    hash_fields(w, &l, light);
 }
 
 /* Part by part, in the order of part_names. What is not hashed must not change a picture (see above). */
 void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
 {
-    const bis_view *view = of->view;
-    const bis_sampler *s = &view->sampler;
-    const bool divides = s->kind == BIS_SAMPLER_STRATIFIED || s->kind == BIS_SAMPLER_HALTON;
     bis_walk own = {.hash = BIS_FNV1A}, *w = &own;
     int n = 0;
 
-    hash_film(w, of->film);
+    hash_fields(w, of->film, film);
     parts[n++] = bis_walk_take_hash(w);
     hash_count(w, of->film->layers.asked);
     parts[n++] = bis_walk_take_hash(w);
-    hash_camera(w, &view->camera);
+    hash_camera(w, of->view->camera);
     parts[n++] = bis_walk_take_hash(w);
-    hash_count(w, s->kind);
-    hash_count(w, s->seed);
-    hash_count(w, s->jitter);
+    hash_fields(w, &of->view->sampler, sampler);
     parts[n++] = bis_walk_take_hash(w);
-    if (divides) hash_count(w, s->spp);
+    hash_division(w, of->view->sampler);
     parts[n++] = bis_walk_take_hash(w);
-    hash_count(w, view->pixel_jitter);
-    hash_count(w, of->edge ? view->edge_samples : 1);
-    hash_real(w, of->edge ? view->edge_light : 1);
+    hash_edges(w, *of->view, of->edge);
     hash_count(w, of->options->pass_size);
     parts[n++] = bis_walk_take_hash(w);
-    hash_settings(w, &view->settings);
+    hash_settings(w, &of->view->settings);
     parts[n++] = bis_walk_take_hash(w);
     hash_geometry(w, &of->scene->geometry);
     parts[n++] = bis_walk_take_hash(w);
@@ -202,10 +282,10 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
     parts[n++] = bis_walk_take_hash(w);
     hash_map(w, of->scene->light);
     parts[n++] = bis_walk_take_hash(w);
-    hash_light(w, &of->desc->light);
+    hash_light(w, of->desc->light);
     parts[n++] = bis_walk_take_hash(w);
     hash_text(w, of->scene->accel ? bis_accel_name(of->scene->accel) : "");
-    hash_real(w, of->desc->accel.density);
+    hash_fields(w, &of->desc->accel, accel);
     parts[n++] = bis_walk_take_hash(w);
 }
 

@@ -8,6 +8,22 @@
 /* src/render/identity.c names the parts. */
 enum { BIS_IDENTITY_PARTS = 12 };
 
+/* A field of a struct that counts: n numbers of `bytes` bytes. */
+typedef struct bis_identity_field {
+    const char *name; /* NULL ends a list */
+    size_t offset, n, bytes;
+} bis_identity_field;
+
+/* The fields of a struct that count, and the names of the others. */
+typedef struct bis_identity_struct {
+    const char *type; /* NULL ends the list; a struct may have several lists of fields */
+    const bis_identity_field *fields;
+    const char *rest;
+} bis_identity_struct;
+
+/* The structs whose fields are hashed one by one: for the test that no field is missing. */
+extern const bis_identity_struct bis_identity_structs[];
+
 /* bis_identify hashes the parts of a render, whose edges must be known. */
 void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of);
 

@@ -15,6 +15,9 @@
 
 #include <cmocka.h>
 
+#include <ctype.h>
+#include <glob.h>
+#include <stdio.h>
 #include <string.h>
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
@@ -236,7 +239,7 @@ static void an_error_that_is_asked_for_does_not_count(void **state)
     clear(k);
 }
 
-/* The camera samples that divide a pixel count where the sampler divides one. */
+/* The camera samples that divide a pixel count where the sampler divides one, and the cells of "stratified". */
 static void camera_samples_count_where_they_divide_a_pixel(void **state)
 {
     (void)state;
@@ -252,9 +255,11 @@ static void camera_samples_count_where_they_divide_a_pixel(void **state)
     for (size_t i = 0; i < COUNT(kinds); i++) {
         k->view.sampler.kind = kinds[i].kind;
         EXPECT(k->view.sampler.spp, kinds[i].divides ? DIVISION : NONE);
+        EXPECT(k->view.sampler.xsamples, i == 0 ? DIVISION : NONE);
+        EXPECT(k->view.sampler.ysamples, i == 0 ? DIVISION : NONE);
         bis_identify(parts, &k->of);
         for (int j = 0; j < BIS_IDENTITY_PARTS; j++)
-            assert_int_equal(parts[j] != first[j], (j == SAMPLER && i > 0) || (j == DIVISION && !kinds[i].divides));
+            assert_int_equal(parts[j] != first[j], (j == SAMPLER || j == DIVISION) && i > 0);
     }
     clear(k);
 }
@@ -362,6 +367,104 @@ static void each_field_of_the_light_counts(void **state)
     clear(k);
 }
 
+/* ---- no field is missing ---- */
+
+static char *read_headers(void)
+{
+    static char text[1 << 20];
+    size_t n = 0;
+    glob_t all;
+    assert_int_equal(glob("include/bis/*/*.h", 0, NULL, &all), 0);
+    for (size_t i = 0; i < all.gl_pathc; i++) {
+        FILE *f = fopen(all.gl_pathv[i], "r");
+        assert_non_null(f);
+        n += fread(text + n, 1, sizeof text - 1 - n, f);
+        fclose(f);
+    }
+    globfree(&all);
+    assert_true(n < sizeof text - 1);
+    return text;
+}
+
+static bool is_in(const char *words, const char *name, size_t n)
+{
+    for (const char *at = words; (at = strstr(at, name)) != NULL; at++)
+        if ((at == words || at[-1] == ' ') && (at[n] == ' ' || !at[n])) return true;
+    return false;
+}
+
+static bool is_listed(const char *type, const char *name, const char *also)
+{
+    bool any = is_in(also, name, strlen(name));
+    for (const bis_identity_struct *s = bis_identity_structs; s->type; s++) {
+        if (strcmp(s->type, type) != 0) continue;
+        any |= is_in(s->rest, name, strlen(name));
+        for (const bis_identity_field *f = s->fields; f->name; f++) any |= strcmp(f->name, name) == 0;
+    }
+    return any;
+}
+
+/* Looks at each field that the text declares of the struct: a name before ',', ';' or '['. Returns how many there are.
+ * Fields that are neither in its tables nor in `also` are counted in *n_missing. */
+static int look_for_fields(const char *text, const char *type, const char *also, int *n_missing)
+{
+    char begin[64], name[64] = "";
+    size_t n = 0;
+    int n_fields = 0;
+    bool in_brackets = false;
+    snprintf(begin, sizeof begin, "typedef struct %s {", type);
+    const char *at = strstr(text, begin);
+    if (!at) fail_msg("no struct %s in the headers", type);
+    for (at += strlen(begin); *at != '}'; at++) {
+        if (at[0] == '/' && at[1] == '*') at = strstr(at, "*/") + 1;
+        else if (in_brackets) in_brackets = *at != ']';
+        else if (isalnum((unsigned char)*at) || *at == '_') name[n < sizeof name - 1 ? n++ : n] = *at, name[n] = '\0';
+        else if (*at == '[' || *at == ',' || *at == ';') {
+            in_brackets = *at == '[';
+            if (!*name) continue; /* behind brackets */
+            n_fields++;
+            if (!is_listed(type, name, also)) {
+                print_message("%s.%s is in no table of src/render/identity.c\n", type, name);
+                ++*n_missing;
+            }
+            name[n = 0] = '\0';
+        } else n = 0; /* the next word is another one */
+    }
+    return n_fields;
+}
+
+/* Each field of a struct counts, or is said not to; of the settings, those that are no parameter. */
+static void no_field_of_a_struct_is_missing(void **state)
+{
+    (void)state;
+    const char *headers = read_headers();
+    char parameters[1024] = "integrator as_printed";
+    int n_missing = 0;
+    for (const bis_identity_struct *s = bis_identity_structs; s->type; s++)
+        assert_true(look_for_fields(headers, s->type, "", &n_missing) > 2);
+    for (const bis_parameter *p = bis_parameters; p->name; p++) {
+        const size_t length = strlen(parameters);
+        snprintf(parameters + length, sizeof parameters - length, " %s", p->name);
+    }
+    assert_true(look_for_fields(headers, "bis_settings", parameters, &n_missing) > 10);
+    assert_int_equal(n_missing, 0);
+}
+
+/* The twin: a field is added at each place where one may stand, also where the struct does not grow by it. */
+static void a_field_that_is_added_is_missing(void **state)
+{
+    (void)state;
+    static const char *const with[] = {"bool orthographic, is_new;", "bool is_new, orthographic;",
+                                       "bool orthographic; /* a; b */ float is_new[4];", "char *is_new; bool x0;"};
+    char text[256];
+    for (size_t i = 0; i < COUNT(with); i++) {
+        int n_missing = 0;
+        snprintf(text, sizeof text, "typedef struct bis_camera {\n %s double screen[4]; } bis_camera;", with[i]);
+        assert_int_equal(look_for_fields(text, "bis_camera", "x0", &n_missing), 3);
+        assert_int_equal(n_missing, 1);
+    }
+}
+
 /* Integrators that read the same parameters are two: of the same ones with another name only this part differs. So are
  * accelerators. */
 static void names_of_integrators_and_accelerators_count(void **state)
@@ -457,6 +560,8 @@ int main(void)
         cmocka_unit_test(each_field_of_the_shapes_counts),
         cmocka_unit_test(each_field_of_materials_and_textures_counts),
         cmocka_unit_test(each_field_of_the_light_counts),
+        cmocka_unit_test(no_field_of_a_struct_is_missing),
+        cmocka_unit_test(a_field_that_is_added_is_missing),
         cmocka_unit_test(names_of_integrators_and_accelerators_count),
         cmocka_unit_test(numbers_of_things_count),
         cmocka_unit_test(what_differs_is_named),
