@@ -52,7 +52,7 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
 
 SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 PAGES   := $(wildcard src/tools/*/page.html)
-OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o)
+OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o) $B/src/cli/help_scene.o
 LIB     := $B/libbis.a
 # What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The
 # shared library has objects of its own, because only these are position-independent.
@@ -189,6 +189,12 @@ $Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; \
     awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | \
     $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 endef
+
+# The tables of the scene format, for `bis help`.
+$B/src/cli/help_scene.o: docs/scene-format.md src/cli/help_scene.awk src/cli/help.h $B/.flags
+	@mkdir -p $(@D)
+	$(call say,CC,$<)
+	$Qawk -f src/cli/help_scene.awk $< | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 
 compile_commands.json: FORCE
 	@sh scripts/check/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS) -Itests/support)' $(ALL_C) >$@

@@ -13,7 +13,7 @@
 #include <ctype.h>
 #include <string.h>
 
-enum { MAX_NAMES = 256, MAX_TERM = 32 };
+enum { MAX_NAMES = 512, MAX_TERM = 32 };
 
 static const char intro[] = "bis renders scenes in a subset of the pbrt format, lit directly by an environment map. It "
                             "is the reference implementation of the thesis "
@@ -100,15 +100,17 @@ static const char *next_name(const char **at, size_t *n)
     return *n ? name : NULL;
 }
 
-/* Does an entry explain name? In a term all words are names; in a text those are that a parenthesis with the default or
- * the range follows, as in "candidates (800)". */
-static bool explains(const bis_help_entry *e, const char *name)
+/* Does an entry explain name? A row explains the directive whose heading it stands under. In a term all words are
+ * names; in a text those are that a parenthesis with the default or the range follows, as in "candidates (800)". */
+static bool explains(const bis_help_page *page, const bis_help_entry *e, const char *name)
 {
+    const char *heading = page->heading[e - page->entries];
     const size_t length = strlen(name);
     const char *found, *at;
     size_t n;
 
     if (!e->term || !e->text) return false;
+    if (heading && strcmp(heading, name) == 0) return true;
     for (at = e->term; (found = next_name(&at, &n)) != NULL;) {
         const size_t dashes = *name == '-' ? 0 : strspn(found, "-");
         if (n - dashes == length && strncmp(found + dashes, name, length) == 0) return true;
@@ -128,7 +130,7 @@ static bool print_entries_of(const char *name)
     for (const bis_topic *t = bis_topics; t->name; t++) {
         bool is_first = true;
         for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++) {
-            if (!explains(e, name)) continue;
+            if (!explains(&page, e, name)) continue;
             if (is_first) printf("%sfrom `bis help %s`:\n\n", found ? "\n" : "", t->name);
             bis_cli_print_entry(stdout, e->term, e->text);
             is_first = false;

@@ -21,6 +21,18 @@ typedef struct bis_help_entry {
 /* Terms that stand for an entry for each integrator and for each parameter; bis_help_open makes their texts. */
 extern const char bis_help_of_integrators[], bis_help_of_parameters[];
 
+/* A term that begins so, as in BIS_HELP_PAGE "Camera", stands for all rows under a heading of docs/scene-format.md. */
+#define BIS_HELP_PAGE "### "
+
+/* A row of a table of that page. */
+typedef struct bis_help_row {
+    const char *heading; /* NULL ends the list */
+    bis_help_entry entry;
+} bis_help_row;
+
+/* All rows, in the order of the page: src/cli/help_scene.awk makes them when bis is built. */
+extern const bis_help_row bis_help_rows[];
+
 typedef struct bis_topic {
     const char *name, *summary;
     const bis_help_entry *entries; /* ended by two NULLs */
@@ -30,10 +42,11 @@ typedef struct bis_topic {
 extern const bis_subcommand bis_subcommands[];
 extern const bis_topic bis_topics[];
 
-/* A topic's entries with those of the integrators in place. */
-enum { BIS_HELP_ENTRIES = 64 };
+/* A topic's entries with those of the program and of the page in place. */
+enum { BIS_HELP_ENTRIES = 96 };
 typedef struct bis_help_page {
     bis_help_entry entries[BIS_HELP_ENTRIES + 1]; /* ended by two NULLs */
+    const char *heading[BIS_HELP_ENTRIES];        /* that a row stands under; NULL: no row */
     char text[BIS_HELP_ENTRIES][BIS_INTEGRATOR_WORDS];
 } bis_help_page;
 

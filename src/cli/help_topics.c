@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* help_topics: what a user wants to look up without a browser. The pages in docs/ explain; this reminds of names,
- * defaults and ranges.
- *
- * tests/cli/test_help.c reads docs/scene-format.md and the program's own lists: a name, parameter or layer that is
- * missing here fails there. */
+/* help_topics: what a user wants to look up without a browser. Names, defaults and ranges of a scene stand in the tables
+ * of docs/scene-format.md, those of integrators in src/scene/parameters.c: both are read here, and neither is written
+ * again. */
 #include "help.h"
 
 #include <assert.h>
+#include <string.h>
 
 const char bis_help_of_integrators[] = "", bis_help_of_parameters[] = "";
 
@@ -21,39 +20,31 @@ static const bis_help_entry scene[] = {
     {"LightSource \"infinite\" \"string filename\" \"map.exr\"", NULL},
     {"Material \"phong\" \"rgb Kd\" [0.1 0.1 0.2] \"float Ks\" 0.6", NULL},
     {"Shape \"plymesh\" \"string filename\" \"dragon.ply\"", NULL},
-    {NULL, "Anywhere:"},
-    {"Identity, Translate, Scale, Rotate, LookAt, Transform, ConcatTransform",
-     "act on the current transformation, from the right. The world is left-handed"},
-    {"CoordinateSystem, CoordSysTransform", "remember the transformation by a name; go back to it"},
+    {NULL, "Anywhere: what acts on the current transformation, from the right (the world is left-handed), and"},
     {"Include \"file\"", "go on reading there"},
-    {NULL, "Before WorldBegin:"},
-    {"Camera", "\"perspective\" or \"orthographic\": fov (90), screenwindow, frameaspectratio; lensradius must be 0"},
-    {"Film",
-     "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), scale (1), "
-     "layers (see output)"},
-    {"Sampler", "\"stratified\", \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
-                "(16), seed (0), "
-                "edgesamples (1; more on outlines), edgelight (1; their share of the light samples); stratified: "
-                "xsamples, ysamples (4), jitter (true). A scene without a Sampler has \"sobol\" with edgesamples 8 and "
-                "edgelight 0.25"},
-    {"Integrator", "see integrators, also for a scene without one"},
-    {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\": density, cells per primitive (2; 8 "
-                    "where triangles span many cells)"},
+    {BIS_HELP_PAGE "Transformations", NULL},
+    {NULL, "Before WorldBegin (of a parameter: default; range):"},
+    {"Camera", "\"perspective\" or \"orthographic\", with"},
+    {BIS_HELP_PAGE "Camera", NULL},
+    {"Film", "\"rgb\", with"},
+    {BIS_HELP_PAGE "Film", NULL},
+    {"Sampler", "a kind, and parameters"},
+    {BIS_HELP_PAGE "Sampler", NULL},
+    {"Integrator", "see integrators"},
+    {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\", with"},
+    {BIS_HELP_PAGE "Accelerator", NULL},
     {"Option", "\"bool disablepixeljitter\" (false); \"string asprinted\" (see errata)"},
+    {NULL, "A scene without a Sampler has the first of these, one without an Integrator the second:"},
+    {BIS_HELP_PAGE "A scene without a Sampler or an Integrator", NULL},
     {NULL, "After WorldBegin:"},
     {"LightSource", "see lights"},
     {"Material, MakeNamedMaterial, NamedMaterial", "see materials"},
     {"Texture", "see textures"},
-    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"objmesh\": materials (false: without its "
-              ".mtl); \"trianglemesh\": P, indices, N, uv; \"sphere\": radius (1), zmin, zmax, phimax; \"disk\": "
-              "radius (1), height (0), innerradius (0), phimax"},
-    {"Shape, as fine meshes",
-     "\"cylinder\": radius, zmin (-1), zmax; \"cone\": radius, height; \"paraboloid\": radius, zmin (0), zmax; "
-     "\"hyperboloid\": p1, p2; \"loopsubdiv\": levels (3), P, indices; \"bilinearmesh\": P, indices, N, uv; "
-     "\"heightfield\": nu, nv, Pz; \"nurbs\": nu, uorder, uknots, u0, u1, the same of v, P or Pw"},
     {"ObjectBegin, ObjectEnd, ObjectInstance", "shapes that are kept by a name, and shown by it"},
     {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd",
      "save and restore transformation and material; the transformation alone"},
+    {"Shape", "one of"},
+    {BIS_HELP_PAGE "Shape", NULL},
     {NULL, NULL},
 };
 
@@ -62,8 +53,8 @@ static const bis_help_entry integrators[] = {
            "defaults in parentheses, the first of several "
            "names is the default. \"sir\" with its defaults is the method of the thesis."},
     {bis_help_of_integrators, NULL},
-    {"no Integrator: sir", "with proposal product, 64 candidates, 24 shadow rays, learn true: what a scene has that "
-                           "names none"},
+    {NULL, "A scene that names none has the second of these:"},
+    {BIS_HELP_PAGE "A scene without a Sampler or an Integrator", NULL},
     {NULL, "The parameters:"},
     {bis_help_of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "
@@ -73,19 +64,11 @@ static const bis_help_entry integrators[] = {
 };
 
 static const bis_help_entry materials[] = {
-    {NULL, "Colours are \"rgb Kd\" [r g b] or \"float Kd\" x, in [0, 1]; defaults in parentheses. Until a Material "
+    {NULL, "Colours are \"rgb Kd\" [r g b] or \"float Kd\" x; default and range in parentheses. Until a Material "
            "comes, all is \"diffuse\" 0.5."},
-    {"phong", "the thesis's energy-preserving model (eq. 3.14). Kd (0.5), Ks (0), exponent (50, >= 0)"},
-    {"microfacet", "GGX facets over a diffuse base. Kd (0), Ks (0.9, the reflectance head on: a metal's colour, 0.04 "
-                   "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
-    {"diffuse, matte", "reflectance, or Kd (0.5)"},
-    {"conductor, metal", "pbrt's: reflectance, or eta and k (copper); roughness (0; metal 0.01), or uroughness and "
-                         "vroughness; remaproughness (true)"},
-    {"coateddiffuse", "pbrt's: reflectance (0.5), eta (1.5), thickness (0.01), roughness (0)"},
-    {"plastic, uber, substrate", "pbrt's: Kd, Ks (0.25; substrate 0.5), roughness (0.1); uber: eta or index (1.5), "
-                                 "no Kr, Kt or opacity"},
-    {"displacement, normalmap", "of every material: a texture of numbers, or an image of normals, that bends the "
-                                "normal (bumpmap is pbrt-v3's)"},
+    {BIS_HELP_PAGE "Material", NULL},
+    {NULL, "Every material takes what bends its normals:"},
+    {BIS_HELP_PAGE "Bump and normal maps", NULL},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
            "Each value may be a texture, see textures. --approximate replaces pbrt's other materials by the nearest of "
            "these."},
@@ -94,37 +77,18 @@ static const bis_help_entry materials[] = {
 
 static const bis_help_entry textures[] = {
     {NULL, "Texture \"NAME\" \"float\" or \"spectrum\" \"KIND\" ..., before its first use; then \"texture Kd\" "
-           "\"NAME\" in a material. Values must stay in the range that constants have."},
-    {"imagemap", "filename (.png, .jpg, .tga, .bmp, .exr, .hdr, .pfm), wrap (repeat, clamp or black), scale (1), "
-                 "invert (false), encoding of a .png (sRGB, linear or \"gamma X\")"},
-    {"constant", "value (1)"},
-    {"scale", "tex times scale (1, 1), or tex1 times tex2"},
-    {"mix", "from tex1 (0) to tex2 (1) by amount (0.5)"},
-    {"checkerboard", "tex1 (1) and tex2 (0); dimension (2, or 3: in space)"},
-    {"dots, bilerp, uv", "inside (1) and outside (0); v00, v01, v10, v11 (0 1 0 1); the coordinates as a colour"},
-    {"fbm, wrinkled, marble, windy", "noise in the space of the current transformation: octaves (8), roughness (0.5); "
-                                     "marble: scale (1), variation (0.2)"},
-    {"uscale, vscale, udelta, vdelta", "of those in the plane: s = uscale u + udelta, t = vscale v + vdelta "
-                                       "(1 1 0 0). v = 0 is the bottom of an image"},
-    {"mapping", "uv; or planar (v1, v2), spherical, cylindrical: by the point, in the space of the current "
-                "transformation"},
+           "\"NAME\" in a material. Values must stay in the range that constants have. The kinds, and the parameters "
+           "of the mapping:"},
+    {BIS_HELP_PAGE "Texture", NULL},
     {NULL, NULL},
 };
 
 static const bis_help_entry lights[] = {
     {NULL, "LightSource \"infinite\", at most one: an environment map, or a constant from all around. In its own "
            "frame z is up, the map's top row; the transformation at its place, a rotation, turns it into the world."},
-    {"filename", "the map: .hdr, .exr or .pfm, also .gz; none: a constant (mapname is pbrt-v3's)"},
-    {"L, scale", "radiance of a constant (1 1 1); what a map is multiplied by (1)"},
-    {"mapping", "latlong, angular: a light probe, equalarea: pbrt-v4's squares (and what a square filename is taken "
-                "for), mirrorball, verticalcross, horizontalcross, cubestrip"},
-    {"width", "of the lat-long map that others are resampled to (twice a square, four faces of a cube)"},
-    {"areaexponent", "b of thesis 3.4 (0.15, in [0, 10]): how far small bright sources give up samples to large ones; "
-                     "0: not at all. Never changes the mean"},
-    {"levels", "of intensity, thesis 3.4 (8, in [1, 254])"},
-    {"sampler", "alias, or cdf (the default with the samplers sobol and halton). Never changes the mean"},
-    {"visible", "false: camera rays that hit nothing see black (true)"},
-    {"filter", "bilinear: camera rays see the map interpolated (point: its pixels). Surfaces receive the same light"},
+    {BIS_HELP_PAGE "LightSource", NULL},
+    {NULL, "The mappings:"},
+    {BIS_HELP_PAGE "How a map covers the sphere", NULL},
     {NULL, "`bis envmap MAP` shows what is in a map."},
     {NULL, NULL},
 };
@@ -217,6 +181,7 @@ const bis_topic bis_topics[] = {
 static void add_entry(bis_help_page *page, size_t *n, bis_help_entry e)
 {
     assert(*n < BIS_HELP_ENTRIES);
+    page->heading[*n] = NULL;
     page->entries[(*n)++] = e;
 }
 
@@ -238,6 +203,19 @@ static void add_parameters(bis_help_page *page, size_t *n)
     }
 }
 
+static void add_rows(bis_help_page *page, size_t *n, const char *heading)
+{
+    const size_t before = *n;
+
+    for (const bis_help_row *r = bis_help_rows; r->heading; r++) {
+        if (strcmp(r->heading, heading) != 0) continue;
+        add_entry(page, n, r->entry);
+        page->heading[*n - 1] = r->heading;
+    }
+    assert(*n > before); /* the page has this heading */
+    (void)before;
+}
+
 const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t)
 {
     size_t n = 0;
@@ -245,6 +223,8 @@ const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t)
     for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
         if (e->term == bis_help_of_integrators) add_integrators(page, &n);
         else if (e->term == bis_help_of_parameters) add_parameters(page, &n);
+        else if (e->term && strncmp(e->term, BIS_HELP_PAGE, strlen(BIS_HELP_PAGE)) == 0)
+            add_rows(page, &n, e->term + strlen(BIS_HELP_PAGE));
         else add_entry(page, &n, *e);
     }
     page->entries[n] = (bis_help_entry){NULL, NULL};

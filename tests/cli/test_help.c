@@ -59,7 +59,7 @@ static int look_for_names(const char *text, const char *page, const char *sectio
                 snprintf(name, sizeof name, "%.*s", (int)length, from);
                 n++;
                 if (has_word(text, name, length)) continue;
-                print_message("%s: no \"%s\" in its topic, src/cli/help_topics.c\n", section, name);
+                print_message("%s: no \"%s\" in its topic, src/cli/help_scene.awk\n", section, name);
                 ++*n_missing;
             }
         }
@@ -197,7 +197,8 @@ static void a_name_is_looked_up_in_all_topics(void **state)
         {"sir", "from `bis help integrators`:\n\n  sir  ", "\n  rejection "},
         {"shadowrays", "\n  rejection ", "\n  em "},
         {"Shape", "from `bis help scene`:\n\n  Shape  ", "\n  Camera "},
-        {"areaexponent", "from `bis help lights`:\n\n  areaexponent  ", "\n  levels "},
+        {"Camera", "\n  float fov  ", "\n  Film "},
+        {"areaexponent", "from `bis help lights`:\n\n  float areaexponent  ", "\n  integer levels "},
         {"exponent", "from `bis help materials`:\n\n  phong  ", "areaexponent"},
         {"spp", "\n  --spp N", "\n  --time"},
         {".exr", "\n  .exr ", "\n  .png"},
