@@ -109,11 +109,16 @@ static bool pattern_init(pattern *p, int k)
     return true;
 }
 
-/* Looks up n samples of the pattern from sample `first` on. */
-static void look_up(const resampling *s, int x, int y, const pattern *p, uint32_t first, uint32_t n, bis_samples *at)
+/* n samples of the pattern, from sample `first` on. */
+static bis_places places_of(const pattern *p, uint32_t first, uint32_t n)
 {
-    model_of(s->to)->directions(s->to, x, y, p->dx + first, p->dy + first, at, bis_lanes_round_up(n));
-    model_of(s->from)->pixels(s->from, at, bis_lanes_round_up(n));
+    return (bis_places){p->dx + first, p->dy + first, bis_lanes_round_up(n)};
+}
+
+static void look_up(bis_samples *at, const resampling *s, int x, int y, const bis_places *places)
+{
+    model_of(s->to)->directions(at, s->to, x, y, places);
+    model_of(s->from)->pixels(s->from, at, places->n);
 }
 
 /* Adds n samples to sum and met. Returns their weight; *last: the lamp of the last one. */
@@ -146,7 +151,8 @@ static double gather(const resampling *s, int x, int y, const pattern *p, double
     sum[0] = sum[1] = sum[2] = 0;
     for (uint32_t i = 0; i < p->samples; i += BIS_SAMPLES) {
         const uint32_t n = p->samples - i < BIS_SAMPLES ? p->samples - i : BIS_SAMPLES;
-        look_up(s, x, y, p, i, n, &at);
+        const bis_places places = places_of(p, i, n);
+        look_up(&at, s, x, y, &places);
         weights += add_samples(s, &at, n, sum, met, last);
     }
     return weights;
@@ -199,7 +205,8 @@ static void gather_plain(const resampling *s)
         for (int x = 0, n; x < to->width; x += n) {
             n = cell - x % cell < s->usual.pixels ? cell - x % cell : s->usual.pixels;
             const bool together = s->usual.samples <= BIS_SAMPLES;
-            if (together) look_up(s, x, y, &s->usual, 0, (uint32_t)n * s->usual.samples, &at);
+            const bis_places places = places_of(&s->usual, 0, (uint32_t)n * s->usual.samples);
+            if (together) look_up(&at, s, x, y, &places);
             for (int i = 0; i < n; i++) {
                 area = next_solid_angle(to, x + i, y, area);
                 rgb *const c = &to->pixels[(size_t)y * (size_t)to->width + (size_t)(x + i)];
@@ -283,7 +290,7 @@ static void add_lamp(const resampling *s, size_t pixel)
     const int x = (int)(pixel % (size_t)from->width), y = (int)(pixel / (size_t)from->width);
     const float centre[BIS_LANES_BLOCK] = {0};
     bis_samples at;
-    model_of(from)->directions(from, x, y, centre, centre, &at, BIS_LANES_BLOCK);
+    model_of(from)->directions(&at, from, x, y, &(bis_places){centre, centre, BIS_LANES_BLOCK});
     model_of(to)->pixels(to, &at, BIS_LANES_BLOCK);
     const size_t i = at.pixel[0];
     const double times = solid_angle(from, x, y) / solid_angle_at(to, i);

@@ -35,14 +35,14 @@ static inline BIS_INLINE float with_sign(float x, float of) { return bis_lanes_c
 /* ---- lat-long ---- */
 
 BIS_LANES
-static void latlong_lanes(float u0, float v0, float column, float row, const float *dx, const float *dy,
-                          bis_samples *s, uint32_t n)
+static void latlong_lanes(bis_samples *s, float u0, float v0, float column, float row, const bis_places *places)
 {
+    const bis_places p = *places;
 #pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < p.n; i++) {
         float sin_theta, cos_theta, sin_phi, cos_phi;
-        bis_lanes_sincos2pi((v0 + dy[i] * row) / 2, &sin_theta, &cos_theta);
-        bis_lanes_sincos2pi(u0 + dx[i] * column, &sin_phi, &cos_phi);
+        bis_lanes_sincos2pi((v0 + p.dy[i] * row) / 2, &sin_theta, &cos_theta);
+        bis_lanes_sincos2pi(u0 + p.dx[i] * column, &sin_phi, &cos_phi);
         s->x[i] = sin_theta * cos_phi;
         s->y[i] = sin_theta * sin_phi;
         s->z[i] = cos_theta;
@@ -50,11 +50,10 @@ static void latlong_lanes(float u0, float v0, float column, float row, const flo
     }
 }
 
-static void latlong_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
-                               uint32_t n)
+static void latlong_directions(bis_samples *s, const bis_raster *r, int x, int y, const bis_places *places)
 {
-    latlong_lanes((float)((x + 0.5) / r->width), (float)((y + 0.5) / r->height), 1 / (float)r->width,
-                  1 / (float)r->height, dx, dy, s, n);
+    latlong_lanes(s, (float)((x + 0.5) / r->width), (float)((y + 0.5) / r->height), 1 / (float)r->width,
+                  1 / (float)r->height, places);
 }
 
 static void latlong_pixels(const bis_raster *r, bis_samples *s, uint32_t n)
@@ -77,6 +76,15 @@ static void disc_position(const bis_raster *r, int x, int y, double q[2])
 {
     q[0] = 2 * (x + 0.5) / r->width - 1;
     q[1] = 1 - 2 * (y + 0.5) / r->width;
+}
+
+/* Directions of a disc, by the lanes of its own formula. */
+static void disc_directions(bis_samples *s, void lanes(bis_samples *, float, float, float, const bis_places *),
+                            const bis_raster *r, int x, int y, const bis_places *places)
+{
+    double q[2];
+    disc_position(r, x, y, q);
+    lanes(s, (float)q[0], (float)q[1], 2 / (float)r->width, places);
 }
 
 /* Whether a pixel's centre lies on the disc: in integers, so that all who ask have one answer. A side has at most 2^15
@@ -105,11 +113,12 @@ static inline BIS_INLINE uint32_t disc_pixel(int32_t side, float radius, float c
 }
 
 BIS_LANES
-static void angular_lanes(float u0, float v0, float pixel, const float *dx, const float *dy, bis_samples *s, uint32_t n)
+static void angular_lanes(bis_samples *s, float u0, float v0, float pixel, const bis_places *places)
 {
+    const bis_places p = *places;
 #pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float u = u0 + dx[i] * pixel, v = v0 - dy[i] * pixel, radius = sqrtf(u * u + v * v);
+    for (uint32_t i = 0; i < p.n; i++) {
+        const float u = u0 + p.dx[i] * pixel, v = v0 - p.dy[i] * pixel, radius = sqrtf(u * u + v * v);
         float sine, cosine;
         bis_lanes_sincos2pi(radius / 2, &sine, &cosine);
         const float times = bis_lanes_choose(radius > 0, sine / radius, 3.14159265f);
@@ -120,12 +129,9 @@ static void angular_lanes(float u0, float v0, float pixel, const float *dx, cons
     }
 }
 
-static void angular_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
-                               uint32_t n)
+static void angular_directions(bis_samples *s, const bis_raster *r, int x, int y, const bis_places *places)
 {
-    double q[2];
-    disc_position(r, x, y, q);
-    angular_lanes((float)q[0], (float)q[1], 2 / (float)r->width, dx, dy, s, n);
+    disc_directions(s, angular_lanes, r, x, y, places);
 }
 
 BIS_LANES
@@ -154,11 +160,12 @@ static double angular_solid_angle(const bis_raster *r, int x, int y)
 }
 
 BIS_LANES
-static void ball_lanes(float u0, float v0, float pixel, const float *dx, const float *dy, bis_samples *s, uint32_t n)
+static void ball_lanes(bis_samples *s, float u0, float v0, float pixel, const bis_places *places)
 {
+    const bis_places p = *places;
 #pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float u = u0 + dx[i] * pixel, v = v0 - dy[i] * pixel, radius2 = u * u + v * v;
+    for (uint32_t i = 0; i < p.n; i++) {
+        const float u = u0 + p.dx[i] * pixel, v = v0 - p.dy[i] * pixel, radius2 = u * u + v * v;
         const float times = 2 * sqrtf(bis_lanes_choose(radius2 > 1, 0, 1 - radius2)); /* sin t / r, r = sin(t/2) */
         s->x[i] = bis_lanes_choose(radius2 > 1, 1, 2 * radius2 - 1);
         s->y[i] = -times * u;
@@ -167,12 +174,9 @@ static void ball_lanes(float u0, float v0, float pixel, const float *dx, const f
     }
 }
 
-static void ball_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
-                            uint32_t n)
+static void ball_directions(bis_samples *s, const bis_raster *r, int x, int y, const bis_places *places)
 {
-    double q[2];
-    disc_position(r, x, y, q);
-    ball_lanes((float)q[0], (float)q[1], 2 / (float)r->width, dx, dy, s, n);
+    disc_directions(s, ball_lanes, r, x, y, places);
 }
 
 /* Of the angle t from the middle, -x is the cosine and h the sine: sin(t/2) = h / sqrt(2 (1 - x)) in front and
@@ -200,12 +204,12 @@ static double ball_solid_angle(const bis_raster *r, int x, int y)
 /* ---- equal-area square ---- */
 
 BIS_LANES
-static void equalarea_lanes(float u0, float v0, float pixel, const float *dx, const float *dy, bis_samples *s,
-                            uint32_t n)
+static void equalarea_lanes(bis_samples *s, float u0, float v0, float pixel, const bis_places *places)
 {
+    const bis_places p = *places;
 #pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float u = u0 + dx[i] * pixel, v = v0 + dy[i] * pixel, au = magnitude(u), av = magnitude(v);
+    for (uint32_t i = 0; i < p.n; i++) {
+        const float u = u0 + p.dx[i] * pixel, v = v0 + p.dy[i] * pixel, au = magnitude(u), av = magnitude(v);
         const float above = 1 - au - av, radius = 1 - magnitude(above); /* above 0: the upper hemisphere */
         const float turn = (av - au) / bis_lanes_choose(radius > 0, radius, 1) / 8 + 0.125f;
         const float sin_theta = radius * sqrtf(2 - radius * radius);
@@ -218,11 +222,10 @@ static void equalarea_lanes(float u0, float v0, float pixel, const float *dx, co
     }
 }
 
-static void equalarea_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
-                                 uint32_t n)
+static void equalarea_directions(bis_samples *s, const bis_raster *r, int x, int y, const bis_places *places)
 {
-    equalarea_lanes((float)(2 * (x + 0.5) / r->width - 1), (float)(2 * (y + 0.5) / r->width - 1), 2 / (float)r->width,
-                    dx, dy, s, n);
+    equalarea_lanes(s, (float)(2 * (x + 0.5) / r->width - 1), (float)(2 * (y + 0.5) / r->width - 1),
+                    2 / (float)r->width, places);
 }
 
 BIS_LANES
@@ -319,13 +322,13 @@ static inline BIS_INLINE float along(vec3 axis, float x, float y, float z)
 }
 
 BIS_LANES
-static void cube_lanes(const vec3 axis[3], float a0, float b0, float pixel, const float *dx, const float *dy,
-                       bis_samples *s, uint32_t n)
+static void cube_lanes(bis_samples *s, const vec3 axis[3], float a0, float b0, float pixel, const bis_places *places)
 {
+    const bis_places p = *places;
     const vec3 ahead = axis[0], right = axis[1], up = axis[2];
 #pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float a = a0 + dx[i] * pixel, b = b0 - dy[i] * pixel, t = 1 / sqrtf(1 + a * a + b * b);
+    for (uint32_t i = 0; i < p.n; i++) {
+        const float a = a0 + p.dx[i] * pixel, b = b0 - p.dy[i] * pixel, t = 1 / sqrtf(1 + a * a + b * b);
         s->x[i] = t * (ahead.x + a * right.x + b * up.x);
         s->y[i] = t * (ahead.y + a * right.y + b * up.y);
         s->z[i] = t * (ahead.z + a * right.z + b * up.z);
@@ -333,8 +336,7 @@ static void cube_lanes(const vec3 axis[3], float a0, float b0, float pixel, cons
     }
 }
 
-static void cube_directions(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s,
-                            uint32_t n)
+static void cube_directions(bis_samples *s, const bis_raster *r, int x, int y, const bis_places *places)
 {
     double a, b;
     int side;
@@ -344,7 +346,7 @@ static void cube_directions(const bis_raster *r, int x, int y, const float *dx, 
         return;
     }
     const vec3 axis[3] = {axis_vector(f->ahead), axis_vector(f->right), axis_vector(f->up)};
-    cube_lanes(axis, (float)a, (float)b, 2 / (float)side, dx, dy, s, n);
+    cube_lanes(s, axis, (float)a, (float)b, 2 / (float)side, places);
 }
 
 /* The pixels of the directions that this face shows; first: its first pixel. A direction on an edge has two faces, of

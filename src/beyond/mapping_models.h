@@ -21,6 +21,13 @@ typedef struct bis_samples {
     uint32_t pixel[BIS_SAMPLES];
 } bis_samples;
 
+/* Places of one pixel, or of it and those to its right: (dx[i], dy[i]) pixels from its centre. n is a whole number of
+ * blocks, at most BIS_SAMPLES. */
+typedef struct bis_places {
+    const float *dx, *dy;
+    uint32_t n;
+} bis_places;
+
 typedef struct bis_mapping_model {
     const char *name, *shape;
     int columns, rows; /* the picture consists of square cells: faces of a cube, or 1 x 1; lat-long: 2 x 1 */
@@ -28,9 +35,9 @@ typedef struct bis_mapping_model {
      * with the corners: four faces make a turn. */
     double turn;
     int detail; /* the width in cells of the lat-long map that shows all detail */
-    /* Stores the direction and the weight of n places, (dx[i], dy[i]) pixels from the centre of pixel (x, y), in its
-     * row and cell. A weight of 0: no part of the sphere. n is a whole number of blocks, at most BIS_SAMPLES. */
-    void (*directions)(const bis_raster *r, int x, int y, const float *dx, const float *dy, bis_samples *s, uint32_t n);
+    /* Stores the direction and the weight of places of pixel (x, y), in its row and cell. A weight of 0: no part of the
+     * sphere. */
+    void (*directions)(bis_samples *s, const bis_raster *r, int x, int y, const bis_places *places);
     /* Stores the pixels that show n directions. */
     void (*pixels)(const bis_raster *r, bis_samples *s, uint32_t n);
     /* The solid angle of pixel (x, y) in sr, by the formula; 0: outside. */

@@ -249,31 +249,13 @@ static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *
     return other;
 }
 
-const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
-                                             .init = init,
-                                             .sample = sample,
-                                             .f_pdf = f_pdf,
-                                             .max_f_cos = max_f_cos,
-                                             .max_ratio = max_ratio,
-                                             .remake = remake,
-                                             .of_half_vector = true,
-                                             .width = width,
-                                             .f_many = f_many,
-                                             .sample_many = sample_many,
-                                             .reach = reach};
+/* The functions of both are the same: those that compute F ask which model they serve. */
+#define FACETS(called) \
+    {.name = called, .init = init, .sample = sample, .f_pdf = f_pdf, .max_f_cos = max_f_cos, .max_ratio = max_ratio, \
+     .remake = remake, .of_half_vector = true, .width = width, .f_many = f_many, .sample_many = sample_many, \
+     .reach = reach}
 
-const bis_bsdf_model bis_plastic_model = {.name = "plastic",
-                                          .init = init,
-                                          .sample = sample,
-                                          .f_pdf = f_pdf,
-                                          .max_f_cos = max_f_cos,
-                                          .max_ratio = max_ratio,
-                                          .remake = remake,
-                                          .of_half_vector = true,
-                                          .width = width,
-                                          .f_many = f_many,
-                                          .sample_many = sample_many,
-                                          .reach = reach};
+const bis_bsdf_model bis_microfacet_model = FACETS("microfacet"), bis_plastic_model = FACETS("plastic");
 
 /* As Phong's: what reflects less than 2^-67 is black. */
 static bool is_visible(double k)

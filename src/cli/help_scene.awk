@@ -2,8 +2,8 @@
 # help_scene: the tables of docs/scene-format.md as the array bis_help_rows (help.h), so that what a parameter is stands
 # once. The Makefile calls it.
 #     awk -f src/cli/help_scene.awk docs/scene-format.md
-# A row whose first cell is `code` is an entry: its term is that cell. Of four cells the second is the default, the third
-# the range. What a scene has that names no sampler and no integrator is a scene there, and given line by line.
+# A row whose first cell is `code` is an entry: its term is that cell. Of four cells the second is the default, the
+# third the range. What a scene has that names no sampler and no integrator is a scene there, and given line by line.
 function plain(s,    link) {
     while (match(s, /\[[^]]*\]\([^)]*\)/)) {
         link = substr(s, RSTART + 1, RLENGTH - 1)

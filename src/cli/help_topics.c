@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* help_topics: what a user wants to look up without a browser. Names, defaults and ranges of a scene stand in the tables
- * of docs/scene-format.md, those of integrators in src/scene/parameters.c: both are read here, and neither is written
- * again. */
+/* help_topics: what a user wants to look up without a browser. Names, defaults and ranges of a scene stand in the
+ * tables of docs/scene-format.md, those of integrators in src/scene/parameters.c: both are read here, and neither is
+ * written again. */
 #include "help.h"
 
 #include <assert.h>
