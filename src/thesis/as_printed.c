@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* as_printed: those equations of chapters 3 and 4 that give another picture if the code follows them as printed.
- * docs/errata.md explains what is wrong with each. E3, E13 and E20 concern the map's importance and stand in its files,
- * E22 and E29 in rejection.c. */
+ * docs/errata.md explains what is wrong with each. E3, E13 and E20 leave out a factor of the importance, and stand
+ * where that is; E29 is one of the fallbacks of rejection.c. */
 #include "bis/thesis/errata.h"
 #include "as_printed.h"
 
@@ -59,6 +59,16 @@ double bis_as_printed_Zhat(const bis_settings *s, const bis_point *pt, const bis
     bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
     if (!bis_set_draw(x, s->candidates, s->proposal, s->stratify, pt, &others)) return 0;
     return bis_set_weigh(x, pt);
+}
+
+uint32_t bis_as_printed_until(const bis_set *x, uint32_t N, double *Zhat)
+{
+    const uint32_t M = x->choice.item[N - 1] + 1;
+    double W = 0;
+
+    for (uint32_t i = 0; i < M; i++) W += bis_set_weight(x, i);
+    *Zhat = W / M;
+    return M;
 }
 
 double bis_as_printed_bound(const bis_point *pt, bis_proposal proposal, double L_ns)

@@ -15,7 +15,7 @@ enum {
     BIS_E13 = 1 << 2, /* src/thesis/importance_table.c, src/thesis/alias.c */
     BIS_E20 = 1 << 3, /* src/thesis/importance.c */
     BIS_E21 = 1 << 4, /* src/thesis/as_printed.c */
-    BIS_E22 = 1 << 5, /* src/thesis/rejection.c */
+    BIS_E22 = 1 << 5, /* src/thesis/as_printed.c */
     BIS_E23 = 1 << 6, /* src/thesis/as_printed.c */
     BIS_E27 = 1 << 7, /* src/thesis/as_printed.c */
     BIS_E29 = 1 << 8, /* src/thesis/rejection.c */
