@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* bench_light: what it costs to get a map ready, and to draw from it.
+/* bench_light: what it costs to get a map ready, to draw from it, and to look it up; and the points of each sampler.
  *
  *     bench_light [WIDTH]      default 4096: a WIDTH x WIDTH/2 map, log-uniform over six decades with a few lamps
  *
@@ -9,7 +9,11 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
+#include "bis/thesis/sampler.h"
+#include "bis/thesis/warp.h"
 #include "bis/base/image.h"
+
+#include "thesis/light_many.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,6 +57,46 @@ static void bench_table(const char *name, const bis_envmap *em, const bis_import
     bis_importance_free(im);
 }
 
+/* 256 random directions, again and again: one after the other, and all at once. */
+static void bench_look_up(const bis_envmap *em)
+{
+    enum { N = 256, TIMES = 20000 };
+    static const vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static float floats[BIS_LANES_ARRAYS * N];
+    static uint32_t pixel[N];
+    const bis_lanes y = bis_lanes_in(floats, N);
+    uint64_t sum = 0;
+    bis_rng rng;
+    bis_rng_init(&rng, 3, 0, 0, 0);
+    for (int i = 0; i < N; i++) {
+        const vec3 w = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng));
+        y.x[i] = w.x, y.y[i] = w.y, y.z[i] = w.z;
+    }
+    double t = bis_clock_now();
+    for (int k = 0; k < TIMES; k++) sum += bis_envmap_pixel(em, (vec3){y.x[k % N], y.y[k % N], y.z[k % N]});
+    printf("%-18s ns_one_by_one %.1f", "pixel of direction", (bis_clock_now() - t) / TIMES * 1e9);
+    t = bis_clock_now();
+    for (int k = 0; k < TIMES; k++, sum += pixel[k % N]) bis_envmap_pixels(em, axis, pixel, &y, N);
+    printf("  ns_of_many %.2f  (sum %llu)\n", (bis_clock_now() - t) / TIMES / N * 1e9, (unsigned long long)sum);
+}
+
+/* Sets of 16 points, of which a pixel has 64. */
+static void bench_points(bis_sampler_kind kind)
+{
+    enum { N = 16, SETS = 100000 };
+    bis_sampler sampler = {.kind = kind, .seed = 1, .jitter = true};
+    double u[N][2], sum = 0, t = bis_clock_now();
+    bis_sampler_set_spp(&sampler, 64);
+    for (uint64_t k = 0; k < SETS; k++) {
+        bis_stream stream;
+        bis_stream_init(&stream, &sampler, k / 64, k % 64);
+        bis_stream_points(&stream, 1, N, u);
+        sum += u[k % N][0];
+    }
+    printf("%-18s ns_per_point %.1f  (mean %.3f)\n", bis_sampler_name(kind), (bis_clock_now() - t) / SETS / N * 1e9,
+           sum / SETS);
+}
+
 int main(int argc, char **argv)
 {
     int width = argc > 1 ? atoi(argv[1]) : 4096;
@@ -72,6 +116,8 @@ int main(int argc, char **argv)
     bench_table("cdf", &em, &(bis_importance_options){.table = true, .table_kind = BIS_TABLE_CDF, .levels = 8});
     bench_table("curve", &em, &(bis_importance_options){.curve = true, .levels = 8});
     bench_table("curve, b = 0.15", &em, &(bis_importance_options){.curve = true, .area_exponent = 0.15, .levels = 8});
+    bench_look_up(&em);
+    for (int kind = BIS_SAMPLER_RANDOM; kind <= BIS_SAMPLER_HALTON; kind++) bench_points((bis_sampler_kind)kind);
     bis_envmap_clear(&em);
     return 0;
 }

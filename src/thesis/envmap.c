@@ -46,7 +46,7 @@ bis_status bis_envmap_init_rows(bis_envmap *em, int width, int height, bis_diag 
         em->cos_edge[y] = cos_polar(y, height);
         em->row_solid_angle[y] = 2 * PI / width * 2 * sin_polar(y + 0.5, height) * sin_half;
     }
-    em->cos_edge[height] = -1;
+    em->cos_edge[height] = -1; /* the loop ends before it */
     /* [end] */
     return BIS_OK;
 }
@@ -83,7 +83,8 @@ rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double so
     return (rgb){r, g, b};
 }
 
-/* No branch in the loop: good maps are looked at whole, and this one becomes vectors. */
+/* & and not &&: a branch for each channel would end the loop early at a bad pixel, which hardly any map has, and keep
+ * the loop from becoming vectors in all others. */
 static bool is_row_of_radiance(const rgb *row, int width)
 {
     bool is = true;
@@ -142,7 +143,7 @@ bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag)
         b = c.b > b ? c.b : b;
     }
     const rgb most = {r, g, b}, scaled = rgb_mul(most, scale);
-    if (!rgb_is_finite(scaled)) { /* before anything is changed, so that the map stays usable */
+    if (!rgb_is_finite(scaled)) { /* asked before anything is changed, so that the map stays usable */
         return bis_error(diag, BIS_INPUT, (bis_loc){0},
                          "the largest radiance of the map, (%g %g %g), times (%g %g %g) exceeds the largest float, %g; "
                          "choose a smaller scale",
@@ -197,7 +198,7 @@ vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double 
 void bis_envmap_measure(const bis_envmap *em, double *power, double *most)
 {
     /* All threads make sums of rows, and one adds them, in their order: the bits do not depend on the number of
-     * threads. TOGETHER rows at a time, because their sums lie on the stack. */
+     * threads. TOGETHER rows at a time, because their sums lie on the stack: 8 kB. */
     enum { TOGETHER = 1024 };
     double sum[TOGETHER], largest = 0;
     *power = 0;

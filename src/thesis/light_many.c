@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* light_many: bis_envmap_pixel for many directions at once: 2 ns each with AVX-512 instead of 60.
+/* light_many: bis_envmap_pixel for many directions at once: 6 ns each with AVX2 instead of 55 (bench_light).
  *
  * In float: theta and phi are off by less than 1e-6, so a direction that close to a pixel's edge may be given to the
  * neighbour (a thousandth of a pixel in a map 8192 wide). Who asks takes radiance and density from the same pixel, so
@@ -25,13 +25,13 @@ static void find(const vec3 axis[3], float columns, float rows, uint32_t *pixel,
         const float v = l.x[i] * ay.x + l.y[i] * ay.y + l.z[i] * ay.z;
         const float w = l.x[i] * az.x + l.y[i] * az.y + l.z[i] * az.z;
         const float phi = bis_lanes_atan2(v, u), theta = bis_lanes_atan2(sqrtf(u * u + v * v), w);
-        /* west: rounded towards 0 from below */
+        /* (int32_t) cuts towards 0: from 0 up to width/2 in the east, from the last column down in the west. So x is in
+         * [0, width) for phi in [-pi, pi] and every width, also by the rounded per_column */
         const int32_t east = (int32_t)(phi * per_column), west = last_column + (int32_t)(phi * per_column);
-        int32_t x = phi < 0 ? west : east, row = (int32_t)(theta * per_row);
+        const int32_t x = phi < 0 ? west : east, row = (int32_t)(theta * per_row);
 
-        x = x > last_column ? last_column : x; /* phi just below pi, rounded up; theta = pi belongs to the last row */
-        row = row > last_row ? last_row : row;
-        pixel[i] = (uint32_t)(row * width + x);
+        /* theta = pi, the south pole, belongs to the last row */
+        pixel[i] = (uint32_t)((row > last_row ? last_row : row) * width + x);
     }
 }
 
@@ -74,8 +74,10 @@ void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel,
 {
     assert(bis_light_mean(light) > 0);
     for (uint32_t i = 0; i < n; i++) y->q[i] = 1; /* without an importance: then q_L has no part in q */
+    /* constant or map is asked once and not for each direction, so that both loops have no branch */
     if (bis_light_is_constant(light)) look_at_constant(light, y, n);
     else look_at_map(light, y, pixel, n);
+    /* what fills the last block weighs nothing, and its q divides nothing by 0 */
     for (uint32_t i = n; i < bis_lanes_round_up(n); i++) {
         y->r[i] = y->g[i] = y->b[i] = 0;
         y->q[i] = 1;

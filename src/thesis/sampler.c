@@ -12,8 +12,8 @@
  * Owen's scrambling (src/base/scramble.h) keeps the nets nets, makes each point uniform, and makes two sequences with
  * different keys independent. Two scrambled copies of one sequence would still be paired point by point: the first bit
  * of one would always determine the first bit of the other. Each dimension pair therefore visits its sequence in an
- * order of its own (Burley 2020). Cost per point: about 15 ns for stratified and sobol; 10 ns for halton, and 3 ns for
- * each base-3 digit.
+ * order of its own (Burley 2020). Cost of a point in a set of 16, by bench_light on a busy EPYC: random 12 ns, sobol and
+ * stratified 72, halton 145, most of it for the digits in base 3.
  *
  * The camera samples of sobol are mirrored, too: samples 2k and 2k + 1 are mirror images through the pixel's centre, so
  * that a change of the radiance in proportion to the place cancels in each pair (antithetic points; on nets: Owen
@@ -38,6 +38,9 @@ enum { CAMERA_DIM = 0x7fffffff };
 
 /* ---- base 2 ---- */
 
+/* The index itself is scrambled first, from its highest digit down: that gives a sequence an order of its own, and
+ * leaves each aligned block of 2^k indices a block, so that what was a net stays one. The digits of a point end after
+ * 32; random ones follow, because a point is uniform in [0,1), and not on a grid. */
 static void sobol_points(uint32_t scramble(uint32_t x, uint32_t key), bis_rng *sequence, bis_rng *random,
                          uint64_t first, uint32_t n, double (*u)[2])
 {
@@ -54,6 +57,8 @@ static void sobol_points(uint32_t scramble(uint32_t x, uint32_t key), bis_rng *s
 
 /* ---- base 3 ---- */
 
+/* An index has no more digits than the last one of the set, or of all camera samples, and the rest are 0 in all of
+ * them: in base 3 only `depth` digits are scrambled, and a random number takes the place of the rest. */
 static void halton_points(bis_rng *sequence, bis_rng *random, uint64_t first, uint64_t count, uint32_t n,
                           double (*u)[2])
 {
@@ -77,7 +82,7 @@ static void stratified_points(bis_rng *random, uint32_t n, double (*u)[2])
         double t = bis_stratum(i, bis_rng_double(random), n);
         uint64_t tail = bis_rng_u64(random);
         bis_curve_hilbert(t, u[i]);
-        u[i][0] += (double)(tail & 0x7ffffff) * 0x1p-53;
+        u[i][0] += (double)(tail & 0x7ffffff) * 0x1p-53; /* 27 bits below 2^-26: the last of a double below 1 */
         u[i][1] += (double)(tail >> 32 & 0x7ffffff) * 0x1p-53;
     }
 }
