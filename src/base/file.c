@@ -47,24 +47,36 @@ static ssize_t read_some(int fd, unsigned char *buffer, size_t room)
     return got;
 }
 
-/* Everything from fd to its end, and a zero byte. *data is the caller's also on failure. */
-static bis_status read_all(unsigned char **data, size_t *size, int fd, size_t guess, const char *path, bis_loc at,
-                           bis_diag *diag)
+/* An open file. */
+typedef struct source {
+    int fd;
+    const char *path;
+    bis_loc at; /* of messages */
+} source;
+
+static bis_status no_room(const source *from, size_t capacity, bis_diag *diag)
+{
+    return bis_error(diag, BIS_NOMEM, from->at, "no memory to read \"%s\" (%zu bytes)", from->path, capacity);
+}
+
+/* Everything to the end of the file, and a zero byte. *data is the caller's also on failure. */
+static bis_status read_all(unsigned char **data, size_t *size, const source *from, size_t guess, bis_diag *diag)
 {
     const size_t spare = 2; /* one for the zero, one so that the read that meets the end has room to ask for a byte */
     size_t capacity = guess > 4096 ? guess : 4096, n = 0;
 
     *data = bis_alloc(capacity + spare, 1);
     for (;;) {
-        if (!*data) return bis_error(diag, BIS_NOMEM, at, "no memory to read \"%s\" (%zu bytes)", path, capacity);
-        ssize_t got = read_some(fd, *data + n, capacity + spare - 1 - n);
-        if (got < 0) return bis_error(diag, BIS_IO, at, "cannot read \"%s\": %s", path, strerror(errno));
+        if (!*data) return no_room(from, capacity, diag);
+        ssize_t got = read_some(from->fd, *data + n, capacity + spare - 1 - n);
+        if (got < 0)
+            return bis_error(diag, BIS_IO, from->at, "cannot read \"%s\": %s", from->path, strerror(errno));
         if (got == 0) break;
         n += (size_t)got;
         if (n <= capacity) continue;
         capacity *= 2;
         unsigned char *grown = bis_realloc(*data, capacity + spare, 1);
-        if (!grown) return bis_error(diag, BIS_NOMEM, at, "no memory to read \"%s\" (%zu bytes)", path, capacity);
+        if (!grown) return no_room(from, capacity, diag);
         *data = grown;
     }
     (*data)[n] = 0;
@@ -92,7 +104,7 @@ bis_status bis_file_read(unsigned char **data, size_t *size, const char *path, b
         status = bis_error(diag, BIS_IO, place, "\"%s\" is %s, must be a regular file", path, what);
         goto done;
     }
-    status = read_all(&bytes, size, fd, (size_t)info.st_size, path, place, diag);
+    status = read_all(&bytes, size, &(source){fd, path, place}, (size_t)info.st_size, diag);
     if (status) goto done;
     *data = bytes;
     bytes = NULL;

@@ -173,7 +173,7 @@ static bis_status write_page(const envmap_options *o, const char *path, const bi
     if (status) return status;
     bis_json_open(&j, NULL, '{');
     put_json(&j, path, s, em, bis_importance_bytes(im));
-    status = bis_survey_put_page(&j, s, em, regions, im, (int)o->samples, diag);
+    status = bis_survey_put_page(&j, s, light, regions, (int)o->samples, diag);
     bis_json_close(&j);
     print_text(page.text, path, s, em, bis_importance_bytes(im));
     return bis_page_end(&page, status, o->html, bis_survey_page, what, diag);

@@ -28,7 +28,7 @@ typedef struct render_options {
     bis_override over;
     const char *viewer; /* HOST:PORT */
     bis_display *display;
-    const bis_film *film; /* what display shows */
+    bis_film *film; /* what is rendered, and what display shows */
     const bis_scene *scene;
     const bis_scene_desc *desc;
     bool shows_progress;
@@ -118,9 +118,11 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
     return BIS_OK;
 }
 
-static bis_status render(bis_render_result *result, bis_film *film, bis_checkpoint *checkpoint,
-                         const bis_scene *scene, bis_scene_desc *desc, render_options *o, bis_diag *diag)
+/* o has film, scene and desc. */
+static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, render_options *o, bis_diag *diag)
 {
+    bis_film *film = o->film;
+    const bis_scene_desc *desc = o->desc;
     const bool leads = bis_rank_leads(bis_cli_ranks);
     bis_status status = BIS_OK;
     bool show = leads && !o->quiet && isatty(STDERR_FILENO);
@@ -136,9 +138,6 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_checkpoi
     };
     bis_cli_catch_signals();
     o->shows_progress = show;
-    o->film = film;
-    o->scene = scene;
-    o->desc = desc;
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
     options.first_light = !options.checkpoint && !bis_cli_ranks;
@@ -151,7 +150,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_checkpoi
         if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);
         status = bis_ranks_agree(bis_cli_ranks, status, diag);
     }
-    if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
+    if (!status) status = bis_render(result, film, o->scene, desc, &desc->view, &options, diag);
     bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
     char text[BIS_PERCENT];
@@ -166,7 +165,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_checkpoi
     }
     if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
     if (!status && result->passes && leads && desc->has_light && !o->part.share.n)
-        bis_render_files_warn_of_black(film, scene, &desc->view.camera, diag);
+        bis_render_files_warn_of_black(film, o->scene, &desc->view.camera, diag);
     return status;
 }
 
@@ -227,7 +226,10 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     o->agreed = true;
     status = bis_ranks_agree(bis_cli_ranks, BIS_OK, diag);
     if (status) goto done;
-    status = render(&result, &film, &checkpoint, scene, desc, o, diag);
+    o->film = &film;
+    o->scene = scene;
+    o->desc = desc;
+    status = render(&result, &checkpoint, o, diag);
     if (status || !bis_rank_leads(bis_cli_ranks)) goto done;
     *interrupted = bis_cli_signal;
     if (result.missing > 0 && !result.interrupted && !o->quiet)

@@ -277,10 +277,11 @@ static rgb *place_scanline(ptrdiff_t *step, const bis_image *image, const hdr_he
     return image->pixels + (size_t)y * (size_t)image->width + x;
 }
 
-/* n pixels whose four bytes lie `plane` apart, and one pixel `next` from the other. */
-static void convert(rgb *out, ptrdiff_t step, const unsigned char *in, int n, ptrdiff_t plane, ptrdiff_t next,
-                    const scale_table scale)
+/* n pixels whose four bytes stand in planes of n, or one pixel after the other. */
+static void convert(rgb *out, ptrdiff_t step, const unsigned char *in, int n, bool in_planes, const scale_table scale)
 {
+    const ptrdiff_t plane = in_planes ? n : 1, next = in_planes ? 1 : 4;
+
     for (ptrdiff_t i = 0; i < n; i++) {
         const unsigned char *p = in + i * next;
         const double *s = scale[p[3 * plane]];
@@ -312,7 +313,7 @@ static bis_status read_scanlines(bis_image *image, unsigned char *buffer, const 
                                     start - in->data, wrong);
         ptrdiff_t step;
         rgb *out = place_scanline(&step, image, h, i);
-        convert(out, step, buffer, n, is_new ? n : 1, is_new ? 1 : 4, scale);
+        convert(out, step, buffer, n, is_new, scale);
     }
     if (p < end) bis_image_remark(in, "%td bytes behind the last scanline are ignored", end - p);
     return BIS_OK;

@@ -41,11 +41,9 @@ static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_str
     return L_ns;
 }
 
-static bool gather_light(float *L_ns, float *visibility, const bis_settings *settings, const bis_point *pt,
-                         bis_stream *stream, bis_scratch *scratch, rgb L)
+/* open: L without shadows. */
+static bool gather_light(float *L_ns, float *visibility, rgb open, rgb L)
 {
-    if (!L_ns && !visibility) return true;
-    rgb open = unoccluded(settings, pt, stream, scratch);
     if (!isfinite((float)rgb_sum(open)) || !isfinite((float)rgb_sum(L))) return false;
     if (L_ns) put_rgb(L_ns, open);
     if (visibility) {
@@ -59,7 +57,8 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
                         const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch, rgb L)
 {
     float *albedo = place(values, layers, BIS_LAYER_ALBEDO), *normal = place(values, layers, BIS_LAYER_NORMAL),
-          *depth = place(values, layers, BIS_LAYER_DEPTH);
+          *depth = place(values, layers, BIS_LAYER_DEPTH), *L_ns = place(values, layers, BIS_LAYER_UNOCCLUDED),
+          *visibility = place(values, layers, BIS_LAYER_VISIBILITY);
 
     if (albedo) put_rgb(albedo, rgb_add(pt->bsdf.material->Kd, pt->bsdf.material->Ks));
     if (normal) {
@@ -67,8 +66,8 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
         put_rgb(normal, (rgb){n.x, n.y, n.z});
     }
     if (depth) *depth += bis_xform_point(to_camera, pt->p).z;
-    return gather_light(place(values, layers, BIS_LAYER_UNOCCLUDED), place(values, layers, BIS_LAYER_VISIBILITY),
-                        settings, pt, &stream, scratch, L);
+    if (!L_ns && !visibility) return true;
+    return gather_light(L_ns, visibility, unoccluded(settings, pt, &stream, scratch), L);
 }
 
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after)

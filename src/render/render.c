@@ -332,7 +332,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
                       const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     const bool leads = bis_rank_leads(options->ranks);
-    render r = {.budget = options->budget,
+    render r = {.work = {.scene = scene, .desc = desc, .view = view, .options = options, .film = film},
+                .budget = options->budget,
                 .done = {.next_check = MIN_ERROR_PASSES, .rmse_upper = (double)NAN}};
 
     *result = (bis_render_result){.error = {.relative_rmse = (double)NAN, .upper = (double)NAN}};
@@ -342,7 +343,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     assert(!options->part.n || !(options->budget.error > 0)); /* the error is that of the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
-    bis_status status = bis_workspace_init(&r.work, film, scene, desc, view, options, diag);
+    bis_status status = bis_workspace_init(&r.work, diag);
     status = prepare(&r, status, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);

@@ -129,24 +129,15 @@ static bis_status find_own_tiles(bis_workspace *w, bis_diag *diag)
     return bis_share_tiles(&w->own, &w->n_own, w->film, part, diag);
 }
 
-bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                              const bis_view *view, const bis_render_options *options, bis_diag *diag)
+bis_status bis_workspace_init(bis_workspace *w, bis_diag *diag)
 {
-    bis_status status;
     int across;
 
-    *w = (bis_workspace){
-        .scene = scene,
-        .desc = desc,
-        .view = view,
-        .options = options,
-        .film = film,
-        .to_camera = bis_xform_inverse(&view->camera.to_world),
-        .n_threads = bis_render_threads(options),
-        .late = HUGE_VAL,
-        .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
-    };
-    status = find_own_tiles(w, diag);
+    w->to_camera = bis_xform_inverse(&w->view->camera.to_world);
+    w->n_threads = bis_render_threads(w->options);
+    w->late = HUGE_VAL;
+    w->n_tiles = bis_film_tiles(w->film, BIS_RENDER_TILE, &across);
+    bis_status status = find_own_tiles(w, diag);
     if (!status) status = make_workers(w, diag);
     if (!status) status = make_pool(w, diag);
     find_area(w);

@@ -27,7 +27,7 @@ typedef struct bis_pixel_mean {
 } bis_pixel_mean;
 
 typedef struct bis_workspace {
-    const bis_scene *scene;
+    const bis_scene *scene; /* what is rendered: who makes a workspace sets these five */
     const bis_scene_desc *desc;
     const bis_view *view;
     const bis_render_options *options;
@@ -54,10 +54,10 @@ typedef struct bis_workspace {
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
 } bis_workspace;
 
-/* bis_workspace_init makes all of *w but the edges. What is passed is borrowed. Errors: BIS_NOMEM, BIS_INPUT (the part
- * that is asked for has no tile); *w can then be cleared. */
-bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                              const bis_view *view, const bis_render_options *options, bis_diag *diag);
+/* bis_workspace_init makes the rest of *w, but the edges, of which scene, desc, view, options and film are set, and all
+ * else is 0. These are borrowed. Errors: BIS_NOMEM, BIS_INPUT (the part that is asked for has no tile); *w can then be
+ * cleared. */
+bis_status bis_workspace_init(bis_workspace *w, bis_diag *diag);
 void bis_workspace_clear(bis_workspace *w);
 
 /* bis_workspace_find_edges traces the rays of edges.h, where there are edges to find. Each rank looks at a

@@ -137,10 +137,12 @@ bis_status bis_make_height_field(bis_mesh *m, const double *z, size_t nu, size_t
 
 /* ---- NURBS ---- */
 
-/* The B-splines of one parameter that are not 0 at x, b[order], and their derivatives d[order]; first: the number of
+/* The B-splines of parameter `of` that are not 0 at x, b[order], and their derivatives d[order]; first: the number of
  * b[0]. de Boor's recursion, from order 1 up; a part with a knot interval of length 0 is 0. */
-static void b_splines(double *b, double *d, size_t *first, const double *knot, size_t n, size_t order, double x)
+static void b_splines(double *b, double *d, size_t *first, const bis_nurbs *surface, int of, double x)
 {
+    const double *knot = surface->knots[of];
+    const size_t n = surface->n[of], order = surface->order[of];
     size_t k = order - 1;
 
     while (k + 1 < n && x >= knot[k + 1]) k++; /* x lies in [knot[k], knot[k + 1]) */
@@ -166,7 +168,7 @@ static void nurbs_at(bis_grid_point *out, const void *surface, double s, double 
     size_t first[2];
 
     assert(x->order[0] <= BIS_MAKE_MAX_ORDER && x->order[1] <= BIS_MAKE_MAX_ORDER);
-    for (int k = 0; k < 2; k++) b_splines(b[k], d[k], &first[k], x->knots[k], x->n[k], x->order[k], w[k]);
+    for (int k = 0; k < 2; k++) b_splines(b[k], d[k], &first[k], x, k, w[k]);
     for (size_t j = 0; j < x->order[1]; j++)
         for (size_t i = 0; i < x->order[0]; i++)
             for (int c = 0; c < 4; c++) {

@@ -513,8 +513,9 @@ static void open_desk(desk *d, int ranks, const int *threads, int columns, int r
     if (learns) make_learning_world(&d->world);
     else make_world(&d->world, &bis_em);
     assert_int_equal(bis_film_init(&d->film, 16 * columns - 3, 16 * rows, all, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_workspace_init(&d->w, &d->film, &d->world.scene, &d->world.desc, &d->world.desc.view,
-                                        &d->options, NULL), BIS_OK);
+    d->w = (bis_workspace){.scene = &d->world.scene, .desc = &d->world.desc, .view = &d->world.desc.view,
+                           .options = &d->options, .film = &d->film};
+    assert_int_equal(bis_workspace_init(&d->w, NULL), BIS_OK);
     assert_int_equal(d->w.n_tiles, columns * rows);
     d->sched = bis_sched_new(&d->ranks, &d->w);
     for (int i = 0; i < ranks; i++) {

@@ -128,11 +128,12 @@ static void render_one_by_one(
     bis_film *film, bis_counters *counters, const world *w, const uint32_t *sizes, uint32_t n_passes)
 {
     const bis_render_options options = {.n_threads = 1};
-    bis_workspace work;
+    bis_workspace work = {.scene = &w->scene, .desc = &w->desc, .view = &w->desc.view, .options = &options,
+                          .film = film};
     uint64_t before = 0;
 
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_workspace_init(&work, film, &w->scene, &w->desc, &w->desc.view, &options, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
     assert_int_equal(bis_workspace_find_edges(&work, NULL), BIS_OK);
     for (uint32_t p = 0; p < n_passes; p++) {
         pass_one_by_one(film, w, &work, p, sizes[p], before);
@@ -237,14 +238,15 @@ static void a_pass_tells_its_progress_after_each_tile(void **state)
     const bis_render_options options = {.n_threads = 1};
     const bis_pass pass = {.number = 0, .n = 1, .first = 0, .weight = 1};
     double told[2] = {0, 0};
-    bis_workspace work;
     bis_film film;
     world w;
+    bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
+                          .film = &film};
 
     (void)state;
     make_world(&w, &bis_em);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_workspace_init(&work, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
     assert_true(bis_pass_render(&work, &pass, note_share, told));
     assert_true(told[0] == work.n_tiles && told[1] == 1 && work.n_tiles > 1);
     bis_workspace_clear(&work);

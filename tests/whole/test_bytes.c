@@ -246,7 +246,9 @@ static void what_a_render_works_with(void **state)
             assert_int_equal(bis_film_init(&film, 310, 170, whole, (bis_loc){0}, NULL), BIS_OK);
             if (kinds[i].layers) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
             const account before = begin();
-            assert_int_equal(bis_workspace_init(&work, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+            work = (bis_workspace){.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
+                                   .film = &film};
+            assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
             assert_true((work.visibility.n_tiles > 0) == kinds[i].learns);
             if (!is_true(before, bis_workspace_bytes(&work))) fail_msg("kind %zu, %d threads", i, n_threads);
             bis_workspace_clear(&work);

@@ -38,25 +38,31 @@ static sample draw(const bis_point *pt, bool of_map, double n1, double n2, bis_r
     return (sample){F > 0 && bis_point_sees(pt, y.wi) ? F / c : 0, (q1 - q2) / c};
 }
 
-/* Of one technique: means, and sums of squares and products about them. */
+/* The samples of one technique: those of numbers [first, end) of each of n estimates. s[n][N]. */
+typedef struct technique {
+    const sample *s;
+    size_t n;
+    uint32_t N, first, end;
+} technique;
+
+/* Means, and sums of squares and products about them. */
 typedef struct moments {
     double F, difference, FF, Fd, dd;
 } moments;
 
-/* Of the samples j, first <= j < end, of all n estimates. s[n][N]. */
-static moments moments_of(const sample *s, size_t n, uint32_t N, uint32_t first, uint32_t end)
+static moments moments_of(technique t)
 {
-    const double count = (double)n * (end - first);
+    const double count = (double)t.n * (t.end - t.first);
     moments m = {0, 0, 0, 0, 0};
 
-    for (size_t i = 0; i < n; i++)
-        for (uint32_t j = first; j < end; j++) {
-            m.F += s[i * N + j].F / count;
-            m.difference += s[i * N + j].difference / count;
+    for (size_t i = 0; i < t.n; i++)
+        for (uint32_t j = t.first; j < t.end; j++) {
+            m.F += t.s[i * t.N + j].F / count;
+            m.difference += t.s[i * t.N + j].difference / count;
         }
-    for (size_t i = 0; i < n; i++)
-        for (uint32_t j = first; j < end; j++) {
-            const double F = s[i * N + j].F - m.F, d = s[i * N + j].difference - m.difference;
+    for (size_t i = 0; i < t.n; i++)
+        for (uint32_t j = t.first; j < t.end; j++) {
+            const double F = t.s[i * t.N + j].F - m.F, d = t.s[i * t.N + j].difference - m.difference;
             m.FF += F * F;
             m.Fd += F * d;
             m.dd += d * d;
@@ -65,17 +71,16 @@ static moments moments_of(const sample *s, size_t n, uint32_t N, uint32_t first,
 }
 
 /* n Var of the samples less beta differences. */
-static double squares(const sample *s, size_t n, uint32_t N, uint32_t first, uint32_t end, const moments *m,
-                      double beta)
+static double squares(technique t, const moments *m, double beta)
 {
     double sum = 0;
 
-    for (size_t i = 0; i < n; i++)
-        for (uint32_t j = first; j < end; j++) {
-            const double x = s[i * N + j].F - m->F - beta * (s[i * N + j].difference - m->difference);
+    for (size_t i = 0; i < t.n; i++)
+        for (uint32_t j = t.first; j < t.end; j++) {
+            const double x = t.s[i * t.N + j].F - m->F - beta * (t.s[i * t.N + j].difference - m->difference);
             sum += x * x;
         }
-    return sum / ((double)n - 1.0 / (end - first));
+    return sum / ((double)t.n - 1.0 / (t.end - t.first));
 }
 
 bis_status bis_pixel_mis_of(bis_pixel_mis *mis, const bis_point *pt, const bis_settings *settings, size_t n,
@@ -90,13 +95,14 @@ bis_status bis_pixel_mis_of(bis_pixel_mis *mis, const bis_point *pt, const bis_s
         bis_rng_init(&rng, seed, i, 0, purpose_mis);
         for (uint32_t j = 0; j < N; j++) s[i * N + j] = draw(pt, j < n1, n1, n2, &rng);
     }
-    const moments m1 = moments_of(s, n, N, 0, n1), m2 = moments_of(s, n, N, n1, N);
+    const technique by_map = {s, n, N, 0, n1}, by_brdf = {s, n, N, n1, N};
+    const moments m1 = moments_of(by_map), m2 = moments_of(by_brdf);
     const double scatter = m1.dd + m2.dd;
     mis->mean = n1 * m1.F + n2 * m2.F;
     mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter : 0; /* 0: q1 = q2, or they do not overlap: nothing to gain */
     mis->overlap = 1 - (double)n1 * n2 / N * (m1.difference - m2.difference); /* int (q1 - q2)^2/c of the derivation */
     for (int k = 0; k < 2; k++)
-        mis->variance[k] = squares(s, n, N, 0, n1, &m1, k * mis->beta) + squares(s, n, N, n1, N, &m2, k * mis->beta);
+        mis->variance[k] = squares(by_map, &m1, k * mis->beta) + squares(by_brdf, &m2, k * mis->beta);
     bis_free(s);
     return BIS_OK;
 }

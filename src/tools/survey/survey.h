@@ -5,6 +5,7 @@
 #pragma once
 
 #include "bis/thesis/importance.h"
+#include "bis/thesis/light.h"
 #include "bis/thesis/regions.h"
 #include "bis/base/image.h"
 
@@ -59,8 +60,8 @@ enum { BIS_SURVEY_PAGE_WIDTH = 720 };
 
 /* bis_survey_put_page writes what the page of a map shows beyond its survey, into an open object: "places", of each
  * pixel or of each step x step of them, and "samples", n_samples directions. Errors: BIS_NOMEM. */
-bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_envmap *em, const bis_regions *regions,
-                               const bis_importance *im, int n_samples, bis_diag *diag);
+bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_light *light, const bis_regions *regions,
+                               int n_samples, bis_diag *diag);
 
 /* page.html with its scripts, as make puts it into the program. */
 extern const char bis_survey_page[];

@@ -106,9 +106,11 @@ static bis_status put_picture(bis_json *j, const places *p, const bis_survey *s,
     return BIS_OK;
 }
 
-bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_envmap *em, const bis_regions *regions,
-                               const bis_importance *im, int n_samples, bis_diag *diag)
+bis_status bis_survey_put_page(bis_json *j, const bis_survey *s, const bis_light *light, const bis_regions *regions,
+                               int n_samples, bis_diag *diag)
 {
+    const bis_envmap *em = bis_light_envmap(light);
+    const bis_importance *im = bis_light_importance(light);
     const places p = places_of(em);
     const size_t n = (size_t)p.width * (size_t)p.height;
     const bis_levels levels = bis_levels_of(em, s->n_levels ? s->n_levels : 1); /* none: all is black, in no level */

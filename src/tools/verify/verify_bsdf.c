@@ -96,6 +96,7 @@ static void add_node(integrals *sum, const bis_bsdf *b, vec3 wi, double weight)
 
 /* A lobe's cells: cell[ring * SECTORS + sector]. */
 typedef struct cells {
+    const bis_bsdf *b;
     rings r;
     int n;
     integrals cell[MAX_EDGES * SECTORS];
@@ -111,7 +112,7 @@ static void integrate(cells *c, const bis_bsdf *b)
     const double dphi = 2 * PI / SECTORS / NODES_PHI;
     double cosine[SECTORS * NODES_PHI], sine[SECTORS * NODES_PHI];
 
-    *c = (cells){.r = rings_of(b->material)};
+    *c = (cells){.b = b, .r = rings_of(b->material)};
     c->n = (c->r.n - 1) * SECTORS;
     for (int k = 0; k < SECTORS * NODES_PHI; k++) {
         cosine[k] = cos(dphi * (k + 0.5));
@@ -159,8 +160,9 @@ static vec3 wo_at(double degrees)
     return normalize(vec3_from(0.6 * sin(a), 0.8 * sin(a), cos(a)));
 }
 
-static void check_lobes(bis_verify *v, const bis_bsdf *b, const cells *c, const char *name)
+static void check_lobes(bis_verify *v, const cells *c, const char *name)
 {
+    const bis_bsdf *b = c->b;
     double expected[MAX_EDGES * SECTORS], observed[MAX_EDGES * SECTORS] = {0}, sum = 0;
     bis_rng rng;
 
@@ -181,9 +183,10 @@ static void check_lobes(bis_verify *v, const bis_bsdf *b, const cells *c, const 
 
 /* ---- the furnace ---- */
 
-static bis_status check_furnace(bis_verify *v, const bis_bsdf *b, const cells *c, const bis_settings *settings,
-                                size_t n, const char *name, bis_diag *diag)
+static bis_status check_furnace(bis_verify *v, const cells *c, const bis_settings *settings, size_t n,
+                                const char *name, bis_diag *diag)
 {
+    const bis_bsdf *b = c->b;
     const rgb L = {1, 0.5f, 0.25f};
     const uint32_t n_runs = MOST_RUNS >> v->halvings;
     bis_counters counters = {0};
@@ -226,6 +229,6 @@ bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degr
 
     bis_bsdf_init(&b, m, (vec3){0, 0, 1}, wo_at(degrees));
     integrate(&c, &b);
-    check_lobes(v, &b, &c, name);
-    return check_furnace(v, &b, &c, settings, n, name, diag);
+    check_lobes(v, &c, name);
+    return check_furnace(v, &c, settings, n, name, diag);
 }

@@ -157,6 +157,9 @@ typedef struct tally {
     uint32_t (*place)[CELLS2];  /* place[n_groups]: by the cell inside the pixel */
     double *group_pmf;          /* group_pmf[n_groups] */
     size_t n_groups;
+    const double *pmf;          /* pmf[n]: what is expected of each of the pixels, borrowed */
+    size_t n;
+    double n_draws;
     uint32_t outside, none;     /* directions not in the pixel that they claim; nothing drawn */
 } tally;
 
@@ -174,7 +177,8 @@ static bis_status tally_init(tally *t, const bis_envmap *em, const double *pmf, 
     const size_t n = n_pixels(em);
     const double enough = 5 * CELLS2 / n_draws;
     double sum = 0;
-    *t = (tally){.pixel = bis_alloc(n, sizeof *t->pixel), .group = bis_alloc(n, sizeof *t->group)};
+    *t = (tally){.pixel = bis_alloc(n, sizeof *t->pixel), .group = bis_alloc(n, sizeof *t->group),
+                 .pmf = pmf, .n = n, .n_draws = n_draws};
     if (!t->pixel || !t->group) goto no_memory;
     for (size_t i = 0; i < n; i++) {
         t->group[i] = (uint32_t)t->n_groups;
@@ -252,10 +256,9 @@ static void draw_all(tally *t, const bis_verify_sampler *sampler, const bis_envm
 }
 
 /* Both histograms; the last cell is for what must not happen. */
-static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, size_t n, const double *pmf,
-                              double n_draws, bis_diag *diag)
+static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, bis_diag *diag)
 {
-    const size_t n_places = t->n_groups * CELLS2, most = (n > n_places ? n : n_places) + 1;
+    const size_t n = t->n, n_places = t->n_groups * CELLS2, most = (n > n_places ? n : n_places) + 1;
     double *observed = bis_alloc(most, sizeof *observed), *expected = bis_alloc(most, sizeof *expected);
     bis_status status = BIS_OK;
     if (!observed || !expected) {
@@ -264,14 +267,14 @@ static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, s
     }
     for (size_t i = 0; i < n; i++) {
         observed[i] = t->pixel[i];
-        expected[i] = n_draws * pmf[i];
+        expected[i] = t->n_draws * t->pmf[i];
     }
     observed[n] = (double)t->outside + (double)t->none;
     expected[n] = 0;
     bis_verify_fit(v, "map", observed, expected, n + 1, "%s: draws by pixel", name);
     for (size_t i = 0; i < n_places; i++) {
         observed[i] = t->place[i / CELLS2][i % CELLS2];
-        expected[i] = n_draws * t->group_pmf[i / CELLS2] / CELLS2;
+        expected[i] = t->n_draws * t->group_pmf[i / CELLS2] / CELLS2;
     }
     bis_verify_fit(v, "map", observed, expected, n_places, "%s: draws in 4 x 4 cells inside pixels", name);
 done:
@@ -297,7 +300,7 @@ bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, co
     bis_status status = tally_init(&t, em, pmf, (double)n_draws, diag);
     if (status) return status;
     draw_all(&t, sampler, em, bis_verify_seed(v, "%s: draws", sampler->name), n_draws);
-    status = judge_draws(v, sampler->name, &t, n_pixels(em), pmf, (double)n_draws, diag);
+    status = judge_draws(v, sampler->name, &t, diag);
     tally_clear(&t);
     return status;
 }
