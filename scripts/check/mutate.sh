@@ -36,7 +36,7 @@ log=$copy/log
 rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data $copy/build   # an ended run leaves a mutated object
 mkdir -p $copy
 make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy &&
-    mkdir -p $copy/docs && cp -Rp docs/live $copy/docs || exit 1
+    mkdir -p $copy/docs && cp -Rp docs/live docs/scene-format.md $copy/docs || exit 1
 
 # make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {

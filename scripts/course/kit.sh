@@ -24,7 +24,7 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/bis/tests/course" || exit 1
 cp -Rp Makefile LICENSE include src scripts "$work/bis" && mkdir "$work/bis/docs" &&
-    cp -Rp docs/live "$work/bis/docs" && cp -Rp tests/support "$work/bis/tests" &&
+    cp -Rp docs/live docs/scene-format.md "$work/bis/docs" && cp -Rp tests/support "$work/bis/tests" &&
     cp -p tests/course/"$name"[._]* "$work/bis/tests/course" || exit 1
 cat >"$work/setup.sh" <<'EOF'
 #!/bin/sh

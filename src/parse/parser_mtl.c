@@ -5,7 +5,11 @@
  * its own with a material of its own, so that all else sees shapes with one material. A material of a library is
  * Phong's: Kd, Ks and Ns, with map_Kd as an image that multiplies Kd. illum 0 and 1 have no highlight. map_bump (bump)
  * is a displacement, norm a normal map. What a library says of other maps, of transparency and of light is ignored with
- * a warning. Source: Wavefront's "MTL material format" (1995), and the files of the wild, where norm comes from. */
+ * a warning. Source: Wavefront's "MTL material format" (1995), and the files of the wild, where norm comes from.
+ *
+ * An OBJ is read in src/files/obj.c alone, a library here alone. A library is not read in src/files, because nearly
+ * each of its lines makes a texture or a material of the scene, or is replaced with --approximate: a reader there would
+ * have to return all of them, and this file to walk over them again. */
 #include "bis/base/file.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"

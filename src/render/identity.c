@@ -3,7 +3,7 @@
  * name. Threads and budgets are not part of it, because no pass depends on them; only the camera samples by which
  * "stratified" and "halton" divide a pixel.
  *
- * A new field of a struct is a line of its table, or a word of bis_identity_structs if no picture depends on it. */
+ * A new field of a struct is an entry of its table, or a word of bis_identity_structs if no picture depends on it. */
 #include "identity.h"
 
 #include "walk.h"
@@ -28,7 +28,7 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
     "the accelerator",
 };
 
-/* ---- the fields that count: a line for each ---- */
+/* ---- the fields that count ---- */
 
 #define FIELD(type, member, of) \
     {#member, offsetof(type, member), sizeof ((type *)NULL)->member / sizeof(of), sizeof(of)}
@@ -36,87 +36,46 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
 #define END {NULL, 0, 0, 0}
 
 FIELDS(film) = {
-    FIELD(bis_film, full_width, int),
-    FIELD(bis_film, full_height, int),
-    FIELD(bis_film, step, int),
-    FIELD(bis_film, picture_width, int),
-    FIELD(bis_film, picture_height, int),
-    FIELD(bis_film, x0, int),
-    FIELD(bis_film, y0, int),
-    FIELD(bis_film, width, int),
-    FIELD(bis_film, height, int),
-    END};
+    FIELD(bis_film, full_width, int), FIELD(bis_film, full_height, int), FIELD(bis_film, step, int),
+    FIELD(bis_film, picture_width, int), FIELD(bis_film, picture_height, int), FIELD(bis_film, x0, int),
+    FIELD(bis_film, y0, int), FIELD(bis_film, width, int), FIELD(bis_film, height, int), END};
 FIELDS(camera) = {
-    FIELD(bis_camera, orthographic, bool),
-    FIELD(bis_camera, fov_deg, double),
-    FIELD(bis_camera, has_screen, bool),
-    FIELD(bis_camera, screen, double),
-    FIELD(bis_camera, frame_aspect, double),
-    FIELD(bis_camera, to_world, double),
+    FIELD(bis_camera, orthographic, bool), FIELD(bis_camera, fov_deg, double), FIELD(bis_camera, has_screen, bool),
+    FIELD(bis_camera, screen, double), FIELD(bis_camera, frame_aspect, double), FIELD(bis_camera, to_world, double),
     END};
 FIELDS(sampler) = {
-    FIELD(bis_sampler, kind, bis_sampler_kind),
-    FIELD(bis_sampler, seed, uint64_t),
-    FIELD(bis_sampler, jitter, bool),
+    FIELD(bis_sampler, kind, bis_sampler_kind), FIELD(bis_sampler, seed, uint64_t), FIELD(bis_sampler, jitter, bool),
     END};
 FIELDS(division) = {
-    FIELD(bis_sampler, spp, uint64_t),
-    FIELD(bis_sampler, xsamples, uint64_t),
-    FIELD(bis_sampler, ysamples, uint64_t),
+    FIELD(bis_sampler, spp, uint64_t), FIELD(bis_sampler, xsamples, uint64_t), FIELD(bis_sampler, ysamples, uint64_t),
     END};
 FIELDS(view) = {
-    FIELD(bis_view, pixel_jitter, bool),
-    FIELD(bis_view, edge_samples, uint32_t),
-    FIELD(bis_view, edge_light, double),
+    FIELD(bis_view, pixel_jitter, bool), FIELD(bis_view, edge_samples, uint32_t), FIELD(bis_view, edge_light, double),
     END};
 FIELDS(quadric) = {
-    FIELD(bis_quadric, kind, bis_quadric_kind),
-    FIELD(bis_quadric, radius, double),
-    FIELD(bis_quadric, height, double),
-    FIELD(bis_quadric, to_world, double),
-    FIELD(bis_quadric, material, uint32_t),
+    FIELD(bis_quadric, kind, bis_quadric_kind), FIELD(bis_quadric, radius, double),
+    FIELD(bis_quadric, height, double), FIELD(bis_quadric, to_world, double), FIELD(bis_quadric, material, uint32_t),
     END};
 FIELDS(material_textures) = {
-    FIELD(bis_material_textures, Kd, uint32_t),
-    FIELD(bis_material_textures, Ks, uint32_t),
-    FIELD(bis_material_textures, width, uint32_t),
-    FIELD(bis_material_textures, power, double),
-    FIELD(bis_material_textures, bump, uint32_t),
-    FIELD(bis_material_textures, normals, uint32_t),
-    END};
+    FIELD(bis_material_textures, Kd, uint32_t), FIELD(bis_material_textures, Ks, uint32_t),
+    FIELD(bis_material_textures, width, uint32_t), FIELD(bis_material_textures, power, double),
+    FIELD(bis_material_textures, bump, uint32_t), FIELD(bis_material_textures, normals, uint32_t), END};
 FIELDS(texture) = {
-    FIELD(bis_texture, kind, bis_texture_kind),
-    FIELD(bis_texture, of, uint32_t),
-    FIELD(bis_texture, value, double),
-    FIELD(bis_texture, mapping, bis_texture_mapping),
-    FIELD(bis_texture, factor, double),
-    FIELD(bis_texture, offset, double),
-    FIELD(bis_texture, from_world, double),
-    FIELD(bis_texture, image, uint32_t),
-    FIELD(bis_texture, wrap, bis_wrap),
-    FIELD(bis_texture, octaves, uint32_t),
-    FIELD(bis_texture, roughness, double),
-    FIELD(bis_texture, variation, double),
-    FIELD(bis_texture, scale, double),
-    FIELD(bis_texture, invert, bool),
-    FIELD(bis_texture, is_float, bool),
-    END};
+    FIELD(bis_texture, kind, bis_texture_kind), FIELD(bis_texture, of, uint32_t), FIELD(bis_texture, value, double),
+    FIELD(bis_texture, mapping, bis_texture_mapping), FIELD(bis_texture, factor, double),
+    FIELD(bis_texture, offset, double), FIELD(bis_texture, from_world, double), FIELD(bis_texture, image, uint32_t),
+    FIELD(bis_texture, wrap, bis_wrap), FIELD(bis_texture, octaves, uint32_t), FIELD(bis_texture, roughness, double),
+    FIELD(bis_texture, variation, double), FIELD(bis_texture, scale, double), FIELD(bis_texture, invert, bool),
+    FIELD(bis_texture, is_float, bool), END};
 FIELDS(light) = {
-    FIELD(bis_light_desc, L, float),
-    FIELD(bis_light_desc, scale, double),
-    FIELD(bis_light_desc, mapping, bis_mapping),
-    FIELD(bis_light_desc, width, int),
-    FIELD(bis_light_desc, area_exponent, double),
-    FIELD(bis_light_desc, levels, int),
-    FIELD(bis_light_desc, has_table_kind, bool),
-    FIELD(bis_light_desc, table_kind, bis_table_kind),
-    FIELD(bis_light_desc, visible, bool),
-    FIELD(bis_light_desc, is_smooth, bool),
-    FIELD(bis_light_desc, to_world, double),
-    END};
+    FIELD(bis_light_desc, L, float), FIELD(bis_light_desc, scale, double),
+    FIELD(bis_light_desc, mapping, bis_mapping), FIELD(bis_light_desc, width, int),
+    FIELD(bis_light_desc, area_exponent, double), FIELD(bis_light_desc, levels, int),
+    FIELD(bis_light_desc, has_table_kind, bool), FIELD(bis_light_desc, table_kind, bis_table_kind),
+    FIELD(bis_light_desc, visible, bool), FIELD(bis_light_desc, is_smooth, bool),
+    FIELD(bis_light_desc, to_world, double), END};
 FIELDS(accel) = {
-    FIELD(bis_accel_options, density, double),
-    END};
+    FIELD(bis_accel_options, density, double), END};
 
 const bis_identity_struct bis_identity_structs[] = {
     /* what passes add up; of the layers those that are asked for count */
