@@ -5,9 +5,10 @@
 # (trade_truth.c), relative to a render of twice the final passes, 100 at least, is what comes out. (By a render of 16,
 # it came out a third too large on steel-on-paper.) Two seeds would not do: a candle that one camera ray of 180 meets
 # past a sphere of glossy-row makes the error of one picture of 45 three times as large. The root mean square, the least
-# and the largest tell of it. The advice is measured by passes (--passes), so the table
-# hardly depends on how busy the machine is: the clock has a say in which setting is advised alone. RESOLUTION, TIME (of
-# the pilot), ERROR (of the final picture), SEEDS (how many pictures) and SEED (of the measurement) may be set.
+# and the largest tell of it. The last column is the median of the errors that the renders themselves print, and how
+# many of them print one. The advice is measured by passes (--passes), so the table hardly depends on how busy the
+# machine is: the clock has a say in which setting is advised alone. RESOLUTION, TIME (of the pilot), ERROR (of the
+# final picture), SEEDS (how many pictures) and SEED (of the measurement) may be set.
 #     make bis build/release/trade_truth data && scripts/bench/trade_truth.sh [build/release [SCENE...]]
 B=${1:-build/release}
 test $# -gt 0 && shift
@@ -45,12 +46,24 @@ render() {
     shift 3
     for k in $seeds; do
         "$B"/bis --quiet --nthreads 1 --resolution $size --seed 77000$k --outfile "$dir/$name-$k.exr" \
-            "$@" "$scene" || exit 1
+            --stats "$dir/$name-$k.json" "$@" "$scene" || exit 1
     done
 }
 
-echo "| scene | advice | setting | passes | promised | came out | off by | root mean square, least, largest |"
-echo "| --- | --- | --- | --- | --- | --- | --- | --- |"
+# printed NAME: the median of the figures that the renders of these seeds print, and how many print one
+printed() {
+    for k in $runs; do
+        sed -n 's/.*"estimated_relative_rmse": *\([0-9][0-9.e+-]*\).*/\1/p' "$dir/$1-$k.json"
+    done | sort -g | awk '
+        { figure[NR] = $1 }
+        END {
+            if (NR) printf "%.1f %% (%d)", 50 * (figure[int((NR + 1) / 2)] + figure[int(NR / 2) + 1]), NR
+            else printf "unknown"
+        }'
+}
+
+echo "| scene | advice | setting | passes | promised | came out | off by | root mean square, least, largest | printed |"
+echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
 for original in "$@"; do
     base=$(basename "$original" .txt)
     file=$(scene "$original")
@@ -85,11 +98,11 @@ for original in "$@"; do
         fi
         truth=$("$B"/trade_truth $long "$dir/$base-long-9.exr" $passes \
             $(for k in $runs; do echo "$dir/$base-$advice-$k.exr"; done)) || exit 1
-        echo "$base|$advice|$setting|$passes|$promised|$truth" |
+        echo "$base|$advice|$setting|$passes|$promised|$truth|$(printed $base-$advice)" |
             awk -F'|' '{
                 split($6, e, " ")
-                printf "| %s | %s | `%s` | %d | %.1f %% | %.1f %% | %+.0f %% | %.1f, %.1f, %.1f %% |\n", $1, $2, $3, $4,
-                    100 * $5, 100 * e[1], 100 * ($5 / e[1] - 1), 100 * e[2], 100 * e[3], 100 * e[4]
+                printf "| %s | %s | `%s` | %d | %.1f %% | %.1f %% | %+.0f %% | %.1f, %.1f, %.1f %% | %s |\n", $1, $2, $3,
+                    $4, 100 * $5, 100 * e[1], 100 * ($5 / e[1] - 1), 100 * e[2], 100 * e[3], 100 * e[4], $7
             }'
     done
 done
