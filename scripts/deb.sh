@@ -8,9 +8,9 @@
 #           languages and with another number of processors; both must have the same bytes, and lintian no error and no
 #           warning
 #   test    the packages installed into a bare system: autopkgtest runs scripts/debian/tests
-# DEB_BUILD_OPTIONS=nocheck: no tests in the first build, either. Prints seconds and megabytes. The sources are the
-# tarball of scripts/release.sh and scripts/debian as its debian/. The maintainer of a package is who makes it:
-# "$DEBFULLNAME <$DEBEMAIL>", else who made the commit.
+# DEB_BUILD_OPTIONS=nocheck: no tests in the first build, either. Prints seconds, seconds of the processors and
+# megabytes. The sources are the tarball of scripts/release.sh and scripts/debian as its debian/. The maintainer of a
+# package is who makes it: "$DEBFULLNAME <$DEBEMAIL>", else who made the commit.
 set -eu
 version=$(sed -n 's/^#define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 say() {
@@ -44,13 +44,17 @@ in_chroot() {
 }
 megabytes() { du -smx "$folder/$1" | cut -f 1; }
 began=$(date +%s)
+worked=0
 table=""
-# row WHAT [MB]: a row of the table, with the seconds since the last one.
+# row WHAT [MB]: a row of the table, with the seconds since the last one, and those of the processors, because only
+# these are the same on a machine that has other work.
 row() {
     now=$(date +%s)
-    table="$table$(printf '%-52s %5d s %6s' "$1" $((now - began)) "${2:+$2 MB}")
+    times >"$folder/times" # no pipe, because a subshell has no children yet
+    work=$(awk '{ gsub(/[ms]/, " "); seconds = 60 * ($1 + $3) + $2 + $4 } END { printf "%d", seconds }' "$folder/times")
+    table="$table$(printf '%-48s %5d s, of processors %5d s %8s' "$1" $((now - began)) $((work - worked)) "${2:+$2 MB}")
 "
-    began=$now
+    began=$now worked=$work
 }
 
 sh scripts/release.sh tarball

@@ -59,14 +59,18 @@ static void a_file_without_a_licence_is_found_and_mended(void **state)
     program_folder(DIR);
     assert_int_equal(system("mkdir -p " DIR "/src " DIR "/scripts"), 0);
     program_write_file(DIR "/src/a.c", "int a;\n");
-    program_write_file(DIR "/src/page.html", "<p>\n");
+    program_write_file(DIR "/src/page.html", "<!DOCTYPE html>\n<p>\n");
+    program_write_file(DIR "/src/page.js", "draw();\n");
+    program_write_file(DIR "/src/scene.txt", "Sampler\n");
     program_write_file(DIR "/scripts/run", "#!/bin/sh\necho a\n");
-    program_write_file(DIR "/want", "/* SPDX-License-Identifier: BSD-2-Clause */\nint a;\n<p>\n"
+    program_write_file(DIR "/want", "/* SPDX-License-Identifier: BSD-2-Clause */\nint a;\n"
+                                    "<!DOCTYPE html>\n<!-- SPDX-License-Identifier: BSD-2-Clause -->\n<p>\n"
+                                    "/* SPDX-License-Identifier: BSD-2-Clause */\ndraw();\nSampler\n"
                                     "#!/bin/sh\n# SPDX-License-Identifier: BSD-2-Clause\necho a\n");
     assert_int_not_equal(system("sh scripts/check/spdx.sh --check " DIR), 0);
     for (int time = 0; time < 2; time++) {
         assert_int_equal(system("sh scripts/check/spdx.sh " DIR), 0);
-        assert_int_equal(system("cd " DIR " && cat src/a.c src/page.html scripts/run | cmp - want"), 0);
+        assert_int_equal(system("cd " DIR " && cat src/a.c src/page.html src/page.js src/scene.txt scripts/run | cmp - want"), 0);
     }
     assert_int_equal(system("sh scripts/check/spdx.sh --check " DIR), 0);
 }

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
 # make: hand-ins of a class for the assignment alias, as tests/course/test_assignments.c and who works on the marking
 # needs them: right, wrong, empty, copied, hostile, as files and as folders.
 #     tests/course/handed_in/make.sh FOLDER [N]          N: at least so many; the right and wrong ones come again,
