@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # spdx: every source file names its licence in the form that tools read (https://spdx.dev/learn/handling-license-info).
-#     scripts/check/spdx.sh [ROOT]             writes the line where it is missing, behind #! or <!DOCTYPE> or at the top
+#     scripts/check/spdx.sh [ROOT]             writes the line where it is missing, behind #!, <!DOCTYPE>, or on top
 #     scripts/check/spdx.sh --check [ROOT]     names the files without it; exit status 1; part of `make test`
 # C, shell, awk, make, Python, Lua, JavaScript, and pages and style sheets, because pages hold scripts. Not the hand-ins
 # among the tests, which stand for files of strangers, nor scenes.

@@ -70,7 +70,8 @@ static void a_file_without_a_licence_is_found_and_mended(void **state)
     assert_int_not_equal(system("sh scripts/check/spdx.sh --check " DIR), 0);
     for (int time = 0; time < 2; time++) {
         assert_int_equal(system("sh scripts/check/spdx.sh " DIR), 0);
-        assert_int_equal(system("cd " DIR " && cat src/a.c src/page.html src/page.js src/scene.txt scripts/run | cmp - want"), 0);
+        assert_int_equal(system("cd " DIR " && cat src/a.c src/page.html src/page.js src/scene.txt scripts/run | "
+                                "cmp - want"), 0);
     }
     assert_int_equal(system("sh scripts/check/spdx.sh --check " DIR), 0);
 }
