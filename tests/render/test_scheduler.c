@@ -227,20 +227,29 @@ static void assert_same(const bis_film *a, const bis_film *b, const bis_render_r
     assert_memory_equal(&r->counters, &s->counters, sizeof r->counters);
 }
 
-/* The picture of one process; then that of a scheduler. */
-static const post *assert_team_makes_the_same(const world *w, bis_render_options options, int ranks, int slow)
-{
-    bis_film one, many;
-    bis_render_result result_one, result_many;
-    job j = {.w = w, .options = options, .film = &one, .result = &result_one};
+/* The picture of one process, with one thread. */
+typedef struct picture {
+    bis_film film;
+    bis_render_result result;
+} picture;
 
-    assert_int_equal(render_one(&one, &result_one, &j, NULL), BIS_OK);
-    j.film = &many;
-    j.result = &result_many;
+static void make_alone(picture *one, const world *w, bis_budget budget)
+{
+    const job j = {.w = w, .options = {.budget = budget, .n_threads = 1}};
+
+    assert_int_equal(render_one(&one->film, &one->result, &j, NULL), BIS_OK);
+}
+
+/* The picture of a scheduler. */
+static const post *assert_team_makes_the_same(const picture *one, const world *w, bis_render_options options,
+                                              int ranks, int slow)
+{
+    picture many;
+    job j = {.w = w, .options = options, .film = &many.film, .result = &many.result};
+
     const post *p = render_team(ranks, slow, &j);
-    assert_same(&one, &many, &result_one, &result_many);
-    bis_film_clear(&one);
-    bis_film_clear(&many);
+    assert_same(&one->film, &many.film, &one->result, &many.result);
+    bis_film_clear(&many.film);
     return p;
 }
 
@@ -253,18 +262,25 @@ static void tiles_of_a_slow_rank_move_and_the_bits_stay(void **state)
 {
     (void)state;
     world w;
+    picture one, to_an_error;
     size_t moved = 0;
+    const bis_budget error = {.error = 0.1, .spp = 60};
+    const bis_render_options narrow = {.budget = {.spp = spp}, .n_threads = 1},
+                             wide = {.budget = {.spp = spp}, .n_threads = 2};
 
     make_learning_world(&w);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 3, 0);
+    make_alone(&one, &w, narrow.budget);
+    assert_team_makes_the_same(&one, &w, narrow, 3, 0);
     for (int i = 0; i < 20 && moved == 0; i++)
-        moved = assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 3,
-                                           1 + i % 2)->between_others / LEARNED;
+        moved = assert_team_makes_the_same(&one, &w, narrow, 3, 1 + i % 2)->between_others / LEARNED;
     assert_true(moved > 0);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 2}, 4, 2);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, MOST_RANKS, 5);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 2}, MOST_RANKS, 0);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.error = 0.1, .spp = 60}, .n_threads = 1}, 3, 2);
+    assert_team_makes_the_same(&one, &w, wide, 4, 2);
+    assert_team_makes_the_same(&one, &w, narrow, MOST_RANKS, 5);
+    assert_team_makes_the_same(&one, &w, wide, MOST_RANKS, 0);
+    make_alone(&to_an_error, &w, error);
+    assert_team_makes_the_same(&to_an_error, &w, (bis_render_options){.budget = error, .n_threads = 1}, 3, 2);
+    bis_film_clear(&one.film);
+    bis_film_clear(&to_an_error.film);
     clear_world(&w);
 }
 
@@ -275,11 +291,15 @@ static void as_a_rule_only_pixels_travel(void **state)
 {
     (void)state;
     world w;
+    picture one;
+    const bis_render_options options = {.budget = {.spp = spp}, .n_threads = 1};
 
     make_learning_world(&w);
-    const post *p = assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 2, -1);
+    make_alone(&one, &w, options.budget);
+    const post *p = assert_team_makes_the_same(&one, &w, options, 2, -1);
     assert_int_equal(p->between_others, 0);
     assert_true(p->from_0 < (size_t)PASSES * TILES / 2 * LEARNED / 2);
+    bis_film_clear(&one.film);
     clear_world(&w);
 }
 
@@ -365,16 +385,19 @@ static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
 {
     (void)state;
     world w;
+    picture one;
+    const bis_render_options options = {.budget = {.spp = spp}, .n_threads = 1};
 
     make_world(&w, &bis_em);
+    make_alone(&one, &w, options.budget);
     for (int i = 0; i < 6; i++) {
         const int ranks = 2 + i;
-        const post *p = assert_team_makes_the_same(
-            &w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, ranks, i % ranks);
+        const post *p = assert_team_makes_the_same(&one, &w, options, ranks, i % ranks);
         for (int k = 1; k < ranks; k++) assert_int_equal(p->held[k], 0);
         assert_true(p->n_batches > ranks);
         assert_int_equal(p->n_too_early, 0);
     }
+    bis_film_clear(&one.film);
     clear_world(&w);
 }
 

@@ -596,48 +596,62 @@ static void every_mutation_finds_its_text(void **state)
         0);
 }
 
-/* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
+/* What scripts/check/run_tests.sh says of these programs, in RUNS/out. RUNS is a small project: its root is copied for
+ * every job. */
+#define RUNS "build/test_runs"
+static int run_programs(const char *jobs, const char *programs)
+{
+    char command[512];
+    snprintf(command, sizeof command, "cd " RUNS " && %s sh ../../scripts/check/run_tests.sh %s > out", jobs, programs);
+    return shell(command);
+}
+
+/* What failed is kept where the last line says; it holds `file`. */
+static void assert_kept(const char *file)
+{
+    char command[512];
+    snprintf(command, sizeof command, "cd " RUNS " && folder=$(sed -n 's/.*what they wrote is in //p' out) && "
+             "folder=${folder%%%% *} && test -f $folder/%s && rm -r ${folder%%/*/build}", file);
+    assert_int_equal(shell(command), 0);
+}
+
+/* Programs that find the project's files and leave one of their own; some fail. */
 static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 {
     (void)state;
     static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e "
                                "build/mine && echo x > build/mine\n";
-    program_folder("build/test_runs");
-    program_write_file("build/test_runs/good", good);
-    program_write_file("build/test_runs/bad", "#!/bin/sh\necho x > build/mine; exit 1\n");
+    static const char bad[] = "#!/bin/sh\necho x > build/mine; exit 1\n";
     /* Two that end well only if they run at once: each makes a file beside the roots and waits for the other's. */
-    program_write_file("build/test_runs/meet", "#!/bin/sh\ntouch ../meet; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e "
-                                               "../again || exit 0; sleep 1; done; exit 1\n");
-    program_write_file("build/test_runs/meet-again", "#!/bin/sh\ntouch ../again; for i in 1 2 3 4 5 6 7 8 9 10; do "
-                                                     "test ! -e ../meet || exit 0; sleep 1; done; exit 1\n");
-    assert_int_equal(shell("cp build/test_runs/good build/test_runs/again && chmod 755 build/test_runs/*"), 0);
+    static const char meet[] = "#!/bin/sh\ntouch ../%s; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e ../%s || exit 0; "
+                               "sleep 1; done; exit 1\n";
+    char one[256], other[256];
+    snprintf(one, sizeof one, meet, "meet", "again");
+    snprintf(other, sizeof other, meet, "again", "meet");
+    assert_int_equal(shell("rm -rf " RUNS " && mkdir -p " RUNS "/tests/support " RUNS "/build/own && "
+                           "cp README.md " RUNS " && cp tests/support/program.h " RUNS "/tests/support"), 0);
+    program_write_file(RUNS "/build/own/good", good);
+    program_write_file(RUNS "/build/own/again", good);
+    program_write_file(RUNS "/build/own/bad", bad);
+    program_write_file(RUNS "/build/own/worse", bad);
+    program_write_file(RUNS "/build/own/meet", one);
+    program_write_file(RUNS "/build/own/meet-again", other);
+    assert_int_equal(shell("chmod 755 " RUNS "/build/own/*"), 0);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(shell("TEST_JOBS=1 sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/again > "
-                               "build/test_runs/out"),
-            1); /* the second finds what the first left */
-        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f "
-                               "$folder/mine && rm -r ${folder%/*/build}"),
-            0);
-        assert_int_equal(shell("TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/meet "
-                               "build/test_runs/meet-again > build/test_runs/out"),
-            0); /* each waits for the other, elsewhere */
-        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good > build/test_runs/out"),
-            0); /* and this run does not */
-        assert_int_equal(shell("test ! -e $(sed -n 2p build/test_runs/out)"), 0);
+        assert_int_equal(run_programs("TEST_JOBS=1", "build/own/good build/own/again"), 1);
+            /* the second finds what the first left */
+        assert_kept("mine");
+        assert_int_equal(run_programs("TEST_JOBS=2", "build/own/meet build/own/meet-again"), 0);
+            /* each waits for the other, elsewhere */
+        assert_int_equal(run_programs("", "build/own/good"), 0); /* and this run does not */
+        assert_int_equal(shell("test ! -e $(sed -n 2p " RUNS "/out)"), 0);
     }
-    assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/bad > build/test_runs/out"), 1);
-    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f "
-                           "$folder/mine && rm -r ${folder%/*/build}"),
-        0);
-    assert_int_equal(shell("cp build/test_runs/bad build/test_runs/worse && TEST_JOBS=2 sh scripts/check/run_tests.sh "
-                           "build/test_runs/bad build/test_runs/good build/test_runs/worse "
-                           "> build/test_runs/out"),
-        1);
-    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' build/test_runs/out && folder=$(sed -n "
-                           "'s/.*what they wrote is in //p' build/test_runs/out) && "
-                           "folder=${folder%% *} && rm -r ${folder%/*/build}"),
-        0);
-    assert_false(program_exists("build/mine"));
+    assert_int_equal(run_programs("", "build/own/bad"), 1);
+    assert_kept("mine");
+    assert_int_equal(run_programs("TEST_JOBS=2", "build/own/bad build/own/good build/own/worse"), 1);
+    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' " RUNS "/out"), 0);
+    assert_kept("mine");
+    assert_false(program_exists(RUNS "/build/mine"));
 }
 
 /* `make test` runs every test program; T names a folder or a part of a name. `make -n` tells what would run. */
