@@ -21,7 +21,8 @@ say() {
     exit 1
 }
 
-# 50 variants are compiled, and each answers for seconds at most: half the compiler's time is worth more than their speed.
+# 50 variants are compiled, and each answers for seconds at most: half the compiler's time is worth more than their
+# speed.
 quick="-O1 -g0"
 
 # Compile the fragments' files, link them with what answers the claims' questions, run: $folder/$1.marks

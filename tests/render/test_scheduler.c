@@ -621,6 +621,14 @@ static void the_first_batches_are_those_by_hand(void **state)
     close_desk(&d);
 }
 
+/* The next pass: no letter is on its way, and no rank has a tile. */
+static void begin_anew(desk *d, int *at)
+{
+    memset(d->sched->held, 0, 3 * sizeof *d->sched->held);
+    d->n_sent = *at = 0;
+    bis_sched_begin(d->sched, note_progress, d);
+}
+
 /* The seconds of the last pass: 0.64 for tile 20, 0.32 and 0.325 for 33 and 7, which are alike to a 64th of the most,
  * 0.01 for the others, 1.745 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than
  * 1.745 x 2/16 = 0.22; rank 2 tile 33, though it is worth more than 0.78/16. Then 0.46 x 2/16 = 0.0575 and 0.41/16 =
@@ -645,9 +653,7 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     /* nothing is known: no order, whatever stands in the seconds */
     d.sched->knows = false;
     for (int t = 0; t < 49; t++) d.sched->seconds[t] *= 100;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     close_desk(&d);
 }
@@ -683,9 +689,7 @@ static void tiles_go_to_their_owners_first(void **state)
 
     /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
     expect_letter(&d, &at, 2, BIS_SCHED_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
@@ -695,9 +699,7 @@ static void tiles_go_to_their_owners_first(void **state)
 
     /* 1 of rank 1, 1 of nobody: two batches are all that is dealt ahead, though rank 1 could hold a third; 48/16 = 3 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t == 0 ? 1 : t == 1 ? BIS_SCHED_NOBODY : t >= 10 && t < 20 ? 2 : 0;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0));
     expect_work(&d, &at, 2, LIST(10, 11, 12));
     expect_work(&d, &at, 1, LIST(1));
@@ -705,19 +707,24 @@ static void tiles_go_to_their_owners_first(void **state)
 
     /* 10 of rank 2, 37 of rank 0 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
     expect_letter(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(12, 13, 14, 15, 16));
     expect_work(&d, &at, 2, LIST(4, 5));
     assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
 
+static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     /* all of rank 1: rank 2 gets 43/16 = 2.7 and 41/16; rank 0 has none, and asks for 39/16 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = 1;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
     bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(6, 7));
@@ -953,6 +960,7 @@ int main(void)
         cmocka_unit_test(the_first_batches_are_those_by_hand),
         cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
         cmocka_unit_test(tiles_go_to_their_owners_first),
+        cmocka_unit_test(who_has_no_tiles_gets_those_of_who_has_most),
         cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
         cmocka_unit_test(what_is_done_goes_before_the_queue_is_empty),
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),

@@ -376,6 +376,38 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
     }
 }
 
+/* 60 lines from { to }, and one more; 40 lines of a table beside them are none. */
+static void a_function_of_more_than_60_lines_is_found(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"src/base/x.c", "tests/base/test_x.c", "scripts/x.c"};
+    char path[128], said[1024], expected[256];
+
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
+                               "mkdir -p include/bis/base src/base tests/base scripts"), 0);
+        program_write_file("build/docstrings/include/bis/base/x.h", "/* f does it. */\nint f(int x);\n");
+        snprintf(path, sizeof path, "build/docstrings/%s", files[i]);
+        for (int over = 0; over < 2; over++) {
+            FILE *f = fopen(path, "w");
+            assert_non_null(f);
+            fputs("int f(int x)\n{\n    static const int of[] = {\n", f);
+            for (int k = 0; k < 38; k++) fputs("        1,\n", f);
+            fputs("    };\n", f);
+            for (int k = 0; k < 58 + over; k++) fputs("    x += of[x];\n", f);
+            fputs("}\n", f);
+            fclose(f);
+            assert_int_equal(over,
+                             shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
+        }
+        snprintf(expected, sizeof expected, "%s:2: f has 61 lines, at most 60 are allowed\n", files[i]);
+        FILE *f = fopen("build/docstrings.out", "r");
+        said[fread(said, 1, sizeof said - 1, f)] = '\0';
+        fclose(f);
+        assert_string_equal(said, expected);
+    }
+}
+
 /* ---- layers ---- */
 
 static void arrows_only_go_down(void **state)
@@ -694,6 +726,7 @@ int main(void)
         cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),
+        cmocka_unit_test(a_function_of_more_than_60_lines_is_found),
         cmocka_unit_test(each_job_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
