@@ -8,6 +8,8 @@
 #     heading.
 #   - No line of C, shell, awk, Python, JavaScript or make has more than 120 columns: the Makefile, .ci, src, include,
 #     tests, scripts, data/generate and docs/live.
+#   - No function of C has more than 60 lines, from its { to its }. Tables are not counted: from a line that ends in
+#     "= {" to its "};". That of src, include, tests, scripts and data/generate.
 #     scripts/check/check_docstrings.sh [ROOT]          ROOT holds include, src, tests and scripts; default: here
 cd "${1:-.}" || exit 1
 bad=0
@@ -70,4 +72,21 @@ LC_ALL=C awk '
     END { exit bad }' $(find Makefile .ci/run src include tests scripts data/generate docs/live -type f \
     \( -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.py' -o -name '*.js' -o -name '*.mk' \
     -o -name Makefile -o -path .ci/run \) 2>/dev/null | sort) || bad=1
+
+# shellcheck disable=SC2046
+awk '
+    FNR == 1 { begin = 0 }
+    /^[A-Za-z_].*\(/ { name = $0; sub(/\(.*/, "", name); sub(/.*[ *]/, "", name) }
+    /^\{$/ { begin = FNR; tables = table = 0 }
+    begin && /^    [^ ].*= \{$/ { table = FNR }
+    begin && table && /^    \};$/ { tables += FNR - table + 1; table = 0 }
+    /^\}$/ && begin {
+        lines = FNR - begin + 1 - tables
+        if (lines > 60) {
+            printf "%s:%d: %s has %d lines, at most 60 are allowed\n", FILENAME, begin, name, lines
+            bad = 1
+        }
+        begin = 0
+    }
+    END { exit bad }' $(find src include tests scripts data/generate -type f -name '*.[ch]' 2>/dev/null | sort) || bad=1
 exit $bad

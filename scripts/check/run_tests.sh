@@ -6,8 +6,9 @@
 # Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 1800, ten times what the slowest takes
 # on a machine without other work), or there was nothing to run.
 #
-# TEST_JOBS programs run side by side (default: as many as there are processors, at most 4, because each has threads of
-# its own). What a program says is shown when it ends, so that nothing is mixed.
+# TEST_JOBS programs run side by side (default: one more than there are processors, because a program also waits, for
+# others and for files; at most 4, because each has threads of its own). What a program says is shown when it ends, so
+# that nothing is mixed.
 #
 # Programs find everything from the root of the project and make their files below build/. Each job gives them a root of
 # its own, build/run.XXXXXX/N, a copy of all that is here (20 MB, half a second) but for build/, so that two programs
@@ -43,7 +44,7 @@ chmod 755 "$all"
 trap 'rm -rf "$all"; exit 130' INT TERM HUP
 mkdir "$all/failed" "$all/logs"
 export BIS_SHARED="${BIS_SHARED:-$here/../shared/data}"
-jobs=${TEST_JOBS:-$(nproc)}
+jobs=${TEST_JOBS:-$(($(nproc) + 1))}
 [ -n "${TEST_JOBS:-}" ] || [ "$jobs" -le 4 ] || jobs=4
 [ "$jobs" -le $# ] || jobs=$#
 

@@ -72,8 +72,10 @@ collect() {
             [ -s "$work/found" ] || ending "$end" |
                 xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
         done
-        [ -s "$work/found" ] || ending ".${file##*.}" | xargs -0 -r -n 1 sh -c \
-            'sh scripts/course/grade_marks.sh "$0" "$3" "$1" "$2" || true' "$shop/blank/$file" "$to" "$work/found"
+        # grade_marks.sh only for the few that hold a mark at all: it is a process for each
+        [ -s "$work/found" ] || ending ".${file##*.}" | xargs -0 -r grep -lZ '/\* \[[a-z0-9-]*\] \*/' |
+            xargs -0 -r -n 1 sh -c 'sh scripts/course/grade_marks.sh "$0" "$3" "$1" "$2" || true' \
+                "$shop/blank/$file" "$to" "$work/found"
     fi
     chmod u+rw "$to" 2>/dev/null
     n=$(wc -l <"$work/found")

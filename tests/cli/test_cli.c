@@ -178,67 +178,68 @@ static void the_ends_of_a_range_belong_to_it(void **state)
     clear(&r, &v);
 }
 
+static const struct { const char *arguments[3]; const char *message; } mistakes[] = {
+    {{"a", "--count", "0"}, "bis: error: --count is \"0\", must be an integer in [1, 1000]\n"},
+    {{"a", "--count", "1001"}, "bis: error: --count is \"1001\", must be an integer in [1, 1000]\n"},
+    {{"a", "--count", "-1"}, "bis: error: --count is \"-1\", must be an integer in [1, 1000]\n"},
+    {{"a", "--count", "1.5"}, "bis: error: --count is \"1.5\", must be an integer in [1, 1000]\n"},
+    {{"a", "--count", ""}, "bis: error: --count is \"\", must be an integer in [1, 1000]\n"},
+    {{"a", "--count", "99999999999999999999999"}, "bis: error: --count is \"99999999999999999999999\", must be an "
+     "integer in [1, 1000]\n"},
+    {{"a", "--real", "0"}, "bis: error: --real is \"0\", must be a number > 0\n"},
+    {{"a", "--real", "nan"}, "bis: error: --real is \"nan\", must be a number > 0\n"},
+    {{"a", "--real", "inf"}, "bis: error: --real is \"inf\", must be a number > 0\n"},
+    {{"a", "--real", "1e999"}, "bis: error: --real is \"1e999\", must be a number > 0\n"},
+    {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
+    {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
+    {{"a", "--big", "2"}, "bis: error: --big is \"2\", must be an integer >= 3, below 2^64\n"},
+    {{"a", "--big", "18446744073709551616"}, "bis: error: --big is \"18446744073709551616\", must be an integer >= "
+     "3, "
+        "below 2^64\n"},
+    {{"a", "--least", "1.9"}, "bis: error: --least is \"1.9\", must be a number >= 2\n"},
+    {{"a", "--share", "-0.01"}, "bis: error: --share is \"-0.01\", must be a number in [0, 1]\n"},
+    {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
+    {{"a", "--error", "0"}, "bis: error: --error is \"0\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+    {{"a", "--error", "5s"}, "bis: error: --error is \"5s\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+    {{"a", "--error", "1001%"}, "bis: error: --error is \"1001%\", must be a number in (0, 10], as in 0.05, or "
+        "5%\n"},
+    {{"a", "--error", "%"}, "bis: error: --error is \"%\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+    {{"a", "--time", "5%"}, "bis: error: --time is \"5%\", must be a number of seconds in (0, 100000000], or "
+        "with a unit: 10s, 2min, 1.5h\n"},
+    {{"a", "--time", "1m"}, "bis: error: --time is \"1m\", must be a number of seconds in (0, 100000000], or "
+        "with a unit: 10s, 2min, 1.5h\n"},
+    {{"a", "--time", "0h"}, "bis: error: --time is \"0h\", must be a number of seconds in (0, 100000000], or "
+        "with a unit: 10s, 2min, 1.5h\n"},
+    {{"a", "--text", ""}, "bis: error: --text is empty, wants F\n"},
+    {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
+    {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
+    {{"a", "--flag=1"}, "bis: error: --flag takes no value, has \"1\"\n"},
+    {{"a", "--colour", "gren"}, "bis: error: --colour: no such thing as \"gren\" (did you mean \"green\"?); it is "
+     "one of red, green, blue\n"},
+    {{"a", "--colour", "octarine"}, "bis: error: --colour: no such thing as \"octarine\"; it is one of red, green, "
+     "blue\n"},
+    {{"a", "--own-and-rather-long-name", "no"}, "bis: error: --own-and-rather-long-name is \"no\", must be yes\n"},
+    {{"a", "--cuont"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
+    {{"a", "--hlep"}, "bis: error: unknown option \"--hlep\" (did you mean \"--help\"?)\n"},
+    {{"a", "--quuxification"}, "bis: error: unknown option \"--quuxification\"; `bis test --help` lists them\n"},
+    {{"a", "-x"}, "bis: error: unknown option \"-x\"; options start with \"--\"\n"},
+    {{"--flag"}, "bis: error: too few operands: 0 given; usage: bis test [options] A [B]\n"},
+    {{"a", "b", "c"}, "bis: error: too many operands: 3 given; usage: bis test [options] A [B]\n"},
+};
+
 /* Every mistake, its exact message, exit status 2. */
 static void every_mistake_has_its_message_and_exits_with_2(void **state)
 {
     (void)state;
-    const struct { const char *arguments[3]; const char *message; } cases[] = {
-        {{"a", "--count", "0"}, "bis: error: --count is \"0\", must be an integer in [1, 1000]\n"},
-        {{"a", "--count", "1001"}, "bis: error: --count is \"1001\", must be an integer in [1, 1000]\n"},
-        {{"a", "--count", "-1"}, "bis: error: --count is \"-1\", must be an integer in [1, 1000]\n"},
-        {{"a", "--count", "1.5"}, "bis: error: --count is \"1.5\", must be an integer in [1, 1000]\n"},
-        {{"a", "--count", ""}, "bis: error: --count is \"\", must be an integer in [1, 1000]\n"},
-        {{"a", "--count", "99999999999999999999999"}, "bis: error: --count is \"99999999999999999999999\", must be an "
-         "integer in [1, 1000]\n"},
-        {{"a", "--real", "0"}, "bis: error: --real is \"0\", must be a number > 0\n"},
-        {{"a", "--real", "nan"}, "bis: error: --real is \"nan\", must be a number > 0\n"},
-        {{"a", "--real", "inf"}, "bis: error: --real is \"inf\", must be a number > 0\n"},
-        {{"a", "--real", "1e999"}, "bis: error: --real is \"1e999\", must be a number > 0\n"},
-        {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
-        {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
-        {{"a", "--big", "2"}, "bis: error: --big is \"2\", must be an integer >= 3, below 2^64\n"},
-        {{"a", "--big", "18446744073709551616"}, "bis: error: --big is \"18446744073709551616\", must be an integer >= "
-         "3, "
-            "below 2^64\n"},
-        {{"a", "--least", "1.9"}, "bis: error: --least is \"1.9\", must be a number >= 2\n"},
-        {{"a", "--share", "-0.01"}, "bis: error: --share is \"-0.01\", must be a number in [0, 1]\n"},
-        {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
-        {{"a", "--error", "0"}, "bis: error: --error is \"0\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-        {{"a", "--error", "5s"}, "bis: error: --error is \"5s\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-        {{"a", "--error", "1001%"}, "bis: error: --error is \"1001%\", must be a number in (0, 10], as in 0.05, or "
-            "5%\n"},
-        {{"a", "--error", "%"}, "bis: error: --error is \"%\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-        {{"a", "--time", "5%"}, "bis: error: --time is \"5%\", must be a number of seconds in (0, 100000000], or "
-            "with a unit: 10s, 2min, 1.5h\n"},
-        {{"a", "--time", "1m"}, "bis: error: --time is \"1m\", must be a number of seconds in (0, 100000000], or "
-            "with a unit: 10s, 2min, 1.5h\n"},
-        {{"a", "--time", "0h"}, "bis: error: --time is \"0h\", must be a number of seconds in (0, 100000000], or "
-            "with a unit: 10s, 2min, 1.5h\n"},
-        {{"a", "--text", ""}, "bis: error: --text is empty, wants F\n"},
-        {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
-        {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
-        {{"a", "--flag=1"}, "bis: error: --flag takes no value, has \"1\"\n"},
-        {{"a", "--colour", "gren"}, "bis: error: --colour: no such thing as \"gren\" (did you mean \"green\"?); it is "
-         "one of red, green, blue\n"},
-        {{"a", "--colour", "octarine"}, "bis: error: --colour: no such thing as \"octarine\"; it is one of red, green, "
-         "blue\n"},
-        {{"a", "--own-and-rather-long-name", "no"}, "bis: error: --own-and-rather-long-name is \"no\", must be yes\n"},
-        {{"a", "--cuont"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
-        {{"a", "--hlep"}, "bis: error: unknown option \"--hlep\" (did you mean \"--help\"?)\n"},
-        {{"a", "--quuxification"}, "bis: error: unknown option \"--quuxification\"; `bis test --help` lists them\n"},
-        {{"a", "-x"}, "bis: error: unknown option \"-x\"; options start with \"--\"\n"},
-        {{"--flag"}, "bis: error: too few operands: 0 given; usage: bis test [options] A [B]\n"},
-        {{"a", "b", "c"}, "bis: error: too many operands: 3 given; usage: bis test [options] A [B]\n"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; i++) {
         values v;
         run_result r;
         int n = 0;
-        while (n < 3 && cases[i].arguments[n]) n++;
-        with_table(&r, &v, n, cases[i].arguments);
+        while (n < 3 && mistakes[i].arguments[n]) n++;
+        with_table(&r, &v, n, mistakes[i].arguments);
         assert_false(r.go_on);
         assert_int_equal(r.exit_status, 2);
-        assert_string_equal(r.messages, cases[i].message);
+        assert_string_equal(r.messages, mistakes[i].message);
         assert_string_equal(r.output, "");
         clear(&r, &v);
     }

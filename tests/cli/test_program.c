@@ -528,74 +528,75 @@ static void plan_renders_and_writes_nothing(void **state)
 
 /* ---- mistakes ---- */
 
+static const struct { const char *arguments, *message; } mistakes[] = {
+    {"", "no scene"},
+    {"render", "too few operands"},
+    {SCENE " " SCENE, "too many operands"},
+    {SCENE " --ssp 3", "did you mean \"--spp\"?"},
+    {SCENE " --integrator path", "it is one of em, brdf, mis, rejection, sir, exact, unoccluded"},
+    {SCENE " --proposal mx", "did you mean \"mix\"?"},
+    {SCENE " --accelerator bvh", "it is one of grid, embree"},
+    {SCENE " --spp 0", "must be an integer in [1, 1000000000]"},
+    {SCENE " --spp -1", "must be an integer in [1, 1000000000]"},
+    {SCENE " --spp 99999999999", "must be an integer in [1, 1000000000]"},
+    {SCENE " --time 0", "must be a number of seconds in (0, "},
+    {SCENE " --time -3", "must be a number of seconds in (0, "},
+    {SCENE " --time nan", "must be a number of seconds in (0, "},
+    {SCENE " --time abc", "must be a number of seconds in (0, "},
+    {SCENE " --time 1e300", "must be a number of seconds in (0, "},
+    {SCENE " --error 0", "must be a number in (0, 10]"},
+    {SCENE " --error -1", "must be a number in (0, 10]"},
+    {SCENE " --error inf", "must be a number in (0, 10]"},
+    {SCENE " --integrator unoccluded --candidates 0", "must be an integer in [1, 16777216]"},
+    {SCENE " --shadowrays 0", "must be an integer in"},
+    {SCENE " --integrator em --samples 0", "must be an integer in"},
+    {SCENE " --integrator mis --samples 1", "em"},
+    {SCENE " --proposal choose", "proposal"},
+    {SCENE " --integrator rejection --proposal mix", "proposal"},
+    {SCENE " --nthreads 0", "must be an integer in [1, 1024]"},
+    {SCENE " --nthreads 1025", "must be an integer in [1, 1024]"},
+    {SCENE " --resolution 0x5", "WxH"},
+    {SCENE " --resolution 5", "WxH"},
+    {SCENE " --resolution 99999x5", "WxH"},
+    {SCENE " --cropwindow 0,1,0", "x0,x1,y0,y1"},
+    {SCENE " --cropwindow 0.6,0.5,0,1", "x0,x1,y0,y1"},
+    {SCENE " --cropwindow 0,0.001,0,1 --resolution 1x1 --cropwindow 0.1,0.2,0,1", "holds no pixel"},
+    {SCENE " --seed -1", "must be an integer"},
+    /* 2^53 is what 2^53 + 1 becomes as a double */
+    {SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+    {"pixel " SCENE " 1 1 --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+    {"verify " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+    {"trade " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+    {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740991]"},
+    {SCENE " --exposure x", "must be a number"},
+    {SCENE " --outfile " DIR "/new.jpg", "must be .exr, .pfm, .hdr or .png"},
+    {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
+    {DIR "/bad.txt --outfile " DIR "/new.exr", "bad.txt:2:1: error: "},
+    {DIR "/badfilm.txt", "picture.tga"},
+    {SCENE " --error 5s", "must be a number in (0, 10], as in 0.05, or 5%"},
+    {SCENE " --learn maybe", "it is one of on, off"},
+    {"rendr " SCENE, "no command and no scene \"rendr\" (did you mean \"bis render\"?)"},
+    {"pixle " SCENE " 1 2", "no command and no scene \"pixle\" (did you mean \"bis pixel\"?)"},
+    {DIR "/map.pfm", "map.pfm: error: this is a PFM image, no scene: try `bis envmap " DIR "/map.pfm` or `bis "
+        "verify " DIR "/map.pfm`"},
+    {"README.md", "README.md: error: this is a page in Markdown, no scene"},
+    {"help nonsense", "no command, topic or name \"nonsense\""},
+    {"compare " DIR "/map.pfm", "too few operands"},
+    {"compare --tolerance -1 a b", "must be a number >= 0"},
+};
+
 /* Exit status, a part of the message; nothing is written, standard output stays empty. */
 static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
 {
     (void)state;
     program_write_file(DIR "/bad.txt", "WorldBegin\nShpae \"sphere\"\n");
     program_write_file(DIR "/badfilm.txt", "Film \"rgb\" \"string filename\" \"" DIR "/picture.tga\"\nWorldBegin\n");
-    const struct { const char *arguments, *message; } cases[] = {
-        {"", "no scene"},
-        {"render", "too few operands"},
-        {SCENE " " SCENE, "too many operands"},
-        {SCENE " --ssp 3", "did you mean \"--spp\"?"},
-        {SCENE " --integrator path", "it is one of em, brdf, mis, rejection, sir, exact, unoccluded"},
-        {SCENE " --proposal mx", "did you mean \"mix\"?"},
-        {SCENE " --accelerator bvh", "it is one of grid, embree"},
-        {SCENE " --spp 0", "must be an integer in [1, 1000000000]"},
-        {SCENE " --spp -1", "must be an integer in [1, 1000000000]"},
-        {SCENE " --spp 99999999999", "must be an integer in [1, 1000000000]"},
-        {SCENE " --time 0", "must be a number of seconds in (0, "},
-        {SCENE " --time -3", "must be a number of seconds in (0, "},
-        {SCENE " --time nan", "must be a number of seconds in (0, "},
-        {SCENE " --time abc", "must be a number of seconds in (0, "},
-        {SCENE " --time 1e300", "must be a number of seconds in (0, "},
-        {SCENE " --error 0", "must be a number in (0, 10]"},
-        {SCENE " --error -1", "must be a number in (0, 10]"},
-        {SCENE " --error inf", "must be a number in (0, 10]"},
-        {SCENE " --integrator unoccluded --candidates 0", "must be an integer in [1, 16777216]"},
-        {SCENE " --shadowrays 0", "must be an integer in"},
-        {SCENE " --integrator em --samples 0", "must be an integer in"},
-        {SCENE " --integrator mis --samples 1", "em"},
-        {SCENE " --proposal choose", "proposal"},
-        {SCENE " --integrator rejection --proposal mix", "proposal"},
-        {SCENE " --nthreads 0", "must be an integer in [1, 1024]"},
-        {SCENE " --nthreads 1025", "must be an integer in [1, 1024]"},
-        {SCENE " --resolution 0x5", "WxH"},
-        {SCENE " --resolution 5", "WxH"},
-        {SCENE " --resolution 99999x5", "WxH"},
-        {SCENE " --cropwindow 0,1,0", "x0,x1,y0,y1"},
-        {SCENE " --cropwindow 0.6,0.5,0,1", "x0,x1,y0,y1"},
-        {SCENE " --cropwindow 0,0.001,0,1 --resolution 1x1 --cropwindow 0.1,0.2,0,1", "holds no pixel"},
-        {SCENE " --seed -1", "must be an integer"},
-        /* 2^53 is what 2^53 + 1 becomes as a double */
-        {SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-        {"pixel " SCENE " 1 1 --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-        {"verify " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-        {"trade " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-        {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740991]"},
-        {SCENE " --exposure x", "must be a number"},
-        {SCENE " --outfile " DIR "/new.jpg", "must be .exr, .pfm, .hdr or .png"},
-        {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
-        {DIR "/bad.txt --outfile " DIR "/new.exr", "bad.txt:2:1: error: "},
-        {DIR "/badfilm.txt", "picture.tga"},
-        {SCENE " --error 5s", "must be a number in (0, 10], as in 0.05, or 5%"},
-        {SCENE " --learn maybe", "it is one of on, off"},
-        {"rendr " SCENE, "no command and no scene \"rendr\" (did you mean \"bis render\"?)"},
-        {"pixle " SCENE " 1 2", "no command and no scene \"pixle\" (did you mean \"bis pixel\"?)"},
-        {DIR "/map.pfm", "map.pfm: error: this is a PFM image, no scene: try `bis envmap " DIR "/map.pfm` or `bis "
-            "verify " DIR "/map.pfm`"},
-        {"README.md", "README.md: error: this is a page in Markdown, no scene"},
-        {"help nonsense", "no command, topic or name \"nonsense\""},
-        {"compare " DIR "/map.pfm", "too few operands"},
-        {"compare --tolerance -1 a b", "must be a number >= 0"},
-    };
     int before = program_count_files(DIR);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; i++) {
         program_run r;
-        program_expect(&r, 2, "%s", cases[i].arguments);
-        if (!strstr(r.messages, cases[i].message))
-            fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
+        program_expect(&r, 2, "%s", mistakes[i].arguments);
+        if (!strstr(r.messages, mistakes[i].message))
+            fail_msg("bis %s: says %s not %s", mistakes[i].arguments, r.messages, mistakes[i].message);
         assert_string_equal(r.output, "");
         assert_int_equal(program_count_files(DIR), before);
     }
@@ -1206,16 +1207,16 @@ static void every_command_that_reads_a_scene_approximates(void **state)
 {
     (void)state;
     static const char film[] =
-        "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 LookAt 0 -5 0 0 0 0 0 0 1\n"
-        "WorldBegin LightSource \"infinite\" Material \"glass\" Shape \"sphere\" \"float gleam\" 1\n",
+        "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 LookAt 0 0 0 0 1 0 0 0 1\n"
+        "WorldBegin LightSource \"infinite\" Material \"hair\" Shape \"sphere\" \"float gleam\" 1\n",
                       mesh[] = "Shape \"plymesh\" \"string filename\" \"no.ply\"\n";
-    static const char *const glass = "Material \"glass\"", *const gleam = "unknown parameter \"gleam\" of Shape "
+    static const char *const hair = "Material \"hair\"", *const gleam = "unknown parameter \"gleam\" of Shape "
                                                                           "\"sphere\"; with --approximate: ignored";
-    static const char *const commands[] = {"verify %s " DIR "/glass.txt",
-        "pixel %s --repeats 2 --output " DIR "/p " DIR "/glass.txt 4 4", "verify %s " DIR "/lost.txt",
+    static const char *const commands[] = {"verify %s " DIR "/hair.txt",
+        "pixel %s --repeats 2 --output " DIR "/p " DIR "/hair.txt 4 4", "verify %s " DIR "/lost.txt",
         "pixel %s " DIR "/lost.txt 4 4", "trade --quiet %s --output " DIR "/t " DIR "/lost.txt"};
     program_run r;
-    FILE *f = fopen(DIR "/glass.txt", "w"), *g = fopen(DIR "/lost.txt", "w");
+    FILE *f = fopen(DIR "/hair.txt", "w"), *g = fopen(DIR "/lost.txt", "w");
     fprintf(f, "%s", film);
     fprintf(g, "%s%s", film, mesh);
     assert_true(fclose(f) == 0 && fclose(g) == 0);
@@ -1223,11 +1224,11 @@ static void every_command_that_reads_a_scene_approximates(void **state)
         char line[300];
         snprintf(line, sizeof line, commands[i], "");
         program_expect(&r, 2, "%s", line);
-        assert_true(strstr(r.messages, glass) && strstr(r.messages, gleam));
+        assert_true(strstr(r.messages, hair) && strstr(r.messages, gleam));
         snprintf(line, sizeof line, commands[i], "--approximate");
         program_expect(&r, i < 2 ? 0 : 2, "%s", line); /* no.ply is looked for first */
         assert_true(i < 2 || strstr(r.messages, "no.ply"));
-        assert_true(strstr(line, "--quiet") || strstr(r.messages, "approximated: 1 x Material \"glass\""));
+        assert_true(strstr(line, "--quiet") || strstr(r.messages, "approximated: 1 x Material \"hair\""));
     }
 }
 

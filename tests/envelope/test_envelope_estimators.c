@@ -343,6 +343,43 @@ static void estimates_scale_with_the_light(void **state)
     envelope_close(&denormal);
 }
 
+/* A floor seen from above. */
+static void count_on_a_floor(envelope *film)
+{
+    bis_scene_desc *desc;
+    bis_scene *scene;
+    bis_render_result result;
+    bis_film picture;
+    float pixels[8 * 8 * 4];
+    mkdir("build", 0777);
+    FILE *f = fopen("build/envelope_overflow.txt", "w");
+    assert_non_null(f);
+    fputs("LookAt 0 0 5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nFilm \"image\" \"integer xresolution\" "
+          "8 \"integer yresolution\" 8\n"
+          "Sampler \"random\" \"integer pixelsamples\" 4\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
+          "LightSource \"infinite\" \"rgb L\" [3.4e38 3.4e38 3.4e38]\nMaterial \"matte\" \"rgb Kd\" [1 1 1]\n"
+          "Shape \"disk\" \"float radius\" 100\nWorldEnd\n",
+          f);
+    fclose(f);
+    bis_diag diag = {0};
+    const bis_status parsed = bis_scene_parse(&desc, "build/envelope_overflow.txt", &diag);
+    if (parsed) fail_msg("%s", diag.messages[0].text);
+    assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
+    const double crop[4] = {0, 1, 0, 1};
+    assert_int_equal(bis_film_init(&picture, 8, 8, crop, (bis_loc){0}, &diag), BIS_OK);
+    const bis_render_options options = {.budget = {.spp = 4}, .n_threads = 1};
+    assert_int_equal(bis_render(&result, &picture, scene, desc, &desc->view, &options, &diag), BIS_OK);
+    bis_film_resolve(&picture, pixels);
+    for (int i = 0; i < 8 * 8 * 4; i++) envelope_expect(film, isfinite(pixels[i]) && pixels[i] >= 0, "value %d", i);
+    envelope_expect(film, result.counters.nonfinite > 0 && result.counters.nonfinite < 256, "%llu counted",
+                    (unsigned long long)result.counters.nonfinite);
+    bis_film_clear(&picture);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+    bis_diag_clear(&diag);
+    remove("build/envelope_overflow.txt");
+}
+
 /* Beyond FLT_MAX an estimate is +infinity: the film counts it, leaves it out, and stays finite. Never a NaN, never a
  * wrong finite number. */
 static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **state)
@@ -374,39 +411,7 @@ static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **s
     envelope_close(&e);
     bis_light_free(light);
 
-    /* A floor seen from above. */
-    bis_scene_desc *desc;
-    bis_scene *scene;
-    bis_render_result result;
-    bis_film picture;
-    float pixels[8 * 8 * 4];
-    mkdir("build", 0777);
-    FILE *f = fopen("build/envelope_overflow.txt", "w");
-    assert_non_null(f);
-    fputs("LookAt 0 0 5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nFilm \"image\" \"integer xresolution\" "
-          "8 \"integer yresolution\" 8\n"
-          "Sampler \"random\" \"integer pixelsamples\" 4\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
-          "LightSource \"infinite\" \"rgb L\" [3.4e38 3.4e38 3.4e38]\nMaterial \"matte\" \"rgb Kd\" [1 1 1]\n"
-          "Shape \"disk\" \"float radius\" 100\nWorldEnd\n",
-          f);
-    fclose(f);
-    bis_diag diag = {0};
-    const bis_status parsed = bis_scene_parse(&desc, "build/envelope_overflow.txt", &diag);
-    if (parsed) fail_msg("%s", diag.messages[0].text);
-    assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
-    const double crop[4] = {0, 1, 0, 1};
-    assert_int_equal(bis_film_init(&picture, 8, 8, crop, (bis_loc){0}, &diag), BIS_OK);
-    const bis_render_options options = {.budget = {.spp = 4}, .n_threads = 1};
-    assert_int_equal(bis_render(&result, &picture, scene, desc, &desc->view, &options, &diag), BIS_OK);
-    bis_film_resolve(&picture, pixels);
-    for (int i = 0; i < 8 * 8 * 4; i++) envelope_expect(&film, isfinite(pixels[i]) && pixels[i] >= 0, "value %d", i);
-    envelope_expect(&film, result.counters.nonfinite > 0 && result.counters.nonfinite < 256, "%llu counted",
-                    (unsigned long long)result.counters.nonfinite);
-    bis_film_clear(&picture);
-    bis_scene_free(scene);
-    bis_scene_desc_free(desc);
-    bis_diag_clear(&diag);
-    remove("build/envelope_overflow.txt");
+    count_on_a_floor(&film);
     envelope_close(&film);
 }
 

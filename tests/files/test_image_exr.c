@@ -852,6 +852,40 @@ static void expect_window(const exr_attr_box2i_t *w, int x0, int y0, int x1, int
     assert_true(w->min.x == x0 && w->min.y == y0 && w->max.x == x1 && w->max.y == y1);
 }
 
+/* 33 x 20 pixels of 64 x 48, four channels of colour and one of errors. */
+static void expect_layout(exr_context_t file)
+{
+    exr_attr_box2i_t window;
+    exr_compression_t compression;
+    exr_lineorder_t order;
+    exr_storage_t storage;
+    exr_attr_v2f_t centre;
+    const exr_attr_chlist_t *list;
+    float ratio, width;
+    assert_int_equal(exr_get_data_window(file, 0, &window), 0);
+    expect_window(&window, 5, 7, 37, 26);
+    assert_int_equal(exr_get_display_window(file, 0, &window), 0);
+    expect_window(&window, 0, 0, 63, 47);
+    assert_int_equal(exr_get_compression(file, 0, &compression), 0);
+    assert_int_equal(compression, EXR_COMPRESSION_ZIP);
+    assert_int_equal(exr_get_lineorder(file, 0, &order), 0); /* the first chunk below holds the upper rows */
+    assert_int_equal(order, EXR_LINEORDER_INCREASING_Y);
+    assert_int_equal(exr_get_storage(file, 0, &storage), 0);
+    assert_int_equal(storage, EXR_STORAGE_SCANLINE);
+    assert_int_equal(exr_get_pixel_aspect_ratio(file, 0, &ratio), 0);
+    assert_int_equal(exr_get_screen_window_width(file, 0, &width), 0);
+    assert_int_equal(exr_get_screen_window_center(file, 0, &centre), 0);
+    assert_true(ratio == 1 && width == 1 && centre.x == 0 && centre.y == 0);
+    assert_int_equal(exr_get_channels(file, 0, &list), 0);
+    assert_int_equal(list->num_channels, 5);
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(list->entries[i].pixel_type, EXR_PIXEL_FLOAT);
+        assert_true(list->entries[i].x_sampling == 1 && list->entries[i].y_sampling == 1);
+        assert_int_equal(list->entries[i].p_linear, EXR_PERCEPTUALLY_LOGARITHMIC);
+    }
+    assert_string_equal(list->entries[4].name.str, "stderr.R");
+}
+
 static void channels_windows_and_attributes_are_all_in_the_file(void **state)
 {
     (void)state;
@@ -882,37 +916,9 @@ static void channels_windows_and_attributes_are_all_in_the_file(void **state)
     bis_image_clear(&image);
 
     exr_context_t file;
-    exr_attr_box2i_t window;
-    exr_compression_t compression;
-    exr_lineorder_t order;
-    exr_storage_t storage;
-    exr_attr_v2f_t centre;
-    const exr_attr_chlist_t *list;
     double number;
-    float ratio, width;
     assert_int_equal(exr_start_read(&file, scratch("out.exr"), NULL), 0);
-    assert_int_equal(exr_get_data_window(file, 0, &window), 0);
-    expect_window(&window, 5, 7, 37, 26);
-    assert_int_equal(exr_get_display_window(file, 0, &window), 0);
-    expect_window(&window, 0, 0, 63, 47);
-    assert_int_equal(exr_get_compression(file, 0, &compression), 0);
-    assert_int_equal(compression, EXR_COMPRESSION_ZIP);
-    assert_int_equal(exr_get_lineorder(file, 0, &order), 0); /* the first chunk below holds the upper rows */
-    assert_int_equal(order, EXR_LINEORDER_INCREASING_Y);
-    assert_int_equal(exr_get_storage(file, 0, &storage), 0);
-    assert_int_equal(storage, EXR_STORAGE_SCANLINE);
-    assert_int_equal(exr_get_pixel_aspect_ratio(file, 0, &ratio), 0);
-    assert_int_equal(exr_get_screen_window_width(file, 0, &width), 0);
-    assert_int_equal(exr_get_screen_window_center(file, 0, &centre), 0);
-    assert_true(ratio == 1 && width == 1 && centre.x == 0 && centre.y == 0);
-    assert_int_equal(exr_get_channels(file, 0, &list), 0);
-    assert_int_equal(list->num_channels, 5);
-    for (int i = 0; i < 5; i++) {
-        assert_int_equal(list->entries[i].pixel_type, EXR_PIXEL_FLOAT);
-        assert_true(list->entries[i].x_sampling == 1 && list->entries[i].y_sampling == 1);
-        assert_int_equal(list->entries[i].p_linear, EXR_PERCEPTUALLY_LOGARITHMIC);
-    }
-    assert_string_equal(list->entries[4].name.str, "stderr.R");
+    expect_layout(file);
     expect_text(file, "scene", "knot.txt");
     expect_text(file, long_name, "");
     assert_int_equal(exr_attr_get_double(file, 0, "spp", &number), 0);

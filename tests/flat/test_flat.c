@@ -160,22 +160,17 @@ static void alias_tables_of_the_caller_are_checked(void **state)
 }
 
 /* In turn each pointer of each function. Without a status: what the header says. */
-static void null_is_an_error_wherever_something_is_due(void **state)
+static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
 {
-    const double half[3] = {0.5, 0.5, 0.5}, up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
-    const char *const none[] = {NULL};
+    const double up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
     bis_light *light;
-    bis_bsdf *b;
-    bis_flat_picture *p;
     float w[3] = {0, 0, 1}, v[3];
     double pdf, prob[1] = {1}, total;
     uint32_t alias[1] = {0}, item;
-    uint8_t lobe;
     int shape[2] = {7, 7};
 
     (void)state;
     assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, NULL, 99), 0); /* say may be NULL */
-    assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
     refuses(bis_flat_light_open(NULL, "m.hdr", "cdf", 0, NULL, SAY), "light is NULL");
     refuses(bis_flat_light_open(&(bis_light *){NULL}, NULL, "cdf", 0, NULL, SAY), "path is NULL");
     refuses(bis_flat_light_open(&(bis_light *){NULL}, "m.hdr", NULL, 0, NULL, SAY), "kind is NULL");
@@ -201,6 +196,28 @@ static void null_is_an_error_wherever_something_is_due(void **state)
     refuses(bis_flat_alias_sample(1, prob, alias, 1, NULL, &item, SAY), "u is NULL");
     refuses(bis_flat_alias_sample(1, prob, alias, 1, u, NULL, SAY), "item is NULL");
     assert_int_equal(bis_flat_alias_sample(1, prob, alias, 0, NULL, NULL, SAY), 0);
+    bis_flat_light_shape(NULL, shape);
+    assert_true(shape[0] == 0 && shape[1] == 0);
+    bis_flat_light_pixels(NULL, v);
+    assert_true(isnan(bis_flat_light_power(NULL)));
+    bis_flat_light_close(light);
+}
+
+static void null_is_an_error_wherever_a_material_or_a_picture_is_due(void **state)
+{
+    const double half[3] = {0.5, 0.5, 0.5}, up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
+    const char *const none[] = {NULL};
+    bis_light *light;
+    bis_bsdf *b;
+    bis_flat_picture *p;
+    float w[3] = {0, 0, 1}, v[3];
+    double pdf;
+    uint8_t lobe;
+    int shape[2] = {7, 7};
+
+    (void)state;
+    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
     refuses(bis_flat_bsdf_open(NULL, "phong", half, half, 9, up, up, SAY), "bsdf is NULL");
     refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, NULL, half, half, 9, up, up, SAY), "model is NULL");
     refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", NULL, half, 9, up, up, SAY), "Kd is NULL");
@@ -221,14 +238,9 @@ static void null_is_an_error_wherever_something_is_due(void **state)
     refuses(bis_flat_render(&p, NULL, none, NULL, SAY), "scene is NULL");
     refuses(bis_flat_render(&p, SCENE, NULL, NULL, SAY), "settings is NULL");
     assert_null(p);
-    bis_flat_light_shape(NULL, shape);
-    assert_true(shape[0] == 0 && shape[1] == 0);
-    shape[0] = shape[1] = 7;
     bis_flat_picture_shape(NULL, shape);
     assert_true(shape[0] == 0 && shape[1] == 0);
-    bis_flat_light_pixels(NULL, v);
     bis_flat_picture_pixels(NULL, v);
-    assert_true(isnan(bis_flat_light_power(NULL)));
     assert_null(bis_flat_picture_stats(NULL));
     assert_int_equal(bis_flat_picture_layer(NULL, "depth", v), 0);
     refuses(bis_flat_render_with(NULL, SCENE, none, light, NULL, NULL, NULL, SAY), "picture is NULL");
@@ -725,7 +737,7 @@ static void weights_of_a_table_are_checked_and_summed(void **state)
 static void each_channel_of_a_material_is_its_own(void **state)
 {
     const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125}, n[3] = {2, 4, 4}, wo[3] = {0.5, 1, 1};
-    const double one[3] = {1, 0, 0}, z[3] = {0, 0, 3}, x3z4[3] = {30, 0, 40};
+    const double z[3] = {0, 0, 3}, x3z4[3] = {30, 0, 40};
     float wi[3][3] = {{1, 2, 2}, {0, 0, 0}, {-1, -2, -2}}, f[3][3];
     uint8_t lobe[2];
     double pdf[3];
@@ -768,7 +780,14 @@ static void each_channel_of_a_material_is_its_own(void **state)
         assert_about((double)f[0][k],
             Ks[k] * 16 / (4 * PI) + 28 / (23 * PI) * Kd[k] * (1 - Ks[k]) * (31.0 / 32) * (31.0 / 32), 1e-5);
     bis_flat_bsdf_close(b);
-    /* limits of what is taken */
+}
+
+static void materials_are_taken_up_to_their_limits(void **state)
+{
+    const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125}, one[3] = {1, 0, 0}, z[3] = {0, 0, 3};
+    bis_bsdf *b;
+
+    (void)state;
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", one, (double[]){0, 0, 1}, 0, z, z, SAY), 0);
     bis_flat_bsdf_close(b);
     assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", one, one, 1, z, z, SAY), 0);
@@ -967,7 +986,8 @@ int main(void)
         cmocka_unit_test(a_black_map_has_no_directions),
         cmocka_unit_test(alias_tables_are_those_of_the_thesis),
         cmocka_unit_test(alias_tables_of_the_caller_are_checked),
-        cmocka_unit_test(null_is_an_error_wherever_something_is_due),
+        cmocka_unit_test(null_is_an_error_wherever_a_map_or_a_table_is_due),
+        cmocka_unit_test(null_is_an_error_wherever_a_material_or_a_picture_is_due),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
         cmocka_unit_test(a_metal_reflects_by_fresnels_equations),
@@ -982,6 +1002,7 @@ int main(void)
         cmocka_unit_test(an_area_exponent_draws_large_regions_more_often),
         cmocka_unit_test(weights_of_a_table_are_checked_and_summed),
         cmocka_unit_test(each_channel_of_a_material_is_its_own),
+        cmocka_unit_test(materials_are_taken_up_to_their_limits),
         cmocka_unit_test(alpha_is_the_share_that_hits_a_surface),
         cmocka_unit_test(settings_have_their_limits),
         cmocka_unit_test(an_integrator_named_again_keeps_what_the_scene_says),

@@ -473,70 +473,70 @@ CHANGE(light_levels, w->desc.light.levels++)
 CHANGE(light_table, w->desc.light.has_table_kind ^= true)
 CHANGE(light_visible, w->desc.light.visible ^= true)
 
+static const struct {
+    void (*change)(OTHER);
+    const char *words; /* NULL: it goes on */
+} other_renders[] = {
+    {other_crop, "differ: the size of the picture, or its crop. "},
+    {other_layers, "differ: the layers. "},
+    {other_fov, "differ: the camera. "},
+    {other_seed, "differ: the sampler, or its seed. "},
+    {other_spp, "for which samplers \"stratified\" and \"halton\" divide a pixel (--spp). "},
+    {other_jitter, "differ: pixel jitter, "},
+    {other_edges, "differ: pixel jitter, or camera samples on edges"},
+    {other_edge_light, "differ: pixel jitter, or camera samples on edges"},
+    {other_learn, "differ: the integrator, or its parameters. "},
+    {other_E6, "differ: the integrator, or its parameters. "},
+    {other_vertex, "differ: the shapes. "},
+    {other_index, "differ: the shapes. "},
+    {other_ball, "differ: the shapes. "},
+    {other_material, "differ: the materials, or their textures. "},
+    {other_pixel, "differ: the pixels of the map. "},
+    {other_scale, "differ: the parameters of the light. "},
+    {other_turn, "differ: the parameters of the light. "},
+    {other_density, "differ: the accelerator. "},
+    {change_orthographic, "differ: the camera. "},
+    {change_screen, "differ: the camera. "},
+    {change_aspect, "differ: the camera. "},
+    {change_eye, "differ: the camera. "},
+    {change_last_of_eye, "differ: the camera. "},
+    {change_jitter_of_sampler, "differ: the sampler, or its seed. "},
+    {change_kind_of_sampler, "differ: the sampler, or its seed; the camera samples for which "},
+    {change_passes, "differ: pixel jitter, "},
+    {change_first_vertex, "differ: the shapes. "},
+    {change_height_of_vertex, "differ: the shapes. "},
+    {change_first_index, "differ: the shapes. "},
+    {change_last_index, "differ: the shapes. "},
+    {change_range, "differ: the shapes. "},
+    {change_start, "differ: the shapes. "},
+    {change_kind_of_ball, "differ: the shapes. "},
+    {change_material_of_ball, "differ: the shapes. "},
+    {change_height_of_ball, "differ: the shapes. "},
+    {change_place_of_ball, "differ: the shapes. "},
+    {change_red, "differ: the materials, or their textures. "},
+    {change_green, "differ: the materials, or their textures. "},
+    {change_blue, "differ: the materials, or their textures. "},
+    {change_alpha, "differ: the materials, or their textures. "},
+    {change_first_pixel, "differ: the pixels of the map. "},
+    {change_last_pixel, "differ: the pixels of the map. "},
+    {change_light_L, "differ: the parameters of the light. "},
+    {change_light_b, "differ: the parameters of the light. "},
+    {change_light_mapping, "differ: the parameters of the light. "},
+    {change_light_width, "differ: the parameters of the light. "},
+    {change_light_levels, "differ: the parameters of the light. "},
+    {change_light_table, "differ: the parameters of the light. "},
+    {change_light_visible, "differ: the parameters of the light. "},
+    {fewer_samples, "has 4 camera samples a pixel already"},
+    {other_error, NULL},
+    {other_name, NULL},
+    {more_samples, NULL},
+};
+
 static void another_render_is_refused_by_what_differs(void **state)
 {
     (void)state;
-    static const struct {
-        void (*change)(OTHER);
-        const char *words; /* NULL: it goes on */
-    } changes[] = {
-        {other_crop, "differ: the size of the picture, or its crop. "},
-        {other_layers, "differ: the layers. "},
-        {other_fov, "differ: the camera. "},
-        {other_seed, "differ: the sampler, or its seed. "},
-        {other_spp, "for which samplers \"stratified\" and \"halton\" divide a pixel (--spp). "},
-        {other_jitter, "differ: pixel jitter, "},
-        {other_edges, "differ: pixel jitter, or camera samples on edges"},
-        {other_edge_light, "differ: pixel jitter, or camera samples on edges"},
-        {other_learn, "differ: the integrator, or its parameters. "},
-        {other_E6, "differ: the integrator, or its parameters. "},
-        {other_vertex, "differ: the shapes. "},
-        {other_index, "differ: the shapes. "},
-        {other_ball, "differ: the shapes. "},
-        {other_material, "differ: the materials, or their textures. "},
-        {other_pixel, "differ: the pixels of the map. "},
-        {other_scale, "differ: the parameters of the light. "},
-        {other_turn, "differ: the parameters of the light. "},
-        {other_density, "differ: the accelerator. "},
-        {change_orthographic, "differ: the camera. "},
-        {change_screen, "differ: the camera. "},
-        {change_aspect, "differ: the camera. "},
-        {change_eye, "differ: the camera. "},
-        {change_last_of_eye, "differ: the camera. "},
-        {change_jitter_of_sampler, "differ: the sampler, or its seed. "},
-        {change_kind_of_sampler, "differ: the sampler, or its seed; the camera samples for which "},
-        {change_passes, "differ: pixel jitter, "},
-        {change_first_vertex, "differ: the shapes. "},
-        {change_height_of_vertex, "differ: the shapes. "},
-        {change_first_index, "differ: the shapes. "},
-        {change_last_index, "differ: the shapes. "},
-        {change_range, "differ: the shapes. "},
-        {change_start, "differ: the shapes. "},
-        {change_kind_of_ball, "differ: the shapes. "},
-        {change_material_of_ball, "differ: the shapes. "},
-        {change_height_of_ball, "differ: the shapes. "},
-        {change_place_of_ball, "differ: the shapes. "},
-        {change_red, "differ: the materials, or their textures. "},
-        {change_green, "differ: the materials, or their textures. "},
-        {change_blue, "differ: the materials, or their textures. "},
-        {change_alpha, "differ: the materials, or their textures. "},
-        {change_first_pixel, "differ: the pixels of the map. "},
-        {change_last_pixel, "differ: the pixels of the map. "},
-        {change_light_L, "differ: the parameters of the light. "},
-        {change_light_b, "differ: the parameters of the light. "},
-        {change_light_mapping, "differ: the parameters of the light. "},
-        {change_light_width, "differ: the parameters of the light. "},
-        {change_light_levels, "differ: the parameters of the light. "},
-        {change_light_table, "differ: the parameters of the light. "},
-        {change_light_visible, "differ: the parameters of the light. "},
-        {fewer_samples, "has 4 camera samples a pixel already"},
-        {other_error, NULL},
-        {other_name, NULL},
-        {more_samples, NULL},
-    };
-
-    for (size_t i = 0; i < COUNT(changes); i++) {
-        const bool edges = changes[i].change == other_edges || changes[i].change == other_edge_light;
+    for (size_t i = 0; i < COUNT(other_renders); i++) {
+        const bool edges = other_renders[i].change == other_edges || other_renders[i].change == other_edge_light;
         kind k = kinds[edges ? 6 : 0]; /* 6: has edges */
         bis_render_options options = budget(&k, 4, 1);
         bis_checkpoint c = {.path = PATH, .every = 1e9};
@@ -548,14 +548,14 @@ static void another_render_is_refused_by_what_differs(void **state)
         make_kind(&w, &k);
         render_kind(&f, &result, &w, &k, options, &c);
         bis_film_clear(&f);
-        changes[i].change(&w, &k, &options);
+        other_renders[i].change(&w, &k, &options);
         c = read_state(PATH);
         const bis_status status = try_render(&f, &result, &w, &k, options, &c, &diag);
-        assert_int_equal(status, changes[i].words ? BIS_INPUT : BIS_OK);
-        if (changes[i].words) {
+        assert_int_equal(status, other_renders[i].words ? BIS_INPUT : BIS_OK);
+        if (other_renders[i].words) {
             assert_int_equal(diag.n, 1);
-            if (!strstr(diag.messages[0].text, changes[i].words))
-                fail_msg("\"%s\" has no \"%s\"", diag.messages[0].text, changes[i].words);
+            if (!strstr(diag.messages[0].text, other_renders[i].words))
+                fail_msg("\"%s\" has no \"%s\"", diag.messages[0].text, other_renders[i].words);
             assert_non_null(strstr(diag.messages[0].text, PATH));
         }
         bis_diag_clear(&diag);

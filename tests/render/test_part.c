@@ -330,91 +330,92 @@ static void every_truncation_and_every_changed_byte_of_a_part_is_refused(void **
 /* What a field is for: a changed one is refused by these words, or comes out as another figure. */
 typedef struct field {
     const char *name;
-    size_t bytes; /* 0: as the file has, see the test */
+    size_t bytes; /* 0: of all parameters */
     size_t at;    /* the byte of the field that is changed */
     int mask;
     const char *words; /* NULL: it is accepted */
 } field;
 
+enum { WRITTEN = 4 * 15 }; /* pixels */
+static const field format_fields[] = {
+    {"magic", 8, 3, 1, "no part of bis"},
+    {"format", 4, 0, 1, "the same version"},
+    {"version", 16, 0, 1, "the same version"},
+    {"integrator", 16, 0, 1, "an integrator that this program does not have"},
+    {"parameters", 0, 7, 0x80, "damaged"}, /* negative; 8 bytes for each there is */
+    {"as printed", 4, 0, 1, NULL},
+    {"K", 4, 0, 2, "damaged"}, /* 1 to 3 */
+    {"N", 4, 0, 1, "damaged"}, /* of two tiles, 3 */
+    {"size, or crop", 8, 0, 1, "differ: the size of the picture, or its crop. "},
+    {"layers", 8, 0, 1, "differ: the layers. "},
+    {"camera", 8, 0, 1, "differ: the camera. "},
+    {"sampler", 8, 0, 1, "differ: the sampler, or its seed. "},
+    {"division", 8, 0, 1, "differ: the camera samples for which samplers"},
+    {"jitter", 8, 0, 1, "differ: pixel jitter, or camera samples on edges. "},
+    {"settings", 8, 0, 1, "differ: the integrator, or its parameters. "},
+    {"shapes", 8, 0, 1, "differ: the shapes. "},
+    {"materials", 8, 0, 1, "differ: the materials, or their textures. "},
+    {"map", 8, 0, 1, "differ: the pixels of the map. "},
+    {"light", 8, 0, 1, "differ: the parameters of the light. "},
+    {"accelerator", 8, 7, 0x80, "differ: the accelerator. "},
+    {"length of the scene's name", 4, 3, 1, "damaged"},
+    {"scene", sizeof "a/scene.txt" - 1, 0, 0x60, "damaged"}, /* 'a' to a control character */
+    {"length of the command", 4, 3, 1, "damaged"},
+    {"command", sizeof "bis a/scene.txt --spp 9" - 1, 0, 1, NULL},
+    {"length of what was replaced", 4, 3, 1, "damaged"},
+    {"what was replaced", sizeof "1 x glass: opaque" - 1, 0, 1, NULL},
+    {"seed", 8, 0, 1, NULL},
+    {"edge samples", 4, 0, 1, NULL},
+    {"edge light", 8, 7, 0x80, "damaged"},
+    {"threads", 4, 0, 8, NULL},
+    {"bytes", 8, 3, 1, NULL},
+    {"parse", 8, 7, 0x80, "damaged"},
+    {"load", 8, 7, 0x80, "damaged"},
+    {"envmap", 8, 7, 0x80, "damaged"},
+    {"accel", 8, 7, 0x80, "damaged"},
+    {"triangles", 8, 0, 1, NULL},
+    {"name of the accelerator", 16, 15, 1, "damaged"},
+    {"bytes of the mesh", 8, 6, 0x20, NULL},
+    {"bytes of the accelerator", 8, 6, 0x10, NULL},
+    {"bytes of the map", 8, 5, 1, NULL},
+    {"full width", 4, 0, 1, "damaged"},
+    {"first column", 4, 0, 1, "damaged"},
+    {"columns", 4, 1, 1, "damaged"},
+    {"full height", 4, 2, 1, "damaged"},
+    {"first row", 4, 1, 1, "damaged"},
+    {"rows", 4, 0, 1, "damaged"},
+    {"layers asked", 4, 1, 1, "damaged"},
+    {"camera samples", 8, 0, 1, "give all parts the same --spp"},
+    {"seconds", 8, 7, 0x80, "damaged"},
+    {"next look at the error", 4, 0, 1, NULL},
+    {"bound of the error", 8, 0, 1, NULL},
+    {"remembered", 64, 0, 1, NULL},
+    {"camera rays", 8, 0, 1, NULL},
+    {"shadow rays", 8, 0, 1, NULL},
+    {"candidates", 8, 0, 1, NULL},
+    {"accepted", 8, 0, 1, NULL},
+    {"fallbacks", 8, 0, 1, NULL},
+    {"not finite", 8, 0, 1, NULL},
+    {"passes", 4, 0, 1, "damaged"},
+    {"weight", 8, 5, 1, "damaged"},
+    {"weight of the half", 8, 5, 1, "damaged"},
+    {"weight of the quarter", 8, 5, 1, "damaged"},
+    {"independent", 4, 0, 2, "damaged"}, /* 0 or 1 */
+    {"sum", WRITTEN * 24, 6, 1, NULL},
+    {"deviation", WRITTEN * 12, 2, 1, NULL},
+    {"half", WRITTEN * 12, 2, 1, NULL},
+    {"quarter", WRITTEN * 12, 2, 1, NULL},
+    {"hits", WRITTEN * 4, WRITTEN * 4 - 2, 1, NULL},
+    {"depth", WRITTEN * 8, WRITTEN * 8 - 2, 1, NULL},
+    {"checksum", 8, 0, 1, "its checksum is wrong"},
+};
+
 /* Every field of the file once, in its order, written down from the description of the format. */
 static void every_field_of_the_format_counts(void **state)
 {
     (void)state;
-    enum { PIXELS = 4 * 15 };
-    int n_parameters = 0;
+    size_t n_parameters = 0;
     for (const bis_parameter *p = bis_parameters; p->name; p++) n_parameters++;
-    const field fields[] = {
-        {"magic", 8, 3, 1, "no part of bis"},
-        {"format", 4, 0, 1, "the same version"},
-        {"version", 16, 0, 1, "the same version"},
-        {"integrator", 16, 0, 1, "an integrator that this program does not have"},
-        {"parameters", 8 * (size_t)n_parameters, 7, 0x80, "damaged"}, /* negative */
-        {"as printed", 4, 0, 1, NULL},
-        {"K", 4, 0, 2, "damaged"}, /* 1 to 3 */
-        {"N", 4, 0, 1, "damaged"}, /* of two tiles, 3 */
-        {"size, or crop", 8, 0, 1, "differ: the size of the picture, or its crop. "},
-        {"layers", 8, 0, 1, "differ: the layers. "},
-        {"camera", 8, 0, 1, "differ: the camera. "},
-        {"sampler", 8, 0, 1, "differ: the sampler, or its seed. "},
-        {"division", 8, 0, 1, "differ: the camera samples for which samplers"},
-        {"jitter", 8, 0, 1, "differ: pixel jitter, or camera samples on edges. "},
-        {"settings", 8, 0, 1, "differ: the integrator, or its parameters. "},
-        {"shapes", 8, 0, 1, "differ: the shapes. "},
-        {"materials", 8, 0, 1, "differ: the materials, or their textures. "},
-        {"map", 8, 0, 1, "differ: the pixels of the map. "},
-        {"light", 8, 0, 1, "differ: the parameters of the light. "},
-        {"accelerator", 8, 7, 0x80, "differ: the accelerator. "},
-        {"length of the scene's name", 4, 3, 1, "damaged"},
-        {"scene", sizeof "a/scene.txt" - 1, 0, 0x60, "damaged"}, /* 'a' to a control character */
-        {"length of the command", 4, 3, 1, "damaged"},
-        {"command", sizeof "bis a/scene.txt --spp 9" - 1, 0, 1, NULL},
-        {"length of what was replaced", 4, 3, 1, "damaged"},
-        {"what was replaced", sizeof "1 x glass: opaque" - 1, 0, 1, NULL},
-        {"seed", 8, 0, 1, NULL},
-        {"edge samples", 4, 0, 1, NULL},
-        {"edge light", 8, 7, 0x80, "damaged"},
-        {"threads", 4, 0, 8, NULL},
-        {"bytes", 8, 3, 1, NULL},
-        {"parse", 8, 7, 0x80, "damaged"},
-        {"load", 8, 7, 0x80, "damaged"},
-        {"envmap", 8, 7, 0x80, "damaged"},
-        {"accel", 8, 7, 0x80, "damaged"},
-        {"triangles", 8, 0, 1, NULL},
-        {"name of the accelerator", 16, 15, 1, "damaged"},
-        {"bytes of the mesh", 8, 6, 0x20, NULL},
-        {"bytes of the accelerator", 8, 6, 0x10, NULL},
-        {"bytes of the map", 8, 5, 1, NULL},
-        {"full width", 4, 0, 1, "damaged"},
-        {"first column", 4, 0, 1, "damaged"},
-        {"columns", 4, 1, 1, "damaged"},
-        {"full height", 4, 2, 1, "damaged"},
-        {"first row", 4, 1, 1, "damaged"},
-        {"rows", 4, 0, 1, "damaged"},
-        {"layers asked", 4, 1, 1, "damaged"},
-        {"camera samples", 8, 0, 1, "give all parts the same --spp"},
-        {"seconds", 8, 7, 0x80, "damaged"},
-        {"next look at the error", 4, 0, 1, NULL},
-        {"bound of the error", 8, 0, 1, NULL},
-        {"remembered", 64, 0, 1, NULL},
-        {"camera rays", 8, 0, 1, NULL},
-        {"shadow rays", 8, 0, 1, NULL},
-        {"candidates", 8, 0, 1, NULL},
-        {"accepted", 8, 0, 1, NULL},
-        {"fallbacks", 8, 0, 1, NULL},
-        {"not finite", 8, 0, 1, NULL},
-        {"passes", 4, 0, 1, "damaged"},
-        {"weight", 8, 5, 1, "damaged"},
-        {"weight of the half", 8, 5, 1, "damaged"},
-        {"weight of the quarter", 8, 5, 1, "damaged"},
-        {"independent", 4, 0, 2, "damaged"}, /* 0 or 1 */
-        {"sum", PIXELS * 24, 6, 1, NULL},
-        {"deviation", PIXELS * 12, 2, 1, NULL},
-        {"half", PIXELS * 12, 2, 1, NULL},
-        {"quarter", PIXELS * 12, 2, 1, NULL},
-        {"hits", PIXELS * 4, PIXELS * 4 - 2, 1, NULL},
-        {"depth", PIXELS * 8, PIXELS * 8 - 2, 1, NULL},
-        {"checksum", 8, 0, 1, "its checksum is wrong"},
-    };
     static const char *const paths[] = {BAD, OTHER}, *const turned[] = {OTHER, BAD};
     bis_merged *m = bis_alloc(1, sizeof *m), *right = bis_alloc(1, sizeof *right);
     world w;
@@ -425,14 +426,14 @@ static void every_field_of_the_format_counts(void **state)
     store(BAD, data, size);
     assert_int_equal(merge_paths(right, paths, 2, NULL), BIS_OK);
     const size_t n = (size_t)right->film.width * (size_t)right->film.height;
-    for (size_t i = 0; i < COUNT(fields); i++) {
-        const field *f = &fields[i];
+    for (size_t i = 0; i < COUNT(format_fields); i++) {
+        const field *f = &format_fields[i];
         data[at + f->at] ^= (unsigned char)f->mask;
-        if (i + 1 < COUNT(fields)) seal(data, size);
+        if (i + 1 < COUNT(format_fields)) seal(data, size);
         store(BAD, data, size);
         data[at + f->at] ^= (unsigned char)f->mask;
-        if (i + 1 < COUNT(fields)) seal(data, size);
-        at += f->bytes;
+        if (i + 1 < COUNT(format_fields)) seal(data, size);
+        at += f->bytes ? f->bytes : 8 * n_parameters;
         const bis_status status = merge_paths(m, turned, 2, f->words);
         if (status != (f->words ? BIS_INPUT : BIS_OK)) fail_msg("%s: status %d", f->name, (int)status);
         if (f->words) continue;
@@ -725,14 +726,35 @@ static void numbers_that_make_no_sense_are_refused(void **state)
     clear_world(&w);
 }
 
+#define DAMAGED BAD ": error: this part is damaged\n"
+
+/* No negative number, none above its largest; they stand from `at` on. Returns where they end. */
+static size_t assert_numbers_have_limits(unsigned char *copy, const unsigned char *data, size_t size, size_t at)
+{
+    static const char *const path[] = {BAD};
+    char text[4096];
+
+    for (const bis_parameter *p = bis_parameters; p->name; p++, at += 8) {
+        const double most = p->type == BIS_PARAMETER_CHOICE ? BIS_MAX_CHOICES - 1 : UINT32_MAX;
+        const double values[] = {0, most, most + 1, -1, (double)NAN};
+        for (size_t i = 0; i < COUNT(values); i++) {
+            memcpy(copy, data, size);
+            put_bytes(copy + at, bits_of(values[i]), 8);
+            seal(copy, size);
+            store(BAD, copy, size);
+            if (strcmp(told(text, path, 1), i < 2 ? "" : DAMAGED) != 0) fail_msg("%s %g: %s", p->name, values[i], text);
+        }
+    }
+    return at;
+}
+
 /* The head of a file: magic, format, version; the settings; the part. What may stand there, and the whole message
  * where it may not. */
 static void a_head_is_read_up_to_its_limits(void **state)
 {
     (void)state;
     enum { FORMAT = 8, SETTINGS = 8 + 4 + 16 + 16, SHORTEST = 8 + 4 + 16 + 8 };
-    static const char bad[] = BAD ": error: this part is damaged\n",
-                      cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
+    static const char cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
                                   BIS_VERSION ", format 10, whose pictures may have other bits: go on with the same "
@@ -749,11 +771,10 @@ static void a_head_is_read_up_to_its_limits(void **state)
     part_path(whole_name, 1, 1);
     unsigned char *data = read_bytes(whole_name, &size), *copy = bis_alloc(size, 1);
 
-    /* a file that ends behind its version is as good as its checksum, but has no settings */
-    memcpy(copy, data, size);
+    memcpy(copy, data, size); /* which ends behind its version: as good as its checksum, but without settings */
     seal(copy, SHORTEST);
     store(BAD, copy, SHORTEST);
-    assert_string_equal(told(text, path, 1), bad);
+    assert_string_equal(told(text, path, 1), DAMAGED);
     store(BAD, copy, SHORTEST - 1);
     assert_string_equal(told(text, path, 1), cut);
 
@@ -774,18 +795,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
     assert_string_equal(diag.messages[0].text, text);
     bis_diag_clear(&diag);
 
-    /* no negative number, none above its largest */
-    for (const bis_parameter *p = bis_parameters; p->name; p++, at += 8) {
-        const double most = p->type == BIS_PARAMETER_CHOICE ? BIS_MAX_CHOICES - 1 : UINT32_MAX;
-        const double values[] = {0, most, most + 1, -1, (double)NAN};
-        for (size_t i = 0; i < COUNT(values); i++) {
-            memcpy(copy, data, size);
-            put_bytes(copy + at, bits_of(values[i]), 8);
-            seal(copy, size);
-            store(BAD, copy, size);
-            if (strcmp(told(text, path, 1), i < 2 ? "" : bad) != 0) fail_msg("%s %g: %s", p->name, values[i], text);
-        }
-    }
+    at = assert_numbers_have_limits(copy, data, size, at);
     /* behind as_printed: K and N, 1 of 1 */
     at += 4;
     assert_true(data[at] == 1 && data[at + 4] == 1);
@@ -795,7 +805,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
         copy[at] = parts[i][0], copy[at + 4] = parts[i][1];
         seal(copy, size);
         store(BAD, copy, size);
-        assert_string_equal(told(text, path, 1), bad);
+        assert_string_equal(told(text, path, 1), DAMAGED);
     }
     bis_free(copy);
     bis_free(data);

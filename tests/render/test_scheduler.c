@@ -227,20 +227,29 @@ static void assert_same(const bis_film *a, const bis_film *b, const bis_render_r
     assert_memory_equal(&r->counters, &s->counters, sizeof r->counters);
 }
 
-/* The picture of one process; then that of a scheduler. */
-static const post *assert_team_makes_the_same(const world *w, bis_render_options options, int ranks, int slow)
-{
-    bis_film one, many;
-    bis_render_result result_one, result_many;
-    job j = {.w = w, .options = options, .film = &one, .result = &result_one};
+/* The picture of one process, with one thread. */
+typedef struct picture {
+    bis_film film;
+    bis_render_result result;
+} picture;
 
-    assert_int_equal(render_one(&one, &result_one, &j, NULL), BIS_OK);
-    j.film = &many;
-    j.result = &result_many;
+static void make_alone(picture *one, const world *w, bis_budget budget)
+{
+    const job j = {.w = w, .options = {.budget = budget, .n_threads = 1}};
+
+    assert_int_equal(render_one(&one->film, &one->result, &j, NULL), BIS_OK);
+}
+
+/* The picture of a scheduler. */
+static const post *assert_team_makes_the_same(const picture *one, const world *w, bis_render_options options,
+                                              int ranks, int slow)
+{
+    picture many;
+    job j = {.w = w, .options = options, .film = &many.film, .result = &many.result};
+
     const post *p = render_team(ranks, slow, &j);
-    assert_same(&one, &many, &result_one, &result_many);
-    bis_film_clear(&one);
-    bis_film_clear(&many);
+    assert_same(&one->film, &many.film, &one->result, &many.result);
+    bis_film_clear(&many.film);
     return p;
 }
 
@@ -253,18 +262,25 @@ static void tiles_of_a_slow_rank_move_and_the_bits_stay(void **state)
 {
     (void)state;
     world w;
+    picture one, to_an_error;
     size_t moved = 0;
+    const bis_budget error = {.error = 0.1, .spp = 60};
+    const bis_render_options narrow = {.budget = {.spp = spp}, .n_threads = 1},
+                             wide = {.budget = {.spp = spp}, .n_threads = 2};
 
     make_learning_world(&w);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 3, 0);
+    make_alone(&one, &w, narrow.budget);
+    assert_team_makes_the_same(&one, &w, narrow, 3, 0);
     for (int i = 0; i < 20 && moved == 0; i++)
-        moved = assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 3,
-                                           1 + i % 2)->between_others / LEARNED;
+        moved = assert_team_makes_the_same(&one, &w, narrow, 3, 1 + i % 2)->between_others / LEARNED;
     assert_true(moved > 0);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 2}, 4, 2);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, MOST_RANKS, 5);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 2}, MOST_RANKS, 0);
-    assert_team_makes_the_same(&w, (bis_render_options){.budget = {.error = 0.1, .spp = 60}, .n_threads = 1}, 3, 2);
+    assert_team_makes_the_same(&one, &w, wide, 4, 2);
+    assert_team_makes_the_same(&one, &w, narrow, MOST_RANKS, 5);
+    assert_team_makes_the_same(&one, &w, wide, MOST_RANKS, 0);
+    make_alone(&to_an_error, &w, error);
+    assert_team_makes_the_same(&to_an_error, &w, (bis_render_options){.budget = error, .n_threads = 1}, 3, 2);
+    bis_film_clear(&one.film);
+    bis_film_clear(&to_an_error.film);
     clear_world(&w);
 }
 
@@ -275,11 +291,15 @@ static void as_a_rule_only_pixels_travel(void **state)
 {
     (void)state;
     world w;
+    picture one;
+    const bis_render_options options = {.budget = {.spp = spp}, .n_threads = 1};
 
     make_learning_world(&w);
-    const post *p = assert_team_makes_the_same(&w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, 2, -1);
+    make_alone(&one, &w, options.budget);
+    const post *p = assert_team_makes_the_same(&one, &w, options, 2, -1);
     assert_int_equal(p->between_others, 0);
     assert_true(p->from_0 < (size_t)PASSES * TILES / 2 * LEARNED / 2);
+    bis_film_clear(&one.film);
     clear_world(&w);
 }
 
@@ -365,16 +385,19 @@ static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
 {
     (void)state;
     world w;
+    picture one;
+    const bis_render_options options = {.budget = {.spp = spp}, .n_threads = 1};
 
     make_world(&w, &bis_em);
+    make_alone(&one, &w, options.budget);
     for (int i = 0; i < 6; i++) {
         const int ranks = 2 + i;
-        const post *p = assert_team_makes_the_same(
-            &w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, ranks, i % ranks);
+        const post *p = assert_team_makes_the_same(&one, &w, options, ranks, i % ranks);
         for (int k = 1; k < ranks; k++) assert_int_equal(p->held[k], 0);
         assert_true(p->n_batches > ranks);
         assert_int_equal(p->n_too_early, 0);
     }
+    bis_film_clear(&one.film);
     clear_world(&w);
 }
 
@@ -599,6 +622,14 @@ static void the_first_batches_are_those_by_hand(void **state)
     close_desk(&d);
 }
 
+/* The next pass: no letter is on its way, and no rank has a tile. */
+static void begin_anew(desk *d, int *at)
+{
+    memset(d->sched->held, 0, 3 * sizeof *d->sched->held);
+    d->n_sent = *at = 0;
+    bis_sched_begin(d->sched, note_progress, d);
+}
+
 /* The seconds of the last pass: 0.64 for tile 20, 0.32 and 0.325 for 33 and 7, which are alike to a 64th of the most,
  * 0.01 for the others, 1.745 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than
  * 1.745 x 2/16 = 0.22; rank 2 tile 33, though it is worth more than 0.78/16. Then 0.46 x 2/16 = 0.0575 and 0.41/16 =
@@ -623,9 +654,7 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     /* nothing is known: no order, whatever stands in the seconds */
     d.sched->knows = false;
     for (int t = 0; t < 49; t++) d.sched->seconds[t] *= 100;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     close_desk(&d);
 }
@@ -661,9 +690,7 @@ static void tiles_go_to_their_owners_first(void **state)
 
     /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
     expect_letter(&d, &at, 2, BIS_SCHED_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
@@ -673,9 +700,7 @@ static void tiles_go_to_their_owners_first(void **state)
 
     /* 1 of rank 1, 1 of nobody: two batches are all that is dealt ahead, though rank 1 could hold a third; 48/16 = 3 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t == 0 ? 1 : t == 1 ? BIS_SCHED_NOBODY : t >= 10 && t < 20 ? 2 : 0;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0));
     expect_work(&d, &at, 2, LIST(10, 11, 12));
     expect_work(&d, &at, 1, LIST(1));
@@ -683,19 +708,24 @@ static void tiles_go_to_their_owners_first(void **state)
 
     /* 10 of rank 2, 37 of rank 0 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
-    bis_sched_begin(d.sched, note_progress, &d);
+    begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
     expect_letter(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(12, 13, 14, 15, 16));
     expect_work(&d, &at, 2, LIST(4, 5));
     assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
 
+static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     /* all of rank 1: rank 2 gets 43/16 = 2.7 and 41/16; rank 0 has none, and asks for 39/16 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = 1;
-    memset(d.sched->held, 0, 3 * sizeof *d.sched->held);
-    d.n_sent = at = 0;
     bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(6, 7));
@@ -931,6 +961,7 @@ int main(void)
         cmocka_unit_test(the_first_batches_are_those_by_hand),
         cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
         cmocka_unit_test(tiles_go_to_their_owners_first),
+        cmocka_unit_test(who_has_no_tiles_gets_those_of_who_has_most),
         cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
         cmocka_unit_test(what_is_done_goes_before_the_queue_is_empty),
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),

@@ -686,97 +686,98 @@ static void each_material_has_its_defaults(void **state)
     material("Material \"phong\" \"rgb Kd\" [0.75 1 1] \"rgb Ks\" [0.5 1 0.5]", "warning: Kd + Ks is 1.25 in red");
 }
 
+static const struct { const char *material, *message; } limits[] = {
+    {"\"conductor\" \"rgb reflectance\" [1 1 1] \"float eta\" 1 \"float k\" 1",
+     "3:22: error: give \"reflectance\", or \"eta\" and \"k\""},
+    {"\"conductor\" \"rgb reflectance\" [1 1 1] \"float eta\" 1",
+     "3:22: error: give \"reflectance\", or \"eta\" and \"k\""},
+    {"\"conductor\" \"rgb reflectance\" [1 1 1] \"float k\" 1",
+     "3:22: error: give \"reflectance\", or \"eta\" and \"k\""},
+    {"\"conductor\" \"rgb eta\" [1 1 1]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb "
+     "reflectance\""},
+    {"\"conductor\" \"rgb k\" [1 1 1]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb "
+     "reflectance\""},
+    {"\"conductor\" \"spectrum eta\" [400 1 700 2]",
+     "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
+    {"\"conductor\" \"spectrum k\" [400 1 700 2]",
+     "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
+    {"\"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"",
+     "3:22: error: the metal of \"metal-Ti-eta\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb "
+     "reflectance\", or eta and k as spectra; with --approximate: aluminium"},
+    {"\"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-Ti-k\"",
+     "error: the metal of \"metal-Ti-k\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb "
+     "reflectance\", or eta and k as spectra; with --approximate: aluminium"},
+    {"\"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Au-k\"",
+     "3:52: error: \"eta\" and \"k\" must be of one metal"},
+    {"\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Au-k\"",
+     "3:52: error: \"eta\" and \"k\" must be of one metal"},
+    {"\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"rgb k\" [1 1 1]",
+     "3:52: error: \"eta\" and \"k\" must be of one metal"},
+    {"\"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-Cu-k\"",
+     "error: \"eta\" and \"k\" must be of one metal"},
+    {"\"conductor\" \"spectrum eta\" \"metal-Ag-eta\"", "3:22: error: \"eta\" and \"k\" must be of one metal"},
+    {"\"conductor\" \"float roughness\" 0.1 \"float uroughness\" 0.2",
+     "3:44: error: \"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give both the "
+     "same value"},
+    {"\"conductor\" \"float roughness\" 0.1 \"float uroughness\" 0.2 \"float vroughness\" 0.3",
+     "3:67: error: \"uroughness\" and \"vroughness\" differ"},
+    {"\"conductor\" \"float roughness\" -0.1", "\"roughness\" is -0.1, must be "},
+    {"\"conductor\" \"rgb reflectance\" [0 1.5 0]", "\"reflectance\" is 1.5, must be in [0, 1]"},
+    {"\"conductor\" \"rgb eta\" [1 -1 1] \"rgb k\" [1 1 1]", "\"eta\" is -1, must be "},
+    {"\"conductor\" \"rgb eta\" [1 1 1] \"rgb k\" [1 1 -1]", "\"k\" is -1, must be "},
+    {"\"coateddiffuse\" \"float eta\" 10.5", "\"eta\" is 10.5, must be in [1, 10]"},
+    {"\"coateddiffuse\" \"float albedo\" 1.5", "\"albedo\" is 1.5, must be in [0, 1]"},
+    {"\"coateddiffuse\" \"float albedo\" 0.001", "3:26: error: a coat that scatters is not modelled: \"albedo\" "
+     "must be 0; with --approximate: the coat is clear"},
+    {"\"coateddiffuse\" \"rgb albedo\" [0 0 0.1]", "\"albedo\" must be 0; with --approximate: the coat is clear"},
+    {"\"coateddiffuse\" \"spectrum albedo\" [400 0.5 700 0.5]",
+     "\"albedo\" must be 0; with --approximate: the coat is clear"},
+    {"\"uber\" \"float eta\" 0", "\"eta\" is 0, must be "},
+    {"\"uber\" \"float index\" 0", "\"index\" is 0, must be "},
+    {"\"uber\" \"rgb Kr\" [0.1 0 0]", "an \"uber\" that is a mirror or lets light through is not modelled: \"Kr\" "
+     "must be 0"},
+    {"\"uber\" \"rgb Kr\" [0 0 0.1]", "\"Kr\" must be 0"},
+    {"\"uber\" \"rgb Kt\" [0 0.1 0]", "\"Kt\" must be 0"},
+    {"\"uber\" \"rgb opacity\" [0.5 1 1]", "\"opacity\" must be 1"},
+    {"\"uber\" \"rgb opacity\" [1 1 0.5]", "\"opacity\" must be 1"},
+    {"\"plastic\" \"rgb Kd\" [0 0 1.5]", "\"Kd\" is 1.5, must be in [0, 1]"},
+    {"\"plastic\" \"rgb Ks\" [-0.5 0 0]", "\"Ks\" is -0.5, must be in [0, 1]"},
+    {"\"substrate\" \"rgb Kd\" [0 0 1.5]", "\"Kd\" is 1.5, must be in [0, 1]"},
+    {"\"substrate\" \"rgb Ks\" [0 1.5 0]", "\"Ks\" is 1.5, must be in [0, 1]"},
+    {"\"phong\" \"rgb Kd\" [1.5 0 0]", "\"Kd\" is 1.5, must be in [0, 1]"},
+    {"\"phong\" \"float Ks\" -1", "\"Ks\" is -1, must be in [0, 1]"},
+    {"\"phong\" \"float exponent\" -0.5", "\"exponent\" is -0.5, must be "},
+    {"\"microfacet\" \"float roughness\" 0.009", "\"roughness\" is 0.009, must be in [0.01, 1]"},
+    {"\"microfacet\" \"float roughness\" 1.01", "\"roughness\" is 1.01, must be in [0.01, 1]"},
+    {"\"microfacet\" \"float Kd\" 1.5", "\"Kd\" is 1.5, must be in [0, 1]"},
+    {"\"microfacet\" \"float Ks\" 1.5", "\"Ks\" is 1.5, must be in [0, 1]"},
+    {"\"diffuse\" \"float reflectance\" 0.5 \"float Kd\" 0.5",
+     "error: \"Kd\" and \"reflectance\" are the same: give one"},
+    {"\"diffuse\" \"spectrum reflectance\" [400 0.5] \"float Kd\" 0.5",
+     "error: \"Kd\" and \"reflectance\" are the same: give one"},
+    {"\"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5] \"xyz Kd\" [0.1 0.1 0.1]",
+     "error: \"Kd\" and \"reflectance\" are the same: give one"},
+    {"\"diffuse\" \"xyz reflectance\" [0.1 0.1 0.1] \"rgb Kd\" [0.5 0.5 0.5]",
+     "error: \"Kd\" and \"reflectance\" are the same: give one"},
+    {"\"diffuse\" \"spectrum reflectance\" [400 -1] \"float Kd\" 0.5",
+     "must be one number, or pairs of a wavelength in nm"},
+    {"\"diffuse\" \"float sigma\" 0.1", "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must "
+     "be 0"},
+    {"\"diffuse\" \"float reflectance\" 1.5", "\"reflectance\" is 1.5, must be in [0, 1]"},
+};
+
 /* One complaint a mistake, with its place and its words. */
 static void each_parameter_of_a_material_has_its_limits(void **state)
 {
     (void)state;
-    static const struct { const char *material, *message; } cases[] = {
-        {"\"conductor\" \"rgb reflectance\" [1 1 1] \"float eta\" 1 \"float k\" 1",
-         "3:22: error: give \"reflectance\", or \"eta\" and \"k\""},
-        {"\"conductor\" \"rgb reflectance\" [1 1 1] \"float eta\" 1",
-         "3:22: error: give \"reflectance\", or \"eta\" and \"k\""},
-        {"\"conductor\" \"rgb reflectance\" [1 1 1] \"float k\" 1",
-         "3:22: error: give \"reflectance\", or \"eta\" and \"k\""},
-        {"\"conductor\" \"rgb eta\" [1 1 1]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb "
-         "reflectance\""},
-        {"\"conductor\" \"rgb k\" [1 1 1]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb "
-         "reflectance\""},
-        {"\"conductor\" \"spectrum eta\" [400 1 700 2]",
-         "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
-        {"\"conductor\" \"spectrum k\" [400 1 700 2]",
-         "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
-        {"\"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"",
-         "3:22: error: the metal of \"metal-Ti-eta\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb "
-         "reflectance\", or eta and k as spectra; with --approximate: aluminium"},
-        {"\"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-Ti-k\"",
-         "error: the metal of \"metal-Ti-k\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb "
-         "reflectance\", or eta and k as spectra; with --approximate: aluminium"},
-        {"\"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Au-k\"",
-         "3:52: error: \"eta\" and \"k\" must be of one metal"},
-        {"\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Au-k\"",
-         "3:52: error: \"eta\" and \"k\" must be of one metal"},
-        {"\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"rgb k\" [1 1 1]",
-         "3:52: error: \"eta\" and \"k\" must be of one metal"},
-        {"\"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-Cu-k\"",
-         "error: \"eta\" and \"k\" must be of one metal"},
-        {"\"conductor\" \"spectrum eta\" \"metal-Ag-eta\"", "3:22: error: \"eta\" and \"k\" must be of one metal"},
-        {"\"conductor\" \"float roughness\" 0.1 \"float uroughness\" 0.2",
-         "3:44: error: \"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give both the "
-         "same value"},
-        {"\"conductor\" \"float roughness\" 0.1 \"float uroughness\" 0.2 \"float vroughness\" 0.3",
-         "3:67: error: \"uroughness\" and \"vroughness\" differ"},
-        {"\"conductor\" \"float roughness\" -0.1", "\"roughness\" is -0.1, must be "},
-        {"\"conductor\" \"rgb reflectance\" [0 1.5 0]", "\"reflectance\" is 1.5, must be in [0, 1]"},
-        {"\"conductor\" \"rgb eta\" [1 -1 1] \"rgb k\" [1 1 1]", "\"eta\" is -1, must be "},
-        {"\"conductor\" \"rgb eta\" [1 1 1] \"rgb k\" [1 1 -1]", "\"k\" is -1, must be "},
-        {"\"coateddiffuse\" \"float eta\" 10.5", "\"eta\" is 10.5, must be in [1, 10]"},
-        {"\"coateddiffuse\" \"float albedo\" 1.5", "\"albedo\" is 1.5, must be in [0, 1]"},
-        {"\"coateddiffuse\" \"float albedo\" 0.001", "3:26: error: a coat that scatters is not modelled: \"albedo\" "
-         "must be 0; with --approximate: the coat is clear"},
-        {"\"coateddiffuse\" \"rgb albedo\" [0 0 0.1]", "\"albedo\" must be 0; with --approximate: the coat is clear"},
-        {"\"coateddiffuse\" \"spectrum albedo\" [400 0.5 700 0.5]",
-         "\"albedo\" must be 0; with --approximate: the coat is clear"},
-        {"\"uber\" \"float eta\" 0", "\"eta\" is 0, must be "},
-        {"\"uber\" \"float index\" 0", "\"index\" is 0, must be "},
-        {"\"uber\" \"rgb Kr\" [0.1 0 0]", "an \"uber\" that is a mirror or lets light through is not modelled: \"Kr\" "
-         "must be 0"},
-        {"\"uber\" \"rgb Kr\" [0 0 0.1]", "\"Kr\" must be 0"},
-        {"\"uber\" \"rgb Kt\" [0 0.1 0]", "\"Kt\" must be 0"},
-        {"\"uber\" \"rgb opacity\" [0.5 1 1]", "\"opacity\" must be 1"},
-        {"\"uber\" \"rgb opacity\" [1 1 0.5]", "\"opacity\" must be 1"},
-        {"\"plastic\" \"rgb Kd\" [0 0 1.5]", "\"Kd\" is 1.5, must be in [0, 1]"},
-        {"\"plastic\" \"rgb Ks\" [-0.5 0 0]", "\"Ks\" is -0.5, must be in [0, 1]"},
-        {"\"substrate\" \"rgb Kd\" [0 0 1.5]", "\"Kd\" is 1.5, must be in [0, 1]"},
-        {"\"substrate\" \"rgb Ks\" [0 1.5 0]", "\"Ks\" is 1.5, must be in [0, 1]"},
-        {"\"phong\" \"rgb Kd\" [1.5 0 0]", "\"Kd\" is 1.5, must be in [0, 1]"},
-        {"\"phong\" \"float Ks\" -1", "\"Ks\" is -1, must be in [0, 1]"},
-        {"\"phong\" \"float exponent\" -0.5", "\"exponent\" is -0.5, must be "},
-        {"\"microfacet\" \"float roughness\" 0.009", "\"roughness\" is 0.009, must be in [0.01, 1]"},
-        {"\"microfacet\" \"float roughness\" 1.01", "\"roughness\" is 1.01, must be in [0.01, 1]"},
-        {"\"microfacet\" \"float Kd\" 1.5", "\"Kd\" is 1.5, must be in [0, 1]"},
-        {"\"microfacet\" \"float Ks\" 1.5", "\"Ks\" is 1.5, must be in [0, 1]"},
-        {"\"diffuse\" \"float reflectance\" 0.5 \"float Kd\" 0.5",
-         "error: \"Kd\" and \"reflectance\" are the same: give one"},
-        {"\"diffuse\" \"spectrum reflectance\" [400 0.5] \"float Kd\" 0.5",
-         "error: \"Kd\" and \"reflectance\" are the same: give one"},
-        {"\"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5] \"xyz Kd\" [0.1 0.1 0.1]",
-         "error: \"Kd\" and \"reflectance\" are the same: give one"},
-        {"\"diffuse\" \"xyz reflectance\" [0.1 0.1 0.1] \"rgb Kd\" [0.5 0.5 0.5]",
-         "error: \"Kd\" and \"reflectance\" are the same: give one"},
-        {"\"diffuse\" \"spectrum reflectance\" [400 -1] \"float Kd\" 0.5",
-         "must be one number, or pairs of a wavelength in nm"},
-        {"\"diffuse\" \"float sigma\" 0.1", "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must "
-         "be 0"},
-        {"\"diffuse\" \"float reflectance\" 1.5", "\"reflectance\" is 1.5, must be in [0, 1]"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         char text[400];
-        snprintf(text, sizeof text, "Material %s", cases[i].material);
+        snprintf(text, sizeof text, "Material %s", limits[i].material);
         parsed p = parse(text);
         assert_int_equal(p.status, BIS_INPUT);
-        if (p.diag.n_errors != 1 || !strstr(p.diag.messages[0].text, cases[i].message))
+        if (p.diag.n_errors != 1 || !strstr(p.diag.messages[0].text, limits[i].message))
             fail_msg(
-                "%s: %u errors, the first: %s", cases[i].material, (unsigned)p.diag.n_errors, p.diag.messages[0].text);
+                "%s: %u errors, the first: %s", limits[i].material, (unsigned)p.diag.n_errors, p.diag.messages[0].text);
         clear(&p);
     }
 }
@@ -798,40 +799,42 @@ static void what_a_roughness_becomes_is_told_once(void **state)
 
 /* ---- textures of materials: the typical value stands in the description ---- */
 
+#define BOARD "Texture \"b\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0.5 0] \"rgb tex2\" [0.5 0 0.25]\n"
+#define BLACK "Texture \"b\" \"spectrum\" \"checkerboard\" \"float tex1\" 1\n"
+static const struct { const char *texture; double typical[3]; unsigned steps; } textured[] = {
+    {BOARD "Texture \"t\" \"spectrum\" \"scale\" \"texture tex1\" \"b\" \"rgb tex2\" [0.5 1 0.5]",
+     {.375, .25, .0625}, 5},
+    {BOARD "Texture \"t\" \"color\" \"mix\" \"texture tex1\" \"b\" \"float amount\" 0.25", {.8125, .4375, .34375},
+     6}, /* tex2 is 1 */
+    {BOARD "Texture \"t\" \"rgb\" \"mix\" \"texture tex2\" \"b\"", {.375, .125, .0625}, 6},
+     /* tex1 is 0, amount 1/2 */
+    {BOARD "Texture \"t\" \"spectrum\" \"checkerboard\" \"texture tex2\" \"b\"", {.875, .625, .5625}, 5},
+     /* tex1 is 1 */
+    {BOARD "Texture \"t\" \"spectrum\" \"checkerboard\" \"texture tex1\" \"b\"", {.375, .125, .0625}, 5},
+     /* tex2 is 0 */
+    {BLACK "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"b\"", {.5, .5, .5}, 5}, /* scale is 1 */
+    {BLACK "Texture \"t\" \"spectrum\" \"scale\" \"texture scale\" \"b\" \"float tex\" 5", {1, 1, 1}, 5},
+     /* 2.5, cut to [0, 1] */
+    {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\"", {.5, .5, .5}, 1},
+    {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" \"float scale\" 0.25",
+     {.125, .125, .125}, 1},
+    {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" \"float scale\" 0.25 \"bool invert\" "
+     "true", {.5, .5, .5}, 1},
+    {"Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"x.png\" \"float scale\" 0", {0, 0, 0}, 1},
+};
+
 static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **state)
 {
     (void)state;
-#define BOARD "Texture \"b\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0.5 0] \"rgb tex2\" [0.5 0 0.25]\n"
-#define BLACK "Texture \"b\" \"spectrum\" \"checkerboard\" \"float tex1\" 1\n"
-    static const struct { const char *texture; double typical[3]; unsigned steps; } cases[] = {
-        {BOARD "Texture \"t\" \"spectrum\" \"scale\" \"texture tex1\" \"b\" \"rgb tex2\" [0.5 1 0.5]",
-         {.375, .25, .0625}, 5},
-        {BOARD "Texture \"t\" \"color\" \"mix\" \"texture tex1\" \"b\" \"float amount\" 0.25", {.8125, .4375, .34375},
-         6}, /* tex2 is 1 */
-        {BOARD "Texture \"t\" \"rgb\" \"mix\" \"texture tex2\" \"b\"", {.375, .125, .0625}, 6},
-         /* tex1 is 0, amount 1/2 */
-        {BOARD "Texture \"t\" \"spectrum\" \"checkerboard\" \"texture tex2\" \"b\"", {.875, .625, .5625}, 5},
-         /* tex1 is 1 */
-        {BOARD "Texture \"t\" \"spectrum\" \"checkerboard\" \"texture tex1\" \"b\"", {.375, .125, .0625}, 5},
-         /* tex2 is 0 */
-        {BLACK "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"b\"", {.5, .5, .5}, 5}, /* scale is 1 */
-        {BLACK "Texture \"t\" \"spectrum\" \"scale\" \"texture scale\" \"b\" \"float tex\" 5", {1, 1, 1}, 5},
-         /* 2.5, cut to [0, 1] */
-        {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\"", {.5, .5, .5}, 1},
-        {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" \"float scale\" 0.25",
-         {.125, .125, .125}, 1},
-        {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" \"float scale\" 0.25 \"bool invert\" "
-         "true", {.5, .5, .5}, 1},
-        {"Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"x.png\" \"float scale\" 0", {0, 0, 0}, 1},
-    };
     char x[64], text[1024];
     store(scratch("x.png"), "x", 1);
     snprintf(x, sizeof x, "%s", strrchr(scratch("x.png"), '/') + 1);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const char *name = strstr(cases[i].texture, "x.png");
+    for (size_t i = 0; i < sizeof textured / sizeof *textured; i++) {
+        const char *name = strstr(textured[i].texture, "x.png");
         if (name)
-            snprintf(text, sizeof text, "%.*s%s%s", (int)(name - cases[i].texture), cases[i].texture, x, name + 5);
-        else snprintf(text, sizeof text, "%s", cases[i].texture);
+            snprintf(text, sizeof text, "%.*s%s%s", (int)(name - textured[i].texture), textured[i].texture, x,
+                     name + 5);
+        else snprintf(text, sizeof text, "%s", textured[i].texture);
         strcat(text, "\nMaterial \"diffuse\" \"texture reflectance\" \"t\"");
         parsed p = parse(text);
         if (p.status || p.diag.n) fail_msg("%s: %s", text, p.diag.messages[0].text);
@@ -840,11 +843,11 @@ static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **
         assert_true(t && t->Kd == p.desc->textures.n - 1 && t->Ks == BIS_NO_TEXTURE && t->width == BIS_NO_TEXTURE &&
                     t->power == 1);
         const rgb Kd = p.desc->materials[index].Kd;
-        if (fabs((double)Kd.r - cases[i].typical[0]) + fabs((double)Kd.g - cases[i].typical[1]) +
-                fabs((double)Kd.b - cases[i].typical[2]) >
+        if (fabs((double)Kd.r - textured[i].typical[0]) + fabs((double)Kd.g - textured[i].typical[1]) +
+                fabs((double)Kd.b - textured[i].typical[2]) >
             1e-6)
             fail_msg("%s: %g %g %g", text, (double)Kd.r, (double)Kd.g, (double)Kd.b);
-        assert_int_equal(p.desc->textures.list[t->Kd].steps, cases[i].steps);
+        assert_int_equal(p.desc->textures.list[t->Kd].steps, textured[i].steps);
         clear(&p);
     }
     /* a coat adds one step, a factor two: 3 + 1 + 2, and 3 + 2 for Ks */
@@ -872,6 +875,33 @@ static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **
 #undef BOARD
 #undef BLACK
 }
+
+static const struct { const char *scene, *message; } wrong_names[] = {
+    {"Texture \"wood\" \"spectrum\" \"constant\"\nMaterial \"phong\" \"texture exponent\" \"wood\"",
+     "4:18: error: texture \"wood\" is one of colours; \"exponent\" needs one of numbers, Texture \"wood\" "
+     "\"float\""},
+    {"Texture \"wood\" \"spectrum\" \"constant\"\nMaterial \"phong\" \"texture Kd\" \"woot\"",
+     "4:18: error: texture \"woot\" is not defined (did you mean \"wood\"?); as in pbrt, Texture must stand before "
+     "its first use"},
+    {"Texture \"wood\" \"float\" \"constant\"\nMaterial \"phong\" \"texture exponent\" \"woot\"",
+     "texture \"woot\" is not defined (did you mean \"wood\"?); as in pbrt"},
+    {"Texture \"t\" \"float\" \"scale\" \"texture tex1\" \"t\"",
+     "3:29: error: texture \"t\" would be made of itself: name one that is defined before"},
+    {"Texture \"t\" \"vector\" \"scale\"", "3:13: error: a Texture is of type \"float\" or \"spectrum\" (or "
+     "\"color\", \"rgb\"), not \"vector\""},
+    {"Texture \"t\" \"float\" \"imagemap\"", "3:9: error: Texture \"imagemap\" needs \"string filename\""},
+    {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 4",
+     "3:36: error: \"dimension\" is 4, must be in [2, 3]"},
+    {"Texture \"t\" \"float\" \"constant\" \"float value\" 2 Material \"diffuse\" \"texture reflectance\" \"t\"",
+     "\"reflectance\" is 2, must be in [0, 1]"},
+    {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 2 0] Material \"diffuse\" \"texture reflectance\" "
+     "\"t\"", "\"reflectance\" is 2, must be in [0, 1]"},
+    {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 0 3] Material \"diffuse\" \"texture reflectance\" "
+     "\"t\"", "\"reflectance\" is 3, must be in [0, 1]"},
+    {"Texture \"t\" \"float\" \"mix\" \"float amount\" 1.5", "\"amount\" is 1.5, must be in [0, 1]"},
+    {"Texture \"t\" \"float\" \"constant\" \"float value\" -1 Material \"diffuse\" \"texture reflectance\" \"t\"",
+     "\"reflectance\" is -1, must be in [0, 1]"},
+};
 
 /* A texture that is defined twice, of the wrong kind, or not at all. */
 static void names_of_textures_are_those_of_their_kind(void **state)
@@ -908,37 +938,11 @@ static void names_of_textures_are_those_of_their_kind(void **state)
                    "4:9: warning: texture \"t\" is defined again: the new one counts from here on")
                    .Kd,
         .75, .75, .75, 0);
-    static const struct { const char *scene, *message; } wrong[] = {
-        {"Texture \"wood\" \"spectrum\" \"constant\"\nMaterial \"phong\" \"texture exponent\" \"wood\"",
-         "4:18: error: texture \"wood\" is one of colours; \"exponent\" needs one of numbers, Texture \"wood\" "
-         "\"float\""},
-        {"Texture \"wood\" \"spectrum\" \"constant\"\nMaterial \"phong\" \"texture Kd\" \"woot\"",
-         "4:18: error: texture \"woot\" is not defined (did you mean \"wood\"?); as in pbrt, Texture must stand before "
-         "its first use"},
-        {"Texture \"wood\" \"float\" \"constant\"\nMaterial \"phong\" \"texture exponent\" \"woot\"",
-         "texture \"woot\" is not defined (did you mean \"wood\"?); as in pbrt"},
-        {"Texture \"t\" \"float\" \"scale\" \"texture tex1\" \"t\"",
-         "3:29: error: texture \"t\" would be made of itself: name one that is defined before"},
-        {"Texture \"t\" \"vector\" \"scale\"", "3:13: error: a Texture is of type \"float\" or \"spectrum\" (or "
-         "\"color\", \"rgb\"), not \"vector\""},
-        {"Texture \"t\" \"float\" \"imagemap\"", "3:9: error: Texture \"imagemap\" needs \"string filename\""},
-        {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 4",
-         "3:36: error: \"dimension\" is 4, must be in [2, 3]"},
-        {"Texture \"t\" \"float\" \"constant\" \"float value\" 2 Material \"diffuse\" \"texture reflectance\" \"t\"",
-         "\"reflectance\" is 2, must be in [0, 1]"},
-        {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 2 0] Material \"diffuse\" \"texture reflectance\" "
-         "\"t\"", "\"reflectance\" is 2, must be in [0, 1]"},
-        {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 0 3] Material \"diffuse\" \"texture reflectance\" "
-         "\"t\"", "\"reflectance\" is 3, must be in [0, 1]"},
-        {"Texture \"t\" \"float\" \"mix\" \"float amount\" 1.5", "\"amount\" is 1.5, must be in [0, 1]"},
-        {"Texture \"t\" \"float\" \"constant\" \"float value\" -1 Material \"diffuse\" \"texture reflectance\" \"t\"",
-         "\"reflectance\" is -1, must be in [0, 1]"},
-    };
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        p = parse(wrong[i].scene);
+    for (size_t i = 0; i < sizeof wrong_names / sizeof *wrong_names; i++) {
+        p = parse(wrong_names[i].scene);
         assert_int_equal(p.status, BIS_INPUT);
-        if (p.diag.n != 1 || !strstr(p.diag.messages[0].text, wrong[i].message))
-            fail_msg("%s: %zu messages, the first: %s", wrong[i].scene, p.diag.n, p.diag.messages[0].text);
+        if (p.diag.n != 1 || !strstr(p.diag.messages[0].text, wrong_names[i].message))
+            fail_msg("%s: %zu messages, the first: %s", wrong_names[i].scene, p.diag.n, p.diag.messages[0].text);
         clear(&p);
     }
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* alias: the implied pmf is compared with the weights, item by item, which is stronger than any sampling test (E15);
  * then the sampler with the tables. The twins are appendix A as printed. Significance of the one statistical
- * test: 0.01. */
+ * test: 0.01. The chi-square test of draws from a table stands in test_directions.c
+ * (chi_square_p_values_of_right_samplers_are_uniform_over_seeds), students' in tests/course/alias.c. */
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"

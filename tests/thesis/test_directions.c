@@ -590,7 +590,7 @@ static void check_p_values(const char *name, fill_fn *fill, const void *what)
 
 /* Alias tables, a lobe, the map: each right over 2000 seeds, each a little wrong (too little for one test) found by all
  * of them. */
-static void p_values_of_right_samplers_are_uniform_over_seeds(void **state)
+static void chi_square_p_values_of_right_samplers_are_uniform_over_seeds(void **state)
 {
     double w[P_CELLS];
     const double n = 2.5;
@@ -618,7 +618,7 @@ int main(void)
         cmocka_unit_test(accepted_directions_of_glossy_surfaces_have_the_product_density_eq_4_4),
         cmocka_unit_test(directions_from_a_probe_fit_inside_the_pixels_E2),
         cmocka_unit_test(directions_from_a_probe_come_from_where_its_pixels_shine),
-        cmocka_unit_test(p_values_of_right_samplers_are_uniform_over_seeds),
+        cmocka_unit_test(chi_square_p_values_of_right_samplers_are_uniform_over_seeds),
     };
 
     return cmocka_run_group_tests_name("directions", tests, NULL, NULL);

@@ -126,20 +126,35 @@ static char *stats_of(const bis_stats *s)
     return text;
 }
 
+/* The kernel's own text of it is in kB. */
+static void assert_peak(const char *stats)
+{
+    char status[8192], *peak;
+    FILE *f = fopen("/proc/self/status", "r");
+    const double told = json_number(stats, "peak_memory_bytes");
+    assert_non_null(f);
+    status[fread(status, 1, sizeof status - 1, f)] = '\0';
+    fclose(f);
+    peak = strstr(status, "VmHWM:");
+    assert_non_null(peak);
+    assert_true(fabs(told / 1024 / atof(peak + 6) - 1) < 0.3);
+}
+
+static const char stats_before[] =
+    "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  "
+    "\"proposal\": \"choose\",\n"
+    "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"spp\": 12,\n"
+    "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  "
+    "\"height\": 3,\n"
+    "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    "
+    "\"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
+    "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  "
+    "\"candidates_drawn\": 103,\n"
+    "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
+
 static void the_stats_are_those_by_hand(void **state)
 {
     (void)state;
-    static const char before[] =
-        "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  "
-        "\"proposal\": \"choose\",\n"
-        "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"spp\": 12,\n"
-        "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  "
-        "\"height\": 3,\n"
-        "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    "
-        "\"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
-        "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  "
-        "\"candidates_drawn\": 103,\n"
-        "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
     /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
     static const char after[] =
         "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2344\n  },\n"
@@ -169,19 +184,10 @@ static void the_stats_are_those_by_hand(void **state)
 
     char *text = stats_of(&s), *rest = strstr(text, "  \"peak_memory_bytes\": ");
     assert_non_null(rest);
-    assert_int_equal(rest - text, strlen(before));
-    assert_memory_equal(text, before, strlen(before));
+    assert_int_equal(rest - text, strlen(stats_before));
+    assert_memory_equal(text, stats_before, strlen(stats_before));
     assert_string_equal(strchr(rest, '\n') + 1, after);
-    /* the kernel's own text of it, in kB */
-    char status[8192], *peak;
-    FILE *f = fopen("/proc/self/status", "r");
-    const double told = json_number(text, "peak_memory_bytes");
-    assert_non_null(f);
-    status[fread(status, 1, sizeof status - 1, f)] = '\0';
-    fclose(f);
-    peak = strstr(status, "VmHWM:");
-    assert_non_null(peak);
-    assert_true(fabs(told / 1024 / atof(peak + 6) - 1) < 0.3);
+    assert_peak(text);
     free(text);
 
     char value[256];
@@ -340,6 +346,17 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
     assert_plan(scene, expected);
 }
 
+static const char plan_without_surface[] =
+    "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to "
+    "light\n"
+    "skip         light components: there is no geometry to light\n"
+    "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
+    "skip         accelerator: there is no geometry\nbuild        film: about 960.0 MB\nskip         layers: none "
+    "is asked for\n"
+    /* 12 million pixels of 80 1/4 bytes; 18 million texels of 12 */
+    "memory       about 1193.1 MB at the peak: film 963.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, "
+    "accelerator 0.0 MB\n";
+
 /* 4000 x 3000 pixels of 80 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
 static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
 {
@@ -361,17 +378,7 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
         "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4 \"float edgelight\" 0.375\n"
         "Integrator \"em\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" "
         "\"angular\"\n";
-    static const char none[] =
-        "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to "
-        "light\n"
-        "skip         light components: there is no geometry to light\n"
-        "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
-        "skip         accelerator: there is no geometry\nbuild        film: about 960.0 MB\nskip         layers: none "
-        "is asked for\n"
-        /* 12 million pixels of 80 1/4 bytes; 18 million texels of 12 */
-        "memory       about 1193.1 MB at the peak: film 963.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, "
-        "accelerator 0.0 MB\n";
-    strncat(expected, none, sizeof expected - 1 - strlen(expected));
+    strncat(expected, plan_without_surface, sizeof expected - 1 - strlen(expected));
     assert_plan(scene, expected);
 
     /* the same of width 41, with a ball: one more column makes it even */

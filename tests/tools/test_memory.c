@@ -449,69 +449,70 @@ static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
     }
 }
 
+#define HUGE "Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 "
+#define LARGE "Film \"rgb\" \"integer xresolution\" 4096 \"integer yresolution\" 2048 "
+#define MAP "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" "
+static const struct {
+    const char *before, *world;
+    double room;
+    const char *expected;
+    bool needs_embree;
+} advised[] = {
+    {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 20e9,
+        "crops, as --cropwindow 0,1,0,0.125 (10.8 GB), 64 parts, as --part 1/64 (16.0 GB; bis merge takes 85.9 GB)",
+        false},
+    {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 50e9,
+        "crops, as --cropwindow 0,1,0,0.5 (43.1 GB), 16 parts, as --part 1/16 (48.3 GB; bis merge takes 85.9 GB)",
+        false},
+    {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 1,
+        "crops, as --cropwindow 0,1,0,0.015625 (1.4 GB), 1024 parts, as --part 1/1024 (5.9 GB; bis merge takes "
+        "85.9 GB)",
+        false},
+    /* four values of 12 bytes */
+    {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 \"float cropwindow\" [0 1 0.5 1] "
+     "\"string layers\" [\"albedo\" \"depth\"] Integrator \"brdf\"",
+        CONSTANT_LIGHT "Shape \"sphere\"", 40e9,
+        "--layers none (43.1 GB), crops, as --cropwindow 0,1,0.5,0.75 (34.4 GB), 16 parts, as --part 1/16 (38.6 "
+        "GB; bis merge takes 68.8 GB)",
+        false},
+    /* 2^23 pixels learn 64 bytes each */
+    {LARGE "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", MAP,
+        1e9,
+        "--learn off (0.7 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.7 GB; bis "
+        "merge takes 0.7 GB)",
+        false},
+    /* 10^7 triangles: 12 bytes, and 82 of a grid or 40 of Embree; the film is nothing beside them */
+    {SMALL "Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9, "--accelerator embree (0.5 GB)", true},
+    {SMALL "Accelerator \"embree\"", CONSTANT_LIGHT PLY("many"), 1, "", true},
+    /* a picture of 0.67 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
+    {LARGE "Integrator \"brdf\" Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9,
+        "--accelerator embree (1.2 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part "
+        "1/1024 (1.1 GB; bis merge takes 0.7 GB)",
+        true},
+};
+
 /* 2^30 pixels of 80.25 bytes, 14 MB of program; while it is written 80 bytes, and for one thread three times 16 rows of
  * 32768 pixels of 16 bytes. A row of n crops has 1/n of the pixels, one of n parts 8/n + 0.06 of the film. */
 static void advice_names_what_takes_less_and_how_much(void **state)
 {
     (void)state;
-#define HUGE "Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 "
-#define LARGE "Film \"rgb\" \"integer xresolution\" 4096 \"integer yresolution\" 2048 "
-#define MAP "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\" "
-    static const struct {
-        const char *before, *world;
-        double room;
-        const char *expected;
-        bool needs_embree;
-    } cases[] = {
-        {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 20e9,
-            "crops, as --cropwindow 0,1,0,0.125 (10.8 GB), 64 parts, as --part 1/64 (16.0 GB; bis merge takes 85.9 GB)",
-            false},
-        {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 50e9,
-            "crops, as --cropwindow 0,1,0,0.5 (43.1 GB), 16 parts, as --part 1/16 (48.3 GB; bis merge takes 85.9 GB)",
-            false},
-        {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 1,
-            "crops, as --cropwindow 0,1,0,0.015625 (1.4 GB), 1024 parts, as --part 1/1024 (5.9 GB; bis merge takes "
-            "85.9 GB)",
-            false},
-        /* four values of 12 bytes */
-        {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 \"float cropwindow\" [0 1 0.5 1] "
-         "\"string layers\" [\"albedo\" \"depth\"] Integrator \"brdf\"",
-            CONSTANT_LIGHT "Shape \"sphere\"", 40e9,
-            "--layers none (43.1 GB), crops, as --cropwindow 0,1,0.5,0.75 (34.4 GB), 16 parts, as --part 1/16 (38.6 "
-            "GB; bis merge takes 68.8 GB)",
-            false},
-        /* 2^23 pixels learn 64 bytes each */
-        {LARGE "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", MAP,
-            1e9,
-            "--learn off (0.7 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.7 GB; bis "
-            "merge takes 0.7 GB)",
-            false},
-        /* 10^7 triangles: 12 bytes, and 82 of a grid or 40 of Embree; the film is nothing beside them */
-        {SMALL "Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9, "--accelerator embree (0.5 GB)", true},
-        {SMALL "Accelerator \"embree\"", CONSTANT_LIGHT PLY("many"), 1, "", true},
-        /* a picture of 0.67 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
-        {LARGE "Integrator \"brdf\" Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9,
-            "--accelerator embree (1.2 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part "
-            "1/1024 (1.1 GB; bis merge takes 0.7 GB)",
-            true},
-    };
     const int before = use_threads(1);
     write_pfm_head(DIR "/map.pfm", 64, 32);
     write_ply_head(DIR "/many.ply", 10, 10000000);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof advised / sizeof *advised; i++) {
         char text[4096], advice[BIS_MEMORY_ADVICE];
         bis_scene_desc *d;
         bis_memory m;
-        if (cases[i].needs_embree && !bis_accel_embree_version()) continue;
-        snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", cases[i].before, cases[i].world);
+        if (advised[i].needs_embree && !bis_accel_embree_version()) continue;
+        snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", advised[i].before, advised[i].world);
         program_write_file(DIR "/scene.txt", text);
         assert_int_equal(bis_scene_parse(&d, DIR "/scene.txt", NULL), BIS_OK);
         assert_int_equal(bis_memory_foresee(&m, d, NULL), BIS_OK);
-        assert_int_equal(bis_memory_advise(advice, &m, d, cases[i].room, NULL), BIS_OK);
-        assert_string_equal(advice, cases[i].expected);
+        assert_int_equal(bis_memory_advise(advice, &m, d, advised[i].room, NULL), BIS_OK);
+        assert_string_equal(advice, advised[i].expected);
         for (long k = 1, count = k; count >= k; k++) {
             bis_mem_fail_at(k);
-            const bis_status status = bis_memory_advise(advice, &m, d, cases[i].room, NULL);
+            const bis_status status = bis_memory_advise(advice, &m, d, advised[i].room, NULL);
             count = bis_mem_count();
             bis_mem_fail_at(0);
             assert_int_equal(status, count >= k ? BIS_NOMEM : BIS_OK);

@@ -146,38 +146,39 @@ static void texts_are_utf8(void **state)
     }
 }
 
+static const char json_by_hand[] =
+    "{\n"
+    "  \"a \\\"key\\\"\": -0.25,\n"
+    "  \"list\": [\n"
+    "    1,\n"
+    "    null,\n"
+    "    null,\n"
+    "    null,\n"
+    "    \"\\\\ \\u0009\\u001f\\u007f ~\\ufffd\\ufffd\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\",\n"
+    "    [],\n"
+    "    {\n"
+    "      \"x\": true\n"
+    "    },\n"
+    "    {}\n"
+    "  ],\n"
+    "  \"triple\": [\n"
+    "    1.5,\n"
+    "    -2,\n"
+    "    1e+300\n"
+    "  ],\n"
+    "  \"object\": {\n"
+    "    \"b\": 0.1,\n"
+    "    \"c\": 3\n"
+    "  },\n"
+    "  \"most\": 18446744073709551615,\n"
+    "  \"no\": false,\n"
+    "  \"none\": null,\n"
+    "  \"gone\": null\n"
+    "}\n";
+
 /* What the writer makes, letter by letter (RFC 8259). */
 static void json_is_written_as_by_hand(void **state)
 {
-    static const char wanted[] =
-        "{\n"
-        "  \"a \\\"key\\\"\": -0.25,\n"
-        "  \"list\": [\n"
-        "    1,\n"
-        "    null,\n"
-        "    null,\n"
-        "    null,\n"
-        "    \"\\\\ \\u0009\\u001f\\u007f ~\\ufffd\\ufffd\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\",\n"
-        "    [],\n"
-        "    {\n"
-        "      \"x\": true\n"
-        "    },\n"
-        "    {}\n"
-        "  ],\n"
-        "  \"triple\": [\n"
-        "    1.5,\n"
-        "    -2,\n"
-        "    1e+300\n"
-        "  ],\n"
-        "  \"object\": {\n"
-        "    \"b\": 0.1,\n"
-        "    \"c\": 3\n"
-        "  },\n"
-        "  \"most\": 18446744073709551615,\n"
-        "  \"no\": false,\n"
-        "  \"none\": null,\n"
-        "  \"gone\": null\n"
-        "}\n";
     char *text = NULL;
     size_t n;
     FILE *out = open_memstream(&text, &n);
@@ -208,7 +209,7 @@ static void json_is_written_as_by_hand(void **state)
     bis_json_text(&j, "gone", NULL);
     bis_json_close(&j);
     fclose(out);
-    assert_string_equal(text, wanted);
+    assert_string_equal(text, json_by_hand);
     free(text);
 }
 

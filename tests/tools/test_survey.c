@@ -221,34 +221,36 @@ static bis_image map_by_hand(rgb pixels[8])
     return (bis_image){4, 2, pixels};
 }
 
+static const char report_above[] =
+    "map         " DIR "/hand.pfm, 4 x 2, latlong\n"
+    "intensity   min 1, median 3, mean 3.625, max 16 (r+g+b; min: of the pixels that are not black)\n"
+    "mean        1.25 1.5 0.875 (red, green, blue)\n"
+    "power       45.5531 (r+g+b integrated over the sphere)\n"
+    "bad values  1 NaN, 2 infinite, 3 negative, set to 0\n"
+    "black       25% of the sphere\n"
+    "contrast    16 : 1\n"
+    "brightest   0.1% of the sphere holds 0.44% of the power\n"
+    "peak        pixel (2, 1), theta 120.0, phi 225.0 degrees, direction (-0.612 -0.612 -0.500)\n"
+    "regions     3 in 4 levels\n"
+    "table       ";
+
+static const char report_below[] =
+    "\nlevel       from         to    pixels    sphere     power   regions\n"
+    "    0          1          2         1  12.5000%   3.4483%         1\n"
+    "    1          2          4         4  50.0000%  41.3793%         1\n"
+    "    2          4          8         0   0.0000%   0.0000%         0\n"
+    "    3          8         16         1  12.5000%  55.1724%         1\n"
+    "\nregions with most power\n"
+    "  rank level     power   solid angle  theta    phi   direction\n"
+    "     1     3  55.1724%      1.571 sr  120.0  225.0   (-0.612 -0.612 -0.500)\n"
+    "     2     1  41.3793%      6.283 sr  120.0   45.0   (0.612 0.612 -0.500)\n"
+    "     3     0   3.4483%      1.571 sr   60.0  225.0   (-0.612 -0.612 0.500)\n";
+
 /* Level 1 is one region: it holds together over the seam. Its centre: pixels 0 and 4 cancel but for x and y, so do 5
  * and 7: (2a, 2a, -1), a = sqrt(3/8); its length is 2. */
 static void a_map_by_hand_has_the_report_by_hand(void **state)
 {
     (void)state;
-    static const char above[] =
-        "map         " DIR "/hand.pfm, 4 x 2, latlong\n"
-        "intensity   min 1, median 3, mean 3.625, max 16 (r+g+b; min: of the pixels that are not black)\n"
-        "mean        1.25 1.5 0.875 (red, green, blue)\n"
-        "power       45.5531 (r+g+b integrated over the sphere)\n"
-        "bad values  1 NaN, 2 infinite, 3 negative, set to 0\n"
-        "black       25% of the sphere\n"
-        "contrast    16 : 1\n"
-        "brightest   0.1% of the sphere holds 0.44% of the power\n"
-        "peak        pixel (2, 1), theta 120.0, phi 225.0 degrees, direction (-0.612 -0.612 -0.500)\n"
-        "regions     3 in 4 levels\n"
-        "table       ";
-    static const char below[] =
-        "\nlevel       from         to    pixels    sphere     power   regions\n"
-        "    0          1          2         1  12.5000%   3.4483%         1\n"
-        "    1          2          4         4  50.0000%  41.3793%         1\n"
-        "    2          4          8         0   0.0000%   0.0000%         0\n"
-        "    3          8         16         1  12.5000%  55.1724%         1\n"
-        "\nregions with most power\n"
-        "  rank level     power   solid angle  theta    phi   direction\n"
-        "     1     3  55.1724%      1.571 sr  120.0  225.0   (-0.612 -0.612 -0.500)\n"
-        "     2     1  41.3793%      6.283 sr  120.0   45.0   (0.612 0.612 -0.500)\n"
-        "     3     0   3.4483%      1.571 sr   60.0  225.0   (-0.612 -0.612 0.500)\n";
     program_run text, json;
     rgb pixels[8];
     const bis_image image = map_by_hand(pixels);
@@ -258,11 +260,11 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
     assert_string_equal(text.messages, json.messages);
 
     double bytes;
-    assert_int_equal(strncmp(text.output, above, sizeof above - 1), 0);
-    assert_int_equal(sscanf(text.output + sizeof above - 1, "%lf bytes a pixel beyond the map\n", &bytes), 1);
+    assert_int_equal(strncmp(text.output, report_above, sizeof report_above - 1), 0);
+    assert_int_equal(sscanf(text.output + sizeof report_above - 1, "%lf bytes a pixel beyond the map\n", &bytes), 1);
     assert_near(json_number(json.output, "table_bytes") / 8, bytes, 0.0501);
     assert_true(bytes >= 8); /* an alias table has a share and an index at least */
-    assert_string_equal(strstr(text.output, "beyond the map\n") + 15, below);
+    assert_string_equal(strstr(text.output, "beyond the map\n") + 15, report_below);
 
     const double a = sqrt(3 / 8.0), sr = PI / 2;
     const struct { const char *path; double value; } numbers[] = {

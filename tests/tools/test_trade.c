@@ -1112,80 +1112,81 @@ static void a_folder_of_another_scene_or_a_damaged_one_is_told(void **state)
     assert_non_null(strstr(r.messages, "plan.txt:4:1"));
 }
 
+static const struct {
+    const char *edit, *says; /* a script for sed */
+} damages[] = {
+    {"plan.txt:s/^fingerprint ./fingerprint x/", "plan.txt:1:1"},
+    {"plan.txt:s/^fingerprint .*/fingerprint 12/", "plan.txt:1:1"},
+    {"plan.txt:s/^full .*/full 0 16/", "plan.txt:2:1"},
+    {"plan.txt:s/^full .*/full 24.5 16/", "plan.txt:2:1"},
+    {"plan.txt:s/^full .*/full 24 16 3/", "plan.txt:2:1"},
+    {"plan.txt:s/^full .*/full 24 99999/", "plan.txt:2:1"},
+    {"plan.txt:s/^full /f /", "plan.txt:2:1"},
+    {"plan.txt:s/^step .*/step 0/", "plan.txt:3:1"},
+    {"plan.txt:s/^step .*/step 2/", "plan.txt:4:1"}, /* size is not that of step 2 */
+    {"plan.txt:s/^full .*/full 32768 32768/;s/^size .*/size 32768 32768/", "at most 360000"},
+    {"plan.txt:s/^size .*/size 32768 32768/", "plan.txt:4:1"},
+    {"plan.txt:s/^size .*/size 24/", "plan.txt:4:1"},
+    {"plan.txt:s/^seeds .*/seeds 0/", "plan.txt:5:1"},
+    {"plan.txt:s/^seeds .*/seeds 17/", "plan.txt:5:1"},
+    {"plan.txt:s/^seeds .*/seeds nan/", "plan.txt:5:1"},
+    {"plan.txt:s/^seed .*/seed abc/", "plan.txt:6:1"},
+    {"plan.txt:s/^seed .*/seed -1/", "plan.txt:6:1"},
+    {"plan.txt:s/^seed .*/seed 1e30/", "plan.txt:6:1"},
+    {"plan.txt:s/^seed .*/seed 1.5/", "plan.txt:6:1"},
+    {"plan.txt:s/^seed .*/seed 7x/", "plan.txt:6:1"},
+    {"plan.txt:s/^run_seconds .*/run_seconds 0/", "plan.txt:7:1"},
+    {"plan.txt:s/^run_seconds .*/run_seconds inf/", "plan.txt:7:1"},
+    {"plan.txt:s/^given .*/given 2/", "plan.txt:8:1"},
+    {"plan.txt:s/^given .*/given/", "plan.txt:8:1"},
+    {"plan.txt:9s/^reference 0 [0-9]*/reference 0 0/", "plan.txt:9:1"},
+    {"plan.txt:9s/^reference 0/reference 2/", "plan.txt:9:1"},
+    {"plan.txt:9s/mis [0-9]*$/sir 64\\/4/", "plan.txt:9:1"}, /* a sir must not judge sir */
+    {"plan.txt:9s/mis [0-9]*$/nobody/", "plan.txt:9:1"},
+    {"plan.txt:10s/^reference 1/reference 0/", "plan.txt:10:1"},
+    {"plan.txt:11s/^setting [0-9]*/setting 22/", "plan.txt:11:1"},
+    {"plan.txt:11s/^setting [0-9]* [^ ]*/setting 3 0/", "plan.txt:11:1"},
+    {"plan.txt:11s/^\\(setting [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:11:1"},
+    {"plan.txt:11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:11:1"},
+    {"plan.txt:11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 x/", "plan.txt:11:1"},
+    {"plan.txt:11p", "plan.txt:12:1"},
+    {"plan.txt:2p", "plan.txt:3:1"},
+    {"plan.txt:/^seed /d", "no"},
+    {"plan.txt:/^given /d", "\"given\""},
+    {"plan.txt:/^setting /d", "\"setting\""},
+    {"plan.txt:/^reference 0/d", "\"reference 0\""}, /* once status 0 with nothing measured */
+    {"plan.txt:/^reference/d", "\"reference "},
+    {"runs.csv:1s/seed/sead/", "runs.csv:1:1"},
+    {"runs.csv:2s/^[^,]*/nobody/", "runs.csv:2:1"},
+    {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,3/", "its passes"},
+    {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,8/", "its passes"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{2\\}\\)[^,]*/\\13/", "its replicate"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\1-1/", "its seed"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\11.5/", "its seed"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{4\\}\\)[^,]*/\\1nan/", "its seconds"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{5\\}\\)[^,]*/\\11e30/", "its camera_rays"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{6\\}\\)[^,]*/\\1x/", "its shadow_rays"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{7\\}\\)[^,]*/\\1/", "its candidates"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{8\\}\\)[^,]*/\\1-2/", "its rmse"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{9\\}\\)[^,]*/\\1inf/", "its relmse"},
+    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{10\\}\\)[^,]*/\\1nan/", "its bias"},
+    {"runs.csv:2s/$/,5/", "its relmse_both"},
+    {"runs.csv:2p", "runs.csv:3:1"},
+};
+
 /* Each field of plan.txt and runs.csv, outside its range: the file and line are named, and nothing is lost. */
 static void every_field_of_the_folder_is_checked(void **state)
 {
     (void)state;
-    static const struct {
-        const char *edit, *says; /* a script for sed */
-    } cases[] = {
-        {"plan.txt:s/^fingerprint ./fingerprint x/", "plan.txt:1:1"},
-        {"plan.txt:s/^fingerprint .*/fingerprint 12/", "plan.txt:1:1"},
-        {"plan.txt:s/^full .*/full 0 16/", "plan.txt:2:1"},
-        {"plan.txt:s/^full .*/full 24.5 16/", "plan.txt:2:1"},
-        {"plan.txt:s/^full .*/full 24 16 3/", "plan.txt:2:1"},
-        {"plan.txt:s/^full .*/full 24 99999/", "plan.txt:2:1"},
-        {"plan.txt:s/^full /f /", "plan.txt:2:1"},
-        {"plan.txt:s/^step .*/step 0/", "plan.txt:3:1"},
-        {"plan.txt:s/^step .*/step 2/", "plan.txt:4:1"}, /* size is not that of step 2 */
-        {"plan.txt:s/^full .*/full 32768 32768/;s/^size .*/size 32768 32768/", "at most 360000"},
-        {"plan.txt:s/^size .*/size 32768 32768/", "plan.txt:4:1"},
-        {"plan.txt:s/^size .*/size 24/", "plan.txt:4:1"},
-        {"plan.txt:s/^seeds .*/seeds 0/", "plan.txt:5:1"},
-        {"plan.txt:s/^seeds .*/seeds 17/", "plan.txt:5:1"},
-        {"plan.txt:s/^seeds .*/seeds nan/", "plan.txt:5:1"},
-        {"plan.txt:s/^seed .*/seed abc/", "plan.txt:6:1"},
-        {"plan.txt:s/^seed .*/seed -1/", "plan.txt:6:1"},
-        {"plan.txt:s/^seed .*/seed 1e30/", "plan.txt:6:1"},
-        {"plan.txt:s/^seed .*/seed 1.5/", "plan.txt:6:1"},
-        {"plan.txt:s/^seed .*/seed 7x/", "plan.txt:6:1"},
-        {"plan.txt:s/^run_seconds .*/run_seconds 0/", "plan.txt:7:1"},
-        {"plan.txt:s/^run_seconds .*/run_seconds inf/", "plan.txt:7:1"},
-        {"plan.txt:s/^given .*/given 2/", "plan.txt:8:1"},
-        {"plan.txt:s/^given .*/given/", "plan.txt:8:1"},
-        {"plan.txt:9s/^reference 0 [0-9]*/reference 0 0/", "plan.txt:9:1"},
-        {"plan.txt:9s/^reference 0/reference 2/", "plan.txt:9:1"},
-        {"plan.txt:9s/mis [0-9]*$/sir 64\\/4/", "plan.txt:9:1"}, /* a sir must not judge sir */
-        {"plan.txt:9s/mis [0-9]*$/nobody/", "plan.txt:9:1"},
-        {"plan.txt:10s/^reference 1/reference 0/", "plan.txt:10:1"},
-        {"plan.txt:11s/^setting [0-9]*/setting 22/", "plan.txt:11:1"},
-        {"plan.txt:11s/^setting [0-9]* [^ ]*/setting 3 0/", "plan.txt:11:1"},
-        {"plan.txt:11s/^\\(setting [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:11:1"},
-        {"plan.txt:11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:11:1"},
-        {"plan.txt:11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 x/", "plan.txt:11:1"},
-        {"plan.txt:11p", "plan.txt:12:1"},
-        {"plan.txt:2p", "plan.txt:3:1"},
-        {"plan.txt:/^seed /d", "no"},
-        {"plan.txt:/^given /d", "\"given\""},
-        {"plan.txt:/^setting /d", "\"setting\""},
-        {"plan.txt:/^reference 0/d", "\"reference 0\""}, /* once status 0 with nothing measured */
-        {"plan.txt:/^reference/d", "\"reference "},
-        {"runs.csv:1s/seed/sead/", "runs.csv:1:1"},
-        {"runs.csv:2s/^[^,]*/nobody/", "runs.csv:2:1"},
-        {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,3/", "its passes"},
-        {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,8/", "its passes"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{2\\}\\)[^,]*/\\13/", "its replicate"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\1-1/", "its seed"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\11.5/", "its seed"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{4\\}\\)[^,]*/\\1nan/", "its seconds"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{5\\}\\)[^,]*/\\11e30/", "its camera_rays"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{6\\}\\)[^,]*/\\1x/", "its shadow_rays"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{7\\}\\)[^,]*/\\1/", "its candidates"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{8\\}\\)[^,]*/\\1-2/", "its rmse"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{9\\}\\)[^,]*/\\1inf/", "its relmse"},
-        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{10\\}\\)[^,]*/\\1nan/", "its bias"},
-        {"runs.csv:2s/$/,5/", "its relmse_both"},
-        {"runs.csv:2p", "runs.csv:3:1"},
-    };
     bis_trade t = {.o = {.scene = SCENE, .folder = DIR "/field", .resume = true, .n_threads = 1}};
     char name[16], command[512];
     assert_int_equal(mkdir(DIR "/field", 0777), 0);
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     const bis_trade_plan empty = t.plan;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const char *script = strchr(cases[i].edit, ':') + 1;
+    for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
+        const char *script = strchr(damages[i].edit, ':') + 1;
         bis_diag diag = {0};
-        snprintf(name, sizeof name, "%.*s", (int)(script - 1 - cases[i].edit), cases[i].edit);
+        snprintf(name, sizeof name, "%.*s", (int)(script - 1 - damages[i].edit), damages[i].edit);
         snprintf(command, sizeof command, "cd " DIR "/field && cp ../own/plan.txt ../own/runs.csv . && sed -i '%s' "
                  "%s && ! cmp -s %s ../own/%s", script, name, name, name);
         assert_int_equal(system(command), 0);
@@ -1194,8 +1195,8 @@ static void every_field_of_the_folder_is_checked(void **state)
         bis_status status = bis_trade_read_plan(&t, &diag);
         if (!status) status = bis_trade_read_runs(&t, &diag);
         const char *text = diag.n ? diag.messages[diag.n - 1].text : "";
-        if (status != BIS_INPUT || !strstr(text, cases[i].says) || strstr(text, "(null)")) {
-            fail_msg("%s: %d\n%s", cases[i].edit, status, text);
+        if (status != BIS_INPUT || !strstr(text, damages[i].says) || strstr(text, "(null)")) {
+            fail_msg("%s: %d\n%s", damages[i].edit, status, text);
         }
         bis_diag_clear(&diag);
     }

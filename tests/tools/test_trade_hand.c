@@ -606,6 +606,48 @@ static void forge_page(bis_trade *t)
     t->plan.width = 16, t->plan.height = 8, t->plan.full_width = 32, t->plan.full_height = 16;
 }
 
+static const struct {
+    const char *path;
+    double value;
+} data_numbers[] = {
+    {"runs", 29}, {"planned", 33}, {"advice.1.candidates", 64}, {"advice.1.shadowrays", 4},
+    {"advice.1.seconds", 10.2},
+    {"advice.1.error", 0.13}, {"advice.1.passes", 3}, {"advice.2.samples", 16}, {"advice.2.passes", 24},
+    {"advice.2.seconds", 96}, {"times.0", 0.5}, {"times.3", 4}, {"errors.0", 0.02}, {"errors.5", 0.2},
+    {"settings.0.cost_variance", 0.1 / 3}, {"settings.0.points.0.seconds", 0.5}, {"settings.0.points.0.error", 0.2},
+    {"settings.0.points.0.rays", 110 * 1.5 / 128}, {"settings.0.points.0.bias", 0.1},
+    {"settings.1.cost_variance_se", 0.04}, {"settings.1.points.0.error_se", 0.04 / (2 * 0.22360679774997896)},
+    {"settings.2.slope", -1}, {"settings.2.points.2.passes", 4}, {"settings.2.points.2.bias", -0.1 / 0.51},
+    {"settings.2.points.3.error", 0.04419417382415922}, {"settings.2.error_at.1.value", 0.5},
+    {"settings.2.seconds_to.5.value", 2.5}, {"settings.4.slope", -0.5}, {"settings.4.slope_se", 0.02},
+    {"settings.4.points.1.rays", 110 * 2 * 2 / 128.0}, {"settings.4.points.1.error", 0.5},
+    {"settings.4.points.1.seconds", 3},
+    {"film.width", 16}, {"film.height", 8}, {"film.full_width", 32}, {"film.full_height", 16}, {"film.step", 2},
+    {"run_seconds", 4}, {"seeds", 3}, {"threads", 2}, {"references.0.renders", 8}, {"references.0.passes", 5},
+    {"references.0.mean", 0.5}, {"references.0.se", 0.06}, {"references.0.noise", 0.2},
+    {"references.1.noise", 0.15},
+    {"noise", 0.125}, {"difference", 0.02}, {"difference_se", 0.1}, {"left_out.0.pass_seconds", 30},
+    {"left_out.1.pass_seconds", 90}, {"crops.0.x", 12}, {"crops.0.y", 6}, {"crops.0.width", 4},
+    {"crops.0.height", 2},
+    {"crops.1.x", 2}, {"crops.1.y", 2}, {"shots.0.passes", 8}, {"shots.0.seconds", 3.9}, {"shots.0.error", 0.2},
+    {"shots.1.error", 0.05}};
+
+static const struct {
+    const char *path, *value;
+} data_texts[] = {{"scene", "`a/hand.txt`"}, {"version", "`" BIS_VERSION "`"}, {"complete", "false"},
+             {"given", "false"},
+             {"best", "`mis 16`"}, {"advice.0.setting", "null"}, {"advice.1.method", "`sir`"},
+              {"advice.1.samples", "null"},
+             {"advice.1.extrapolated", "false"}, {"advice.2.extrapolated", "true"}, {"advice.1.options", "``"},
+             {"advice.2.options", "`--integrator mis --samples 16`"}, {"advice.2.candidates", "null"},
+             {"settings.0.biased", "true"}, {"settings.0.method", "`rejection`"}, {"settings.2.own", "true"},
+             {"settings.2.head", "true"}, {"settings.3.head", "false"}, {"settings.3.slope", "null"},
+             {"settings.0.points.0.pareto", "true"}, {"settings.0.points.1.pareto", "false"},
+             {"settings.2.points.2.bias_se", "null"}, {"settings.2.error_at.0.value", "null"},
+             {"settings.1.error_at.2.extrapolated", "true"}, {"references.0.judges", "`sir and rejection`"},
+             {"references.1.name", "`sir 64/4`"}, {"left_out.0.name", "`brdf 16`"},
+              {"shots.1.setting", "`mis 16`"}};
+
 /* Settings come in the order of cost x variance. Rays for each pixel: 110 for a pass (1.5 or 2 of them, by the seeds)
  * of 128 pixels. The standard error of a root is half the relative one of the square. A bias is a share of the mean of
  * the reference that judged it: 0.5 by mis, 0.51 by sir. Windows are a quarter of 16 x 8. */
@@ -613,45 +655,6 @@ static void the_data_are_what_follows_from_the_runs(void **state)
 {
     (void)state;
     static const char *const names[] = {"rejection 100/8", "sir 64/4", "mis 16", "mis 64", "em 16"};
-    static const struct {
-        const char *path;
-        double value;
-    } numbers[] = {
-        {"runs", 29}, {"planned", 33}, {"advice.1.candidates", 64}, {"advice.1.shadowrays", 4},
-        {"advice.1.seconds", 10.2},
-        {"advice.1.error", 0.13}, {"advice.1.passes", 3}, {"advice.2.samples", 16}, {"advice.2.passes", 24},
-        {"advice.2.seconds", 96}, {"times.0", 0.5}, {"times.3", 4}, {"errors.0", 0.02}, {"errors.5", 0.2},
-        {"settings.0.cost_variance", 0.1 / 3}, {"settings.0.points.0.seconds", 0.5}, {"settings.0.points.0.error", 0.2},
-        {"settings.0.points.0.rays", 110 * 1.5 / 128}, {"settings.0.points.0.bias", 0.1},
-        {"settings.1.cost_variance_se", 0.04}, {"settings.1.points.0.error_se", 0.04 / (2 * 0.22360679774997896)},
-        {"settings.2.slope", -1}, {"settings.2.points.2.passes", 4}, {"settings.2.points.2.bias", -0.1 / 0.51},
-        {"settings.2.points.3.error", 0.04419417382415922}, {"settings.2.error_at.1.value", 0.5},
-        {"settings.2.seconds_to.5.value", 2.5}, {"settings.4.slope", -0.5}, {"settings.4.slope_se", 0.02},
-        {"settings.4.points.1.rays", 110 * 2 * 2 / 128.0}, {"settings.4.points.1.error", 0.5},
-        {"settings.4.points.1.seconds", 3},
-        {"film.width", 16}, {"film.height", 8}, {"film.full_width", 32}, {"film.full_height", 16}, {"film.step", 2},
-        {"run_seconds", 4}, {"seeds", 3}, {"threads", 2}, {"references.0.renders", 8}, {"references.0.passes", 5},
-        {"references.0.mean", 0.5}, {"references.0.se", 0.06}, {"references.0.noise", 0.2},
-        {"references.1.noise", 0.15},
-        {"noise", 0.125}, {"difference", 0.02}, {"difference_se", 0.1}, {"left_out.0.pass_seconds", 30},
-        {"left_out.1.pass_seconds", 90}, {"crops.0.x", 12}, {"crops.0.y", 6}, {"crops.0.width", 4},
-        {"crops.0.height", 2},
-        {"crops.1.x", 2}, {"crops.1.y", 2}, {"shots.0.passes", 8}, {"shots.0.seconds", 3.9}, {"shots.0.error", 0.2},
-        {"shots.1.error", 0.05}};
-    static const struct {
-        const char *path, *value;
-    } texts[] = {{"scene", "`a/hand.txt`"}, {"version", "`" BIS_VERSION "`"}, {"complete", "false"}, {"given", "false"},
-                 {"best", "`mis 16`"}, {"advice.0.setting", "null"}, {"advice.1.method", "`sir`"},
-                  {"advice.1.samples", "null"},
-                 {"advice.1.extrapolated", "false"}, {"advice.2.extrapolated", "true"}, {"advice.1.options", "``"},
-                 {"advice.2.options", "`--integrator mis --samples 16`"}, {"advice.2.candidates", "null"},
-                 {"settings.0.biased", "true"}, {"settings.0.method", "`rejection`"}, {"settings.2.own", "true"},
-                 {"settings.2.head", "true"}, {"settings.3.head", "false"}, {"settings.3.slope", "null"},
-                 {"settings.0.points.0.pareto", "true"}, {"settings.0.points.1.pareto", "false"},
-                 {"settings.2.points.2.bias_se", "null"}, {"settings.2.error_at.0.value", "null"},
-                 {"settings.1.error_at.2.extrapolated", "true"}, {"references.0.judges", "`sir and rejection`"},
-                 {"references.1.name", "`sir 64/4`"}, {"left_out.0.name", "`brdf 16`"},
-                  {"shots.1.setting", "`mis 16`"}};
     bis_trade t;
     char path[64];
     forge_page(&t);
@@ -662,9 +665,10 @@ static void the_data_are_what_follows_from_the_runs(void **state)
         snprintf(wanted, sizeof wanted, "`%s`", names[i]);
         assert_value(text, path, wanted);
     }
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        assert_number(text, numbers[i].path, numbers[i].value);
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) assert_value(text, texts[i].path, texts[i].value);
+    for (size_t i = 0; i < sizeof data_numbers / sizeof *data_numbers; i++)
+        assert_number(text, data_numbers[i].path, data_numbers[i].value);
+    for (size_t i = 0; i < sizeof data_texts / sizeof *data_texts; i++)
+        assert_value(text, data_texts[i].path, data_texts[i].value);
     assert_error_picture(&t, text);
     free(text);
 
@@ -691,63 +695,64 @@ static void assert_point(const char *page, const char *title, double x, double y
             bottom + y * (top - bottom));
 }
 
+static const char *const page_parts[] = {
+    "<h1>hand.txt</h1>", "29 of 33 planned runs", "<h3>preview</h3><p class=`big`>?</p>",
+    "<p>For a good picture, with errors of about 13% of a pixel’s value, use <b>sir</b> with 64 candidates and 4 "
+    "shadow rays, "
+    "3 samples in a pixel: 10 s for 32 × 16 pixels.</p> <code>Integrator &quot;sir&quot; &quot;integer "
+    "candidates&quot; 64 "
+    "&quot;integer shadowrays&quot; 4; in LightSource: &quot;float areaexponent&quot; 1.15<br/>bis a/hand.txt "
+    "<span>--spp 3</span></code>",
+    "~ 96 s", "about 4.9% of", "<b>mis</b> with 16 light samples, 24 samples in a pixel: 96 s for 32 × 16 pixels, "
+    "extrapolated from",
+    "bis a/hand.txt <span>--integrator mis</span> <span>--samples 16</span> <span>--spp 24</span></code>",
+    ">0.5 s</text>", ">1 s</text>", ">10 s</text>", ">5%</text>", ">50%</text>",
+    "noise of the reference, subtracted",
+    "<title>mis 64</title>", "rejection 100/8, 2 passes: 20% in 1 s", "mis 16, 8 passes: 4.4% in 8 s",
+    "em 16, 4 passes: 35% in 6 s", ">em 16</text>", ">slope −0.50 ± 0.02</text>", ">mis 16</text>",
+    ">slope −1.00</text>",
+    "rays for each pixel",
+    "<div class=`row k-rejection biased`><span>rejection 100/8 <em>biased</em></span> <span class=`track`>"
+    "<i style=`width:18.0%`></i></span> <span>1.0×</span>",
+    "k-sir`><span>sir 64/4</span> <span class=`track`><i style=`width:28.5%`></i><b "
+    "style=`left:0.0%;width:43.7%`></b></span> "
+    "<span>1.5×</span>", "mis 16 <em>the scene&#39;s</em>", "width:32.4%", "width:62.7%", "5.6×", "width:100.0%",
+    "left:84.5%;width:15.5%",
+    "24×", "had about 4 s", "the mean of both", "left:75.00%;top:75.00%", "left:12.50%;top:25.00%",
+    "background-position:100.00% 100.00%", "background-position:16.67% 33.33%", "8 passes, 3.9 s, biased",
+    "<b>20%</b>",
+    "1 pass, 4.1 s", "<b>5%</b>", "<label>left", "<option value=`p0` selected=`selected`>rejection", "<label>right",
+    "<option value=`p1` selected=`selected`>mis 16", "<th>0.5 s</th><th>1 s</th><th>2 s</th><th>4 s</th>",
+    "rejection 100/8 <em>biased</em></th><td style=`--s:100%`>20%</td><td style=`--s:100%`>20%</td><td "
+    "class=`none`>–</td>"
+    "<td class=`none`>–</td>",
+    "sir 64/4</th><td class=`none`>–</td><td style=`--s:92%`>22%</td><td style=`--s:100%`>~16%</td><td "
+    "style=`--s:100%`>~11%</td>",
+    "</th><td class=`none`>–</td><td style=`--s:34%`>50%</td><td style=`--s:67%`>25%</td><td "
+    "style=`--s:92%`>12%</td>",
+    "All settings", "mis 64", "~22%",
+    "<th>20%</th><th>15%</th><th>10%</th><th>5%</th><th>3%</th><th>2%</th>",
+    "sir 64/4</th><td style=`--s:34%`>~1.2 s</td><td style=`--s:100%`>~2.2 s</td><td style=`--s:95%`>~5 s</td>",
+    "rejection 100/8 <em>biased</em></th> <td>1</td><td>0.5 s</td><td>20%</td> <td>+10% ± 31%</td>",
+    "<td>4</td><td>4 s</td><td>12%</td> <td>−20%</td>",
+    "<td>8</td><td>8 s</td><td>4.4%</td> <td>+20% ± 21%</td>",
+    "16 × 8 pixels of the scene’s 32 × 16: of each 2 × 2", "29 of 33: each setting",
+    "up to 4 s, 3 seeds each, on 2 threads",
+    "reference for sir and rejection</dt><dd>mis 64, 8 renders of 5 passes with seeds of their own: mean 0.5, "
+    "standard error 6% of "
+    "it; noise 20%", "mean 0.51, standard error 7.8% of it; noise 15%", "its noise, 12%, is subtracted",
+    "differ by 2% ± 10%",
+    "brdf 16 (30 s a pass), brdf 64 (90 s a pass).", NULL};
+
 /* Axes: 0.5 ... 8 s are 0.4 ... 10 s, a ratio of 25; errors sqrt(1/512) ... sqrt(1/2), a ratio of 16, are one of 23.04.
  * Bars: log(2 v/best)/log(2 worst/best). Strength of a cell: 1 - log4 of what it is over the column's best. */
 static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
 {
     (void)state;
-    static const char *const parts[] = {
-        "<h1>hand.txt</h1>", "29 of 33 planned runs", "<h3>preview</h3><p class=`big`>?</p>",
-        "<p>For a good picture, with errors of about 13% of a pixel’s value, use <b>sir</b> with 64 candidates and 4 "
-        "shadow rays, "
-        "3 samples in a pixel: 10 s for 32 × 16 pixels.</p> <code>Integrator &quot;sir&quot; &quot;integer "
-        "candidates&quot; 64 "
-        "&quot;integer shadowrays&quot; 4; in LightSource: &quot;float areaexponent&quot; 1.15<br/>bis a/hand.txt "
-        "<span>--spp 3</span></code>",
-        "~ 96 s", "about 4.9% of", "<b>mis</b> with 16 light samples, 24 samples in a pixel: 96 s for 32 × 16 pixels, "
-        "extrapolated from",
-        "bis a/hand.txt <span>--integrator mis</span> <span>--samples 16</span> <span>--spp 24</span></code>",
-        ">0.5 s</text>", ">1 s</text>", ">10 s</text>", ">5%</text>", ">50%</text>",
-        "noise of the reference, subtracted",
-        "<title>mis 64</title>", "rejection 100/8, 2 passes: 20% in 1 s", "mis 16, 8 passes: 4.4% in 8 s",
-        "em 16, 4 passes: 35% in 6 s", ">em 16</text>", ">slope −0.50 ± 0.02</text>", ">mis 16</text>",
-        ">slope −1.00</text>",
-        "rays for each pixel",
-        "<div class=`row k-rejection biased`><span>rejection 100/8 <em>biased</em></span> <span class=`track`>"
-        "<i style=`width:18.0%`></i></span> <span>1.0×</span>",
-        "k-sir`><span>sir 64/4</span> <span class=`track`><i style=`width:28.5%`></i><b "
-        "style=`left:0.0%;width:43.7%`></b></span> "
-        "<span>1.5×</span>", "mis 16 <em>the scene&#39;s</em>", "width:32.4%", "width:62.7%", "5.6×", "width:100.0%",
-        "left:84.5%;width:15.5%",
-        "24×", "had about 4 s", "the mean of both", "left:75.00%;top:75.00%", "left:12.50%;top:25.00%",
-        "background-position:100.00% 100.00%", "background-position:16.67% 33.33%", "8 passes, 3.9 s, biased",
-        "<b>20%</b>",
-        "1 pass, 4.1 s", "<b>5%</b>", "<label>left", "<option value=`p0` selected=`selected`>rejection", "<label>right",
-        "<option value=`p1` selected=`selected`>mis 16", "<th>0.5 s</th><th>1 s</th><th>2 s</th><th>4 s</th>",
-        "rejection 100/8 <em>biased</em></th><td style=`--s:100%`>20%</td><td style=`--s:100%`>20%</td><td "
-        "class=`none`>–</td>"
-        "<td class=`none`>–</td>",
-        "sir 64/4</th><td class=`none`>–</td><td style=`--s:92%`>22%</td><td style=`--s:100%`>~16%</td><td "
-        "style=`--s:100%`>~11%</td>",
-        "</th><td class=`none`>–</td><td style=`--s:34%`>50%</td><td style=`--s:67%`>25%</td><td "
-        "style=`--s:92%`>12%</td>",
-        "All settings", "mis 64", "~22%",
-        "<th>20%</th><th>15%</th><th>10%</th><th>5%</th><th>3%</th><th>2%</th>",
-        "sir 64/4</th><td style=`--s:34%`>~1.2 s</td><td style=`--s:100%`>~2.2 s</td><td style=`--s:95%`>~5 s</td>",
-        "rejection 100/8 <em>biased</em></th> <td>1</td><td>0.5 s</td><td>20%</td> <td>+10% ± 31%</td>",
-        "<td>4</td><td>4 s</td><td>12%</td> <td>−20%</td>",
-        "<td>8</td><td>8 s</td><td>4.4%</td> <td>+20% ± 21%</td>",
-        "16 × 8 pixels of the scene’s 32 × 16: of each 2 × 2", "29 of 33: each setting",
-        "up to 4 s, 3 seeds each, on 2 threads",
-        "reference for sir and rejection</dt><dd>mis 64, 8 renders of 5 passes with seeds of their own: mean 0.5, "
-        "standard error 6% of "
-        "it; noise 20%", "mean 0.51, standard error 7.8% of it; noise 15%", "its noise, 12%, is subtracted",
-        "differ by 2% ± 10%",
-        "brdf 16 (30 s a pass), brdf 64 (90 s a pass).", NULL};
     bis_trade t;
     forge_page(&t);
     write_page(&t);
-    assert_shown(parts);
+    assert_shown(page_parts);
     char *page = page_shown(DIR "/report.html", DIR);
     for (int k = 0; page && k < 3; k++) {
         static const char *const at[] = {
@@ -759,6 +764,47 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     clear(&t);
 }
 
+/* All are biased, or none was measured: nothing to compare, no picture. */
+static void assert_page_of_nothing(bis_trade *t)
+{
+    bis_image_clear(&t->strip[0].image);
+    t->n_strip = 0;
+    t->result.best = -1;
+    char *text = data_of(t);
+    assert_value(text, "best", "null");
+    assert_value(text, "shots", "[]");
+    assert_value(text, "crops", "[]");
+    free(text);
+    assert_shown((const char *const[]){"all methods are exact here", "How it was measured", NULL});
+    for (int i = 0; i < 4; i++) t->result.curves[i].n = 0;
+    t->result.n_points = 0;
+    text = data_of(t);
+    assert_value(text, "settings", "[]");
+    free(text);
+    assert_shown((const char *const[]){"<h1>", "How it was measured", NULL});
+}
+
+static const char *const page_of_one[] = {
+    "<h1>hand.txt</h1>", "use <b>em</b> with 1 light sample (stratified), 1 sample in a pixel: 2 s for 4 × 2 "
+    "pixels.</p>",
+    "64 candidates and 1 shadow ray (independent), 2 samples in a pixel: 3 s for 4 × 2 pixels, extrapolated",
+    "<h3>final picture</h3><p class=`big`>?</p>", "biased</em></span> <span class=`track`><i "
+    "style=`width:0.0%`></i></span> <span>0.0×",
+    "em 16 stratified</span> <span class=`track`><i style=`width:50.0%`></i></span> <span>1.0×",
+    "mis 16 scene&#39;s own</span> <span class=`track`><i style=`width:100.0%`></i></span> <span>2.0×",
+    "had about 4 s", "as given",
+    "left:0.00%;top:0.00%", "left:25.00%;top:0.00%", "background-position:33.33% 0.00%", "1 pass, 2 s",
+    "<b>50%</b>",
+    "<option value=`ref`>reference</option>", "<option value=`p0` selected=`selected`>em 16",
+    "<th>1 s</th><th>2 s</th><th>4 s</th>", "biased</em></th><td style=`--s:100%`>0%</td><td "
+    "class=`none`>–</td><td class=`none`>",
+    "em 16 stratified</th><td class=`none`>–</td><td style=`--s:100%`>50%</td><td style=`--s:100%`>~35%</td>",
+    "own</th><td class=`none`>–</td><td class=`none`>–</td><td style=`--s:75%`>50%</td>",
+    "<th>200%</th><th>100%</th><th>50%</th><th>30%</th><th>20%</th><th>15%</th>",
+    "<td>1</td><td>1 s</td><td>below the reference&#39;s</td> <td>−20%</td>", "all 4 × 2 pixels",
+    "up to 4 s, 1 seed each, on 1 thread.",
+    "as given by --reference", "by</dt><dd>bis " BIS_VERSION, NULL};
+
 /* One seed, one thread, every pixel, a given reference, one picture; the best is the first of the table, a biased one
  * has nothing but the reference's noise. Bars: em 0.5 s, log 2/log 4 of mis's 1 s. Cells: half of a pixel after 2 s;
  * after 4 s 0.5/sqrt(2), and mis's 0.5 is 1 - log4 sqrt(2) as strong. All windows are alike: the first, and the first
@@ -768,26 +814,6 @@ static void the_page_counts_one_as_one(void **state)
     (void)state;
     bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 1,
                    .o = {.scene = "hand.txt", .folder = DIR}, .is_complete = true};
-    static const char *const parts[] = {
-        "<h1>hand.txt</h1>", "use <b>em</b> with 1 light sample (stratified), 1 sample in a pixel: 2 s for 4 × 2 "
-        "pixels.</p>",
-        "64 candidates and 1 shadow ray (independent), 2 samples in a pixel: 3 s for 4 × 2 pixels, extrapolated",
-        "<h3>final picture</h3><p class=`big`>?</p>", "biased</em></span> <span class=`track`><i "
-        "style=`width:0.0%`></i></span> <span>0.0×",
-        "em 16 stratified</span> <span class=`track`><i style=`width:50.0%`></i></span> <span>1.0×",
-        "mis 16 scene&#39;s own</span> <span class=`track`><i style=`width:100.0%`></i></span> <span>2.0×",
-        "had about 4 s", "as given",
-        "left:0.00%;top:0.00%", "left:25.00%;top:0.00%", "background-position:33.33% 0.00%", "1 pass, 2 s",
-        "<b>50%</b>",
-        "<option value=`ref`>reference</option>", "<option value=`p0` selected=`selected`>em 16",
-        "<th>1 s</th><th>2 s</th><th>4 s</th>", "biased</em></th><td style=`--s:100%`>0%</td><td "
-        "class=`none`>–</td><td class=`none`>",
-        "em 16 stratified</th><td class=`none`>–</td><td style=`--s:100%`>50%</td><td style=`--s:100%`>~35%</td>",
-        "own</th><td class=`none`>–</td><td class=`none`>–</td><td style=`--s:75%`>50%</td>",
-        "<th>200%</th><th>100%</th><th>50%</th><th>30%</th><th>20%</th><th>15%</th>",
-        "<td>1</td><td>1 s</td><td>below the reference&#39;s</td> <td>−20%</td>", "all 4 × 2 pixels",
-        "up to 4 s, 1 seed each, on 1 thread.",
-        "as given by --reference", "by</dt><dd>bis " BIS_VERSION, NULL};
     assert_non_null(t.desc);
     t.desc->view.film.crop[1] = t.desc->view.film.crop[3] = 1;
     t.plan = (bis_trade_plan){.n_seeds = 1, .full_width = 4, .full_height = 2, .step = 1, .width = 4, .height = 2,
@@ -818,7 +844,7 @@ static void the_page_counts_one_as_one(void **state)
     t.result.advice[1] = (bis_trade_advice){"good picture", 0.15, 3, 2, 3, 0.2, true};
     t.result.advice[2].setting = -1;
     write_page(&t);
-    assert_shown(parts);
+    assert_shown(page_of_one);
 
     /* references of its own, of which one is not ready: that one is not named, and there is nothing to agree with */
     t.plan.is_given = false;
@@ -831,22 +857,7 @@ static void the_page_counts_one_as_one(void **state)
     free(text);
     assert_shown((const char *const[]){"the mean of both", "reference for sir and rejection", NULL});
 
-    /* all are biased, or none was measured: nothing to compare, no picture */
-    bis_image_clear(&t.strip[0].image);
-    t.n_strip = 0;
-    t.result.best = -1;
-    text = data_of(&t);
-    assert_value(text, "best", "null");
-    assert_value(text, "shots", "[]");
-    assert_value(text, "crops", "[]");
-    free(text);
-    assert_shown((const char *const[]){"all methods are exact here", "How it was measured", NULL});
-    for (int i = 0; i < 4; i++) t.result.curves[i].n = 0;
-    t.result.n_points = 0;
-    text = data_of(&t);
-    assert_value(text, "settings", "[]");
-    free(text);
-    assert_shown((const char *const[]){"<h1>", "How it was measured", NULL});
+    assert_page_of_nothing(&t);
     clear(&t);
 }
 
@@ -1480,95 +1491,96 @@ static void an_empty_folder_is_taken(void **state)
     }
 }
 
+static const struct {
+    const char *file;
+    int line;
+    const char *with, *at, *says;
+} damages[] = {
+    {"plan.txt", 1, "fingerprint 0123456789abcdef", "",
+        "this measurement is of another scene than \"" DIR "/scene.txt\" as it is now, or by "
+        "another version of bis; measure into a new folder"},
+    {"plan.txt", 1, "fingerprint 0123456789abcdeg", ":1:1",
+        "\"fingerprint 0123456789abcdeg\": behind \"fingerprint\" must stand 16 digits 0-9, a-f%"},
+    {"plan.txt", 2, "full 32769 16", ":2:1", "\"full 32769 16\": behind \"full\" must stand width and height in "
+        "pixels, from 1 to 32768%"},
+    {"plan.txt", 3, "step 32769", ":3:1", "\"step 32769\": behind \"step\" must stand a number from 1 to 32768%"},
+    {"plan.txt", 4, "size 6 5", ":4:1", "\"size 6 5\": behind \"size\" must stand width and height in pixels, "
+        "those of \"full\" divided by \"step\", "
+        "which stand before%"},
+    {"plan.txt", 5, "seeds 17", ":5:1", "\"seeds 17\": behind \"seeds\" must stand a number from 1 to 16%"},
+    {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a "
+        "whole number from 0 to 2^53 - 1%"},
+    {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a "
+        "number above 0, at most 1e9%"},
+    {"plan.txt", 8, "given 2", ":8:1", "\"given 2\": behind \"given\" must stand 0 or 1%"},
+    {"plan.txt", 8, "given 0\ngiven 0", ":9:1", "\"given 0\" is the second line of its kind%"},
+    {"plan.txt", 8, "given", ":8:1", "\"given\": behind \"given\" must stand 0 or 1%"},
+    {"plan.txt", 8, "give 0", ":8:1", "\"give 0\" is no line of a plan%"},
+    {"plan.txt", 9, "reference 0 4194305 mis 16", ":9:1", "\"reference 0 4194305 mis 16\": behind \"reference\" "
+        "must stand 0 (by a mis) or 1 (by a sir), "
+        "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
+    {"plan.txt", 9, "reference 0 3 em 16", ":9:1", "\"reference 0 3 em 16\": behind \"reference\" must stand 0 "
+        "(by a mis) or 1 (by a sir), each once, "
+        "passes from 1 to 4194304, and the name of a setting that may be one%"},
+    {"plan.txt", 10, "", "", "\"em 16\" is to be measured, and the line \"reference 1\" that says what it is "
+        "compared with is missing%"},
+    {"plan.txt", 9, "", "", "\"sir 64/4\" is to be measured, and the line \"reference 0\" that says what it is "
+        "compared with is missing%"},
+    {"plan.txt", 11, "setting 22 1 0.25 nan em 16", ":11:1",
+        "\"setting 22 1 0.25 nan em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of "
+        "a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
+    {"plan.txt", 11, "setting 2 1 0.25 inf em 16", ":11:1", "\"setting 2 1 0.25 inf em 16\": behind \"setting\" "
+        "must stand levels from 0 to 21, seconds of a "
+        "pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
+    {"plan.txt", 7, "", "", "a plan has a line \"run_seconds\", and this one has none%"},
+    {"plan.txt", 1, "", "", "a plan has a line \"fingerprint\", and this one has none%"},
+    {"plan.txt", 5, "", "", "a plan has a line \"seeds\", and this one has none%"},
+    {"plan.txt", 6, "", "", "a plan has a line \"seed\", and this one has none%"},
+    {"plan.txt", 8, "", "", "a plan has a line \"given\", and this one has none%"},
+    {"plan.txt", 9, "reference 0 0 mis 16", ":9:1", "\"reference 0 0 mis 16\": behind \"reference\" "
+        "must stand 0 (by a mis) or 1 (by a sir), "
+        "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
+    {"runs.csv", 1, "setting", ":1:1",
+        "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,"
+        "rmse,relmse,bias,"
+        "relmse_both\""},
+    {"runs.csv", 3, "em 16,1,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,1,1,1,1,1,1,1,1,1,1,1\" is the second of its "
+        "kind; remove one of them"},
+    {"runs.csv", 3, "em 16,4,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,4,1,1,1,1,1,1,1,1,1,1\" is no run of "
+        "plan.txt, by its passes; remove the line and it "
+        "is measured again"},
+    {"runs.csv", 4, "mis 16,1,1,1,1,1,1,1,1,1,1,1", ":4:1", "\"mis 16,1,1,1,1,1,1,1,1,1,1,1\" is no run of "
+        "plan.txt, by its setting; remove the line and it "
+        "is measured again"},
+    {"runs.csv", 4, "sir 64/4", ":4:1", "\"sir 64/4\" is no run of plan.txt, by its setting; remove the line and "
+        "it is measured again"},
+};
+
 /* A line of the folder above replaced by another: the whole message, with its place. "" for plan.txt's line: a file
  * without it. */
 static void each_damage_has_its_place_and_its_words(void **state)
 {
     (void)state;
     static const char damaged[] = "; the file is damaged, measure into a new folder";
-    static const struct {
-        const char *file;
-        int line;
-        const char *with, *at, *says;
-    } cases[] = {
-        {"plan.txt", 1, "fingerprint 0123456789abcdef", "",
-            "this measurement is of another scene than \"" DIR "/scene.txt\" as it is now, or by "
-            "another version of bis; measure into a new folder"},
-        {"plan.txt", 1, "fingerprint 0123456789abcdeg", ":1:1",
-            "\"fingerprint 0123456789abcdeg\": behind \"fingerprint\" must stand 16 digits 0-9, a-f%"},
-        {"plan.txt", 2, "full 32769 16", ":2:1", "\"full 32769 16\": behind \"full\" must stand width and height in "
-            "pixels, from 1 to 32768%"},
-        {"plan.txt", 3, "step 32769", ":3:1", "\"step 32769\": behind \"step\" must stand a number from 1 to 32768%"},
-        {"plan.txt", 4, "size 6 5", ":4:1", "\"size 6 5\": behind \"size\" must stand width and height in pixels, "
-            "those of \"full\" divided by \"step\", "
-            "which stand before%"},
-        {"plan.txt", 5, "seeds 17", ":5:1", "\"seeds 17\": behind \"seeds\" must stand a number from 1 to 16%"},
-        {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a "
-            "whole number from 0 to 2^53 - 1%"},
-        {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a "
-            "number above 0, at most 1e9%"},
-        {"plan.txt", 8, "given 2", ":8:1", "\"given 2\": behind \"given\" must stand 0 or 1%"},
-        {"plan.txt", 8, "given 0\ngiven 0", ":9:1", "\"given 0\" is the second line of its kind%"},
-        {"plan.txt", 8, "given", ":8:1", "\"given\": behind \"given\" must stand 0 or 1%"},
-        {"plan.txt", 8, "give 0", ":8:1", "\"give 0\" is no line of a plan%"},
-        {"plan.txt", 9, "reference 0 4194305 mis 16", ":9:1", "\"reference 0 4194305 mis 16\": behind \"reference\" "
-            "must stand 0 (by a mis) or 1 (by a sir), "
-            "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
-        {"plan.txt", 9, "reference 0 3 em 16", ":9:1", "\"reference 0 3 em 16\": behind \"reference\" must stand 0 "
-            "(by a mis) or 1 (by a sir), each once, "
-            "passes from 1 to 4194304, and the name of a setting that may be one%"},
-        {"plan.txt", 10, "", "", "\"em 16\" is to be measured, and the line \"reference 1\" that says what it is "
-            "compared with is missing%"},
-        {"plan.txt", 9, "", "", "\"sir 64/4\" is to be measured, and the line \"reference 0\" that says what it is "
-            "compared with is missing%"},
-        {"plan.txt", 11, "setting 22 1 0.25 nan em 16", ":11:1",
-            "\"setting 22 1 0.25 nan em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of "
-            "a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
-        {"plan.txt", 11, "setting 2 1 0.25 inf em 16", ":11:1", "\"setting 2 1 0.25 inf em 16\": behind \"setting\" "
-            "must stand levels from 0 to 21, seconds of a "
-            "pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
-        {"plan.txt", 7, "", "", "a plan has a line \"run_seconds\", and this one has none%"},
-        {"plan.txt", 1, "", "", "a plan has a line \"fingerprint\", and this one has none%"},
-        {"plan.txt", 5, "", "", "a plan has a line \"seeds\", and this one has none%"},
-        {"plan.txt", 6, "", "", "a plan has a line \"seed\", and this one has none%"},
-        {"plan.txt", 8, "", "", "a plan has a line \"given\", and this one has none%"},
-        {"plan.txt", 9, "reference 0 0 mis 16", ":9:1", "\"reference 0 0 mis 16\": behind \"reference\" "
-            "must stand 0 (by a mis) or 1 (by a sir), "
-            "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
-        {"runs.csv", 1, "setting", ":1:1",
-            "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,"
-            "rmse,relmse,bias,"
-            "relmse_both\""},
-        {"runs.csv", 3, "em 16,1,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,1,1,1,1,1,1,1,1,1,1,1\" is the second of its "
-            "kind; remove one of them"},
-        {"runs.csv", 3, "em 16,4,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,4,1,1,1,1,1,1,1,1,1,1\" is no run of "
-            "plan.txt, by its passes; remove the line and it "
-            "is measured again"},
-        {"runs.csv", 4, "mis 16,1,1,1,1,1,1,1,1,1,1,1", ":4:1", "\"mis 16,1,1,1,1,1,1,1,1,1,1,1\" is no run of "
-            "plan.txt, by its setting; remove the line and it "
-            "is measured again"},
-        {"runs.csv", 4, "sir 64/4", ":4:1", "\"sir 64/4\" is no run of plan.txt, by its setting; remove the line and "
-            "it is measured again"},
-    };
     char *texts[2] = {read_text(DIR "/folder/plan.txt"), read_text(DIR "/folder/runs.csv")};
     bis_trade t;
     load(&t);
     const bis_trade_plan fresh = t.plan;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const bool of_runs = cases[i].file[0] == 'r';
+    for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
+        const bool of_runs = damages[i].file[0] == 'r';
         char damage[2048], path[64], expected[1024];
         const char *from = texts[of_runs];
         int n = 0;
-        for (int line = 1; line < cases[i].line; line++) from = strchr(from, '\n') + 1;
-        n = snprintf(damage, sizeof damage, "%.*s%s%s", (int)(from - texts[of_runs]), texts[of_runs], cases[i].with,
-            *cases[i].with ? "\n" : "");
+        for (int line = 1; line < damages[i].line; line++) from = strchr(from, '\n') + 1;
+        n = snprintf(damage, sizeof damage, "%.*s%s%s", (int)(from - texts[of_runs]), texts[of_runs], damages[i].with,
+            *damages[i].with ? "\n" : "");
         snprintf(damage + n, sizeof damage - (size_t)n, "%s", strchr(from, '\n') + 1);
         for (int k = 0; k < 2; k++) program_write_file(k ? DIR "/folder/runs.csv" : DIR "/folder/plan.txt",
             k == of_runs ? damage : texts[k]);
-        snprintf(path, sizeof path, DIR "/folder/%s", cases[i].file);
-        const int length = (int)strcspn(cases[i].says, "%");
-        snprintf(expected, sizeof expected, "%s%s: error: %.*s%s", path, cases[i].at, length, cases[i].says,
-            cases[i].says[length] ? damaged : "");
+        snprintf(path, sizeof path, DIR "/folder/%s", damages[i].file);
+        const int length = (int)strcspn(damages[i].says, "%");
+        snprintf(expected, sizeof expected, "%s%s: error: %.*s%s", path, damages[i].at, length, damages[i].says,
+            damages[i].says[length] ? damaged : "");
         t.plan = fresh;
         t.n_runs = 0;
         bis_diag diag = {0};
@@ -1800,6 +1812,21 @@ static void the_worst_pixels_are_spared(void **state)
 
 /* ---- resumed ---- */
 
+/* Of 10 seconds two are for the page: a run of 8 is not begun. */
+static void assert_no_run_is_begun_too_late(bis_trade_options o)
+{
+    bis_trade t = {.n_runs = 0};
+    bool interrupted;
+    char *runs = read_text(DIR "/folder/runs.csv");
+    strstr(runs, "sir 64/4,2,")[0] = '\0';
+    program_write_file(DIR "/folder/runs.csv", runs);
+    bis_free(runs);
+    o.seconds = 10;
+    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
+    assert_true(!t.is_complete && t.is_reported && t.n_runs == 3);
+    bis_trade_clear(&t);
+}
+
 /* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
 static void the_rest_is_measured_in_rounds_and_told(void **state)
 {
@@ -1857,17 +1884,7 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_true(!t.result.advice[i].is_extrapolated &&
         t.result.advice[i].passes > 0);
     bis_trade_clear(&t);
-
-    /* of 10 seconds two are for the page: a run of 8 is not begun */
-    char *runs = read_text(DIR "/folder/runs.csv");
-    strstr(runs, "sir 64/4,2,")[0] = '\0';
-    program_write_file(DIR "/folder/runs.csv", runs);
-    bis_free(runs);
-    bis_trade_options brief = o;
-    brief.seconds = 10;
-    assert_int_equal(bis_trade_measure(&t, &brief, &interrupted, NULL), BIS_OK);
-    assert_true(!t.is_complete && t.is_reported && t.n_runs == 3);
-    bis_trade_clear(&t);
+    assert_no_run_is_begun_too_late(o);
 }
 
 /* ---- the advice, checked ---- */
@@ -2164,28 +2181,30 @@ static unsigned long long fingerprint_of_two(void)
     return print;
 }
 
+static const char run_at_its_limits[] =
+    "em 16,1048576,16,9007199254740991,1e12,9223372036854775808,9223372036854775808,"
+    "9223372036854775808,1.7e308,1.6e308,-1.5e308,1.4e308";
+
+static const struct {
+    int column;
+    const char *value, *name; /* of the column that is named */
+} beyond[] = {
+    {0, "sir 64/4", "passes"}, {0, "mis 64", "setting"}, {1, "2097152", "passes"}, {1, "3", "passes"},
+    {1, "0", "passes"}, {2, "17", "replicate"}, {2, "0", "replicate"}, {3, "9007199254740994", "seed"},
+    {3, "-1", "seed"}, {4, "1.1e12", "seconds"}, {4, "-1e-9", "seconds"}, {5, "9223372036854777856", "camera_rays"},
+    {5, "0.5", "camera_rays"}, {6, "9223372036854777856", "shadow_rays"}, {6, "-1", "shadow_rays"},
+    {7, "9223372036854777856", "candidates"}, {7, "x", "candidates"}, {8, "1e309", "rmse"}, {8, "-1e-9", "rmse"},
+    {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"},
+    {10, "nan", "bias"},
+    {11, "1e309", "relmse_both"}, {11, "-1e-9", "relmse_both"}, {11, "1 1", "relmse_both"}, {11, "", "relmse_both"},
+};
+
 /* What each field may be at most and at least is taken as it stands, and what lies beyond is refused by its name. */
 static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
 {
     (void)state;
-    static const char good[] = "em 16,1048576,16,9007199254740991,1e12,9223372036854775808,9223372036854775808,"
-                               "9223372036854775808,1.7e308,1.6e308,-1.5e308,1.4e308";
-    static const struct {
-        int column;
-        const char *value, *name; /* of the column that is named */
-    } cases[] = {
-        {0, "sir 64/4", "passes"}, {0, "mis 64", "setting"}, {1, "2097152", "passes"}, {1, "3", "passes"},
-        {1, "0", "passes"}, {2, "17", "replicate"}, {2, "0", "replicate"}, {3, "9007199254740994", "seed"},
-        {3, "-1", "seed"}, {4, "1.1e12", "seconds"}, {4, "-1e-9", "seconds"}, {5, "9223372036854777856", "camera_rays"},
-        {5, "0.5", "camera_rays"}, {6, "9223372036854777856", "shadow_rays"}, {6, "-1", "shadow_rays"},
-        {7, "9223372036854777856", "candidates"}, {7, "x", "candidates"}, {8, "1e309", "rmse"}, {8, "-1e-9", "rmse"},
-        {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"},
-        {10, "nan", "bias"},
-        {11, "1e309", "relmse_both"}, {11, "-1e-9", "relmse_both"}, {11, "1 1", "relmse_both"}, {11, "", "relmse_both"},
-    };
     char text[2048];
     bis_trade t;
-
     const unsigned long long print = fingerprint_of_two();
     snprintf(text, sizeof text,
         "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740991\n"
@@ -2193,7 +2212,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
         "setting 0 1e-300 0 nan sir 64/4\n",
         print);
     program_write_file(DIR "/folder/plan.txt", text);
-    snprintf(text, sizeof text, RUNS "%s\nem 16,1,1,0,0,0,0,0,0,0,1.3e308,0\n", good);
+    snprintf(text, sizeof text, RUNS "%s\nem 16,1,1,0,0,0,0,0,0,0,1.3e308,0\n", run_at_its_limits);
     program_write_file(DIR "/folder/runs.csv", text);
     load(&t);
     const bis_trade_plan *p = &t.plan, fresh = t.plan;
@@ -2219,12 +2238,13 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     assert_true(least->level == 0 && least->replicate == 0 && least->seed == 0 && least->seconds == 0 &&
                 least->bias == 1.3e308);
 
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
         char line[512], expected[1024];
-        const char *from = good, *end;
-        for (int k = 0; k < cases[i].column; k++) from = strchr(from, ',') + 1;
+        const char *from = run_at_its_limits, *end;
+        for (int k = 0; k < beyond[i].column; k++) from = strchr(from, ',') + 1;
         end = from + strcspn(from, ",");
-        snprintf(line, sizeof line, "%.*s%s%s", (int)(from - good), good, cases[i].value, end);
+        snprintf(line, sizeof line, "%.*s%s%s", (int)(from - run_at_its_limits), run_at_its_limits, beyond[i].value,
+                 end);
         snprintf(text, sizeof text, RUNS "%s\n", line);
         program_write_file(DIR "/folder/runs.csv", text);
         t.plan = fresh;
@@ -2235,7 +2255,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
         snprintf(expected, sizeof expected,
             DIR "/folder/runs.csv:2:1: error: \"%s\" is no run of plan.txt, by its %s; remove "
                 "the line and it is measured again",
-            line, cases[i].name);
+            line, beyond[i].name);
         assert_string_equal(diag.messages[0].text, expected);
         bis_diag_clear(&diag);
     }

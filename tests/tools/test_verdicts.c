@@ -753,6 +753,35 @@ static void assert_note(const bis_verify_test *t, int rays, int surfaces, int se
     assert_true(t->threshold == 0 && t->dof == 0);
 }
 
+/* n rays: where they begin, and how many go into the small triangle. */
+static void assert_rays_fill_the_scene(const witness *a, int n)
+{
+    double lo[3] = {9, 9, 9}, hi[3] = {-9, -9, -9}, sum[3] = {0};
+    const double margin = 0.1 * sqrt(5), least[3] = {-margin, -margin, -margin},
+                 most[3] = {2 + margin, 1 + margin, margin};
+    int into_small = 0;
+    for (int i = 0; i < n; i++) {
+        const double o[3] = {(double)a->rays[i].o.x, (double)a->rays[i].o.y, (double)a->rays[i].o.z};
+        for (int c = 0; c < 3; c++) {
+            lo[c] = fmin(lo[c], o[c]);
+            hi[c] = fmax(hi[c], o[c]);
+            sum[c] += o[c] / n;
+        }
+        assert_near((double)length(a->rays[i].d), 1, 1e-6);
+        if (fabs(o[2]) > 0.01 && !crosses(&a->rays[i], 0, 2, 0, 1, 1e-3)) fail_msg("ray %d passes the scene", i);
+        into_small += crosses(&a->rays[i], 1.98, 2, 0.98, 1, 1e-4);
+    }
+    for (int c = 0; c < 3;
+        c++) { /* 6000 uniform numbers: an end is missed by a thousandth of the range, the mean by 5 standard errors */
+        const double range = most[c] - least[c];
+        assert_true(lo[c] >= least[c] - 1e-6 && lo[c] < least[c] + 3e-3 * range && hi[c] <= most[c] + 1e-6 &&
+                    hi[c] > most[c] - 3e-3 * range);
+        assert_near(sum[c], (least[c] + most[c]) / 2, 5 * range / sqrt(12.0 * n));
+    }
+    assert_near(
+        (double)into_small / n, 0.25, 5 * sqrt(0.25 * 0.75 / n) + 2e-3); /* half of the rays, half of the triangles */
+}
+
 /* A triangle of 2 x 1, and one of 0.02 x 0.02 in its corner beyond: a box of 2 x 1 x 0 with a margin of 0.1 sqrt 5. */
 static void the_rays_are_where_the_page_says_and_are_counted(void **state)
 {
@@ -786,30 +815,7 @@ static void the_rays_are_where_the_page_says_and_are_counted(void **state)
         bis_verify_clear(&v);
     }
 
-    double lo[3] = {9, 9, 9}, hi[3] = {-9, -9, -9}, sum[3] = {0};
-    const double margin = 0.1 * sqrt(5), least[3] = {-margin, -margin, -margin},
-                 most[3] = {2 + margin, 1 + margin, margin};
-    int into_small = 0;
-    for (int i = 0; i < N; i++) {
-        const double o[3] = {(double)a.rays[i].o.x, (double)a.rays[i].o.y, (double)a.rays[i].o.z};
-        for (int c = 0; c < 3; c++) {
-            lo[c] = fmin(lo[c], o[c]);
-            hi[c] = fmax(hi[c], o[c]);
-            sum[c] += o[c] / N;
-        }
-        assert_near((double)length(a.rays[i].d), 1, 1e-6);
-        if (fabs(o[2]) > 0.01 && !crosses(&a.rays[i], 0, 2, 0, 1, 1e-3)) fail_msg("ray %d passes the scene", i);
-        into_small += crosses(&a.rays[i], 1.98, 2, 0.98, 1, 1e-4);
-    }
-    for (int c = 0; c < 3;
-        c++) { /* 6000 uniform numbers: an end is missed by a thousandth of the range, the mean by 5 standard errors */
-        const double range = most[c] - least[c];
-        assert_true(lo[c] >= least[c] - 1e-6 && lo[c] < least[c] + 3e-3 * range && hi[c] <= most[c] + 1e-6 &&
-                    hi[c] > most[c] - 3e-3 * range);
-        assert_near(sum[c], (least[c] + most[c]) / 2, 5 * range / sqrt(12.0 * N));
-    }
-    assert_near(
-        (double)into_small / N, 0.25, 5 * sqrt(0.25 * 0.75 / N) + 2e-3); /* half of the rays, half of the triangles */
+    assert_rays_fill_the_scene(&a, N);
 
     /* two: 2^21/2/2^18 = 4 are searched, and all that differ. Farther by 1.2e-7 is rounding, by a half is wrong. */
     for (int wrong = 0; wrong < 3; wrong++) {

@@ -221,6 +221,17 @@ static bis_status render_factors(bis_render_result *result, bis_film *f, const b
     return BIS_OK;
 }
 
+static const struct {
+    int width, height, floors;
+    double first, second, factor[2];
+    const char *found[5];
+} floors[] = {{1, 1, 1, 0, 0, {1, 1}, {NULL}}, {1, 1, 1, 9, 0, {2 / 3.0, 1}, {NULL}},
+    {1, 1, 1, 0, 0, {1.05, 1}, {"+5 %", "+5 %"}}, {2, 1, 2, -1, 1, {1, 1}, {NULL}},
+    {2, 1, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "+5 %", ""}},
+    {2, 1, 2, -1, 1, {0.95, 1.05}, {NULL, NULL, "-5 %", ""}},
+    {1, 2, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "", "+5 %"}},
+    {2, 1, 2, -1, 1.5, {1.1, 6.125 / 5.25}, {"+4.8 %", "+4.8 %", "+5.5 %", ""}}};
+
 /* Floors of reflectance 1/2 end in each of one or two pixels, the picture is 7/2 or 7. All that is judged, by hand.
  * Where floors lie outside the middle of two pixels, these have opposite slopes: 5 % more in the first and less in the
  * second is nothing in all pixels, and 5 % of what the slopes weigh. Slopes along an edge are noise: "" may fail. Of
@@ -237,26 +248,16 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
         *const of_material[] = {"all pixels: em", "material 1: em", "not a number: em"},
         *const of_two[] = {"all pixels: em", "outlines: em", "outlines, left to right: em", "outlines, up and down: em",
                            "not a number: em"};
-    static const struct {
-        int width, height, floors;
-        double first, second, factor[2];
-        const char *found[5];
-    } cases[] = {{1, 1, 1, 0, 0, {1, 1}, {NULL}}, {1, 1, 1, 9, 0, {2 / 3.0, 1}, {NULL}},
-        {1, 1, 1, 0, 0, {1.05, 1}, {"+5 %", "+5 %"}}, {2, 1, 2, -1, 1, {1, 1}, {NULL}},
-        {2, 1, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "+5 %", ""}},
-        {2, 1, 2, -1, 1, {0.95, 1.05}, {NULL, NULL, "-5 %", ""}},
-        {1, 2, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "", "+5 %"}},
-        {2, 1, 2, -1, 1.5, {1.1, 6.125 / 5.25}, {"+4.8 %", "+4.8 %", "+5.5 %", ""}}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof floors / sizeof *floors; i++) {
         char text[2048];
-        const int down = cases[i].height == 2;
+        const int down = floors[i].height == 2;
         int n = snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
                          "Camera \"orthographic\"\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
                          "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 "
                          ".5]\n",
-                         cases[i].width, cases[i].height);
-        for (int k = 0; k < cases[i].floors; k++) {
-            const double a = k ? cases[i].second : -9, b = k ? 9 : cases[i].first;
+                         floors[i].width, floors[i].height);
+        for (int k = 0; k < floors[i].floors; k++) {
+            const double a = k ? floors[i].second : -9, b = k ? 9 : floors[i].first;
             double c[4][2] = {{a, -9}, {b, -9}, {b, 9}, {a, 9}}; /* x, y */
             n += snprintf(text + n, sizeof text - (size_t)n, floor_text, c[0][down], c[0][!down], c[1][down],
                 c[1][!down], c[2][down], c[2][!down], c[3][down], c[3][!down]);
@@ -264,7 +265,7 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
         program_folder(VERIFY_DIR);
         program_write_file(VERIFY_DIR "/floors.txt", text);
         verify_built b = verify_build(VERIFY_DIR "/floors.txt");
-        for (int k = 0; k < 2; k++) factor[k] = cases[i].factor[k];
+        for (int k = 0; k < 2; k++) factor[k] = floors[i].factor[k];
         /* Where a few renders outweigh all others there is no verdict: of seeds 1 to 20 a third have none. Each row
          * must get the right one from one of four seeds, and the wrong one from none. */
         bool judged[5] = {false}, all_judged = false;
@@ -275,12 +276,12 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
                 bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
             assert_true(tested);
             assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
-            assert_int_equal(v.n, cases[i].floors == 2 ? 5 : 3);
+            assert_int_equal(v.n, floors[i].floors == 2 ? 5 : 3);
             all_judged = true;
             for (size_t k = 0; k < v.n; k++) {
-                const char *found = cases[i].found[k];
-                const char *const name = cases[i].floors == 2  ? of_two[k]
-                                         : cases[i].first == 9 ? of_material[k]
+                const char *found = floors[i].found[k];
+                const char *const name = floors[i].floors == 2  ? of_two[k]
+                                         : floors[i].first == 9 ? of_material[k]
                                                                : of_one[k];
                 assert_string_equal(v.tests[k].name, name);
                 assert_string_equal(v.tests[k].group, "picture");

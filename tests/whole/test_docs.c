@@ -376,6 +376,38 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
     }
 }
 
+/* 60 lines from { to }, and one more; 40 lines of a table beside them are none. */
+static void a_function_of_more_than_60_lines_is_found(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"src/base/x.c", "tests/base/test_x.c", "scripts/x.c"};
+    char path[128], said[1024], expected[256];
+
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
+                               "mkdir -p include/bis/base src/base tests/base scripts"), 0);
+        program_write_file("build/docstrings/include/bis/base/x.h", "/* f does it. */\nint f(int x);\n");
+        snprintf(path, sizeof path, "build/docstrings/%s", files[i]);
+        for (int over = 0; over < 2; over++) {
+            FILE *f = fopen(path, "w");
+            assert_non_null(f);
+            fputs("int f(int x)\n{\n    static const int of[] = {\n", f);
+            for (int k = 0; k < 38; k++) fputs("        1,\n", f);
+            fputs("    };\n", f);
+            for (int k = 0; k < 58 + over; k++) fputs("    x += of[x];\n", f);
+            fputs("}\n", f);
+            fclose(f);
+            assert_int_equal(over,
+                             shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
+        }
+        snprintf(expected, sizeof expected, "%s:2: f has 61 lines, at most 60 are allowed\n", files[i]);
+        FILE *f = fopen("build/docstrings.out", "r");
+        said[fread(said, 1, sizeof said - 1, f)] = '\0';
+        fclose(f);
+        assert_string_equal(said, expected);
+    }
+}
+
 /* ---- layers ---- */
 
 static void arrows_only_go_down(void **state)
@@ -596,48 +628,62 @@ static void every_mutation_finds_its_text(void **state)
         0);
 }
 
-/* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
+/* What scripts/check/run_tests.sh says of these programs, in RUNS/out. RUNS is a small project: its root is copied for
+ * every job. */
+#define RUNS "build/test_runs"
+static int run_programs(const char *jobs, const char *programs)
+{
+    char command[512];
+    snprintf(command, sizeof command, "cd " RUNS " && %s sh ../../scripts/check/run_tests.sh %s > out", jobs, programs);
+    return shell(command);
+}
+
+/* What failed is kept where the last line says; it holds `file`. */
+static void assert_kept(const char *file)
+{
+    char command[512];
+    snprintf(command, sizeof command, "cd " RUNS " && folder=$(sed -n 's/.*what they wrote is in //p' out) && "
+             "folder=${folder%%%% *} && test -f $folder/%s && rm -r ${folder%%/*/build}", file);
+    assert_int_equal(shell(command), 0);
+}
+
+/* Programs that find the project's files and leave one of their own; some fail. */
 static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 {
     (void)state;
     static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e "
                                "build/mine && echo x > build/mine\n";
-    program_folder("build/test_runs");
-    program_write_file("build/test_runs/good", good);
-    program_write_file("build/test_runs/bad", "#!/bin/sh\necho x > build/mine; exit 1\n");
+    static const char bad[] = "#!/bin/sh\necho x > build/mine; exit 1\n";
     /* Two that end well only if they run at once: each makes a file beside the roots and waits for the other's. */
-    program_write_file("build/test_runs/meet", "#!/bin/sh\ntouch ../meet; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e "
-                                               "../again || exit 0; sleep 1; done; exit 1\n");
-    program_write_file("build/test_runs/meet-again", "#!/bin/sh\ntouch ../again; for i in 1 2 3 4 5 6 7 8 9 10; do "
-                                                     "test ! -e ../meet || exit 0; sleep 1; done; exit 1\n");
-    assert_int_equal(shell("cp build/test_runs/good build/test_runs/again && chmod 755 build/test_runs/*"), 0);
+    static const char meet[] = "#!/bin/sh\ntouch ../%s; for i in 1 2 3 4 5 6 7 8 9 10; do test ! -e ../%s || exit 0; "
+                               "sleep 1; done; exit 1\n";
+    char one[256], other[256];
+    snprintf(one, sizeof one, meet, "meet", "again");
+    snprintf(other, sizeof other, meet, "again", "meet");
+    assert_int_equal(shell("rm -rf " RUNS " && mkdir -p " RUNS "/tests/support " RUNS "/build/own && "
+                           "cp README.md " RUNS " && cp tests/support/program.h " RUNS "/tests/support"), 0);
+    program_write_file(RUNS "/build/own/good", good);
+    program_write_file(RUNS "/build/own/again", good);
+    program_write_file(RUNS "/build/own/bad", bad);
+    program_write_file(RUNS "/build/own/worse", bad);
+    program_write_file(RUNS "/build/own/meet", one);
+    program_write_file(RUNS "/build/own/meet-again", other);
+    assert_int_equal(shell("chmod 755 " RUNS "/build/own/*"), 0);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(shell("TEST_JOBS=1 sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/again > "
-                               "build/test_runs/out"),
-            1); /* the second finds what the first left */
-        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f "
-                               "$folder/mine && rm -r ${folder%/*/build}"),
-            0);
-        assert_int_equal(shell("TEST_JOBS=2 sh scripts/check/run_tests.sh build/test_runs/meet "
-                               "build/test_runs/meet-again > build/test_runs/out"),
-            0); /* each waits for the other, elsewhere */
-        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good > build/test_runs/out"),
-            0); /* and this run does not */
-        assert_int_equal(shell("test ! -e $(sed -n 2p build/test_runs/out)"), 0);
+        assert_int_equal(run_programs("TEST_JOBS=1", "build/own/good build/own/again"), 1);
+            /* the second finds what the first left */
+        assert_kept("mine");
+        assert_int_equal(run_programs("TEST_JOBS=2", "build/own/meet build/own/meet-again"), 0);
+            /* each waits for the other, elsewhere */
+        assert_int_equal(run_programs("", "build/own/good"), 0); /* and this run does not */
+        assert_int_equal(shell("test ! -e $(sed -n 2p " RUNS "/out)"), 0);
     }
-    assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/bad > build/test_runs/out"), 1);
-    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f "
-                           "$folder/mine && rm -r ${folder%/*/build}"),
-        0);
-    assert_int_equal(shell("cp build/test_runs/bad build/test_runs/worse && TEST_JOBS=2 sh scripts/check/run_tests.sh "
-                           "build/test_runs/bad build/test_runs/good build/test_runs/worse "
-                           "> build/test_runs/out"),
-        1);
-    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' build/test_runs/out && folder=$(sed -n "
-                           "'s/.*what they wrote is in //p' build/test_runs/out) && "
-                           "folder=${folder%% *} && rm -r ${folder%/*/build}"),
-        0);
-    assert_false(program_exists("build/mine"));
+    assert_int_equal(run_programs("", "build/own/bad"), 1);
+    assert_kept("mine");
+    assert_int_equal(run_programs("TEST_JOBS=2", "build/own/bad build/own/good build/own/worse"), 1);
+    assert_int_equal(shell("grep -q '^make test: FAILED: bad worse (3 programs' " RUNS "/out"), 0);
+    assert_kept("mine");
+    assert_false(program_exists(RUNS "/build/mine"));
 }
 
 /* `make test` runs every test program; T names a folder or a part of a name. `make -n` tells what would run. */
@@ -680,6 +726,7 @@ int main(void)
         cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),
+        cmocka_unit_test(a_function_of_more_than_60_lines_is_found),
         cmocka_unit_test(each_job_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
