@@ -101,8 +101,8 @@ for original in "$@"; do
         echo "$base|$advice|$setting|$passes|$promised|$truth|$(printed $base-$advice)" |
             awk -F'|' '{
                 split($6, e, " ")
-                printf "| %s | %s | `%s` | %d | %.1f %% | %.1f %% | %+.0f %% | %.1f, %.1f, %.1f %% | %s |\n", $1, $2, $3,
-                    $4, 100 * $5, 100 * e[1], 100 * ($5 / e[1] - 1), 100 * e[2], 100 * e[3], 100 * e[4], $7
+                printf "| %s | %s | `%s` | %d | %.1f %% | %.1f %% | %+.0f %% | %.1f, %.1f, %.1f %% | %s |\n", $1, $2,
+                    $3, $4, 100 * $5, 100 * e[1], 100 * ($5 / e[1] - 1), 100 * e[2], 100 * e[3], 100 * e[4], $7
             }'
     done
 done

@@ -197,6 +197,15 @@ static void note_resampling(const bis_light *light)
             100 * (em->power_after / em->power_before - 1));
 }
 
+/* Time was over in the first pass: which part of the picture has no camera sample of its own? */
+static void warn_of_missing(const render_options *o, const bis_render_result *result, bis_diag *diag)
+{
+    char text[BIS_PERCENT];
+    if (result->missing > 0 && !result->interrupted && !o->quiet)
+        bis_warn(diag, bis_cli_loc, "--time %g was over in the first pass: %s of the pixels have no camera sample and "
+                 "show a neighbour's colour", o->seconds, bis_percent(text, result->missing));
+}
+
 /* From scene to files; *interrupted: a signal came. */
 static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seconds, bool *interrupted,
                       bis_diag *diag)
@@ -206,7 +215,6 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_render_result result;
     bis_texts written = {.n = 0};
     bis_checkpoint checkpoint;
-    char text[BIS_PERCENT];
     bis_status status = open_checkpoint(&checkpoint, o, diag);
 
     if (status) goto done;
@@ -232,9 +240,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     status = render(&result, &checkpoint, o, diag);
     if (status || !bis_rank_leads(bis_cli_ranks)) goto done;
     *interrupted = bis_cli_signal;
-    if (result.missing > 0 && !result.interrupted && !o->quiet)
-        bis_warn(diag, bis_cli_loc, "--time %g was over in the first pass: %s of the pixels have no camera sample and "
-                 "show a neighbour's colour", o->seconds, bis_percent(text, result.missing));
+    warn_of_missing(o, &result, diag);
     /* an older picture is worth more than a black one; said also when quiet, as an error is */
     if (result.passes == 0) {
         fputs("bis: interrupted before the first pass was complete: nothing was written\n", stderr);
