@@ -23,9 +23,10 @@ static inline uint32_t mixed(uint32_t x)
 static inline float unit_float(uint32_t bits24) { return (float)(int32_t)bits24 * 0x1p-24f; }
 
 /* many: i rest would not fit 31 bits. */
-static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2,
+static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32_t padded, uint64_t keys,
                                         const bool many)
 {
+    const uint32_t key1 = (uint32_t)keys, key2 = (uint32_t)(keys >> 32);
     const uint32_t cells = 1u << 24, last = cells - 1, whole = cells / n, rest = cells % n;
     const float inverse = 1 / (float)n, size = (float)cells * inverse;
 
@@ -46,15 +47,13 @@ static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32
 }
 
 BIS_LANES
-static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2)
+static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint64_t keys)
 {
-    if (n <= 1u << 15) points_as(u1, u2, n, padded, key1, key2, false); /* (padded - 1) (n - 1) < 2^31 */
-    else points_as(u1, u2, n, padded, key1, key2, true);
+    if (n <= 1u << 15) points_as(u1, u2, n, padded, keys, false); /* (padded - 1) (n - 1) < 2^31 */
+    else points_as(u1, u2, n, padded, keys, true);
 }
 
 void bis_curve_points(float *u1, float *u2, uint32_t n, uint64_t key)
 {
-    const uint64_t keys = bis_hash(key);
-
-    points(u1, u2, n, bis_lanes_round_up(n), (uint32_t)keys, (uint32_t)(keys >> 32));
+    points(u1, u2, n, bis_lanes_round_up(n), bis_hash(key));
 }

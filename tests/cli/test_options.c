@@ -353,7 +353,8 @@ static void words_of(char *words, size_t size, const bis_topic *t)
 static int kind_of(const char *line)
 {
     const size_t indent = strspn(line, " ");
-    return indent == 0 ? 0 : indent == 4 ? 4 : 2; /* a paragraph, a line of a scene, an entry or its text */
+    /* a paragraph, a line of a scene (by 6: it goes on), an entry or its text */
+    return indent == 0 ? 0 : indent == 4 || indent == 6 ? 4 : 2;
 }
 
 /* Title, entries in their order, nothing else, in `help` and in the man page. Between blank lines is one kind of line;
