@@ -62,7 +62,8 @@ static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, 
     bis_product_guide *g = (bis_product_guide *)guide;
     double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
 
-    if (!bis_product_weigh(&g->product, g->clusters, g->guess.h, &pt->bsdf)) return false;
+    if (!bis_product_weigh(&g->product, g->clusters, &pt->bsdf)) return false;
+    if (g->visibility) bis_product_guess(&g->product, g->clusters, &g->guess);
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &x->own, x->part,
