@@ -151,11 +151,12 @@ void bis_guess_clear(bis_visibility_guess *f)
     *f = (bis_visibility_guess){0};
 }
 
-/* The squares around a place, each in the next. */
+/* The smallest squares around a place, each in the next. Larger ones have told theirs to these by their means. */
 static void look_up(bis_visibility_guess *f, uint32_t n, const bis_visibility *v, size_t place)
 {
     f->n_above = 0;
-    for (uint32_t s = v->above[place]; s != BIS_NO_SQUARE; s = v->above[v->n_tiles + s]) {
+    for (uint32_t s = v->above[place]; s != BIS_NO_SQUARE && f->n_above < BIS_MOST_ABOVE;
+         s = v->above[v->n_tiles + s]) {
         float *h = f->of_square[f->n_above++];
         for (uint32_t k = 0; k < n; k++) h[k] = v->squares[s].h[bis_visibility_part(k, n)];
     }

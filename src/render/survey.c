@@ -6,10 +6,10 @@
  * place. It is guided by the rounds before, and by the squares around the place. The rounds end when a quarter of the
  * rays of one comes through, or after 16: in the open a look costs 4 camera samples, in a room 64.
  *
- * Squares are 4 x 4 tiles, then 4 x 4 of these, up to the whole picture. They are counted from the picture's corner, and
+ * Squares are 2 x 2 tiles, then 2 x 2 of these, up to the whole picture. They are counted from the picture's corner, and
  * all that a look does depends on the picture, the seed and the squares around it. So a crop, a part and each rank find
  * the same as the whole picture does, and a resumed render finds it again. The squares of a picture are looked at before
- * its first pass, which costs a 60th of a pass at most; a tile is looked at before its own first samples.
+ * its first pass, and a tile before its own first samples. All squares together cost a third of what the tiles cost.
  *
  * The random numbers of a look are not those of a pass, nor those of a look of another size, so no estimate depends on
  * the rays that it weighs. */
@@ -23,7 +23,7 @@
 
 #include <string.h>
 
-enum { TILE = BIS_RENDER_TILE, PIXELS = TILE * TILE, WIDER = 4 };
+enum { TILE = BIS_RENDER_TILE, PIXELS = TILE * TILE, WIDER = 2, MOST_LEVELS = 28 };
 
 /* Of the random number that is the seed of all looks around of a size: beyond all purposes of sampler.c. */
 static const uint64_t LOOK = UINT64_MAX, PURPOSE_SEED = (uint64_t)4 << 32;
@@ -37,12 +37,12 @@ typedef struct squares {
 } squares;
 
 /* The squares of all sizes, from the smallest on, whose number is returned. */
-static int find_squares(squares level[BIS_MOST_ABOVE], const bis_film *f)
+static int find_squares(squares level[MOST_LEVELS], const bis_film *f)
 {
     int n = 0;
     size_t first = 0;
 
-    for (int64_t side = WIDER * TILE; n < BIS_MOST_ABOVE; side *= WIDER) {
+    for (int64_t side = WIDER * TILE; n < MOST_LEVELS; side *= WIDER) {
         const int across = (int)((f->full_width + side - 1) / side), down = (int)((f->full_height + side - 1) / side);
         level[n++] = (squares){first, (int)side, across, down};
         first += (size_t)across * (size_t)down;
@@ -58,7 +58,7 @@ static uint32_t square_at(const squares *s, int x, int y)
 
 size_t bis_survey_squares(const bis_film *f)
 {
-    squares level[BIS_MOST_ABOVE];
+    squares level[MOST_LEVELS];
     const squares *last = &level[find_squares(level, f) - 1];
 
     return last->first + (size_t)last->across * (size_t)last->down;
@@ -66,7 +66,7 @@ size_t bis_survey_squares(const bis_film *f)
 
 void bis_survey_place(bis_visibility *v, const bis_film *f)
 {
-    squares level[BIS_MOST_ABOVE];
+    squares level[MOST_LEVELS];
     const int n = find_squares(level, f);
 
     for (size_t t = 0; t < v->n_tiles; t++) {
@@ -175,7 +175,7 @@ static void look_at_squares(bis_workspace *w, const squares *s)
 void bis_survey(bis_workspace *w, bool counts)
 {
     bis_visibility *v = &w->visibility;
-    squares level[BIS_MOST_ABOVE];
+    squares level[MOST_LEVELS];
     const size_t first = bis_visibility_first_cell(v, v->n_tiles);
     const bool is_first = w->options->part.k <= 1 && (!w->options->ranks || w->options->ranks->rank == 0);
 

@@ -34,7 +34,7 @@ typedef struct bis_square {
     float mean[BIS_VISIBILITY_PARTS], h[BIS_VISIBILITY_PARTS];
 } bis_square;
 
-enum { BIS_NO_SQUARE = UINT32_MAX, BIS_MOST_ABOVE = 12 /* squares, one in the other */ };
+enum { BIS_NO_SQUARE = UINT32_MAX, BIS_MOST_ABOVE = 4 /* squares that a point asks */ };
 
 /* A place is a tile, or square k as place n_tiles + k. A square has one cell, and these follow those of the tiles. */
 typedef struct bis_visibility {
@@ -51,8 +51,8 @@ typedef struct bis_visibility {
 typedef struct bis_visibility_guess {
     float *own;        /* > 0, below 0.71: the best h as far as the cell knows */
     float *g;          /* in [0,1]: the mean of V */
-    float *of_square[BIS_MOST_ABOVE]; /* the best h as far as each square around it knows */
-    uint32_t n_above;  /* squares around it */
+    float *of_square[BIS_MOST_ABOVE]; /* the best h as far as each of the smallest squares around it knows */
+    uint32_t n_above;  /* these squares */
     float *h;          /* > 0: what the weights of the point's candidates are multiplied by */
     float *control;    /* g/h */
     bool knows;        /* something was counted */
