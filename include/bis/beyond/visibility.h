@@ -34,7 +34,7 @@ typedef struct bis_square {
     float mean[BIS_VISIBILITY_PARTS], h[BIS_VISIBILITY_PARTS];
 } bis_square;
 
-enum { BIS_NO_SQUARE = UINT32_MAX, BIS_MOST_ABOVE = 4 /* squares that a point asks */ };
+enum { BIS_NO_SQUARE = UINT32_MAX };
 
 /* A place is a tile, or square k as place n_tiles + k. A square has one cell, and these follow those of the tiles. */
 typedef struct bis_visibility {
@@ -51,8 +51,8 @@ typedef struct bis_visibility {
 typedef struct bis_visibility_guess {
     float *own;        /* > 0, below 0.71: the best h as far as the cell knows */
     float *g;          /* in [0,1]: the mean of V */
-    float *of_square[BIS_MOST_ABOVE]; /* the best h as far as each of the smallest squares around it knows */
-    uint32_t n_above;  /* these squares */
+    float *of_square;  /* the best h as far as the square around it knows */
+    bool has_square;   /* there is one */
     float *h;          /* > 0: what the weights of the point's candidates are multiplied by */
     float *control;    /* g/h */
     bool knows;        /* something was counted */
@@ -93,12 +93,12 @@ static inline size_t bis_visibility_first_cell(const bis_visibility *v, size_t p
 
 /* bis_guess_look stores what the counts say about each of n clusters in cell number `cell`, and lets f->counted lead to
  * this cell's counts. What this pass counted is used from the cells of the tile with smaller numbers, so these must be
- * complete. The squares around it must be closed. */
+ * complete. The square around it must be closed. */
 void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v, size_t cell);
 
 /* bis_guess_mix makes h and control for a point, of whose product with cluster k of n b[k] is a bound, W their sum, and
- * multiplies b by h. 8 of 15 candidates then go where the cell alone would send them, 6 where its squares would, and 1
- * where it would go without knowledge. In no square it is 4 of 5 and 1 of 5. */
+ * multiplies b by h. 8 of 15 candidates then go where the cell alone would send them, 6 where the square around it
+ * would, and 1 where it would go without knowledge. Without a square it is 4 of 5 and 1 of 5. */
 void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n);
 
 /* bis_visibility_close makes *square of what was counted in square k, for n clusters. The square around it must be
