@@ -32,10 +32,11 @@ bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_bsdf *bs
     return p->W > 0;
 }
 
-void bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f)
+bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f)
 {
     bis_guess_mix(f, p->clusters.w, p->W, c->n);
     p->W = bis_choice_sum(&p->clusters, bis_lanes_round_up(c->n));
+    return p->W > 0;
 }
 
 static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, float scale)

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 9, MAGIC = 8 };
+enum { FORMAT = 10, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];

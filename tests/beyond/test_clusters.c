@@ -476,7 +476,7 @@ static bool draw_lamps(bis_guide *g, bis_set *x, uint32_t n, const bis_point *pt
     (void)g;
     small.cone.sine = sine;
     const bool drawn = bis_product_weigh(p, &of_lamps->c, &pt->bsdf);
-    if (drawn && of_lamps->guide.visibility) bis_product_guess(p, &of_lamps->c, &of_lamps->guide.guess);
+    if (drawn && of_lamps->guide.visibility) assert_true(bis_product_guess(p, &of_lamps->c, &of_lamps->guide.guess));
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     if (drawn) {
