@@ -5,8 +5,8 @@
  * light spotty.
  *
  * weigh, chosen: earlier rays have learned V (bis/beyond/visibility.h). The weights are multiplied by h, which sends
- * rays where V is uncertain. draw makes it for each point of what its cell knows, what the square around its tile knows,
- * and, for a small share, of nothing (bis_guess_mix).
+ * rays where V is uncertain. draw makes h for each point: of what its cell knows, of what the square around its tile
+ * knows, and, for a small share, of nothing (bis_guess_mix).
  *
  * rays: more are cast where little light is expected, because there the relative error is largest.
  *

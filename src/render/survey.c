@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* survey: looks around before the first samples of a picture. Nothing is kept of them but what is learned of visibility:
- * where little light arrives, a pixel that knows nothing is a hundred times as noisy as one that knows the window.
+/* survey: looks around before the first samples of a picture. Nothing is kept of them but what is learned of V: where
+ * little light arrives, a pixel that knows nothing is a hundred times as noisy as one that knows the window.
  *
- * A look at a place, a tile or a square of tiles, goes round by round. A round is a camera sample in each quarter of the
- * place. It is guided by the rounds before, and by the squares around the place. The rounds end when a quarter of the
- * rays of one comes through, or after 16: in the open a look costs 4 camera samples, in a room 64.
+ * A look at a place, a tile or a square of tiles, goes round by round. A round is a camera sample in each quarter of
+ * the place. It is guided by the rounds before, and by the squares around the place. The rounds end when a quarter of
+ * the rays of one comes through, or after 16: in the open a look costs 4 camera samples, in a room 64.
  *
- * Squares are 2 x 2 tiles, then 2 x 2 of these, up to the whole picture. They are counted from the picture's corner, and
- * all that a look does depends on the picture, the seed and the squares around it. So a crop, a part and each rank find
- * the same as the whole picture does, and a resumed render finds it again. The squares of a picture are looked at before
- * its first pass, and a tile before its own first samples. All squares together cost a third of what the tiles cost.
+ * Squares are 2 x 2 tiles, then 2 x 2 of these, up to the whole picture. They are counted from the picture's corner,
+ * and all that a look does depends on the picture, the seed and the squares around it. So a crop, a part and each rank
+ * find the same as the whole picture does, and a resumed render finds it again. The squares of a picture are looked at
+ * before its first pass, and a tile before its own first samples. All squares together cost a third of what the tiles
+ * cost; a part or a rank looks at all squares of its picture.
  *
  * The random numbers of a look are not those of a pass, nor those of a look of another size, so no estimate depends on
  * the rays that it weighs. */

@@ -758,7 +758,8 @@ static void each_knowledge_has_its_share_of_the_candidates(void **state)
             assert_true((double)b[k] / sum[3] >= 0.999 * (with ? 6 / 15.0 * density[1] : density[2] / 5));
             /* twin: h alone is mixed, whatever light there is where each h is large */
             const double h = with ? 8 * (double)f.own[k] + 6 * (double)f.of_square[k] + 1 : 0;
-            unlike = fmax(unlike, fabs((double)bound[k] * h / (8 * sum[0] + 6 * sum[1] + sum[2]) / fmax(mixed, 1e-9) - 1));
+            const double density_of_twin = (double)bound[k] * h / (8 * sum[0] + 6 * sum[1] + sum[2]);
+            unlike = fmax(unlike, fabs(density_of_twin / fmax(mixed, 1e-9) - 1));
         }
         assert_true(!with || unlike > 0.3);
     }

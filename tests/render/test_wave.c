@@ -56,7 +56,7 @@ static rgb radiance(
 }
 
 /* A look around in a place of `side` x `side` pixels from (x0, y0) on: a sample in each quarter, with random numbers of
- * their own, until a quarter of the rays of a round came through, 16 times at most. A square has one cell, a tile 16. */
+ * their own, until a quarter of the rays of a round came through, 16 times at most. A square has one cell. */
 static void look_one_by_one(const world *w, bis_workspace *work, int which, int x0, int y0, int side)
 {
     bis_sampler sampler = w->desc.view.sampler;
@@ -98,12 +98,11 @@ static void survey_one_by_one(const world *w, bis_workspace *work)
 {
     bis_visibility *v = &work->visibility;
     int largest = 2 * TILE;
-    size_t before = 0; /* squares of smaller sizes */
 
     while (largest < WIDTH || largest < HEIGHT) largest *= 2;
     work->workers[0].scratch.guide->learns = true;
     for (int side = largest; side > TILE; side /= 2) {
-        before = 0;
+        size_t before = 0; /* squares of smaller sizes */
         for (int s = 2 * TILE; s < side; s *= 2)
             before += (size_t)((WIDTH + s - 1) / s) * (size_t)((HEIGHT + s - 1) / s);
         for (int y = 0; y < HEIGHT; y += side) {
@@ -124,7 +123,8 @@ static void pass_one_by_one(
     if (number == 0 && work->visibility.n_tiles) survey_one_by_one(w, work);
     for (int t = TILES - 1; t >= 0;
         t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
-        if (number == 0 && work->visibility.n_tiles) look_one_by_one(w, work, t, t % ACROSS * TILE, t / ACROSS * TILE, TILE);
+        if (number == 0 && work->visibility.n_tiles)
+            look_one_by_one(w, work, t, t % ACROSS * TILE, t / ACROSS * TILE, TILE);
         for (int at = 0; at < TILE * TILE; at++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
             const int c = at / 16, x = t % ACROSS * TILE + 8 * (c / 4 % 2) + 4 * (c % 2) + 3 - at % 4,
