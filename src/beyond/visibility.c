@@ -198,20 +198,29 @@ void bis_visibility_close(bis_visibility *v, size_t k, uint32_t n)
 
 enum { BLOCK = BIS_LANES_BLOCK };
 
-/* The sum of b[i] h[i]. The lanes of a block are summed side by side, in an order that no width of vectors changes. */
+/* The sums of b[i] times h[i] of a cell and of its square. The lanes of a block are summed side by side, in an order
+ * that no width of vectors changes. */
 BIS_LANES
-static float sum_products(const float *restrict b, const float *restrict h, uint32_t n)
+static void sum_products(float sum[2], const float *restrict b, const float *restrict own,
+                         const float *restrict of_square, uint32_t n)
 {
-    float lane[BLOCK] = {0};
+    float lane[2][BLOCK] = {{0}, {0}};
 
     for (uint32_t i = 0; i < n; i += BLOCK) {
 #pragma omp simd
-        for (uint32_t j = 0; j < BLOCK; j++) lane[j] += b[i + j] * h[i + j];
+        for (uint32_t j = 0; j < BLOCK; j++) {
+            lane[0][j] += b[i + j] * own[i + j];
+            lane[1][j] += b[i + j] * of_square[i + j];
+        }
     }
     for (uint32_t half = BLOCK / 2; half > 0; half /= 2) {
-        for (uint32_t j = 0; j < half; j++) lane[j] += lane[j + half];
+        for (uint32_t j = 0; j < half; j++) {
+            lane[0][j] += lane[0][j + half];
+            lane[1][j] += lane[1][j + half];
+        }
     }
-    return lane[0];
+    sum[0] = lane[0][0];
+    sum[1] = lane[1][0];
 }
 
 /* What goes into h: the factors of what the cell knows, of what its square knows, and of nothing. */
@@ -241,10 +250,12 @@ static void mix(float *restrict b, float *restrict h, float *restrict control, c
 void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n)
 {
     const uint32_t padded = bis_lanes_round_up(n);
-    const float own = sum_products(b, f->own, padded), its = f->has_square ? sum_products(b, f->of_square, padded) : 0;
     const float unit = 1.25f / 15;
-    const mixture with = {8 * unit, its > 0 ? 6 * unit * (own / its) : 0, unit * (own / (float)W)},
-                  alone = {12 * unit, 0, 3 * unit * (own / (float)W)};
+    float sum[2];
+
+    sum_products(sum, b, f->own, f->of_square, padded);
+    const mixture with = {8 * unit, sum[1] > 0 ? 6 * unit * (sum[0] / sum[1]) : 0, unit * (sum[0] / (float)W)},
+                  alone = {12 * unit, 0, 3 * unit * (sum[0] / (float)W)};
 
     mix(b, f->h, f->control, f->own, f->of_square, f->g, f->has_square ? with : alone, padded);
 }

@@ -735,7 +735,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
                       cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 9, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 10, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;
