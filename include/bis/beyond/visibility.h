@@ -42,7 +42,7 @@ typedef struct bis_visibility {
     size_t cells;      /* of a tile: 16 or 1 */
     bis_seen *known;   /* known[n_tiles][cells], known[n_squares]: counted by the passes or looks before this one */
     bis_seen *counted; /* the same: counted by this pass or look */
-    uint32_t *above;   /* above[n_tiles + n_squares]: the square around a place, or BIS_NO_SQUARE; the renderer says it */
+    uint32_t *above;   /* above[n_tiles + n_squares]: the square around a place, or BIS_NO_SQUARE; by the renderer */
     bis_square *squares;
 } bis_visibility;
 
