@@ -503,11 +503,11 @@ exit
 # + for (int i = 0; i < 4; i++) c[i] = a[i];
 #
 # * visibility test_clusters : a cell knows what it and later cells have counted in this pass
-# - for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
-# + for (size_t i = first; i < first + v->cells; i++) add_cell(&tile, &v->counted[i]);
+# - for (size_t i = first; i < cell; i++) add_cell(&all, &v->counted[i]);
+# + for (size_t i = first; i < end; i++) add_cell(&all, &v->counted[i]);
 #
 # * visibility test_clusters : a cell knows nothing of the cells before it
-# - for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
+# - for (size_t i = first; i < cell; i++) add_cell(&all, &v->counted[i]);
 # + ;
 #
 # * wave test_wave : a wave goes on into the next cell
@@ -642,9 +642,21 @@ exit
 # - if (a->done.spp != b->done.spp)
 # + if (a->done.spp == 0)
 #
-# * product test_efficiency : learned visibility steers no clusters; all means stay right
-# - if (h) multiply(p->clusters.w, h, bis_lanes_round_up(c->n));
-# + if (h) multiply(p->clusters.w, h, 0);
+# * visibility test_efficiency : learned visibility steers no clusters; all means stay right
+# - b[i] *= h[i];
+# + ;
+#
+# * visibility test_clusters : a square's share depends on how bright it is
+# - 6 * unit * (sum[0] / sum[1])
+# + 6 * unit
+#
+# * visibility test_clusters : a tile does not ask the square around it
+# - above && first == leaves
+# + false && above && first == leaves
+#
+# * survey test_wave : looks of all sizes share random numbers
+# - bis_rng_init(&rng, s.seed, LOOK, (uint64_t)(side / TILE - 1), PURPOSE_SEED);
+# + bis_rng_init(&rng, s.seed, LOOK, 0, PURPOSE_SEED);
 #
 # * sampler test_efficiency : one key scrambles both of Sobol's dimensions; all means stay right
 # - scramble(sobol2(index), (uint32_t)(k >> 32))

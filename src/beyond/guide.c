@@ -5,7 +5,8 @@
  * light spotty.
  *
  * weigh, chosen: earlier rays have learned V (bis/beyond/visibility.h). The weights are multiplied by h, which sends
- * rays where V is uncertain.
+ * rays where V is uncertain. draw makes h for each point: of what its cell knows, of what the square around its tile
+ * knows, and, for a small share, of nothing (bis_guess_mix).
  *
  * rays: more are cast where little light is expected, because there the relative error is largest.
  *
@@ -62,7 +63,8 @@ static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, 
     bis_product_guide *g = (bis_product_guide *)guide;
     double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
 
-    if (!bis_product_weigh(&g->product, g->clusters, g->guess.h, &pt->bsdf)) return false;
+    if (!bis_product_weigh(&g->product, g->clusters, &pt->bsdf)) return false;
+    if (g->visibility && !bis_product_guess(&g->product, g->clusters, &g->guess)) return false;
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &x->own, x->part,

@@ -25,17 +25,16 @@ void bis_product_claim(bis_product *p, bis_claims *claims)
 
 void bis_product_clear(bis_product *p) { bis_choice_clear(&p->clusters); }
 
-BIS_LANES
-static void multiply(float *restrict w, const float *restrict factor, uint32_t n)
-{
-#pragma omp simd
-    for (uint32_t k = 0; k < n; k++) w[k] *= factor[k];
-}
-
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_bsdf *bsdf)
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_bsdf *bsdf)
 {
     bis_bsdf_reach(p->clusters.w, bsdf, &c->cone, c->n);
-    if (h) multiply(p->clusters.w, h, bis_lanes_round_up(c->n));
+    p->W = bis_choice_sum(&p->clusters, bis_lanes_round_up(c->n));
+    return p->W > 0;
+}
+
+bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f)
+{
+    bis_guess_mix(f, p->clusters.w, p->W, c->n);
     p->W = bis_choice_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }

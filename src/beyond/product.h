@@ -2,7 +2,7 @@
 /* product: candidates from the map where the product of light and BRDF can be large: proposal "product". */
 #pragma once
 
-#include "bis/beyond/clusters.h"
+#include "bis/beyond/visibility.h"
 #include "bis/thesis/bsdf.h"
 #include "thesis/choose.h"
 
@@ -18,9 +18,12 @@ void bis_product_claim(bis_product *p, bis_claims *claims);
 /* bis_product_clear frees it. */
 void bis_product_clear(bis_product *p);
 
-/* bis_product_weigh weighs the clusters for a material, times h[c->n] unless h is NULL. Returns false if no light can
- * be reflected from any of them. */
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_bsdf *bsdf);
+/* bis_product_weigh weighs the clusters for a material. Returns false if no light can be reflected from any of them. */
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_bsdf *bsdf);
+
+/* bis_product_guess multiplies the weights by what is known of V, as f makes it of them (bis_guess_mix). Returns false
+ * if nothing is left of them, because they are near the smallest floats. */
+bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f);
 
 /* bis_product_draw draws n candidates into x, filled up to whole blocks, and returns how many it has drawn: of a lamp
  * at most four, where stands_for[i] is how many of the n candidate i stands for. stands_for is NULL: each stands for

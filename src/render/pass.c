@@ -15,6 +15,7 @@
 #include "first_light.h"
 #include "gather.h"
 #include "scheduler.h"
+#include "survey.h"
 #include "wave.h"
 
 #include "bis/base/clock.h"
@@ -25,9 +26,6 @@
 #include <omp.h>
 #endif
 
-/* Of the random number that is the seed of all looks around: beyond all purposes of sampler.c. */
-static const uint64_t LOOK = UINT64_MAX, PURPOSE_SEED = (uint64_t)4 << 32;
-
 static int this_thread(void)
 {
 #ifdef _OPENMP
@@ -37,35 +35,10 @@ static int this_thread(void)
 #endif
 }
 
-/* The sampler of a look: one camera sample with a seed of its own, independent of those of all passes. */
-static bis_sampler sampler_of_look(const bis_workspace *w)
-{
-    bis_sampler s = w->view->sampler;
-    bis_rng rng;
-
-    bis_rng_init(&rng, s.seed, LOOK, 0, PURPOSE_SEED);
-    s.seed = bis_rng_u64(&rng);
-    bis_sampler_set_spp(&s, 1);
-    return s;
-}
-
 static size_t index_in(bis_rect area, int x, int y)
 {
     return (size_t)(y - area.y0) * (size_t)(area.x1 - area.x0) + (size_t)(x - area.x0);
 }
-
-/* Pixel i of a tile in an order that keeps neighbours together (Morton 1966): any 16 that begin at a multiple of 16 are
- * a square. */
-static void place_in_tile(int i, int *x, int *y)
-{
-    *x = *y = 0;
-    for (int bit = 0; 1 << 2 * bit < BIS_RENDER_TILE * BIS_RENDER_TILE; bit++) {
-        *x |= (i >> 2 * bit & 1) << bit;
-        *y |= (i >> (2 * bit + 1) & 1) << bit;
-    }
-}
-
-static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
 /* What a pass takes of pixel (x, y): its camera samples, or in an edge pixel as many times edgesamples, each of
  * which then has a share of the light samples. */
@@ -80,40 +53,6 @@ static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, co
     for (uint64_t k = 0; k < (uint64_t)pass->n * each; k++) bis_wave_add(wave, sampler, x, y, first + k, sum);
 }
 
-/* A look at tile t before its first samples, of which nothing is kept but what it learns: where little light arrives,
- * a pixel that knows nothing is a hundred times as noisy as one that knows the window.
- *
- * A round is a camera sample in a cell of each quarter of the tile. It is guided by what the rounds before have
- * learned. The rounds end when a quarter of the rays of one comes through, or after a quarter of the pixels: in the
- * open a look costs a 64th of a pass, in a room a few times as much. All that it does depends on the tile's own random
- * numbers, which are not those of a pass. */
-static void look_around(const bis_workspace *w, bis_worker *me, int t)
-{
-    enum { PIXELS = BIS_RENDER_TILE * BIS_RENDER_TILE, ROUNDS = 16, QUARTER = PIXELS / 4 };
-    const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(w->film, BIS_RENDER_TILE, t);
-    const size_t cells = w->visibility.cells;
-    const bis_sampler sampler = sampler_of_look(w);
-    bis_pixel_sum dropped = {.settings = &w->view->settings};
-
-    for (int round = 0; round < ROUNDS; round++) {
-        const int place = round % 4 * (QUARTER / 4) + (7 * round + 5) % (QUARTER / 4);
-        for (int i = place; i < PIXELS; i += QUARTER) {
-            int x, y;
-            place_in_tile(i, &x, &y);
-            x += full.x0, y += full.y0;
-            if (!is_in(tile, x, y)) continue;
-            dropped.cell = (size_t)t * cells + (size_t)i * cells / PIXELS;
-            bis_wave_add(me->wave, &sampler, x, y, 0, &dropped);
-        }
-        bis_wave_end(me->wave);
-        if (bis_workspace_interrupted(w)) return;
-        uint32_t rays, seen;
-        bis_visibility_counted(&rays, &seen, &w->visibility, t);
-        bis_visibility_learn(&w->visibility, &t, 1, 1);
-        if (rays > 0 && 4 * seen >= rays) return;
-    }
-}
-
 /* Tile number t, or a glimpse of it: few pixels, from which nothing is learned and whose rays are not counted, because
  * they come again. It returns false if it was interrupted: the tile is then as it was. */
 static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass, bool is_glimpse)
@@ -126,16 +65,16 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     bis_pixel_sum dropped;
 
     if (me->scratch.guide) me->scratch.guide->learns = true;
-    if (pass->first == 0 && w->visibility.n_tiles && (is_glimpse || !w->fine)) look_around(w, me, t);
+    if (pass->first == 0 && w->visibility.n_tiles && (is_glimpse || !w->fine)) bis_survey_tile(w, me, t);
     const bis_counters before = me->counters;
     if (me->scratch.guide) me->scratch.guide->learns = !is_glimpse;
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
         int x, y;
-        place_in_tile(i, &x, &y);
+        bis_survey_pixel(i, &x, &y);
         x += full.x0, y += full.y0;
-        if (!is_in(tile, x, y) || (is_glimpse && !bis_first_light_glimpses(f, x, y))) continue;
+        if (!bis_is_in(tile, x, y) || (is_glimpse && !bis_first_light_glimpses(f, x, y))) continue;
         if (bis_workspace_interrupted(w)) return false;
-        const bool keep = is_in(kept, x, y);
+        const bool keep = bis_is_in(kept, x, y);
         bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
         if (sum->values) memset(sum->values, 0, (size_t)f->layers.n_values * sizeof *sum->values);
@@ -200,6 +139,7 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
     const uint64_t seed = w->view->sampler.seed;
 
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
+    if (!w->surveyed && w->visibility.n_squares) bis_survey(w, pass->number == 0);
     if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
     if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
     if (w->sched) render_as_team(w, pass, progress, user);

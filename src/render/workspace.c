@@ -7,6 +7,7 @@
 #include "bis/base/mem.h"
 #include "ranks.h"
 #include "share.h"
+#include "survey.h"
 
 #include <inttypes.h>
 
@@ -80,7 +81,9 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, diag);
     if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
     if (!status && needs.visibility)
-        status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, pixels_of(w->film), diag);
+        status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, bis_survey_squares(w->film),
+                                     pixels_of(w->film), diag);
+    if (!status && needs.visibility) bis_survey_place(&w->visibility, w->film);
     if (needs.visibility) visibility = &w->visibility;
     for (int i = 0; !status && i < w->n_threads; i++) {
         bis_worker *worker = &w->workers[i];

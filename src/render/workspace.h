@@ -39,6 +39,7 @@ typedef struct bis_workspace {
     bis_pool pool;            /* M = 0: none */
     bis_clusters clusters;    /* n = 0: none */
     bis_visibility visibility; /* n_tiles = 0: none */
+    bool surveyed;             /* its squares are closed, see survey.h */
 
     int n_tiles;              /* bis_film_tiles */
     struct bis_sched *sched;    /* other processes that render tiles, see scheduler.h; NULL: none */

@@ -25,6 +25,8 @@ static const double chunk_rows = 16, chunk_copies = 3; /* of an EXR: packed, its
 /* of learned visibility, a pixel: what is known and what is counted, in cells up to 2^23 pixels, else in tiles */
 static const double tiles = 2.0 * sizeof(bis_seen) / (BIS_RENDER_TILE * BIS_RENDER_TILE);
 static const double cells = 2.0 * sizeof(bis_seen) * BIS_VISIBILITY_CELLS / (BIS_RENDER_TILE * BIS_RENDER_TILE);
+/* and of the full picture's, in squares of tiles (src/render/survey.c), a third as many as tiles */
+static const double squares = (2.0 * sizeof(bis_seen) + sizeof(bis_square)) / 3 / (BIS_RENDER_TILE * BIS_RENDER_TILE);
 /* a texel of the map: radiance; table: a probability, an alias, and 0.4 more, measured; curve: of each 4 x 4 texels
  * their place, the sum before them and a guide; area: a float; regions: a label and a level; curve_beside: of each
  * 4 x 4 texels their sum (src/thesis/importance_parts.h) */
@@ -98,7 +100,8 @@ static double add_film(bis_memory *m, const bis_scene_desc *d)
 
     for (int i = 0; i < BIS_N_LAYERS; i++)
         if (d->view.film.layers >> i & 1) n += bis_layer_values((bis_layer)i);
-    m->film = pixels * (film_sums + pass + n * (layer_sum + layer_pass) + (learns ? all > 1 << 23 ? tiles : cells : 0));
+    const double learned = learns ? pixels * (all > 1 << 23 ? tiles : cells) + all * squares : 0;
+    m->film = pixels * (film_sums + pass + n * (layer_sum + layer_pass)) + learned;
 
     const double pixel = (double)sizeof(float) * (4 + n); /* R, G, B, A and the layers */
     const double threads = bis_render_threads(&(bis_render_options){0});

@@ -168,7 +168,7 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
         lit l;
         lit_init(
             &l, light, bis_phong((rgb){0.1f, 0.2f, 0}, (rgb){0.9f, 0.3f, 0.5f}, exponents[e]), tilted(), 70, LIT_OPEN);
-        bis_product_weigh(&p, &c, NULL, &l.pt.bsdf);
+        bis_product_weigh(&p, &c, &l.pt.bsdf);
         double unit = 0, worst = (double)INFINITY;
         for (int pass = 0; pass < 2;
             pass++) { /* the unit is whatever makes the bound hold; it must be the same for all clusters */
@@ -207,19 +207,20 @@ typedef struct workspace {
     bis_scratch scratch;
 } workspace;
 
-/* learned: any positive h, any control. */
+/* learned: any positive h of a cell and of a square, any mean. */
 static void open_workspace(workspace *w, const bis_light *light, const bis_settings *s, bool learned)
 {
     *w = (workspace){.v = {.n_tiles = 0}};
     assert_true(bis_beyond_needs_of(s).clusters);
     assert_int_equal(bis_clusters_init(&w->c, light, s->candidates, NULL), BIS_OK);
-    if (learned) assert_int_equal(bis_visibility_init(&w->v, 1, 1, NULL), BIS_OK);
+    if (learned) assert_int_equal(bis_visibility_init(&w->v, 1, 0, 1, NULL), BIS_OK);
     assert_int_equal(bis_product_guide_init(&w->guide, &w->c, learned ? &w->v : NULL, NULL), BIS_OK);
     bis_product_guide_look(&w->guide, 0);
-    w->guide.guess.knows = learned;
+    w->guide.guess.knows = w->guide.guess.has_square = learned;
     for (uint32_t k = 0; learned && k < w->c.n; k++) {
-        w->guide.guess.h[k] = k % 3 ? 0.15f : 1;
-        w->guide.guess.control[k] = k % 5 ? 0.3f : 1.5f; /* N up to thrice, from point to point */
+        w->guide.guess.own[k] = k % 3 ? 0.15f : 1;
+        w->guide.guess.of_square[k] = k % 7 ? 0.02f : 0.9f;
+        w->guide.guess.g[k] = w->guide.guess.own[k] * (k % 5 ? 0.3f : 1.5f); /* N up to thrice, from point to point */
     }
     assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
     bis_scratch_share(&w->scratch, NULL, &w->guide.steps);
@@ -474,7 +475,8 @@ static bool draw_lamps(bis_guide *g, bis_set *x, uint32_t n, const bis_point *pt
 
     (void)g;
     small.cone.sine = sine;
-    const bool drawn = bis_product_weigh(p, &of_lamps->c, of_lamps->guide.guess.h, &pt->bsdf);
+    const bool drawn = bis_product_weigh(p, &of_lamps->c, &pt->bsdf);
+    if (drawn && of_lamps->guide.visibility) assert_true(bis_product_guess(p, &of_lamps->c, &of_lamps->guide.guess));
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     if (drawn) {
@@ -547,7 +549,7 @@ static void a_lamp_has_four_candidates_at_most(void **state)
     assert_int_equal(bis_clusters_init(&c, light, M, NULL), BIS_OK);
     bis_clusters_fill(&c, light, SEED, 0, 1);
     new_product(&p);
-    assert_true(bis_product_weigh(&p, &c, NULL, &l.pt.bsdf));
+    assert_true(bis_product_weigh(&p, &c, &l.pt.bsdf));
     for (uint32_t k = 0; k < c.n; k++) c.cone.sine[k] = k % 2 ? 0.0046f : 0.0047f; /* every second is a lamp */
     assert_int_equal(bis_product_draw(&p, &c, &all, part[0], NULL, M, 0.3, 0.6, 7), M);
     const uint32_t n = bis_product_draw(&p, &c, &x, part[1], stands_for, M, 0.3, 0.6, 7);
@@ -604,19 +606,17 @@ static double expected_mean(const int rays[128], const int seen[128], int part)
 static void assert_foresees(const bis_visibility_guess *f, uint32_t n, const int rays[128], const int seen[128],
                             const int own[128], const int own_seen[128])
 {
-    double g[128], h[128], sum = 0;
+    double g[128], h[128];
 
     for (int i = 0; i < 128; i++) {
         const double mean = expected_mean(rays, seen, i), v = (own_seen[i] + 2 * mean) / (own[i] + 2);
         g[i] = (own_seen[i] + 2 * (rays[i] > 0 ? (double)seen[i] / rays[i] : mean)) / (own[i] + 2);
         h[i] = sqrt(v * (1 - 0.8 * v));
-        sum += h[i];
     }
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t part = bis_visibility_part(k, n);
-        const double share = h[part] + sum / 128 / 4;
-        assert_true(fabs((double)f->h[k] - share) <= 1e-6);
-        assert_true(fabs((double)(f->control[k] * f->h[k]) - g[part]) <= 1e-6);
+        assert_true(fabs((double)f->own[k] - h[part]) <= 1e-6);
+        assert_true(fabs((double)f->g[k] - g[part]) <= 1e-6);
     }
 }
 
@@ -629,7 +629,7 @@ static void guess_follows_what_was_seen_before(void **state)
     bis_visibility_guess f;
 
     (void)state;
-    assert_int_equal(bis_visibility_init(&v, 2, 1 << 23, NULL), BIS_OK);
+    assert_int_equal(bis_visibility_init(&v, 2, 0, 1 << 23, NULL), BIS_OK);
     assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
     assert_int_equal(v.cells, 16);
     count(&f, &v, 0, N, 998, 0);
@@ -660,8 +660,8 @@ static void guess_follows_what_was_seen_before(void **state)
     assert_foresees(&f, N, rays, seen, rays, seen);
     /* twin: one ray more of 2002 would be found */
     assert_true(fabs((3 + 2 * expected_mean(rays, seen, 2)) - (4 + 2 * expected_mean(rays, wrong, 2))) / 8 > 1e-2);
-    /* dark parts are left a fifth of the rays at most, and light ones are known as such */
-    assert_true(f.h[0] < 0.15f && f.h[0] > 0.05f && f.control[0] == 0 && f.control[4] * f.h[4] > 0.999f);
+    /* dark parts are known as such, and light ones */
+    assert_true(f.own[0] < 0.05f && f.own[0] > 0 && f.g[0] == 0 && f.g[4] > 0.999f);
     /* another cell of the tile knows what the tile knows; another tile knows nothing */
     bis_guess_look(&f, N, &v, 16 + 3);
     assert_foresees(&f, N, rays, seen, none, none);
@@ -671,6 +671,101 @@ static void guess_follows_what_was_seen_before(void **state)
     bis_visibility_clear(&v);
 }
 
+/* A square tells the tile in it of each part, half as much as the parts around it in the tile. */
+static void a_tile_expects_what_its_square_has_seen(void **state)
+{
+    enum { N = 128 };
+    static const int rays[128] = {[5] = 40, [6] = 40, [90] = 100}, seen[128] = {[5] = 30};
+    bis_visibility v;
+    bis_visibility_guess f;
+
+    (void)state;
+    assert_int_equal(bis_visibility_init(&v, 1, 2, 1, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
+    v.above[0] = 0; /* the tile in square 0, that in square 1 */
+    v.above[1] = 1;
+    bis_visibility_close(&v, 1, N);
+    for (int i = 0; i < N; i++) assert_true(v.squares[1].mean[i] == 0.5f); /* Laplace: nothing is known */
+    bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 1));
+    assert_true(f.has_square && f.knows);
+    for (uint32_t i = 0; i < N; i++) {
+        f.counted->rays[i] = (uint16_t)rays[i];
+        f.counted->seen[i] = (uint16_t)seen[i];
+    }
+    const int square = 1;
+    uint32_t all, through;
+    bis_visibility_counted(&all, &through, &v, square);
+    assert_true(all == 180 && through == 30);
+    bis_visibility_learn(&v, &square, 1, 1);
+    bis_visibility_close(&v, 0, N);
+    for (int i = 0; i < N; i++) {
+        /* of its own rays as a tile, but the last step goes towards the mean of that and of 1/2 */
+        double R = rays[i] + rays[i ^ 1], S = seen[i] + seen[i ^ 1], m = 31 / 182.0;
+        for (int size = 64; size > 1; size /= 2) {
+            const int lo = i / size * size;
+            R = S = 0;
+            for (int k = lo; k < lo + size; k++) R += rays[k], S += seen[k];
+            m = (S + 3 * size * m) / (R + 3 * size);
+        }
+        const double mean = (seen[i] + 3 * (m + 0.5) / 2) / (rays[i] + 3), alone = (seen[i] + 3 * m) / (rays[i] + 3);
+        assert_true(fabs((double)v.squares[0].mean[i] - mean) < 1e-6);
+        assert_true(fabs(mean - alone) > 0.005); /* twin: the square around is not asked */
+        assert_true(fabs((double)v.squares[0].h[i] - sqrt(mean * (1 - 0.8 * mean))) < 1e-6);
+    }
+    bis_guess_look(&f, N, &v, 0); /* the tile has no rays: half of what it expects comes from the square */
+    for (uint32_t i = 0; i < N; i++) {
+        const double v_of_tile = (0.5 + (double)v.squares[0].mean[i]) / 2;
+        assert_true(fabs((double)f.own[i] - sqrt(v_of_tile * (1 - 0.8 * v_of_tile))) < 1e-6);
+        assert_true(f.of_square[i] == v.squares[0].h[i]);
+    }
+    bis_guess_clear(&f);
+    bis_visibility_clear(&v);
+}
+
+/* Candidates are drawn in proportion to b h. Of them, 8/15 go where the cell alone would send them, 6/15 where the
+ * square would, 1/15 where they would go without knowledge; without a square 12/15 and 3/15. */
+static void each_knowledge_has_its_share_of_the_candidates(void **state)
+{
+    enum { N = 150 };
+    bis_visibility_guess f;
+
+    (void)state;
+    assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
+    for (int with = 0; with < 2; with++) {
+        float b[160] = {0}, bound[160];
+        double sum[4] = {0}, unlike = 0; /* of b times what the cell, the square, nothing and the point say */
+        for (uint32_t k = 0; k < N; k++) {
+            b[k] = bound[k] = k % 11 ? 0.3f + (float)(k % 17) : 0;
+            f.own[k] = k < 140 ? 1e-3f : 0.6f; /* the cell knows another window than the square */
+            f.of_square[k] = k < 10 ? 0.5f : 1e-4f;
+            f.g[k] = 0.01f * (float)(k % 90);
+            sum[0] += (double)(b[k] * f.own[k]);
+            sum[1] += (double)(b[k] * f.of_square[k]);
+            sum[2] += (double)b[k];
+        }
+        f.has_square = with;
+        bis_guess_mix(&f, b, sum[2], N);
+        for (uint32_t k = 0; k < N; k++) sum[3] += (double)b[k];
+        assert_true(fabs(sum[3] / sum[0] - 1.25) < 1e-5);
+        for (uint32_t k = 0; k < N; k++) {
+            const double density[3] = {(double)(bound[k] * f.own[k]) / sum[0],
+                                       (double)(bound[k] * f.of_square[k]) / sum[1], (double)bound[k] / sum[2]};
+            const double mixed = with ? (8 * density[0] + 6 * density[1] + density[2]) / 15
+                                      : (12 * density[0] + 3 * density[2]) / 15;
+            assert_true(fabs((double)b[k] / sum[3] - mixed) <= 1e-5 * mixed);
+            assert_true(b[k] == bound[k] * f.h[k] && fabsf(f.control[k] * f.h[k] - f.g[k]) < 1e-6f);
+            /* the price of a wrong 0 */
+            assert_true((double)b[k] / sum[3] >= 0.999 * (with ? 6 / 15.0 * density[1] : density[2] / 5));
+            /* twin: h alone is mixed, whatever light there is where each h is large */
+            const double h = with ? 8 * (double)f.own[k] + 6 * (double)f.of_square[k] + 1 : 0;
+            const double density_of_twin = (double)bound[k] * h / (8 * sum[0] + 6 * sum[1] + sum[2]);
+            unlike = fmax(unlike, fabs(density_of_twin / fmax(mixed, 1e-9) - 1));
+        }
+        assert_true(!with || unlike > 0.3);
+    }
+    bis_guess_clear(&f);
+}
+
 /* Counts have 16 bits. Those of a pass end there; those of all passes are halved. */
 static void counts_keep_their_mean_beyond_16_bits(void **state)
 {
@@ -678,7 +773,7 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
     bis_visibility_guess f;
 
     (void)state;
-    assert_int_equal(bis_visibility_init(&v, 1, (1 << 23) + 1, NULL), BIS_OK);
+    assert_int_equal(bis_visibility_init(&v, 1, 0, (1 << 23) + 1, NULL), BIS_OK);
     assert_int_equal(bis_guess_init(&f, 128, NULL), BIS_OK);
     assert_int_equal(v.cells, 1);
     for (int pass = 0; pass < 3; pass++) {
@@ -693,7 +788,7 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
         bis_visibility_learn(&v, NULL, v.n_tiles, 1);
     }
     bis_guess_look(&f, 128, &v, 0);
-    assert_true(fabs((double)(f.control[9] * f.h[9]) - 0.25) <= 1e-4);
+    assert_true(fabs((double)f.g[9] - 0.25) <= 1e-4);
     bis_guess_clear(&f);
     bis_visibility_clear(&v);
 }
@@ -715,8 +810,8 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
             open_workspace(&w, light, &s[i], true);
             bis_clusters_fill(&w.c, light, SEED, 0, 1);
             for (uint32_t k = 0; k < w.c.n; k++) {
-                w.guide.guess.h[k] = 0.1f + 0.3f * (float)(k % 2);
-                w.guide.guess.control[k] = 1 / w.guide.guess.h[k];
+                w.guide.guess.own[k] = 0.1f + 0.3f * (float)(k % 2);
+                w.guide.guess.g[k] = 1;
             }
             w.guide.guess.knows = known;
             L[known][i] = lit_once(&l, &s[i], &w.scratch, SEED, 3);
@@ -747,7 +842,10 @@ static void more_rays_are_cast_where_little_light_is_expected(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_set *x = w.scratch.set;
         bis_stream stream;
-        for (uint32_t k = 0; k < w.c.n; k++) w.guide.guess.control[k] = cases[i].control;
+        for (uint32_t k = 0; k < w.c.n; k++) { /* h is then 5/4 */
+            w.guide.guess.own[k] = w.guide.guess.of_square[k] = 1;
+            w.guide.guess.g[k] = 1.25f * cases[i].control;
+        }
         bis_stream_init(&stream, &sampler, i, 0);
         assert_true(bis_set_draw(x, s.candidates, s.proposal, true, &l.pt, &stream));
         assert_true(bis_set_weigh(x, &l.pt) > 0);
@@ -817,7 +915,7 @@ static void without_memory_nothing_is_held(void **state)
 
     (void)state;
     assert_int_equal(bis_clusters_init(&whole, light, 256, NULL), BIS_OK);
-    assert_int_equal(bis_visibility_init(&seen, 3, 1, NULL), BIS_OK);
+    assert_int_equal(bis_visibility_init(&seen, 3, 0, 1, NULL), BIS_OK);
     for (long k = 1; k < 40; k++) {
         bis_clusters c;
         bis_visibility v;
@@ -825,7 +923,7 @@ static void without_memory_nothing_is_held(void **state)
         bis_mem_fail_at(k);
         if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
         bis_mem_fail_at(k);
-        if (bis_visibility_init(&v, 3, 1, NULL) == BIS_OK) bis_visibility_clear(&v);
+        if (bis_visibility_init(&v, 3, 0, 1, NULL) == BIS_OK) bis_visibility_clear(&v);
         bis_visibility_guess f;
         bis_mem_fail_at(k);
         if (bis_guess_init(&f, 100, NULL) == BIS_OK) bis_guess_clear(&f);
@@ -857,7 +955,7 @@ static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void *
     float *memory = bis_alloc(BIS_LANES_ARRAYS * M, sizeof *memory);
     const bis_lanes x = bis_lanes_in(memory, M);
     uint16_t part[M];
-    assert_true(bis_product_weigh(&p, &c, NULL, &l.pt.bsdf));
+    assert_true(bis_product_weigh(&p, &c, &l.pt.bsdf));
     for (uint64_t run = 0; run < 30; run++) {
         const uint32_t n = counts[run % 3];
         bis_product_draw(&p, &c, &x, part, NULL, n, (double)run / 30, (double)(7 * run % 30) / 30, run);
@@ -905,6 +1003,8 @@ int main(void)
         cmocka_unit_test(more_rays_are_cast_where_little_light_is_expected),
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
+        cmocka_unit_test(a_tile_expects_what_its_square_has_seen),
+        cmocka_unit_test(each_knowledge_has_its_share_of_the_candidates),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(rays_are_counted_and_V_1_of_a_layer_is_not_learned_from),
         cmocka_unit_test(without_a_cluster_in_reach_the_estimate_is_black),

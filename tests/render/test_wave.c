@@ -55,14 +55,17 @@ static rgb radiance(
     return s->integrator->Lo(s, &pt, &stream, &work->workers[0].scratch);
 }
 
-/* The look around before the first pass: a sample in a cell of each quarter of a tile, with random numbers of its own,
- * until a quarter of the rays of a round came through, 16 times at most. */
-static void look_one_by_one(const world *w, bis_workspace *work, int t)
+/* A look around in a place of `side` x `side` pixels from (x0, y0) on: a sample in each quarter, with random numbers of
+ * their own, until a quarter of the rays of a round came through, 16 times at most. A square has one cell. */
+static void look_one_by_one(const world *w, bis_workspace *work, int which, int x0, int y0, int side)
 {
     bis_sampler sampler = w->desc.view.sampler;
+    bis_visibility *v = &work->visibility;
+    const bool is_tile = side == TILE;
+    const int step = side / TILE, first = is_tile ? 16 * which : 16 * TILES + which - TILES;
     bis_rng rng;
 
-    bis_rng_init(&rng, sampler.seed, UINT64_MAX, 0, (uint64_t)4 << 32);
+    bis_rng_init(&rng, sampler.seed, UINT64_MAX, (uint64_t)step - 1, (uint64_t)4 << 32);
     sampler.seed = bis_rng_u64(&rng);
     bis_sampler_set_spp(&sampler, 1);
     for (int round = 0; round < 16; round++) {
@@ -70,21 +73,45 @@ static void look_one_by_one(const world *w, bis_workspace *work, int t)
         for (int quarter = 0; quarter < 4; quarter++) {
             const int c = 4 * quarter + round % 4, p = (7 * round + 5) % 16,
                       bits[] = {p & 1, p >> 1 & 1, p >> 2 & 1, p >> 3};
-            const int x = t % ACROSS * TILE + 8 * (quarter % 2) + 4 * (c % 2) + bits[0] + 2 * bits[2],
-                      y = t / ACROSS * TILE + 8 * (quarter / 2) + 4 * (c / 2 % 2) + bits[1] + 2 * bits[3];
+            const uint64_t x1 = (uint64_t)(x0 + step * (8 * (quarter % 2) + 4 * (c % 2) + bits[0] + 2 * bits[2])),
+                           y1 = (uint64_t)(y0 + step * (8 * (quarter / 2) + 4 * (c / 2 % 2) + bits[1] + 2 * bits[3])),
+                           any = bis_hash(sampler.seed + (x1 << 32 | y1));
+            const int x = (int)(x1 + any % (uint64_t)step), y = (int)(y1 + (any >> 32) % (uint64_t)step);
             bool hit;
             if (x >= WIDTH || y >= HEIGHT) continue;
-            bis_guess_look(&work->workers[0].guide.guess, work->clusters.n, &work->visibility, (size_t)(16 * t + c));
+            bis_guess_look(&work->workers[0].guide.guess, work->clusters.n, v, (size_t)(first + (is_tile ? c : 0)));
             radiance(w, work, &sampler, false, x, y, 0, &hit);
         }
-        for (int c = 16 * t; c < 16 * (t + 1); c++) {
+        for (int c = first; c < first + (is_tile ? 16 : 1); c++) {
             for (int k = 0; k < BIS_VISIBILITY_PARTS; k++) {
-                rays += work->visibility.counted[c].rays[k];
-                seen += work->visibility.counted[c].seen[k];
+                rays += v->counted[c].rays[k];
+                seen += v->counted[c].seen[k];
             }
         }
-        bis_visibility_learn(&work->visibility, &t, 1, 1);
+        bis_visibility_learn(v, &which, 1, 1);
         if (rays > 0 && 4 * seen >= rays) return;
+    }
+}
+
+/* Squares of the picture, from the whole down to those of 2 x 2 tiles: each is in one of the next larger ones. */
+static void survey_one_by_one(const world *w, bis_workspace *work)
+{
+    bis_visibility *v = &work->visibility;
+    int largest = 2 * TILE;
+
+    while (largest < WIDTH || largest < HEIGHT) largest *= 2;
+    work->workers[0].scratch.guide->learns = true;
+    for (int side = largest; side > TILE; side /= 2) {
+        size_t before = 0; /* squares of smaller sizes */
+        for (int s = 2 * TILE; s < side; s *= 2)
+            before += (size_t)((WIDTH + s - 1) / s) * (size_t)((HEIGHT + s - 1) / s);
+        for (int y = 0; y < HEIGHT; y += side) {
+            for (int x = 0; x < WIDTH; x += side) {
+                const size_t k = before + (size_t)(y / side * ((WIDTH + side - 1) / side) + x / side);
+                look_one_by_one(w, work, TILES + (int)k, x, y, side);
+                bis_visibility_close(v, k, work->clusters.n);
+            }
+        }
     }
 }
 
@@ -93,9 +120,11 @@ static void pass_one_by_one(
 {
     if (work->clusters.n) bis_clusters_fill(&work->clusters, w->scene.light, w->desc.view.sampler.seed, number, 1);
     if (work->pool.M) bis_pool_fill(&work->pool, w->scene.light, w->desc.view.sampler.seed, number, 1);
+    if (number == 0 && work->visibility.n_tiles) survey_one_by_one(w, work);
     for (int t = TILES - 1; t >= 0;
         t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
-        if (number == 0 && work->visibility.n_tiles) look_one_by_one(w, work, t);
+        if (number == 0 && work->visibility.n_tiles)
+            look_one_by_one(w, work, t, t % ACROSS * TILE, t / ACROSS * TILE, TILE);
         for (int at = 0; at < TILE * TILE; at++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
             const int c = at / 16, x = t % ACROSS * TILE + 8 * (c / 4 % 2) + 4 * (c % 2) + 3 - at % 4,

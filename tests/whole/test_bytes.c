@@ -139,7 +139,7 @@ static void what_the_points_of_a_pass_share(void **state)
         bis_clusters_clear(&clusters);
 
         before = begin();
-        assert_int_equal(bis_visibility_init(&visibility, M, 1, NULL), BIS_OK);
+        assert_int_equal(bis_visibility_init(&visibility, M, 0, 1, NULL), BIS_OK);
         expect(before, bis_visibility_bytes(&visibility));
         bis_visibility_clear(&visibility);
 
@@ -179,7 +179,7 @@ static void what_a_thread_knows_beyond_the_thesis(void **state)
 
     (void)state;
     assert_int_equal(bis_clusters_init(&clusters, light, 260, NULL), BIS_OK);
-    assert_int_equal(bis_visibility_init(&visibility, 4, 1, NULL), BIS_OK);
+    assert_int_equal(bis_visibility_init(&visibility, 4, 0, 1, NULL), BIS_OK);
     for (int learns = 0; learns < 2; learns++) {
         bis_product_guide guide = {.clusters = NULL};
         const account before = begin();

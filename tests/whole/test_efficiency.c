@@ -190,11 +190,16 @@ static bool (*honest_draw)(bis_guide *, bis_set *, uint32_t, const bis_point *, 
 static bool draw_unsteered(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
     bis_product_guide *g = (bis_product_guide *)guide;
-    float *const h = g->guess.h;
+    float *const own = g->guess.own;
+    float bound[2 * BIS_CLUSTERS + 64];
 
-    g->guess.h = even;
+    if (!bis_product_weigh(&g->product, g->clusters, &pt->bsdf)) return false;
+    memcpy(bound, g->product.clusters.w, bis_lanes_round_up(g->clusters->n) * sizeof *bound);
+    const double W = g->product.W;
+    g->guess.own = even;
     const bool drawn = honest_draw(guide, x, n, pt, stream);
-    g->guess.h = h;
+    g->guess.own = own;
+    bis_guess_mix(&g->guess, bound, W, g->clusters->n); /* h of the weights is as it was */
     return drawn;
 }
 
@@ -210,10 +215,7 @@ static void take_away(bis_product_guide *g, missing lack)
     for (size_t k = 0; k < sizeof even / sizeof *even; k++) even[k] = 1;
     if (lack == STEERED_CLUSTERS) g->steps.draw = draw_unsteered;
     if (lack == CONTROL) g->steps.has_control = has_none;
-    for (uint32_t k = 0; lack == STEERING && k < g->clusters->n; k++) {
-        g->guess.control[k] *= g->guess.h[k];
-        g->guess.h[k] = 1;
-    }
+    for (uint32_t k = 0; lack == STEERING && k < g->clusters->n; k++) g->guess.own[k] = 1;
 }
 
 enum { POINTS = 40, LESSONS = 200, OF_A_FILL = 16 };
@@ -239,7 +241,7 @@ static series points_of(const version *v, size_t n_seeds, uint64_t first)
         lit l;
         lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), n, 40, LIT_OPEN);
         l.accel.accel.ops = &coins;
-        assert_int_equal(bis_visibility_init(&seen, 1, 1, NULL), BIS_OK);
+        assert_int_equal(bis_visibility_init(&seen, 1, 0, 1, NULL), BIS_OK);
         assert_int_equal(bis_product_guide_init(&guide, &c, &seen, NULL), BIS_OK);
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         bis_scratch_share(&scratch, NULL, &guide.steps);
