@@ -647,8 +647,8 @@ exit
 # + ;
 #
 # * visibility test_clusters : a square's share depends on how bright it is
-# - 6 * unit * (sum[0] / sum[1])
-# + 6 * unit
+# - 4 * unit * (sum[0] / sum[1])
+# + 4 * unit
 #
 # * visibility test_clusters : a tile does not ask the square around it
 # - above && first == leaves

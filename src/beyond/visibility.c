@@ -243,9 +243,9 @@ static void mix(float *restrict b, float *restrict h, float *restrict control, c
 /* Each knowledge would send candidates in proportion to its own b h: the cell, the square around it, and none, where h
  * is 1. A mixture of these densities sends a fixed share of the candidates where each of them would (defensive
  * sampling: Hesterberg 1995; Owen and Zhou 2000). So what the cell takes for dark by mistake makes no weight more than
- * 15/6 times as large as the square alone would make it, and none more than 15 times as large as without knowledge.
- * Where no ray of a whole square came through hardly any candidates go; where one did they go until the cell itself
- * knows better. The sum of b h is 5/4 of that of the cell alone, as it was measured to be good for the number of rays
+ * 15/4 times as large as the square alone would make it, and none more than 5 times as large as without knowledge.
+ * Where one ray of a square came through candidates go until the cell itself knows better. (With 6 and 1 for the square
+ * and for nothing, half open scenes have rare pixels that are 15 times too bright; rooms gain little.) The sum of b h is 5/4 of that of the cell alone, as it was measured to be good for the number of rays
  * (guide.c). */
 void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n)
 {
@@ -254,7 +254,7 @@ void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n)
     float sum[2];
 
     sum_products(sum, b, f->own, f->of_square, padded);
-    const mixture with = {8 * unit, sum[1] > 0 ? 6 * unit * (sum[0] / sum[1]) : 0, unit * (sum[0] / (float)W)},
+    const mixture with = {8 * unit, sum[1] > 0 ? 4 * unit * (sum[0] / sum[1]) : 0, 3 * unit * (sum[0] / (float)W)},
                   alone = {12 * unit, 0, 3 * unit * (sum[0] / (float)W)};
 
     mix(b, f->h, f->control, f->own, f->of_square, f->g, f->has_square ? with : alone, padded);
