@@ -245,8 +245,8 @@ static void mix(float *restrict b, float *restrict h, float *restrict control, c
  * sampling: Hesterberg 1995; Owen and Zhou 2000). So what the cell takes for dark by mistake makes no weight more than
  * 15/4 times as large as the square alone would make it, and none more than 5 times as large as without knowledge.
  * Where one ray of a square came through candidates go until the cell itself knows better. (With 6 and 1 for the square
- * and for nothing, half open scenes have rare pixels that are 15 times too bright; rooms gain little.) The sum of b h is 5/4 of that of the cell alone, as it was measured to be good for the number of rays
- * (guide.c). */
+ * and for nothing, half open scenes have rare pixels that are 15 times too bright; rooms gain little.) The sum of b h
+ * is 5/4 of that of the cell alone, as it was measured to be good for the number of rays (guide.c). */
 void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n)
 {
     const uint32_t padded = bis_lanes_round_up(n);

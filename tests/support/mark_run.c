@@ -109,6 +109,19 @@ static double kept_waiting(void)
     return 1e-9 * (double)waited;
 }
 
+/* Does the student's process sleep now, or is it stopped? A loop is not, even where the whole machine stood still for
+ * seconds, which no account of who waits tells. */
+static bool sleeps(void)
+{
+    char path[64], state = 'S';
+
+    snprintf(path, sizeof path, "/proc/%d/stat", (int)student.pid);
+    FILE *f = fopen(path, "r");
+    if (f && fscanf(f, "%*d (%*[^)]) %c", &state) != 1) state = 'S';
+    if (f) fclose(f);
+    return state != 'R' && state != 'D'; /* nor waits for a page */
+}
+
 /* What the student's code printed: its beginning, up to the end of a word. */
 static void show_output(const box_end *end)
 {
@@ -189,7 +202,7 @@ static bool wait_for(short events, asked since)
     if (!student.said_hello) return true;
     const double now = used(), idle = box_now() - since.at - (now - since.used);
     if (now > student.cpu) mark_conclude(MARK_SLOW, why_it_ended(SIGXCPU));
-    if (idle > asleep && idle - (kept_waiting() - since.kept) > asleep) {
+    if (idle > asleep && idle - (kept_waiting() - since.kept) > asleep && sleeps()) {
         mark_conclude(MARK_SLOW, "no answer, and no work either: does it wait for something?");
     }
     return true;
