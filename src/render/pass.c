@@ -22,19 +22,6 @@
 
 #include <string.h>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
-static int this_thread(void)
-{
-#ifdef _OPENMP
-    return omp_get_thread_num();
-#else
-    return 0;
-#endif
-}
-
 static size_t index_in(bis_rect area, int x, int y)
 {
     return (size_t)(y - area.y0) * (size_t)(area.x1 - area.x0) + (size_t)(x - area.x0);
@@ -101,10 +88,10 @@ static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_prog
 {
     bis_sched_begin(w->sched, progress, user);
 #pragma omp parallel num_threads(w->n_threads)
-    for (int t; (t = bis_sched_next(w->sched, this_thread())) >= 0;) {
+    for (int t; (t = bis_sched_next(w->sched, bis_workspace_thread())) >= 0;) {
         const double begin = bis_clock_now();
-        render_tile(w, &w->workers[this_thread()], t, pass, false);
-        bis_sched_finish(w->sched, this_thread(), t, bis_clock_now() - begin);
+        render_tile(w, &w->workers[bis_workspace_thread()], t, pass, false);
+        bis_sched_finish(w->sched, bis_workspace_thread(), t, bis_clock_now() - begin);
     }
     bis_sched_end(w->sched);
 }
@@ -120,11 +107,11 @@ static void sweep(bis_workspace *w, const bis_pass *pass, bool is_glimpse, bis_p
         const int t = bis_workspace_own(w, i);
         int done;
         if (may_end && bis_clock_now() >= w->late) continue;
-        if (render_tile(w, &w->workers[this_thread()], t, pass, is_glimpse) && w->fine)
+        if (render_tile(w, &w->workers[bis_workspace_thread()], t, pass, is_glimpse) && w->fine)
             __atomic_store_n(&w->fine[t], is_glimpse ? BIS_TILE_GLIMPSED : BIS_TILE_WHOLE, __ATOMIC_RELEASE);
 #pragma omp atomic capture
         done = ++n_done;
-        if (this_thread() == 0) progress(is_glimpse ? 0 : (double)done / w->n_own, user);
+        if (bis_workspace_thread() == 0) progress(is_glimpse ? 0 : (double)done / w->n_own, user);
     }
 }
 

@@ -18,10 +18,6 @@
 
 #include "ranks.h"
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include <string.h>
 
 enum { TILE = BIS_RENDER_TILE, PIXELS = TILE * TILE, WIDER = 2, MOST_LEVELS = 28 };
@@ -148,15 +144,6 @@ void bis_survey_tile(const bis_workspace *w, bis_worker *me, int t)
     look(w, me, t, r.x0, r.y0, TILE);
 }
 
-static bis_worker *this_worker(bis_workspace *w)
-{
-#ifdef _OPENMP
-    return &w->workers[omp_get_thread_num()];
-#else
-    return &w->workers[0];
-#endif
-}
-
 static void look_at_squares(bis_workspace *w, const squares *s)
 {
     bis_visibility *v = &w->visibility;
@@ -168,7 +155,7 @@ static void look_at_squares(bis_workspace *w, const squares *s)
         const size_t k = s->first + (size_t)i;
         if (x0 >= a.x1 || y0 >= a.y1 || x0 + s->side <= a.x0 || y0 + s->side <= a.y0) continue;
         if (bis_workspace_interrupted(w)) continue;
-        look(w, this_worker(w), (int)(v->n_tiles + k), x0, y0, s->side);
+        look(w, &w->workers[bis_workspace_thread()], (int)(v->n_tiles + k), x0, y0, s->side);
         bis_visibility_close(v, k, w->clusters.n);
     }
 }

@@ -11,10 +11,6 @@
 
 #include <inttypes.h>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 int bis_render_threads(const bis_render_options *options)
 {
 #ifdef _OPENMP

@@ -11,6 +11,10 @@
 
 #include <stdalign.h>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 /* What one thread has for itself; a cache line of its own, because its counters change with every ray. */
 typedef struct bis_worker {
     alignas(64) bis_counters counters; /* of this pass */
@@ -73,6 +77,16 @@ uint64_t bis_workspace_edge_rays(const bis_workspace *w);
 
 /* bis_workspace_own returns the i-th of the n_own tiles that are rendered. */
 static inline int bis_workspace_own(const bis_workspace *w, int i) { return w->own ? w->own[i] : i; }
+
+/* bis_workspace_thread returns the number of this thread, which is that of its worker. */
+static inline int bis_workspace_thread(void)
+{
+#ifdef _OPENMP
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
 
 /* bis_workspace_interrupted returns true once the flag of the options is set. The read is atomic, because another
  * thread may set it as well as a signal. */
