@@ -591,20 +591,36 @@ exit
 # + old * old + share * d
 #
 # * film test_render : the half is kept in each pass
-# - if (has_doubled(f)) {
-# + if (f->passes) {
+# - if (has_doubled(f)) f->half_weight
+# + if (f->passes) f->half_weight
 #
 # * film_error test_film_error test_layers : the variance of a pass, not of their mean
 # - deviation * deviation / (f->passes - 1.0);
 # + deviation * deviation;
 #
 # * film_error test_film_error : strata gain nothing
-# - edges = blocks(P, W, 1.5);
-# + edges = blocks(P, W, 1);
+# - edges = blocks(f->half_weight, W, 1.5);
+# + edges = blocks(f->half_weight, W, 1);
 #
-# * film_error test_film_error : no memory of earlier estimates
-# - if (memory->before.W != f->quarter_weight || !is_weighable(memory->before.doubt)) return 2;
-# + return 2;
+# * film_error test_film_error : a twin has the variance of the mean of both
+# - error += 2 * variance
+# + error += variance
+#
+# * film_error test_film_error test_budgets : few twins are as sure as many
+# - (N * q - 1) / n};
+# + (N * q - 1) / N};
+#
+# * film_twins test_film : twins on a regular grid
+# - const uint64_t place = bis_hash(bis_hash((uint64_t)y) + (uint64_t)x);
+# + const uint64_t place = (uint64_t)((x - x) + (y - y));
+#
+# * pass test_render : a twin has its pixel's random numbers
+# - const uint64_t seed = bis_hash(w->view->sampler.seed ^ purpose_twin);
+# + const uint64_t seed = w->view->sampler.seed | (purpose_twin & 0);
+#
+# * pass test_render test_part : rays of twins are counted
+# - me->counters = of_picture;
+# + (void)of_picture;
 #
 # * render test_render : passes grow too fast
 # - if (r->work.options->pass_size) n =

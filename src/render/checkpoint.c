@@ -5,7 +5,7 @@
  * in the film and in visibility.h, and on the scene. All but the scene is here (state.h), and of the scene
  * a hash of each of its parts (identity.h), so that a checkpoint is refused where it would continue another picture.
  *
- * Cost: 64 bytes a pixel (and 8 for each value of a layer, 512 bytes for each cell that learns), written in one go. */
+ * Cost: 52 bytes a pixel (and 8 for each value of a layer, 512 bytes for each cell that learns), written in one go. */
 #include "checkpoint.h"
 
 #include "base/text.h"

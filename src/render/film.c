@@ -15,9 +15,9 @@
  * a, the sums so far are a, 2a .. na: together their roundings are at most 2^-24 a n(n+1)/2, so that alpha, the sum
  * over n, errs by at most 2^-25 a (n+1). This is 0.001 for 10^5 passes of a = 1/3, half a step of an 8-bit picture.
  *
- * A film also keeps its mean as it was when it had half and a quarter as many camera samples, because the differences
- * between halves tell the error and how fast it falls (film_error.c). They are float: a difference below 2^-24 of the
- * mean does not matter to an error. 64 bytes a pixel. */
+ * A film also keeps its mean as it was when it had half as many camera samples, because the difference between halves
+ * tells something of the error (film_error.c). It is float: a difference below 2^-24 of the mean does not matter to an
+ * error. 52 bytes a pixel. */
 #include "bis/render/film.h"
 
 #include "bis/base/file.h"
@@ -74,9 +74,8 @@ bis_status bis_film_init_like(bis_film *f, const bis_film *sizes, bis_loc at, bi
     film.sum = bis_alloc(n, 3 * sizeof *film.sum);
     film.deviation = bis_alloc(n, 3 * sizeof *film.deviation);
     film.half = bis_alloc(n, 3 * sizeof *film.half);
-    film.quarter = bis_alloc(n, 3 * sizeof *film.quarter);
     film.hits = bis_alloc(n, sizeof *film.hits);
-    if (!film.sum || !film.deviation || !film.half || !film.quarter || !film.hits) {
+    if (!film.sum || !film.deviation || !film.half || !film.hits) {
         const bis_status status =
             bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
         bis_film_clear(&film);
@@ -120,8 +119,8 @@ void bis_film_clear(bis_film *f)
     bis_free(f->sum);
     bis_free(f->deviation);
     bis_free(f->half);
-    bis_free(f->quarter);
     bis_free(f->hits);
+    bis_free(f->twin);
     bis_layers_clear(&f->layers);
     *f = (bis_film){0};
 }
@@ -171,10 +170,7 @@ static bool has_doubled(const bis_film *f)
 
 void bis_film_end_pass(bis_film *f, double weight)
 {
-    if (has_doubled(f)) {
-        f->quarter_weight = f->half_weight;
-        f->half_weight = f->weight;
-    }
+    if (has_doubled(f)) f->half_weight = f->weight;
     f->passes++;
     f->weight += weight;
 }
@@ -192,10 +188,7 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight)
         const double old = (double)f->deviation[k];
         /* the mean of the squares of two groups, and what their means are apart */
         f->deviation[k] = f->passes ? (float)sqrt((1 - share) * (old * old + share * d * d)) : 0;
-        if (keeps) {
-            f->quarter[k] = f->half[k];
-            f->half[k] = (float)mean;
-        }
+        if (keeps) f->half[k] = (float)mean;
         f->sum[k] += weight * c[k - 3 * i];
     }
     f->hits[i] = (float)((double)f->hits[i] + weight * hit);
@@ -228,5 +221,6 @@ double bis_film_raised(const bis_film *f)
 size_t bis_film_bytes(const bis_film *f)
 {
     return (size_t)f->width * (size_t)f->height *
-           (BIS_FILM_BYTES + (size_t)f->layers.n_values * sizeof *f->layers.sum);
+               (BIS_FILM_BYTES + (size_t)f->layers.n_values * sizeof *f->layers.sum) +
+           (f->twin ? bis_film_twins(f) * 3 * sizeof *f->twin : 0);
 }

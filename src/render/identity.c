@@ -79,8 +79,7 @@ FIELDS(accel) = {
 
 const bis_identity_struct bis_identity_structs[] = {
     /* what passes add up; of the layers those that are asked for count */
-    {"bis_film", film, "sum deviation half quarter hits passes weight half_weight quarter_weight most independent "
-                       "layers"},
+    {"bis_film", film, "sum deviation half hits passes weight half_weight most independent layers twin"},
     {"bis_camera", camera, ""},
     {"bis_sampler", sampler, ""},
     {"bis_sampler", division, ""},

@@ -135,8 +135,7 @@ static bool is_sound(const part *p)
     if (p->walk.bad || p->head.part.n == 0 || p->head.part.n > BIS_PART_MOST) return false;
     if (p->head.part.n > (uint32_t)bis_film_tiles(f, BIS_RENDER_TILE, &across)) return false;
     return p->done.spp > 0 && p->done.spp <= UINT32_MAX && f->passes > 0 && f->weight > 0 && isfinite(f->weight) &&
-           f->half_weight >= 0 && f->half_weight < f->weight && f->quarter_weight >= 0 &&
-           f->quarter_weight <= f->half_weight && p->done.seconds >= 0 && isfinite(p->done.seconds);
+           f->half_weight >= 0 && f->half_weight < f->weight && p->done.seconds >= 0 && isfinite(p->done.seconds);
 }
 
 static int values_of(unsigned layers)
@@ -193,7 +192,7 @@ static bis_status compare(const part *a, const part *b, bis_diag *diag)
         return bis_error(diag, BIS_INPUT, at, "this part has %" PRIu64 " camera samples a pixel, but \"%s\" has %"
                          PRIu64 ": give all parts the same --spp", b->done.spp, a->path, a->done.spp);
     if (f->passes != g->passes || f->weight != g->weight || f->half_weight != g->half_weight ||
-        f->quarter_weight != g->quarter_weight || f->independent != g->independent ||
+        f->independent != g->independent ||
         f->layers.asked != g->layers.asked || f->full_width != g->full_width || f->full_height != g->full_height ||
         f->x0 != g->x0 || f->y0 != g->y0 || f->width != g->width || f->height != g->height)
         return damaged(b->path, diag); /* the hashes say that they are alike */
@@ -247,8 +246,9 @@ static bool is_finite(const bis_film *f)
     bool good = true;
 
     for (size_t i = 0; i < 3 * n; i++)
-        good &= isfinite(f->sum[i]) && isfinite(f->deviation[i]) && isfinite(f->half[i]) && isfinite(f->quarter[i]);
+        good &= isfinite(f->sum[i]) && isfinite(f->deviation[i]) && isfinite(f->half[i]);
     for (size_t i = 0; i < n; i++) good &= isfinite(f->hits[i]) != 0;
+    for (size_t i = 0; f->twin && i < 3 * bis_film_twins(f); i++) good &= isfinite(f->twin[i]) != 0;
     for (size_t i = 0; i < n * (size_t)f->layers.n_values; i++) good &= isfinite(f->layers.sum[i]) != 0;
     return good;
 }
@@ -262,8 +262,8 @@ static bis_status make_film(bis_film *f, const part *p, bis_diag *diag)
     f->passes = p->film.passes;
     f->weight = p->film.weight;
     f->half_weight = p->film.half_weight;
-    f->quarter_weight = p->film.quarter_weight;
     f->independent = p->film.independent;
+    if (!status && !f->independent) status = bis_film_want_twins(f, diag);
     return status;
 }
 
@@ -328,7 +328,7 @@ bis_status bis_part_merge(bis_merged *m, const char *const *paths, int n, bis_di
         if (has[k]) status = bis_error(diag, BIS_INPUT, (bis_loc){0}, "a part has changed while it was read");
     if (!status && !is_finite(&m->film))
         status = bis_error(diag, BIS_INPUT, (bis_loc){0}, "a part is damaged: a sum in it is not finite");
-    if (!status) m->result.error = bis_film_estimate_error(&m->film, NULL);
+    if (!status) m->result.error = bis_film_estimate_error(&m->film);
     if (status) bis_film_clear(&m->film);
     bis_free(has);
     bis_free(first);

@@ -19,8 +19,11 @@
 #include "wave.h"
 
 #include "bis/base/clock.h"
+#include "bis/base/hash.h"
 
 #include <string.h>
+
+static const uint64_t purpose_twin = 0x7477696e; /* its random numbers are another seed's */
 
 static size_t index_in(bis_rect area, int x, int y)
 {
@@ -29,15 +32,63 @@ static size_t index_in(bis_rect area, int x, int y)
 
 /* What a pass takes of pixel (x, y): its camera samples, or in an edge pixel as many times edgesamples, each of
  * which then has a share of the light samples. */
-static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, const bis_pass *pass, bis_pixel_sum *sum)
+static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, const bis_pass *pass, uint64_t seed,
+                        bis_pixel_sum *sum)
 {
     const int edge = w->edge ? bis_edges_kind(w->edge, w->area, x, y) : BIS_EDGE_NONE;
     const uint32_t each = bis_edges_samples(edge, w->view->edge_samples);
-    const bis_sampler *sampler = edge ? &w->edge_samplers[edge] : &w->view->sampler;
+    bis_sampler sampler = edge ? w->edge_samplers[edge] : w->view->sampler;
     const uint64_t first = pass->first * each;
 
+    sampler.seed = seed;
     sum->settings = each > 1 ? &w->edge_settings : &w->view->settings;
-    for (uint64_t k = 0; k < (uint64_t)pass->n * each; k++) bis_wave_add(wave, sampler, x, y, first + k, sum);
+    for (uint64_t k = 0; k < (uint64_t)pass->n * each; k++) bis_wave_add(wave, &sampler, x, y, first + k, sum);
+}
+
+/* The run of learned visibility to which pixel number i of tile t belongs. */
+static size_t cell_of(const bis_workspace *w, int t, int i)
+{
+    const size_t cells = w->visibility.cells;
+    return (size_t)t * cells + (size_t)i * cells / (BIS_RENDER_TILE * BIS_RENDER_TILE);
+}
+
+/* The one of the n twins of a tile that pixel (x, y) has; NULL: none. */
+static const bis_twin *twin_at(const bis_twin *twins, int n, int x, int y)
+{
+    for (int k = 0; k < n; k++)
+        if (twins[k].x == x && twins[k].y == y) return &twins[k];
+    return NULL;
+}
+
+/* The mean of a pixel's camera samples. */
+static rgb mean_of(const bis_pixel_sum *sum) { return rgbd_round(rgbd_scale(sum->L, 1 / (double)sum->n)); }
+
+/* The twins of tile t, in the order of its pixels. Nothing is learned from them, and their rays are not counted, so
+ * picture and counters are those of a render without twins. Both take their directions from the pass's clusters. Of
+ * the 256 of a cluster a point takes a few, so hardly any of the error is common to the two. */
+static void render_twins(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass)
+{
+    const bis_rect full = bis_film_tile(w->film, BIS_RENDER_TILE, t),
+                   kept = bis_film_tile_of_crop(w->film, BIS_RENDER_TILE, t);
+    const uint64_t seed = bis_hash(w->view->sampler.seed ^ purpose_twin);
+    const bis_counters of_picture = me->counters;
+    bis_twin twins[BIS_RENDER_TILE_TWINS];
+    int n = 0;
+
+    for (bis_twin twin = {0}; bis_film_next_twin(w->film, kept, &twin);) twins[n++] = twin;
+    if (me->scratch.guide) me->scratch.guide->learns = false;
+    for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
+        int x, y;
+        bis_survey_pixel(i, &x, &y);
+        const bis_twin *twin = twin_at(twins, n, x + full.x0, y + full.y0);
+        if (!twin) continue;
+        bis_pixel_sum *sum = &me->pixels[twin - twins];
+        *sum = (bis_pixel_sum){.cell = cell_of(w, t, i)};
+        add_samples(w, me->wave, twin->x, twin->y, pass, seed, sum);
+    }
+    bis_wave_end(me->wave);
+    for (int k = 0; k < n; k++) w->pass_twins[twins[k].at] = mean_of(&me->pixels[k]);
+    me->counters = of_picture;
 }
 
 /* Tile number t, or a glimpse of it: few pixels, from which nothing is learned and whose rays are not counted, because
@@ -47,8 +98,7 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     const bis_film *f = w->film;
     const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(f, BIS_RENDER_TILE, t),
                    kept = bis_film_tile_of_crop(f, BIS_RENDER_TILE, t),
-                   crop = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
-    const size_t cells = w->visibility.cells; /* runs of the order in which pixels are taken */
+                   crop = bis_film_crop(f);
     bis_pixel_sum dropped;
 
     if (me->scratch.guide) me->scratch.guide->learns = true;
@@ -65,8 +115,8 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
         if (sum->values) memset(sum->values, 0, (size_t)f->layers.n_values * sizeof *sum->values);
-        sum->cell = (size_t)t * cells + (size_t)i * cells / (BIS_RENDER_TILE * BIS_RENDER_TILE);
-        add_samples(w, me->wave, x, y, pass, sum);
+        sum->cell = cell_of(w, t, i);
+        add_samples(w, me->wave, x, y, pass, w->view->sampler.seed, sum);
     }
     bis_wave_end(me->wave);
     if (bis_workspace_interrupted(w)) return false;
@@ -75,11 +125,12 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
             if (is_glimpse && !bis_first_light_glimpses(f, x, y)) continue;
             const bis_pixel_sum *sum = &me->pixels[index_in(kept, x, y)];
             w->pass[index_in(crop, x, y)] =
-                (bis_pixel_mean){rgbd_round(rgbd_scale(sum->L, 1 / (double)sum->n)), (float)sum->hits / (float)sum->n};
+                (bis_pixel_mean){mean_of(sum), (float)sum->hits / (float)sum->n};
             if (sum->values) bis_gather_mean(sum->values, &f->layers, sum->n / pass->weight);
         }
     }
     if (is_glimpse) me->counters = before;
+    else if (w->pass_twins) render_twins(w, me, t, pass);
     return true;
 }
 
@@ -145,6 +196,8 @@ static void keep_pixels(const bis_workspace *w, bis_rect r, double weight)
             if (w->pass_layers) bis_layers_add(&f->layers, i, bis_workspace_layers(w, i));
         }
     }
+    for (bis_twin t = {0}; w->pass_twins && bis_film_next_twin(f, r, &t);)
+        bis_film_add_twin(f, &t, w->pass_twins[t.at], weight);
 }
 
 void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)

@@ -162,7 +162,7 @@ static bool budget_left(render *r)
         if (r->is_last) r->size = (uint32_t)fits;
     }
     if (b->error > 0 && passes >= done->next_check) {
-        const bis_film_error error = bis_film_estimate_error(r->work.film, &r->done.memory);
+        const bis_film_error error = bis_film_estimate_error(r->work.film);
         done->rmse_upper = error.is_bounded ? error.upper : HUGE_VAL;
         done->next_check = passes + 1 + passes / 20;
         if (!r->has_forecast && error.is_bounded && error.upper > b->error) forecast(r);
@@ -216,28 +216,26 @@ static void keep(render *r)
 }
 
 /* All of *result that is known between two passes. */
-static void fill_result(bis_render_result *result, const render *r, bis_film_memory *memory)
+static void fill_result(bis_render_result *result, const render *r)
 {
     const bis_film *film = r->work.film;
 
     result->seconds = bis_clock_now() - r->start;
     result->counters = r->done.counters;
-    if (!r->work.options->part.n) result->error = bis_film_estimate_error(film, memory);
+    if (!r->work.options->part.n) result->error = bis_film_estimate_error(film);
     result->missing = r->missing;
     result->passes = film->passes;
     result->spp = r->done.spp;
     result->bytes = bis_workspace_bytes(&r->work) + (r->work.sched ? bis_sched_bytes(r->work.sched) : 0);
 }
 
-/* A look at the error changes what its memory holds, which is the render's own. So it gets a copy. */
 static void tell_so_far(render *r)
 {
     const bis_render_options *options = r->work.options;
     bis_render_result result = {.n_threads = r->work.n_threads};
-    bis_film_memory memory = r->done.memory;
 
     if (!options->so_far || bis_clock_now() - r->last_so_far < options->every) return;
-    fill_result(&result, r, &memory);
+    fill_result(&result, r);
     options->so_far(&result, options->user);
     r->last_so_far = bis_clock_now();
 }
@@ -257,7 +255,7 @@ static void render_passes(render *r, bis_render_result *result)
         tell_so_far(r);
     }
     if (!is_cut) keep(r);
-    fill_result(result, r, &r->done.memory);
+    fill_result(result, r);
     r->size = 0;
     /* where all passes are done, it came too late */
     const bool is_done = r->most && r->done.spp >= r->most && r->missing == 0;
@@ -343,7 +341,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     assert(!options->part.n || !(options->budget.error > 0)); /* the error is that of the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
-    bis_status status = bis_workspace_init(&r.work, diag);
+    bis_status status = film->independent ? BIS_OK : bis_film_want_twins(film, diag);
+    if (!status) status = bis_workspace_init(&r.work, diag);
     status = prepare(&r, status, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);

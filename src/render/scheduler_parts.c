@@ -43,6 +43,8 @@ static unsigned char *copy_pixels(unsigned char *m, bis_workspace *w, int t, cop
         m = copy(m, &w->pass[i], n * sizeof *w->pass);
         if (w->pass_layers) m = copy(m, bis_workspace_layers(w, i), n * n_values * sizeof *w->pass_layers);
     }
+    for (bis_twin twin = {0}; w->pass_twins && bis_film_next_twin(f, r, &twin);)
+        m = copy(m, &w->pass_twins[twin.at], sizeof *w->pass_twins);
     return m;
 }
 
@@ -77,7 +79,8 @@ unsigned char *bis_sched_get_learned(unsigned char *m, const bis_workspace *w, i
 size_t bis_sched_tile_bytes(const bis_workspace *w)
 {
     const size_t pixel = sizeof(bis_pixel_mean) + (size_t)w->film->layers.n_values * sizeof(float);
-    return sizeof(bis_sched_tile) + BIS_RENDER_TILE * BIS_RENDER_TILE * pixel + learned_bytes(w);
+    return sizeof(bis_sched_tile) + BIS_RENDER_TILE * BIS_RENDER_TILE * pixel +
+           BIS_RENDER_TILE_TWINS * sizeof *w->pass_twins + learned_bytes(w);
 }
 
 void bis_sched_queue(bis_sched *sched, const bis_sched_head *h, unsigned char *m)

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 10, MAGIC = 8 };
+enum { FORMAT = 11, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -122,29 +122,17 @@ static void walk_counters(bis_walk *w, bis_counters *c)
     bis_walk_u64(w, &c->nonfinite);
 }
 
-static void walk_pair(bis_walk *w, bis_film_pair *pair)
-{
-    double *const values[] = {&pair->P, &pair->W, &pair->sum, &pair->doubt};
-    for (int i = 0; i < 4; i++) {
-        bis_walk_f64(w, values[i]);
-        w->bad |= !(isfinite(*values[i]) && *values[i] >= 0);
-    }
-}
-
 void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)
 {
     bis_walk_u64(w, &d->spp);
     bis_walk_f64(w, &d->seconds);
     bis_walk_u32(w, &d->next_check);
     bis_walk_f64(w, &d->rmse_upper);
-    walk_pair(w, &d->memory.now);
-    walk_pair(w, &d->memory.before);
     walk_counters(w, &d->counters);
     bis_walk_u32(w, &f->passes);
     bis_walk_f64(w, &f->weight);
     uint32_t independent = f->independent;
     bis_walk_f64(w, &f->half_weight);
-    bis_walk_f64(w, &f->quarter_weight);
     bis_walk_u32(w, &independent);
     f->independent = independent == 1;
     w->bad |= independent > 1;
@@ -206,10 +194,25 @@ static uint64_t pixels_of(const bis_workspace *of)
     return n;
 }
 
+/* The twins of the tiles that are rendered here. Returns how many there are; w = NULL: does nothing else. */
+static uint64_t walk_twins(bis_walk *w, const bis_workspace *of)
+{
+    uint64_t n = 0;
+
+    for (int i = 0; i < of->n_own; i++) {
+        const bis_rect r = bis_film_tile_of_crop(of->film, BIS_RENDER_TILE, bis_workspace_own(of, i));
+        for (bis_twin t = {0}; bis_film_next_twin(of->film, r, &t); n++)
+            if (w) bis_walk_f64s(w, of->film->twin + 3 * t.at, 3);
+    }
+    return n;
+}
+
 uint64_t bis_state_sums_bytes(const bis_workspace *of)
 {
+    const bis_film *f = of->film;
     /* where nothing is learned, a tile has 0 cells */
-    return pixels_of(of) * (BIS_FILM_BYTES + 8 * (uint64_t)of->film->layers.n_values) +
+    return pixels_of(of) * (BIS_FILM_BYTES + 8 * (uint64_t)f->layers.n_values) +
+           (f->independent ? 0 : walk_twins(NULL, of) * 3 * sizeof *f->twin) +
            (uint64_t)of->n_own * of->visibility.cells * sizeof(bis_seen);
 }
 
@@ -220,8 +223,8 @@ void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
     walk_pixels(w, of, (values){.doubles = f->sum, .each = 3});
     walk_pixels(w, of, (values){.floats = f->deviation, .each = 3});
     walk_pixels(w, of, (values){.floats = f->half, .each = 3});
-    walk_pixels(w, of, (values){.floats = f->quarter, .each = 3});
     walk_pixels(w, of, (values){.floats = f->hits, .each = 1});
     walk_pixels(w, of, (values){.doubles = f->layers.sum, .each = (size_t)f->layers.n_values});
+    if (f->twin) walk_twins(w, of);
     walk_visibility(w, of);
 }

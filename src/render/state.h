@@ -12,7 +12,6 @@ typedef struct bis_done {
     double seconds;        /* in all processes that took part */
     uint32_t next_check;   /* number of passes at which the error is estimated next */
     double rmse_upper;     /* as estimated last; NAN: not yet */
-    bis_film_memory memory; /* what these estimates found */
     bis_counters counters;
 } bis_done;
 

@@ -22,5 +22,3 @@ void bis_survey_tile(const bis_workspace *w, bis_worker *me, int t);
  * 16 that begin at a multiple of 16 are a square. */
 void bis_survey_pixel(int i, int *x, int *y);
 
-/* bis_is_in returns whether pixel (x, y) is in r. */
-static inline bool bis_is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }

@@ -109,7 +109,10 @@ static bis_status make_pass(bis_workspace *w, bis_diag *diag)
     w->pass = bis_alloc(n, sizeof *w->pass);
     if (w->pass && n_values) w->pass_layers = bis_alloc(n, n_values * sizeof *w->pass_layers);
     if (w->options->first_light) w->fine = bis_alloc((size_t)w->n_tiles, 1);
-    if (w->pass && (w->pass_layers || !n_values) && (w->fine || !w->options->first_light)) return BIS_OK;
+    if (f->twin) w->pass_twins = bis_alloc(bis_film_twins(f), sizeof *w->pass_twins);
+    const bool has_all = w->pass && (w->pass_layers || !n_values) && (w->fine || !w->options->first_light) &&
+                         (w->pass_twins || !f->twin);
+    if (has_all) return BIS_OK;
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
@@ -222,7 +225,8 @@ size_t bis_workspace_bytes(const bis_workspace *w)
                           bis_product_guide_bytes(&w->workers[0].guide);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
-           (size_t)w->n_threads * thread + n_pixels * pixel;
+           (size_t)w->n_threads * thread + n_pixels * pixel +
+           (w->pass_twins ? bis_film_twins(w->film) * sizeof *w->pass_twins : 0);
 }
 
 void bis_workspace_clear(bis_workspace *w)
@@ -238,6 +242,7 @@ void bis_workspace_clear(bis_workspace *w)
     bis_free(w->own);
     bis_free(w->workers);
     bis_free(w->pass);
+    bis_free(w->pass_twins);
     bis_free(w->pass_layers);
     bis_free(w->fine);
     bis_free(w->edge);

@@ -56,6 +56,7 @@ typedef struct bis_workspace {
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */
     unsigned char *fine;      /* fine[n_tiles] of the first pass, see first_light.h; NULL: it is like all others */
     double late;              /* on bis_clock_now's clock: the first pass ends then */
+    rgb *pass_twins;          /* pass_twins[bis_film_twins]: what the pass makes of them; NULL: no twins */
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
 } bis_workspace;
 

@@ -622,8 +622,8 @@ static void the_line_at_the_end_has_each_figure(void **state)
         {"--resolution 20x10 --spp 1 --outfile " DIR "/one.pfm",
          "bis: wrote " DIR "/one.pfm: 20 x 10 pixels, 1 camera sample a "
          "pixel in 1 pass, ", false},
-        {"--resolution 320x160 --cropwindow 0,0.5,0,0.7 --spp 64 --outfile " DIR "/b.pfm --outfile " DIR "/a.exr "
-         "--outfile " DIR "/c.png",
+        {"--resolution 320x160 --cropwindow 0,0.5,0,0.7 --spp 64 --integrator em --outfile " DIR "/b.pfm "
+         "--outfile " DIR "/a.exr --outfile " DIR "/c.png",
          "bis: wrote " DIR "/b.pfm, " DIR "/a.exr, " DIR "/c.png: 160 x 112 pixels, 64 camera samples a pixel in 18 "
          "passes, ", true},
     };

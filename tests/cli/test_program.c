@@ -1018,9 +1018,9 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
 {
     (void)state;
     const struct { const char *options, *passes; } cases[] = {
-        {"--resolution 144x96 --spp 9", "9 camera samples a pixel in 5 passes, "},
+        {"--resolution 192x128 --spp 9", "9 camera samples a pixel in 5 passes, "},
         {"--spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 1", "1 camera sample a pixel in 1 pass, "},
-        {"--resolution 144x96 --spp 8 --cropwindow 0,0.5,0,1", "8 camera samples a pixel in 4 passes, "},
+        {"--resolution 192x128 --spp 8 --cropwindow 0,0.75,0,1", "8 camera samples a pixel in 4 passes, "},
     };
     for (int i = 0; i < 4; i++) {
         program_run r;

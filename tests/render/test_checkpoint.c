@@ -256,7 +256,7 @@ static void every_truncation_and_every_changed_byte_is_refused(void **state)
     clear_world(&w);
 }
 
-enum { BEFORE_SUMS = 168 }; /* bytes of the state that come before the film's sums */
+enum { BEFORE_SUMS = 96 }; /* bytes of the state that come before the film's sums */
 
 /* A forged file may be refused or not; it must not break anything. */
 static void a_forged_head_breaks_nothing(void **state)
@@ -293,8 +293,8 @@ static void a_forged_head_breaks_nothing(void **state)
     clear_world(&w);
 }
 
-/* Each of these decides what the next passes make (the means of the half and the quarter do not, because they are taken
- * anew): the sums of the film, and the counts of what was seen. */
+/* Each of these decides what the next passes make (the mean of the half does not, because it is taken anew): the sums
+ * of the film, and the counts of what was seen. */
 static void another_number_in_the_state_makes_another_picture(void **state)
 {
     (void)state;
@@ -306,7 +306,7 @@ static void another_number_in_the_state_makes_another_picture(void **state)
     const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, n_seen = BIS_VISIBILITY_CELLS * sizeof(bis_seen),
                  seen = size - 8 - n_seen;
     const size_t places[] = {sums + 7, sums + 3 * n_pixels * 8 + 2,
-                             sums + 3 * n_pixels * 20 + 6, seen};
+                             sums + 3 * n_pixels * 16 + 6, seen};
     for (size_t i = 0; i < COUNT(places); i++) {
         bis_film a, b;
         bis_render_result result;

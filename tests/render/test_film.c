@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* film: crops, means and alpha. */
 #include "bis/render/film.h"
+#include "bis/render/render.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "threads.h"
@@ -78,6 +79,73 @@ static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
             if (t >= across) assert_true(bis_film_tile(&f, SIDE, t - across).y1 == all.y0);
         }
         assert_int_equal(met, f.width * f.height);
+    }
+}
+
+/* Of a picture of 400 x 240: sides of sqrt(96000 / 1500) = 8 pixels. All crops and tiles find the twins that the
+ * picture has there, each once, and none elsewhere. */
+static void crops_and_tiles_have_the_twins_of_their_picture(void **state)
+{
+    (void)state;
+    enum { W = 400, H = 240, SQUARES = 50 * 30 };
+    static unsigned char has[H][W];
+    const double crops[][4] = {{0, 1, 0, 1}, {0.1, 0.9, 0.31, 0.33}, {0.5, 0.503, 0, 1}, {0.999, 1, 0.999, 1}};
+    for (size_t c = 0; c < sizeof crops / sizeof *crops; c++) {
+        const bis_film f = bis_film_place(W, H, crops[c], 1);
+        const bis_rect crop = bis_film_crop(&f);
+        static unsigned char taken[SQUARES], again[H][W];
+        int across;
+        assert_int_equal(bis_film_twin_side(&f), 8);
+        assert_true(bis_film_twins(&f) <= SQUARES && (c > 0 || bis_film_twins(&f) == SQUARES));
+        memset(taken, 0, sizeof taken);
+        memset(again, 0, sizeof again);
+        for (bis_twin t = {0}; bis_film_next_twin(&f, crop, &t);) {
+            assert_true(bis_is_in(crop, t.x, t.y) && t.at < bis_film_twins(&f) && !taken[t.at]++);
+            assert_true(c == 0 || has[t.y][t.x]);
+            has[t.y][t.x] = again[t.y][t.x] = 1;
+        }
+        for (int tile = 0; tile < bis_film_tiles(&f, 16, &across); tile++) {
+            const bis_rect r = bis_film_tile_of_crop(&f, 16, tile);
+            for (bis_twin t = {0}; bis_film_next_twin(&f, r, &t);) assert_true(again[t.y][t.x]++ == 1);
+        }
+        for (int i = 0; i < W * H; i++)
+            if (bis_is_in(crop, i % W, i / W)) assert_int_equal(again[i / W][i % W], 2 * has[i / W][i % W]);
+    }
+}
+
+/* The same picture: 50 x 30 squares of 64 pixels. How often a twin lies at each: chi-square with 63 degrees of
+ * freedom exceeds 92.0 once in a hundred times. The twin: a grid, one pixel in the middle of each square. */
+static void twins_lie_anywhere_in_their_squares(void **state)
+{
+    (void)state;
+    const double whole[4] = {0, 1, 0, 1}, expected = 50 * 30 / 64.0;
+    const bis_film f = bis_film_place(400, 240, whole, 1);
+    int counts[64] = {0}, n = 0;
+    double chi = 0, of_grid = 0;
+    for (bis_twin t = {0}; bis_film_next_twin(&f, bis_film_crop(&f), &t); n++) counts[t.y % 8 * 8 + t.x % 8]++;
+    assert_int_equal(n, 50 * 30);
+    for (int i = 0; i < 64; i++) {
+        chi += pow(counts[i] - expected, 2) / expected;
+        of_grid += pow((i == 36 ? n : 0) - expected, 2) / expected;
+    }
+    if (!(chi < 92.0)) fail_msg("chi-square is %g", chi);
+    assert_true(of_grid > 92.0);
+}
+
+/* At least 3 pixels a side, so that twins take a 9th of the samples, and no tile of 16 pixels has more than 36. */
+static void small_pictures_have_a_twin_for_9_pixels(void **state)
+{
+    (void)state;
+    const double whole[4] = {0, 1, 0, 1};
+    const bis_film f = bis_film_place(150, 90, whole, 1), one = bis_film_place(1, 1, whole, 1);
+    int across;
+    assert_int_equal(bis_film_twin_side(&f), 3);
+    assert_int_equal(bis_film_twins(&f), 50 * 30);
+    assert_int_equal(bis_film_twins(&one), 1);
+    for (int tile = 0; tile < bis_film_tiles(&f, BIS_RENDER_TILE, &across); tile++) {
+        int n = 0;
+        for (bis_twin t = {0}; bis_film_next_twin(&f, bis_film_tile(&f, BIS_RENDER_TILE, tile), &t);) n++;
+        assert_true(n >= 1 && n <= BIS_RENDER_TILE_TWINS);
     }
 }
 
@@ -249,6 +317,9 @@ int main(void)
         cmocka_unit_test(neighbouring_crops_share_no_pixel_and_leave_no_gap),
         cmocka_unit_test(crop_is_rounded_as_pbrt_does),
         cmocka_unit_test(the_tiles_of_a_crop_are_those_of_its_picture),
+        cmocka_unit_test(crops_and_tiles_have_the_twins_of_their_picture),
+        cmocka_unit_test(twins_lie_anywhere_in_their_squares),
+        cmocka_unit_test(small_pictures_have_a_twin_for_9_pixels),
         cmocka_unit_test(a_crop_without_pixels_or_outside_is_refused),
         cmocka_unit_test(a_crop_without_pixels_of_a_thin_film_says_so),
         cmocka_unit_test(pixels_are_means_and_alpha_the_share_of_hits),

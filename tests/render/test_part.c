@@ -336,7 +336,7 @@ typedef struct field {
     const char *words; /* NULL: it is accepted */
 } field;
 
-enum { WRITTEN = 4 * 15 }; /* pixels */
+enum { WRITTEN = 4 * 15, TWINS = 6 }; /* pixels, and those of them that are rendered twice */
 static const field format_fields[] = {
     {"magic", 8, 3, 1, "no part of bis"},
     {"format", 4, 0, 1, "the same version"},
@@ -389,7 +389,6 @@ static const field format_fields[] = {
     {"seconds", 8, 7, 0x80, "damaged"},
     {"next look at the error", 4, 0, 1, NULL},
     {"bound of the error", 8, 0, 1, NULL},
-    {"remembered", 64, 0, 1, NULL},
     {"camera rays", 8, 0, 1, NULL},
     {"shadow rays", 8, 0, 1, NULL},
     {"candidates", 8, 0, 1, NULL},
@@ -399,14 +398,13 @@ static const field format_fields[] = {
     {"passes", 4, 0, 1, "damaged"},
     {"weight", 8, 5, 1, "damaged"},
     {"weight of the half", 8, 5, 1, "damaged"},
-    {"weight of the quarter", 8, 5, 1, "damaged"},
     {"independent", 4, 0, 2, "damaged"}, /* 0 or 1 */
     {"sum", WRITTEN * 24, 6, 1, NULL},
     {"deviation", WRITTEN * 12, 2, 1, NULL},
     {"half", WRITTEN * 12, 2, 1, NULL},
-    {"quarter", WRITTEN * 12, 2, 1, NULL},
     {"hits", WRITTEN * 4, WRITTEN * 4 - 2, 1, NULL},
     {"depth", WRITTEN * 8, WRITTEN * 8 - 2, 1, NULL},
+    {"twins", TWINS * 24, 6, 1, NULL},
     {"checksum", 8, 0, 1, "its checksum is wrong"},
 };
 
@@ -441,7 +439,7 @@ static void every_field_of_the_format_counts(void **state)
         assert_int_equal(merge_paths(m, paths, 2, NULL), BIS_OK);
         /* what the next pass would need is no part of the picture */
         const bool is_idle = strcmp(f->name, "next look at the error") == 0 ||
-                             strcmp(f->name, "bound of the error") == 0 || strcmp(f->name, "remembered") == 0;
+                             strcmp(f->name, "bound of the error") == 0;
         const bool same = memcmp(&m->head.parts, &right->head.parts, sizeof m->head.parts) == 0 &&
                           m->head.settings.as_printed == right->head.settings.as_printed &&
                           strcmp(m->about.command, right->about.command) == 0 &&
@@ -454,7 +452,7 @@ static void every_field_of_the_format_counts(void **state)
                           memcmp(m->film.sum, right->film.sum, 24 * n) == 0 &&
                           memcmp(m->film.deviation, right->film.deviation, 12 * n) == 0 &&
                           memcmp(m->film.half, right->film.half, 12 * n) == 0 &&
-                          memcmp(m->film.quarter, right->film.quarter, 12 * n) == 0 &&
+                          memcmp(m->film.twin, right->film.twin, 24 * bis_film_twins(&m->film)) == 0 &&
                           memcmp(m->film.hits, right->film.hits, 4 * n) == 0 &&
                           memcmp(m->film.layers.sum, right->film.layers.sum, 8 * n) == 0;
         if (same != is_idle) fail_msg("%s: %s", f->name, same ? "nothing changes" : "something changes");
@@ -662,15 +660,15 @@ static uint64_t bits_of(double v)
 }
 
 /* One part that is the whole picture, so that nothing else contradicts it: 20 x 15 pixels at (12, 0) of 37 x 21. The
- * last number that is right, and the first that is not. Places are told from where the sizes stand: before them
- * seconds, figures and settings, behind them what was done and, 100 bytes later, the sums. */
+ * last number that is right and has as many twins, and the first that is not right. Places are told from where the
+ * sizes stand: before them seconds, figures and settings, behind them what was done and, 100 bytes later, the sums. */
 static void numbers_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 172, DEVIATIONS = SUMS + 24 * PIXELS,
-        HALF = DEVIATIONS + 12 * PIXELS,
-           QUARTER = HALF + 12 * PIXELS, HITS = QUARTER + 12 * PIXELS,
-           DEPTHS = HITS + 4 * PIXELS, END = DEPTHS + 8 * PIXELS };
+    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 100, DEVIATIONS = SUMS + 24 * PIXELS,
+           HALF = DEVIATIONS + 12 * PIXELS, HITS = HALF + 12 * PIXELS, DEPTHS = HITS + 4 * PIXELS,
+           /* of 7 x 5 squares of 3 x 3 pixels */
+           TWINS_BEGIN = DEPTHS + 8 * PIXELS, END = TWINS_BEGIN + 24 * 35 };
     const double inf = (double)INFINITY, nan = (double)NAN;
     static const char bad[] = BAD ": error: this part is damaged\n",
                       sum[] = "error: a part is damaged: a sum in it is not finite\n";
@@ -680,26 +678,24 @@ static void numbers_that_make_no_sense_are_refused(void **state)
         size_t bytes;
         const char *text;
     } cases[] = {
-        {0, 32, 4, ""}, {0, 31, 4, bad}, {0, BIS_IMAGE_MAX_SIDE, 4, ""}, {0, BIS_IMAGE_MAX_SIDE + 1, 4, bad},
-        {4, 17, 4, ""}, {4, 18, 4, bad}, {4, 37, 4, bad}, {8, 21, 4, bad}, {8, 0, 4, bad},
+        {0, 32, 4, ""}, {0, 31, 4, bad}, {0, 1142, 4, ""}, {0, BIS_IMAGE_MAX_SIDE + 1, 4, bad},
+        {4, 18, 4, bad}, {4, 37, 4, bad}, {8, 21, 4, bad}, {8, 0, 4, bad},
         {12, 15, 4, ""}, {12, 14, 4, bad}, {12, BIS_IMAGE_MAX_SIDE + 1, 4, bad}, {16, 6, 4, ""}, {16, 7, 4, bad},
         {20, 14, 4, bad}, {20, 16, 4, bad},
         {DONE, 0, 8, bad}, {DONE, UINT32_MAX, 8, ""}, {DONE, (uint64_t)UINT32_MAX + 1, 8, bad},
         {DONE + 8, bits_of(0), 8, ""}, {DONE + 8, bits_of(-1e-300), 8, bad}, {DONE + 8, bits_of(inf), 8, bad},
-        {DONE + 8, bits_of(nan), 8, bad}, {DONE + 140, 0, 4, bad}, {DONE + 140, 1, 4, ""},
-        {DONE + 144, bits_of(0), 8, bad}, {DONE + 144, bits_of(inf), 8, bad}, {DONE + 144, bits_of(nan), 8, bad},
-        {DONE + 152, bits_of(-1), 8, bad}, {DONE + 152, bits_of(inf), 8, bad}, {DONE + 152, bits_of(nan), 8, bad},
-        {DONE + 160, bits_of(-1), 8, bad}, {DONE + 160, bits_of(inf), 8, bad}, {DONE + 160, bits_of(nan), 8, bad},
-        {DONE + 28, bits_of(1), 8, ""}, {DONE + 28, bits_of(-1), 8, bad}, {DONE + 84, bits_of(inf), 8, bad},
+        {DONE + 8, bits_of(nan), 8, bad}, {DONE + 76, 0, 4, bad}, {DONE + 76, 1, 4, ""},
+        {DONE + 80, bits_of(0), 8, bad}, {DONE + 80, bits_of(inf), 8, bad}, {DONE + 80, bits_of(nan), 8, bad},
+        {DONE + 88, bits_of(-1), 8, bad}, {DONE + 88, bits_of(inf), 8, bad}, {DONE + 88, bits_of(nan), 8, bad},
         {-80, bits_of(0), 8, ""}, {-80, bits_of(inf), 8, bad}, {-72, bits_of(nan), 8, bad}, {-64, bits_of(inf), 8, bad},
         {-56, bits_of(-1), 8, bad}, {-92, INT32_MAX, 4, ""}, {-92, (uint64_t)INT32_MAX + 1, 4, bad},
         {-100, bits_of(0), 8, ""}, {-100, bits_of(1), 8, ""}, {-100, bits_of(1 + 0x1p-52), 8, bad},
         {-100, bits_of(nan), 8, bad},
         {SUMS, bits_of(nan), 8, sum}, {DEVIATIONS - 8, bits_of(inf), 8, sum}, {DEVIATIONS, 0x7f800000, 4, sum},
-        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {QUARTER - 4, 0x7fc00000, 4, sum},
-        {QUARTER, 0x7f800000, 4, sum},
+        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum},
         {HITS - 4, 0x7fc00000, 4, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
-        {DEPTHS, bits_of(nan), 8, sum}, {END - 8, bits_of(inf), 8, sum},
+        {DEPTHS, bits_of(nan), 8, sum}, {TWINS_BEGIN - 8, bits_of(inf), 8, sum}, {TWINS_BEGIN, bits_of(nan), 8, sum},
+        {END - 8, bits_of(inf), 8, sum},
     };
     static const char *const path[] = {BAD};
     world w;
@@ -757,7 +753,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
     static const char cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 10, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 11, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;
@@ -820,6 +816,7 @@ static void write_empty(const char *path, uint32_t k, uint32_t n)
     bis_film f;
 
     assert_int_equal(bis_film_init(&f, 16 * (int)n, 16, whole, (bis_loc){0}, NULL), BIS_OK);
+    f.independent = true; /* so it has no twins */
     f.passes = 1;
     f.weight = 1;
     assert_int_equal(bis_part_write(path, &head, &about_all, &f, &result, NULL), BIS_OK);

@@ -2,6 +2,7 @@
 /* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays
  * see. The integrators of the library take part in the first test, elsewhere one of our own that does exactly what the
  * test needs. */
+#include "bis/base/hash.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
@@ -83,6 +84,11 @@ static void assert_part_of(const bis_film *part, const bis_film *full)
             part->deviation + 3 * here, full->deviation + 3 * there, 3 * (size_t)part->width * sizeof *part->deviation);
         assert_memory_equal(part->hits + here, full->hits + there, (size_t)part->width * sizeof *part->hits);
     }
+    for (bis_twin t = {0}, of_full = {0}; part->twin && bis_film_next_twin(part, bis_film_crop(part), &t);) {
+        while (bis_film_next_twin(full, bis_film_crop(full), &of_full))
+            if (of_full.x == t.x && of_full.y == t.y) break;
+        assert_memory_equal(part->twin + 3 * t.at, full->twin + 3 * of_full.at, 3 * sizeof *part->twin);
+    }
 }
 
 /* Pixels [x0, x1) x [y0, y1). */
@@ -126,6 +132,39 @@ static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
         make_world(&w, bis_integrators[i]);
         w.desc.view.edge_samples = 1 + (uint32_t)i % 2 * 3;
         assert_crops_are_parts(&w, 3);
+        clear_world(&w);
+    }
+}
+
+/* Where nothing is learned. Independent passes have no twins. The twin of this test: with its own seed the bits
+ * differ. */
+static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
+{
+    (void)state;
+    const uint64_t seed = 7, other = bis_hash(seed ^ 0x7477696e); /* "twin" */
+    for (uint32_t edge_samples = 1; edge_samples <= 4; edge_samples += 3) {
+        world w;
+        bis_film film, another;
+        bis_render_result result;
+        int n = 0, as_own = 0;
+        make_world(&w, &bis_mis);
+        w.desc.view.edge_samples = edge_samples;
+        w.desc.view.sampler.seed = seed;
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
+        w.desc.view.sampler.seed = other;
+        render(&another, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
+        for (bis_twin t = {0}; bis_film_next_twin(&film, bis_film_crop(&film), &t); n++) {
+            const size_t i = 3 * ((size_t)t.y * WIDTH + (size_t)t.x), bytes = 3 * sizeof *film.sum;
+            assert_memory_equal(film.twin + 3 * t.at, another.sum + i, bytes);
+            as_own += memcmp(film.twin + 3 * t.at, film.sum + i, bytes) == 0;
+        }
+        assert_true(n > 20 && as_own < n / 2); /* pixels of a constant sky are alike */
+        bis_film_clear(&film);
+        bis_film_clear(&another);
+        w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
+        assert_null(film.twin);
+        bis_film_clear(&film);
         clear_world(&w);
     }
 }
@@ -583,13 +622,13 @@ static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **stat
     const double error = 0.02;
     double upper, upper_shorter;
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = error}});
-    upper = bis_film_estimate_error(&film, NULL).upper;
+    upper = bis_film_estimate_error(&film).upper;
     assert_true(upper <= error);
     assert_true(result.passes > 20);
     /* Checks grow apart by a twentieth: with 10% fewer passes the bound did not hold. */
     const uint32_t fewer = (uint32_t)result.spp - 4 * (result.passes / 10 + 1);
     render(&shorter, &other, &w, whole, &(bis_render_options){.budget = {.spp = fewer}}); /* the same passes */
-    upper_shorter = bis_film_estimate_error(&shorter, NULL).upper;
+    upper_shorter = bis_film_estimate_error(&shorter).upper;
     assert_true(upper_shorter > error);
     bis_film_clear(&film);
     bis_film_clear(&shorter);
@@ -964,6 +1003,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits_and_counts),
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
+        cmocka_unit_test(a_twin_is_its_pixel_in_a_render_with_another_seed),
         cmocka_unit_test(a_crop_of_a_picture_that_learns_holds_its_bits),
         cmocka_unit_test(what_learns_renders_whole_tiles_and_says_so),
         cmocka_unit_test(a_thin_film_holds_the_bits_of_its_pixels_in_the_picture),

@@ -36,12 +36,11 @@ void assert_same_film(const bis_film *a, const bis_film *b)
 {
     const size_t n_pixels = (size_t)a->width * (size_t)a->height, n = n_pixels * (size_t)a->layers.n_values;
     assert_same_bits(a, b);
+    assert_true(!a->twin == !b->twin);
     assert_memory_equal(a->half, b->half, 3 * n_pixels * sizeof *a->half);
-    assert_memory_equal(a->quarter, b->quarter, 3 * n_pixels * sizeof *a->quarter);
     assert_int_equal(a->layers.asked, b->layers.asked);
     assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
-    assert_true(a->weight == b->weight && a->half_weight == b->half_weight && a->quarter_weight == b->quarter_weight &&
-                 a->passes == b->passes);
+    assert_true(a->weight == b->weight && a->half_weight == b->half_weight && a->passes == b->passes);
     assert_true(a->full_width == b->full_width && a->full_height == b->full_height && a->x0 == b->x0 && a->y0 == b->y0);
 }
 

@@ -157,7 +157,7 @@ static void the_stats_are_those_by_hand(void **state)
     (void)state;
     /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
     static const char after[] =
-        "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2344\n  },\n"
+        "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2092\n  },\n"
         "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
     bis_scene_desc desc = small_scene();
     bis_scene scene = {.accel = NULL};
@@ -336,9 +336,9 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
         "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
         "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
         "build        accelerator grid, default density\n"
-        "build        film: about 0.4 MB\n"
+        "build        film: about 0.3 MB\n"
         "build        layers albedo normal depth: about 0.4 MB\n"
-        /* 14 MB; the film: 5000 pixels of 64 + 17 and 7 (8 + 4) bytes; while it is written, 64 + 7 8 + (4 + 7) 4, and
+        /* 14 MB; the film: 5000 pixels of 52 + 17 and 7 (8 + 4) bytes; while it is written, 52 + 7 8 + (4 + 7) 4, and
          * for a thread three copies of 16 rows of 100 pixels of (4 + 7) 4 */
         "memory       about 15.0 MB at the peak: film 0.8 MB, map 0.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator "
         "0.0 MB\n",
@@ -351,13 +351,13 @@ static const char plan_without_surface[] =
     "light\n"
     "skip         light components: there is no geometry to light\n"
     "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
-    "skip         accelerator: there is no geometry\nbuild        film: about 960.0 MB\nskip         layers: none "
+    "skip         accelerator: there is no geometry\nbuild        film: about 816.0 MB\nskip         layers: none "
     "is asked for\n"
-    /* 12 million pixels of 80 1/4 bytes; 18 million texels of 12 */
-    "memory       about 1193.1 MB at the peak: film 963.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, "
+    /* 12 million pixels of 68 1/4 bytes; 18 million texels of 12 */
+    "memory       about 1049.1 MB at the peak: film 819.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, "
     "accelerator 0.0 MB\n";
 
-/* 4000 x 3000 pixels of 80 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
+/* 4000 x 3000 pixels of 68 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
 static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
 {
     (void)state;

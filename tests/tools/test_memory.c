@@ -145,14 +145,14 @@ static void what_does_not_fit_is_told_before(void **state)
     need_no_sanitizer();
     program_run run;
     write_scene("\"rgb L\" [1 1 1]", "\"sphere\"", 32768, 32768);
-    assert_true(fabs(megabytes_foretold("--integrator brdf") / (32768.0 * 32768 * 80.25 / 1e6) - 1) < 0.01);
+    assert_true(fabs(megabytes_foretold("--integrator brdf") / (32768.0 * 32768 * 68.25 / 1e6) - 1) < 0.01);
     program_expect(&run, 0, "--plan --integrator brdf " DIR "/scene.txt");
-    assert_non_null(strstr(run.messages, "warning: this render takes about 86.2 GB, but "));
+    assert_non_null(strstr(run.messages, "warning: this render takes about 73.3 GB, but "));
     assert_true(system("ulimit -v 8000000; ${BIS_PROGRAM:-build/release/bis} --integrator brdf --spp 1 --outfile " DIR
                        "/out.pfm " DIR "/scene.txt 2>" DIR "/messages") != 0);
-    assert_int_equal(system("grep -q 'warning: this render takes about 86.2 GB, but .* GB of memory are free: it will "
+    assert_int_equal(system("grep -q 'warning: this render takes about 73.3 GB, but .* GB of memory are free: it will "
                             "be slow, or the system will end it. Less is taken by crops, as --cropwindow 0,1,0,0.*, .* "
-                            "parts, as --part 1/.* (.* GB; bis merge takes 8[56].. GB)$' " DIR "/messages"),
+                            "parts, as --part 1/.* (.* GB; bis merge takes 7[34].. GB)$' " DIR "/messages"),
         0);
     assert_int_equal(system("grep -q 'error: no memory' " DIR "/messages"), 0);
     program_expect(&run, 0,
@@ -328,30 +328,30 @@ static void a_claim_that_no_file_can_keep_takes_nothing(void **state)
     assert_true(foreseen(SMALL, "LightSource \"infinite\" \"string filename\" \"claim.pfm\"").map < 1000);
 }
 
-/* 64 bytes of sums, 16 1/4 of a pass, 12 for each value of a layer: eight and four. Visibility that is learned: 64. */
+/* 52 bytes of sums, 16 1/4 of a pass, 12 for each value of a layer: eight and four. Visibility that is learned: 64. */
 static void a_film_takes_its_pixels_in_the_crop(void **state)
 {
     (void)state;
 #define LEARNS "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true"
     static const struct { const char *film, *integrator; double pixels, a_pixel; } cases[] = {
-        {"\"integer xresolution\" 400 \"integer yresolution\" 300", "\"brdf\"", 120000, 64 + 16.25},
+        {"\"integer xresolution\" 400 \"integer yresolution\" 300", "\"brdf\"", 120000, 52 + 16.25},
         {"\"integer xresolution\" 400 \"integer yresolution\" 300 \"float cropwindow\" [0.25 0.75 0 0.5]", "\"brdf\"",
-         200 * 150, 64 + 16.25},
+         200 * 150, 52 + 16.25},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"albedo\" \"depth\"]", "\"brdf\"",
-         1200, 64 + 16.25 + 4 * 12},
+         1200, 52 + 16.25 + 4 * 12},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" \"all\"", "\"brdf\"", 1200,
-         64 + 16.25 + 15 * 12},
+         52 + 16.25 + 15 * 12},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"stderr\" \"visibility\"]",
-         "\"brdf\"", 1200, 64 + 16.25 + 2 * 12},
-        {"\"integer xresolution\" 40 \"integer yresolution\" 30", LEARNS, 1200, 64 + 16.25 + 64},
+         "\"brdf\"", 1200, 52 + 16.25 + 2 * 12},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30", LEARNS, 1200, 52 + 16.25 + 64},
         {"\"integer xresolution\" 40 \"integer yresolution\" 30",
-         "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" false", 1200, 64 + 16.25},
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", LEARNS, 8388608, 64 + 16.25 + 64},
+         "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" false", 1200, 52 + 16.25},
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", LEARNS, 8388608, 52 + 16.25 + 64},
          /* 2^23 pixels have cells, */
-        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", LEARNS, 4096 * 2049, 64 + 16.25 + 4},
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", LEARNS, 4096 * 2049, 52 + 16.25 + 4},
          /* more have tiles, */
         {"\"integer xresolution\" 4096 \"integer yresolution\" 4096 \"float cropwindow\" [0 0.125 0 0.125]", LEARNS,
-         512 * 512, 64 + 16.25 + 4}, /* in a part, too */
+         512 * 512, 52 + 16.25 + 4}, /* in a part, too */
     };
     write_pfm_head(DIR "/map.pfm", 64, 32);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -366,7 +366,7 @@ static void a_film_takes_its_pixels_in_the_crop(void **state)
         if (cases[i].pixels > 1e6) assert_bytes(m.peak, 14e6 + m.film + m.map);
         m = foreseen(
             before, CONSTANT_LIGHT "Shape \"sphere\""); /* nothing is learned of a constant, or without a surface */
-        const double learned = learns ? (cases[i].a_pixel == 64 + 16.25 + 4 ? 4 : 64) : 0;
+        const double learned = learns ? (cases[i].a_pixel == 52 + 16.25 + 4 ? 4 : 64) : 0;
         assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));
         m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\"");
         assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));
@@ -385,7 +385,7 @@ static void a_picture_takes_a_chunk_for_each_thread_while_it_is_written(void **s
     const int before = use_threads(1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char film[256];
-        const double sums = 64 + 8 * (cases[i].pixel - 16) / 4, pixels = 30000.0 * cases[i].height;
+        const double sums = 52 + 8 * (cases[i].pixel - 16) / 4, pixels = 30000.0 * cases[i].height;
         snprintf(film, sizeof film,
             "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d %s%s Integrator \"brdf\"",
             cases[i].width, cases[i].height, *cases[i].layers ? "\"string layers\" " : "", cases[i].layers);
@@ -463,39 +463,39 @@ static const struct {
     bool needs_embree;
 } advised[] = {
     {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 20e9,
-        "crops, as --cropwindow 0,1,0,0.125 (10.8 GB), 64 parts, as --part 1/64 (16.0 GB; bis merge takes 85.9 GB)",
+        "crops, as --cropwindow 0,1,0,0.25 (18.3 GB), 64 parts, as --part 1/64 (13.6 GB; bis merge takes 73.1 GB)",
         false},
     {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 50e9,
-        "crops, as --cropwindow 0,1,0,0.5 (43.1 GB), 16 parts, as --part 1/16 (48.3 GB; bis merge takes 85.9 GB)",
+        "crops, as --cropwindow 0,1,0,0.5 (36.7 GB), 16 parts, as --part 1/16 (41.1 GB; bis merge takes 73.1 GB)",
         false},
     {HUGE "Integrator \"brdf\"", CONSTANT_LIGHT "Shape \"sphere\"", 1,
-        "crops, as --cropwindow 0,1,0,0.015625 (1.4 GB), 1024 parts, as --part 1/1024 (5.9 GB; bis merge takes "
-        "85.9 GB)",
+        "crops, as --cropwindow 0,1,0,0.015625 (1.2 GB), 1024 parts, as --part 1/1024 (5.0 GB; bis merge takes "
+        "73.1 GB)",
         false},
     /* four values of 12 bytes */
     {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 \"float cropwindow\" [0 1 0.5 1] "
      "\"string layers\" [\"albedo\" \"depth\"] Integrator \"brdf\"",
         CONSTANT_LIGHT "Shape \"sphere\"", 40e9,
-        "--layers none (43.1 GB), crops, as --cropwindow 0,1,0.5,0.75 (34.4 GB), 16 parts, as --part 1/16 (38.6 "
-        "GB; bis merge takes 68.8 GB)",
+        "--layers none (36.7 GB), crops, as --cropwindow 0,1,0.5,0.75 (31.2 GB), 16 parts, as --part 1/16 (35.0 "
+        "GB; bis merge takes 62.3 GB)",
         false},
     /* 2^23 pixels learn 64 bytes each */
     {LARGE "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", MAP,
         1e9,
-        "--learn off (0.7 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.7 GB; bis "
-        "merge takes 0.7 GB)",
+        "--learn off (0.6 GB), crops, as --cropwindow 0,1,0,0.5 (0.6 GB), 16 parts, as --part 1/16 (0.6 GB; bis "
+        "merge takes 0.6 GB)",
         false},
     /* 10^7 triangles: 12 bytes, and 82 of a grid or 40 of Embree; the film is nothing beside them */
     {SMALL "Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9, "--accelerator embree (0.5 GB)", true},
     {SMALL "Accelerator \"embree\"", CONSTANT_LIGHT PLY("many"), 1, "", true},
-    /* a picture of 0.67 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
+    /* a picture of 0.57 GB beside a grid: no crop and no part takes less than building the grid, 1.13 GB */
     {LARGE "Integrator \"brdf\" Accelerator \"grid\"", CONSTANT_LIGHT PLY("many"), 1e9,
-        "--accelerator embree (1.2 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part "
-        "1/1024 (1.1 GB; bis merge takes 0.7 GB)",
+        "--accelerator embree (1.1 GB), crops, as --cropwindow 0,1,0,0.015625 (1.1 GB), 1024 parts, as --part "
+        "1/1024 (1.1 GB; bis merge takes 0.6 GB)",
         true},
 };
 
-/* 2^30 pixels of 80.25 bytes, 14 MB of program; while it is written 80 bytes, and for one thread three times 16 rows of
+/* 2^30 pixels of 68.25 bytes, 14 MB of program; while it is written 68 bytes, and for one thread three times 16 rows of
  * 32768 pixels of 16 bytes. A row of n crops has 1/n of the pixels, one of n parts 8/n + 0.06 of the film. */
 static void advice_names_what_takes_less_and_how_much(void **state)
 {

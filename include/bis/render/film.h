@@ -23,23 +23,31 @@ typedef struct bis_film {
     double *sum;               /* sum[height][width][3] of weight x radiance over passes */
     float *deviation;          /* the same shape: root of the weighted mean of (radiance of a pass - mean)^2 */
     float *half;               /* half[height][width][3]: the mean of the first passes, those of weight half_weight */
-    float *quarter;            /* the same of the first passes of weight quarter_weight, which was half before */
     /* hits[height][width]: sum over passes of weight x the share of the pass's camera samples that hit geometry. How
      * exact it is: src/render/film.c. */
     float *hits;
     uint32_t passes;           /* complete passes */
     double weight;             /* the sum of the weights of the passes, the same in every pixel */
     double half_weight;        /* of the first passes whose mean is kept, about half; 0 before the second pass */
-    double quarter_weight;     /* of the passes whose mean was kept before; 0 before the third pass */
     double most;               /* the weight expected at the end, so that the halves come out alike; 0: unknown */
     bool independent;          /* no sequence spreads the camera samples of a pixel; set before the first pass */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
+    double *twin;              /* twin[bis_film_twins][3]: `sum` of the second renders; NULL: there are none */
 } bis_film;
 
 /* Pixels [x0, x1) x [y0, y1) of the full picture. */
 typedef struct bis_rect {
     int x0, y0, x1, y1;
 } bis_rect;
+
+/* bis_is_in returns whether pixel (x, y) is in r. */
+static inline bool bis_is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
+
+/* bis_film_crop returns the pixels that the film covers. */
+static inline bis_rect bis_film_crop(const bis_film *f)
+{
+    return (bis_rect){f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
+}
 
 /* bis_film_place returns a film with its sizes and places but without sums: nothing is allocated, and nothing can be
  * rendered into it. step >= 1. crop[4] = x0, x1, y0, y1 in [0,1], with pbrt's rounding: ceil(full * x). width or
@@ -96,6 +104,33 @@ void bis_film_resolve(const bis_film *f, float *rgba);
 /* bis_film_raised returns how much that adds, as a share of the sum of all values; usually 0, seldom above 1e-5. */
 double bis_film_raised(const bis_film *f);
 
+/* ---- twins, pixels that are rendered twice: src/render/film_twins.c ---- */
+
+/* A twin: its pixel in the full picture, and its place in film->twin. */
+typedef struct bis_twin {
+    int x, y;
+    size_t at;
+    int next; /* of the squares, that bis_film_next_twin looks at */
+} bis_twin;
+
+/* bis_film_twin_side returns K: one pixel of each K x K pixels of the full picture has a twin. */
+int bis_film_twin_side(const bis_film *f);
+
+/* bis_film_twins returns how many places film->twin has: one for each of these squares that the crop touches. Where the
+ * pixel of a square lies beside the crop, its place stays 0. */
+size_t bis_film_twins(const bis_film *f);
+
+/* bis_film_next_twin stores the next twin of the rectangle r of the crop in *t, which is all 0 before the first one.
+ * Returns false if there is none left. */
+bool bis_film_next_twin(const bis_film *f, bis_rect r, bis_twin *t);
+
+/* bis_film_want_twins gives the film twins. It is called before the first pass; each pass must then be added to all of
+ * them (bis_film_add_twin). Errors: BIS_NOMEM. */
+bis_status bis_film_want_twins(bis_film *f, bis_diag *diag);
+
+/* bis_film_add_twin adds one pass of a twin, as bis_film_add adds one of a pixel. */
+void bis_film_add_twin(bis_film *f, const bis_twin *t, rgb L, double weight);
+
 /* ---- the error: src/render/film_error.c ---- */
 
 /* What a film says about its own error. */
@@ -108,23 +143,10 @@ typedef struct bis_film_error {
     bool is_bounded;      /* false: the bound may be wrong, too. True wherever is_known is */
 } bis_film_error;
 
-/* The sum over pixels of the relative squared error, as the difference of the first samples, of weight P, from the
- * W - P that follow tells it, and the relative variance of this sum. */
-typedef struct bis_film_pair {
-    double P, W, sum, doubt;
-} bis_film_pair;
-
-/* What earlier estimates of a growing film found; all 0 before the first one. */
-typedef struct bis_film_memory {
-    bis_film_pair now, before; /* by the quarters, and by what were the quarters before the last doubling */
-} bis_film_memory;
-
 /* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
  * docs/budgets.md, "Error", which defines it. The means of the pixels stand in for the reference values. What strata
- * gain is estimated, too, unless the film is told that its passes are independent. *memory is what earlier calls for
- * this film found, and receives what this one finds; NULL: there is none. It makes the bound tighter where the end of
- * the render is not known. */
-bis_film_error bis_film_estimate_error(const bis_film *f, bis_film_memory *memory);
+ * gain is estimated, too, unless the film is told that its passes are independent. */
+bis_film_error bis_film_estimate_error(const bis_film *f);
 
 /* bis_film_variance estimates the variance of value i of the picture [height][width][3] from the scatter of the passes,
  * at least 2, as if they were independent. Where strata gain something, it is too large. */
@@ -145,7 +167,7 @@ enum { BIS_FILM_MAX_CHANNELS = 24 };
 int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNELS], float *planes);
 
 /* The bytes of a pixel's sums, without layers. */
-enum { BIS_FILM_BYTES = 3 * sizeof(double) + 10 * sizeof(float) };
+enum { BIS_FILM_BYTES = 3 * sizeof(double) + 7 * sizeof(float) };
 
 /* bis_film_bytes returns the bytes that the sums take. */
 size_t bis_film_bytes(const bis_film *f);

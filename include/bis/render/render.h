@@ -8,8 +8,9 @@
 #include <signal.h>
 #include <stdbool.h>
 
-/* side in pixels of a tile: threads take tiles, a tile learns together */
-enum { BIS_RENDER_TILE = 16 };
+/* Side in pixels of a tile: threads take tiles, a tile learns together. A side touches at most 6 of the squares of 3
+ * pixels or more of which each has a twin (film_twins.c). */
+enum { BIS_RENDER_TILE = 16, BIS_RENDER_TILE_TWINS = 6 * 6 };
 
 /* The limit that is reached first ends the render. One pass is always completed, unless first_light is set. If all
  * three are 0, view->sampler.spp camera samples of each pixel are rendered. */
