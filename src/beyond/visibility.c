@@ -206,9 +206,9 @@ static void sum_products(float sum[2], const float *restrict b, const float *res
 {
     float lane[2][BLOCK] = {{0}, {0}};
 
-    for (uint32_t i = 0; i < n; i += BLOCK) {
+    for (size_t i = 0; i < n; i += BLOCK) { /* size_t: see sum_shares in src/thesis/set.c */
 #pragma omp simd
-        for (uint32_t j = 0; j < BLOCK; j++) {
+        for (size_t j = 0; j < BLOCK; j++) {
             lane[0][j] += b[i + j] * own[i + j];
             lane[1][j] += b[i + j] * of_square[i + j];
         }

@@ -96,7 +96,8 @@ static void make_shares(float *restrict r, float *restrict g, float *restrict b,
     }
 }
 
-/* The lanes of a block are summed side by side, in an order that no width of vectors changes. */
+/* The lanes of a block are summed side by side, in an order that no width of vectors changes. Numbers are
+ * size_t: the sum of two of 32 bits might begin again at 0, and the compiler would load each lane alone. */
 static inline BIS_INLINE rgbd sum_shares(float *const F[3], const float *restrict w, const uint16_t *restrict part,
                                          const float *restrict factor, uint32_t n, const bool has_factor)
 {
@@ -104,11 +105,11 @@ static inline BIS_INLINE rgbd sum_shares(float *const F[3], const float *restric
     float r[BLOCK] = {0}, g[BLOCK] = {0}, b[BLOCK] = {0};
     rgbd sum = {0, 0, 0};
 
-    for (uint32_t first = 0; first < n; first += BLOCK) {
+    for (size_t first = 0; first < n; first += BLOCK) {
         float v[BLOCK];
-        for (uint32_t i = 0; i < BLOCK; i++) v[i] = has_factor ? w[first + i] * factor[part[first + i]] : w[first + i];
+        for (size_t i = 0; i < BLOCK; i++) v[i] = has_factor ? w[first + i] * factor[part[first + i]] : w[first + i];
 #pragma omp simd
-        for (uint32_t i = 0; i < BLOCK; i++) {
+        for (size_t i = 0; i < BLOCK; i++) {
             const float phat = F_r[first + i] + F_g[first + i] + F_b[first + i];
             const float lift = lift_of(phat), inverse = inverse_of(phat);
             r[i] += v[i] * (F_r[first + i] * lift * inverse);
@@ -116,7 +117,7 @@ static inline BIS_INLINE rgbd sum_shares(float *const F[3], const float *restric
             b[i] += v[i] * (F_b[first + i] * lift * inverse);
         }
     }
-    for (uint32_t i = 0; i < BLOCK; i++) sum = rgbd_add(sum, (rgbd){(double)r[i], (double)g[i], (double)b[i]});
+    for (size_t i = 0; i < BLOCK; i++) sum = rgbd_add(sum, (rgbd){(double)r[i], (double)g[i], (double)b[i]});
     return sum;
 }
 
