@@ -83,13 +83,14 @@ rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double so
     return (rgb){r, g, b};
 }
 
-/* & and not &&: a branch for each channel would end the loop early at a bad pixel, which hardly any map has, and keep
- * the loop from becoming vectors in all others. */
+/* Counts bad pixels, and does not stop at the first one: hardly any map has one, and a loop that may stop does not
+ * become vectors. */
 static bool is_row_of_radiance(const rgb *row, int width)
 {
-    bool is = true;
-    for (int x = 0; x < width; x++) is &= is_radiance(row[x].r) & is_radiance(row[x].g) & is_radiance(row[x].b);
-    return is;
+    int n_bad = 0;
+#pragma omp simd reduction(+ : n_bad)
+    for (int x = 0; x < width; x++) n_bad += !(is_radiance(row[x].r) & is_radiance(row[x].g) & is_radiance(row[x].b));
+    return n_bad == 0;
 }
 
 bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *diag)
