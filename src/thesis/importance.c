@@ -26,6 +26,7 @@ struct bis_importance {
     bis_weights weights;
     float *area;      /* of the weights, which may be without them (E20); the curve draws with them */
     float least_area; /* of all lit pixels; 1 without area factors */
+    double power, most; /* of the map: bis_envmap_measure */
     double total;     /* sum of w dO */
     double max_ratio;
     bis_table table;
@@ -67,12 +68,10 @@ static bis_status find_area_factors(bis_weights *w, float *least, int levels, do
 /* MIS compensation (Karlik et al. 2019): what lies below the mean is left to the BRDF's samples. If no pixel exceeds
  * the mean by more than the rounding of its sum (n additions, each 2^-53), nothing would be left to draw, so such a
  * map is drawn uncompensated. */
-static double mean_to_subtract(const bis_envmap *em)
+static double mean_to_subtract(const bis_importance *im)
 {
-    double power, most;
-    bis_envmap_measure(em, &power, &most);
-    const double mean = power / (4 * PI), rounding = (double)n_pixels(em) * DBL_EPSILON * mean;
-    return most - mean > rounding ? mean : 0;
+    const double mean = im->power / (4 * PI), rounding = (double)n_pixels(im->weights.em) * DBL_EPSILON * mean;
+    return im->most - mean > rounding ? mean : 0;
 }
 
 /* Adds up the weights of each row. The order does not depend on the number of threads. */
@@ -139,7 +138,8 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         im->area = im->weights.area;
         if (status) goto done;
     }
-    if (options->compensate) im->weights.mean = mean_to_subtract(em);
+    bis_envmap_measure(em, &im->power, &im->most);
+    if (options->compensate) im->weights.mean = mean_to_subtract(im);
     im->has_table = options->table;
     im->has_curve = options->curve;
     if (im->has_curve) status = bis_curve_init(&im->curve, &im->weights, row_weight, diag);
@@ -216,6 +216,12 @@ size_t bis_importance_n_tiles(const bis_importance *im, uint32_t *side)
 }
 
 bis_curve_tile bis_importance_tile(const bis_importance *im, size_t i) { return bis_curve_tile_at(&im->curve, i); }
+
+void bis_importance_measured(const bis_importance *im, double *power, double *most)
+{
+    *power = im->power;
+    *most = im->most;
+}
 
 double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio; }
 

@@ -72,10 +72,11 @@ bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_wo
     for (int axis = 0; axis < 3; axis++) {
         for (int i = 0; i < 3; i++) light->rotation[axis][i] = rotation.m[i][axis];
     }
-    /* both are asked for at every point, and the map does not change any more */
-    bis_envmap_measure(&light->em, &light->power, &light->max_intensity);
     if (importance) status = bis_importance_new(&light->importance, &light->em, importance, diag);
     if (status) goto done;
+    /* both are asked for at every point, and the map does not change any more */
+    if (importance) bis_importance_measured(light->importance, &light->power, &light->max_intensity);
+    else bis_envmap_measure(&light->em, &light->power, &light->max_intensity);
     *out = light;
     light = NULL;
 done:

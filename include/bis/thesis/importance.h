@@ -88,6 +88,10 @@ size_t bis_importance_n_tiles(const bis_importance *im, uint32_t *side);
 /* bis_importance_tile returns the i-th tile of the curve. */
 bis_curve_tile bis_importance_tile(const bis_importance *im, size_t i);
 
+/* bis_importance_measured stores what bis_envmap_measure found when im was made. A light needs the same numbers, and a
+ * pass over a large map takes a tenth of a second. */
+void bis_importance_measured(const bis_importance *im, double *power, double *most);
+
 /* bis_importance_max_ratio returns the largest I/pdf over all lit pixels, I = r+g+b. It is the sum times the maximum
  * of I/w. Rejection from the map uses it as its bound (E27). Returns INFINITY with options.compensate. */
 double bis_importance_max_ratio(const bis_importance *im);
