@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then
- * says. Help, man page and comparison by hand, to the last blank. */
+/* Help, man page and comparison by hand, to the last blank; what commands say of their options beyond
+ * tests/data/expect/bis. */
 #include "base/text.h"
 #include "cli/cli.h"
 #include "cli/help.h"
@@ -28,173 +28,6 @@
 
 #define DIR "build/test_options"
 #define SCENE DIR "/scene.txt"
-#define MISSING DIR "/missing.txt"
-
-/* ---- ranges ---- */
-
-static const struct { const char *options; int exit_status; const char *says; } of_render[] = {
-    {"", 0, "\nfilm         24 x 16, cropwindow 0 1 0 1, to " DIR "/film.exr\n"},
-    {"--spp 1", 0, "\nsampler      stratified, 1 camera samples a pixel (1 x 1), seed 0\n"},
-    {"--spp 6", 0, " 6 camera samples a pixel (3 x 2), seed 0\n"},
-    {"--spp 1000000000", 0, " 1000000000 camera samples"},
-    {"--spp 1000000001", 2, "--spp is \"1000000001\", must be an integer in [1, 1000000000]"},
-    {"--seed 0", 0, ", seed 0\n"},
-    {"--seed 9007199254740991", 0, ", seed 9007199254740991\n"},
-    {"--candidates 0", 2, "--candidates is \"0\", must be an integer in [1, 16777216]"},
-    {"--candidates 1", 0, "\nintegrator   sir: candidates 1, shadowrays 2, proposal mix"},
-    {"--candidates 16777216", 0, "sir: candidates 16777216, "},
-    {"--candidates 16777217", 2, "--candidates is \"16777217\", must be an integer in [1, 16777216]"},
-    {"--candidates 99 --shadowrays 1", 0, "candidates 99, shadowrays 1, "},
-    {"--candidates 16777216 --shadowrays 16777216", 0, ", shadowrays 16777216, "},
-    {"--shadowrays 16777217", 2, "--shadowrays is \"16777217\", must be an integer in [1, 16777216]"},
-    {"--integrator em --samples 1", 0, "\nintegrator   em: samples 1, stratify false\n"},
-    {"--integrator brdf --samples 16777216", 0, "\nintegrator   brdf: samples 16777216\n"},
-    {"--integrator brdf --samples 16777217", 2, "--samples is \"16777217\", must be an integer in [1, 16777216]"},
-    {"--integrator exact", 0, "\nintegrator   exact: perpatch 1\n"},
-    {"--integrator unoccluded --candidates 5", 0, "\nintegrator   unoccluded: candidates 5\n"},
-    {"--integrator auto", 2, "--integrator: no such thing as \"auto\"; it is one of em, brdf, mis, rejection, "},
-    {"--integrator auto", 2, ". Without it the default renders; `bis trade SCENE` recommends settings\n"},
-    {"--integrator rejection --proposal choose --candidates 50", 0,
-     "rejection: candidates 50, shadowrays 15, proposal choose, estimator ratio, fallback "},
-    {"--proposal em", 0, "proposal em, "}, {"--proposal brdf", 0, "proposal brdf, "},
-    {"--proposal product", 0, "proposal product, "},
-    {"--proposal product --learn on", 0, "learn true"}, {"--proposal product --learn off", 0, "learn false"},
-    {"--accelerator grid", 0, "\nbuild        accelerator grid, default density\n"},
-    {"--nthreads 1", 0, "scene        "}, {"--nthreads 1024", 0, "scene        "},
-    {"--resolution 1x1", 0, "\nfilm         1 x 1, "}, {"--resolution 32768x32768", 0,
-     "\nfilm         32768 x 32768, "},
-    {"--resolution 32769x1", 2, "--resolution is \"32769x1\", must be WxH with sides in [1, 32768], as in 640x480"},
-    {"--resolution 1x32769", 2, "--resolution is"}, {"--resolution 0x1", 2, "--resolution is"},
-    {"--resolution 1x0", 2, "--resolution is"},
-    {"--resolution 1x1x", 2, "--resolution is"}, {"--resolution +1x1", 2, "--resolution is"},
-    {"--resolution 1X1", 2, "--resolution is"},
-    {"--resolution 1x", 2, "--resolution is"}, {"--resolution 12x34", 0, "\nfilm         12 x 34, "},
-    {"--cropwindow 0.25,0.75,0.5,1", 0, "cropwindow 0.25 0.75 0.5 1, "},
-    {"--cropwindow 0,1,0,1", 0, "cropwindow 0 1 0 1, "},
-    {"--cropwindow 0,1.0001,0,1", 2, "--cropwindow is \"0,1.0001,0,1\", must be x0,x1,y0,y1 in [0, 1] with x0 < x1 "
-     "and y0 < y1, as in 0.25,0.75,0,1"},
-    {"--cropwindow -0.1,1,0,1", 2, "--cropwindow is"}, {"--cropwindow 0.5,0.5,0,1", 2, "--cropwindow is"},
-    {"--cropwindow 0,1,0.5,0.5", 2, "--cropwindow is"}, {"--cropwindow 0,1,0.6,0.5", 2, "--cropwindow is"},
-    {"--cropwindow 0,1,0,1,", 2, "--cropwindow is"}, {"--cropwindow 0,1,0,", 2, "--cropwindow is"},
-    {"--cropwindow 0,1,0,nan", 2, "--cropwindow is"},
-    {"--time 1e-300", 0, "scene        "}, {"--time 1e8", 0, "scene        "},
-    {"--time 100000001", 2, "(0, 100000000]"}, {"--time 27778h", 2, "(0, 100000000]"},
-    {"--error 1e-300", 0, "scene        "}, {"--error 1000%", 0, "scene        "},
-    {"--error 10.01", 2, "in (0, 10]"},
-    {"--exposure -100", 0, "scene        "}, {"--exposure 100", 0, "scene        "},
-    {"--exposure 100.1", 2, "in [-100, 100]"}, {"--exposure -100.1", 2, "in [-100, 100]"},
-    {"--disable-pixel-jitter", 0, ", seed 0, all through the pixel's centre\n"},
-    {"--layers none", 0, "\nskip         layers: none is asked for\n"},
-    {"--layers depth,albedo", 0, "\nbuild        layers albedo depth: about "},
-    {"--layers all", 0, "\nbuild        layers stderr interval samples shadowrays candidates unoccluded visibility "
-     "albedo normal depth: about "},
-    {"--as-printed E6 --as-printed E20", 0, "\nas printed   E20 ("},
-    {"--as-printed E7", 2, "--as-printed: no erratum \"E7\" can be switched"},
-    {"--as-printed E66", 2, "(did you mean \"E6\"?); `bis --as-printed list` lists them"},
-};
-
-/* `bis --plan`: a line of the plan, or, where it is refused, a part of the message. */
-static void render_takes_what_is_in_range(void **state)
-{
-    (void)state;
-    program_run r;
-    for (size_t i = 0; i < sizeof of_render / sizeof *of_render; i++) {
-        program_expect(&r, of_render[i].exit_status, "--plan " SCENE " %s", of_render[i].options);
-        const char *const text = of_render[i].exit_status ? r.messages : r.output;
-        if (!strstr(text, of_render[i].says))
-            fail_msg("%s: no \"%s\" in %s", of_render[i].options, of_render[i].says, text);
-        if (of_render[i].exit_status) assert_string_equal(r.output, "");
-    }
-}
-
-static const struct { const char *arguments; int exit_status; const char *says; } of_others[] = {
-    {"pixel " MISSING " 1 1 --candidates 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --candidates 1048576", 1,
-     "missing.txt"},
-    {"pixel " MISSING " 1 1 --candidates 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --candidates 1048577", 2,
-     "[1, 1048576]"},
-    {"pixel " MISSING " 1 1 --shadowrays 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --shadowrays 1048576", 1,
-     "missing.txt"},
-    {"pixel " MISSING " 1 1 --shadowrays 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --shadowrays 1048577", 2,
-     "[1, 1048576]"},
-    {"pixel " MISSING " 1 1 --samples 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --samples 1048576", 1,
-     "missing.txt"},
-    {"pixel " MISSING " 1 1 --samples 1", 2, "[2, 1048576]"}, {"pixel " MISSING " 1 1 --samples 1048577", 2,
-     "[2, 1048576]"},
-    {"pixel " MISSING " 1 1 --repeats 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --repeats 100000000", 1,
-     "missing.txt"},
-    {"pixel " MISSING " 1 1 --repeats 1", 2, "[2, 100000000]"}, {"pixel " MISSING " 1 1 --repeats 100000001", 2,
-     "[2, 100000000]"},
-    {"pixel " MISSING " 1 1 --seed 9007199254740991", 1, "missing.txt"},
-    {"pixel " MISSING " 1 1 --proposal choose", 2, "em, brdf, mix, product"},
-    {"pixel " MISSING " 1", 2, "too few operands: 2 given"}, {"pixel " MISSING " 1 1 1", 2,
-     "too many operands: 4 given"},
-    {"pixel " SCENE " 24 0", 2, "bis: error: X is \"24\", must be an integer in [0, 23]: the film of the scene has "
-     "24 x 16 pixels\n"},
-    {"pixel " SCENE " 0 16", 2, "bis: error: Y is \"16\", must be an integer in [0, 15]: the film of the scene has "
-     "24 x 16 pixels\n"},
-    {"pixel " SCENE " -- -1 0", 2, "X is \"-1\""}, {"pixel " SCENE " 1.5 0", 2, "X is \"1.5\""},
-    {"pixel " SCENE " 99999999999999999999 0", 2, "X is "},
-    {"pixel " SCENE " 4294967296 0", 2, "X is "}, {"pixel " SCENE " 0x1 0", 2, "X is "},
-    {"trade " MISSING " --time 1e7", 1, "missing.txt"}, {"trade " MISSING " --time 10000001", 2, "(0, 10000000]"},
-    {"trade " MISSING " --error 10 --quiet", 1, "missing.txt"}, {"trade " MISSING " --error 10.5", 2, "(0, 10]"},
-    {"trade " MISSING " --seeds 1", 1, "missing.txt"}, {"trade " MISSING " --seeds 16", 1, "missing.txt"},
-    {"trade " MISSING " --seeds 0", 2, "[1, 16]"}, {"trade " MISSING " --seeds 17", 2, "[1, 16]"},
-    {"trade " MISSING " --passes 1", 1, "missing.txt"}, {"trade " MISSING " --passes 1048576", 1, "missing.txt"},
-    {"trade " MISSING " --passes 0", 2, "[1, 1048576]"}, {"trade " MISSING " --passes 1048577", 2, "[1, 1048576]"},
-    {"trade " MISSING " --resolution 32768x1", 1, "missing.txt"}, {"trade " MISSING " --resolution 32769x1", 2,
-     "WxH with sides in [1, 32768]"},
-    {"trade " MISSING " --resolution 1x32769", 2, "WxH"}, {"trade " MISSING " --resolution 1x0", 2, "WxH"},
-    {"trade " MISSING " --resolution 1.5x2", 2, "WxH"},
-    {"trade " MISSING " --resolution 1x2x", 2, "WxH"}, {"trade " MISSING " --resolution 2", 2, "WxH"},
-    {"trade " MISSING " --nthreads 1024", 1, "missing.txt"}, {"trade " MISSING " --nthreads 1025", 2, "[1, 1024]"},
-    {"trade " MISSING " --nthreads 0", 2, "[1, 1024]"}, {"trade " MISSING " --seed 9007199254740991", 1,
-     "missing.txt"},
-    {"trade " MISSING " --integrator em --integrator sir", 1, "missing.txt"},
-    {"trade " MISSING " --integrator sri", 2, " (did you mean \"sir\"?)\n"},
-    {"trade " MISSING " --integrator em --integrator brdf --integrator mis --integrator rejection --integrator sir",
-     1, "missing.txt"},
-    {"trade " MISSING " --integrator em --integrator sri", 2, "--integrator sri: must be em, brdf"},
-    {"trade " MISSING " --integrator sri --integrator em", 2, "--integrator sri: must be em, brdf"},
-    {"trade " MISSING " --integrator exact", 2, "--integrator exact: must be em, brdf, mis, rejection"},
-    {"compare " MISSING " " MISSING " --tolerance 0", 1, "missing.txt"},
-    {"compare " MISSING " " MISSING " --tolerance 1.7e308", 1, "missing.txt"},
-    {"compare " MISSING " " MISSING " --tolerance -1e-300", 2, "a number >= 0"},
-    {"compare " MISSING, 2, "too few operands: 1 given; usage: bis compare [options] A B\n"},
-    {"envmap", 2, "too few operands: 0 given"},
-    {"help --man", 0, NULL}, {"help help", 0, NULL},
-};
-
-/* The scene is missing, status 1, where the options are good. */
-static void the_other_commands_take_what_is_in_range(void **state)
-{
-    (void)state;
-    program_run r;
-    for (size_t i = 0; i < sizeof of_others / sizeof *of_others; i++) {
-        program_expect(&r, of_others[i].exit_status, "%s", of_others[i].arguments);
-        if (of_others[i].says && !strstr(r.messages, of_others[i].says))
-            fail_msg("%s: no \"%s\" in %s", of_others[i].arguments, of_others[i].says, r.messages);
-    }
-}
-
-/* Each option that the plan in the folder has. */
-static void resuming_takes_no_option_of_the_plan(void **state)
-{
-    (void)state;
-    static const char *const options[] = {
-        "--quick", "--seeds 2", "--passes 4", "--seed 3", "--resolution 4x4", "--reference a.exr", "--integrator em"};
-    program_run r;
-    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
-        char expected[256];
-        snprintf(expected, sizeof expected,
-            "bis: error: --resume goes on by the plan in the folder, which %.*s would change; leave it out, or measure "
-            "into another "
-            "folder\n",
-            (int)strcspn(options[i], " "), options[i]);
-        program_expect(&r, 2, "trade --resume " MISSING " %s", options[i]);
-        assert_string_equal(r.messages, expected);
-    }
-    program_expect(&r, 1, "trade --resume " MISSING " --time 3 --nthreads 2 --quiet");
-}
 
 static void an_option_stands_64_times_at_most(void **state)
 {
@@ -644,52 +477,18 @@ static void the_line_at_the_end_has_each_figure(void **state)
     }
 }
 
-/* A part goes into one file of its own ending, with a name before it. */
+/* Into no other file than the one that was named. */
 static void a_part_has_one_file_with_a_name(void **state)
 {
     (void)state;
-    static const char refused[] =
-        "bis: error: --part 2/2 writes one file that is no picture yet: give --outfile part-2.bispart\n";
-    static const char *const wrong[] = {"", "--outfile .bispart", "--outfile " DIR "/p.bispar",
-        "--outfile " DIR "/pbispart", "--outfile " DIR "/p.exr",
-        "--outfile " DIR "/p.bispart --outfile " DIR "/q.bispart"};
     program_run r;
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        program_expect(&r, 2, SCENE " --spp 1 --part 2/2%s%s", *wrong[i] ? " " : "", wrong[i]);
-        assert_string_equal(r.messages, refused);
-    }
     program_expect(&r, 0, SCENE " --spp 1 --part 2/2 --outfile " DIR "/p.bispart");
     assert_true(program_exists(DIR "/p.bispart") && !program_exists(DIR "/film.exr"));
-}
-
-/* The whole message, with the layer that is meant; of a long name 63 characters. */
-static void a_layer_that_is_not_there_is_named(void **state)
-{
-    (void)state;
-#define N60 "abcdefghijabcdefghijabcdefghijabcdefghijabcdefghijabcdefghij"
-    static const struct {
-        const char *list, *name, *hint;
-    } cases[] = {{"albedo,norma", "norma", " (did you mean \"normal\"?)"},
-        {"depht,albedo", "depht", " (did you mean \"depth\"?)"}, {"albedo," N60 "xyz", N60 "xyz", ""},
-        {N60 "xyzuvw,albedo", N60 "xyz", ""}};
-#undef N60
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_run r;
-        char expected[256];
-        program_expect(&r, 2, SCENE " --spp 1 --layers %s", cases[i].list);
-        snprintf(expected, sizeof expected,
-            "bis: error: --layers: there is no layer \"%s\"%s; `bis --help` lists them\n", cases[i].name,
-            cases[i].hint);
-        assert_string_equal(r.messages, expected);
-    }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(render_takes_what_is_in_range),
-        cmocka_unit_test(the_other_commands_take_what_is_in_range),
-        cmocka_unit_test(resuming_takes_no_option_of_the_plan),
         cmocka_unit_test(an_option_stands_64_times_at_most),
         cmocka_unit_test(the_list_of_errata_has_them_all),
         cmocka_unit_test(help_by_hand),
@@ -705,7 +504,6 @@ int main(void)
         cmocka_unit_test(a_difference_by_hand),
         cmocka_unit_test(the_line_at_the_end_has_each_figure),
         cmocka_unit_test(a_part_has_one_file_with_a_name),
-        cmocka_unit_test(a_layer_that_is_not_there_is_named),
     };
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\"\n");

@@ -1224,49 +1224,6 @@ static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
 
 /* ---- the command ---- */
 
-/* Nothing applies: all of the report by hand. */
-static void an_empty_scene_has_a_report_by_hand(void **state)
-{
-    (void)state;
-    static const char table[] =
-        "map                                             statistic          p  threshold  verdict\n"
-        "  alias, cdf, curve                                     -          -          -  skipped: the light is a "
-        "constant, there is no map\n"
-        "\n"
-        "view                                            statistic          p  threshold  verdict\n"
-        "  all integrators                                       -          -          -  skipped: there is no "
-        "geometry\n"
-        "\n"
-        "accelerators                                    statistic          p  threshold  verdict\n"
-        "  grid and embree                                       -          -          -  skipped: there is no "
-        "geometry\n"
-        "\n"
-        "3 tests, 0 failed, 3 skipped. 0 of them are statistical: each fails below p = 0.01, so that all together\n"
-        "raise a false alarm at most once in 100 runs (Sidak). The others fail above their threshold.\n"
-        "seed 9\n"
-        "passed\n";
-#define SKIPPED(group, name, note) \
-    "    {\n      \"group\": \"" group "\",\n      \"name\": \"" name "\",\n      \"verdict\": \"skipped\",\n" \
-    "      \"statistic\": null,\n      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n" \
-    "      \"note\": \"" note "\"\n    }"
-    static const char json[] =
-        "{\n  \"file\": \"" DIR "/empty.txt\",\n  \"seed\": 1,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  "
-        "\"corrected\": 0.01,\n"
-        "  \"failed\": 0,\n  \"skipped\": 3,\n  \"passed\": true,\n  \"tests\": [\n"
-        SKIPPED("map", "alias, cdf, curve", "the light is a constant, there is no map") ",\n"
-        SKIPPED("view", "all integrators", "there is no geometry") ",\n"
-        SKIPPED("accelerators", "grid and embree", "there is no geometry") "\n  ]\n}\n";
-    program_run r;
-    program_write_file(DIR "/empty.txt", "WorldBegin LightSource \"infinite\"\n");
-    program_expect(&r, 0, "verify " DIR "/empty.txt --seed 9");
-    assert_string_equal(r.output, table);
-    assert_string_equal(r.messages, "");
-    program_expect(&r, 0, "verify --json " DIR "/empty.txt");
-    assert_string_equal(r.output, json);
-    program_expect(&r, 0, "verify --mapping latlong " DIR "/empty.txt");
-    assert_string_equal(r.messages, "bis: warning: --mapping has no effect on a scene: its LightSource says it\n");
-}
-
 /* Text and JSON of a map tell the same, and what the library tells. */
 static void text_and_json_of_a_map_tell_the_same(void **state)
 {
@@ -1308,40 +1265,6 @@ static void text_and_json_of_a_map_tell_the_same(void **state)
     bis_envmap_clear(&em);
 }
 
-/* A name of five characters may be a map's, the ending alone is none: then --mapping has no effect. */
-static void an_ending_makes_a_map(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *name;
-        bool is_map;
-    } cases[] = {{"0.hdr", true}, {"0.EXR", true}, {"0.pfm", true}, {".hdr", false}, {"0.png", false}, {"hdr", false},
-        {"0.hdr.txt", false}};
-    program_run r;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_runf(&r, "verify --mapping latlong %s", cases[i].name); /* none of them is there */
-        assert_int_equal(r.exit_status, 1);
-        assert_true((strstr(r.messages, "--mapping has no effect on a scene") == NULL) == cases[i].is_map);
-    }
-}
-
-static void options_end_where_they_say(void **state)
-{
-    (void)state;
-    static const struct { const char *arguments; int exit_status; const char *message; } cases[] = {
-        {"--seed 0 " DIR "/no.hdr", 1, "no.hdr"}, {"--seed 9007199254740991 " DIR "/no.exr", 1, "no.exr"},
-        {"--seed 9007199254740992 " DIR "/no.pfm", 2, "[0, 9007199254740991]"},
-        {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
-        {"--mapping angular " DIR "/no.hdr", 1, "no.hdr"}, {DIR "/no.txt", 1, "no.txt"},
-        {"a.hdr b.hdr", 2, "too many operands: 2"},
-        {DIR "/.hdr", 1, ".hdr"}};
-    program_run r;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_expect(&r, cases[i].exit_status, "verify %s", cases[i].arguments);
-        if (!strstr(r.messages, cases[i].message)) fail_msg("verify %s: %s", cases[i].arguments, r.messages);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1375,10 +1298,7 @@ int main(void)
         cmocka_unit_test(the_second_accelerator_is_the_other_one),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
         cmocka_unit_test(the_pixels_of_a_view_are_those_of_the_lattice),
-        cmocka_unit_test(an_empty_scene_has_a_report_by_hand),
         cmocka_unit_test(text_and_json_of_a_map_tell_the_same),
-        cmocka_unit_test(an_ending_makes_a_map),
-        cmocka_unit_test(options_end_where_they_say),
     };
     program_folder(DIR);
     return cmocka_run_group_tests_name("verdicts", tests, NULL, NULL);
