@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What `bis` says, by hand: each file of tests/data/expect/bis is a test. And that their runner (expect.h) finds what is wrong. */
+/* What `bis` says, by hand: each file of tests/data/expect/bis is a test. And that their runner (expect.h) finds what
+ * is wrong. */
 #include "expect.h"
 #include "program.h"
-#include "bis/base/version.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define DIR "build/test_expect"
 
-/* `say STATUS`: the lines that it is given, as they stand; those behind a line "--" are messages. */
+/* `say STATUS` (-1: EXPECT_SKIPPED): the lines that it is given, as they stand; those behind a line "--" are messages.
+ */
 static int say(const expect_command *c)
 {
     const char *const end = strstr(c->input, "--\n");
@@ -30,6 +31,7 @@ static const char *const good[] = {
     "$ say 0\n< --\n< x 1 y 2\n!~ y\n!- z\n",
     "$ say 0\n< a,0.5,,nan\n>% a,0.50000000001,,nan\n",
     "$ say 0\n< 7 nobody {w}\n> {seven} {who} {w}\n",
+    "$ say -1\n< a\n> b\n",
     "$ say 0\n< any\n< --\n< any\n>~\n!~\n",
 };
 
@@ -100,8 +102,8 @@ static void a_wrong_word_of_bis_itself_fails(void **state)
     free(wrong);
 }
 
-static const expect_text here[] = {{"end", "\n"}, {"version", BIS_VERSION}, {"scene", DIR "/scene.txt"}, {"missing", DIR "/missing.txt"}, {"folder", DIR},
-                                   {NULL, NULL}};
+static const expect_text here[] = {{"end", "\n"}, {"scene", DIR "/scene.txt"}, {"missing", DIR "/missing.txt"},
+                                   {"folder", DIR}, {NULL, NULL}};
 
 static int setup(void **state)
 {
