@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* parser: docs/scene-format.md by examples. Bad scenes lie in tests/data/bad/NAME.txt beside the exact messages
- * NAME.expect; good ones in tests/data/scenes and in docs/scene-format.md. */
+ * NAME.expect (expect.h), each a test; good ones in tests/data/scenes and in docs/scene-format.md. */
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "expect.h"
 #include "image_help.h"
 #include "parse/directives.h"
 
@@ -73,38 +74,41 @@ static bool ends_with(const char *s, const char *end)
 
 /* ---- bad scenes ---- */
 
-static void check_bad(const char *name)
+/* `parse NAME` of tests/data/bad: its messages. Some give warnings alone. */
+static int parse(const expect_command *c)
 {
-    char path[512], expect_path[512];
-    unsigned char *expect;
-    size_t size;
+    char path[512];
     bis_diag diag = {0};
     bis_scene_desc *d;
 
-    snprintf(path, sizeof path, BAD "%s", name);
-    snprintf(expect_path, sizeof expect_path, BAD "%.*s.expect", (int)(strlen(name) - strlen(".txt")), name);
-    assert_int_equal(bis_file_read(&expect, &size, expect_path, (bis_loc){0}, NULL), BIS_OK);
-    bis_status status = bis_scene_parse(&d, path, &diag);
+    snprintf(path, sizeof path, BAD "%s", c->arguments);
+    const bis_status status = bis_scene_parse(&d, path, &diag);
     char *got = messages(&diag);
-    if (strcmp(got, (const char *)expect)) print_error("%s\nexpected: %sgot:      %s", name, (const char *)expect, got);
-    assert_string_equal(got, (const char *)expect);
-    assert_int_equal(status, diag.n_errors ? BIS_INPUT : BIS_OK); /* some give warnings alone */
+    fputs(got, c->messages);
+    assert_int_equal(status, diag.n_errors ? BIS_INPUT : BIS_OK);
     assert_true((d == NULL) == (diag.n_errors > 0));
     free(got);
-    bis_free(expect);
     bis_scene_desc_free(d);
     bis_diag_clear(&diag);
+    return status ? 2 : 0;
 }
 
-static void bad_scenes_give_exactly_the_messages_beside_them(void **state)
+/* Each scene has messages beside it: without any a scene would not be parsed. */
+static void each_bad_scene_has_its_messages(void **state)
 {
     int n = 0;
     DIR *folder = opendir(BAD);
     (void)state;
     assert_non_null(folder);
     for (struct dirent *e = readdir(folder); e; e = readdir(folder)) {
+        char path[512], name[256];
         if (!ends_with(e->d_name, ".txt")) continue;
-        check_bad(e->d_name);
+        snprintf(path, sizeof path, BAD "%.*s.expect", (int)(strlen(e->d_name) - strlen(".txt")), e->d_name);
+        FILE *f = fopen(path, "r");
+        if (!f) fail_msg("no %s", path);
+        assert_int_equal(fscanf(f, "$%*[2 ]parse %255s", name), 1);
+        assert_string_equal(name, e->d_name);
+        fclose(f);
         n++;
     }
     closedir(folder);
@@ -919,10 +923,12 @@ static void every_example_of_the_reference_is_a_scene(void **state)
     bis_free(page);
 }
 
+static const expect_word words[] = {{"parse", parse}, {NULL, NULL}};
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_scenes_give_exactly_the_messages_beside_them),
+        cmocka_unit_test(each_bad_scene_has_its_messages),
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
@@ -962,5 +968,6 @@ int main(void)
         cmocka_unit_test(after_a_texture_of_the_wrong_kind_the_parser_goes_on),
         cmocka_unit_test(every_example_of_the_reference_is_a_scene),
     };
-    return cmocka_run_group_tests_name("parser", tests, NULL, scratch_remove);
+    return expect_run("parser", tests, sizeof tests / sizeof *tests, NULL, scratch_remove,
+                      &(expect_folder){"tests/data/bad", words, NULL});
 }

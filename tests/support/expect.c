@@ -272,12 +272,11 @@ char *expect_file(const char *path, const expect_word *words, const expect_text 
 
 /* ---- as tests ---- */
 
-static const expect_word *words_here;
-static const expect_text *texts_here;
+static const expect_folder *here;
 
 static void one_file(void **state)
 {
-    char *wrong = expect_file(*state, words_here, texts_here);
+    char *wrong = expect_file(*state, here->words, here->texts);
     if (wrong) fputs(wrong, stderr); /* cmocka cuts a message off */
     free(wrong);
     if (wrong) fail_msg("%s", (const char *)*state);
@@ -289,26 +288,25 @@ static int is_expect(const struct dirent *e)
     return n > 7 && strcmp(e->d_name + n - 7, ".expect") == 0;
 }
 
-int expect_run(const char *group, const struct CMUnitTest *tests, size_t n, CMFixtureFunction setup, const char *folder,
-               const expect_word *words, const expect_text *texts)
+int expect_run(const char *group, const struct CMUnitTest *tests, size_t n, CMFixtureFunction setup,
+               CMFixtureFunction teardown, const expect_folder *folder)
 {
     struct dirent **files = NULL;
-    const int found = scandir(folder, &files, is_expect, alphasort);
+    const int found = scandir(folder->path, &files, is_expect, alphasort);
     const size_t n_files = found < 0 ? 0 : (size_t)found;
     struct CMUnitTest *all = calloc(n + n_files + 1, sizeof *all);
-    words_here = words;
-    texts_here = texts;
+    here = folder;
     for (size_t i = 0; i < n; i++) all[i] = tests[i];
     for (size_t i = 0; i < n_files; i++) {
-        const size_t size = strlen(folder) + strlen(files[i]->d_name) + 2;
+        const size_t size = strlen(folder->path) + strlen(files[i]->d_name) + 2;
         char *path = malloc(size), *name = strndup(files[i]->d_name, strlen(files[i]->d_name) - 7);
-        snprintf(path, size, "%s/%s", folder, files[i]->d_name);
+        snprintf(path, size, "%s/%s", folder->path, files[i]->d_name);
         all[n + i] = (struct CMUnitTest){name, one_file, NULL, NULL, path};
         free(files[i]);
     }
     free(files);
-    if (n_files == 0) fprintf(stderr, "%s: no file *.expect\n", folder);
-    int failed = _cmocka_run_group_tests(group, all, n + n_files, setup, NULL);
+    if (n_files == 0) fprintf(stderr, "%s: no file *.expect\n", folder->path);
+    int failed = _cmocka_run_group_tests(group, all, n + n_files, setup, teardown);
     for (size_t i = n; i < n + n_files; i++) free((void *)(uintptr_t)all[i].name), free(all[i].initial_state);
     free(all);
     return failed + (n_files == 0);

@@ -47,9 +47,16 @@ typedef struct expect_text {
  * lists may be NULL. */
 char *expect_file(const char *path, const expect_word *words, const expect_text *texts);
 
+/* The files of a folder and what they may use; both lists may be NULL. */
+typedef struct expect_folder {
+    const char *path;
+    const expect_word *words;
+    const expect_text *texts;
+} expect_folder;
+
 /* expect_run runs the n tests, then each .expect of the folder as a test of its name, in the order of the alphabet, and
- * returns how many failed. A folder without any is a failure. `setup` may be NULL. */
-int expect_run(const char *group, const struct CMUnitTest *tests, size_t n, CMFixtureFunction setup, const char *folder,
-               const expect_word *words, const expect_text *texts);
+ * returns how many failed. A folder without any is a failure. setup and teardown may be NULL. */
+int expect_run(const char *group, const struct CMUnitTest *tests, size_t n, CMFixtureFunction setup,
+               CMFixtureFunction teardown, const expect_folder *folder);
 
 #endif

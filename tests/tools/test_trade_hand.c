@@ -2214,6 +2214,6 @@ int main(void)
         cmocka_unit_test(the_slider_begins_with_the_worst_and_the_best),
         cmocka_unit_test(runs_that_cannot_be_written_at_the_end_are_an_error),
     };
-    return expect_run("trade by hand", tests, sizeof tests / sizeof *tests, setup, "tests/data/expect/trade", words,
-                      texts);
+    return expect_run("trade by hand", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/trade", words, texts});
 }

@@ -121,5 +121,6 @@ int main(void)
         cmocka_unit_test(what_is_not_as_expected_fails_and_is_shown),
         cmocka_unit_test(a_wrong_word_of_bis_itself_fails),
     };
-    return expect_run("expect", tests, sizeof tests / sizeof *tests, setup, "tests/data/expect/bis", NULL, here);
+    return expect_run("expect", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/bis", NULL, here});
 }
