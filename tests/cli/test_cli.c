@@ -4,6 +4,7 @@
 #include "cli/progress.h"
 #include "out/json.h"
 
+#include "expect.h"
 #include "json_check.h"
 
 #include <setjmp.h>
@@ -127,6 +128,25 @@ static void clear(run_result *r, values *v)
     const char *const argv[] = {__VA_ARGS__};                                        \
     with_table(&r, &v, (int)(sizeof argv / sizeof *argv), argv)
 
+/* `test ARGUMENT...` between single blanks, "" an empty one: what it says, and its exit status. */
+static int test(const expect_command *c)
+{
+    char words[256];
+    const char *argv[8];
+    int argc = 0;
+    values v;
+    run_result r;
+    snprintf(words, sizeof words, "%s", c->arguments);
+    for (char *word = strtok(words, " "); word && argc < 8; word = strtok(NULL, " "))
+        argv[argc++] = strcmp(word, "\"\"") == 0 ? "" : word;
+    with_table(&r, &v, argc, argv);
+    fputs(r.messages, c->messages);
+    fputs(r.output, c->output);
+    assert_int_equal(r.go_on, r.exit_status != 2);
+    clear(&r, &v);
+    return r.exit_status;
+}
+
 /* ---- reading ---- */
 
 static void options_and_operands_may_be_mixed(void **state)
@@ -178,96 +198,6 @@ static void the_ends_of_a_range_belong_to_it(void **state)
     clear(&r, &v);
 }
 
-static const struct { const char *arguments[3]; const char *message; } mistakes[] = {
-    {{"a", "--count", "0"}, "bis: error: --count is \"0\", must be an integer in [1, 1000]\n"},
-    {{"a", "--count", "1001"}, "bis: error: --count is \"1001\", must be an integer in [1, 1000]\n"},
-    {{"a", "--count", "-1"}, "bis: error: --count is \"-1\", must be an integer in [1, 1000]\n"},
-    {{"a", "--count", "1.5"}, "bis: error: --count is \"1.5\", must be an integer in [1, 1000]\n"},
-    {{"a", "--count", ""}, "bis: error: --count is \"\", must be an integer in [1, 1000]\n"},
-    {{"a", "--count", "99999999999999999999999"}, "bis: error: --count is \"99999999999999999999999\", must be an "
-     "integer in [1, 1000]\n"},
-    {{"a", "--real", "0"}, "bis: error: --real is \"0\", must be a number > 0\n"},
-    {{"a", "--real", "nan"}, "bis: error: --real is \"nan\", must be a number > 0\n"},
-    {{"a", "--real", "inf"}, "bis: error: --real is \"inf\", must be a number > 0\n"},
-    {{"a", "--real", "1e999"}, "bis: error: --real is \"1e999\", must be a number > 0\n"},
-    {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
-    {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
-    {{"a", "--big", "2"}, "bis: error: --big is \"2\", must be an integer >= 3, below 2^64\n"},
-    {{"a", "--big", "18446744073709551616"}, "bis: error: --big is \"18446744073709551616\", must be an integer >= "
-     "3, "
-        "below 2^64\n"},
-    {{"a", "--least", "1.9"}, "bis: error: --least is \"1.9\", must be a number >= 2\n"},
-    {{"a", "--share", "-0.01"}, "bis: error: --share is \"-0.01\", must be a number in [0, 1]\n"},
-    {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
-    {{"a", "--error", "0"}, "bis: error: --error is \"0\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-    {{"a", "--error", "5s"}, "bis: error: --error is \"5s\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-    {{"a", "--error", "1001%"}, "bis: error: --error is \"1001%\", must be a number in (0, 10], as in 0.05, or "
-        "5%\n"},
-    {{"a", "--error", "%"}, "bis: error: --error is \"%\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-    {{"a", "--time", "5%"}, "bis: error: --time is \"5%\", must be a number of seconds in (0, 100000000], or "
-        "with a unit: 10s, 2min, 1.5h\n"},
-    {{"a", "--time", "1m"}, "bis: error: --time is \"1m\", must be a number of seconds in (0, 100000000], or "
-        "with a unit: 10s, 2min, 1.5h\n"},
-    {{"a", "--time", "0h"}, "bis: error: --time is \"0h\", must be a number of seconds in (0, 100000000], or "
-        "with a unit: 10s, 2min, 1.5h\n"},
-    {{"a", "--text", ""}, "bis: error: --text is empty, wants F\n"},
-    {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
-    {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
-    {{"a", "--flag=1"}, "bis: error: --flag takes no value, has \"1\"\n"},
-    {{"a", "--colour", "gren"}, "bis: error: --colour: no such thing as \"gren\" (did you mean \"green\"?); it is "
-     "one of red, green, blue\n"},
-    {{"a", "--colour", "octarine"}, "bis: error: --colour: no such thing as \"octarine\"; it is one of red, green, "
-     "blue\n"},
-    {{"a", "--own-and-rather-long-name", "no"}, "bis: error: --own-and-rather-long-name is \"no\", must be yes\n"},
-    {{"a", "--cuont"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
-    {{"a", "--hlep"}, "bis: error: unknown option \"--hlep\" (did you mean \"--help\"?)\n"},
-    {{"a", "--quuxification"}, "bis: error: unknown option \"--quuxification\"; `bis test --help` lists them\n"},
-    {{"a", "-x"}, "bis: error: unknown option \"-x\"; options start with \"--\"\n"},
-    {{"--flag"}, "bis: error: too few operands: 0 given; usage: bis test [options] A [B]\n"},
-    {{"a", "b", "c"}, "bis: error: too many operands: 3 given; usage: bis test [options] A [B]\n"},
-};
-
-/* Every mistake, its exact message, exit status 2. */
-static void every_mistake_has_its_message_and_exits_with_2(void **state)
-{
-    (void)state;
-    for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; i++) {
-        values v;
-        run_result r;
-        int n = 0;
-        while (n < 3 && mistakes[i].arguments[n]) n++;
-        with_table(&r, &v, n, mistakes[i].arguments);
-        assert_false(r.go_on);
-        assert_int_equal(r.exit_status, 2);
-        assert_string_equal(r.messages, mistakes[i].message);
-        assert_string_equal(r.output, "");
-        clear(&r, &v);
-    }
-}
-
-/* The value of an option that is not known looks like an operand: "too many operands" would be a second, wrong answer.
- * Too few is a mistake all the same. */
-static void a_mistyped_option_gets_one_line(void **state)
-{
-    (void)state;
-    const struct { const char *arguments[4]; const char *messages; } cases[] = {
-        {{"a", "b", "--cuont", "3"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
-        {{"a", "b", "-n", "3"}, "bis: error: unknown option \"-n\"; options start with \"--\"\n"},
-        {{"--flga"}, "bis: error: unknown option \"--flga\" (did you mean \"--flag\"?)\n"
-                     "bis: error: too few operands: 0 given; usage: bis test [options] A [B]\n"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        values v;
-        run_result r;
-        int n = 0;
-        while (n < 4 && cases[i].arguments[n]) n++;
-        with_table(&r, &v, n, cases[i].arguments);
-        assert_int_equal(r.exit_status, 2);
-        assert_string_equal(r.messages, cases[i].messages);
-        clear(&r, &v);
-    }
-}
-
 static void shares_may_be_percentages_and_times_have_units(void **state)
 {
     (void)state;
@@ -305,16 +235,6 @@ static void progress_counts_to_the_last_pass_and_tells_minutes(void **state)
         char text[BIS_PROGRESS_TEXT];
         assert_string_equal(bis_progress_text(text, &cases[i].p), cases[i].text);
     }
-}
-
-static void all_mistakes_are_reported_in_one_go(void **state)
-{
-    (void)state;
-    RUN("--count", "0", "--colour", "x", "--nope");
-    int lines = 0;
-    for (const char *c = r.messages; *c; c++) lines += *c == '\n';
-    assert_int_equal(lines, 4); /* and the missing operand */
-    clear(&r, &v);
 }
 
 /* ---- help ---- */
@@ -511,6 +431,8 @@ static void the_json_reader_refuses_what_is_no_json(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(json_is_valid(bad[i]));
 }
 
+static const expect_word words[] = {{"test", test}, {NULL, NULL}};
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -518,12 +440,9 @@ int main(void)
         cmocka_unit_test(two_dashes_end_the_options),
         cmocka_unit_test(an_option_that_is_absent_leaves_its_value_alone),
         cmocka_unit_test(the_ends_of_a_range_belong_to_it),
-        cmocka_unit_test(every_mistake_has_its_message_and_exits_with_2),
-        cmocka_unit_test(a_mistyped_option_gets_one_line),
         cmocka_unit_test(shares_may_be_percentages_and_times_have_units),
         cmocka_unit_test(progress_counts_to_the_last_pass_and_tells_minutes),
         cmocka_unit_test(help_and_version_have_a_letter),
-        cmocka_unit_test(all_mistakes_are_reported_in_one_go),
         cmocka_unit_test(help_names_every_option_within_80_columns),
         cmocka_unit_test(version_names_the_libraries),
         cmocka_unit_test(a_place_that_cannot_take_a_file_is_known_beforehand),
@@ -533,5 +452,6 @@ int main(void)
         cmocka_unit_test(json_is_valid_for_any_number_and_any_bytes),
         cmocka_unit_test(the_json_reader_refuses_what_is_no_json),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return expect_run("cli", tests, sizeof tests / sizeof *tests, NULL, NULL,
+                      &(expect_folder){"tests/data/expect/cli", words, NULL});
 }
