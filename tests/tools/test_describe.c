@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What is told of a render, by hand: lines of Integrators, header attributes, the JSON of --stats, and the plans of two
- * scenes from their first line to their last. */
+/* What is told of a render, by hand: lines of Integrators, header attributes, the JSON of --stats, and the plans of
+ * scenes from their first line to their last (tests/data/expect/describe). */
 #include "tools/describe.h"
 
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "expect.h"
 #include "json_check.h"
 #include "program.h"
 #include "threads.h"
@@ -264,151 +265,17 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
 
 /* ---- the plan ---- */
 
-static void assert_plan(const char *scene, const char *expected)
+/* `plan` of the input as a scene. */
+static int plan(const expect_command *c)
 {
     bis_scene_desc *desc = NULL;
     bis_diag diag = {0};
-    char *text = NULL;
-    size_t n;
-    program_write_file(DIR "/scene.txt", scene);
+    program_write_file(DIR "/scene.txt", c->input);
     if (bis_scene_parse(&desc, DIR "/scene.txt", &diag)) fail_msg("%s", diag.messages[0].text);
-    FILE *out = open_memstream(&text, &n);
-    bis_scene_plan(desc, out);
-    fclose(out);
-    if (strcmp(text, expected) != 0) fail_msg("the plan is\n%s\nnot\n%s", text, expected);
-    free(text);
+    bis_scene_plan(desc, c->output);
     bis_scene_desc_free(desc);
     bis_diag_clear(&diag);
-}
-
-#define EMBREE (bis_accel_embree_version() ? "embree" : "grid, default density")
-
-/* 200 x 100 pixels, the lower half of the right half: 5000 pixels of 72 bytes; albedo, normal and depth are 7 values of
- * 12 bytes. The map is 8 x 4: 384 bytes, 512 to draw from. */
-static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
-{
-    (void)state;
-    char expected[8192];
-    static const char scene[] =
-        "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"string filename\" \"out.exr\" \"float "
-        "cropwindow\" [0.5 1 0.5 1]\n"
-        "  \"string layers\" [\"albedo\" \"normal\" \"depth\"]\n"
-        "Camera \"perspective\" \"float fov\" 50\n"
-        "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2\n"
-        "  \"integer seed\" 7 \"integer edgesamples\" 5\n" /* without jitter, no pixel has more */
-        "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" "
-        "\"power\"\n"
-        "Option \"string asprinted\" \"E6\" Option \"bool disablepixeljitter\" true\nAccelerator \"grid\"\nWorldBegin\n"
-        "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"bool visible\" false\n"
-        "Material \"phong\" \"rgb Kd\" [0.5 0.25 0.125] \"float Ks\" 0 \"float exponent\" 3\nShape \"sphere\" Shape "
-        "\"disk\"\n"
-        "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" 9\n"
-        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0  1 0 0  1 1 0  0 1 0]\n"
-        "Shape \"plymesh\" \"string filename\" \"t.ply\" Shape \"plymesh\" \"string filename\" \"t.ply\"\n"
-        "Material \"microfacet\" \"float roughness\" 0.5 \"float Kd\" 0.1 \"float Ks\" 0.2 Shape \"sphere\"\n"
-        "ObjectBegin \"nobody\" Shape \"objmesh\" \"string filename\" \"unused.obj\" ObjectEnd\n";
-    const bis_erratum *e6 = bis_erratum_find("E6");
-    program_write_file(DIR "/t.ply",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
-    program_write_file(DIR "/unused.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    snprintf(expected, sizeof expected,
-        "scene        " DIR "/scene.txt\n"
-        "film         200 x 100, cropwindow 0.5 1 0.5 1, to out.exr\n"
-        "camera       perspective, fov 50\n"
-        "sampler      stratified, 8 camera samples a pixel (4 x 2), seed 7, all through the pixel's centre\n"
-        "integrator   mis: samples 12, heuristic power, split 0.25, compensate true, stratify false\n"
-        "claim        %s\n"
-        "as printed   E6 (%s): %s\n"
-        "light        map " DIR "/map.pfm, latlong, 8 x 4: 0.0 MB of pixels\n"
-        "light        not visible to camera rays\n"
-        "build        light table, alias tables, compensated for mis: at most 0.0 MB\n"
-        "skip         light curve: this integrator, so set, draws from the table\n"
-        "build        light components, 8 levels, areaexponent 0.15\n"
-        "geometry     6 shapes with instances: 3 of meshes, 3 spheres and disks\n"
-        "build        mesh of the scene file, 2 triangles, for 1 shape\n"
-        "build        mesh " DIR "/t.ply, 3 vertices, 1 faces, read once for 2 shapes\n"
-        "skip         mesh " DIR "/unused.obj: no shape or instance uses it\n"
-        "materials    3 in use\n"
-        "material     0: phong, Kd 0.5 0.25 0.125, Ks 0, exponent 3; 2 shapes\n"
-        "material     1: phong, Kd 0, Ks 0.5, exponent 9; 3 shapes\n"
-        "material     2: microfacet, Kd 0.1, Ks 0.2, roughness 0.5; 1 shape\n"
-        "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
-        "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
-        "build        accelerator grid, default density\n"
-        "build        film: about 0.3 MB\n"
-        "build        layers albedo normal depth: about 0.4 MB\n"
-        /* 14 MB; the film: 5000 pixels of 52 + 17 and 7 (8 + 4) bytes; while it is written, 52 + 7 8 + (4 + 7) 4, and
-         * for a thread three copies of 16 rows of 100 pixels of (4 + 7) 4 */
-        "memory       about 15.0 MB at the peak: film 0.8 MB, map 0.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator "
-        "0.0 MB\n",
-        bis_mis.claim, e6->section, e6->effect);
-    assert_plan(scene, expected);
-}
-
-static const char plan_without_surface[] =
-    "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to "
-    "light\n"
-    "skip         light components: there is no geometry to light\n"
-    "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
-    "skip         accelerator: there is no geometry\nbuild        film: about 816.0 MB\nskip         layers: none "
-    "is asked for\n"
-    /* 12 million pixels of 68 1/4 bytes; 18 million texels of 12 */
-    "memory       about 1049.1 MB at the peak: film 819.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, "
-    "accelerator 0.0 MB\n";
-
-/* 4000 x 3000 pixels of 68 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
-static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
-{
-    (void)state;
-    char expected[4096];
-    program_write_file(DIR "/probe.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 3000 +X 3000\n");
-    snprintf(expected, sizeof expected,
-             "scene        " DIR "/scene.txt\n"
-             "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
-             "camera       orthographic\n"
-             "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light "
-             "samples each, seed 0\n"
-             "integrator   em: samples 16, stratify false\n"
-             "claim        %s\n"
-             "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
-             bis_em.claim);
-    static const char scene[] =
-        "Film \"rgb\" \"integer xresolution\" 4000 \"integer yresolution\" 3000\nCamera \"orthographic\"\n"
-        "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4 \"float edgelight\" 0.375\n"
-        "Integrator \"em\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" "
-        "\"angular\"\n";
-    strncat(expected, plan_without_surface, sizeof expected - 1 - strlen(expected));
-    assert_plan(scene, expected);
-
-    /* the same of width 41, with a ball: one more column makes it even */
-    snprintf(expected, sizeof expected,
-             "scene        " DIR "/scene.txt\n"
-             "film         10 x 10, cropwindow 0 1 0 1, to bis.exr\n"
-             "camera       perspective, fov 90\n"
-             "sampler      sobol, 16 camera samples a pixel, seed 0\n"
-             "integrator   rejection: candidates 50, shadowrays 2, proposal em, estimator plain, fallback subset\n"
-             "claim        %s\n"
-             "light        map " DIR "/probe.hdr, angular, resampled to latlong, 4002 x 2001: 96.1 MB of pixels\n"
-             "build        light table, alias tables: at most 128.1 MB\n"
-             "skip         light curve: this integrator, so set, draws from the table\n"
-             "skip         light components: areaexponent is 0\n"
-             "geometry     1 shapes with instances: 0 of meshes, 1 spheres and disks\n"
-             "materials    1 in use\n"
-             "material     0: phong, Kd 0.5, Ks 0.5, exponent 50; 1 shape\n"
-             "build        accelerator %s\n"
-             "build        film: about 0.0 MB\n"
-             "skip         layers: none is asked for\n"
-             /* 4002 x 2001 texels of 12 and 10.4 bytes */
-             "memory       about 193.4 MB at the peak: film 0.0 MB, map 179.4 MB, meshes 0.0 MB, textures 0.0 MB, "
-             "accelerator 0.0 MB\n", bis_rejection.claim, EMBREE);
-    assert_plan("Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 10\nSampler \"sobol\"\n"
-                "Integrator \"rejection\" \"integer candidates\" 50 \"integer shadowrays\" 2 \"string proposal\" "
-                "\"em\" \"string estimator\" \"plain\" \"string fallback\" \"subset\"\n"
-                "WorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\" "
-                "\"integer width\" 4001 \"float areaexponent\" 0\n"
-                "Material \"phong\" \"float Kd\" 0.5 \"float Ks\" 0.5 \"float exponent\" 50 Shape \"sphere\"\n",
-                expected);
+    return 0;
 }
 
 /* A map or mesh whose header tells nothing: the size of the file. */
@@ -444,11 +311,26 @@ int main(void)
         cmocka_unit_test(a_short_line_leaves_out_what_has_its_default),
         cmocka_unit_test(the_stats_are_those_by_hand),
         cmocka_unit_test(a_pictures_attributes_are_those_by_hand),
-        cmocka_unit_test(the_plan_of_a_whole_scene_is_that_by_hand),
-        cmocka_unit_test(the_plan_of_a_large_picture_is_that_by_hand),
         cmocka_unit_test(a_file_that_tells_nothing_has_its_bytes),
     };
     program_folder(DIR);
     program_write_scene(DIR, ""); /* for its map.pfm of 8 x 4 */
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    program_write_file(DIR "/t.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
+    program_write_file(DIR "/unused.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    program_write_file(DIR "/probe.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 3000 +X 3000\n");
+    const bis_erratum *e6 = bis_erratum_find("E6");
+    const expect_word words[] = {{"plan", plan}, {NULL, NULL}};
+    const expect_text texts[] = {
+        {"claim of mis", bis_mis.claim},
+        {"claim of em", bis_em.claim},
+        {"claim of rejection", bis_rejection.claim},
+        {"section of E6", e6->section},
+        {"effect of E6", e6->effect},
+        {"accelerator", bis_accel_embree_version() ? "embree" : "grid, default density"},
+        {NULL, NULL},
+    };
+    return expect_run("describe", tests, sizeof tests / sizeof *tests, NULL, NULL,
+                      &(expect_folder){"tests/data/expect/describe", words, texts});
 }
