@@ -8,6 +8,7 @@
 #include "bis/scene/layers.h"
 #include "cli/help.h"
 
+#include "expect.h"
 #include "program.h"
 
 #include <setjmp.h>
@@ -219,30 +220,6 @@ static void a_name_is_looked_up_in_all_topics(void **state)
     }
 }
 
-static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
-{
-    (void)state;
-    program_run r;
-    program_expect(&r, 2, "help integrator");
-    assert_string_equal(r.messages, "bis: error: no command, topic or name \"integrator\" (did you mean "
-        "\"integrators\"?); `bis help` lists commands and topics\n");
-    program_expect(&r, 2, "help compar");
-    assert_non_null(strstr(r.messages, "(did you mean \"compare\"?)"));
-    program_expect(&r, 2, "help areaexponnt"); /* a word of a topic */
-    assert_non_null(strstr(r.messages, "(did you mean \"areaexponent\"?)"));
-    program_expect(&r, 2, "help chekpoint"); /* an option; its dashes may be left out, as in `bis help checkpoint` */
-    assert_non_null(strstr(r.messages, "(did you mean \"checkpoint\"?)"));
-    program_expect(&r, 2, "help -- --chekpoint");
-    assert_non_null(strstr(r.messages, "(did you mean \"--checkpoint\"?)"));
-    program_expect(&r, 2, "help quuxification");
-    assert_string_equal(r.messages, "bis: error: no command, topic or name \"quuxification\"; `bis help` lists "
-        "commands and topics\n");
-    program_expect(&r, 2, "help scene lights");
-    assert_non_null(strstr(r.messages, "too many operands"));
-    program_expect(&r, 1, "help scene >/dev/full");
-    program_expect(&r, 1, "help --man >/dev/full");
-}
-
 /* ---- the man page ---- */
 
 /* Troff's escapes undone, as far as terms have them. */
@@ -360,10 +337,10 @@ int main(void)
         cmocka_unit_test(the_overview_names_every_command_and_topic),
         cmocka_unit_test(every_topic_and_command_fits_80_columns),
         cmocka_unit_test(a_name_is_looked_up_in_all_topics),
-        cmocka_unit_test(an_unknown_topic_is_an_error_that_names_the_nearest),
         cmocka_unit_test(every_option_and_topic_is_in_the_man_page),
         cmocka_unit_test(the_man_page_is_formatted_without_a_warning_in_80_columns),
         cmocka_unit_test(the_examples_work),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return expect_run("help", tests, sizeof tests / sizeof *tests, NULL, NULL,
+                      &(expect_folder){"tests/data/expect/help", NULL, NULL});
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* --part and `bis merge` with the program: what a user types, and what the messages tell to type, makes the picture of
- * one run. What is rendered together with parts is in tests/render/test_part.c. */
+ * one run; what is refused is in tests/data/expect/merge. What is rendered together with parts is in
+ * tests/render/test_part.c. */
 #include "bis/base/mem.h"
 
+#include "expect.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
@@ -114,56 +116,6 @@ static void the_command_in_the_message_makes_the_missing_part(void **state)
     assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
 }
 
-static void what_is_no_part_or_needs_the_whole_picture_is_refused(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *arguments;
-        int exit_status;
-        const char *words;
-    } cases[] = {
-        {SCENE " --part 1/3 --time 5 --outfile " DIR "/x.bispart", 2, "--part 1/3 cannot have --time"},
-        {SCENE " --part 1/3 --error 5% --outfile " DIR "/x.bispart", 2, "Give --spp N"},
-        {SCENE " --part 1/3", 2, "give --outfile part-1.bispart"},
-        {SCENE " --part 2/3 --outfile " DIR "/x.exr", 2, "give --outfile part-2.bispart"},
-        {SCENE " --part 2/3 --outfile " DIR "/x.bispart --outfile " DIR "/y.bispart", 2, "give --outfile"},
-        {SCENE " --part 2/3 --outfile " DIR "/none/x.bispart", 1, "No such file or directory"},
-        {SCENE " --part 0/3 --outfile " DIR "/x.bispart", 2, "must be K/N with K from 1 to N"},
-        {SCENE " --part 4/3 --outfile " DIR "/x.bispart", 2, "must be K/N with K from 1 to N"},
-        {SCENE " --part 1/3x --outfile " DIR "/x.bispart", 2, "must be K/N with K from 1 to N"},
-        {SCENE " --part 3/5 --outfile " DIR "/x.bispart", 2, "24 x 16 pixels has 2 tiles of 16 x 16: 2 parts at most"},
-        {SCENE " --part 1/2 --outfile " SCENE, 2, "no picture yet"},
-        {SCENE " --outfile " DIR "/x.bispart", 2, "the ending must be .exr, .pfm, .hdr or .png"},
-        {SCENE " --spp 4 --resume " DIR "/q1.bispart --outfile " DIR "/x.pfm", 2, "`bis merge` puts parts together"},
-        {"merge", 2, "too few operands"},
-        {"merge " DIR "/q1.bispart " DIR "/q2.bispart", 2, "give --outfile picture.exr"},
-        {"merge " DIR "/q1.bispart --outfile " DIR "/x.pfm", 2, "part 2 of 2 is missing"},
-        {"merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/q1.bispart", 2, "the ending must be"},
-        {"merge " DIR "/q1.bispart " DIR "/q2.pfm --outfile " DIR "/q2.pfm", 2, "which is read"},
-        {"merge " DIR "/q1.bispart " DIR "/none --outfile " DIR "/x.pfm", 1, "No such file"},
-        {"merge " DIR "/q1.bispart " DIR " --outfile " DIR "/x.pfm", 1, "is a folder"},
-        {"merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/y.pfm --stats /dev/full", 1,
-         "\"/dev/full\" cannot be written"},
-        {"merge " DIR "/q1.bispart " DIR "/map.pfm --outfile " DIR "/x.pfm", 2, "this is no part of bis"},
-        {"merge " DIR "/q1.bispart " DIR "/state --outfile " DIR "/x.pfm", 2, "--resume goes on from it"},
-        {"merge " DIR "/q1.bispart " DIR "/other.bispart --outfile " DIR "/x.pfm", 2,
-         "These differ: the sampler, or its seed. "},
-        {"merge " DIR "/q2.bispart " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/x.pfm", 0, "bis: wrote "},
-    };
-    program_run r;
-
-    for (int k = 1; k <= 2; k++)
-        program_expect(&r, 0, SCENE " --spp 4 --part %d/2 --outfile " DIR "/q%d.bispart", k, k);
-    program_expect(&r, 0, SCENE " --spp 4 --seed 9 --part 2/2 --outfile " DIR "/other.bispart");
-    program_expect(&r, 0, SCENE " --spp 4 --checkpoint " DIR "/state --outfile " DIR "/q2.pfm");
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_expect(&r, cases[i].exit_status, "%s", cases[i].arguments);
-        if (!strstr(r.messages, cases[i].words))
-            fail_msg("%s: \"%s\" has no \"%s\"", cases[i].arguments, r.messages, cases[i].words);
-    }
-    assert_false(program_exists(DIR "/x.bispart"));
-}
-
 /* A full disk leaves the older file; a signal leaves a checkpoint, with which the part goes on. */
 static void a_part_that_cannot_be_finished_is_not_written(void **state)
 {
@@ -197,8 +149,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_outputs_are_those_of_one_run),
         cmocka_unit_test(the_command_in_the_message_makes_the_missing_part),
-        cmocka_unit_test(what_is_no_part_or_needs_the_whole_picture_is_refused),
         cmocka_unit_test(a_part_that_cannot_be_finished_is_not_written),
     };
-    return cmocka_run_group_tests(tests, setup, NULL);
+    static const expect_text texts[] = {{"scene", SCENE}, {"folder", DIR}, {NULL, NULL}};
+    return expect_run("merge", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/merge", NULL, texts});
 }

@@ -6,6 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
+#include "expect.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
@@ -32,12 +33,15 @@
 
 #define DIR "build/test_program"
 #define SCENE DIR "/scene.txt"
+#define ALONE DIR "/alone" /* the same scene again, where nothing is written */
 
 static int setup(void **state)
 {
     (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\" \"integer pixelsamples\" 4\n");
+    program_folder(ALONE);
+    program_write_scene(ALONE, "Sampler \"stratified\" \"integer pixelsamples\" 4\n");
     return 0;
 }
 
@@ -361,59 +365,6 @@ static void stats_in_a_file_are_those_of_standard_output(void **state)
     assert_true(S_ISCHR(st.st_mode));
 }
 
-/* Options, and what --stats must say then. */
-static void options_override_the_scene(void **state)
-{
-    (void)state;
-    const struct { const char *options, *path, *value; } cases[] = {
-        {"", "integrator", "\"sir\""},
-        {"", "candidates", "20"},
-        {"", "spp", "4"},
-        {"", "width", "24"},
-        {"", "samples", "null"},
-        {"", "accepted", "null"},
-        {"", "triangles", "2"},
-        {"", "interrupted", "false"},
-        {"--candidates 33", "candidates", "33"},
-        {"--shadowrays 3", "shadowrays", "3"},
-        {"--proposal brdf", "proposal", "\"brdf\""},
-        {"--integrator sir", "candidates", "20"}, /* the same integrator keeps what the scene says */
-        {"--integrator em", "integrator", "\"em\""},
-        {"--integrator em", "samples", "16"},
-        {"--integrator em", "candidates", "null"},
-        {"--integrator em", "proposal", "null"},
-        {"--integrator em --samples 3", "samples", "3"},
-        {"--integrator brdf --samples 1", "samples", "1"},
-        {"--integrator mis --samples 2", "samples", "2"},
-        {"--integrator exact", "samples", "null"},
-        {"--integrator exact", "candidates_drawn", "null"},
-        {"--integrator unoccluded --candidates 5", "rays.shadow", "0"},
-        {"--integrator rejection --proposal choose --candidates 50", "proposal", "\"choose\""},
-        {"--spp 3", "spp", "3"},
-        {"--spp 3", "rays.camera", "1152"},
-        {"--seed 12345678901", "seed", "12345678901"},
-        {"--accelerator grid", "accelerator", "\"grid\""},
-        {"--resolution 10x6", "width", "10"},
-        {"--resolution 10x6", "rays.camera", "240"},
-        {"--cropwindow 0,0.5,0,1", "width", "12"},
-        {"--nthreads 2", "spp", "4"},
-        {"--disable-pixel-jitter", "spp", "4"},
-        {"--error 900% --time 1000", "spp", "4"},
-        {"--spp 2 --time 1000 --error 1e-9 --quiet", "spp", "2"},
-        {"--spp 1", "estimated_relative_rmse", "null"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_run r;
-        char value[128];
-        program_expect(&r, 0, SCENE " --outfile " DIR "/o.exr --stats - %s", cases[i].options);
-        json_value(value, sizeof value, r.output, cases[i].path);
-        if (strcmp(value, cases[i].value) != 0)
-            fail_msg("%s: %s is %s, not %s", cases[i].options, cases[i].path, value, cases[i].value);
-        if (strstr(cases[i].options, "--quiet")) assert_string_equal(r.messages, "");
-        else program_expect_only_the_result(&r);
-    }
-}
-
 static void without_jitter_a_picture_of_one_colour_has_no_scatter(void **state)
 {
     (void)state;
@@ -526,81 +477,7 @@ static void plan_renders_and_writes_nothing(void **state)
     assert_int_equal(program_count_files(DIR), before);
 }
 
-/* ---- mistakes ---- */
-
-static const struct { const char *arguments, *message; } mistakes[] = {
-    {"", "no scene"},
-    {"render", "too few operands"},
-    {SCENE " " SCENE, "too many operands"},
-    {SCENE " --ssp 3", "did you mean \"--spp\"?"},
-    {SCENE " --integrator path", "it is one of em, brdf, mis, rejection, sir, exact, unoccluded"},
-    {SCENE " --proposal mx", "did you mean \"mix\"?"},
-    {SCENE " --accelerator bvh", "it is one of grid, embree"},
-    {SCENE " --spp 0", "must be an integer in [1, 1000000000]"},
-    {SCENE " --spp -1", "must be an integer in [1, 1000000000]"},
-    {SCENE " --spp 99999999999", "must be an integer in [1, 1000000000]"},
-    {SCENE " --time 0", "must be a number of seconds in (0, "},
-    {SCENE " --time -3", "must be a number of seconds in (0, "},
-    {SCENE " --time nan", "must be a number of seconds in (0, "},
-    {SCENE " --time abc", "must be a number of seconds in (0, "},
-    {SCENE " --time 1e300", "must be a number of seconds in (0, "},
-    {SCENE " --error 0", "must be a number in (0, 10]"},
-    {SCENE " --error -1", "must be a number in (0, 10]"},
-    {SCENE " --error inf", "must be a number in (0, 10]"},
-    {SCENE " --integrator unoccluded --candidates 0", "must be an integer in [1, 16777216]"},
-    {SCENE " --shadowrays 0", "must be an integer in"},
-    {SCENE " --integrator em --samples 0", "must be an integer in"},
-    {SCENE " --integrator mis --samples 1", "em"},
-    {SCENE " --proposal choose", "proposal"},
-    {SCENE " --integrator rejection --proposal mix", "proposal"},
-    {SCENE " --nthreads 0", "must be an integer in [1, 1024]"},
-    {SCENE " --nthreads 1025", "must be an integer in [1, 1024]"},
-    {SCENE " --resolution 0x5", "WxH"},
-    {SCENE " --resolution 5", "WxH"},
-    {SCENE " --resolution 99999x5", "WxH"},
-    {SCENE " --cropwindow 0,1,0", "x0,x1,y0,y1"},
-    {SCENE " --cropwindow 0.6,0.5,0,1", "x0,x1,y0,y1"},
-    {SCENE " --cropwindow 0,0.001,0,1 --resolution 1x1 --cropwindow 0.1,0.2,0,1", "holds no pixel"},
-    {SCENE " --seed -1", "must be an integer"},
-    /* 2^53 is what 2^53 + 1 becomes as a double */
-    {SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-    {"pixel " SCENE " 1 1 --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-    {"verify " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-    {"trade " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
-    {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740991]"},
-    {SCENE " --exposure x", "must be a number"},
-    {SCENE " --outfile " DIR "/new.jpg", "must be .exr, .pfm, .hdr or .png"},
-    {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
-    {DIR "/bad.txt --outfile " DIR "/new.exr", "bad.txt:2:1: error: "},
-    {DIR "/badfilm.txt", "picture.tga"},
-    {SCENE " --error 5s", "must be a number in (0, 10], as in 0.05, or 5%"},
-    {SCENE " --learn maybe", "it is one of on, off"},
-    {"rendr " SCENE, "no command and no scene \"rendr\" (did you mean \"bis render\"?)"},
-    {"pixle " SCENE " 1 2", "no command and no scene \"pixle\" (did you mean \"bis pixel\"?)"},
-    {DIR "/map.pfm", "map.pfm: error: this is a PFM image, no scene: try `bis envmap " DIR "/map.pfm` or `bis "
-        "verify " DIR "/map.pfm`"},
-    {"README.md", "README.md: error: this is a page in Markdown, no scene"},
-    {"help nonsense", "no command, topic or name \"nonsense\""},
-    {"compare " DIR "/map.pfm", "too few operands"},
-    {"compare --tolerance -1 a b", "must be a number >= 0"},
-};
-
-/* Exit status, a part of the message; nothing is written, standard output stays empty. */
-static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
-{
-    (void)state;
-    program_write_file(DIR "/bad.txt", "WorldBegin\nShpae \"sphere\"\n");
-    program_write_file(DIR "/badfilm.txt", "Film \"rgb\" \"string filename\" \"" DIR "/picture.tga\"\nWorldBegin\n");
-    int before = program_count_files(DIR);
-    for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; i++) {
-        program_run r;
-        program_expect(&r, 2, "%s", mistakes[i].arguments);
-        if (!strstr(r.messages, mistakes[i].message))
-            fail_msg("bis %s: says %s not %s", mistakes[i].arguments, r.messages, mistakes[i].message);
-        assert_string_equal(r.output, "");
-        assert_int_equal(program_count_files(DIR), before);
-    }
-}
+/* ---- notes and mistakes; more of them stand in tests/data/expect/program ---- */
 
 /* The pixels of an equal-area map have one solid angle, so the integral of r+g+b is 4 pi times their mean, whatever
  * they are; what the resampling changes of it is told in percent. */
@@ -746,34 +623,6 @@ static void learn_is_an_option(void **state)
     program_expect(&r, 0, SCENE " --integrator em --learn on --spp 1 --outfile " DIR "/l1.pfm");
     assert_non_null(strstr(r.messages, "--learn has no effect on integrator \"em\""));
     assert_int_equal(system("rm " DIR "/l?.pfm " DIR "/learns.txt " DIR "/plain.txt"), 0);
-}
-
-static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
-{
-    (void)state;
-    const struct { const char *arguments, *message; } cases[] = {
-        {DIR "/nosuch.txt", "nosuch.txt"},
-        {DIR, DIR},
-        {SCENE " --outfile " DIR "/no/folder.exr", "No such file or directory"},
-        {SCENE " --outfile " SCENE "/x.exr", "is not a folder"},
-        {SCENE " --stats " DIR "/no/stats.json --outfile " DIR "/new.exr", "No such file or directory"},
-        {SCENE " --stats " DIR " --outfile " DIR "/new.exr", "it is a folder"},
-        {SCENE " --outfile " DIR "/ok.exr --stats - >/dev/full", "standard output cannot be written"},
-        {SCENE " --outfile " DIR "/ok.exr --stats /dev/full", "\"/dev/full\" cannot be written"},
-        {"--help >/dev/full", "standard output cannot be written"},
-        {"--version >/dev/full", "standard output cannot be written"},
-        {"compare " DIR "/map.pfm " DIR "/nosuch.pfm", "nosuch.pfm"},
-        {"compare " DIR "/map.pfm " SCENE, "scene.txt"},
-        {"envmap docs/figures/chess.png", "it is a PNG: 8 bits for a screen, no radiance; take an "
-            ".exr, .pfm or .hdr"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_run r;
-        program_expect(&r, 1, "%s", cases[i].arguments);
-        if (!strstr(r.messages, cases[i].message))
-            fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
-        assert_false(program_exists(DIR "/new.exr"));
-    }
 }
 
 /* The limit of 1024 bytes a file is what a full disk looks like to write(). Every picture is larger, and LLVM's OpenMP
@@ -1294,19 +1143,16 @@ int main(void)
         cmocka_unit_test(a_crop_keeps_the_display_window_and_the_pixels),
         cmocka_unit_test(stats_are_json_with_exactly_the_keys_of_the_contract),
         cmocka_unit_test(stats_in_a_file_are_those_of_standard_output),
-        cmocka_unit_test(options_override_the_scene),
         cmocka_unit_test(without_jitter_a_picture_of_one_colour_has_no_scatter),
         cmocka_unit_test(a_time_budget_renders_for_a_while_and_says_how_much),
         cmocka_unit_test(write_every_writes_the_picture_while_it_is_rendered),
         cmocka_unit_test(a_light_probe_tells_its_energy_before_and_after),
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(plan_renders_and_writes_nothing),
-        cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),
         cmocka_unit_test(the_note_on_a_resampled_map_tells_its_energy),
         cmocka_unit_test(what_is_no_scene_gets_one_line),
         cmocka_unit_test(what_a_scene_leaves_out_is_what_it_could_have_written),
         cmocka_unit_test(learn_is_an_option),
-        cmocka_unit_test(files_that_cannot_be_read_or_written_exit_with_1),
         cmocka_unit_test(a_full_disk_keeps_the_older_file_and_leaves_no_other),
         cmocka_unit_test(an_output_that_cannot_be_is_refused_before_the_scene_is_read),
         cmocka_unit_test(what_is_read_is_never_written_over),
@@ -1321,5 +1167,7 @@ int main(void)
         cmocka_unit_test(nthreads_holds_for_everything),
         cmocka_unit_test(compare_judges_by_a_tolerance_and_by_size),
     };
-    return cmocka_run_group_tests(tests, setup, NULL);
+    static const expect_text texts[] = {{"end", "\n"}, {"scene", ALONE "/scene.txt"}, {"folder", ALONE}, {NULL, NULL}};
+    return expect_run("program", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/program", NULL, texts});
 }

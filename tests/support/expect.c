@@ -206,10 +206,25 @@ static int run_bis(const expect_command *c)
     return r.exit_status;
 }
 
+/* `ls PATH`: the names in a folder, hidden ones too, or a file's path; status 1 where there is nothing. */
+static int run_ls(const expect_command *c)
+{
+    struct dirent **names = NULL;
+    const int n = scandir(c->arguments, &names, NULL, alphasort);
+    for (int i = 0; i < n; i++) {
+        if (strcmp(names[i]->d_name, ".") != 0 && strcmp(names[i]->d_name, "..") != 0)
+            fprintf(c->output, "%s\n", names[i]->d_name);
+        free(names[i]);
+    }
+    free(names);
+    if (n < 0 && program_exists(c->arguments)) fprintf(c->output, "%s\n", c->arguments);
+    return n < 0 && !program_exists(c->arguments);
+}
+
 /* The command of line 0 and what belongs to it, n lines: as it must be? The report says what is not. */
 static bool run_command(const check *c, const line *from, size_t n)
 {
-    static const expect_word bis[] = {{"bis", run_bis}, {NULL, NULL}};
+    static const expect_word bis[] = {{"bis", run_bis}, {"ls", run_ls}, {NULL, NULL}};
     const size_t length = strcspn(from->text, " ");
     const int wanted = from->sign[1] ? from->sign[1] - '0' : 0;
     const expect_word *word = NULL;

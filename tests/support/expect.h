@@ -32,7 +32,8 @@ typedef struct expect_command {
 /* What run returns where the command needs something that is not on this machine: nothing is compared. */
 #define EXPECT_SKIPPED (-1)
 
-/* A command beside `bis`, which every file may use: run returns its exit status. The list ends with a name of NULL. */
+/* A command beside `bis` and `ls PATH`, which every file may use: run returns its exit status. The list ends with a
+ * name of NULL. */
 typedef struct expect_word {
     const char *name;
     int (*run)(const expect_command *c);

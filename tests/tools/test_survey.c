@@ -8,6 +8,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "out/palette.h"
+#include "expect.h"
 #include "html_check.h"
 #include "json_check.h"
 #include "map_help.h"
@@ -173,16 +174,22 @@ static void pictures_show_levels_regions_and_importance(void **state)
 
 #define DIR "build/test_survey"
 
-static void the_command_reports_draws_and_refuses(void **state)
+static int setup(void **state)
 {
     (void)state;
-    program_run r;
     program_folder(DIR);
     bis_envmap em = map_random(32, 16, 4, 0.1, 2);
     const bis_image image = {32, 16, em.pixels}, square = {16, 16, em.pixels};
     assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
     assert_int_equal(bis_image_save(&square, DIR "/probe.pfm", NULL), BIS_OK);
+    bis_envmap_clear(&em);
+    return 0;
+}
 
+static void the_command_reports_and_draws(void **state)
+{
+    (void)state;
+    program_run r;
     program_expect(&r, 0, "envmap " DIR "/map.pfm --out " DIR "/p.png --levels 4");
     assert_non_null(strstr(r.output, "32 x 16, latlong"));
     assert_non_null(strstr(r.output, "in 4 levels"));
@@ -194,19 +201,6 @@ static void the_command_reports_draws_and_refuses(void **state)
     assert_true(program_exists(DIR "/map-levels.png"));
     program_expect(&r, 0, "envmap " DIR "/probe.pfm --mapping angular --width 8");
     assert_non_null(strstr(r.output, "8 x 4, resampled from angular"));
-
-    program_expect(&r, 2, "envmap " DIR "/probe.pfm");
-    assert_non_null(strstr(r.messages, "is square"));
-    program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.gif");
-    program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.png --outdir " DIR);
-    program_expect(&r, 2, "envmap " DIR "/map.pfm --levels 0");
-    program_expect(&r, 2, "envmap " DIR "/map.pfm --areaexponent 10.5");
-    /* The limit of a scene, tests/data/bad/light-areaexponent-large.txt. */
-    assert_non_null(strstr(r.messages, "must be a number in [0, 10]"));
-    program_expect(&r, 2, "envmap");
-    program_expect(&r, 1, "envmap " DIR "/no_such_map.hdr");
-    assert_string_equal(r.output, "");
-    bis_envmap_clear(&em);
 }
 
 /* ---- a map of 4 x 2 pixels by hand ---- */
@@ -628,32 +622,6 @@ static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
     bis_image_clear(&image);
 }
 
-/* The least and the greatest value of each option is taken (the map is missing: status 1), the next is not. */
-static void options_end_where_they_say(void **state)
-{
-    (void)state;
-    static const struct { const char *option; bool taken; } cases[] = {
-        {"--width 1", true}, {"--width 65536", true}, {"--width 0", false}, {"--width 65537", false},
-        {"--levels 1", true}, {"--levels 254", true}, {"--levels 0", false}, {"--levels 255", false},
-        {"--areaexponent 0", true}, {"--areaexponent 10", true}, {"--areaexponent -1e-9", false},
-        {"--areaexponent 10.001", false},
-        {"--samples 0", true}, {"--samples 1000000", true}, {"--samples 1000001", false},
-        {"--mapping latlong", true}, {"--mapping angular", true}, {"--mapping equalarea", true},
-        {"--mapping cubestrip", true},
-        {"--mapping sphere", false}, {"--to equalarea --out " DIR "/to.exr", true}, {"--to sphere", false},
-    };
-    program_run r;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_expect(&r, cases[i].taken ? 1 : 2, "envmap " DIR "/missing.hdr %s", cases[i].option);
-        assert_true((strstr(r.messages, "missing.hdr") != NULL) == cases[i].taken);
-    }
-    program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.gif");
-    assert_string_equal(
-        r.messages, "bis: error: --out \"" DIR "/x.gif\": the ending must be .exr, .pfm, .hdr or .png\n");
-    program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.png --outdir " DIR);
-    assert_string_equal(r.messages, "bis: error: --out and --outdir exclude each other\n");
-}
-
 /* A map with one lamp goes to each mapping and comes back: the program's own figures, the files' means, the lamp's
  * place. */
 static void a_map_is_converted_and_comes_back(void **state)
@@ -693,11 +661,6 @@ static void a_map_is_converted_and_comes_back(void **state)
         bis_envmap_clear(&other);
     }
     bis_envmap_clear(&em);
-    program_expect(&r, 2, "envmap " DIR "/there.pfm --to equalarea");
-    assert_string_equal(r.messages,
-        "bis: error: --to equalarea writes one map: name it by --out FILE, without --outdir, --html and --json\n");
-    program_expect(&r, 2, "envmap " DIR "/there.pfm --to verticalcross --width 100 --out " DIR "/x.exr");
-    assert_non_null(strstr(r.messages, "its width, 100, must be a multiple of 3"));
 }
 
 static void every_allocation_may_fail(void **state)
@@ -727,7 +690,7 @@ int main(void)
         cmocka_unit_test(a_lamp_is_found_where_it_hangs),
         cmocka_unit_test(constant_and_black_maps_have_plain_surveys),
         cmocka_unit_test(pictures_show_levels_regions_and_importance),
-        cmocka_unit_test(the_command_reports_draws_and_refuses),
+        cmocka_unit_test(the_command_reports_and_draws),
         cmocka_unit_test(a_map_by_hand_has_the_report_by_hand),
         cmocka_unit_test(the_centre_of_a_region_weighs_pixels_by_their_solid_angles),
         cmocka_unit_test(a_black_map_and_a_plain_one_have_short_reports),
@@ -737,10 +700,10 @@ int main(void)
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
         cmocka_unit_test(the_page_of_a_map_by_hand_has_its_levels_regions_and_densities),
         cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
-        cmocka_unit_test(options_end_where_they_say),
         cmocka_unit_test(a_map_is_converted_and_comes_back),
         cmocka_unit_test(every_allocation_may_fail),
     };
-    program_folder(DIR);
-    return cmocka_run_group_tests_name("survey", tests, NULL, NULL);
+    static const expect_text texts[] = {{"folder", DIR}, {NULL, NULL}};
+    return expect_run("survey", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/envmap", NULL, texts});
 }

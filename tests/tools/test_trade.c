@@ -15,6 +15,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "files/image_png.h"
+#include "expect.h"
 #include "html_check.h"
 #include "json_check.h"
 #include "page_help.h"
@@ -1028,56 +1029,6 @@ static void odd_names_do_not_break_the_page(void **state)
 
 /* ---- bad input ---- */
 
-static void bad_input_is_told_and_nothing_is_lost(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *arguments, *says;
-    } cases[] = {
-        {"--time 0", "--time"},
-        {"--time -3", "--time"},
-        {"--time 1e300", "--time"},
-        {"--time nan", "--time"},
-        {"--time abc", "--time"},
-        {"--error 0", "--error"},
-        {"--seeds 0", "--seeds"},
-        {"--seeds 99", "--seeds"},
-        {"--passes 0", "--passes"},
-        {"--integrator exact", "must be em, brdf, mis, rejection"},
-        {"--integrator siri", "did you mean \"sir\""},
-        {"--resolution 0x4", "--resolution"},
-        {"--reference " DIR "/nowhere.exr", "nowhere.exr"},
-        {"--reference " DIR "/map.pfm", "8 x 4 pixels"},
-        {"--time 0.0001", "bis: error: 0.0001 s are too few"},
-        {"--time 2 --error 0.00001 --integrator em", "out of reach"},
-    };
-    program_run r;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_runf(&r, "trade " SCENE " --nthreads 1 --output " DIR "/bad %s", cases[i].arguments);
-        const int expected = strstr(cases[i].arguments, "nowhere") ? 1 : 2;
-        if (r.exit_status != expected || !strstr(r.messages, cases[i].says))
-            fail_msg("%s: %d\n%s", cases[i].arguments, r.exit_status, r.messages);
-        assert_false(program_exists(DIR "/bad"));
-    }
-    program_expect(&r, 1, "trade " DIR "/nothing.txt --output " DIR "/bad");
-    program_expect(&r, 2, "trade " SCENE " " SCENE);
-    assert_false(program_exists(DIR "/bad"));
-}
-
-static void resume_refuses_each_option_that_changes_the_plan(void **state)
-{
-    (void)state;
-    static const char *const changes[] = {"--quick", "--seeds 3", "--passes 4", "--seed 5", "--resolution 8x8",
-                                          "--reference none.exr", "--integrator em"};
-    program_run r;
-    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
-        char told[64];
-        snprintf(told, sizeof told, "which %.*s would change", (int)strcspn(changes[i], " "), changes[i]);
-        program_expect(&r, 2, "trade " SCENE " --resume %s --output " DIR "/none", changes[i]);
-        if (!strstr(r.messages, told)) fail_msg("%s: %s", changes[i], r.messages);
-    }
-}
-
 static void a_folder_with_other_things_is_left_alone(void **state)
 {
     (void)state;
@@ -1290,8 +1241,6 @@ int main(void)
         cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
         cmocka_unit_test(the_checker_of_pages_can_fail),
         cmocka_unit_test(odd_names_do_not_break_the_page),
-        cmocka_unit_test(bad_input_is_told_and_nothing_is_lost),
-        cmocka_unit_test(resume_refuses_each_option_that_changes_the_plan),
         cmocka_unit_test(a_folder_with_other_things_is_left_alone),
         cmocka_unit_test(a_folder_of_another_scene_or_a_damaged_one_is_told),
         cmocka_unit_test(every_field_of_the_folder_is_checked),
@@ -1300,5 +1249,7 @@ int main(void)
         cmocka_unit_test(a_full_disk_is_told),
         cmocka_unit_test(a_given_reference_gives_the_pixels_of_the_thin_film),
     };
-    return cmocka_run_group_tests_name("trade", tests, setup, NULL);
+    static const expect_text texts[] = {{"scene", SCENE}, {"folder", DIR}, {NULL, NULL}};
+    return expect_run("trade", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/trade-command", NULL, texts});
 }

@@ -26,6 +26,8 @@ static const expect_text texts[] = {{"seven", "7"}, {"who", "nobody"}, {NULL, NU
 static const char *const good[] = {
     "# why\n\n$ say 0\n< a\n< \n<  b\n> a\n>\n>  b\n",
     "$2 say 2\n< --\n< no\n! no\n",
+    "$1 ls " DIR "/nothing\n$ ls " DIR "/good.expect\n> " DIR "/good.expect\n",
+    "$ ls tests/data/expect/help\n> unknown.expect\n",
     "$ say 0\n< x 1 y 2\n>~ 1\n>~ 2\n>- 3\n",
     "$ say 0\n< ab\n< b\n< c\n< d\n>= b\n>= c\n>~ d\n",
     "$ say 0\n< --\n< x 1 y 2\n!~ y\n!- z\n",
@@ -40,6 +42,9 @@ static const struct { const char *text, *says; } bad[] = {
     {"# nothing\n", "must begin with a command"},
     {"> a\n$ say 0\n", "must begin with a command"},
     {"$ sya 0\n", "no such command"},
+    {"$ ls " DIR "/nothing\n", "status 1, must with 0"},
+    {"$1 ls " DIR "/bad.expect\n> " DIR "/bad.expect\n", "status 0, must with 1"},
+    {"$ ls tests/data/expect/help\n", "    + unknown.expect\n"},
     {"$ say 0\na\n", ":2: no line of an .expect: a"},
     {"$ say 0\n>? a\n", ":2: no line of an .expect"},
     {"$ say 0\n>a\n", ":2: no line of an .expect"},
