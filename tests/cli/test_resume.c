@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* --checkpoint and --resume with the program: killed at any moment and run again until it is done, it makes the picture
- * of one run, byte for byte, and leaves nothing but that and the checkpoint. What is rendered together with checkpoints
- * is in tests/render/test_checkpoint.c. 20 kills; BIS_LONG=1 in the environment: 100. */
+ * of one run, byte for byte, and leaves nothing but that and the checkpoint. What is refused is in
+ * tests/data/expect/resume, what is rendered together with checkpoints in tests/render/test_checkpoint.c. 20 kills;
+ * BIS_LONG=1 in the environment: 100. */
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 
+#include "expect.h"
 #include "file_help.h"
 #include "program.h"
 
@@ -131,42 +133,6 @@ static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
     bis_free(after);
 }
 
-static void what_cannot_be_kept_or_gone_on_from_is_refused_at_once(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *options;
-        int exit_status;
-        const char *words;
-    } cases[] = {
-        {"--spp 8 --resume " STATE, 0, ""},
-        {"--spp 2 --resume " STATE, 2, STATE ": error: this checkpoint has 8 camera samples a pixel already"},
-        {"--spp 8 --seed 5 --resume " STATE, 2, STATE ": error: this checkpoint belongs to another render. "
-                                                       "These differ: the sampler, or its seed. "},
-        {"--resume " DIR "/map.pfm --checkpoint " DIR "/new", 2, "no checkpoint of bis"},
-        {"--resume " DIR, 1, "it is a folder"},
-        {"--spp 4 --resume " DIR "/none --checkpoint " DIR "/new", 0, "note: there is no \"" DIR "/none\" yet"},
-        {"--spp 4 --checkpoint " SCENE, 2, "scene.txt\""},
-        {"--spp 4 --checkpoint " DIR "/map.pfm", 2, "map.pfm\""},
-        {"--spp 4 --resume " DIR "/b.pfm", 2, "b.pfm\""},
-        {"--spp 4 --resume " STATE " --checkpoint " DIR "/new --outfile " STATE ".pfm", 0, ""},
-        {"--spp 4 --checkpoint " DIR "/none/new", 1, "No such file or directory"},
-        {"--spp 4 --checkpoint /dev/null", 1, "it is not a regular file"},
-        {"--spp 4 --checkpoint-every 5", 0, "warning: --checkpoint-every has no effect without --checkpoint"},
-        {"--spp 4 --checkpoint-every -1", 2, "--checkpoint-every is \"-1\""},
-    };
-    program_run r;
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        unlink(STATE);
-        unlink(DIR "/new");
-        program_expect(&r, 0, SCENE " --spp %s --checkpoint " STATE " --outfile " DIR "/b.pfm", i == 9 ? "4" : "8");
-        program_expect(&r, cases[i].exit_status, SCENE " %s --outfile " DIR "/b.pfm", cases[i].options);
-        if (!strstr(r.messages, cases[i].words))
-            fail_msg("%s: \"%s\" has no \"%s\"", cases[i].options, r.messages, cases[i].words);
-    }
-}
-
 /* The map under another name is the same map; with one other byte under the same name it is another. */
 static void a_map_counts_by_what_it_holds(void **state)
 {
@@ -193,8 +159,9 @@ int main(void)
         cmocka_unit_test_teardown(killed_at_any_moment_it_goes_on_to_the_same_picture, clean),
         cmocka_unit_test_teardown(after_a_signal_it_goes_on_with_more_samples, clean),
         cmocka_unit_test_teardown(a_disk_that_is_full_costs_the_checkpoint_alone, clean),
-        cmocka_unit_test_teardown(what_cannot_be_kept_or_gone_on_from_is_refused_at_once, clean),
         cmocka_unit_test_teardown(a_map_counts_by_what_it_holds, clean),
     };
-    return cmocka_run_group_tests(tests, setup, NULL);
+    static const expect_text texts[] = {{"scene", SCENE}, {"folder", DIR}, {NULL, NULL}};
+    return expect_run("resume", tests, sizeof tests / sizeof *tests, setup, NULL,
+                      &(expect_folder){"tests/data/expect/resume", NULL, texts});
 }

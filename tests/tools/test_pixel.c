@@ -849,6 +849,7 @@ static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
     assert_false(program_exists(DIR "/none")); /* no files for nothing */
 }
 
+/* Further mistakes are in tests/data/expect/bis/options-others.expect. */
 static void wrong_places_and_options_are_refused(void **state)
 {
     (void)state;
@@ -860,16 +861,8 @@ static void wrong_places_and_options_are_refused(void **state)
         {2, SCENE " 8 0", "X is \"8\", must be an integer in [0, 7]: the film of the scene has 8 x 4 pixels"},
         {2, SCENE " 0 4", "Y is \"4\", must be an integer in [0, 3]"},
         {2, SCENE " 0 -1", "unknown option \"-1\""},
-        {2, SCENE " 0.5 1", "X is \"0.5\""},
-        {2, SCENE " 99999999999999999999 1", "X is \"99999999999999999999\""},
-        {2, SCENE " 1", "too few operands"},
-        {2, SCENE " 1 1 1", "too many operands"},
-        {2, SCENE " 1 1 --repeats 1", "--repeats is \"1\""},
-        {2, SCENE " 1 1 --proposal choose", "no such thing as \"choose\""},
-        {2, SCENE " 1 1 --samples 1", "--samples is \"1\""},
         {1, SCENE " 1 1 --repeats 2 --output " DIR "/file", "is no folder"},
         {1, SCENE " 1 1 --repeats 2 --output " DIR "/no/such", "cannot be made"},
-        {1, DIR "/missing.txt 1 1", "missing.txt"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_expect(&r, cases[i].status, "pixel %s", cases[i].arguments);

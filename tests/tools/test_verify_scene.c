@@ -44,10 +44,6 @@ static void the_command_verifies_maps_and_scenes(void **state)
     program_expect(&r, 0, "verify " VERIFY_DIR "/probe.PFM --mapping angular");
 
     program_expect(&r, 2, "verify " VERIFY_DIR "/probe.PFM");
-    program_expect(&r, 2, "verify");
-    program_expect(&r, 2, "verify " VERIFY_DIR "/map.pfm --seed x");
-    program_expect(&r, 1, "verify " VERIFY_DIR "/no_such_map.hdr");
-    program_expect(&r, 1, "verify " VERIFY_DIR "/no_such_scene.txt");
     assert_string_equal(r.output, "");
     bis_envmap_clear(&em);
 }
@@ -123,51 +119,6 @@ static void what_a_scene_lacks_is_skipped_and_says_why(void **state)
     run_text(&v, verify_one_pixel, "LightSource \"infinite\" Translate 50 0 0 Shape \"sphere\"");
     assert_true(has_skip(&v, "view", "all integrators", "no pixel was found that sees a surface in the light"));
     verify_assert_accepted(&v, alpha());
-}
-
-/* The whole output for a scene of which nothing can be tested, and the line of a test that passes. */
-static void the_report_is_that_by_hand(void **state)
-{
-    (void)state;
-    program_run r;
-    const char *const head = "statistic          p  threshold  verdict\n", *const none = "          -          -       "
-                                                                                         "   -  skipped: ";
-    char expected[4096];
-    program_write_file(VERIFY_DIR "/empty.txt", "WorldBegin LightSource \"infinite\"");
-    program_expect(&r, 0, "verify " VERIFY_DIR "/empty.txt --seed 7");
-    snprintf(expected, sizeof expected,
-             "%-46s  %s  %-44s%sthe light is a constant, there is no map\n\n%-46s  %s  %-44s%sthere is no "
-             "geometry\n\n%-46s  %s  %-44s%sthere is no geometry\n\n"
-             "3 tests, 0 failed, 3 skipped. 0 of them are statistical: each fails below p = 0.01, so that all "
-             "together\n"
-             "raise a false alarm at most once in 100 runs (Sidak). The others fail above their threshold.\nseed "
-             "7\npassed\n",
-             "map", head, "alias, cdf, curve", none, "view", head, "all integrators", none, "accelerators", head,
-             "grid and embree", none);
-    assert_string_equal(r.output, expected);
-    program_expect(&r, 0, "verify --json " VERIFY_DIR "/empty.txt --seed 7");
-    static const char *const tests[3][3] = {{"map", "alias, cdf, curve", "the light is a constant, there is no map"},
-        {"view", "all integrators", "there is no geometry"},
-        {"accelerators", "grid and embree", "there is no geometry"}};
-    int n = snprintf(expected, sizeof expected,
-        "{\n  \"file\": \"%s\",\n  \"seed\": 7,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  \"corrected\": "
-        "0.01,\n"
-        "  \"failed\": 0,\n  \"skipped\": 3,\n  \"passed\": true,\n  \"tests\": [\n",
-        VERIFY_DIR "/empty.txt");
-    for (int i = 0; i < 3; i++)
-        n += snprintf(expected + n, sizeof expected - (size_t)n,
-            "    {\n      \"group\": \"%s\",\n      \"name\": \"%s\",\n      \"verdict\": \"skipped\",\n      "
-            "\"statistic\": null,\n"
-            "      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": \"%s\"\n    }%s\n",
-            tests[i][0], tests[i][1], tests[i][2], i < 2 ? "," : "");
-    snprintf(expected + n, sizeof expected - (size_t)n, "  ]\n}\n");
-    assert_string_equal(r.output, expected);
-    program_write_file(VERIFY_DIR "/dark.txt",
-        "WorldBegin LightSource \"infinite\" \"rgb L\" [0 0 0] Material \"phong\" \"float Kd\" 0 Shape \"sphere\"");
-    program_expect(&r, 0, "verify " VERIFY_DIR "/dark.txt");
-    assert_non_null(strstr(r.output, "          0          -          0  passed: wrong of 100000 rays and "));
-    assert_non_null(strstr(r.output, "\n4 tests, 0 failed, 3 skipped. 0 of them"));
-    assert_non_null(strstr(r.output, "\nseed "));
 }
 
 /* Each material once, at four angles; what is black or too narrow is left out, and what is beyond the 24th. Of 0.25 and
@@ -359,7 +310,6 @@ int main(void)
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
         cmocka_unit_test(a_pixel_is_looked_at_once),
         cmocka_unit_test(what_a_scene_lacks_is_skipped_and_says_why),
-        cmocka_unit_test(the_report_is_that_by_hand),
         cmocka_unit_test(every_material_is_looked_at_once),
         cmocka_unit_test(metals_that_differ_in_one_number_are_others),
         cmocka_unit_test(a_failure_is_told_in_table_and_json),
