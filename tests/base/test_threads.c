@@ -12,6 +12,8 @@
 
 #include <cmocka.h>
 
+#include <time.h>
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +25,7 @@
 static const bis_loc at = {"scene.txt", 0, 0};
 
 /* Threads of this process, by the system's own list. */
-static int threads_alive(void)
+static int threads_listed(void)
 {
     int n = 0;
     DIR *all = opendir("/proc/self/task");
@@ -33,13 +35,21 @@ static int threads_alive(void)
     return n - 2; /* . and .. */
 }
 
+/* Is this the only thread? On a busy machine one that has been joined may stand in the list a moment longer: so it is
+ * looked at again, for 10 s at most. */
+static bool is_alone(void)
+{
+    for (int i = 0; i < 10000 && threads_listed() != 1; i++) nanosleep(&(struct timespec){0, 1000000}, NULL);
+    return threads_listed() == 1;
+}
+
 static void as_many_as_are_asked_for(void **state)
 {
     (void)state;
     const int counts[] = {0, 1, 2, 60};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         assert_int_equal(bis_threads_check(counts[i], at, NULL), BIS_OK);
-    assert_int_equal(threads_alive(), 1);
+    assert_true(is_alone());
     assert_int_equal(bis_mem_live(), 0);
 }
 
@@ -76,7 +86,7 @@ static int in_little_room(void)
     if (!strstr(text, "), but 60 with Embree's take 118: give --nthreads a smaller number")) return 6;
     bis_diag_clear(&diag);
     /* what was started has ended, and 5 fit */
-    return bis_threads_check(5, at, &diag) == BIS_OK && threads_alive() == 1 ? 0 : 7;
+    return bis_threads_check(5, at, &diag) == BIS_OK && is_alone() ? 0 : 7;
 }
 
 static void too_many_are_an_error_and_the_program_goes_on(void **state)
