@@ -11,7 +11,8 @@
  *
  * Twins (film_twins.c). Some pixels are rendered twice, with random numbers of their own. Let A and B be the means of
  * the two: E (A - B)^2 / 2 is the variance of A, whatever the sequence does. In place of b stands the mean of both.
- * Nothing is assumed, but twins are few: the scatter of their errors says how much the mean of these errors is worth.
+ * Nothing is assumed of the sequence, but twins are few: how unevenly the pixels share the error says how far the mean
+ * of these errors may be off (see of_twins).
  *
  * Halves. Let A and B be the means of the two halves of a pixel's samples. Both have the variance V(n/2), because a
  * scrambled sequence treats its two halves alike, and their mean has V(n) = (V(n/2) + cov(A, B))/2. Therefore

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* mesh: what a reader hands over, and vertex normals for those who ask for smooth shading.
  *
- * A vertex normal is the sum of its faces' unit normals, each weighted by the face's angle there (Thürmer and Wüthrich
- * 1998, "Computing vertex normals from polygonal facets"): the sum does not depend on how a flat face is cut into
- * triangles. O(n), sums in double, in the order of the triangles. */
+ * A vertex normal is the sum of its faces' unit normals, each weighted by the face's angle there (Thürmer and
+ * Wüthrich 1998, "Computing vertex normals from polygonal facets"): the sum does not depend on how a flat face is cut
+ * into triangles. O(n), sums in double, in the order of the triangles. */
 #include "bis/shape/geometry.h"
 
 #include "bis/base/mem.h"
