@@ -118,7 +118,7 @@ static void crops_and_tiles_have_the_twins_of_their_picture(void **state)
 static void twins_lie_anywhere_in_their_squares(void **state)
 {
     (void)state;
-    const double whole[4] = {0, 1, 0, 1}, expected = 50 * 30 / 64.0;
+    const double expected = 50 * 30 / 64.0;
     const bis_film f = bis_film_place(400, 240, whole, 1);
     int counts[64] = {0}, n = 0;
     double chi = 0, of_grid = 0;
@@ -136,7 +136,6 @@ static void twins_lie_anywhere_in_their_squares(void **state)
 static void small_pictures_have_a_twin_for_9_pixels(void **state)
 {
     (void)state;
-    const double whole[4] = {0, 1, 0, 1};
     const bis_film f = bis_film_place(150, 90, whole, 1), one = bis_film_place(1, 1, whole, 1);
     int across;
     assert_int_equal(bis_film_twin_side(&f), 3);

@@ -361,7 +361,7 @@ static void halves_and_twins_are_weighed_by_what_they_know(void **state)
 {
     (void)state;
     enum { ONE = 1, OTHER = 34 };
-    const float d = 0.3f;
+    const double d = 0.3f;
     bis_film f;
     bis_twin t = {0};
     assert_int_equal(bis_film_init(&f, 6, 6, whole, (bis_loc){0}, NULL), BIS_OK);
