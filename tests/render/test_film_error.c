@@ -373,7 +373,7 @@ static void halves_and_twins_are_weighed_by_what_they_know(void **state)
             bis_film_add(&f, i % 6, i / 6, (rgb){L, L, L}, 1, 1);
         }
         for (t = (bis_twin){0}; bis_film_next_twin(&f, bis_film_crop(&f), &t);) {
-            const float L = t.at == 0 ? 1 + d : 1;
+            const float L = t.at == 0 ? (float)(1 + d) : 1;
             assert_true(t.x + 6 * t.y != ONE && t.x + 6 * t.y != OTHER);
             bis_film_add_twin(&f, &t, (rgb){L, L, L}, 1);
         }
