@@ -65,13 +65,13 @@ static void trace(bis_wave *w)
     w->n_rays = 0;
 }
 
-static void note_ray(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
+static void note_ray(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, const rgbd *C, uint16_t *seen)
 {
     bis_wave *w = (bis_wave *)ray_sink;
     const uint32_t i = w->n_rays++;
 
     w->rays[i] = (ray){pt->origin, wi, INFINITY};
-    w->C[i] = C;
+    w->C[i] = *C;
     w->owner[i] = w->at;
     w->seen[i] = seen;
     if (w->n_rays == RAYS) trace(w);

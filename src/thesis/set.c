@@ -155,9 +155,7 @@ static void gather(bis_set *x)
         const uint32_t number = x->choice.item[j];
         uint32_t i;
         const bis_lanes *from_half = &bis_set_half(x, number, &i)->x;
-        y.x[j] = from_half->x[i];
-        y.y[j] = from_half->y[i];
-        y.z[j] = from_half->z[i];
+        y.wi[j] = (vec3){from_half->x[i], from_half->y[i], from_half->z[i]};
         y.r[j] = x->F[0][number];
         y.g[j] = x->F[1][number];
         y.b[j] = x->F[2][number];
@@ -202,7 +200,7 @@ rgbd bis_set_trace(rgbd L, const bis_set *x, const bis_point *pt, double Z)
         const rgbd share = {(double)y->r[j], (double)y->g[j], (double)y->b[j]};
         /* times: one ray serves all marks of a candidate. h: what the choice was steered by is divided out again */
         const rgbd C = rgbd_scale(share, Z * x->choice.times[j] / (double)y->h[j]);
-        bis_point_add(&L, pt, (vec3){y->x[j], y->y[j], y->z[j]}, C, y->seen[j]);
+        bis_point_add(&L, pt, y->wi[j], C, y->seen[j]);
     }
     return L;
 }
@@ -214,12 +212,13 @@ void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
 {
     const size_t M = bis_lanes_round_up(need->n_candidates), all = 2 * M; /* of a shared set all M, and of the BRDF M */
     const size_t most = need->n_traced < all ? need->n_traced : all, N = bis_lanes_round_up((uint32_t)most);
-    /* own and brdf.x; u1, u2, stands_for; F; and the seven arrays of y: one allocation, so that a set lies together */
-    const size_t n = 2 * BIS_LANES_ARRAYS * M + 3 * M + 3 * all + 7 * N;
+    /* own and brdf.x; u1, u2, stands_for; F; and four arrays of y: one allocation, so that a set lies together */
+    const size_t n = 2 * BIS_LANES_ARRAYS * M + 3 * M + 3 * all + 4 * N;
 
     bis_choice_claim(&x->choice, (uint32_t)all, claims);
     x->pixel = bis_claim(claims, M, sizeof *x->pixel);
     x->part = bis_claim(claims, all, sizeof *x->part);
+    x->y.wi = bis_claim(claims, N, sizeof *x->y.wi);
     x->y.seen = bis_claim(claims, N, sizeof *x->y.seen);
     x->y.room = (uint32_t)N;
     float *p = x->floats = bis_claim(claims, n, sizeof *x->floats);
@@ -231,14 +230,15 @@ void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
     x->stands_for = p += M;
     p += M;
     for (int i = 0; i < 3; i++, p += all) x->F[i] = p;
-    float **const traced[] = {&x->y.x, &x->y.y, &x->y.z, &x->y.r, &x->y.g, &x->y.b, &x->y.h};
-    for (int i = 0; i < 7; i++, p += N) *traced[i] = p;
+    float **const traced[] = {&x->y.r, &x->y.g, &x->y.b, &x->y.h};
+    for (int i = 0; i < 4; i++, p += N) *traced[i] = p;
 }
 
 void bis_set_clear(bis_set *x)
 {
     bis_choice_clear(&x->choice);
     bis_free(x->pixel);
+    bis_free(x->y.wi);
     bis_free(x->part);
     bis_free(x->y.seen);
     bis_free(x->floats);

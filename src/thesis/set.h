@@ -31,7 +31,8 @@ typedef struct bis_half {
 
 /* The y_j that are traced. The share of each channel, F/phat, is in r, g, b: together 1, or 0 where F is 0. */
 typedef struct bis_traced {
-    float *x, *y, *z, *r, *g, *b;
+    vec3 *wi;
+    float *r, *g, *b;
     float *h;        /* [N]: what w was multiplied by beyond phat/q; 1 without a guide */
     uint16_t **seen; /* [N]: what grows by 1 if light arrives, or NULL */
     uint32_t room;   /* N, rounded up to whole blocks */

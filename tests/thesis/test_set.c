@@ -422,7 +422,8 @@ static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
         long blocks = (scratch.u != NULL) + (x != NULL);
         if (x) {
             const void *arrays[] = {x->choice.w, x->choice.sum, x->choice.item, x->choice.times,
-                                    x->pixel,    x->part,       x->y.seen,      x->floats};
+                                    x->pixel,    x->part,       x->y.wi,        x->y.seen,
+                                    x->floats};
             for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) bytes += block_bytes(arrays[i]), blocks++;
         }
         assert_int_equal(bis_mem_live() - before, blocks);

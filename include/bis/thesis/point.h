@@ -32,7 +32,7 @@ typedef struct bis_point {
 /* A renderer that traces the shadow rays of many points together (src/render/wave.h). `add` takes one ray and the term
  * C of the point's estimate that it carries. *seen, unless seen is NULL, grows by 1 if nothing hides the light. */
 struct bis_ray_sink {
-    void (*add)(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen);
+    void (*add)(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, const rgbd *C, uint16_t *seen);
 };
 
 /* bis_point_sees returns V of eq. 4.1: true if no surface hides the light in direction wi. Below the geometric
@@ -54,7 +54,7 @@ static inline void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C
     if (pt->ray_sink) {
         if (dot(pt->ng, wi) <= 0) return;
         pt->counters->shadow_rays++;
-        pt->ray_sink->add(pt->ray_sink, pt, wi, C, seen);
+        pt->ray_sink->add(pt->ray_sink, pt, wi, &C, seen);
     } else if (bis_point_sees(pt, wi)) {
         *sum = rgbd_add(*sum, C);
         if (seen) ++*seen;
