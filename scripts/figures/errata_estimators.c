@@ -320,7 +320,7 @@ static void rays_of_one_set(double *x, const errata_spot *s, uint64_t run)
     const double Zhat = bis_set_weigh(set, &s->pt);
     bis_set_choose(set, RAYS, BIS_RESAMPLING_MULTINOMIAL, &stream);
     for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
-        const double y = Zhat * bis_point_sees(&s->pt, (vec3){set->y.x[j], set->y.y[j], set->y.z[j]});
+        const double y = Zhat * bis_point_sees(&s->pt, set->y.wi[j]);
         for (uint32_t k = 0; k < set->choice.times[j]; k++) x[n++] = y;
     }
     bis_scratch_clear(&scratch);
