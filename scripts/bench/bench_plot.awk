@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # bench_plot: lines `WHAT ACCELERATOR X VALUE` of scripts/bench/bench_scale.c whose WHAT begins with `what`: the
-# curves into `json` (docs/json.md), and a table of slopes: over all points, and between the last two, where fixed costs
+# curves into `json` (docs/live.md), and a table of slopes: over all points, and between the last two, where fixed costs
 # no longer hide the growth. axis: the name of X. Bytes are in the table alone.
 index($1, what) == 1 {
     s = substr($1, length(what) + 2)

@@ -1,6 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# bench_table: the tables of `make bench` from what its sections have written: build/bench/SECTION.txt. The columns of
-# each are in the head comments of bench_error.c and bench_cost.c.
+# bench_table: the tables of `make bench` from what its sections have written, build/bench/SECTION.txt. Its columns are
+#   references  scene, material, own relMSE, disagreement, difference of the means, processor seconds
+#   cost        material, us of SIR, us of camera rays and film (both per shaded pixel), rays traced, ns a ray, ns a
+#               candidate, the same with 4 times the pixels, SIR : its rays (one by one), ns a ray in packets
+#   threads     material, seconds with 1 and 2 threads, their ratio, twice the processor seconds of 1 : those of 2
+#   equal, resample  scene, material, setting, N, us, relMSE, reference's own, trimmed relMSE, relMSE of each seed
+#   reach       material, setting, reference's own relMSE, seconds to relMSE 1e-2 and 1e-3
+#   steps       material, setting, processor seconds of 16 camera samples, us a camera sample, relMSE less the
+#               reference's own, relMSE x seconds
+#   rival       scene, setting, seconds to 1e-2 and 1e-3, rival : bis of both, floor, how far the mean is off
+#   accel, light  as bench_accel and bench_light print them
 BEGIN {
     n_materials = split("n10 n50 mixed diffuse", material, " ")
     split("mis-50 mis-90 em brdf", rival, " ")

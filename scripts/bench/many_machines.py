@@ -13,7 +13,7 @@ together, and rank 0 looks after the others alone (more than 16 ranks). Every me
 other. A pass is as long as its slowest rank, and then rank 0 adds it to the film. Passes of 4 camera samples are alike,
 so the third of three is counted as often as one is made; those of 1 and 2 are in proportion.
 
-Costs: those marked with m are measured with scene.txt (sir, product, learn) on one processor, see the page; the network
+Costs: those marked with m are measured with scene.txt (sir, product, learn) on one processor; the network
 is assumed: 2 us from machine to machine, 10 Gbit/s at each, 1 us of software for a message."""
 import heapq
 import json
@@ -227,7 +227,7 @@ def render(width, height, spp, ranks, threads, link):
 
 
 def curves_of(rows):
-    """Speed-up against threads, for scripts/figures/still.js (docs/json.md)."""
+    """Speed-up against threads, for scripts/figures/still.js (docs/live.md)."""
     most = rows[0][1][-1][0]
     return {"title": "Speed-up against threads, simulated", "x": "threads", "y": "speed-up", "diagonal": [1, most],
             "curves": [{"label": title, "x": [p[0] for p in points], "y": [p[1] for p in points]}

@@ -2,20 +2,21 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_errata: each item of docs/errata.md has its test, named after it, and one that its wrong variant does not pass.
 #     scripts/check/check_errata.sh [ROOT]          ROOT holds docs/errata.md and tests; default: here
-# The page tells items by headings ("**E17. ...") and tests by a table: | E17 | `test` | `twin` | what the twin is |.
+# The page tells items by headings ("**E17. ..."), and it or tests/thesis/errata.md tests by a table:
+# | E17 | `test` | `twin` | what the twin is |.
 # Two columns hold names of tests that a program registers; all have the item's number as a word of their name (..._E17,
 # E17_...). "the same" for a twin: the first column's tests run both directions. "none" needs its reason in the last
 # column. A test of a number that is no item is found, too.
 cd "${1:-.}" || exit 1
 exec awk '
 function complain(message) { print message; bad = 1 }
-function names(cell, item,    n, i, part, found) {
+function names(cell, item, page,    n, i, part, found) {
     n = split(cell, part, "`")
     for (i = 2; i <= n; i += 2) {
         found++
-        if (!(part[i] in test)) complain("docs/errata.md: " item ": no test " part[i])
+        if (!(part[i] in test)) complain(page ": " item ": no test " part[i])
         else if (("_" part[i] "_") !~ ("_" item "_"))
-            complain("docs/errata.md: " item ": " part[i] " is not named after it")
+            complain(page ": " item ": " part[i] " is not named after it")
     }
     return found
 }
@@ -34,6 +35,7 @@ FILENAME ~ /\.md$/ && match($0, /^\*\*E[0-9]+\./) {
 FILENAME ~ /\.md$/ && /^\| E[0-9]+ \|/ {
     split($0, cell, " *[|] *")
     row[++rows] = cell[2]
+    file[rows] = FILENAME
     right[rows] = cell[3]
     twin[rows] = cell[4]
     what[rows] = cell[5]
@@ -43,11 +45,11 @@ END {
     for (i = 1; i <= items; i++)
         if (seen["E" i] != 1) complain("docs/errata.md: E" i " has " seen["E" i] + 0 " rows in the table of tests")
     for (i = 1; i <= rows; i++) {
-        if (!(row[i] in is_item)) complain("docs/errata.md: a row for " row[i] ", which is no item")
-        if (!names(right[i], row[i])) complain("docs/errata.md: " row[i] " has no test")
-        if (!names(twin[i], row[i]) && twin[i] != "the same" && twin[i] != "none")
-            complain("docs/errata.md: " row[i] " has no twin")
-        if (what[i] == "") complain("docs/errata.md: " row[i] ": what is the twin, or why is there none?")
+        if (!(row[i] in is_item)) complain(file[i] ": a row for " row[i] ", which is no item")
+        if (!names(right[i], row[i], file[i])) complain(file[i] ": " row[i] " has no test")
+        if (!names(twin[i], row[i], file[i]) && twin[i] != "the same" && twin[i] != "none")
+            complain(file[i] ": " row[i] " has no twin")
+        if (what[i] == "") complain(file[i] ": " row[i] ": what is the twin, or why is there none?")
     }
     for (name in test) {
         n = split(name, word, "_")
@@ -58,4 +60,4 @@ END {
     if (!items) complain("docs/errata.md: no items")
     exit bad
 }
-' $(find tests -name 'test_*.c' | sort) docs/errata.md
+' $(find tests -name 'test_*.c' -o -name errata.md | sort) docs/errata.md

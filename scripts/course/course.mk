@@ -4,7 +4,7 @@
 #   make grade A=alias DEST=dir                           the points of what was made of it
 #   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class; FOR=moodle: and a table that Moodle imports
 #   make kit A=alias FOR=gradescope DEST=alias.zip        what Gradescope marks by; FOR=classroom50 DEST=folder: what
-#                                                         Classroom 50 does (docs/teaching.md)
+#                                                         Classroom 50 does (docs/assignments/README.md)
 #   make check                                            in a kit: what make grade refuses, points, speed, memory
 .PHONY: assignment kit grader grade grade-class check check-clean
 

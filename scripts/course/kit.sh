@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# kit: what a service for teaching marks an assignment by (docs/teaching.md): this project, as far as marking needs it,
-# and the files that the service calls.
+# kit: what a service for teaching marks an assignment by (docs/assignments/README.md): this project, as far as marking
+# needs it, and the files that the service calls.
 #     scripts/course/kit.sh NAME gradescope TO.zip            (make kit A=NAME FOR=gradescope DEST=TO.zip)
 #     scripts/course/kit.sh NAME classroom50 FOLDER           (make kit A=NAME FOR=classroom50 DEST=FOLDER)
 # From the root. FOLDER must be new. It holds the solutions.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* figures: what the figures of docs show, as JSON (docs/json.md): chapter 5 of the thesis, rendered and measured again,
+/* figures: what the figures of docs show, as JSON (docs/live.md): chapter 5 of the thesis, rendered and measured again,
  * and those that need no scene (still.h). For scripts/figures/figures.sh (make figures).
  *
  *     figures still FOLDER [FIGURE...]               FOLDER/FIGURE.json: 3.3, ..., E1, ...; all by default

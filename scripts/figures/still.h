@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* still: what the still figures of docs show, as numbers. Each figure is an object of JSON (docs/json.md);
+/* still: what the still figures of docs show, as numbers. Each figure is an object of JSON (docs/live.md);
  * scripts/figures/still.js draws it. "right" comes from the library's own functions, "printed", for items of
  * docs/errata.md, from a few lines beside them.
  * Nothing here returns an error: what cannot go on prints why and exits with 1. */

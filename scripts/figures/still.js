@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* still: NAME.svg beside each NAME.json that `figures` has written (docs/json.md), by docs/live/plot.js, under node; of
+/* still: NAME.svg beside each NAME.json that `figures` has written (docs/live.md), by docs/live/plot.js, under node; of
  * a figure of chapter 5 with rows of equal time and rays also NAME-time.svg, a part of the row of equal time.
  *     node scripts/figures/still.js FILE.json... */
 'use strict';

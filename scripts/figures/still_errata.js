@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* still_errata: the drawings of docs/errata.md for items without a switch: what is printed in one colour, what is right
- * in another. Each takes the figure's object (docs/json.md) and returns a file of SVG. */
+ * in another. Each takes the figure's object (docs/live.md) and returns a file of SVG. */
 'use strict';
 const plot = require('../../docs/live/plot.js'), deflate = require('zlib').deflateSync;
 

@@ -68,7 +68,7 @@ source() {
     } >"$out/$1.html" || exit 1
 }
 
-for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>/dev/null); do page "$md"; done
+for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src tests -name '*.md' 2>/dev/null); do page "$md"; done
 for picture in bis.png $(find docs -name '*.png' -o -name '*.svg' -o -name '*.gif'); do
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done

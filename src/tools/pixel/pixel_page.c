@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* pixel_page: pixel.html, in which figures 4.1 and 4.2 of the thesis for one point, the table and the CSV files are one
- * thing to explore. Written here is what it shows beyond `--json` (docs/json.md): the densities over the whole sphere
+ * thing to explore. Written here is what it shows beyond `--json` (docs/live.md): the densities over the whole sphere
  * of directions, as the map sees it, every shadow ray and every candidate. page.html draws them.
  *
  * A place of the sphere has the mean of a density over a few directions in it, as many as the map has pixels there (at

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* survey_page: the page of `bis envmap --html`. Written here is what it shows beyond `--json` (docs/json.md): the map,
+/* survey_page: the page of `bis envmap --html`. Written here is what it shows beyond `--json` (docs/live.md): the map,
  * of each pixel its level, its region and the density by which directions are drawn, and directions so drawn.
  * page.html draws them.
  *

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* trade_page: report.html. All that it says of this measurement is one JSON object, written here (docs/json.md says
+/* trade_page: report.html. All that it says of this measurement is one JSON object, written here (docs/live.md says
  * what each member is); page.html has the words, and its script draws them. Numbers are those of the measurement, in
  * seconds and shares: how they are printed and where they stand is the page's affair. */
 #include "base/text.h"

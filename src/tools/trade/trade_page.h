@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* trade_page: the report's page and its pictures, and the parts that write the values of the page
- * (src/tools/trade/page.html) as JSON; docs/json.md has each member. */
+ * (src/tools/trade/page.html) as JSON; docs/live.md has each member. */
 #pragma once
 
 #include "trade.h"

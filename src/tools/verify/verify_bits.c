@@ -267,7 +267,6 @@ static const struct {
     uint64_t hash;
     double sum;
 } expected[BIS_N_BITS] = {
-    /* [bits] */
     {"numbers of the four samplers", numbers, NULL, UINT64_C(0xbec675bddea1da4a), 4007.8456401404319},
     {"alias table", alias_table, NULL, UINT64_C(0xae18f172e181e6ea), 515521.78154573427},
     {"CDF", cdf_table, NULL, UINT64_C(0x277976515334342b), 486.26822676237686},
@@ -280,7 +279,6 @@ static const struct {
     {"picture, sir", NULL, &bis_sir, UINT64_C(0x54dbdb74b1311d68), 2092.9894400547705},
     {"picture, exact", NULL, &bis_exact, UINT64_C(0x293c7162b5ea6773), 2084.2327532091463},
     {"picture, the default", NULL, NULL, UINT64_C(0xcef1b1213fba0271), 2090.8095798566355},
-    /* [end] */
 };
 
 bis_status bis_verify_bits(bis_bits rows[BIS_N_BITS], bis_diag *diag)
