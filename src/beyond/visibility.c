@@ -198,8 +198,8 @@ void bis_visibility_close(bis_visibility *v, size_t k, uint32_t n)
 
 enum { BLOCK = BIS_LANES_BLOCK };
 
-/* The sums of b[i] times h[i] of a cell and of its square. The lanes of a block are summed side by side, in an order
- * that no width of vectors changes. */
+/* The sums of b[i] times h[i] of a cell and of its square. The lanes of a block are summed side by side, so no width of
+ * vectors changes the order. */
 BIS_LANES
 static void sum_products(float sum[2], const float *restrict b, const float *restrict own,
                          const float *restrict of_square, uint32_t n)
@@ -213,14 +213,7 @@ static void sum_products(float sum[2], const float *restrict b, const float *res
             lane[1][j] += b[i + j] * of_square[i + j];
         }
     }
-    for (uint32_t half = BLOCK / 2; half > 0; half /= 2) {
-        for (uint32_t j = 0; j < half; j++) {
-            lane[0][j] += lane[0][j + half];
-            lane[1][j] += lane[1][j + half];
-        }
-    }
-    sum[0] = lane[0][0];
-    sum[1] = lane[1][0];
+    for (int k = 0; k < 2; k++) sum[k] = bis_lanes_sum(lane[k]);
 }
 
 /* What goes into h: the factors of what the cell knows, of what its square knows, and of nothing. */
