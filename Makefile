@@ -16,18 +16,28 @@ PREFIX  ?= /usr/local
 B       := build/$(VARIANT)
 
 # What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first,
-# then 3.
-probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | \
-    $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
-embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
-JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
-OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
-# Where registers are wider than a double (x87, on processors of 32 bits), results depend on what the compiler keeps
-# there.
-SSE := $(if $(call probe,\043include <float.h>\n_Static_assert(FLT_EVAL_METHOD == 2\054 "");),-msse2 -mfpmath=sse)
-ifneq ($(EMBREE),0)
-EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
+# then 3. x87: registers are wider than a double (processors of 32 bits), so results would depend on what the compiler
+# keeps there. What was found is kept in build/.found, so that a make without work compiles nothing. It holds until the
+# compiler is another one, or a folder in which headers and libraries are installed has changed since.
+quoted   = '$(subst ','\'',$(1))'
+probe    = $(shell t=$$(mktemp) && printf '%b' '$(2)\nint main(void) { $(3); return 0; }\n' | \
+    $(CC) -x c - -o $$t $(4) 2>/dev/null && echo $(1); rm -f $$t)
+embree   = $(call probe,embree$(1),\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
+COMPILER := $(CC): $(shell $(CC) --version 2>/dev/null | head -n 1)
+SEARCHED := /usr/include /usr/lib /usr/lib32 /usr/lib64 /usr/local /opt \
+    $(subst :, ,$(CPATH) $(C_INCLUDE_PATH) $(LIBRARY_PATH))
+FOUND    := $(shell f=build/.found; [ -f $$f ] && [ "$$(head -n 1 $$f)" = $(call quoted,$(COMPILER)) ] && \
+    [ -z "$$(find $(SEARCHED) -maxdepth 2 -type d -newer $$f 2>/dev/null | head -n 1)" ] && tail -n 1 $$f)
+ifeq ($(FOUND),)
+FOUND    := found $(call probe,openmp,,,-fopenmp) $(or $(call embree,4),$(call embree,3)) \
+    $(call probe,x87,\043include <float.h>\n_Static_assert(FLT_EVAL_METHOD == 2\054 "");) \
+    $(call probe,jpeg,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
+$(shell mkdir -p build && printf '%s\n' $(call quoted,$(COMPILER)) '$(FOUND)' >build/.found)
 endif
+JPEG     := $(filter jpeg,$(FOUND))
+OPENMP   := $(if $(filter openmp,$(FOUND)),-fopenmp)
+SSE      := $(if $(filter x87,$(FOUND)),-msse2 -mfpmath=sse)
+EMBREE_VERSION := $(if $(filter 0,$(EMBREE)),,$(patsubst embree%,%,$(filter embree%,$(FOUND))))
 ifeq ($(EMBREE_VERSION),)
 B := $(B)-noembree
 endif
@@ -86,7 +96,7 @@ SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ima
 
 # What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
 # given ($B/.flags changes only when they do), and ./bis is the program that was made last.
-FLAGS   := $(shell $(CC) --version 2>/dev/null | head -n 1): $(CC) $(CFLAGS) $(OURS) -- $(LDFLAGS) $(LIBS)
+FLAGS   := $(COMPILER) $(CFLAGS) $(OURS) -- $(LDFLAGS) $(LIBS)
 # $(call say,CC,what): a short line in the place of the command; V=1 shows the command itself.
 Q       := $(if $(V),,@)
 say      = $(if $(V),,@echo "  $(1)	$(2)")
@@ -105,7 +115,7 @@ bis bis-mpi: %: $B/% FORCE
 
 $B/.flags: FORCE
 	@mkdir -p $B
-	@printf '%s\n' '$(subst ','\'',$(FLAGS))' | cmp -s - $@ || printf '%s\n' '$(subst ','\'',$(FLAGS))' >$@
+	@printf '%s\n' $(call quoted,$(FLAGS)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(FLAGS)) >$@
 
 # LINK: objects, then what they need.
 define LINK
@@ -197,7 +207,7 @@ $B/src/cli/help_scene.o: docs/scene-format.md src/cli/help_scene.awk src/cli/hel
 	$Qawk -f src/cli/help_scene.awk $< | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 
 compile_commands.json: FORCE
-	@sh scripts/check/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS) -Itests/support)' $(ALL_C) >$@
+	@sh scripts/check/compile_commands.sh $(call quoted,$(CC) $(CFLAGS) $(OURS) -Itests/support) $(ALL_C) >$@
 
 # data/models and data/maps, made anew when the generator's own sources change.
 data: $(STAMP)
