@@ -18,9 +18,6 @@ typedef struct bis_help_entry {
     const char *term, *text;
 } bis_help_entry;
 
-/* Terms that stand for an entry for each integrator and for each parameter; bis_help_open makes their texts. */
-extern const char bis_help_of_integrators[], bis_help_of_parameters[];
-
 /* A term that begins so, as in BIS_HELP_PAGE "Camera", stands for all rows under a heading of docs/scene-format.md. */
 #define BIS_HELP_PAGE "### "
 

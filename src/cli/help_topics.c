@@ -7,7 +7,8 @@
 #include <assert.h>
 #include <string.h>
 
-const char bis_help_of_integrators[] = "", bis_help_of_parameters[] = "";
+/* Terms that stand for an entry for each integrator and for each parameter; bis_help_open makes their texts. */
+static const char of_integrators[] = "", of_parameters[] = "";
 
 static const bis_help_entry scene[] = {
     {NULL, "A scene says how it is looked at, then WorldBegin, then what there is. # begins a comment. Parameters are "
@@ -52,11 +53,11 @@ static const bis_help_entry integrators[] = {
     {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; "
            "defaults in parentheses, the first of several "
            "names is the default. \"sir\" with its defaults is the method of the thesis."},
-    {bis_help_of_integrators, NULL},
+    {of_integrators, NULL},
     {NULL, "A scene that names none has the second of these:"},
     {BIS_HELP_PAGE "A scene without a Sampler or an Integrator", NULL},
     {NULL, "The parameters:"},
-    {bis_help_of_parameters, NULL},
+    {of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "
            "other by the material; product, by clusters of "
            "the map after the BRDF's value there. `bis trade SCENE` measures which is best for a scene."},
@@ -220,8 +221,8 @@ const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t)
     size_t n = 0;
 
     for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
-        if (e->term == bis_help_of_integrators) add_integrators(page, &n);
-        else if (e->term == bis_help_of_parameters) add_parameters(page, &n);
+        if (e->term == of_integrators) add_integrators(page, &n);
+        else if (e->term == of_parameters) add_parameters(page, &n);
         else if (e->term && !e->text && strncmp(e->term, BIS_HELP_OPTION, strlen(BIS_HELP_OPTION)) == 0)
             add_entry(page, &n, bis_render_option(page->text[n], e->term + strlen(BIS_HELP_OPTION)));
         else if (e->term && strncmp(e->term, BIS_HELP_PAGE, strlen(BIS_HELP_PAGE)) == 0)
