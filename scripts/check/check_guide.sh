@@ -4,9 +4,11 @@
 # says "eq. N" in a comment, and has the functions named after it; and none of the thesis's equations, 3.1 to 3.17 and
 # 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with
 # "*Do:*", and behind it the answer, hidden in <details>.
+# The tables of src/README.md tell the truth, too: where a row says "`NAME` in `FILE`", FILE has NAME.
 #     scripts/check/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1
+bad=0
 awk -F '|' '
     function end_section() {
         if (section == "") return
@@ -72,4 +74,11 @@ awk -F '|' '
         }
         if (rows < 1 || files < rows / 2) { printf "docs/guide.md: no table of equations\n"; bad = 1 }
         exit bad
-    }' docs/guide.md
+    }' docs/guide.md || bad=1
+grep -no '`[a-z_]*` in `[a-z_/]*\.[ch]`' src/README.md 2>/dev/null | tr -d '`' | {
+    while IFS=': ' read -r line name _ file; do
+        grep -qsw "$name" "$file" || { echo "src/README.md:$line: $file has no $name"; bad=1; }
+    done
+    exit $bad
+} || bad=1
+exit $bad

@@ -498,7 +498,7 @@ exit
 # - x->mark < 0 ? bis_stream_random(stream) : x->mark
 # + x->mark < 0 ? 0.5 + 0 * bis_stream_random(stream) : x->mark
 #
-# * choose test_choose : a block's sum without its last four weights
+# * lanes.h test_choose : a block's sum without its last four weights
 # - for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
 # + for (int i = 0; i < 4; i++) c[i] = a[i];
 #

@@ -15,6 +15,7 @@ size_t bis_utf8_length(const char *s, const char *end)
     for (size_t i = 1; i < n; i++)
         if (!bis_utf8_continues(s[i])) return 0;
     const unsigned char d = (unsigned char)s[1];
+    /* what UTF-8 forbids (RFC 3629): longer forms of a code, halves of UTF-16 pairs, codes above 10FFFF */
     const bool overlong = (c == 0xe0 && d < 0xa0) || (c == 0xf0 && d < 0x90);
     const bool surrogate = c == 0xed && d > 0x9f, too_large = c == 0xf4 && d > 0x8f;
     return overlong || surrogate || too_large ? 0 : n;
@@ -33,6 +34,7 @@ void bis_append(char *buf, size_t size, const char *fmt, ...)
 const char *bis_hint(char buf[BIS_HINT], const char *nearest)
 {
     *buf = '\0';
+    /* cut, so that the sentence is whole whatever the name is */
     if (nearest) snprintf(buf, BIS_HINT, " (did you mean \"%.90s\"?)", nearest);
     return buf;
 }
@@ -41,6 +43,7 @@ const char *bis_duration(char buf[BIS_DURATION], double seconds)
 {
     const size_t n = BIS_DURATION;
 
+    /* limits lie where rounding would reach the next form: 9.95 would be "1e+01 s" by %.2g */
     if (seconds > 0 && seconds < 0.0995) snprintf(buf, n, "%.2g ms", 1e3 * seconds);
     else if (seconds < 9.95) snprintf(buf, n, "%.2g s", seconds);
     else if (seconds < 99.5) snprintf(buf, n, "%.0f s", seconds);

@@ -53,7 +53,7 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
     *c = (bis_clusters){.width = (uint32_t)bis_light_envmap(light)->width};
     status = cut(c, im, K);
     if (status) goto done;
-    c->columns = (c->width + c->side - 1) / c->side;
+    c->columns = (c->width + c->side - 1) / c->side; /* the last tile of a row may reach beyond the map */
     const uint32_t padded = bis_lanes_round_up(c->n);
     /* all points of a pass share the directions: where clusters are few, each has more */
     for (c->directions = BIS_CLUSTER_DIRECTIONS; c->n * c->directions < BIS_CLUSTERS_FEW * BIS_CLUSTER_DIRECTIONS;)
@@ -104,6 +104,7 @@ static void put_cone(bis_clusters *c, uint32_t k)
     double x[3] = {0, 0, 0}, least = 1;
     rgbd energy = {0, 0, 0};
 
+    /* the axis is the plain mean of the directions: these follow the importance already */
     for (uint32_t i = 0; i < c->directions; i++) {
         const double s = bis_cluster_share(c, k) / (c->directions * (double)y[i].q_L);
         x[0] += (double)y[i].wi.x;
@@ -133,12 +134,13 @@ void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, u
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(static) num_threads(n_threads)
     for (uint32_t k = 0; k < c->n; k++) {
-        bis_rng rng;
+        bis_rng rng; /* each cluster has a stream of its own, so the threads may share the clusters in any way */
         bis_rng_init(&rng, seed, k, pass, purpose_clusters);
         for (uint32_t i = 0; i < c->directions; i++) {
             const double t = c->t[k] + bis_cluster_share(c, k) * bis_stratum(i, bis_rng_double(&rng), c->directions);
             const double u[2] = {bis_rng_double(&rng), bis_rng_double(&rng)};
             bis_light_point y;
+            /* t of the last cluster may round to 1, which is behind the curve's end */
             const bool drawn = bis_light_sample_curve(light, fmin(t, 1 - 0x1p-53), u, &y);
             assert(drawn);
             (void)drawn;

@@ -43,9 +43,10 @@ bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *
 /* ---- proposal "product" ---- */
 
 /* The candidates of the product find a lobe by themselves, down to the size of a cluster. The BRDF's share is then as
- * if there were 64 times as many candidates, and the half that it gets at most (candidates.c) shrinks with them. It may
- * round to none, because a single one costs as much as a whole block. Under wide clusters lobes are not found, and the
- * BRDF gets its share of a mixture. A single candidate comes from the map, because the product reaches all that
+ * if there were 64 times as many candidates, and the half that it gets at most (candidates.c) shrinks with them. (16
+ * times: 1.04 as visibility.c measures, in scene.txt 1.19; 256 times: 0.99, but the error alone is 1.13 in glossy-row.)
+ * It may round to none, because a single one costs as much as a whole block. Under wide clusters lobes are not found,
+ * and the BRDF gets its share of a mixture. A single candidate comes from the map, because the product reaches all that
  * reflects light, and because its density is known only where it draws. */
 static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *pt)
 {

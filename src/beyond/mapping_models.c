@@ -100,13 +100,14 @@ static inline BIS_INLINE int32_t column_of(float place, float sides, int32_t sid
     return clamp((int32_t)((place + 1) / 2 * sides), side);
 }
 
-/* The pixel at distance `radius` of the middle, on the ray along (cos_a, sin_a). All points of a pixel lie within half
- * a diagonal, sqrt(2)/side, of its centre. A pixel on the rim whose centre lies outside the disc is ignored; the one
- * half a diagonal nearer to the middle (and a little more, for the rounding of floats) is used instead, which is
- * inside. */
-static inline BIS_INLINE uint32_t disc_pixel(int32_t side, float radius, float cos_a, float sin_a)
+/* The pixel at distance `radius` of the middle, on the ray along (right, up), a vector of length h. All points of a
+ * pixel lie within half a diagonal, sqrt(2)/side, of its centre. A pixel on the rim whose centre lies outside the disc
+ * is ignored; the one half a diagonal nearer to the middle (and a little more, for the rounding of floats) is used
+ * instead, which is inside. */
+static inline BIS_INLINE uint32_t disc_pixel(int32_t side, float radius, float right, float up, float h)
 {
     const float sides = (float)side, step = 1.4143f / sides;
+    const float length = bis_lanes_choose(h > 0, h, 1), cos_a = right / length, sin_a = up / length;
     const bool inside = in_disc(side, column_of(radius * cos_a, sides, side), column_of(-radius * sin_a, sides, side));
     const float r = bis_lanes_choose(inside, radius, radius - step);
     return (uint32_t)(column_of(-r * sin_a, sides, side) * side + column_of(r * cos_a, sides, side));
@@ -141,8 +142,7 @@ static void angular_pixel_lanes(int32_t side, bis_samples *s, uint32_t n)
     for (uint32_t i = 0; i < n; i++) {
         const float h = sqrtf(s->y[i] * s->y[i] + s->z[i] * s->z[i]);
         const float radius = bis_lanes_atan2(h, -s->x[i]) * 0.318309886f; /* 1/pi */
-        const float cos_a = -s->y[i] / bis_lanes_choose(h > 0, h, 1), sin_a = s->z[i] / bis_lanes_choose(h > 0, h, 1);
-        s->pixel[i] = disc_pixel(side, radius, cos_a, sin_a);
+        s->pixel[i] = disc_pixel(side, radius, -s->y[i], s->z[i], h);
     }
 }
 
@@ -189,8 +189,7 @@ static void ball_pixel_lanes(int32_t side, bis_samples *s, uint32_t n)
         const float x = s->x[i], h = sqrtf(s->y[i] * s->y[i] + s->z[i] * s->z[i]);
         const float ahead = bis_lanes_choose(x < 0, 1 - x, 1), behind = bis_lanes_choose(x < 0, 0, 1 + x);
         const float radius = bis_lanes_choose(x < 0, h / sqrtf(2 * ahead), sqrtf(behind / 2));
-        const float cos_a = -s->y[i] / bis_lanes_choose(h > 0, h, 1), sin_a = s->z[i] / bis_lanes_choose(h > 0, h, 1);
-        s->pixel[i] = disc_pixel(side, radius, cos_a, sin_a);
+        s->pixel[i] = disc_pixel(side, radius, -s->y[i], s->z[i], h);
     }
 }
 

@@ -12,6 +12,8 @@
 
 static const uint64_t purpose_pool = 0x706f6f6c; /* no pixel's stream has it */
 
+/* Many sets, because pixels with the same one share their luck. 2^18 directions are 7 MiB, which a pass fills in 20 ms
+ * of one thread; at least 16 sets, so that long ones are not shared by all. */
 enum { MIN_SETS = 16, MAX_SETS = 256, MAX_DIRECTIONS = 1 << 18 };
 
 uint32_t bis_pool_needs(const bis_settings *s)

@@ -39,6 +39,7 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
     bis_status status = check_files(&o->files, parts, n, diag);
     if (!status) status = bis_part_merge(m, parts, n, diag);
     if (!status) {
+        /* a picture's header tells of its scene; of this one is known what the parts have kept */
         bis_scene_desc desc = {.path = m->about.scene};
         desc.view.settings = m->head.settings;
         desc.view.sampler.seed = m->about.seed;
@@ -52,6 +53,7 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
         stats.seconds.write = bis_clock_now() - before;
         stats.seconds.total = stats.seconds.parse + stats.seconds.load + stats.seconds.envmap + stats.seconds.accel +
                               stats.seconds.render + bis_clock_now() - start;
+        /* also where a picture could not be written: the figures are not lost with it */
         const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
         if (!status) status = other;
         if (!o->quiet && written.n) bis_render_files_print_result(&written, &stats);

@@ -11,6 +11,7 @@
 #include "bis/base/clock.h"
 
 #include "display.h"
+#include "help.h"
 #include "override.h"
 #include "progress.h"
 #include "render/checkpoint.h"
@@ -322,136 +323,171 @@ done:
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;
 }
 
+enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 56 };
+
+/* The options, and the names and texts that they borrow. */
+typedef struct option_table {
+    bis_option options[MAX_OPTIONS];
+    size_t n;
+    const char *integrators[MAX_INTEGRATORS + 1];
+    char layer_help[256], integrator_help[256];
+} option_table;
+
+static void list_names(option_table *t)
+{
+    snprintf(t->layer_help, sizeof t->layer_help, "what an EXR carries beside R, G, B, A: ");
+    for (int i = 0; i < BIS_N_LAYERS; i++)
+        bis_append(t->layer_help, sizeof t->layer_help, "%s%s", i == 0 ? "" : ", ", bis_layer_name((bis_layer)i));
+    bis_append(t->layer_help, sizeof t->layer_help, "; all; none");
+    for (int i = 0; bis_integrators[i] && i < MAX_INTEGRATORS; i++) {
+        t->integrators[i] = bis_integrators[i]->name;
+        bis_append(t->integrator_help, sizeof t->integrator_help, "%s%s",
+                   i == 0 ? "" : bis_integrators[i + 1] ? ", " : " or ", t->integrators[i]);
+    }
+    bis_append(t->integrator_help, sizeof t->integrator_help, " (default: the scene's; see `bis help sir`)");
+}
+
+/* The table of --help. Values go to *o. The parameters of integrators stand in the middle. */
+static void make_options(option_table *t, render_options *o)
+{
+    static const char *const accelerators[] = {"grid", "embree", NULL};
+
+    *t = (option_table){.n = 0};
+    list_names(t);
+
+    const bis_option before[] = {
+        {.help = "output"},
+        {.name = "outfile", .argument = "F",
+         .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
+                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->files.pictures},
+        {.name = "layers", .argument = "L,...",
+         .help = t->layer_help, .kind = BIS_OPTION_TEXT, .value = &o->over.layers},
+        {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
+         .kind = BIS_OPTION_TEXT, .value = &o->files.stats},
+        {.name = "exposure", .argument = "EV",
+         .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
+         .value = &o->files.exposure, .given = &o->files.has_exposure, .lo = -100, .hi = 100},
+        {.name = "display", .argument = "HOST:PORT",
+         .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone "
+                 "stops nothing", .kind = BIS_OPTION_OWN, .value = &o->viewer, .read = read_viewer,
+         .rule = "HOST:PORT with a port in [1, 65535], as in localhost:14158"},
+        {.name = "write-every", .argument = "SECONDS",
+         .help = "write the picture of the passes so far to its files at intervals, looked at between passes, so that "
+                 "any viewer can look", .kind = BIS_OPTION_SECONDS, .value = &o->write_every, .above = true, .hi = 1e8},
+        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
+         .value = &o->quiet},
+        {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
+         .kind = BIS_OPTION_FLAG, .value = &o->plan},
+        {.name = "approximate",
+         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed; with --plan, "
+                 "meshes and maps may be missing, and are listed", .kind = BIS_OPTION_FLAG, .value = &o->approximate},
+
+        {.help = "what to render (these override the scene file)"},
+        {.name = "light", .argument = "MAP",
+         .help = "the environment map MAP in place of all lights of the scene, upright: its top is where the scene's "
+                 "own map has it, else the axis nearest to the camera's \"up\"",
+         .kind = BIS_OPTION_TEXT, .value = &o->over.light},
+        {.name = "light-rotate", .argument = "DEGREES", .help = "turn that map about its vertical axis",
+         .kind = BIS_OPTION_REAL, .value = &o->over.light_rotate, .given = &o->over.has_light_rotate, .lo = -360,
+         .hi = 360},
+        {.name = "light-mapping", .argument = "M", .help = "how that map covers the sphere (latlong; equalarea for a "
+         "square): see `bis help lights`", .kind = BIS_OPTION_NAME, .value = &o->over.light_mapping,
+         .names = bis_mapping_names},
+        {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
+         .value = &o->over.light_scale, .given = &o->over.has_light_scale, .above = true, .hi = 1e30},
+        {.name = "integrator", .argument = "NAME",
+         .help = t->integrator_help, .kind = BIS_OPTION_NAME, .value = &o->over.integrator, .names = t->integrators,
+         .rule = ". Without it the default renders; `bis trade SCENE` recommends settings"},
+    };
+    const bis_option behind[] = {
+        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
+         .value = &o->over.seed, .given = &o->over.has_seed, .hi = BIS_SEED_MAX},
+        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
+         .value = &o->over.accelerator, .names = accelerators},
+        {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
+         .value = o->over.resolution, .given = &o->over.has_resolution, .read = bis_cli_read_size,
+         .rule = BIS_SIZE_RULE},
+        {.name = "cropwindow", .argument = "x0,x1,y0,y1",
+         .help = "render this part alone, in shares of the full picture; pixels are the same as those of the full "
+                 "picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN,
+         .value = o->over.crop, .given = &o->over.has_crop, .read = bis_override_read_crop,
+         .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {.name = "as-printed", .argument = "E",
+         .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, to "
+                 "see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST,
+         .value = &o->over.as_printed},
+        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG,
+         .value = &o->over.no_jitter},
+        {.name = "nthreads", .argument = "N",
+         .help = "threads (default: one for each processor); pictures do not depend on it",
+         /* where the system gives fewer, OpenMP's runtime says so and exits with 1: it has no way to ask */
+         .kind = BIS_OPTION_COUNT, .value = &o->over.threads, .lo = 1, .hi = 1024},
+
+        {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
+        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT,
+         .value = &o->over.spp, .given = &o->over.has_spp, .lo = 1, .hi = 1e9},
+        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
+            "ends within one pass; also 10s, 2min, 1.5h",
+         .kind = BIS_OPTION_SECONDS, .value = &o->seconds, .above = true, .hi = 1e8},
+        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
+            "in 0.05 or 5%",
+         .kind = BIS_OPTION_SHARE, .value = &o->error, .above = true, .hi = 10},
+
+        {.help = "a render in several runs (the picture has the bits of one run)"},
+        {.name = "checkpoint", .argument = "F",
+         .help = "keep the state of the render in F: at intervals, at the end, at Ctrl-C and SIGTERM",
+         .kind = BIS_OPTION_TEXT, .value = &o->files.checkpoint},
+        {.name = "checkpoint-every", .argument = "SECONDS",
+         .help = "the interval, looked at between passes; 0: after each pass (default: 60)",
+         .kind = BIS_OPTION_SECONDS, .value = &o->every, .given = &o->has_every, .hi = 1e8},
+        {.name = "resume", .argument = "F",
+         .help = "go on from the checkpoint F, or start afresh where there is no such file; --spp, --time and --error "
+                 "count from the very start and may be more than before. Without --checkpoint, F is written as well",
+         .kind = BIS_OPTION_TEXT, .value = &o->files.resume},
+
+        {.help = "a render on several machines (the picture has the bits of one run)"},
+        {.name = "part", .argument = "K/N",
+         .help = "render the K-th of N shares of the picture's tiles into --outfile F.bispart; `bis merge` makes the "
+                 "picture of them. Not with --time or --error, which need the whole picture",
+         .kind = BIS_OPTION_OWN, .value = &o->part.share, .read = bis_render_part_read,
+         .rule = "K/N with K from 1 to N, as in 2/5"},
+    };
+    memcpy(t->options, before, sizeof before);
+    t->n = sizeof before / sizeof *before;
+    bis_parameter_options(t->options, &t->n, o->over.parameters);
+    assert(t->n + sizeof behind / sizeof *behind <= MAX_OPTIONS);
+    memcpy(t->options + t->n, behind, sizeof behind);
+    t->n += sizeof behind / sizeof *behind;
+}
+
+bis_help_entry bis_render_option(char term[BIS_CLI_TERM], const char *name)
+{
+    render_options o = {.every = 0};
+    option_table t;
+    const bis_option *option = t.options;
+
+    make_options(&t, &o);
+    for (; !option->name || strcmp(option->name, name) != 0; option++) assert(option < t.options + t.n);
+    return (bis_help_entry){bis_cli_term(term, option), option->help};
+}
+
 int bis_cmd_render(int argc, char **argv)
 {
-    enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 56 };
-    static const char *const accelerators[] = {"grid", "embree", NULL};
     render_options o = {.every = 60, .start = bis_clock_now()};
-    const char *integrators[MAX_INTEGRATORS + 1] = {0};
-    char integrator_help[256] = "";
-    int i = 0;
+    option_table table;
 
     bis_render_part_keep_command(o.part.command, argc, argv);
     if (asks_for_errata(argc, argv)) {
         list_errata();
         return bis_cli_finish(BIS_EXIT_DONE);
     }
-    for (; bis_integrators[i] && i < MAX_INTEGRATORS; i++) {
-        integrators[i] = bis_integrators[i]->name;
-        bis_append(integrator_help, sizeof integrator_help, "%s%s",
-                   i == 0 ? "" : bis_integrators[i + 1] ? ", " : " or ", integrators[i]);
-    }
-    bis_append(integrator_help, sizeof integrator_help, " (default: the scene's; see `bis help sir`)");
-
-    const bis_option before[] = {
-        {.help = "output"},
-        {.name = "outfile", .argument = "F",
-         .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
-                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o.files.pictures},
-        {.name = "layers", .argument = "L,...",
-         .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
-                 "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT,
-         .value = &o.over.layers},
-        {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
-         .kind = BIS_OPTION_TEXT, .value = &o.files.stats},
-        {.name = "exposure", .argument = "EV",
-         .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
-         .value = &o.files.exposure, .given = &o.files.has_exposure, .lo = -100, .hi = 100},
-        {.name = "display", .argument = "HOST:PORT",
-         .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone "
-                 "stops nothing", .kind = BIS_OPTION_OWN, .value = &o.viewer, .read = read_viewer,
-         .rule = "HOST:PORT with a port in [1, 65535], as in localhost:14158"},
-        {.name = "write-every", .argument = "SECONDS",
-         .help = "write the picture of the passes so far to its files at intervals, looked at between passes, so that "
-                 "any viewer can look", .kind = BIS_OPTION_SECONDS, .value = &o.write_every, .above = true, .hi = 1e8},
-        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
-         .value = &o.quiet},
-        {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
-         .kind = BIS_OPTION_FLAG, .value = &o.plan},
-        {.name = "approximate",
-         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed; with --plan, "
-                 "meshes and maps may be missing, and are listed", .kind = BIS_OPTION_FLAG, .value = &o.approximate},
-
-        {.help = "what to render (these override the scene file)"},
-        {.name = "light", .argument = "MAP",
-         .help = "the environment map MAP in place of all lights of the scene, upright: its top is where the scene's "
-                 "own map has it, else the axis nearest to the camera's \"up\"",
-         .kind = BIS_OPTION_TEXT, .value = &o.over.light},
-        {.name = "light-rotate", .argument = "DEGREES", .help = "turn that map about its vertical axis",
-         .kind = BIS_OPTION_REAL, .value = &o.over.light_rotate, .given = &o.over.has_light_rotate, .lo = -360,
-         .hi = 360},
-        {.name = "light-mapping", .argument = "M", .help = "how that map covers the sphere (latlong; equalarea for a "
-         "square): see `bis help lights`", .kind = BIS_OPTION_NAME, .value = &o.over.light_mapping,
-         .names = bis_mapping_names},
-        {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
-         .value = &o.over.light_scale, .given = &o.over.has_light_scale, .above = true, .hi = 1e30},
-        {.name = "integrator", .argument = "NAME",
-         .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o.over.integrator, .names = integrators,
-         .rule = ". Without it the default renders; `bis trade SCENE` recommends settings"},
-    };
-    const bis_option behind[] = {
-        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
-         .value = &o.over.seed, .given = &o.over.has_seed, .hi = BIS_SEED_MAX},
-        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
-         .value = &o.over.accelerator, .names = accelerators},
-        {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
-         .value = o.over.resolution, .given = &o.over.has_resolution, .read = bis_cli_read_size, .rule = BIS_SIZE_RULE},
-        {.name = "cropwindow", .argument = "x0,x1,y0,y1",
-         .help = "render this part alone, in shares of the full picture; pixels are the same as those of the full "
-                 "picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN,
-         .value = o.over.crop, .given = &o.over.has_crop, .read = bis_override_read_crop,
-         .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
-        {.name = "as-printed", .argument = "E",
-         .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, to "
-                 "see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o.over.as_printed},
-        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG,
-         .value = &o.over.no_jitter},
-        {.name = "nthreads", .argument = "N",
-         .help = "threads (default: one for each processor); pictures do not depend on it",
-         /* where the system gives fewer, OpenMP's runtime says so and exits with 1: it has no way to ask */
-         .kind = BIS_OPTION_COUNT, .value = &o.over.threads, .lo = 1, .hi = 1024},
-
-        {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
-        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT,
-         .value = &o.over.spp, .given = &o.over.has_spp, .lo = 1, .hi = 1e9},
-        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
-            "ends within one pass; also 10s, 2min, 1.5h",
-         .kind = BIS_OPTION_SECONDS, .value = &o.seconds, .above = true, .hi = 1e8},
-        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
-            "in 0.05 or 5%",
-         .kind = BIS_OPTION_SHARE, .value = &o.error, .above = true, .hi = 10},
-
-        {.help = "a render in several runs (the picture has the bits of one run)"},
-        {.name = "checkpoint", .argument = "F",
-         .help = "keep the state of the render in F: at intervals, at the end, at Ctrl-C and SIGTERM",
-         .kind = BIS_OPTION_TEXT, .value = &o.files.checkpoint},
-        {.name = "checkpoint-every", .argument = "SECONDS",
-         .help = "the interval, looked at between passes; 0: after each pass (default: 60)",
-         .kind = BIS_OPTION_SECONDS, .value = &o.every, .given = &o.has_every, .hi = 1e8},
-        {.name = "resume", .argument = "F",
-         .help = "go on from the checkpoint F, or start afresh where there is no such file; --spp, --time and --error "
-                 "count from the very start and may be more than before. Without --checkpoint, F is written as well",
-         .kind = BIS_OPTION_TEXT, .value = &o.files.resume},
-
-        {.help = "a render on several machines (the picture has the bits of one run)"},
-        {.name = "part", .argument = "K/N",
-         .help = "render the K-th of N shares of the picture's tiles into --outfile F.bispart; `bis merge` makes the "
-                 "picture of them. Not with --time or --error, which need the whole picture",
-         .kind = BIS_OPTION_OWN, .value = &o.part.share, .read = bis_render_part_read,
-         .rule = "K/N with K from 1 to N, as in 2/5"},
-    };
-    bis_option options[MAX_OPTIONS];
-    size_t n_options = sizeof before / sizeof *before;
-    memcpy(options, before, sizeof before);
-    bis_parameter_options(options, &n_options, o.over.parameters);
-    assert(n_options + sizeof behind / sizeof *behind <= MAX_OPTIONS);
-    memcpy(options + n_options, behind, sizeof behind);
+    make_options(&table, &o);
     const bis_command command = {
         .name = "render",
         .usage = "[render] [options] SCENE",
         .summary = "render a scene",
-        .options = options,
-        .n_options = n_options + sizeof behind / sizeof *behind,
+        .options = table.options,
+        .n_options = table.n,
         .min_operands = 1, .max_operands = 1,
         .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
                  "bad scene; 130 interrupted, after what is done has been written.\n",

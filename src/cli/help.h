@@ -18,13 +18,17 @@ typedef struct bis_help_entry {
     const char *term, *text;
 } bis_help_entry;
 
-/* Terms that stand for an entry for each integrator and for each parameter; bis_help_open makes their texts. */
-extern const char bis_help_of_integrators[], bis_help_of_parameters[];
-
 /* A term that begins so, as in BIS_HELP_PAGE "Camera", stands for all rows under a heading of docs/scene-format.md. */
 #define BIS_HELP_PAGE "### "
 
-/* A row of a table of that page. */
+/* A term that begins so, as in BIS_HELP_OPTION "spp", stands for that option of rendering, as its own help has it. */
+#define BIS_HELP_OPTION "--"
+
+/* bis_render_option returns an option of rendering as an entry; `term` holds its term. The option must be there, and
+ * its help a literal: those that name layers, integrators or parameters are not. */
+bis_help_entry bis_render_option(char term[BIS_CLI_TERM], const char *name);
+
+/* A row of a table of docs/scene-format.md. */
 typedef struct bis_help_row {
     const char *heading; /* NULL ends the list */
     bis_help_entry entry;

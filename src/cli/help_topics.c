@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* help_topics: what a user wants to look up without a browser. Names, defaults and ranges of a scene stand in the
- * tables of docs/scene-format.md, those of integrators in src/scene/parameters.c: both are read here, and neither is
- * written again. */
+ * tables of docs/scene-format.md, those of integrators in src/scene/parameters.c, those of options in cmd_render.c: all
+ * are read here, and none is written again. */
 #include "help.h"
 
 #include <assert.h>
 #include <string.h>
 
-const char bis_help_of_integrators[] = "", bis_help_of_parameters[] = "";
+/* Terms that stand for an entry for each integrator and for each parameter; bis_help_open makes their texts. */
+static const char of_integrators[] = "", of_parameters[] = "";
 
 static const bis_help_entry scene[] = {
     {NULL, "A scene says how it is looked at, then WorldBegin, then what there is. # begins a comment. Parameters are "
@@ -52,11 +53,11 @@ static const bis_help_entry integrators[] = {
     {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; "
            "defaults in parentheses, the first of several "
            "names is the default. \"sir\" with its defaults is the method of the thesis."},
-    {bis_help_of_integrators, NULL},
+    {of_integrators, NULL},
     {NULL, "A scene that names none has the second of these:"},
     {BIS_HELP_PAGE "A scene without a Sampler or an Integrator", NULL},
     {NULL, "The parameters:"},
-    {bis_help_of_parameters, NULL},
+    {of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "
            "other by the material; product, by clusters of "
            "the map after the BRDF's value there. `bis trade SCENE` measures which is best for a scene."},
@@ -115,20 +116,19 @@ static const bis_help_entry output[] = {
 };
 
 static const bis_help_entry budgets[] = {
-    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; the one "
-           "that is used up first ends the render. Without any, the scene's pixelsamples count."},
-    {"--spp N", "N camera samples of every pixel"},
-    {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it, the first one too"},
-    {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says what it "
-                  "will cost as soon as the error is known"},
+    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes, --time in "
+           "the first pass, too; the one that is used up first ends the render. Without any, the scene's pixelsamples "
+           "count. --error says what it will cost as soon as the error is known."},
+    {BIS_HELP_OPTION "spp", NULL},
+    {BIS_HELP_OPTION "time", NULL},
+    {BIS_HELP_OPTION "error", NULL},
     {NULL, "Ctrl-C ends a render soon: what is done is written, and the exit status is 130. The "
            "picture depends on the scene, the seed and the number "
            "of camera samples, never on the number of threads."},
-    {"--checkpoint F", "keeps the state of the render in F: each minute (--checkpoint-every), at the end, at Ctrl-C"},
-    {"--resume F", "goes on from F, or starts afresh where there is none; the picture has the bits of one render. "
-                   "--spp, --time and --error count from the very start"},
-    {"--part K/N", "renders the K-th of N shares of the tiles into --outfile F.bispart; `bis merge` makes the picture "
-                   "of the N files, which may come from N machines"},
+    {BIS_HELP_OPTION "checkpoint", NULL},
+    {BIS_HELP_OPTION "checkpoint-every", NULL},
+    {BIS_HELP_OPTION "resume", NULL},
+    {BIS_HELP_OPTION "part", NULL},
     {NULL, NULL},
 };
 
@@ -221,8 +221,10 @@ const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t)
     size_t n = 0;
 
     for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
-        if (e->term == bis_help_of_integrators) add_integrators(page, &n);
-        else if (e->term == bis_help_of_parameters) add_parameters(page, &n);
+        if (e->term == of_integrators) add_integrators(page, &n);
+        else if (e->term == of_parameters) add_parameters(page, &n);
+        else if (e->term && !e->text && strncmp(e->term, BIS_HELP_OPTION, strlen(BIS_HELP_OPTION)) == 0)
+            add_entry(page, &n, bis_render_option(page->text[n], e->term + strlen(BIS_HELP_OPTION)));
         else if (e->term && strncmp(e->term, BIS_HELP_PAGE, strlen(BIS_HELP_PAGE)) == 0)
             add_rows(page, &n, e->term + strlen(BIS_HELP_PAGE));
         else add_entry(page, &n, *e);

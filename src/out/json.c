@@ -17,7 +17,7 @@ static void print_string(FILE *out, const char *text)
     fputc('"', out);
     while (*s) {
         const size_t n = bis_utf8_length(s, end);
-        if (n == 0) {
+        if (n == 0) { /* a file's name may be any bytes, but JSON is UTF-8 */
             fputs("\\ufffd", out);
             s++;
         } else if (*s == '"' || *s == '\\') {
@@ -70,7 +70,7 @@ void bis_json_number(bis_json *j, const char *key, double v)
 {
     char text[32];
 
-    if (!isfinite(v)) {
+    if (!isfinite(v)) { /* JSON has no NaN and no infinity */
         bis_json_null(j, key);
         return;
     }

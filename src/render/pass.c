@@ -135,7 +135,7 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
 }
 
 /* The tiles that rank 0 gives to this process. */
-static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+static void render_with_ranks(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
 {
     bis_sched_begin(w->sched, progress, user);
 #pragma omp parallel num_threads(w->n_threads)
@@ -180,7 +180,7 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
     if (!w->surveyed && w->visibility.n_squares) bis_survey(w, pass->number == 0);
     if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
     if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
-    if (w->sched) render_as_team(w, pass, progress, user);
+    if (w->sched) render_with_ranks(w, pass, progress, user);
     else render_alone(w, pass, progress, user);
     return !bis_workspace_interrupted(w);
 }

@@ -90,6 +90,7 @@ void bis_sched_queue(bis_sched *sched, const bis_sched_head *h, unsigned char *m
     for (int i = 0; i < h->n_tiles; i++) {
         bis_sched_tile t;
         m = bis_sched_get(m, &t, sizeof t);
+        /* before the tile is in the queue: who takes it needs what it has learned */
         if (h->learned) m = bis_sched_get_learned(m, w, t.tile);
 #pragma omp critical(bis_sched)
         sched->queue[sched->n_queued++] = t.tile;
@@ -105,6 +106,7 @@ int bis_sched_take_queued(bis_sched *sched)
     return t;
 }
 
+/* 50 us: short beside a tile, which takes milliseconds, and long enough to leave the processor to who renders. */
 void bis_sched_wait(void) { nanosleep(&(struct timespec){0, 50000}, NULL); }
 
 void bis_sched_learn(bis_sched *sched)

@@ -56,6 +56,7 @@ void bis_walk_name(bis_walk *w, char text[BIS_WALK_NAME])
 
 static bool is_control(unsigned char c) { return c < 32 || c == 127; }
 
+/* Control characters would reach a terminal or a header of a picture: they are written as ?, and refused when read. */
 void bis_walk_text(bis_walk *w, char *text, size_t size)
 {
     uint32_t n = (uint32_t)strnlen(text, size - 1);

@@ -41,36 +41,40 @@ static void find_steps(double step[2], const bis_textures *t, const bis_texture_
     for (int i = 0; i < bis_texture_n_parts(x); i++) find_steps(step, t, images, x->of[i]);
 }
 
-static double displaced(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2],
-                        const double p[3], int axis, double step, const double along[3])
+/* A displacement, and where it is asked for. */
+typedef struct displacement {
+    const bis_textures *textures;
+    const bis_texture_image *images;
+    uint32_t texture;
+    const double *uv, *p;
+} displacement;
+
+static double displaced(const displacement *d, int axis, double step, const double along[3])
 {
-    double at[2] = {uv[0], uv[1]}, q[3];
+    double at[2] = {d->uv[0], d->uv[1]}, q[3];
 
     at[axis] += step;
-    for (int i = 0; i < 3; i++) q[i] = p[i] + step * along[i];
-    return bis_texture_value(t, images, texture, at, q).r;
+    for (int i = 0; i < 3; i++) q[i] = d->p[i] + step * along[i];
+    return bis_texture_value(d->textures, d->images, d->texture, at, q).r;
 }
 
 /* tangent + slope n */
-static void tilt(double tangent[3], const bis_textures *t, const bis_texture_image *images, uint32_t texture,
-                 const double uv[2], const double p[3], int axis, double step, const double n[3])
+static void tilt(double tangent[3], const displacement *d, int axis, double step, const double n[3])
 {
-    const double slope = (displaced(t, images, texture, uv, p, axis, step / 2, tangent) -
-                          displaced(t, images, texture, uv, p, axis, -step / 2, tangent)) / step;
+    const double slope = (displaced(d, axis, step / 2, tangent) - displaced(d, axis, -step / 2, tangent)) / step;
     for (int i = 0; i < 3; i++) tangent[i] += slope * n[i];
 }
 
-static void bend(double out[3], const bis_textures *t, const bis_texture_image *images, uint32_t texture,
-                 const double uv[2], const double p[3], double pu[3], double pv[3], const double n[3])
+static void bend(double out[3], const displacement *d, double pu[3], double pv[3], const double n[3])
 {
     const double most = (double)INFINITY, pbrts = 0.0005;
     double step[2] = {most, most};
 
-    find_steps(step, t, images, texture);
+    find_steps(step, d->textures, d->images, d->texture);
     for (int i = 0; i < 2; i++)
         if (isinf(step[i])) step[i] = pbrts;
-    tilt(pu, t, images, texture, uv, p, 0, step[0], n);
-    tilt(pv, t, images, texture, uv, p, 1, step[1], n);
+    tilt(pu, d, 0, step[0], n);
+    tilt(pv, d, 1, step[1], n);
     cross3(out, pu, pv);
 }
 
@@ -96,7 +100,7 @@ vec3 bis_bump_normal(const bis_textures *textures, const bis_texture_image *imag
     beside(pu, t->u, n);
     beside(pv, t->v, n);
     if (of->normals != BIS_NO_TEXTURE) map_normal(out, &images[of->normals].image, uv, pu, n);
-    else bend(out, textures, images, of->bump, uv, at, pu, pv, n);
+    else bend(out, &(displacement){textures, images, of->bump, uv, at}, pu, pv, n);
     const double side = dot3(out, n) < 0 ? -1 : 1, size = side * sqrt(dot3(out, out));
     /* at a pole of a sphere p_u is 0; a normal of a map may be 0 */
     if (!(fabs(size) > 0) || !isfinite(size)) return vec3_from(n[0], n[1], n[2]);

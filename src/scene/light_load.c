@@ -126,6 +126,7 @@ bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_ligh
     };
 
     *out = NULL;
+    /* the tables hold solid angles, which only a rotation or a reflection keeps */
     if (bis_xform_is_orthonormal(&desc->to_world, BIS_XFORM_FRAME_TOLERANCE)) {
         return bis_light_new(out, em, &desc->to_world, draws ? &importance : NULL, diag);
     }
@@ -149,6 +150,7 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
     if (status) return status;
     warn_defects(&em.defects, desc->filename, at, diag);
     status = scale_envmap(&em, desc, diag);
+    /* after the scale, which is the map's alone */
     if (!status) status = add_distants(&em, desc, diag);
     if (!status) status = bis_light_from_envmap(out, &em, desc, needs, diag);
     bis_envmap_clear(&em);
@@ -171,6 +173,8 @@ static rgb pixel_at(const bis_envmap *em, long x, long y)
     return em->pixels[(size_t)y * (size_t)width + (size_t)(((x % width) + width) % width)];
 }
 
+/* Between the centres of four pixels, as pbrt looks up its maps. Only for what the camera sees: an integrator's map has
+ * pixels of constant radiance. */
 static rgb smooth_Le(const bis_light *light, vec3 d)
 {
     const bis_envmap *em = bis_light_envmap(light);

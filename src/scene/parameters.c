@@ -70,7 +70,7 @@ const bis_parameter bis_parameters[] = {
 
 /* ---- reading it ---- */
 
-bool bis_parameter_reads(const bis_parameter *p, const bis_integrator *integrator)
+static bool is_read_by(const bis_parameter *p, const bis_integrator *integrator)
 {
     for (size_t i = 0; i < sizeof p->readers / sizeof *p->readers; i++)
         if (p->readers[i] == integrator) return integrator != NULL;
@@ -80,7 +80,7 @@ bool bis_parameter_reads(const bis_parameter *p, const bis_integrator *integrato
 const bis_parameter *bis_parameter_next(const bis_integrator *integrator, const bis_parameter *p)
 {
     for (p = p ? p + 1 : bis_parameters; p->name; p++)
-        if (bis_parameter_reads(p, integrator)) return p;
+        if (is_read_by(p, integrator)) return p;
     return NULL;
 }
 

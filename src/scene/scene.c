@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* scene: from the description to what rays can be shot at: geometry, then light, then accelerator.
  *
- * Only what a scene requires is built (scene_needs.h). A mesh file is read when
- * its first shape comes and dropped after its last, so that at most the meshes in use are held twice. */
+ * Only what a scene requires is built (scene_needs.h). A mesh file is read when its first shape comes and dropped after
+ * its last, so that at most the meshes in use are held twice. */
 #include "bis/scene/scene.h"
 
 #include "bis/base/clock.h"
@@ -218,6 +218,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for a scene");
         goto done;
     }
+    /* geometry first: shapes that turn out to be empty need no tables of the light and no accelerator */
     status = bis_threads_check(desc->accel.n_threads, (bis_loc){desc->path, 0, 0}, diag);
     if (!status) status = load_geometry(s, desc, &needs, diag);
     if (!status && desc->textures.n_of_material > 0) status = load_textures(s, desc, &needs, diag);

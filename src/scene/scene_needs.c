@@ -14,6 +14,7 @@ static void add_shape(bis_scene_needs *needs, const bis_scene_desc *d, const bis
     } else {
         needs->n_quadrics++;
     }
+    /* the first shape of a material marks its images; marking again would find the same */
     if (m && !needs->materials[s->material]) bis_textures_mark_all(needs->images, &d->textures, m);
     needs->materials[s->material] = true;
 }

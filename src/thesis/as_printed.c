@@ -7,16 +7,19 @@
 
 #include "proposal.h"
 
+/* E23, from the map: w = f, where it is f cos. */
 static void forget_cosines(bis_set *x, const bis_point *pt)
 {
     const bis_lanes *y = &x->map.x;
 
     for (uint32_t i = 0; i < x->map.n; i++) {
         const double cos_theta = bis_bsdf_cos(&pt->bsdf, (vec3){y->x[i], y->y[i], y->z[i]});
+        /* a weight above 0 has a cosine above 0 */
         if (x->choice.w[i] > 0) x->choice.w[i] = (float)((double)x->choice.w[i] / cos_theta);
     }
 }
 
+/* E23, from the BRDF: w = L, as if q_f were f cos over the albedo. */
 static void weigh_by_albedo(bis_set *x, const bis_point *pt)
 {
     const rgb albedo = rgb_add(pt->bsdf.material->Kd, pt->bsdf.material->Ks);
@@ -56,7 +59,7 @@ double bis_as_printed_Zhat(const bis_settings *s, const bis_point *pt, const bis
 {
     bis_stream others;
 
-    bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
+    bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample); /* no pixel of a picture has ~pixel */
     if (!bis_set_draw(x, s->candidates, s->proposal, s->stratify, pt, &others)) return 0;
     return bis_set_weigh(x, pt);
 }

@@ -34,18 +34,10 @@ void bis_choice_clear(bis_choice *c)
 
 /* ---- the sum ---- */
 
-/* The 16 of a block are added in halves, as vectors of any width add them. */
 BIS_LANES
 static void sum_blocks(float *restrict sum, const float *restrict w, uint32_t n_blocks)
 {
-    for (uint32_t k = 0; k < n_blocks; k++) {
-        const float *v = w + BLOCK * (size_t)k;
-        float a[8], c[4];
-
-        for (int i = 0; i < 8; i++) a[i] = v[i] + v[i + 8];
-        for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
-        sum[k] = (c[0] + c[2]) + (c[1] + c[3]);
-    }
+    for (uint32_t k = 0; k < n_blocks; k++) sum[k] = bis_lanes_sum(w + BLOCK * (size_t)k);
 }
 
 double bis_choice_sum(bis_choice *c, uint32_t n)

@@ -10,7 +10,6 @@
 #include "light_many.h"
 #include "proposal.h"
 
-
 /* One of n independent points. If n = 1, it is the set of one point that plain importance sampling uses, because M = N
  * = 1 must give the same direction (E24). */
 static void independent_point(double u[2], bis_stream *stream, unsigned dim, uint32_t n)
@@ -44,7 +43,8 @@ static void draw_map(bis_set *x, uint32_t n, bool stratify, const bis_light *lig
     x->map = (bis_half){x->own, n, 0};
 }
 
-/* A set has M directions; the n_brdf that the BRDF gets of M are not used. */
+/* A set has M directions; the n_brdf that the BRDF gets of M are not used (bis_set_weigh leaves them out). Which ones
+ * is random, because light from the same parts of every set would be lost else. */
 static void draw_shared(bis_set *x, uint32_t n_brdf, bis_stream *stream)
 {
     x->map = (bis_half){x->sets->choose(x->sets, stream), x->M, 0};
@@ -59,7 +59,7 @@ static void draw_brdf(bis_set *x, uint32_t n, bool stratify, const bis_point *pt
 {
     const uint32_t padded = bis_lanes_round_up(n);
 
-    if (stratify) {
+    if (stratify) { /* one key for all: the points are a function of it and of their number */
         bis_curve_points(x->u1, x->u2, n, bis_rng_u64(&stream->rng));
     } else {
         for (uint32_t i = 0; i < n; i++) {
@@ -68,6 +68,7 @@ static void draw_brdf(bis_set *x, uint32_t n, bool stratify, const bis_point *pt
             x->u1[i] = below_1(u[0]);
             x->u2[i] = below_1(u[1]);
         }
+        /* what fills the last block must be numbers, too: the loop over lanes computes with it */
         for (uint32_t i = n; i < padded; i++) x->u1[i] = x->u2[i] = 0;
     }
     bis_bsdf_sample_many(&x->brdf.x, &pt->bsdf, x->u1, x->u2, n);
@@ -88,13 +89,13 @@ bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, 
     x->M = M;
     x->map.n = x->brdf.n = x->n_unused = x->choice.n = x->choice.n_chosen = 0;
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return false;
-    pt->counters->candidates += M;
+    pt->counters->candidates += M; /* asked for: of a lamp a guide may draw fewer, each for several */
     const bis_mixture m = divide(x, M, proposal, pt, stream);
     const bool guided = x->guide && x->guide->draw && m.n_em > 0;
 
     x->beta = m.beta;
     x->unit_of_Le = bis_light_mean(pt->light);
-    x->mark = -1;
+    x->mark = -1; /* none: bis_set_choose draws one */
     if (guided) {
         if (!x->guide->draw(x->guide, x, m.n_em, pt, stream)) return false;
     } else if (m.n_em && x->sets) {
@@ -102,7 +103,7 @@ bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, 
     } else if (m.n_em) {
         draw_map(x, m.n_em, stratify, pt->light, stream);
     }
-    x->brdf.first = bis_lanes_round_up(x->map.n);
+    x->brdf.first = bis_lanes_round_up(x->map.n); /* each half begins with a block of its own */
     if (m.n_brdf) draw_brdf(x, m.n_brdf, stratify, pt, stream);
     if (m.n_brdf && guided) x->guide->density(x->guide, x);
     return true;

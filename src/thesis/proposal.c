@@ -8,6 +8,7 @@ bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stre
 {
     double v[4] = {u[0], u[1]};
 
+    /* even points serve the choice of the pixel; a pixel is so small that any place in it will do */
     v[2] = bis_stream_random(stream);
     v[3] = bis_stream_random(stream);
     return bis_light_sample(light, v, y);
@@ -18,6 +19,7 @@ bool bis_propose_stratum(bis_light_point *y, const bis_light *light, bis_stream 
     const double t = bis_stratum(i, bis_stream_random(stream), n);
     double u[2];
 
+    /* one after the other, because the order of two calls in one initializer is the compiler's choice */
     u[0] = bis_stream_random(stream);
     u[1] = bis_stream_random(stream);
     return bis_light_sample_curve(light, t, u, y);
@@ -31,7 +33,7 @@ unsigned bis_em_samples_light_needs(const bis_settings *s)
 void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_needs *need)
 {
     if (s->stratify) need->n_set = n;
-    if (!s->stratify && need->n_points < n) need->n_points = n;
+    if (!s->stratify && need->n_points < n) need->n_points = n; /* mis uses one array for both, in turn */
 }
 
 bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_stream *stream, bis_scratch *scratch)
@@ -41,7 +43,7 @@ bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_strea
     if (!s->stratify) {
         samples.u = scratch->u;
         bis_stream_points(stream, BIS_DIM_EM, n, samples.u);
-    } else if (scratch->sets) {
+    } else if (scratch->sets) { /* else each sample is drawn when it is asked for */
         samples.is_shared = true;
         samples.set = scratch->sets->choose(scratch->sets, stream);
     }
@@ -54,6 +56,7 @@ bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j
     if (samples->u) return bis_propose_em(y, light, stream, samples->u[j]);
     if (samples->is_shared) {
         const bis_lanes *x = &samples->set;
+        /* lanes hold the radiance over the mean */
         *y = (bis_light_point){{x->x[j], x->y[j], x->z[j]},
                                rgb_scale((rgb){x->r[j], x->g[j], x->b[j]}, bis_light_mean(light)),
                                (double)x->q[j]};

@@ -49,15 +49,14 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bo
     return line;
 }
 
-const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc)
+/* `3 x AreaLightSource: its light is missing; ...`, behind what text holds. */
+static void list_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc)
 {
-    *text = '\0';
     for (size_t i = 0; i < desc->n_approximations; i++) {
         char one[BIS_APPROXIMATION_TEXT];
         bis_append(text, BIS_APPROXIMATED_TEXT, "%s%s", i ? "; " : "",
                    bis_approximation_text(one, &desc->approximations[i]));
     }
-    return text;
 }
 
 bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
@@ -66,7 +65,7 @@ bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_
     bis_stats s = {.desc = desc, .scene = scene, .film = film, .result = result, .seconds = seconds};
     bis_describe_line(s.line, &desc->view.settings, true);
     bis_errata_text(s.as_printed, desc->view.settings.as_printed);
-    bis_describe_approximations(s.approximated, desc);
+    list_approximations(s.approximated, desc);
     s.seconds.render = result->seconds;
     return s;
 }

@@ -16,10 +16,6 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
  * what has its default, too; else counts and what differs. */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
-/* bis_describe_approximations writes what --approximate has replaced, `3 x AreaLightSource: its light is missing; ...`.
- */
-const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc);
-
 /* Everything that --stats tells. seconds.write and .total are those so far. */
 typedef struct bis_stats {
     const bis_scene_desc *desc;
@@ -30,7 +26,7 @@ typedef struct bis_stats {
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
     const bis_box *extent;            /* of all shapes; NULL: there are none, or it is not known, after a merge */
     char line[BIS_MAX_LINE];          /* of the Integrator, by bis_describe_line */
-    char approximated[BIS_APPROXIMATED_TEXT]; /* by bis_describe_approximations; "": nothing was */
+    char approximated[BIS_APPROXIMATED_TEXT]; /* what --approximate has replaced; "": nothing was */
 } bis_stats;
 
 /* bis_stats_of returns what there is to say of a render: the figures given, the seconds of the render, and the texts

@@ -27,14 +27,14 @@ static const double tiles = 2.0 * sizeof(bis_seen) / (BIS_RENDER_TILE * BIS_REND
 static const double cells = 2.0 * sizeof(bis_seen) * BIS_VISIBILITY_CELLS / (BIS_RENDER_TILE * BIS_RENDER_TILE);
 /* and of the full picture's, in squares of tiles (src/render/survey.c), a third as many as tiles */
 static const double squares = (2.0 * sizeof(bis_seen) + sizeof(bis_square)) / 3 / (BIS_RENDER_TILE * BIS_RENDER_TILE);
-/* a texel of the map: radiance; table: a probability, an alias, and 0.4 more, measured; curve: of each 4 x 4 texels
+/* a texel of the map: radiance; table: a probability, an alias, and 0.4 more (--stats); curve: of each 4 x 4 texels
  * their place, the sum before them and a guide; area: a float; regions: a label and a level; curve_beside: of each
  * 4 x 4 texels their sum (src/thesis/importance_parts.h) */
 static const double texel = sizeof(rgb), table = 8 + 2 + 0.4, curve = (4 + 16 + 4) / 16.0, area = 4, regions = 4 + 1,
                     curve_beside = 16 / 16.0;
 static const double vertex = sizeof(vec3), uv = sizeof(bis_uv), triangle = 3 * sizeof(uint32_t);
-/* a triangle, measured: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps less of many
- * (BIS_EMBREE_COMPACT) */
+/* a triangle, by `make bench-scale`: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps
+ * less of many (BIS_EMBREE_COMPACT) */
 static const double accel_kept = 82, accel_built = 100, compact_kept = 35, compact_built = 40;
 static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a text file for each of them, guessed */
 

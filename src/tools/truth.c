@@ -103,8 +103,8 @@ static void add_moments(block *b, const question *k, double q_f, double F, doubl
     }
 }
 
-/* F dO of a ray somewhere in a cell, with V and without; area: the cell's solid angle. */
-static void cast(double lit[4], double open[4], double *area, block *b, const question *k, const cell *c, bis_rng *rng)
+/* F dO of a ray somewhere in a cell, with V and without. */
+static void cast(double lit[4], double open[4], block *b, const question *k, const cell *c, bis_rng *rng)
 {
     bis_light_point y;
     double q_f;
@@ -112,16 +112,16 @@ static void cast(double lit[4], double open[4], double *area, block *b, const qu
     const double u0 = bis_rng_double(rng), u1 = bis_rng_double(rng);
     bis_light_patch(k->pt->light, c->patch, (double[]){c->x + c->size * u0, c->y + c->size * u1}, &y);
     const double cos_theta = bis_bsdf_cos(&k->pt->bsdf, y.wi);
-    *area = c->size * c->size / y.pdf;
+    const double area = c->size * c->size / y.pdf; /* solid angle of the cell */
     if (cos_theta <= 0) return;
     product(open, k, &y, bis_bsdf_f_pdf(&k->pt->bsdf, y.wi, &q_f), cos_theta);
     const double F = open[3];
-    for (int i = 0; i < 4; i++) open[i] *= *area;
+    for (int i = 0; i < 4; i++) open[i] *= area;
     if (F <= 0) return;
     b->t.rays++;
     if (!bis_point_sees(k->pt, y.wi)) return;
     memcpy(lit, open, 4 * sizeof *lit);
-    if (k->n) add_moments(b, k, q_f, F, *area / PAIR);
+    if (k->n) add_moments(b, k, q_f, F, area / PAIR);
 }
 
 static void add_pair(bis_truth_sum *s, double x[PAIR][4], double most)
@@ -135,9 +135,9 @@ static void add_pair(bis_truth_sum *s, double x[PAIR][4], double most)
 
 static void add_cell(block *b, const question *k, const cell *c, double bound, bis_rng *rng)
 {
-    double lit[PAIR][4] = {{0}}, open[PAIR][4] = {{0}}, area = 0;
+    double lit[PAIR][4] = {{0}}, open[PAIR][4] = {{0}};
 
-    for (int j = 0; j < PAIR; j++) cast(lit[j], open[j], &area, b, k, c, rng);
+    for (int j = 0; j < PAIR; j++) cast(lit[j], open[j], b, k, c, rng);
     const double largest = fmax(open[0][3], open[1][3]), times = 1 / (c->size * c->size);
     if (largest > 0) b->t.worst = fmax(b->t.worst, largest / fmax(bound, k->B));
     add_pair(&b->t.lit, lit, fmax(bound, largest));

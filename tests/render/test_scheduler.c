@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* scheduler: ranks that are threads of this program, whose messages are a box of letters for each. So what travels can
+/* scheduler: ranks that are threads of this program, whose messages are a box of messages for each. So what travels can
  * be counted, and a rank can be made slow. The expected pictures are those of one process. What a tile has learned is
  * worth more than its pixels, in bytes: a rank that sends to another one than rank 0, or rank 0 more than numbers of
  * tiles, moves what was learned. */
@@ -31,20 +31,20 @@ enum { MOST_RANKS = 18, SIDE = 100, TILES = 49, LEARNED = 8192 /* bytes of a til
 
 /* ---- the ranks of threads ---- */
 
-typedef struct letter {
-    struct letter *next;
+typedef struct message {
+    struct message *next;
     int from;
     size_t n;
     unsigned char data[];
-} letter;
+} message;
 
 typedef struct post post;
 
 typedef struct member {
     bis_ranks ranks; /* first: ranks lead to it */
     post *post;
-    letter *first, **last, *opened;
-    int nap; /* microseconds, each time that it looks for a letter */
+    message *first, **last, *opened;
+    int nap; /* microseconds, each time that it looks for a message */
     pthread_t thread;
     const struct job *job;
     bis_status status;
@@ -56,12 +56,12 @@ struct post {
     pthread_barrier_t all;
     member members[MOST_RANKS];
     void *shared;
-    size_t from_0, to_0, between_others; /* bytes of letters */
+    size_t from_0, to_0, between_others; /* bytes of messages */
     int held[MOST_RANKS]; /* tiles that rank 0 has sent to a rank to render, and has not got back */
     int n_batches, n_too_early;
 };
 
-/* A letter begins with its kind and its number of tiles (scheduler.c). A rank is to have at most one batch besides the
+/* A message begins with its kind and its number of tiles (scheduler.c). A rank is to have at most one batch besides the
  * one that it gets. */
 enum { LETTER_WORK, LETTER_DONE };
 
@@ -76,7 +76,7 @@ static void count_held(post *p, int rank, const unsigned char *data)
     p->held[rank] += head[1];
 }
 
-/* Stops the render at the first letter to rank 0 after so many broadcasts: a tile is then done in that pass. */
+/* Stops the render at the first message to rank 0 after so many broadcasts: a tile is then done in that pass. */
 static volatile sig_atomic_t interrupted;
 static int broadcasts_left;
 
@@ -105,12 +105,12 @@ static void join_bits(bis_ranks *ranks, unsigned char *data, size_t n)
     pthread_barrier_wait(&p->all);
 }
 
-static void send_letter(bis_ranks *ranks, int to, const void *data, size_t n)
+static void send_message(bis_ranks *ranks, int to, const void *data, size_t n)
 {
     post *p = ((member *)ranks)->post;
-    letter *l = malloc(sizeof *l + n);
+    message *l = malloc(sizeof *l + n);
     if (!l) abort();
-    *l = (letter){.from = ranks->rank, .n = n};
+    *l = (message){.from = ranks->rank, .n = n};
     memcpy(l->data, data, n);
     pthread_mutex_lock(&p->lock);
     *(ranks->rank == 0 ? &p->from_0 : to == 0 ? &p->to_0 : &p->between_others) += n;
@@ -130,7 +130,7 @@ static unsigned char *receive(bis_ranks *ranks, int *from, size_t *n, bool wait)
     if (me->nap) usleep((useconds_t)me->nap);
     for (;; usleep(20)) {
         pthread_mutex_lock(&me->post->lock);
-        letter *l = me->opened = me->first;
+        message *l = me->opened = me->first;
         if (l) me->first = l->next;
         if (!me->first) me->last = &me->first;
         if (l && ranks->rank == 0 && !wait) count_held(me->post, l->from, l->data);
@@ -179,7 +179,7 @@ static void *run_rank(void *argument)
 }
 
 /* Renders with so many ranks; `slow` naps. What it returns, of what travelled, is good until the next call. */
-static const post *render_team(int ranks, int slow, const job *j)
+static const post *render_ranks(int ranks, int slow, const job *j)
 {
     static post p;
     p = (post){.from_0 = 0};
@@ -188,7 +188,7 @@ static const post *render_team(int ranks, int slow, const job *j)
     for (int i = 0; i < ranks; i++) {
         member *m = &p.members[i];
         m->ranks = (bis_ranks){.rank = i, .size = ranks, .host = "here", .broadcast = broadcast, .join_bits = join_bits,
-                             .send = send_letter, .receive = receive};
+                             .send = send_message, .receive = receive};
         m->post = &p;
         m->last = &m->first;
         m->job = j;
@@ -202,7 +202,7 @@ static const post *render_team(int ranks, int slow, const job *j)
         assert_int_equal(p.members[i].status, BIS_OK);
     }
     for (int i = 0; i < ranks; i++) {
-        assert_null(p.members[i].first); /* no letter is left */
+        assert_null(p.members[i].first); /* no message is left */
         free(p.members[i].opened);
     }
     pthread_barrier_destroy(&p.all);
@@ -247,7 +247,7 @@ static const post *assert_team_makes_the_same(const picture *one, const world *w
     picture many;
     job j = {.w = w, .options = options, .film = &many.film, .result = &many.result};
 
-    const post *p = render_team(ranks, slow, &j);
+    const post *p = render_ranks(ranks, slow, &j);
     assert_same(&one->film, &many.film, &one->result, &many.result);
     bis_film_clear(&many.film);
     return p;
@@ -333,7 +333,7 @@ static void a_checkpoint_has_what_all_have_learned(void **state)
         j = (job){.w = &w, .film = &f, .result = &result,
                   .options = {.budget = {.spp = runs[i].spp}, .n_threads = 1, .checkpoint = &c}};
         if (runs[i].ranks > 1) {
-            const post *p = render_team(runs[i].ranks, 1, &j);
+            const post *p = render_ranks(runs[i].ranks, 1, &j);
             /* two batches for each other rank, out of the checkpoint that rank 0 has read */
             if (i > 0) assert_true(p->from_0 >= 2 * (size_t)(runs[i].ranks - 1) * LEARNED);
         } else assert_int_equal(render_one(&f, &result, &j, NULL), BIS_OK);
@@ -362,7 +362,7 @@ static void a_pass_that_is_given_up_is_not_learned_from(void **state)
         broadcasts_left = 6; /* two before the first pass; the fourth is stopped */
         j = (job){.w = &w, .film = &f, .result = &result,
                   .options = {.budget = {.spp = spp}, .n_threads = 1, .checkpoint = &c, .interrupted = &interrupted}};
-        render_team(3, 2, &j);
+        render_ranks(3, 2, &j);
         assert_true(result.interrupted);
         assert_int_equal(result.passes, done);
         bis_film_clear(&f);
@@ -371,7 +371,7 @@ static void a_pass_that_is_given_up_is_not_learned_from(void **state)
     assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
     j = (job){.w = &w, .film = &f, .result = &result,
               .options = {.budget = {.spp = spp}, .n_threads = 1, .checkpoint = &c}};
-    render_team(4, 0, &j);
+    render_ranks(4, 0, &j);
     assert_same(&one, &f, &result_one, &result);
     bis_film_clear(&f);
     bis_film_clear(&one);
@@ -401,7 +401,7 @@ static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
     clear_world(&w);
 }
 
-/* ---- rank 0 alone, whose letters are read by hand ---- */
+/* ---- rank 0 alone, whose messages are read by hand ---- */
 
 enum { MOST_SENT = 128, MOST_DEALT = 32 };
 
@@ -414,8 +414,8 @@ typedef struct sent {
     bool are_own;         /* of DONE: each pixel has the number of its tile */
 } sent;
 
-/* ranks that note what rank 0 sends and answer with the letters that the test has left for them. */
-typedef struct desk {
+/* ranks that note what rank 0 sends and answer with the messages that the test has left for them. */
+typedef struct fake_ranks {
     bis_ranks ranks; /* first: ranks lead to it */
     world world;
     bis_film film;
@@ -427,15 +427,15 @@ typedef struct desk {
     unsigned char answer[sizeof(bis_sched_head) + MOST_DEALT * (sizeof(bis_sched_tile) + LEARNED)];
     size_t n_answer;
     bool stops;              /* once nothing else is left */
-    bool answers_all, gives; /* each letter is answered in its turn; or only where tiles are to go to rank 0 */
+    bool answers_all, gives; /* each message is answered in its turn; or only where tiles are to go to rank 0 */
     int n_answered;
     bis_sched_step step; /* the last that was broadcast */
     double progress;
-} desk;
+} fake_ranks;
 
 static void note(bis_ranks *ranks, int to, const void *data, size_t n)
 {
-    desk *d = (desk *)ranks;
+    fake_ranks *d = (fake_ranks *)ranks;
     const unsigned char *m = data;
     sent *s = &d->sent[d->n_sent++];
 
@@ -462,15 +462,15 @@ static void note(bis_ranks *ranks, int to, const void *data, size_t n)
 
 static void note_step(bis_ranks *ranks, void *data, size_t n)
 {
-    desk *d = (desk *)ranks;
+    fake_ranks *d = (fake_ranks *)ranks;
     assert_int_equal(n, sizeof d->step);
     memcpy(&d->step, data, n);
 }
 
-static void note_progress(double share, void *user) { ((desk *)user)->progress = share; }
+static void note_progress(double share, void *user) { ((fake_ranks *)user)->progress = share; }
 
 /* Rank `from` has done n tiles: their pixels are as many as a tile has in the picture, each with the tile's number. */
-static void leave_done(desk *d, int from, double seconds, const int *tiles, int n)
+static void leave_done(fake_ranks *d, int from, double seconds, const int *tiles, int n)
 {
     const bis_sched_head h = {.kind = BIS_SCHED_DONE, .n_tiles = n};
     unsigned char *m = bis_sched_put(d->answer, &h, sizeof h);
@@ -488,7 +488,7 @@ static void leave_done(desk *d, int from, double seconds, const int *tiles, int 
 }
 
 /* Rank `from` gives n tiles to rank 0: what a tile has learned is its number, byte for byte. */
-static void leave_work(desk *d, int from, const int *tiles, int n)
+static void leave_work(fake_ranks *d, int from, const int *tiles, int n)
 {
     const bis_sched_head h = {.kind = BIS_SCHED_WORK, .n_tiles = n, .learned = true};
     unsigned char *m = bis_sched_put(d->answer, &h, sizeof h);
@@ -502,7 +502,7 @@ static void leave_work(desk *d, int from, const int *tiles, int n)
     d->n_answer = (size_t)(m - d->answer);
 }
 
-static void answer_letter(desk *d, const sent *s)
+static void answer_message(fake_ranks *d, const sent *s)
 {
     if (s->head.kind == BIS_SCHED_GIVE && s->head.to == 0) leave_work(d, s->to, s->tiles, s->head.n_tiles);
     else if (d->answers_all && s->head.kind == BIS_SCHED_GIVE) leave_done(d, s->head.to, 1, s->tiles, s->head.n_tiles);
@@ -511,10 +511,10 @@ static void answer_letter(desk *d, const sent *s)
 
 static unsigned char *answer(bis_ranks *ranks, int *from, size_t *n, bool wait)
 {
-    desk *d = (desk *)ranks;
+    fake_ranks *d = (fake_ranks *)ranks;
 
     while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
-        answer_letter(d, &d->sent[d->n_answered++]);
+        answer_message(d, &d->sent[d->n_answered++]);
     if (!d->n_answer && d->stops) {
         const bis_sched_head stop = {.kind = BIS_SCHED_STOP};
         d->stops = false;
@@ -529,10 +529,10 @@ static unsigned char *answer(bis_ranks *ranks, int *from, size_t *n, bool wait)
 }
 
 /* A scheduler of so many ranks, rank i with threads[i], none of them there; a picture of so many tiles. */
-static void open_desk(desk *d, int ranks, const int *threads, int columns, int rows, bool learns)
+static void open_fake_ranks(fake_ranks *d, int ranks, const int *threads, int columns, int rows, bool learns)
 {
-    *d = (desk){.ranks = {.size = ranks, .host = "here", .broadcast = note_step, .send = note,
-                        .receive = answer}, .options = {.n_threads = 1}};
+    *d = (fake_ranks){.ranks = {.size = ranks, .host = "here", .broadcast = note_step, .send = note,
+                                .receive = answer}, .options = {.n_threads = 1}};
     if (learns) make_learning_world(&d->world);
     else make_world(&d->world, &bis_em);
     assert_int_equal(bis_film_init(&d->film, 16 * columns - 3, 16 * rows, all, (bis_loc){0}, NULL), BIS_OK);
@@ -547,7 +547,7 @@ static void open_desk(desk *d, int ranks, const int *threads, int columns, int r
     }
 }
 
-static void close_desk(desk *d)
+static void close_fake_ranks(fake_ranks *d)
 {
     bis_sched_free(d->sched);
     bis_workspace_clear(&d->w);
@@ -557,9 +557,9 @@ static void close_desk(desk *d)
 
 #define LIST(...) (const int[]){__VA_ARGS__}, (int)(sizeof((int[]){__VA_ARGS__}) / sizeof(int))
 
-/* The next letter; of GIVE with the rank that is to get the tiles. */
-static void expect_letter(const desk *d, int *at, int to, bis_sched_kind kind, int give_to, bool learned,
-                          const int *tiles, int n)
+/* The next message; of GIVE with the rank that is to get the tiles. */
+static void expect_message(const fake_ranks *d, int *at, int to, bis_sched_kind kind, int give_to, bool learned,
+                           const int *tiles, int n)
 {
     const sent *s = &d->sent[(*at)++];
 
@@ -572,9 +572,9 @@ static void expect_letter(const desk *d, int *at, int to, bis_sched_kind kind, i
     for (int i = 0; i < n; i++) assert_int_equal(s->tiles[i], tiles[i]);
 }
 
-static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
+static void expect_work(const fake_ranks *d, int *at, int to, const int *tiles, int n)
 {
-    expect_letter(d, at, to, BIS_SCHED_WORK, 0, false, tiles, n);
+    expect_message(d, at, to, BIS_SCHED_WORK, 0, false, tiles, n);
 }
 
 /* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each
@@ -583,10 +583,10 @@ static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
 static void the_first_batches_are_those_by_hand(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0;
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
     bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
     expect_work(&d, &at, 2, LIST(6, 7));
@@ -619,11 +619,11 @@ static void the_first_batches_are_those_by_hand(void **state)
     assert_int_equal(bis_sched_deal_next(d.sched), 19); /* 34 x 2/16 = 4.25 */
     expect_work(&d, &at, 1, LIST(15, 16, 17, 18));
     assert_int_equal(d.n_sent, at);
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
-/* The next pass: no letter is on its way, and no rank has a tile. */
-static void begin_anew(desk *d, int *at)
+/* The next pass: no message is on its way, and no rank has a tile. */
+static void begin_anew(fake_ranks *d, int *at)
 {
     memset(d->sched->held, 0, 3 * sizeof *d->sched->held);
     d->n_sent = *at = 0;
@@ -637,10 +637,10 @@ static void begin_anew(desk *d, int *at)
 static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0;
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
     for (int t = 0; t < 49; t++) d.sched->seconds[t] = t == 20 ? 0.64 : t == 33 ? 0.32 : t == 7 ? 0.325 : 0.01;
     d.sched->knows = true;
     bis_sched_begin(d.sched, note_progress, &d);
@@ -656,7 +656,7 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     for (int t = 0; t < 49; t++) d.sched->seconds[t] *= 100;
     begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
 /* Who owns what decides who gets what: first its own tiles, then those of nobody, then those of the rank that has
@@ -665,10 +665,10 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
 static void tiles_go_to_their_owners_first(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0;
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     assert_true(d.w.visibility.n_tiles == 49 && d.w.visibility.cells * sizeof(bis_seen) == LEARNED);
 
     /* 10 of rank 1, 10 of rank 2, 10 of rank 0, 19 of nobody */
@@ -693,7 +693,7 @@ static void tiles_go_to_their_owners_first(void **state)
     begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
-    expect_letter(&d, &at, 2, BIS_SCHED_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
+    expect_message(&d, &at, 2, BIS_SCHED_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
     expect_work(&d, &at, 2, LIST(9, 10));
     assert_int_equal(d.n_sent, at);
     assert_true(d.sched->owner[4] == 1 && d.sched->owner[8] == 1 && d.sched->owner[9] == 2);
@@ -711,25 +711,25 @@ static void tiles_go_to_their_owners_first(void **state)
     begin_anew(&d, &at);
     expect_work(&d, &at, 1, LIST(0, 1));
     expect_work(&d, &at, 2, LIST(2, 3));
-    expect_letter(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(12, 13, 14, 15, 16));
+    expect_message(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(12, 13, 14, 15, 16));
     expect_work(&d, &at, 2, LIST(4, 5));
     assert_int_equal(d.n_sent, at);
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
 static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0;
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     /* all of rank 1: rank 2 gets 43/16 = 2.7 and 41/16; rank 0 has none, and asks for 39/16 */
     for (int t = 0; t < 49; t++) d.sched->owner[t] = 1;
     bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(6, 7));
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(8, 9));
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(6, 7));
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 2, false, LIST(8, 9));
     assert_int_equal(d.n_sent, at);
     assert_int_equal(bis_sched_deal_take(d.sched), -1);
     /* rank 1 has done 4, and gets 39 x 2/16 = 4.9; rank 0 asks for 35/16 = 2.2 and waits; later for 33/16 */
@@ -738,16 +738,16 @@ static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
     d.n_answered = d.n_sent;
     assert_int_equal(bis_sched_deal_next(d.sched), 14);
     expect_work(&d, &at, 1, LIST(10, 11, 12, 13));
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(14, 15));
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(14, 15));
     assert_int_equal(d.n_sent, at);
     assert_true(d.sched->owner[14] == 0 && d.sched->owner[16] == 1 && d.sched->held[0] == 0);
     const unsigned char *known = (const unsigned char *)d.w.visibility.known;
     for (size_t i = 0; i < 49 * LEARNED; i++)
         assert_int_equal(known[i], i / LEARNED == 14 || i / LEARNED == 15 ? i / LEARNED : 0);
     assert_int_equal(bis_sched_deal_next(d.sched), 15);
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(16, 17));
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(16, 17));
     assert_int_equal(d.n_sent, at);
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
 /* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left,
@@ -756,27 +756,27 @@ static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
 static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0;
 
-    open_desk(&d, 17, NULL, 16, 10, false);
+    open_fake_ranks(&d, 17, NULL, 16, 10, false);
     bis_sched_begin(d.sched, note_progress, &d);
     for (int i = 1; i <= 13; i++) expect_work(&d, &at, i, LIST(2 * i - 2, 2 * i - 1));
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(12 + i));
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
     assert_int_equal(d.n_sent, at);
-    close_desk(&d);
+    close_fake_ranks(&d);
 
     /* up to 16 ranks each gets a second one, though 49/64 is less than a tile, and rank 0 renders */
     for (int ranks = 16; ranks <= 17; ranks++) {
         at = 0;
-        open_desk(&d, ranks, NULL, 7, 7, false);
+        open_fake_ranks(&d, ranks, NULL, 7, 7, false);
         bis_sched_begin(d.sched, note_progress, &d);
         for (int i = 1; i < ranks; i++) expect_work(&d, &at, i, LIST(i - 1));
         for (int i = 1; i < ranks && ranks == 16; i++) expect_work(&d, &at, i, LIST(14 + i));
         assert_int_equal(d.n_sent, at);
         if (ranks == 16) assert_int_equal(bis_sched_deal_next(d.sched), 30);
-        close_desk(&d);
+        close_fake_ranks(&d);
     }
 }
 
@@ -787,10 +787,10 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
 {
     static const int batches[21] = {[8] = 8, [14] = 6, [17] = 3, [19] = 2, [20] = 1};
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0;
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     d.ranks.rank = 1;
     for (int i = 0; i < d.film.width * d.film.height; i++)
         d.w.pass[i].L.r = (float)(i / d.film.width / 16 * 7 + i % d.film.width / 16);
@@ -825,54 +825,54 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
         m = bis_sched_put(m, &(bis_sched_tile){.tile = 10}, sizeof(bis_sched_tile));
         if (to) m = bis_sched_put(m, &(bis_sched_tile){.tile = 47}, sizeof(bis_sched_tile));
         d.n_answer = (size_t)(m - d.answer);
-        d.stops = true; /* the next letter */
+        d.stops = true; /* the next message */
         bis_sched_begin(d.sched, note_progress, &d);
         assert_int_equal(bis_sched_work_next(d.sched), -1);
-        if (to) expect_letter(&d, &at, 2, BIS_SCHED_WORK, 0, true, LIST(10, 47));
-        else expect_letter(&d, &at, 0, BIS_SCHED_WORK, 0, true, LIST(10));
+        if (to) expect_message(&d, &at, 2, BIS_SCHED_WORK, 0, true, LIST(10, 47));
+        else expect_message(&d, &at, 0, BIS_SCHED_WORK, 0, true, LIST(10));
         const sent *s = &d.sent[at - 1];
         assert_true(s->known == s->last.tile);
     }
     assert_int_equal(d.n_sent, at);
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
-/* Tiles that took no time by the clock: a batch is as many as a letter holds, and the rest, 17, can be moved as well.
+/* Tiles that took no time by the clock: a batch is as many as a message holds, and the rest, 17, can be moved as well.
  */
 static void tiles_that_took_no_time_are_dealt_out_too(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0, tiles[49];
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     for (int t = 0; t < 49; t++) tiles[t] = t, d.sched->owner[t] = 1;
     d.sched->knows = true;
     bis_sched_begin(d.sched, note_progress, &d);
     expect_work(&d, &at, 1, tiles, 32);
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 2, false, tiles + 32, 17);
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 2, false, tiles + 32, 17);
     assert_int_equal(d.n_sent, at);
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
-/* For a checkpoint: 40 tiles of rank 1 are more than a letter holds; 5 of rank 2; those of rank 0 and nobody stay. */
+/* For a checkpoint: 40 tiles of rank 1 are more than a message holds; 5 of rank 2; those of rank 0 and nobody stay. */
 static void what_others_have_learned_is_asked_for(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
     int at = 0, tiles[40];
 
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
     for (int t = 0; t < 49; t++) d.sched->owner[t] = t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_SCHED_NOBODY;
     for (int i = 0; i < 40; i++) tiles[i] = 2 + i;
     d.film.passes = 7;
     d.gives = true;
     bis_sched_gather(d.sched);
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, tiles, 32);
-    expect_letter(&d, &at, 1, BIS_SCHED_GIVE, 0, false, tiles + 32, 8);
-    expect_letter(&d, &at, 1, BIS_SCHED_STOP, 0, false, tiles, 0);
-    expect_letter(&d, &at, 2, BIS_SCHED_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
-    expect_letter(&d, &at, 2, BIS_SCHED_STOP, 0, false, tiles, 0);
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 0, false, tiles, 32);
+    expect_message(&d, &at, 1, BIS_SCHED_GIVE, 0, false, tiles + 32, 8);
+    expect_message(&d, &at, 1, BIS_SCHED_STOP, 0, false, tiles, 0);
+    expect_message(&d, &at, 2, BIS_SCHED_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
+    expect_message(&d, &at, 2, BIS_SCHED_STOP, 0, false, tiles, 0);
     assert_int_equal(d.n_sent, at);
     assert_true(d.step.next == BIS_SCHED_GATHER && d.step.passes == 7 && d.step.status == BIS_OK);
     const unsigned char *known = (const unsigned char *)d.w.visibility.known;
@@ -886,14 +886,14 @@ static void what_others_have_learned_is_asked_for(void **state)
     /* the first pass after a checkpoint that was read: rank 0 has it all, and sends it with its tiles */
     d.n_sent = at = 0;
     bis_sched_begin(d.sched, note_progress, &d);
-    expect_letter(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(0, 1, 2, 3, 4, 5));
-    expect_letter(&d, &at, 2, BIS_SCHED_WORK, 0, true, LIST(6, 7));
+    expect_message(&d, &at, 1, BIS_SCHED_WORK, 0, true, LIST(0, 1, 2, 3, 4, 5));
+    expect_message(&d, &at, 2, BIS_SCHED_WORK, 0, true, LIST(6, 7));
     assert_int_equal(bis_sched_deal_next(d.sched), 10);
     assert_true(d.sched->owner[0] == 1 && d.sched->owner[6] == 2 && d.sched->owner[10] == 0 && d.sched->owner[48] == 0);
-    close_desk(&d);
+    close_fake_ranks(&d);
 
     /* nothing is learned: nothing is asked for, and nobody owns anything */
-    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
     d.film.passes = 7;
     bis_sched_gather(d.sched);
     assert_true(d.n_sent == 0 && d.step.passes == 0);
@@ -906,19 +906,19 @@ static void what_others_have_learned_is_asked_for(void **state)
     assert_memory_equal(&d.step.pass, &pass, sizeof pass);
     bis_sched_call(d.sched, NULL, BIS_INPUT);
     assert_true(d.step.next == BIS_SCHED_END && d.step.status == BIS_INPUT);
-    close_desk(&d);
+    close_fake_ranks(&d);
 }
 
-/* A whole pass: each letter is answered in its turn. */
+/* A whole pass: each message is answered in its turn. */
 static void every_tile_is_rendered_once(void **state)
 {
     (void)state;
-    static desk d;
+    static fake_ranks d;
 
     for (int kind = 0; kind < 6; kind++) {
         int times[49] = {0}, stops[17] = {0}, t;
 
-        open_desk(&d, kind < 4 ? 4 : 17, NULL, 7, 7, kind & 1);
+        open_fake_ranks(&d, kind < 4 ? 4 : 17, NULL, 7, 7, kind & 1);
         for (int i = 0; i < 49 && kind & 1; i++) d.sched->owner[i] = kind == 1 ? 1 : kind == 3 ? i % 5 - 1 : i % 18 - 1;
         d.answers_all = true;
         bis_sched_begin(d.sched, note_progress, &d);
@@ -939,7 +939,7 @@ static void every_tile_is_rendered_once(void **state)
         }
         assert_true(d.progress == 1 && d.sched->over);
         assert_int_equal(bis_sched_next(d.sched, 1), -1); /* the other threads stop */
-        close_desk(&d);
+        close_fake_ranks(&d);
     }
 }
 

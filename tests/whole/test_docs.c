@@ -262,6 +262,18 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
     }
 }
 
+static void a_place_that_is_not_where_the_map_of_src_says_is_found(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("cd build && rm -rf map_check && mkdir -p map_check/docs && "
+                           "cp ../docs/guide.md map_check/docs/ && cp -R ../src ../include map_check/"), 0);
+    assert_int_equal(shell("sh scripts/check/check_guide.sh build/map_check"), 0);
+    assert_int_equal(shell("sed -i 's/^| a candidate gets its weight | `weigh`/| x | `no_such_name`/' "
+                           "build/map_check/src/README.md"), 0);
+    assert_int_equal(shell("sh scripts/check/check_guide.sh build/map_check | "
+                           "grep -qx 'src/README.md:[0-9]*: src/thesis/set.c has no no_such_name'"), 0);
+}
+
 /* The twin of "every section of chapters 3 and 4 has something to do", which the check of equations above does, too. */
 static void a_section_without_a_task_or_its_answer_is_found(void **state)
 {
@@ -723,6 +735,7 @@ int main(void)
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
+        cmocka_unit_test(a_place_that_is_not_where_the_map_of_src_says_is_found),
         cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),

@@ -34,6 +34,8 @@ typedef struct bis_clusters {
     float *memory;         /* what holds them */
 } bis_clusters;
 
+/* 256 clusters of 64 directions have the error of 1024 of 32, and take 3 us less at each point (relmse of the dragon
+ * under Grace Cathedral, 256 candidates and 30 rays, 4 passes). */
 enum {
     BIS_CLUSTER_DIRECTIONS = 64,
     BIS_CLUSTERS = 256,    /* the largest K of bis_clusters_init */

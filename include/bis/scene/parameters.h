@@ -39,9 +39,6 @@ enum { BIS_MAX_CHOICES = 5 }; /* values of an enum */
 /* All rows, in the order of docs/scene-format.md. A row without a name ends the table. */
 extern const bis_parameter bis_parameters[];
 
-/* bis_parameter_reads returns whether the integrator reads this row. */
-bool bis_parameter_reads(const bis_parameter *p, const bis_integrator *integrator);
-
 /* bis_parameter_next returns the row after p that the integrator reads, the first one if p is NULL, or NULL if there
  * is none. An integrator reads at most one row of a name. */
 const bis_parameter *bis_parameter_next(const bis_integrator *integrator, const bis_parameter *p);

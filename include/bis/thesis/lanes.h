@@ -67,6 +67,17 @@ static inline BIS_INLINE float bis_lanes_choose(int yes, float a, float b)
     return bis_float_of_bits((bis_bits_of_float(a) & mask) | (bis_bits_of_float(b) & ~mask));
 }
 
+/* bis_lanes_sum returns the sum of a block. It is added in halves, as vectors of any width add it, so the bits do not
+ * depend on the width. */
+static inline BIS_INLINE float bis_lanes_sum(const float v[BIS_LANES_BLOCK])
+{
+    float a[8], c[4];
+
+    for (int i = 0; i < 8; i++) a[i] = v[i] + v[i + 8];
+    for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
+    return (c[0] + c[2]) + (c[1] + c[3]);
+}
+
 /* bis_lanes_log1m returns log(1 - x) for 0 <= x < 1 with a relative error below 2^-22, also for x near 0; for this
  * reason the argument is x and not 1 - x. 1 - x = 2^e (1 + d) with 1 + d between sqrt(1/2) and sqrt(2). If e = 0, d
  * is -x itself, before 1 - x was rounded. log(1+d) = d - d^2/2 + d^3 P(d), where P interpolates at Chebyshev's nodes

@@ -233,7 +233,8 @@ static void put_candidates(bis_json *j, const bis_pixel_report *r)
     bis_json_close(j);
 }
 
-bis_status bis_pixel_put_page(bis_json *j, const bis_pixel_report *r, bis_diag *diag)
+/* What the page shows beyond the report, into an open object. */
+static bis_status put_page(bis_json *j, const bis_pixel_report *r, bis_diag *diag)
 {
     char material[64];
     const bis_status status = put_sphere(j, r, diag);
@@ -256,7 +257,7 @@ bis_status bis_pixel_write_page(const char *path, const bis_pixel_report *r, bis
     if (status) return status;
     bis_json_open(&j, NULL, '{');
     bis_pixel_put_report(&j, r);
-    status = bis_pixel_put_page(&j, r, diag);
+    status = put_page(&j, r, diag);
     bis_json_close(&j);
     bis_pixel_print_text(page.text, r);
     return bis_page_end(&page, status, path, bis_pixel_page, what, diag);

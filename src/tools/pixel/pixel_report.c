@@ -49,8 +49,8 @@ static bool has_samples(const bis_settings *s)
 
 /* ---- text ---- */
 
-static const double too_skew =
-    0.1; /* beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6 */
+/* Beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6. */
+static const double too_skew = 0.1;
 
 static void print_vector(FILE *out, const char *name, vec3 v, const bis_pixel_report *r, bool direction)
 {

@@ -47,8 +47,7 @@ bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag);
 
 enum { BIS_PIXEL_SPHERE_WIDTH = 720, BIS_PIXEL_SPHERE_HEIGHT = 360, BIS_PIXEL_SPHERE_DECADES = 7 };
 
-/* bis_pixel_put_page writes what the page shows beyond the report, into an open object: the densities q_L (eq. 4.2),
- * q_f (4.3), their product p (4.4) and what of it is seen over the whole sphere, all rays, all candidates that weigh
- * something. bis_pixel_write_page writes the page. Errors: BIS_IO, BIS_NOMEM. */
-bis_status bis_pixel_put_page(bis_json *j, const bis_pixel_report *r, bis_diag *diag);
+/* bis_pixel_write_page writes the page: the report; the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4) and
+ * what of it is seen over the whole sphere; all rays; all candidates that weigh something. Errors: BIS_IO,
+ * BIS_NOMEM. */
 bis_status bis_pixel_write_page(const char *path, const bis_pixel_report *r, bis_diag *diag);

@@ -186,7 +186,8 @@ static void put_method(bis_json *j, const bis_trade *t)
 
 /* ---- the page ---- */
 
-bis_status bis_trade_put_values(FILE *out, const bis_trade *t, bis_diag *diag)
+/* All values, an object. */
+static bis_status put_values(FILE *out, const bis_trade *t, bis_diag *diag)
 {
     bis_json j = {.out = out};
 
@@ -245,7 +246,7 @@ bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag)
     bis_status status = bis_page_begin(&page, what, diag);
 
     if (status) return status;
-    status = bis_trade_put_values(page.json, t, diag);
+    status = put_values(page.json, t, diag);
     put_text(page.text, t);
     return bis_page_end(&page, status, bis_trade_path(path, t, "report.html"), bis_trade_page, what, diag);
 }

@@ -18,9 +18,6 @@ bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 /* bis_trade_print_summary prints what a user wants to know at once: the advice in short, and where the page is. */
 void bis_trade_print_summary(FILE *out, const bis_trade *t);
 
-/* bis_trade_put_values writes all values of the page, an object. Errors: BIS_NOMEM. */
-bis_status bis_trade_put_values(FILE *out, const bis_trade *t, bis_diag *diag);
-
 /* --- trade_strips.c --- */
 
 /* bis_trade_exposure sets *exposure to that of all pictures of the page: what `bis render` gives a PNG of the
