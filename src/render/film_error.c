@@ -169,7 +169,7 @@ static verdict of_twins(const bis_film *f, double q, double floor)
         const size_t i = 3 * ((size_t)(t.y - f->y0) * (size_t)f->width + (size_t)(t.x - f->x0));
         double error = 0;
         for (size_t c = 0; c < 3; c++) {
-            const double A = f->sum[i + c] / f->weight, B = f->twin[3 * t.at + c] / f->weight, mean = (A + B) / 2;
+            const double A = f->sum[i + c] / f->weight, B = f->twin[BIS_TWIN_VALUES * t.at + c] / f->weight, mean = (A + B) / 2;
             const double variance = (A - B) * (A - B) / 4; /* of this mean; that of A is twice as large */
             error += 2 * variance / (3 * truth(mean * mean, variance, floor));
         }
