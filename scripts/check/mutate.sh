@@ -603,12 +603,24 @@ exit
 # + edges = blocks(f->half_weight, W, 1);
 #
 # * film_error test_film_error : a twin has the variance of the mean of both
-# - error += 2 * variance
-# + error += variance
+# - of_twin += 2 * variance
+# + of_twin += variance
 #
 # * film_error test_film_error test_budgets : few twins are as sure as many
-# - (N * q - 1) / n};
-# + (N * q - 1) / N};
+# - f->height * q / n};
+# + f->height * q / ((double)f->width * f->height)};
+#
+# * film_error test_film_error : a bright sample is its own truth
+# - around + sqrt(fmax(0, apart * apart - variance))
+# + mean
+#
+# * film_error test_film_error : twins count in full, however bright
+# - both > most ? most / both : 1;
+# + both > HUGE_VAL ? most / both : 1;
+#
+# * film test_film_error : a twin has no half
+# - half[k] = sum[k] / f->weight;
+# + half[k] = 0 * sum[k];
 #
 # * film_twins test_film : twins on a regular grid
 # - const uint64_t place = bis_hash(bis_hash((uint64_t)y) + (uint64_t)x);

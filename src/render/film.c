@@ -194,6 +194,17 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight)
     f->hits[i] = (float)((double)f->hits[i] + weight * hit);
 }
 
+void bis_film_add_twin(bis_film *f, const bis_twin *t, rgb L, double weight)
+{
+    const double c[3] = {(double)L.r, (double)L.g, (double)L.b};
+    double *const sum = f->twin + BIS_TWIN_VALUES * t->at, *const half = sum + 3;
+
+    for (int k = 0; k < 3; k++) {
+        if (has_doubled(f)) half[k] = sum[k] / f->weight;
+        sum[k] += weight * c[k];
+    }
+}
+
 void bis_film_resolve(const bis_film *f, float *rgba)
 {
     size_t n = (size_t)f->width * (size_t)f->height;
@@ -222,5 +233,5 @@ size_t bis_film_bytes(const bis_film *f)
 {
     return (size_t)f->width * (size_t)f->height *
                (BIS_FILM_BYTES + (size_t)f->layers.n_values * sizeof *f->layers.sum) +
-           (f->twin ? bis_film_twins(f) * 3 * sizeof *f->twin : 0);
+           (f->twin ? bis_film_twins(f) * BIS_TWIN_VALUES * sizeof *f->twin : 0);
 }

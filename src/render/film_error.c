@@ -3,35 +3,34 @@
  *
  * The error is the relative RMSE of docs/budgets.md, "Error": the root of the mean, over pixels and channels, of
  * (a-b)^2 / (b^2 + m^2/100). a is the picture, b the truth, m the mean of b. The variance of each pixel's mean stands
- * in for (a-b)^2, and the picture itself for b.
+ * in for (a-b)^2, and means of the picture for b.
  *
  * The variance. If the camera samples of a pixel are independent, the scatter of the passes tells it (eq. 3.9;
  * docs/errata.md E32). Otherwise a sequence spreads them over the pixel: each pass fills gaps that earlier ones left,
  * and the scatter is too large, at edges twofold and more. Two things are then known.
  *
- * Twins (film_twins.c). Some pixels are rendered twice, with random numbers of their own. Let A and B be the means of
- * the two: E (A - B)^2 / 2 is the variance of A, whatever the sequence does. In place of b stands the mean of both.
- * Nothing is assumed of the sequence, but twins are few: how unevenly the pixels share the error says how far the mean
- * of these errors may be off (see of_twins).
- *
  * Halves. Let A and B be the means of the two halves of a pixel's samples. Both have the variance V(n/2), because a
  * scrambled sequence treats its two halves alike, and their mean has V(n) = (V(n/2) + cov(A, B))/2. Therefore
  *     E (A - B)^2 / 4 = (V(n/2) - cov(A, B))/2 = V(n/2) - V(n).
  * (The same holds for one sample in each of n cells whose halves interleave as sampler.c has it: V(n/2) is then that
- * of one sample in each pair of cells.) All pixels say so, but it must be assumed how V falls: noise falls as 1/n, so
- * its part of the difference is V(n) itself; the error at an edge through the pixel falls as n^-3/2 (Owen 1997), so
- * that its part is 2^(3/2) - 1 times V(n). Edges are taken for 0.7 of the difference. The error at edges falls by
- * steps, because the camera's points mirror each other (sampler.c), and checks of a third of a pixel are seen by 8
- * samples and not by 4: what comes of the halves is off by halves_spread. n need not be a power of two: where the end
- * is known, the film chooses a half of a third to two thirds (see blocks).
+ * of one sample in each pair of cells.) All pixels say so, and they say it of this very picture: a rare bright sample
+ * adds as much to the difference as to the error. But V(n) is not the difference. Noise falls as 1/n, so its part of
+ * the difference is V(n) itself; the error at an edge through the pixel falls as n^-3/2 (Owen 1997), so that its part
+ * is 2^(3/2) - 1 times V(n); and the error at edges falls by steps, because the camera's points mirror each other
+ * (sampler.c), and checks of a third of a pixel are seen by 8 samples and not by 4. n need not be a power of two: where
+ * the end is known, the film chooses a half of a third to two thirds (see blocks).
  *
- * The two are independent but for A itself, and are weighed as such: the mean of the logarithms, each by one over its
- * variance. In small pictures halves say most, in large ones twins.
+ * Twins (film_twins.c). Some pixels are rendered twice, with random numbers of their own. Let A and B be the means of
+ * the two: E (A - B)^2 / 2 is the variance of A, whatever the sequence does. Twins are few, and bright samples are
+ * rare, so the sum of these squares is known badly. But what is missing is one number of the picture, V(n) over the
+ * difference of the halves, and twins tell it well (see of_twins). Where they say little, edges are taken for 0.7 of
+ * the difference.
  *
- * The truth. Errors are weighed by the geometric mean of two stand-ins for b^2: mean^2, which holds the variance as
- * well, so that a lone bright sample hides behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth
- * 0.70); and mean^2 less the variance, right in expectation, but 0 just there, as if the pixel were black. Noise that
- * is small beside the mean does not see it. Of a twin the mean is that of both.
+ * The truth. If the pixel's own mean stood for b, a rare bright sample would hide behind its own brightness. If the
+ * mean of the pixels around it did, edges and fine texture would be wrong. Let d part the two. Where the pixel is the
+ * brighter one, d^2 is too large by the variance, and one bright sample makes all of it; so d^2 less the variance is
+ * taken, and its root added to the mean around. A darker pixel stands for itself. How far apart the picture's sums are
+ * with the pixel's square in place of b^2 and with that square less its variance, tells how far this may be off.
  *
  * No estimate knows of lights that no pass has found yet. */
 #include "bis/render/film.h"
@@ -44,8 +43,14 @@ static const double normal_95 = 1.645; /* the 95% point of a normal */
 /* What edges are taken to have of the difference of the halves. */
 static const double usual_share = 0.7;
 
-/* Standard deviation of what the halves are off, a logarithm of the squared error; measured (docs/budgets.md). */
+/* Standard deviation of what the halves are off then, a logarithm of the squared error; measured (docs/budgets.md). */
 static const double halves_spread = 0.25;
+
+/* No pixel counts for more than this many times the mean in what twins tell, nor in what noise does to the sum. */
+static const double most_of_mean = 20;
+
+/* Relative variance of what stands for b^2 where single pixels have large errors, measured (docs/budgets.md). */
+static const double truth_spread = 0.4;
 
 /* The variance of the mean of value i if the n > 1 passes are independent (eq. 3.9). A pass of weight w is the mean
  * of w camera samples: its variance is v/w, sum w (L - mean)^2 over n - 1 estimates v, and the mean over a weight W
@@ -82,27 +87,6 @@ static expected blocks(double P, double W, double p)
                       .halves = (first + rest - 2 * cov) * P * m / (W * W)};
 }
 
-/* What stands for b^2 + m^2/100, where a mean has this square and this variance. Where estimates are not negative, the
- * variance is at most the square. A control variate may leave some that are. */
-static double truth(double square, double variance, double floor)
-{
-    return sqrt(square + floor) * sqrt(fmax(0, square - variance) + floor); /* a product may underflow */
-}
-
-/* A pixel's expected (a-b)^2 / (b^2 + m^2/100), the mean over its channels, by its passes or its halves. */
-static double error_of_pixel(const bis_film *f, size_t i, double floor)
-{
-    double error = 0;
-
-    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
-        const double mean = f->sum[k] / f->weight, scatter = bis_film_variance(f, k);
-        const double variance = f->independent ? scatter : variance_of_halves((double)f->half[k], mean, f->half_weight,
-                                                                               f->weight);
-        error += variance / (3 * truth(mean * mean, scatter, floor));
-    }
-    return error;
-}
-
 /* m^2/100 of relMSE, m the mean of the picture; 0 where it is black. */
 static double floor_of(const bis_film *f)
 {
@@ -114,131 +98,188 @@ static double floor_of(const bis_film *f)
     return mean * mean / 100;
 }
 
-/* A sum over pixels of their errors, and what its own noise is. */
+/* The mean of the pixels around pixel i, at most 8; its own where there are none. */
+static void means_around(const bis_film *f, size_t i, double mean[3])
+{
+    const size_t width = (size_t)f->width, height = (size_t)f->height, x = i % width, y = i / width;
+    const size_t x0 = x ? x - 1 : 0, x1 = x + 1 < width ? x + 2 : width;
+    double sum[3] = {0, 0, 0}, n = 0;
+
+    for (size_t v = y ? y - 1 : 0; v < height && v <= y + 1; v++)
+        for (size_t u = x0; u < x1; u++) {
+            if (u == x && v == y) continue;
+            for (size_t c = 0; c < 3; c++) sum[c] += f->sum[3 * (v * width + u) + c];
+            n++;
+        }
+    for (size_t c = 0; c < 3; c++) mean[c] = (n > 0 ? sum[c] / n : f->sum[3 * i + c]) / f->weight;
+}
+
+/* What stands for b^2, where a mean has this variance, and the pixels around it have the mean `around`. */
+static double truth(double mean, double variance, double around)
+{
+    const double apart = mean - around;
+    const double b = apart > 0 ? around + sqrt(fmax(0, apart * apart - variance)) : mean;
+    return b * b;
+}
+
+/* Expected (a-b)^2 / (b^2 + m^2/100) of a pixel or a picture; then with the two ends for b^2. */
+typedef struct errors {
+    double likely, least, most;
+} errors;
+
+/* Those of a pixel, the means over its channels, by its passes or its halves. */
+static errors errors_of_pixel(const bis_film *f, size_t i, double floor)
+{
+    errors e = {0, 0, 0};
+    double around[3];
+
+    means_around(f, i, around);
+    for (size_t c = 0; c < 3; c++) {
+        const size_t k = 3 * i + c;
+        const double mean = f->sum[k] / f->weight, square = mean * mean, scatter = bis_film_variance(f, k);
+        const double variance = f->independent ? scatter : variance_of_halves((double)f->half[k], mean, f->half_weight,
+                                                                               f->weight);
+        const double larger = fmax(scatter, variance);
+        e.likely += variance / (3 * (truth(mean, larger, around[c]) + floor));
+        e.least += variance / (3 * (square + floor));
+        e.most += variance / (3 * (fmax(0, square - larger) + floor));
+    }
+    return e;
+}
+
+/* Sums over pixels. */
 typedef struct total {
-    double sum;
-    double q;     /* the sum of squares over the square of the sum */
-    double doubt; /* relative variance of the sum, if the samples of a pixel are normal and its channels alike */
+    errors sum;
+    double q; /* of the likely errors, none above `most`: the sum of their squares over the square of their sum */
 } total;
 
-/* Threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits.
- * An error X of a pixel with `dof` degrees of freedom has E X^2 = (1 + 2/dof) Y^2 and the variance 2 Y^2/dof, where Y
- * is its expectation. Pixels have independent random numbers, so the variance of the sum is 2/(dof + 2) times the sum
- * of X^2. Where the samples are not normal, X^2 holds more and the doubt grows, too. */
-static total sum_over(const bis_film *f, double floor)
+/* Threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits. */
+static total sum_over(const bis_film *f, double floor, double most)
 {
     enum { BLOCK = 1024 };
     const size_t n = (size_t)f->width * (size_t)f->height;
-    const double dof = f->independent ? f->passes - 1.0 : 1;
+    errors all = {0, 0, 0};
     double sum = 0, squares = 0;
 
 #pragma omp parallel for ordered schedule(dynamic)
     for (size_t first = 0; first < n; first += BLOCK) {
         const size_t end = first + BLOCK < n ? first + BLOCK : n;
-        double e[BLOCK];
-        for (size_t i = first; i < end; i++) e[i - first] = error_of_pixel(f, i, floor);
+        errors e[BLOCK];
+        for (size_t i = first; i < end; i++) e[i - first] = errors_of_pixel(f, i, floor);
 #pragma omp ordered
         for (size_t i = 0; i < end - first; i++) {
-            sum += e[i];
-            squares += e[i] * e[i];
+            const double counts = fmin(e[i].likely, most);
+            all.likely += e[i].likely;
+            all.least += e[i].least;
+            all.most += e[i].most;
+            sum += counts;
+            squares += counts * counts;
         }
     }
-    const double q = sum > 0 ? squares / sum / sum : 0;
-    return (total){sum, q, q * (2 / (dof + 2))};
+    return (total){all, sum > 0 ? squares / sum / sum : 0};
 }
 
 /* May a sum of that doubt be weighed? Squares of tiny terms underflow; a forged file may hold anything. */
 static bool is_weighable(double doubt) { return doubt > 0 && isfinite(doubt); }
 
-/* What the film tells of the sum over pixels of V(n): its logarithm, and the variance of that. */
+/* A logarithm, and its variance. */
 typedef struct verdict {
-    double log_sum, doubt;
+    double log, doubt;
 } verdict;
 
-/* The mean over n twins of (A - B)^2 / 2 / (b^2 + m^2/100), times the number of pixels N. Its relative variance is
- * (N q - 1)/n, where q is the sum of squares of the errors of all pixels over the square of their sum. The halves tell
- * q, because a twin's difference has one degree of freedom, as theirs has. The twins could tell it themselves; but
- * where few pixels carry the error, the twins have often met none of them: 4 twins of a picture of 99 pixels agreed
- * that it has a third of its error. */
-static verdict of_twins(const bis_film *f, double q, double floor)
+/* V(n) over the variance by the halves, as the twins tell it: the sums of both over all twins. A twin has two means of
+ * halves, which lie as far from its two means as the error of both wants, so that a bright sample in one of the two
+ * adds as much to either sum. Twins whose errors are above `most` are scaled down to it, because a few of them would
+ * otherwise tell the ratio. A difference of normal values of expected square Y has the variance 2 Y^2, the mean of two
+ * Y^2: a twin's share of the ratio has 3 Y^2, which is what q counts of a pixel (see sum_over and
+ * bis_film_estimate_error), so the relative variance is N q/n with n twins of N pixels. All pixels tell q: where few
+ * pixels carry the error, few twins have often met none of them, and agree. */
+static verdict of_twins(const bis_film *f, double q, double floor, double most)
 {
-    const double N = (double)f->width * f->height;
-    double sum = 0, n = 0;
+    const double P = f->half_weight, W = f->weight;
+    double error = 0, halves = 0, n = 0;
 
-    for (bis_twin t = {0}; bis_film_next_twin(f, bis_film_crop(f), &t); n++) {
-        const size_t i = 3 * ((size_t)(t.y - f->y0) * (size_t)f->width + (size_t)(t.x - f->x0));
-        double error = 0;
+    for (bis_twin t = {0}; f->twin && bis_film_next_twin(f, bis_film_crop(f), &t); n++) {
+        const size_t i = (size_t)(t.y - f->y0) * (size_t)f->width + (size_t)(t.x - f->x0);
+        const double *const twin = f->twin + BIS_TWIN_VALUES * t.at;
+        double of_twin = 0, of_halves = 0, around[3];
+        means_around(f, i, around);
         for (size_t c = 0; c < 3; c++) {
-            const double A = f->sum[i + c] / f->weight, B = f->twin[3 * t.at + c] / f->weight, mean = (A + B) / 2;
+            const double A = f->sum[3 * i + c] / W, B = twin[c] / W, mean = (A + B) / 2;
             const double variance = (A - B) * (A - B) / 4; /* of this mean; that of A is twice as large */
-            error += 2 * variance / (3 * truth(mean * mean, variance, floor));
+            const double weight = 1 / (truth(mean, variance, around[c]) + floor);
+            of_twin += 2 * variance * weight / 3;
+            of_halves += (variance_of_halves((double)f->half[3 * i + c], A, P, W) +
+                          variance_of_halves(twin[3 + c], B, P, W)) * weight / 6;
         }
-        sum += error;
+        const double both = of_twin + of_halves, scale = both > most ? most / both : 1;
+        error += of_twin * scale;
+        halves += of_halves * scale;
     }
-    return (verdict){log(sum / n * N), (N * q - 1) / n}; /* a sum of 0 says nothing: its logarithm is infinite */
+    return (verdict){log(error / halves), (double)f->width * f->height * q / n}; /* without twins it says nothing */
 }
 
-/* The mean of the two, each weighed by one over its doubt. b may say nothing. */
-static verdict both(verdict a, verdict b)
-{
-    if (!isfinite(b.log_sum) || !is_weighable(b.doubt)) return a;
-    const double of_a = b.doubt / (a.doubt + b.doubt);
-    return (verdict){of_a * a.log_sum + (1 - of_a) * b.log_sum, of_a * a.doubt};
-}
-
-/* By the halves alone, if edges have this share of what they differ. whole : halves is what the sum of V is to it; for
- * noise and for edges each is scaled so that V(n/2) - V(n) is 1 for n = W. */
-static verdict of_halves(const bis_film *f, total seen, double share)
+/* The same, if edges have this share of what the halves differ. For noise and for edges each is scaled so that
+ * V(n/2) - V(n) is 1 for n = W. */
+static verdict of_halves(const bis_film *f, double share)
 {
     const double W = f->weight, a = (1 - share) * W, b = share * pow(W, 1.5) / (exp2(1.5) - 1);
     const expected noise = blocks(f->half_weight, W, 1), edges = blocks(f->half_weight, W, 1.5);
     const double whole = a * noise.whole + b * edges.whole, halves = a * noise.halves + b * edges.halves;
 
-    return (verdict){log(seen.sum * (whole / halves)), seen.doubt + halves_spread * halves_spread};
+    return (verdict){log(whole / halves), halves_spread * halves_spread};
 }
 
-/* Let R be the mean of the pixels' errors: the estimate of relMSE. Two things part R from the error that this very
- * picture has: R is itself an estimate, and the error is one draw. A pixel's squared error of expectation Y has the
- * variance 2 Y^2 (normal, its channels alike). An error of one degree of freedom has the same, so the draw has the
- * doubt of such a sum. The bound is e to 1.645 standard deviations of both times R, where halves count as if all were
- * noise: with rare bright samples they are 0.7 to 0.8 of the truth otherwise (rooms with a small window).
+/* The mean of the two, each weighed by one over its doubt. b may say nothing. */
+static verdict both(verdict a, verdict b)
+{
+    if (!isfinite(b.log) || !is_weighable(b.doubt)) return a;
+    const double of_a = b.doubt / (a.doubt + b.doubt);
+    return (verdict){of_a * a.log + (1 - of_a) * b.log, of_a * a.doubt};
+}
+
+/* Let R be the mean of the pixels' errors: the estimate of relMSE. What parts R from the error that this very picture
+ * has? With d degrees of freedom a pixel's variance X of expectation Y has the variance 2 Y^2/d, and its squared error
+ * Z has 2 Y^2, if all is normal. Where samples are not, as where few are bright, X and Z both have more, but Z - X has
+ * the same (2 + 2/d) Y^2: of the means A and B of two halves it is A B, and E (A B)^2 = E A^2 E B^2. The mean of X^2 is
+ * (1 + 2/d) Y^2 for normal values, and more otherwise; so errors count for at most 20 times their mean there.
+ * Three things add to it: what is known of the ratio; the truth of single pixels, by how much more these carry if they
+ * count in full; and that of all, by the width between the two ends, which is taken for 10 standard deviations. The
+ * bound is e to 1.645 standard deviations of all times R, where halves count as if all were noise.
  *
  * But with few samples R is too low where noise is skewed: pixels whose mean came out low show little scatter,
- * and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every
+ * and are weighed most. The loss falls with 1/n; R (1 + 0.5/n) made good for it with exponential noise of 40% on every
  * third pixel (tests/render/test_film_error.c).
  *
  * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
  * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/budgets.md).
- * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. Beyond that
- * few pixels carry most of R, and in pictures of this kind R itself is often wrong. Neither holds where R is more
- * than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of the pixels
- * cannot stand for the truth. */
+ * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. Neither holds
+ * where R is more than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of
+ * the pixels cannot stand for the truth. */
 bis_film_error bis_film_estimate_error(const bis_film *f)
 {
-    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 1.5, most_rmse = 0.5;
+    const double n = (double)f->width * f->height, nan = (double)NAN, skew = 0.5, most_rmse = 0.5;
     const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.2, doubt_of_bound = 0.4;
+    const double dof = f->independent ? f->passes - 1.0 : 1;
 
     if (f->passes < 2) return (bis_film_error){nan, nan, false, false};
     const double floor = floor_of(f);
     if (floor == 0) return (bis_film_error){0, 0, true, true}; /* black, hence without scatter */
-    const total seen = sum_over(f, floor);
-    if (seen.sum == 0) return (bis_film_error){0, 0, true, true};
-    if (!is_weighable(seen.doubt)) return (bis_film_error){nan, nan, false, false};
-    verdict v = {log(seen.sum), seen.doubt}, high = v;
+    const total all = sum_over(f, floor, HUGE_VAL);
+    if (all.sum.likely == 0) return (bis_film_error){0, 0, true, true};
+    const double most = most_of_mean * all.sum.likely / n, q = sum_over(f, floor, most).q;
+    if (!is_weighable(q)) return (bis_film_error){nan, nan, false, false};
+    verdict ratio = {0, 0}, high = {0, 0};
     if (!f->independent) {
-        v = of_halves(f, seen, usual_share);
-        high = of_halves(f, seen, 0);
+        const verdict twins = of_twins(f, q, floor, most);
+        ratio = both(of_halves(f, usual_share), twins);
+        high = both(of_halves(f, 0), twins);
     }
-    if (f->twin) {
-        const verdict twins = of_twins(f, seen.q, floor);
-        v = both(v, twins);
-        high = both(high, twins);
-    }
-    const double draw = seen.doubt * (f->independent ? f->passes - 1.0 : 1), bias = 1 + skew / f->weight;
-    const double rmse = sqrt(exp(v.log_sum) / n), doubt = sqrt(v.doubt + draw);
-    return (bis_film_error){
-        .relative_rmse = rmse,
-        .upper = sqrt(exp(high.log_sum) / n * bias * exp(normal_95 * doubt)),
-        .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
-        .is_bounded = doubt <= doubt_of_bound && rmse <= most_rmse};
+    const double mean = all.sum.likely / n, rmse = sqrt(mean * exp(ratio.log));
+    const double noise = q / (1 + 2 / dof) * (2 + 2 / dof), ends = log(all.sum.most / all.sum.least) / 10;
+    const double doubt = sqrt(noise + ratio.doubt + truth_spread * fmax(0, all.q - q) + ends * ends);
+    return (bis_film_error){.relative_rmse = rmse,
+                            .upper = sqrt(mean * exp(high.log + normal_95 * doubt) * (1 + skew / f->weight)),
+                            .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
+                            .is_bounded = doubt <= doubt_of_bound && rmse <= most_rmse};
 }

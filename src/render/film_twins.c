@@ -59,14 +59,6 @@ bool bis_film_next_twin(const bis_film *f, bis_rect r, bis_twin *t)
 
 bis_status bis_film_want_twins(bis_film *f, bis_diag *diag)
 {
-    f->twin = bis_alloc(bis_film_twins(f), 3 * sizeof *f->twin);
+    f->twin = bis_alloc(bis_film_twins(f), BIS_TWIN_VALUES * sizeof *f->twin);
     return f->twin ? BIS_OK : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pixels that tell the error");
-}
-
-void bis_film_add_twin(bis_film *f, const bis_twin *t, rgb L, double weight)
-{
-    double *sum = f->twin + 3 * t->at;
-    sum[0] += weight * (double)L.r;
-    sum[1] += weight * (double)L.g;
-    sum[2] += weight * (double)L.b;
 }

@@ -248,7 +248,7 @@ static bool is_finite(const bis_film *f)
     for (size_t i = 0; i < 3 * n; i++)
         good &= isfinite(f->sum[i]) && isfinite(f->deviation[i]) && isfinite(f->half[i]);
     for (size_t i = 0; i < n; i++) good &= isfinite(f->hits[i]) != 0;
-    for (size_t i = 0; f->twin && i < 3 * bis_film_twins(f); i++) good &= isfinite(f->twin[i]) != 0;
+    for (size_t i = 0; f->twin && i < BIS_TWIN_VALUES * bis_film_twins(f); i++) good &= isfinite(f->twin[i]) != 0;
     for (size_t i = 0; i < n * (size_t)f->layers.n_values; i++) good &= isfinite(f->layers.sum[i]) != 0;
     return good;
 }

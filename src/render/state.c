@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 11, MAGIC = 8 };
+enum { FORMAT = 12, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -202,7 +202,7 @@ static uint64_t walk_twins(bis_walk *w, const bis_workspace *of)
     for (int i = 0; i < of->n_own; i++) {
         const bis_rect r = bis_film_tile_of_crop(of->film, BIS_RENDER_TILE, bis_workspace_own(of, i));
         for (bis_twin t = {0}; bis_film_next_twin(of->film, r, &t); n++)
-            if (w) bis_walk_f64s(w, of->film->twin + 3 * t.at, 3);
+            if (w) bis_walk_f64s(w, of->film->twin + BIS_TWIN_VALUES * t.at, BIS_TWIN_VALUES);
     }
     return n;
 }
@@ -212,7 +212,7 @@ uint64_t bis_state_sums_bytes(const bis_workspace *of)
     const bis_film *f = of->film;
     /* where nothing is learned, a tile has 0 cells */
     return pixels_of(of) * (BIS_FILM_BYTES + 8 * (uint64_t)f->layers.n_values) +
-           (f->independent ? 0 : walk_twins(NULL, of) * 3 * sizeof *f->twin) +
+           (f->independent ? 0 : walk_twins(NULL, of) * BIS_TWIN_VALUES * sizeof *f->twin) +
            (uint64_t)of->n_own * of->visibility.cells * sizeof(bis_seen);
 }
 

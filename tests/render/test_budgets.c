@@ -195,11 +195,11 @@ static void the_first_passes_forecast_what_an_error_will_take(void **state)
     assert_true(result.error.upper > 1e-9);
     bis_film_clear(&f);
 
-    options.budget = (bis_budget){.error = 10}; /* the first passes are enough: nothing to say */
+    options.budget = (bis_budget){.error = 10}; /* the first passes that know a bound are enough: nothing to say */
     k.n = 0;
     render(&f, &result, &w, part, &options);
     assert_int_equal(k.n, 0);
-    assert_int_equal(result.passes, 3);
+    assert_true(result.passes >= 3 && result.error.is_bounded && result.spp <= 8);
     bis_film_clear(&f);
     clear_world(&w);
 }
@@ -240,6 +240,7 @@ static void an_error_that_is_just_reached_is_reached(void **state)
     bis_film f;
     bis_render_result result;
     forecasts k = {0};
+    uint32_t reached = 0;
     make_dull_world(&w, &bis_em);
     bis_render_options options = {.budget = {.error = 1e-9, .spp = 20}, .forecast = keep_forecast, .user = &k};
     render(&f, &result, &w, part, &options);
@@ -251,7 +252,8 @@ static void an_error_that_is_just_reached_is_reached(void **state)
         options.user = &again;
         render(&f, &result, &w, part, &options);
         assert_int_equal(again.n, above);
-        assert_true(above ? result.passes > 3 : result.passes == 3);
+        assert_true(result.passes >= 3 && result.passes > (above ? reached : 0));
+        reached = result.passes;
         bis_film_clear(&f);
     }
     clear_world(&w);

@@ -404,7 +404,7 @@ static const field format_fields[] = {
     {"half", WRITTEN * 12, 2, 1, NULL},
     {"hits", WRITTEN * 4, WRITTEN * 4 - 2, 1, NULL},
     {"depth", WRITTEN * 8, WRITTEN * 8 - 2, 1, NULL},
-    {"twins", TWINS * 24, 6, 1, NULL},
+    {"twins", TWINS * 48, 6, 1, NULL},
     {"checksum", 8, 0, 1, "its checksum is wrong"},
 };
 
@@ -452,7 +452,7 @@ static void every_field_of_the_format_counts(void **state)
                           memcmp(m->film.sum, right->film.sum, 24 * n) == 0 &&
                           memcmp(m->film.deviation, right->film.deviation, 12 * n) == 0 &&
                           memcmp(m->film.half, right->film.half, 12 * n) == 0 &&
-                          memcmp(m->film.twin, right->film.twin, 24 * bis_film_twins(&m->film)) == 0 &&
+                          memcmp(m->film.twin, right->film.twin, 48 * bis_film_twins(&m->film)) == 0 &&
                           memcmp(m->film.hits, right->film.hits, 4 * n) == 0 &&
                           memcmp(m->film.layers.sum, right->film.layers.sum, 8 * n) == 0;
         if (same != is_idle) fail_msg("%s: %s", f->name, same ? "nothing changes" : "something changes");
@@ -668,7 +668,7 @@ static void numbers_that_make_no_sense_are_refused(void **state)
     enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 100, DEVIATIONS = SUMS + 24 * PIXELS,
            HALF = DEVIATIONS + 12 * PIXELS, HITS = HALF + 12 * PIXELS, DEPTHS = HITS + 4 * PIXELS,
            /* of 7 x 5 squares of 3 x 3 pixels */
-           TWINS_BEGIN = DEPTHS + 8 * PIXELS, END = TWINS_BEGIN + 24 * 35 };
+           TWINS_BEGIN = DEPTHS + 8 * PIXELS, END = TWINS_BEGIN + 48 * 35 };
     const double inf = (double)INFINITY, nan = (double)NAN;
     static const char bad[] = BAD ": error: this part is damaged\n",
                       sum[] = "error: a part is damaged: a sum in it is not finite\n";
@@ -753,7 +753,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
     static const char cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 11, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 12, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;

@@ -32,7 +32,7 @@ typedef struct bis_film {
     double most;               /* the weight expected at the end, so that the halves come out alike; 0: unknown */
     bool independent;          /* no sequence spreads the camera samples of a pixel; set before the first pass */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
-    double *twin;              /* twin[bis_film_twins][3]: `sum` of the second renders; NULL: there are none */
+    double *twin;              /* twin[bis_film_twins][2][3]: `sum` and `half` of the second renders; NULL: none */
 } bis_film;
 
 /* Pixels [x0, x1) x [y0, y1) of the full picture. */
@@ -105,6 +105,8 @@ void bis_film_resolve(const bis_film *f, float *rgba);
 double bis_film_raised(const bis_film *f);
 
 /* ---- twins, pixels that are rendered twice: src/render/film_twins.c ---- */
+
+enum { BIS_TWIN_VALUES = 6 }; /* in film->twin, of each */
 
 /* A twin: its pixel in the full picture, and its place in film->twin. */
 typedef struct bis_twin {
