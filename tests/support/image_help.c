@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* image_help: see the header. */
+#include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "image_help.h"
 
@@ -145,6 +146,16 @@ void expect_refusal_of(const bytes *b, const char *name, const char *text)
     expect_refusal(scratch(name), BIS_INPUT, text);
 }
 
+void expect_refusals(const bad_file *files, size_t n, const char *name)
+{
+    for (const bad_file *f = files; f < files + n; f++) {
+        bytes b = {0};
+        put(&b, f->bytes, f->n);
+        expect_refusal_of(&b, name, f->text);
+        bytes_clear(&b);
+    }
+}
+
 void expect_image(bis_image *image, const char *path, const char *text)
 {
     char expected[1024];
@@ -201,4 +212,26 @@ void try_damage(const bytes *b, const char *name, int n, uint32_t seed)
         try_read(path);
     }
     free(changed);
+}
+
+void try_memory(const char *path, const bis_image *pixels, int least)
+{
+    int n_failed = 0;
+    for (long k = 1, count = k; count >= k; k++) {
+        bis_image image;
+        bis_diag diag = {0};
+        bis_mem_fail_at(k);
+        const bis_status status = bis_image_read(&image, path, (bis_loc){0}, &diag);
+        count = bis_mem_count();
+        bis_mem_fail_at(0);
+        n_failed += status != BIS_OK;
+        if (status && status != BIS_NOMEM) fail_msg("k = %ld: %s", k, diag.n ? diag.messages[0].text : "no message");
+        assert_int_equal(status == BIS_OK, image.pixels != NULL);
+        assert_int_equal(status == BIS_OK, diag.n_errors == 0);
+        if (!status && pixels)
+            assert_memory_equal(image.pixels, pixels->pixels, (size_t)(image.width * image.height) * sizeof(rgb));
+        bis_image_clear(&image);
+        bis_diag_clear(&diag);
+    }
+    assert_true(n_failed >= least);
 }
