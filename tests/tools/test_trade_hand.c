@@ -1903,6 +1903,7 @@ static const struct {
     {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"},
     {10, "nan", "bias"},
     {11, "1e309", "relmse_both"}, {11, "-1e-9", "relmse_both"}, {11, "1 1", "relmse_both"}, {11, "", "relmse_both"},
+    {3, "1.5", "seed"}, {4, "nan", "seconds"}, {7, "", "candidates"}, {11, "1,5", "relmse_both"},
 };
 
 /* What each field may be at most and at least is taken as it stands, and what lies beyond is refused by its name. */
