@@ -338,7 +338,7 @@ static void the_version_has_seven_lines(void **state)
     (void)state;
     static const char *const begins[] = {
         "bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "libjpeg: ", "threads: "};
-    program_run r;
+    program_run r, again;
     char line[128];
     const char *const embree = bis_accel_embree_version(), *at = r.output;
     program_expect(&r, 0, "version");
@@ -350,17 +350,8 @@ static void the_version_has_seven_lines(void **state)
     snprintf(line, sizeof line, "\naccelerators: grid%s\nEmbree: %s\n", embree ? ", embree (default)" : " (default)",
         embree ? embree : "not built in");
     assert_non_null(strstr(r.output, line));
-}
-
-static void durations_change_their_unit_where_they_should(void **state)
-{
-    (void)state;
-    static const struct { double seconds; const char *text; } cases[] = {
-        {0, "0 s"}, {99.4, "99 s"}, {120, "2.0 min"}, {5399, "90 min"}, {5400, "1.5 h"}, {172799, "48.0 h"},
-        {172800, "2 days"}, {1e6, "11.6 days"}};
-    char text[BIS_DURATION];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_string_equal(bis_duration(text, cases[i].seconds), cases[i].text);
+    program_expect(&again, 0, "--version");
+    assert_string_equal(r.output, again.output);
 }
 
 /* ---- compare by hand ---- */
@@ -446,40 +437,6 @@ static void a_difference_by_hand(void **state)
         text.messages, "bis: error: --diff \"" DIR "/d.txt\": the ending must be .exr, .pfm, .hdr or .png\n");
 }
 
-/* The one line at the end: the files in their order, the size of the crop, samples and passes, one and many, and the
- * error as the figures have it. The seconds alone are not foreseen. */
-static void the_line_at_the_end_has_each_figure(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *options, *begins;
-        bool has_error;
-    } cases[] = {
-        {"--resolution 20x10 --spp 1 --outfile " DIR "/one.pfm",
-         "bis: wrote " DIR "/one.pfm: 20 x 10 pixels, 1 camera sample a "
-         "pixel in 1 pass, ", false},
-        {"--resolution 320x160 --cropwindow 0,0.5,0,0.7 --spp 64 --integrator em --outfile " DIR "/b.pfm "
-         "--outfile " DIR "/a.exr --outfile " DIR "/c.png",
-         "bis: wrote " DIR "/b.pfm, " DIR "/a.exr, " DIR "/c.png: 160 x 112 pixels, 64 camera samples a pixel in 18 "
-         "passes, ", true},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        program_run r;
-        char expected[64] = ", error unknown: one pass is too few\n";
-        program_expect(&r, 0, SCENE " %s --stats -", cases[i].options);
-        assert_int_equal(strncmp(r.messages, cases[i].begins, strlen(cases[i].begins)), 0);
-        assert_true(strchr(r.messages, '\n') == r.messages + strlen(r.messages) - 1);
-        const double error = json_number(r.output, "estimated_relative_rmse");
-        assert_int_equal(isfinite(error), cases[i].has_error);
-        if (cases[i].has_error)
-            snprintf(expected, sizeof expected,
-                100 * error < 9.95 ? ", error about %.2g%%\n" : ", error about %.0f%%\n", 100 * error);
-        const char *const end = strstr(r.messages, ", error ");
-        assert_non_null(end);
-        assert_string_equal(end, expected);
-    }
-}
-
 /* Into no other file than the one that was named. */
 static void a_part_has_one_file_with_a_name(void **state)
 {
@@ -502,10 +459,8 @@ int main(void)
         cmocka_unit_test(a_trade_ends_with_three_recommendations),
         cmocka_unit_test(the_words_of_parameters_are_these),
         cmocka_unit_test(the_version_has_seven_lines),
-        cmocka_unit_test(durations_change_their_unit_where_they_should),
         cmocka_unit_test(a_comparison_by_hand),
         cmocka_unit_test(a_difference_by_hand),
-        cmocka_unit_test(the_line_at_the_end_has_each_figure),
         cmocka_unit_test(a_part_has_one_file_with_a_name),
     };
     program_folder(DIR);

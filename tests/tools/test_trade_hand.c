@@ -386,27 +386,6 @@ static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
     clear(&t);
 }
 
-/* ---- words ---- */
-
-static void durations_and_percents_change_their_unit_in_time(void **state)
-{
-    (void)state;
-    static const struct {
-        double v;
-        const char *text;
-    } times[] = {{0.0042, "4.2 ms"}, {0.0994, "99 ms"}, {0.0996, "0.1 s"}, {0.32, "0.32 s"}, {9.94, "9.9 s"}, {9.96,
-        "10 s"}, {99.4, "99 s"},
-                 {99.6, "1.7 min"}, {596, "9.9 min"}, {600, "10 min"}, {5399, "90 min"}, {5400, "1.5 h"},
-                     {48 * 3600 - 1, "48.0 h"},
-                 {48 * 3600, "2 days"}, {864000, "10 days"}},
-      shares[] = {{0.00123, "0.12%"}, {0.034, "3.4%"}, {0.0994, "9.9%"}, {0.0996, "10%"}, {1.234, "123%"}};
-    char text[24];
-    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_duration(text,
-        times[i].v), times[i].text);
-    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_percent(text,
-        shares[i].v), shares[i].text);
-}
-
 /* ---- tables ---- */
 
 static char *read_text(const char *path)
@@ -2177,7 +2156,6 @@ int main(void)
         cmocka_unit_test(the_best_counts_its_standard_error_and_no_bias),
         cmocka_unit_test(no_more_heads_than_the_strip_has_places),
         cmocka_unit_test(columns_are_halves_of_the_longest_run_and_round_errors),
-        cmocka_unit_test(durations_and_percents_change_their_unit_in_time),
         cmocka_unit_test(points_stand_where_the_axes_have_them),
         cmocka_unit_test(the_page_of_one_names_no_reference_that_is_not_ready),
         cmocka_unit_test(the_data_have_pictures_and_what_was_left_out),
