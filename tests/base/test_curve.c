@@ -3,14 +3,10 @@
 #include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 /* Another road: the definition. Quarters of the curve are copies of it: mirrored at the diagonal, as it is, as it is,
  * mirrored at the other diagonal. */

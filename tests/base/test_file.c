@@ -4,6 +4,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -11,9 +12,7 @@
 #include <float.h>
 #include <locale.h>
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -21,8 +20,6 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define DIR_NAME "build/test_file"
 

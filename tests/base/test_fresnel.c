@@ -3,13 +3,7 @@
 #include "bis/base/fresnel.h"
 
 #include "bis/thesis/rng.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <complex.h>
 #include <math.h>

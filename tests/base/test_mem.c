@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* mem: aligned, zeroed, checked for overflow, and told when to fail. */
 #include "bis/base/mem.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static void every_block_is_aligned_and_zero_to_its_last_byte(void **state)
 {

@@ -5,13 +5,7 @@
 
 #include "bis/base/vec.h"
 #include "bis/thesis/rng.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <float.h>
 #include <math.h>

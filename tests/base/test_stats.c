@@ -3,17 +3,14 @@
  * and Stegun (26.8); closed forms. Family-wise significance 0.01. */
 #include "bis/base/stats.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <errno.h>
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(0.01, 3); }
 

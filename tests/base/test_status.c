@@ -2,13 +2,9 @@
 /* status: messages name their place; they survive the words they were made of; a lost one is still counted. */
 #include "bis/base/mem.h"
 #include "bis/base/status.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void a_message_names_as_much_of_its_place_as_is_known(void **state)
 {

@@ -2,16 +2,11 @@
 /* text: durations at every border of a unit, all of UTF-8 by counting, the published values of the hash, and what does
  * not fit. */
 #include "base/text.h"
+#include "claim.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Each unit ends where its rounded text would need one digit more than the next unit. */
 static void a_duration_has_the_unit_that_keeps_it_short(void **state)

@@ -4,13 +4,7 @@
 #include "bis/base/threads.h"
 
 #include "bis/base/mem.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <time.h>
 

@@ -2,14 +2,9 @@
 /* xform: conventions pinned by hand-computed points, inverses by composition. */
 #include "bis/thesis/rng.h"
 #include "bis/base/xform.h"
+#include "claim.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 static void assert_vec3(vec3 a, double x, double y, double z)
 {

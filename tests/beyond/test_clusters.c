@@ -4,6 +4,7 @@
 #include "beyond/guide.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
 #include "thesis/proposal.h"
@@ -12,13 +13,6 @@
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
 #include "bis/scene/light_load.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* coat: closed forms for a smooth one, and quadrature over all facets, seen or not, that shares no code with it. */
 #include "bis/beyond/coat.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <math.h>
 

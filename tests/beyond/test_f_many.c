@@ -10,15 +10,11 @@
 #include "bis/thesis/warp.h"
 #include "thesis/curve_many.h"
 
+#include "claim.h"
 #include "clones.h"
 #include "lit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 1729, N = 2048 };
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))

@@ -4,16 +4,13 @@
 #include "bis/beyond/mapping.h"
 
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "map_help.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #ifdef _OPENMP
 #include <omp.h>

@@ -9,13 +9,8 @@
 #include "bis/thesis/warp.h"
 #include "tools/verify/verify.h"
 
+#include "claim.h"
 #include "facets.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 

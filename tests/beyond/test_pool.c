@@ -3,16 +3,11 @@
 #include "bis/base/mem.h"
 #include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 8154, RUNS = 400, PER_POOL = 25 };
 

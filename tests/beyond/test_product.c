@@ -9,15 +9,11 @@
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
+#include "claim.h"
 #include "lit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 97u
 

@@ -4,15 +4,9 @@
 #include "cli/progress.h"
 #include "out/json.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "json_check.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>

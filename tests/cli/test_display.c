@@ -3,6 +3,7 @@
  * is missing, goes, or never reads stops nothing. */
 #include "bis/files/image_file.h"
 #include "cli/display.h"
+#include "claim.h"
 #include "program.h"
 
 #include <arpa/inet.h>
@@ -12,17 +13,12 @@
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_display"
 #define SCENE DIR "/scene.txt"

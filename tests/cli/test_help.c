@@ -8,15 +8,9 @@
 #include "bis/scene/layers.h"
 #include "cli/help.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <ctype.h>
 #include <stdio.h>

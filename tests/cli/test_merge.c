@@ -4,17 +4,11 @@
  * tests/render/test_part.c. */
 #include "bis/base/mem.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>

@@ -4,16 +4,10 @@
  * bis-mpi is not built. Ranks are many more than processors here, so they yield to each other while they wait, and all
  * are on one machine, so they need no network, which Open MPI 5 misses aloud. */
 
+#include "claim.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>

@@ -6,14 +6,8 @@
 #include "bis/base/image.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

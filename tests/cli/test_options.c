@@ -11,16 +11,10 @@
 #include "bis/files/image_file.h"
 #include "bis/shape/accel.h"
 #include "bis/thesis/errata.h"
+#include "claim.h"
 #include "further.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,17 +6,11 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <fcntl.h>
 #include <math.h>

@@ -6,16 +6,10 @@
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "file_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>

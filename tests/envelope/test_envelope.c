@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope: the harness itself: it finds what it is there to find. */
+#include "claim.h"
 #include "envelope.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 static void the_largest_error_is_kept_and_a_nan_is_worse_than_any(void **state)
 {

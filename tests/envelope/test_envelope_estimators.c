@@ -2,6 +2,7 @@
 /* envelope, estimators: their parameters (M = 1 to 1e6, N > M), contrast, radiances, forced random numbers, grazing
  * views and lights, bad materials. The other road: closed forms of a diffuse surface under a map of patches, scaling by
  * powers of two, and the theory of resampling. */
+#include "claim.h"
 #include "envelope.h"
 #include "forced.h"
 #include "lit.h"
@@ -13,14 +14,8 @@
 #include "thesis/choose.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 

@@ -3,6 +3,7 @@
  * closed shells, from which nothing escapes; shadow rays that must leave their surface. At scales of 1e-6 to 1e6, a
  * million away from the origin, in slivers and duplicates, along axes and cell walls, in one cell and in many millions,
  * by both backends. */
+#include "claim.h"
 #include "envelope.h"
 #include "mesh_help.h"
 
@@ -12,12 +13,6 @@
 #include "shape/grid.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 

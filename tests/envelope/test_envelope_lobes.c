@@ -2,19 +2,13 @@
 /* envelope, exponents and lobes: the Phong lobe (thesis 3.5), the cosine lobe, their mixture and bounds, from n = 0 to
  * 1e8, at grazing views, with the first and the last random numbers. The other road: long double formulas of the angle,
  * where the library has vectors of float. */
+#include "claim.h"
 #include "envelope.h"
 #include "mesh_help.h"
 
 #include "bis/thesis/bsdf.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/warp.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 

@@ -2,6 +2,7 @@
 /* envelope, maps and radiances: maps of one pixel and of 134 million, single lit texels at the poles and on the seam,
  * contrasts to 1e76, radiances from the least float to the largest, bad texels. The other road: sums and solid angles
  * in long double, and what a lone texel must be. */
+#include "claim.h"
 #include "envelope.h"
 #include "map_help.h"
 
@@ -13,13 +14,7 @@
 #include "bis/base/image.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 

@@ -2,6 +2,7 @@
 /* envelope, discrete distributions and point sets (thesis 3.2.2): weights over 600 powers of ten, one item and 100
  * million, the first and the last random number. The other road: w/sum in long double, whose range and precision exceed
  * double's. */
+#include "claim.h"
 #include "envelope.h"
 
 #include "bis/thesis/alias.h"
@@ -13,14 +14,8 @@
 #include "thesis/proposal.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 

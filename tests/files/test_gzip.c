@@ -6,17 +6,14 @@
 #include "bis/files/image_file.h"
 #include "files/obj.h"
 #include "files/ply.h"
+#include "claim.h"
 #include "image_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <zlib.h>
-
-#include <cmocka.h>
 
 /* CRC-32 bit by bit, as RFC 1952 defines it. */
 static uint32_t crc_of(const unsigned char *data, size_t n)

@@ -1,23 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* image: what holds for all formats: which one, messages, what a failure leaves behind. */
+#include "claim.h"
 #include "image_help.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static const char *const endings[] = {"x.exr", "x.pfm", "x.hdr", "x.png"};
 enum { N_ENDINGS = 4, N_READABLE = 3 };

@@ -3,19 +3,14 @@
  * table says (made by tests/support/image_checksums.py; the refused ones were looked at one by one). Of the damaged
  * files none is read. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <dirent.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct known_file {
     const char *name;

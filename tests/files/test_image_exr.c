@@ -5,25 +5,20 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 #include "threads.h"
 
 #include <ImfCRgbaFile.h>
 #include <math.h>
 #include <openexr.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { UINT, HALF, FLOAT };
 

@@ -2,17 +2,12 @@
 /* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages;
  * the writer against the definition of the nearest RGBE. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define HEADER "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"
 

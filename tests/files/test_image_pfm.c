@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* PFM: both byte orders, rows from the bottom up, a header without tolerance. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void put_float_high_first(bytes *b, float v)
 {

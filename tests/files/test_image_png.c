@@ -3,19 +3,14 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "files/image_png.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <math.h>
 #include <png.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { W = 5, H = 3 };
 

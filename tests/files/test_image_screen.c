@@ -3,16 +3,13 @@
  * written by hand. */
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* IEC 61966-2-1 */
 static double linear(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* obj: texts beside the mesh that each is: every form of a face, pairs of position and normal, continued lines; bad
  * files with their exact messages; the files of the wild. */
+#include "claim.h"
 #include "mesh_help.h"
 #include "files/obj.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 #define QUAD "0 0 0, 1 0 0, 1 1 0, 0 1 0"

@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* ply: texts beside the mesh that each is, also as binary files; every type, order and element; bad files with their
  * exact messages; the files of the wild against the counts of an independent reader. */
+#include "claim.h"
 #include "mesh_help.h"
 #include "files/ply.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define ASCII "ply\nformat ascii 1.0\n"
 #define VERTICES(n) "element vertex " #n "\nproperty float x\nproperty float y\nproperty float z\n"

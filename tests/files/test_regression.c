@@ -5,16 +5,11 @@
 #include "bis/scene/scene.h"
 #include "files/obj.h"
 #include "files/ply.h"
+#include "claim.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FOLDER "tests/data/regression"
 

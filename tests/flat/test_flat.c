@@ -9,15 +9,9 @@
 #include "bis/flat/flat.h"
 #include "bis/scene/layers.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -4,14 +4,8 @@
 #include "bis/base/clock.h"
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

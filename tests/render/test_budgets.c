@@ -3,14 +3,8 @@
  * full experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
 #include "bis/base/mem.h"
 
+#include "claim.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 

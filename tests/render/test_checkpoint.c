@@ -3,16 +3,10 @@
  * is refused by name. Expected pictures are those of renders without a checkpoint. The twin is a checkpoint in which
  * one number is another, with a checksum that fits: its picture must be another. */
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "file_help.h"
 #include "program.h"
 #include "state_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdatomic.h>
 #include <math.h>

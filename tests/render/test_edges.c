@@ -6,17 +6,12 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "render/edges.h"
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 1); }
 

@@ -4,15 +4,10 @@
 #include "bis/render/render.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "threads.h"
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 

@@ -3,15 +3,10 @@
  * 0.01 and says how. */
 #include "bis/render/film.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "threads.h"
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 

@@ -4,15 +4,9 @@
  * or like one within 7 rows and columns. */
 #include "render/first_light.h"
 
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdatomic.h>

@@ -4,16 +4,10 @@
  * in their lowest bit. */
 #include "render/identity.h"
 
+#include "claim.h"
 #include "world.h"
 
 #include "bis/thesis/light.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <ctype.h>
 #include <glob.h>

@@ -7,17 +7,11 @@
 #include "render/part.h"
 #include "render/share.h"
 
+#include "claim.h"
 #include "file_help.h"
 #include "image_help.h"
 #include "program.h"
 #include "state_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,15 +8,9 @@
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdatomic.h>

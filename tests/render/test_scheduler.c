@@ -8,14 +8,8 @@
 #include "render/ranks.h"
 #include "render/scheduler_parts.h"
 
+#include "claim.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <pthread.h>
 #include <stdio.h>

@@ -5,18 +5,12 @@
 #include "render/edges.h"
 #include "render/pass.h"
 #include "render/workspace.h"
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
 
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>

@@ -6,15 +6,12 @@
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* A scene that names no light gets a constant one, so that its sky is not one more replacement. */
 static bis_status parse(bis_scene_desc **d, const char *scene, unsigned how, bis_diag *diag)

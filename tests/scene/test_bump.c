@@ -3,16 +3,10 @@
  * against frames worked out by hand. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
 #include "mesh_help.h"
 #include "scene/bump.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,13 +3,9 @@
  * along -z; in a left-handed world, +x is then on the LEFT of the picture (turn round: what was to the right is to the
  * left). */
 #include "bis/scene/camera.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* A float has 2^-24 relative error; a unit vector's components at most that. */
 #define ULP 0x1p-23

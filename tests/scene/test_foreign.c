@@ -2,19 +2,16 @@
 /* foreign: scenes that were written for pbrt: where it looks for files, what it lets pass, what bis makes of it. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <ftw.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
-
-#include <cmocka.h>
 
 #define LIT "WorldBegin LightSource \"infinite\"\n"
 

@@ -8,14 +8,8 @@
 
 #include "render/gather.h"
 #include "thesis/set.h"
+#include "claim.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* lexer: tokens and their places. Expected values are counted by hand from the text in the test. */
+#include "claim.h"
 #include "image_help.h"
 #include "parse/lexer.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -3,14 +3,8 @@
  * was built. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -6,14 +6,8 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,15 +3,9 @@
 #include "bis/scene/scene.h"
 #include "tools/describe.h"
 
+#include "claim.h"
 #include "further.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>

@@ -4,14 +4,11 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "expect.h"
 #include "image_help.h"
 #include "parse/directives.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 #include <dirent.h>
 #include <float.h>
 #include <locale.h>

@@ -2,15 +2,9 @@
 /* Patterns: Perlin's noise by the check value of its reference implementation and by what it must be, the textures that
  * are made of it by formulas of the test's own, the others by hand. */
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
 #include "scene/noise.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,13 +3,10 @@
 #include "bis/scene/scene.h"
 
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "image_help.h"
 #include "scene/scene_peek.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -7,16 +7,10 @@
 #include "bis/scene/scene.h"
 #include "bis/thesis/phong.h"
 
+#include "claim.h"
 #include "image_help.h"
 #include "program.h"
 #include "tools/verify/verify.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <dirent.h>
 #include <math.h>

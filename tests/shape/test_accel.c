@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at
  * their worst. A difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
+#include "claim.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -8,14 +9,8 @@
 #include "shape/grid_block.h"
 #include "files/ply.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Is a result that differs from brute force's explained? At most so many ulps from an edge. */
 enum { TIE_ULPS = 4 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it,
  * within its bound; a shadow ray that starts beside it leaves the surface for good, at every scale. */
+#include "claim.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -11,14 +12,8 @@
 #include "shape/rounding.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bis_xform scale_then_move(double s, double x)
 {

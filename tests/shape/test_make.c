@@ -3,16 +3,11 @@
  * Loop's subdivision by powers of its matrix around a vertex, which the test sets up from the rules alone. */
 #include "bis/base/mem.h"
 #include "bis/shape/make.h"
+#include "claim.h"
 #include "mesh_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define N_POINTS 20000
 

@@ -4,14 +4,9 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 void store(const char *path, const void *data, size_t n)
 {

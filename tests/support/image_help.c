@@ -2,20 +2,15 @@
 /* image_help: see the header. */
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define FOLDER "build/scratch"
 

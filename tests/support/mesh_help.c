@@ -3,17 +3,12 @@
 #include "mesh_help.h"
 
 #include "bis/base/mem.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 const char *shared_file(const char *name)
 {

@@ -4,14 +4,10 @@
 
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "set_help.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define OCTANT (PI / 2) /* sr */
 

@@ -5,13 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <math.h>
 #include <string.h>

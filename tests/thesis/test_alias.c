@@ -8,15 +8,12 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/thesis/sampler.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { MAX_ITEMS = 65536 };
 

@@ -4,15 +4,12 @@
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(0.01, 3); }
 static const double LAST_U = 1 - 0x1p-53;

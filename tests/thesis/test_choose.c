@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* choose: N of n weights. Each weight gets N w/W marks on average, exactly; every mark lies where it must; and no mark
  * is lost at the ends of the sum. Family-wise significance 1e-3. */
+#include "claim.h"
 #include "forced.h"
 #include "stat.h"
 #include "thesis/choose.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 enum { SEED = 47, BLOCK = BIS_LANES_BLOCK, MOST = 1600 };
 

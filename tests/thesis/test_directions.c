@@ -14,16 +14,12 @@
 #include "bis/thesis/importance.h"
 #include "bis/base/image.h"
 
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 83u
 

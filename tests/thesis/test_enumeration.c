@@ -3,16 +3,12 @@
  * = 1, 2, 3 and how that approaches p; the mean of every estimator, unbiased or not; its variance (docs/errata.md E31).
  * Family-wise significance 1e-3. */
 #include "thesis/candidates.h"
+#include "claim.h"
 #include "tiny.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 #define SEED 71u
 

@@ -8,17 +8,14 @@
 #include "bis/thesis/rng.h"
 #include "bis/thesis/warp.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "map_help.h"
 #include "stat.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Eight statistical tests in this file, a false alarm of any of them once in 1000. */
 static double alpha(void) { return stat_level(1e-3, 8); }

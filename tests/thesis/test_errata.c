@@ -9,14 +9,9 @@
 #include "bis/thesis/phong.h"
 #include "bis/render/render.h"
 
+#include "claim.h"
 #include "lit.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <string.h>

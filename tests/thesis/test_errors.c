@@ -4,14 +4,9 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define SEED 61u
 

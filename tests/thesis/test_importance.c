@@ -7,12 +7,11 @@
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "map_help.h"
 #include "stat.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,8 +19,6 @@
 #ifdef _OPENMP
 #include <omp.h>
 #endif
-
-#include <cmocka.h>
 
 /* Fifteen statistical tests in this file, a false alarm of any of them once in 1000. */
 static double alpha(void) { return stat_level(1e-3, 9); }

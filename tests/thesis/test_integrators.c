@@ -7,15 +7,11 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
+#include "claim.h"
 #include "forced.h"
 #include "lit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 31u
 

@@ -11,18 +11,14 @@
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
+#include "claim.h"
 #include "clones.h"
 #include "lit.h"
 #include "stat.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 4711 };
 

@@ -7,19 +7,16 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "map_help.h"
 #include "stat.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* Four statistical tests in this file, a false alarm of any of them once in 1000. */
 static double alpha(void) { return stat_level(1e-3, 4); }

@@ -4,13 +4,10 @@
 #include "bis/thesis/marsaglia.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "stat.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bis_marsaglia list_of(const uint64_t *w, size_t n)
 {

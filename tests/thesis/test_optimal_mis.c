@@ -6,14 +6,10 @@
  * choose (those of the second technique are 1 less them), so weights at which no derivative is left are the best there
  * are. */
 #include "bis/thesis/rng.h"
+#include "claim.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 enum { PATCHES = 8, CASES = 20 };
 

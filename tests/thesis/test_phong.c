@@ -6,13 +6,8 @@
 #include "bis/thesis/rng.h"
 #include "bis/thesis/warp.h"
 
+#include "claim.h"
 #include "stat.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define SEED 20240u
 

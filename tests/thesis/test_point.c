@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* point: many rays at once answer what they answer one by one, on both backends, among triangles and quadrics; the
  * terms of an estimate are added or noted, and rays are counted. */
+#include "claim.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -8,14 +9,8 @@
 #include "bis/thesis/point.h"
 #include "files/ply.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { MOST = 200 };
 static const uint32_t counts[] = {0, 1, 15, 16, 17, 63, 64, 65, 128, 129, MOST};

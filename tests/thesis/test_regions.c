@@ -5,15 +5,12 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "map_help.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #ifdef _OPENMP
 #include <omp.h>

@@ -8,14 +8,9 @@
 #include "bis/scene/light_load.h"
 #include "thesis/light_many.h"
 
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define SEED 53u
 

@@ -2,14 +2,11 @@
 /* rng: numbers are uniform, and independent across every coordinate that a stream is keyed by.
  * Family-wise significance 0.01. */
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { GRID = 32, CELLS = GRID * GRID, DRAWS = 1 << 20 };
 

@@ -4,15 +4,12 @@
  * Family-wise significance 0.01. */
 #include "bis/base/curve.h"
 #include "bis/thesis/sampler.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { KINDS = 4, GRID = 16, CELLS = GRID * GRID, MAX_POINTS = 4096 };
 

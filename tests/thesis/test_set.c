@@ -7,16 +7,12 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "clones.h"
 #include "lit.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 60221 };
 

@@ -4,15 +4,11 @@
  * significance 1e-3. */
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 47u
 

@@ -3,12 +3,8 @@
  * numbers come from a fixed-seed rng. Family-wise significance 0.01. */
 #include "bis/thesis/rng.h"
 #include "bis/thesis/warp.h"
+#include "claim.h"
 #include "stat.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 enum { RINGS = 16, SECTORS = 24, CELLS = RINGS * SECTORS, DRAWS = 1 << 20 };
 

@@ -4,14 +4,8 @@
 #include "bis/tools/compare.h"
 #include "bis/thesis/rng.h"
 
+#include "claim.h"
 #include "stat.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 

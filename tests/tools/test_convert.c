@@ -2,19 +2,16 @@
 /* convert: pictures from format to format, exposure, tone curves; PNGs read. Expected bytes and values are worked out
  * by hand or by libpng. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 #include "out/tone.h"
 #include "program.h"
 
 #include <math.h>
 #include <png.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_convert"
 

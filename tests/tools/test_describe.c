@@ -7,17 +7,11 @@
 #include "bis/base/version.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "expect.h"
 #include "json_check.h"
 #include "program.h"
 #include "threads.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,20 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The memory that --plan foretells, beside what the program then takes (peak_memory_bytes of --stats): within 15 %. */
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "program.h"
 #include "threads.h"
 #include "tools/memory.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_memory"
 

@@ -2,18 +2,13 @@
 /* What a scene requires is found once (src/scene/scene_needs.h): what is built, printed by --plan, foretold of memory
  * and looked at before a render follows from it. */
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "program.h"
 #include "scene/scene_needs.h"
 #include "tools/memory.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_needs"
 

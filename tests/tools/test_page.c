@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of page and json: pages filled by hand, JSON letter by letter, pictures read back. */
+#include "claim.h"
 #include "map_help.h"
 #include "out/json.h"
 #include "out/page.h"
@@ -8,12 +9,8 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define TEXT "<pre id=\"text\">"
 #define DATA "<script type=\"application/json\" id=\"data\">"

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of palette: its stops as they appear, and that hotter is lighter. */
+#include "claim.h"
 #include "map_help.h"
 #include "out/palette.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* The seven stops of the scale as codes of sRGB, and half way between two stops; a code is off by half at most. */
 static void the_scale_of_heat_has_seven_stops(void **state)

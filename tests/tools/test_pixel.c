@@ -11,6 +11,7 @@
 #include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
@@ -20,13 +21,8 @@
 #include "verify_help.h"
 #include "world.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* All but exact; rejection twice, by either estimator. */
 static size_t n_methods(void)

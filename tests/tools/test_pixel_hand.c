@@ -9,6 +9,7 @@
 #include "bis/scene/light_load.h"
 #include "bis/thesis/phong.h"
 #include "bis/beyond/microfacet.h"
+#include "claim.h"
 #include "expect.h"
 #include "further.h"
 #include "html_check.h"
@@ -17,13 +18,8 @@
 #include "page_help.h"
 #include "program.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_pixel_hand"
 

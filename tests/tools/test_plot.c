@@ -2,19 +2,13 @@
 /* Tests of docs/live/plot.js under node: numbers against printf and the program's own words, drawings against places
  * that were worked out by hand. Without node they are skipped. */
 #include "base/text.h"
+#include "claim.h"
 #include "html_check.h"
 #include "program.h"
 
 #include "bis/base/image.h"
 #include "bis/files/image_file.h"
 #include "bis/thesis/rng.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -8,6 +8,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "out/palette.h"
+#include "claim.h"
 #include "expect.h"
 #include "html_check.h"
 #include "json_check.h"
@@ -15,13 +16,9 @@
 #include "page_help.h"
 #include "program.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bis_survey survey_of(const bis_envmap *em, int levels)
 {

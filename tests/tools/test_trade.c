@@ -15,18 +15,12 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "files/image_png.h"
+#include "claim.h"
 #include "expect.h"
 #include "html_check.h"
 #include "json_check.h"
 #include "page_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdlib.h>

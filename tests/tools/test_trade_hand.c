@@ -18,6 +18,7 @@
 #include "bis/base/version.h"
 #include "bis/files/image_file.h"
 #include "cli/cli.h"
+#include "claim.h"
 #include "expect.h"
 #include "further.h"
 #include "json_check.h"
@@ -25,13 +26,6 @@
 #include "picture_help.h"
 #include "program.h"
 #include "bis/tools/compare.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdlib.h>
 #include <string.h>

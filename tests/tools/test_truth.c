@@ -10,17 +10,13 @@
 #include "bis/thesis/warp.h"
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "thesis/proposal.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double weight[3] = {4, 2, 1}, chance = 1e-7;
 enum { CELLS = 1 << 13 };

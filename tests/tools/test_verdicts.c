@@ -9,6 +9,7 @@
 #include "bis/files/image_file.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "further.h"
 #include "json_check.h"
 #include "lit.h"
@@ -22,14 +23,10 @@
 #define omp_set_num_threads(n)
 #endif
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_verdicts"
 

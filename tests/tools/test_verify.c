@@ -4,14 +4,11 @@
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
+#include "claim.h"
 #include "map_help.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **state)
 {

@@ -3,14 +3,11 @@
 #include "shape/triangle.h"
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "mesh_help.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct forgetful {
     bis_accel accel;

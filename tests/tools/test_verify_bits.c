@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify --bits`: this build has the bits of every build, for any number of threads; a build that rounds otherwise
  * is told so, by the first row that it reaches and by how much. */
+#include "claim.h"
 #include "program.h"
 #include "threads.h"
 #include "tools/verify/verify.h"
 
 #include <fenv.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_verify_bits"
 

@@ -3,14 +3,11 @@
 #include "tools/verify/verify.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "stat.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 54 + 18); }
 

@@ -3,13 +3,9 @@
  * `exact` takes long. */
 #include "tools/verify/verify.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "verify_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 static rgb Lo_exact_one_percent_more(
     const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)

@@ -3,15 +3,12 @@
  * right, for several seeds, and must accept it. */
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "stat.h"
 #include "map_help.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 66 + 16 + 6); }
 

@@ -3,16 +3,13 @@
 #include "render/edges.h"
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "stat.h"
 #include "map_help.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Two renders, of five sums each: all pixels, three of outlines, the material. */
 enum { SEEDS = 2, SUMS = 5 };

@@ -4,16 +4,13 @@
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* What a candidate from the map may be: one of 4 places in each pixel. */
 typedef struct place {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` as a command and for whole scenes. */
 #include "tools/verify/verify.h"
+#include "claim.h"
 #include "further.h"
 #include "stat.h"
 #include "bis/files/image_file.h"
@@ -9,12 +10,8 @@
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* The scenes of a_pixel_is_looked_at_once, what_a_scene_lacks, every_material, pixels_of_the_lattice and our_own_files,
  * in this order. In all they have seven points of view, at which each further integrator is tested. */

@@ -6,16 +6,13 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/warp.h"
 #include "thesis/proposal.h"
+#include "claim.h"
 #include "stat.h"
 #include "lit.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 160); }
 

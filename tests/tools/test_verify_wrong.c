@@ -3,14 +3,11 @@
  * test_verify_exact. */
 #include "tools/verify/verify.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Wrong integrators, made of right ones. */
 static rgb Lo_without_shadows(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)

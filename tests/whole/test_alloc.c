@@ -7,20 +7,15 @@
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 #include "mesh_help.h"
 #include "files/obj.h"
 #include "files/ply.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 5, HEIGHT = 4 };
 #define SCENES "../../tests/data/scenes/" /* from build/scratch */

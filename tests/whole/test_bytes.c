@@ -13,6 +13,7 @@
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "render/ranks.h"
@@ -22,15 +23,9 @@
 
 #include <malloc.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
 enum { MALLOC_COUNTS = 0 };

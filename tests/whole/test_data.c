@@ -9,13 +9,7 @@
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <dirent.h>
 #include <math.h>

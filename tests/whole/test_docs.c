@@ -3,14 +3,8 @@
  * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
  * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says;
  * each check can fail. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

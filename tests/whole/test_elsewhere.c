@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* elsewhere: scenes that other people published, judged by scripts/check/elsewhere.sh and tests/data/elsewhere.tsv
  * where they are on disk, and the script itself on scenes of our own. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

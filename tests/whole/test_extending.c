@@ -14,13 +14,8 @@
 #include "thesis/proposal.h"
 #include "thesis/set.h"
 
+#include "claim.h"
 #include "lit.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,14 +2,8 @@
 /* few_pixels: a map of few pixels has few clusters, and the default is as good under it as candidates that are drawn
  * for each point alone. It had 36 times their squared error under a map of one pixel, because all points of a pass
  * shared 64 directions, of which few met a lobe. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

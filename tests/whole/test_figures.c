@@ -2,14 +2,8 @@
 /* `make figures` knows every figure that docs/measured.md speaks of, and each one that the thesis shows as a result or
  * a plot; pictures in that page are there and small. scripts/figures/docs_figures.sh makes every picture that the docs
  * show. Rendering them all takes minutes and is no part of the tests. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <ctype.h>
 #include <dirent.h>

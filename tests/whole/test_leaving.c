@@ -5,17 +5,12 @@
  * Some 10^6 shadow rays; BIS_LONG=1 in the environment: more than 10^7. */
 #include "bis/scene/scene.h"
 #include "bis/shape/accel.h"
+#include "claim.h"
 #include "mesh_help.h"
 #include "shape/triangle.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { RAYS = 1000000 };
 #define COUNT(a) (int)(sizeof(a) / sizeof *(a))

@@ -4,14 +4,8 @@
  * closed form. */
 #include "bis/base/image.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,17 +2,12 @@
 /* What floats of Embree cannot reach: where it is only the default, the grid takes over and says so; where it was asked
  * for, the program refuses. Expected messages are written out; expected pictures come from the grid. */
 #include "bis/shape/accel.h"
+#include "claim.h"
 #include "mesh_help.h"
 #include "program.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FOLDER "build/test_reach"
 #define WAY_OUT ": scale the scene, or use the accelerator \"grid\" (--accelerator grid)"

@@ -5,19 +5,14 @@
  * compared with a third road, too: the sheared triangle test of the grid alone, which shadows floors at 0, is the twin
  * and must be rejected. Without Embree the plain grid takes its place. */
 #include "bis/base/stats.h"
+#include "claim.h"
 #include "stat.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
 #include "shape/triangle.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include <dirent.h>
 
