@@ -83,7 +83,6 @@ static const char *help_of(program_run *r, const char *topic)
 
 static void every_name_of_the_scene_format_is_in_its_topic(void **state)
 {
-    (void)state;
     const struct { const char *section, *topic, *and_topic; int at_least; } cases[] = {
         {"\n### Camera\n", "scene", NULL, 4}, {"\n### Film\n", "scene", "output", 5},
         {"\n### Sampler\n", "scene", NULL, 8},
@@ -107,7 +106,6 @@ static void every_name_of_the_scene_format_is_in_its_topic(void **state)
 /* The twin. */
 static void a_name_that_the_topic_lacks_is_found(void **state)
 {
-    (void)state;
     const char page[] = "\n### Film\n\n| a | b |\n| --- | --- |\n| `\"rgb\"` | `float fov` (1), `string nonsense` "
                         "|\n\n## Next\n| `bool after` |\n";
     int n_missing = 0;
@@ -120,7 +118,6 @@ static void a_name_that_the_topic_lacks_is_found(void **state)
 
 static void every_integrator_and_every_layer_is_in_its_topic(void **state)
 {
-    (void)state;
     program_run r;
     char term[64];
     help_of(&r, "integrators");
@@ -155,7 +152,6 @@ static void assert_80_columns(const char *what, const char *text)
 
 static void the_overview_names_every_command_and_topic(void **state)
 {
-    (void)state;
     program_run r, again;
     char term[64];
     program_expect(&r, 0, "help");
@@ -174,7 +170,6 @@ static void the_overview_names_every_command_and_topic(void **state)
 
 static void every_topic_and_command_fits_80_columns(void **state)
 {
-    (void)state;
     program_run r, by_option;
     for (const bis_topic *t = bis_topics; t->name; t++) assert_80_columns(t->name, help_of(&r, t->name));
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
@@ -188,7 +183,6 @@ static void every_topic_and_command_fits_80_columns(void **state)
  * tests/cli/test_options.c. */
 static void a_name_is_looked_up_in_all_topics(void **state)
 {
-    (void)state;
     const struct { const char *name, *has, *lacks; } cases[] = {
         {"sir", "from `bis help integrators`:\n\n  sir  ", "\n  rejection "},
         {"shadowrays", "\n  rejection ", "\n  em "},
@@ -229,7 +223,6 @@ static void unescape(char *text)
 
 static void every_command_and_option_is_in_the_man_page(void **state)
 {
-    (void)state;
     static program_run man, r;
     char term[128];
     int n = 0;
@@ -262,7 +255,6 @@ static void every_command_and_option_is_in_the_man_page(void **state)
 
 static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **state)
 {
-    (void)state;
     program_run r;
     if (system("groff -man -Tascii /dev/null > /dev/null 2>&1") != 0) {
         print_message("no groff here\n");
@@ -286,7 +278,6 @@ static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **sta
 /* Small and short. What measures and verifies takes its time; test_trade and test_verify_scene run those. */
 static void the_examples_work(void **state)
 {
-    (void)state;
     char program[2048], command[4096], here[1024];
     const char *given = getenv("BIS_PROGRAM");
     const bis_topic *t = bis_topics;

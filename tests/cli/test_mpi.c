@@ -46,7 +46,6 @@ static void skip_without_mpi(void)
 
 static int setup(void **state)
 {
-    (void)state;
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     setenv("OMP_NUM_THREADS", "1", 1);
@@ -96,7 +95,6 @@ static void expect_mpi(int ranks, const char *arguments)
 /* A picture of 4 x 3 tiles, with learned visibility, edges and layers, and less. */
 static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
 {
-    (void)state;
     static const struct {
         const char *options;
         int ranks;
@@ -138,7 +136,6 @@ static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
 /* 3 ranks, then one process, then 2, then 5 ranks. */
 static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
 {
-    (void)state;
     static const char line[] = SCENE " --quiet --resolution 60x40 --integrator sir --proposal product --learn on ";
     char arguments[2048];
     program_run r;
@@ -162,7 +159,6 @@ static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
 
 static void with_a_time_the_ranks_end_together(void **state)
 {
-    (void)state;
     program_run r;
     unsigned long spp;
 
@@ -204,7 +200,6 @@ static void count_once(const char *words)
 
 static void a_rank_that_has_another_scene_or_none_is_named(void **state)
 {
-    (void)state;
     skip_without_mpi();
     read_text(SCENE);
     char *exponent = strstr(text, "\"float exponent\" 20");
@@ -262,7 +257,6 @@ static long read_pid(int rank)
 /* A rank that is killed ends the job, and the last checkpoint is whole; a signal to rank 0 ends it with the picture. */
 static void a_rank_that_is_killed_ends_the_job_and_leaves_a_checkpoint(void **state)
 {
-    (void)state;
     static const int victims[] = {2, 1, 0}, signals[] = {SIGKILL, SIGKILL, SIGTERM};
     static const char line[] =
         "--spp 1000000 --seed 3 --checkpoint-every 0 --checkpoint " STATE " --outfile " DIR "/c.pfm";

@@ -25,7 +25,6 @@
 
 static void an_option_stands_64_times_at_most(void **state)
 {
-    (void)state;
     char arguments[4096] = "--plan " SCENE;
     program_run r;
     for (int i = 0; i < 65; i++) {
@@ -39,7 +38,6 @@ static void an_option_stands_64_times_at_most(void **state)
 
 static void the_list_of_errata_has_them_all(void **state)
 {
-    (void)state;
     program_run r;
     char line[1024];
     size_t used = 0;
@@ -78,7 +76,6 @@ static const bis_command command_by_hand = {.name = "test",
 
 static void help_by_hand(void **state)
 {
-    (void)state;
     static const char expected[] =
         "usage: bis test [options] A-B\n"
         "a .command that does\\nothing\n"
@@ -108,7 +105,6 @@ static void help_by_hand(void **state)
 
 static void man_page_by_hand(void **state)
 {
-    (void)state;
     static const char expected[] =
         ".SS bis test [options] A\\-B\n"
         "a \\&.command that does\\enothing\n"
@@ -188,7 +184,6 @@ static int kind_of(const char *line)
  * a paragraph may head entries. */
 static void a_topic_is_printed_whole(void **state)
 {
-    (void)state;
     static char words[1 << 15], found[1 << 15], man_words[1 << 17], title[256];
     static program_run r, man;
     program_expect(&man, 0, "help --man");
@@ -231,7 +226,6 @@ static void a_topic_is_printed_whole(void **state)
 /* Every word of a term explains itself: its entry is printed whole, and so are all others that have the word. */
 static void every_name_of_a_term_is_looked_up(void **state)
 {
-    (void)state;
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
     static char entry[8192], words[8192], found[1 << 16];
     static program_run r;
@@ -258,7 +252,6 @@ static void every_name_of_a_term_is_looked_up(void **state)
 /* With its dashes an option alone is meant; a part of a name is no name. */
 static void an_option_is_looked_up_with_its_dashes_and_whole(void **state)
 {
-    (void)state;
     program_run with, without;
     program_expect(&with, 0, "help -- --spp");
     program_expect(&without, 0, "help spp");
@@ -273,7 +266,6 @@ static void an_option_is_looked_up_with_its_dashes_and_whole(void **state)
  * say. The runs take 3 s and may take 300, because on a busy machine 20 were too few for the last of them. */
 static void a_trade_ends_with_three_recommendations(void **state)
 {
-    (void)state;
     static const char *const purposes[] = {"preview        error ", "good picture   error ", "final picture  error "};
     program_run r;
     assert_int_equal(system("rm -rf " DIR "/trade"), 0);
@@ -298,7 +290,6 @@ static void a_trade_ends_with_three_recommendations(void **state)
 /* Who reads a parameter, in the order of the integrators, and what it is; a choice has names in the place of words. */
 static void the_words_of_parameters_are_these(void **state)
 {
-    (void)state;
     static const char *const words[][2] = {
         {"candidates", "rejection, sir, unoccluded: candidates for each camera sample"},
         {"shadowrays", "rejection, sir: candidates that are shadow-tested"},
@@ -329,7 +320,6 @@ static void the_words_of_parameters_are_these(void **state)
 /* Its seven lines; one accelerator is the default. */
 static void the_version_has_seven_lines(void **state)
 {
-    (void)state;
     static const char *const begins[] = {
         "bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "libjpeg: ", "threads: "};
     program_run r, again;
@@ -362,7 +352,6 @@ static void save(const char *path, const rgb *pixels, int n)
  */
 static void a_comparison_by_hand(void **state)
 {
-    (void)state;
     const rgb a[4] = {{2, 1, 1}, {3, 2, 4}, {6, 6, 2}, {NAN, 1, 1}},
               b[4] = {{1, 1, 1}, {3, 4, 2}, {4, 4, 3}, {1, 1, 1}};
     static const char *const keys[] = {
@@ -410,7 +399,6 @@ static void a_comparison_by_hand(void **state)
 /* 0 where equal; of b = 1 all over, (a - 1)/sqrt(1.01) = 0.1 is red; magenta. */
 static void a_difference_by_hand(void **state)
 {
-    (void)state;
     const rgb one[3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}},
               off[3] = {{1, 1, 1}, {1.1004988f, 1.1004988f, 1.1004988f}, {INFINITY, 1, 1}};
     const rgb colours[3] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}};
@@ -434,7 +422,6 @@ static void a_difference_by_hand(void **state)
 /* Into no other file than the one that was named. */
 static void a_part_has_one_file_with_a_name(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --spp 1 --part 2/2 --outfile " DIR "/p.bispart");
     assert_true(program_exists(DIR "/p.bispart") && !program_exists(DIR "/film.exr"));

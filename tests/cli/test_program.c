@@ -31,7 +31,6 @@
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\" \"integer pixelsamples\" 4\n");
     program_folder(ALONE);
@@ -63,7 +62,6 @@ static double relmse(const char *path_a, const char *path_b)
 
 static void a_scene_renders_to_the_file_it_names(void **state)
 {
-    (void)state;
     program_run r;
     bis_image image;
     program_expect(&r, 0, SCENE);
@@ -81,7 +79,6 @@ static void a_scene_renders_to_the_file_it_names(void **state)
 
 static void the_word_render_may_be_left_out_and_the_seed_decides(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, "render " SCENE " --outfile " DIR "/a.exr --nthreads 1");
     program_expect(&r, 0, SCENE " --outfile " DIR "/b.exr --nthreads 3");
@@ -93,7 +90,6 @@ static void the_word_render_may_be_left_out_and_the_seed_decides(void **state)
 
 static void every_format_holds_the_same_picture(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0,
         SCENE " --outfile " DIR "/f.exr --outfile " DIR "/f.pfm --outfile=" DIR "/f.hdr --outfile " DIR "/f.png");
@@ -111,7 +107,6 @@ static void every_format_holds_the_same_picture(void **state)
 
 static void exposure_makes_a_png_brighter(void **state)
 {
-    (void)state;
     program_run r;
     struct stat dark, bright;
     program_expect(&r, 0, SCENE " --exposure -99 --outfile " DIR "/dark.png");
@@ -148,7 +143,6 @@ static double number(exr_context_t file, const char *name)
 
 static void an_exr_says_how_it_was_made_E39(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(
         &r, 0, SCENE " --outfile " DIR "/attr.exr --resolution 144x96 --spp 64 --seed 7 --candidates 30 --proposal em");
@@ -172,7 +166,6 @@ static void an_exr_says_how_it_was_made_E39(void **state)
 
 static void an_exr_has_float_channels_and_alpha_is_the_share_of_hits(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --outfile " DIR "/alpha.exr");
     exr_context_t file = open_exr(DIR "/alpha.exr");
@@ -189,7 +182,6 @@ static void an_exr_has_float_channels_and_alpha_is_the_share_of_hits(void **stat
 
 static void layers_are_further_channels_of_an_exr_alone(void **state)
 {
-    (void)state;
     program_run r;
     const exr_attr_chlist_t *channels;
     const char *const names[8] = {"A", "B", "G", "Ns.X", "Ns.Y", "Ns.Z", "R", "Z"};
@@ -213,7 +205,6 @@ static void layers_are_further_channels_of_an_exr_alone(void **state)
 
 static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --error 1e-6 --spp 6 --outfile " DIR "/far.exr");
     assert_non_null(strstr(r.messages, "warning: --error 1e-06 would take about "));
@@ -266,7 +257,6 @@ static void run_on_terminal(char *text, size_t size, const char *arguments)
 /* A line that is written anew, and gone at the end. No word of it with --quiet. */
 static void on_a_terminal_a_line_tells_how_far_it_is(void **state)
 {
-    (void)state;
     static const char *const cases[][12] = {
         {SCENE " --spp 3 --outfile " DIR "/shown.pfm",
          "\rpass 3 of 3, 100%, 0 s left   \033[K\r\033[Kbis: wrote " DIR "/shown.pfm: "},
@@ -294,7 +284,6 @@ static void on_a_terminal_a_line_tells_how_far_it_is(void **state)
 
 static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
 {
-    (void)state;
     program_run r;
     bis_image full, crop;
     program_expect(&r, 0, SCENE " --outfile " DIR "/full.exr");
@@ -324,7 +313,6 @@ static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
 
 static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
 {
-    (void)state;
     program_run r;
     char keys[1024];
     program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats -");
@@ -342,7 +330,6 @@ static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
 
 static void stats_in_a_file_are_those_of_standard_output(void **state)
 {
-    (void)state;
     program_run r;
     char text[4096], value[64];
     struct stat st;
@@ -361,7 +348,6 @@ static void stats_in_a_file_are_those_of_standard_output(void **state)
 
 static void without_jitter_a_picture_of_one_colour_has_no_scatter(void **state)
 {
-    (void)state;
     program_run r;
     char value[64];
     program_write_file(DIR "/empty.txt", "WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3]\n");
@@ -379,7 +365,6 @@ static void without_jitter_a_picture_of_one_colour_has_no_scatter(void **state)
 
 static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
 {
-    (void)state;
     program_run r;
     char value[64];
     program_expect(&r, 0, SCENE " --time 0.2 --outfile " DIR "/t.exr --stats -");
@@ -399,7 +384,6 @@ static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
  * Twin: without the option there is no picture before the end. */
 static void write_every_writes_the_picture_while_it_is_rendered(void **state)
 {
-    (void)state;
     const struct timespec pause = {0, 50000000};
     program_run r;
     for (int asks = 0; asks < 2; asks++) {
@@ -429,7 +413,6 @@ static void write_every_writes_the_picture_while_it_is_rendered(void **state)
  * hold. */
 static void a_light_probe_tells_its_energy_before_and_after(void **state)
 {
-    (void)state;
     program_run r;
     bis_image image;
     double before = 0, after = 0;
@@ -450,7 +433,6 @@ static void a_light_probe_tells_its_energy_before_and_after(void **state)
 
 static void an_option_without_effect_is_a_warning(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --outfile " DIR "/w.exr --integrator em --candidates 9");
     assert_non_null(strstr(r.messages, "bis: warning: --candidates has no effect on integrator \"em\"\n"));
@@ -462,7 +444,6 @@ static void an_option_without_effect_is_a_warning(void **state)
 
 static void plan_renders_and_writes_nothing(void **state)
 {
-    (void)state;
     program_run r;
     int before = program_count_files(DIR);
     program_expect(&r, 0, "--plan " SCENE);
@@ -477,7 +458,6 @@ static void plan_renders_and_writes_nothing(void **state)
  * they are; what the resampling changes of it is told in percent. */
 static void the_note_on_a_resampled_map_tells_its_energy(void **state)
 {
-    (void)state;
     enum { SIDE = 8 };
     float pixels[SIDE * SIDE][3];
     double sum = 0, before, after, change;
@@ -506,7 +486,6 @@ static void the_note_on_a_resampled_map_tells_its_energy(void **state)
 /* One line each, whatever the file holds; a scene that is none of these is still read. */
 static void what_is_no_scene_gets_one_line(void **state)
 {
-    (void)state;
     const struct { const char *name, *bytes, *what; } cases[] = {
         {"a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", "a Radiance map"},
         {"scene", "#?RGBE\n", "a Radiance map"},
@@ -587,7 +566,6 @@ static void what_a_scene_leaves_out_is_what_it_could_have_written(void **state)
         {"", SIR_9, "--integrator sir", USUAL_SAMPLER, SIR("mix", "9", "15", "false"), USUAL_SAMPLER, THESIS},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         render_with("given", cases[i].sampler, cases[i].integrator, cases[i].options);
         render_with("full", cases[i].full_sampler, cases[i].full_integrator, "");
@@ -601,7 +579,6 @@ static void what_a_scene_leaves_out_is_what_it_could_have_written(void **state)
 /* --learn is the scene's "bool learn": the same bits; it says where it can have no effect. */
 static void learn_is_an_option(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("sed 's/^Integrator.*/& \"string proposal\" \"product\"/' " SCENE " > " DIR "/plain.txt && "
                             "sed 's/^Integrator.*/& \"bool learn\" true/' " DIR "/plain.txt > " DIR "/learns.txt"), 0);
@@ -623,7 +600,6 @@ static void learn_is_an_option(void **state)
  * needs that much in a file of its own. */
 static void a_full_disk_keeps_the_older_file_and_leaves_no_other(void **state)
 {
-    (void)state;
     const char *const endings[] = {"exr", "pfm", "hdr", "png"};
     for (int i = 0; i < 4; i++) {
         program_run r;
@@ -645,7 +621,6 @@ static void a_full_disk_keeps_the_older_file_and_leaves_no_other(void **state)
 
 static void one_file_that_fails_does_not_lose_the_others(void **state)
 {
-    (void)state;
     program_run r;
     /* 24 x 16 pixels: 4.6 kB as PFM, under 2 kB as PNG. */
     program_run_limited(&r, 2000, SCENE " --spp 1 --outfile " DIR "/lost.pfm --outfile " DIR "/saved.png");
@@ -657,7 +632,6 @@ static void one_file_that_fails_does_not_lose_the_others(void **state)
 /* Found before the work: the scene, which does not exist, is not even looked for. */
 static void an_output_that_cannot_be_is_refused_before_the_scene_is_read(void **state)
 {
-    (void)state;
     program_run r;
     symlink("no/such/folder.exr", DIR "/astray.exr");
     program_expect(&r, 1, DIR "/nosuch.txt --outfile " DIR "/astray.exr");
@@ -700,7 +674,6 @@ static void assert_same_bytes(const char *a, const char *b)
 /* Every file that a command reads, under every name that it goes by; and one output under two names. */
 static void what_is_read_is_never_written_over(void **state)
 {
-    (void)state;
     static const char *const files[] = {"scene.txt", "part.txt", "map.pfm", "ball.ply", "a.pfm", "b.pfm"};
     const struct { const char *arguments, *names[2]; } cases[] = {
         {OVER "/scene.txt --stats " OVER "/scene.txt", {"scene.txt", "scene.txt"}},
@@ -759,7 +732,6 @@ static void what_is_read_is_never_written_over(void **state)
  * appear by one step. */
 static void killed_at_any_moment_it_leaves_no_litter(void **state)
 {
-    (void)state;
     static const char arguments[] = DIR "/empty.txt --quiet --spp 1 --nthreads 1 --outfile " DIR
                                         "/killed/a.exr --outfile " DIR "/killed/a.png --outfile " DIR "/killed/b.exr";
     struct timespec start, end;
@@ -809,7 +781,6 @@ static void interrupt(program_run *r, int number, const char *arguments)
 
 static void a_signal_ends_the_render_and_writes_the_picture(void **state)
 {
-    (void)state;
     const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     for (int i = 0; i < 3; i++) {
         program_run r;
@@ -829,7 +800,6 @@ static void a_signal_ends_the_render_and_writes_the_picture(void **state)
 /* A long pass: 512 x 256 patches a pixel in `exact`. A black picture is worth less than the older one. */
 static void a_signal_in_the_first_pass_keeps_the_older_files(void **state)
 {
-    (void)state;
     program_run r;
     char text[64] = "";
     program_write_file(DIR "/long.txt",
@@ -859,7 +829,6 @@ static void a_signal_in_the_first_pass_keeps_the_older_files(void **state)
 /* The figures again from --stats; quiet says nothing, and so does a picture that could not be written. */
 static void a_render_ends_with_one_line_about_what_was_written(void **state)
 {
-    (void)state;
     const struct { const char *options, *passes; } cases[] = {
         {"--resolution 192x128 --spp 9", "9 camera samples a pixel in 5 passes, "},
         {"--spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 1", "1 camera sample a pixel in 1 pass, "},
@@ -893,7 +862,6 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
 /* Not one pixel can be compared: relmse is NaN, which is within no tolerance. */
 static void nothing_to_compare_is_no_success(void **state)
 {
-    (void)state;
     program_run r;
     char value[64];
     bis_image image;
@@ -915,7 +883,6 @@ static void nthreads_holds_for_everything(void **state)
     program_run r;
     int n_teams = 0;
 
-    (void)state;
     setenv("OMP_DISPLAY_AFFINITY", "true", 1);
     setenv("OMP_AFFINITY_FORMAT", "a team of %N", 1);
     setenv("OMP_NUM_THREADS", "5", 1);
@@ -937,7 +904,6 @@ static void nthreads_holds_for_everything(void **state)
 /* More of it: tests/cli/test_options.c. */
 static void compare_refuses_other_sizes_and_a_folder_that_is_not_there(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --outfile " DIR "/ca.exr");
     program_expect(&r, 0, SCENE " --outfile " DIR "/cc.exr --resolution 5x5");
@@ -952,7 +918,6 @@ static void compare_refuses_other_sizes_and_a_folder_that_is_not_there(void **st
  * without --approximate they are refused. */
 static void what_is_approximated_is_said_everywhere(void **state)
 {
-    (void)state;
     static const char *const names[] = {"v2", "v3", "v4"};
     static const char *const said[] = {"1 x AreaLightSource (of 3 lights): its light is missing",
         "2 x ActiveTransform: nothing moves", "1 x Material \"mix\" (of 8 materials): one material"};
@@ -984,7 +949,6 @@ static void what_is_approximated_is_said_everywhere(void **state)
 /* Each reads the scene in the same way, but only the first two have time to do something with it. */
 static void every_command_that_reads_a_scene_approximates(void **state)
 {
-    (void)state;
     static const char film[] =
         "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 LookAt 0 0 0 0 1 0 0 0 1\n"
         "WorldBegin LightSource \"infinite\" Material \"hair\" Shape \"sphere\" \"float gleam\" 1\n",
@@ -1014,7 +978,6 @@ static void every_command_that_reads_a_scene_approximates(void **state)
 /* --light on a scene with lights of its own gives the picture of a scene that names the map, turned and scaled. */
 static void another_light_may_be_put_over_any_scene(void **state)
 {
-    (void)state;
     static const char head[] = "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 12 LookAt 0 -5 2 0 0 0 "
                                "0 0 1 Camera \"perspective\" \"float fov\" 40\n"
                                "WorldBegin\n",

@@ -31,7 +31,6 @@ static bis_image noise(int width, int height)
 
 static void what_is_saved_is_read_whatever_the_name(void **state)
 {
-    (void)state;
     bis_image image = noise(31, 17);
     for (int i = 0; i < N_READABLE; i++) {
         bis_image back;
@@ -48,7 +47,6 @@ static void what_is_saved_is_read_whatever_the_name(void **state)
 
 static void only_four_endings_can_be_written_in_any_case_of_letters(void **state)
 {
-    (void)state;
     assert_true(bis_image_can_write("a.exr") && bis_image_can_write("a.b/c.PFM") && bis_image_can_write("a.Hdr"));
     assert_true(bis_image_can_write("./a.png"));
     const char *const bad[] = {"a", "exr", "a.jpg", "a.exr.gz", "a.exr/b", "", "a."};
@@ -67,7 +65,6 @@ static void only_four_endings_can_be_written_in_any_case_of_letters(void **state
 
 static void a_new_image_is_black_and_of_a_sane_size(void **state)
 {
-    (void)state;
     bis_image image;
     assert_int_equal(bis_image_init(&image, 3, 2, NULL), BIS_OK);
     for (int i = 0; i < 6; i++)
@@ -94,7 +91,6 @@ static void a_new_image_is_black_and_of_a_sane_size(void **state)
  * file of it. */
 static void what_is_no_image_is_refused_by_its_first_bytes(void **state)
 {
-    (void)state;
     static const bad_file others[] = {
         {BYTES(""), "the file is empty"}, {BYTES("ab"), "its 2 bytes are too few for an image"},
         {BYTES("this is text"), UNKNOWN("74 68 69 73")}, {BYTES("\x89PNG"), FOR_A_SCREEN("PNG")},
@@ -120,7 +116,6 @@ static void expect_io(const char *path, const char *message)
 
 static void missing_and_directory_paths_are_io_errors_at_the_line_that_named_them(void **state)
 {
-    (void)state;
     expect_io(
         "build/no such.exr", "scene.txt:7:12: error: cannot open \"build/no such.exr\": No such file or directory");
     expect_io("build", "scene.txt:7:12: error: \"build\" is a folder, must be a regular file");
@@ -135,7 +130,6 @@ static void missing_and_directory_paths_are_io_errors_at_the_line_that_named_the
 
 static void a_bad_image_is_reported_at_the_line_that_named_it(void **state)
 {
-    (void)state;
     bis_image image;
     bis_diag diag = {0};
     char message[256];
@@ -149,7 +143,6 @@ static void a_bad_image_is_reported_at_the_line_that_named_it(void **state)
 
 static void a_folder_that_is_not_there_is_an_io_error(void **state)
 {
-    (void)state;
     bis_image image = noise(2, 2);
     for (int i = 0; i < N_ENDINGS; i++) {
         char path[64];
@@ -174,7 +167,6 @@ static void limit_files_to(rlim_t n_bytes, struct rlimit *before)
 
 static void a_full_disk_leaves_the_older_file_and_nothing_else(void **state)
 {
-    (void)state;
     const rlim_t limits[] = {0, 1, 100, 4000, 20000};
     bis_image image = noise(200, 100); /* 40 kB or more in every format */
     signal(SIGXFSZ, SIG_IGN);
@@ -199,7 +191,6 @@ static void a_full_disk_leaves_the_older_file_and_nothing_else(void **state)
 
 static void any_allocation_may_fail_while_reading(void **state)
 {
-    (void)state;
     bis_image image = noise(40, 40);
     for (int i = 0; i < N_READABLE; i++) {
         assert_int_equal(bis_image_save(&image, scratch(endings[i]), NULL), BIS_OK);
@@ -210,7 +201,6 @@ static void any_allocation_may_fail_while_reading(void **state)
 
 static void any_allocation_may_fail_while_writing(void **state)
 {
-    (void)state;
     bis_image image = noise(40, 40);
     for (int i = 0; i < N_ENDINGS; i++) {
         long n_failed = 0;
@@ -235,7 +225,6 @@ static void any_allocation_may_fail_while_writing(void **state)
 
 static void the_same_picture_gives_the_same_bytes(void **state)
 {
-    (void)state;
     bis_image image = noise(100, 50);
     for (int i = 0; i < N_ENDINGS; i++) {
         unsigned char *first;

@@ -268,7 +268,6 @@ static const char *const letters[3] = {":u", "", ":f"};
 
 static void half_float_and_uint_are_read_among_channels_that_nobody_wants(void **state)
 {
-    (void)state;
     for (int types = 0; types < 27; types++) {
         const int b = types % 3, g = types / 3 % 3, r = types / 9;
         char channels[64];
@@ -283,7 +282,6 @@ static void half_float_and_uint_are_read_among_channels_that_nobody_wants(void *
  * cube map is remarked upon, but not a latlong one. */
 static void other_colours_and_shapes_are_remarked(void **state)
 {
-    (void)state;
     for (int k = -2; k < 8 + 2; k++) {
         float c[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.313f, 0.3291f};
         if (k >= 0 && k < 8) c[k] += 0.001f;
@@ -338,7 +336,6 @@ static void assert_colour(rgb c, double r, double g, double b, double tolerance)
  * BT.709. */
 static void colours_of_other_primaries_become_those_of_rec_709(void **state)
 {
-    (void)state;
     static const float bt2020[8] = {.708f, .292f, .17f, .797f, .131f, .046f, .3127f, .329f};
     static const float xyz[8] = {1, 1e-9f, 1e-9f, 1, 1e-9f, 1e-9f, 1.f / 3, 1.f / 3}; /* nearly: X, Y, Z themselves */
     static const float d50[8] = {.64f, .33f, .3f, .6f, .15f, .06f, .3457f, .3585f};
@@ -377,7 +374,6 @@ static void colours_of_other_primaries_become_those_of_rec_709(void **state)
 
 static void chromaticities_that_span_nothing_are_remarked(void **state)
 {
-    (void)state;
     static const float bad[][8] = {{.3f, .3f, .3f, .3f, .1f, .1f, .3f, .3f}, {.6f, 0, .3f, .6f, .1f, .1f, .3f, .3f},
                                    {.64f, .33f, .3f, .6f, .15f, .06f, .3f, 0},
                                     {NAN, .33f, .3f, .6f, .15f, .06f, .3f, .3f}};
@@ -393,7 +389,6 @@ static void chromaticities_that_span_nothing_are_remarked(void **state)
 
 static void the_data_window_is_the_whole_map_wherever_it_lies(void **state)
 {
-    (void)state;
     const int corners[][2] = {{0, 0}, {3, 4}, {-7, -5}, {-1000000, 1000000}, {98, 48}};
     for (size_t i = 0; i < sizeof corners / sizeof corners[0]; i++)
         for (int tile = 0; tile <= 4; tile += 4)
@@ -406,7 +401,6 @@ static void the_data_window_is_the_whole_map_wherever_it_lies(void **state)
 
 static void tiles_of_any_side_fill_the_map(void **state)
 {
-    (void)state;
     for (int tile = 1; tile <= 9; tile++) {
         const part_spec part = {.channels = "B G R", .width = 8, .height = 5, .tile = tile};
         expect_channels(&part, 1, 0, plain, NULL);
@@ -469,7 +463,6 @@ static const struct {
 
 static void each_file_gives_the_channels_or_the_message_beside_it(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof made / sizeof *made; i++) {
         if (made[i].part < 0) expect_bad_parts(made[i].parts, made[i].n, made[i].message);
         else expect_channels(made[i].parts, made[i].n, made[i].part, made[i].index, made[i].message);
@@ -479,7 +472,6 @@ static void each_file_gives_the_channels_or_the_message_beside_it(void **state)
 /* OpenEXRCore 3.1.5 wrote all of three or four channels where it was to write one half. */
 static void one_channel_of_any_type_among_any_others_is_read(void **state)
 {
-    (void)state;
     static const struct {
         const char *format;
         int index[3];
@@ -551,7 +543,6 @@ static void encode_by_core(const char *path, exr_compression_t compression, bool
 
 static void every_compression_that_core_knows_is_read_in_scanlines_and_tiles(void **state)
 {
-    (void)state;
     const exr_compression_t kinds[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
         EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ, EXR_COMPRESSION_PXR24, EXR_COMPRESSION_B44, EXR_COMPRESSION_B44A};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++)
@@ -617,7 +608,6 @@ static void expect_smooth(double tolerance)
 
 static void dwa_is_read_to_its_own_precision(void **state)
 {
-    (void)state;
     const int corners[][2] = {{0, 0}, {-7, 1000}};
     for (int i = 0; i < 2; i++) {
         write_by_imf(scratch("imf.exr"), IMF_WRITE_RGBA, IMF_DWAA_COMPRESSION, corners[i][0], corners[i][1]);
@@ -629,7 +619,6 @@ static void dwa_is_read_to_its_own_precision(void **state)
 
 static void luminance_with_chroma_is_colour(void **state)
 {
-    (void)state;
     for (int compression = IMF_NO_COMPRESSION; compression <= IMF_DWAB_COMPRESSION; compression++) {
         write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, compression, 0, 0);
         expect_smooth(0.05); /* chroma at a quarter of the resolution, edges extrapolated */
@@ -639,7 +628,6 @@ static void luminance_with_chroma_is_colour(void **state)
 /* The older interface reads these; what it says of a file that ends too early is passed on. */
 static void luminance_with_chroma_that_ends_too_early_is_refused(void **state)
 {
-    (void)state;
     write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, IMF_NO_COMPRESSION, 0, 0);
     struct stat s;
     assert_int_equal(stat(scratch("imf.exr"), &s), 0);
@@ -655,7 +643,6 @@ static void luminance_with_chroma_that_ends_too_early_is_refused(void **state)
 
 static void a_huge_window_in_a_short_file_is_refused_before_it_is_allocated(void **state)
 {
-    (void)state;
     part_spec part = {.channels = "B G R", .width = 4, .height = 3};
     const struct {
         int width, height;
@@ -689,7 +676,6 @@ static void a_huge_window_in_a_short_file_is_refused_before_it_is_allocated(void
 
 static void no_damage_leads_out_of_the_file(void **state)
 {
-    (void)state;
     const part_spec scanlines = {.channels = "B G R", .width = 4, .height = 3};
     const part_spec tiles = {.channels = "B G R", .width = 4, .height = 3, .tile = 2};
     const part_spec parts[2] = {
@@ -717,7 +703,6 @@ static void load(bytes *file, const char *path)
 
 static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)
 {
-    (void)state;
     for (int compression = IMF_RLE_COMPRESSION; compression <= IMF_DWAB_COMPRESSION; compression++) {
         bytes file = {0};
         write_by_imf(scratch("imf.exr"), compression % 2 ? IMF_WRITE_RGB : IMF_WRITE_YC, compression, 0, 0);
@@ -742,7 +727,6 @@ static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)
 /* Three: the file, the context of the library, the pixels. */
 static void any_allocation_may_fail_whatever_the_compression(void **state)
 {
-    (void)state;
     for (int kind = EXR_COMPRESSION_NONE; kind <= EXR_COMPRESSION_B44A; kind++)
         for (int tiled = 0; tiled < 2; tiled++) {
             encode_by_core(scratch("core.exr"), (exr_compression_t)kind, tiled);
@@ -808,7 +792,6 @@ static void expect_layout(exr_context_t file)
 
 static void channels_windows_and_attributes_are_all_in_the_file(void **state)
 {
-    (void)state;
     const float odd[] = {0, -0.0f, INFINITY, -1, 1e-45f, 3.4e38f, 65504};
     enum { N = 33 * 20 };
     static float colour[N][4], error[N];
@@ -852,7 +835,6 @@ static void channels_windows_and_attributes_are_all_in_the_file(void **state)
  * come out exactly as long as they were (with zlib 1.2.13). Twin: scripts/check/mutate.sh. */
 static void a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was(void **state)
 {
-    (void)state;
     enum { WIDTH = 48, HEIGHT = 16, PICTURES = 300 };
     static float values[3 * WIDTH * HEIGHT];
     const bis_channel channels[3] = {{"R", values, 3}, {"G", values + 1, 3}, {"B", values + 2, 3}};
@@ -890,7 +872,6 @@ static bis_picture noisy_picture(bis_channel channels[MOST_CHANNELS], int n_chan
 /* A chunk is 16 rows: less than one, one, and several with an end of one, four and nine rows. */
 static void any_number_of_threads_writes_the_same_file(void **state)
 {
-    (void)state;
     const int heights[] = {1, 16, 33, 73, MOST_ROWS}, threads[] = {1, 2, 3, 8}, before = use_threads(1);
     for (int n_channels = 3; n_channels <= MOST_CHANNELS; n_channels++)
         for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
@@ -916,7 +897,6 @@ static void any_number_of_threads_writes_the_same_file(void **state)
 /* Wherever the disk is full, whoever writes: one message, which names the reason, and no file. */
 static void a_full_disk_stops_all_threads(void **state)
 {
-    (void)state;
     const int before = use_threads(1);
     struct rlimit none, limit;
     bis_channel channels[MOST_CHANNELS];
@@ -954,7 +934,6 @@ static void a_full_disk_stops_all_threads(void **state)
  * allocates for more than five. */
 static void any_allocation_of_any_thread_may_fail(void **state)
 {
-    (void)state;
     const int before = use_threads(1);
     bis_channel channels[MOST_CHANNELS];
     const bis_picture picture = noisy_picture(channels, MOST_CHANNELS, MOST_ROWS);
@@ -979,7 +958,6 @@ static void any_allocation_of_any_thread_may_fail(void **state)
 
 static void a_layer_that_we_wrote_is_what_we_read(void **state)
 {
-    (void)state;
     float plane[6] = {1, 2, 3, 4, 5, 6};
     const bis_channel channels[3] = {{"error.R", plane, 1}, {"error.G", plane, 1}, {"error.B", plane, 1}};
     const bis_picture picture = {
@@ -994,7 +972,6 @@ static void a_layer_that_we_wrote_is_what_we_read(void **state)
 
 static void an_attribute_that_openexr_reserves_is_refused(void **state)
 {
-    (void)state;
     const float pixel[3] = {1, 2, 3};
     const bis_channel channels[3] = {{"R", pixel, 3}, {"G", pixel + 1, 3}, {"B", pixel + 2, 3}};
     const bis_attribute attribute = {"version", "1.0", 0};

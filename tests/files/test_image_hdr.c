@@ -66,7 +66,6 @@ static void expect_pixel(const char *header, const unsigned char rgbe[4], const 
 
 static void each_header_gives_its_pixel_the_value_beside_it(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof pixels / sizeof *pixels; i++)
         expect_pixel(pixels[i].header, pixels[i].rgbe, "", pixels[i].is, pixels[i].remark);
     expect_pixel(HEADER ONE, (const unsigned char[]){1, 2, 3, 136}, "tail", (rgb){1, 2, 3},
@@ -75,7 +74,6 @@ static void each_header_gives_its_pixel_the_value_beside_it(void **state)
 
 static void a_value_is_mantissa_times_2_to_the_exponent_less_136(void **state)
 {
-    (void)state;
     const unsigned char exponents[] = {1, 2, 100, 127, 128, 129, 136, 200, 255};
     for (size_t i = 0; i < sizeof exponents; i++) {
         const double unit = pow(2, exponents[i] - 136);
@@ -100,7 +98,6 @@ static void put_in_order(bytes *file, char slow, char fast, bool slow_minus, boo
 
 static void all_eight_orientations_put_every_pixel_in_its_place(void **state)
 {
-    (void)state;
     for (int i = 0; i < 8; i++) {
         const char slow = i & 1 ? 'X' : 'Y', fast = i & 1 ? 'Y' : 'X';
         char line[32];
@@ -171,7 +168,6 @@ static void put_new(bytes *file, int y)
 
 static void flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file(void **state)
 {
-    (void)state;
     void (*const kinds[])(bytes *, int) = {put_flat, put_old, put_new};
     for (int way = 0; way < 4; way++) { /* 3: every line in another encoding */
         bytes file = {0};
@@ -231,13 +227,11 @@ static const bad_file damaged[] = {
 
 static void a_bad_file_is_refused_by_its_line_or_scanline(void **state)
 {
-    (void)state;
     expect_refusals(damaged, sizeof damaged / sizeof *damaged, "bad.hdr");
 }
 
 static void no_damage_leads_out_of_the_file(void **state)
 {
-    (void)state;
     void (*const kinds[])(bytes *, int) = {put_old, put_new};
     for (int i = 0; i < 2; i++) {
         bytes file = {0};
@@ -296,7 +290,6 @@ static double step_at(rgb v)
 
 static void every_channel_comes_back_within_half_a_step_of_its_pixel(void **state)
 {
-    (void)state;
     const int widths[] = {1, 2, 7, 8, 9, 127, 128, 129, 255, 256, 1000, 32767, 32768};
     for (size_t i = 0; i < sizeof widths / sizeof widths[0]; i++) {
         bis_image image = random_image(widths[i], 3, 11), back = back_from(&image);
@@ -316,7 +309,6 @@ static void every_channel_comes_back_within_half_a_step_of_its_pixel(void **stat
 
 static void what_rgbe_holds_comes_back_exactly(void **state)
 {
-    (void)state;
     bis_image image;
     assert_int_equal(bis_image_init(&image, 255, 128, NULL), BIS_OK);
     for (int e = 1; e <= 255; e++)
@@ -330,7 +322,6 @@ static void what_rgbe_holds_comes_back_exactly(void **state)
 
 static void values_below_the_smallest_exponent_round_to_its_steps(void **state)
 {
-    (void)state;
     const float step = 0x1p-135f;
     const rgb in[4] = {{step * 100, 0, step}, {step * 0.25f, 0, 0}, {step * 0.75f, 0, 0}, {step, step, step}};
     /* mantissas 1 1 1 are a run in a flat line: one step too bright in blue */
@@ -346,7 +337,6 @@ static void values_below_the_smallest_exponent_round_to_its_steps(void **state)
 
 static void the_bytes_written_are_those_of_the_format(void **state)
 {
-    (void)state;
     const unsigned char planes[] = {
         128 + 4, 128, 5, 64, 1, 128, 128, 128, /* red: a run of four, a literal of five (one of three saves nothing) */
         128 + 4, 0, 5, 128, 128, 0, 0, 0,      /* green */
@@ -372,7 +362,6 @@ static void the_bytes_written_are_those_of_the_format(void **state)
 
 static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void **state)
 {
-    (void)state;
     const float bad[] = {-1, -1e-30f, NAN, INFINITY, -INFINITY, 3e38f, 255.5f * 0x1p119f};
     bis_image image;
     assert_int_equal(bis_image_init(&image, 3, 2, NULL), BIS_OK);

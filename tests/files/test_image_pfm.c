@@ -32,7 +32,6 @@ static void put_pfm(bytes *file, const char *magic, const char *scale, int chann
 
 static void colour_and_grey_of_both_byte_orders_run_from_the_bottom_row_up(void **state)
 {
-    (void)state;
     const char *const scales[] = {"-1", "1.0", "-0.003", "255"}; /* the size of the scale is ignored */
     for (int grey = 0; grey < 2; grey++)
         for (int i = 0; i < 4; i++) {
@@ -54,7 +53,6 @@ static void colour_and_grey_of_both_byte_orders_run_from_the_bottom_row_up(void 
 
 static void any_float_comes_back_bit_by_bit(void **state)
 {
-    (void)state;
     const float odd[] = {0, -0.0f, NAN, INFINITY, -INFINITY, -1, 1e-45f, 3.4e38f};
     bis_image image, back;
     assert_int_equal(bis_image_init(&image, 37, 5, NULL), BIS_OK);
@@ -71,7 +69,6 @@ static void any_float_comes_back_bit_by_bit(void **state)
 
 static void every_digit_of_a_size_is_read_up_to_the_largest_side(void **state)
 {
-    (void)state;
     for (int side = 10; side <= 20; side++) {
         const int n = side < 20 ? side : 32768;
         bytes file = {0};
@@ -109,13 +106,11 @@ static const bad_file bad[] = {
 
 static void a_bad_header_or_length_is_refused(void **state)
 {
-    (void)state;
     expect_refusals(bad, sizeof bad / sizeof *bad, "bad.pfm");
 }
 
 static void no_damage_leads_out_of_the_file(void **state)
 {
-    (void)state;
     bytes file = {0};
     put_pfm(&file, "PF", "-1.0", 3, false);
     try_damage(&file, "damaged.pfm", 2000, 5);

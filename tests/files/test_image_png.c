@@ -48,7 +48,6 @@ static void fill(rgb pixels[W * H], rgb v)
 
 static void a_given_exposure_and_the_srgb_curve_give_the_bytes(void **state)
 {
-    (void)state;
     /* sRGB of 2^-6 ... 1, from the tables of IEC 61966-2-1: 8 bit code of linear 1/64, 1/8, 1/2; 0.001 lies on the
      * straight part */
     const struct {
@@ -72,7 +71,6 @@ static void a_given_exposure_and_the_srgb_curve_give_the_bytes(void **state)
 
 static void the_log_average_lands_on_a_grey_of_18_percent_at_any_brightness(void **state)
 {
-    (void)state;
     const float scales[] = {1e-38f, 1e-6f, 1, 4e4f, 1e37f};
     rgb pixels[W * H];
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
@@ -92,7 +90,6 @@ static void the_log_average_lands_on_a_grey_of_18_percent_at_any_brightness(void
 /* What the picture is but for its first pixels, and the codes of these and of the rest. 118: 18% of grey. */
 static void black_nan_and_infinity_do_not_change_the_exposure(void **state)
 {
-    (void)state;
     static const struct {
         float rest, first[3];
         int code, codes[3];
@@ -111,7 +108,6 @@ static void black_nan_and_infinity_do_not_change_the_exposure(void **state)
 /* With A the picture is metered where it is geometry; A = 0 everywhere tells nothing. */
 static void the_exposure_is_metered_on_the_subject(void **state)
 {
-    (void)state;
     float planes[2][W * H];
     for (int i = 0; i < W * H; i++) {
         planes[0][i] = i < 5 ? 7 : 1e-6f;
@@ -141,7 +137,6 @@ static void the_exposure_is_metered_on_the_subject(void **state)
 
 static void channels_may_be_planes_of_their_own(void **state)
 {
-    (void)state;
     float planes[3][W * H];
     for (int i = 0; i < W * H; i++)
         for (int k = 0; k < 3; k++)
@@ -167,7 +162,6 @@ static unsigned char *file_of(rgb colour, size_t *n)
 
 static void the_file_says_that_it_is_srgb(void **state)
 {
-    (void)state;
     size_t n;
     unsigned char *data = file_of((rgb){1, 1, 1}, &n);
     assert_true(memmem(data, n, "sRGB", 4) && memmem(data, n, "gAMA", 4));
@@ -176,7 +170,6 @@ static void the_file_says_that_it_is_srgb(void **state)
 
 static void a_png_is_no_source_of_light(void **state)
 {
-    (void)state;
     size_t n;
     bis_free(file_of((rgb){1, 1, 1}, &n));
     expect_refusal(scratch("a.png"), BIS_INPUT, "it is a PNG: 8 bits for a screen, no radiance; take an .exr, .pfm "
@@ -187,7 +180,6 @@ static void a_png_is_no_source_of_light(void **state)
  * 1/2/255 times its steepest slope, 2.4/1.055 (at 1). */
 static void what_was_written_is_read_back_as_colours(void **state)
 {
-    (void)state;
     rgb pixels[W * H];
     bis_image image;
     for (int i = 0; i < W * H; i++) pixels[i] = (rgb){(float)i / (W * H), (float)(i * i) / (W * W * H * H), 1};
@@ -207,7 +199,6 @@ static void what_was_written_is_read_back_as_colours(void **state)
 /* Each prefix is refused, and no change of up to four bytes does harm. */
 static void damaged_pictures_are_survived(void **state)
 {
-    (void)state;
     uint32_t seed = 5;
     size_t n;
     unsigned char *data = file_of((rgb){0.3f, 0.7f, 0.1f}, &n), changed[4096];
@@ -230,7 +221,6 @@ static void damaged_pictures_are_survived(void **state)
 /* libpng's own words reach the user: a byte of the pixels is another, so the checksum behind them does not fit. */
 static void what_libpng_says_of_damage_is_told(void **state)
 {
-    (void)state;
     bis_image image;
     bis_diag diag = {0};
     size_t n;

@@ -73,7 +73,6 @@ static void assert_colours(const bis_image *image, const char *what, double tole
 static void each_kind_of_tga_has_its_colours(void **state)
 {
     char said[512];
-    (void)state;
     for (size_t i = 0; i < sizeof tgas / sizeof *tgas; i++) {
         bis_image image;
         if (read_bytes_as(&image, "a.tga", tgas[i].bytes, tgas[i].n, said)) fail_msg("%s: %s", tgas[i].what, said);
@@ -103,7 +102,6 @@ static void a_damaged_tga_is_refused(void **state)
         {0, 16, 1, {23}, "its format is unknown: a texture must be .png, .jpg, .tga, .bmp, .exr, .hdr or .pfm"},
     };
     char said[512];
-    (void)state;
     for (size_t i = 0; i < sizeof tgas / sizeof *tgas; i++)
         for (size_t n = 18; n < tgas[i].n; n++) { /* cut off anywhere */
             bis_image image;
@@ -160,7 +158,6 @@ static const struct {
 static void each_kind_of_bmp_has_its_colours(void **state)
 {
     char said[512];
-    (void)state;
     for (size_t i = 0; i < sizeof bmps / sizeof *bmps; i++) {
         bis_image image;
         bytes b;
@@ -185,7 +182,6 @@ static void each_kind_of_bmp_has_its_colours(void **state)
 static void a_damaged_or_rare_bmp_is_refused(void **state)
 {
     bytes b;
-    (void)state;
     make_bmp(&b, 8, 2, 1, 4, bmps[3].rest, 8);
     refuse("coded.bmp", b.data, b.n, "only plain files of 1, 4, 8, 24 and 32 bits are read: save it as PNG");
     bytes_clear(&b);
@@ -243,7 +239,6 @@ static const unsigned char left[3] = {200, 40, 90}, right[3] = {10, 250, 130};
 /* Flat blocks at quality 100: the colour is off by the rounding of YCbCr alone, two codes at most. */
 static void each_kind_of_jpeg_has_its_colours(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < 3; kind++) {
         char said[512];
         unsigned long n;
@@ -267,7 +262,6 @@ static void each_kind_of_jpeg_has_its_colours(void **state)
 /* Cut off, with holes, far too large for its bytes, of another kind, with endless scans: an error, and never grey. */
 static void a_damaged_jpeg_is_refused(void **state)
 {
-    (void)state;
     char said[512];
     unsigned long n;
     for (int progressive = 0; progressive < 2; progressive++) {
@@ -302,7 +296,6 @@ static void a_damaged_jpeg_is_refused(void **state)
 
 static void without_memory_there_is_no_picture(void **state)
 {
-    (void)state;
     unsigned long n;
     unsigned char *data = make_jpeg(&n, 3, false, left, right);
     const struct {

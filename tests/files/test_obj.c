@@ -68,7 +68,6 @@ static const struct {
 
 static void each_text_is_its_mesh(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         bytes b = {0};
         put_text(&b, texts[i].text);
@@ -125,7 +124,6 @@ static const struct {
 static void a_bad_line_is_refused_by_its_number(void **state)
 {
     bytes zero = {0};
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         bytes b = {0};
         put_text(&b, bad[i].text);
@@ -144,7 +142,6 @@ static void thousands_of_normals_at_one_position_are_told_apart(void **state)
     enum { N = 5000 };
     bytes b = {0};
     bis_mesh m;
-    (void)state;
     put_text(&b, SQUARE);
     for (int i = 0; i < 2 * N; i++) {
         char text[64];
@@ -172,7 +169,6 @@ static void a_part_is_what_follows_a_name(void **state)
     bis_obj_materials o;
     bis_mesh m;
     size_t n;
-    (void)state;
     store(scratch("parts.obj"), text, sizeof text - 1);
     assert_int_equal(bis_obj_read_parts(&m, &n, scratch("parts.obj"), false, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(n, 4);
@@ -209,7 +205,6 @@ static void a_part_without_faces_is_not_shown(void **state)
         {"f 1 2 3\nusemtl a\n", 1, 1, {true}},
         {"usemtl a\n", 1, 0, {false}},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_obj_materials o;
         store(scratch("shown.obj"), cases[i].text, strlen(cases[i].text));
@@ -228,7 +223,6 @@ static const char *const rich =
 static void damaged_files_never_crash(void **state)
 {
     bytes b = {0};
-    (void)state;
     put_text(&b, rich);
     try_mesh_damage(bis_obj_read, &b, "damage.obj", 5000, 1);
     bytes_clear(&b);
@@ -237,7 +231,6 @@ static void damaged_files_never_crash(void **state)
 static void any_allocation_may_fail(void **state)
 {
     bytes b = {0};
-    (void)state;
     put_text(&b, rich);
     try_mesh_memory(bis_obj_read, &b, "memory.obj");
     bytes_clear(&b);
@@ -253,7 +246,6 @@ static void files_of_the_wild_are_read_right(void **state)
         {P("obj_points"), 8, 0, false}, {P("obj_with_no_face_in_chunk"), 3, 1, false}, {P("polygonfaces"), 5, 3, false},
         {P("rectangle_normals"), 4, 2, true}, {P("rectangle_normals_uv"), 4, 2, true}, {P("rectangle_uv"), 4, 2, false},
         {"mesh/teapot_6k.obj", 3644, 6320, false}, {"mesh/spot_6k.obj", 2930, 5856, false}};
-    (void)state;
     expect_wild_meshes(bis_obj_read, files, sizeof files / sizeof *files, NULL);
 }
 

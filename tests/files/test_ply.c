@@ -133,7 +133,6 @@ static const struct {
 
 static void each_text_is_its_mesh_in_ascii_and_both_byte_orders(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         for (int format = 0; format < (texts[i].kind == ALONE ? 1 : 3); format++) {
             bytes b = format ? binary_of(texts[i].text, format == 2) : ascii_of(texts[i].text);
@@ -161,7 +160,6 @@ static void all_types_orders_and_places_of_properties_read_the_same(void **state
 {
     static const char *const coordinates[] = {"char", "short", "int", "float", "double"};
     static const char *const integers[] = {"char", "uchar", "short", "ushort", "int", "uint"};
-    (void)state;
     for (size_t i = 0; i < 2 * 5 * 6 * 6; i++) {
         const char *const text = typed_square(coordinates[i / 2 % 5], integers[i / 10 % 6], integers[i / 60]);
         bytes b = binary_of(text, i % 2);
@@ -187,7 +185,6 @@ static void every_line_end_leaves_a_body_that_begins_with_a_newline_alone(void *
 {
     static const char header[] = "ply\nformat binary_little_endian 1.0\ncomment x\n" VERTICES(3) FACES(1);
     bytes body = {0};
-    (void)state;
     put_text(&body, "\n\r\n?"); /* as a float: 0.5392615 */
     for (int k = 1; k < 9; k++) put_float(&body, (float)k);
     put_int(&body, 3, 1);
@@ -205,7 +202,6 @@ static void every_line_end_leaves_a_body_that_begins_with_a_newline_alone(void *
 static void lines_are_counted_by_any_end(void **state)
 {
     static const char text[] = ASCII "comment a b c d e f g\n" VERTICES(4) FACES(1) "0 0 0\n1 0 0\n\n1 1 0\n0 x 0\n";
-    (void)state;
     for (int i = 0; i < 3; i++) {
         bytes b = with_ends(text, sizeof text - 1, ends[i], NULL);
         expect_mesh_refusal_of(bis_ply_read, &b, "lines.ply", 15, "\"x\" where a number of vertex 3 should stand");
@@ -291,7 +287,6 @@ static const struct {
 
 static void a_bad_file_is_refused_by_line_vertex_or_face(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         bytes b = {0};
         put_text(&b, bad[i].text);
@@ -317,7 +312,6 @@ static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
                {THREE("1 nan 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "vertex 2 has y = nan, must be a finite float", 0},
                {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 4 2", NO_CORNER("2"), 0},
                {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "the file ends in face 2 of 3", 1}};
-    (void)state;
     for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
         bytes b = binary_of(cut[i].text, false);
         b.n -= cut[i].lost;
@@ -329,7 +323,6 @@ static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
 /* A list has 18 bytes; its count alone is 2, and the file must have room for that. */
 static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < 2 * 29; i++) {
         const char *const name = i % 2 ? "tristrips" : "face";
         const size_t lost = 1 + i / 2;
@@ -352,7 +345,6 @@ static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **sta
  * width, two triangles, a quad, a triangle. */
 static void a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone(void **state)
 {
-    (void)state;
     static const char *const types[] = {"char", "uchar", "short", "ushort", "int", "uint"};
     for (int i = 0; i < 6 * 6 * 2; i++) {
         char text[512];
@@ -382,7 +374,6 @@ static const char triangle_words[] = "0 0 0, 1 0 0.5, 1 1 0; 0 1 2";
  * read by itself, in either byte order. */
 static void a_short_cut_is_for_three_floats_alone(void **state)
 {
-    (void)state;
     static const char orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     for (int i = 0; i < 6 * 8 * 2 * 2; i++) {
         const char *const order = orders[i % 6];
@@ -407,7 +398,6 @@ static void a_short_cut_is_for_three_floats_alone(void **state)
  * the coordinate's. */
 static void a_list_is_no_coordinate(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; k++)
         for (int twice = 0; twice < 2; twice++) {
             char text[512] = "element vertex 3\n", message[64];
@@ -435,7 +425,6 @@ static void missing_files_and_folders_are_the_disks_fault(void **state)
 {
     bis_diag diag = {0};
     bis_mesh m;
-    (void)state;
     assert_int_equal(bis_ply_read(&m, "build/no such file.ply", (bis_loc){"s.txt", 3, 7}, &diag), BIS_IO);
     assert_int_equal(bis_ply_read(&m, "build", (bis_loc){0}, &diag), BIS_IO);
     assert_null(m.p);
@@ -451,7 +440,6 @@ static void a_message_names_the_scene_line_and_the_meshes(void **state)
     char expected[512];
     bis_diag diag = {0};
     bis_mesh m;
-    (void)state;
     store(path, "ply\nformat oops\n", 16);
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){"s.txt", 3, 7}, &diag), BIS_INPUT);
     snprintf(expected, sizeof expected, "s.txt:3:7: error: %s:2: the format must be ascii, binary_little_endian or "
@@ -468,7 +456,6 @@ static void damaged_files_never_crash(void **state)
 {
     bytes binary = binary_of(typed_square("short", "uchar", "ushort"), true);
     bytes text = ascii_of(STRIP_OF_NORMALS FACES(2) NORMAL_CORNERS "6 0 1 2 -1 3 2\n3 0 1 2\n4 0 1 2 3\n");
-    (void)state;
     try_mesh_damage(bis_ply_read, &binary, "damage.ply", 3000, 1);
     try_mesh_damage(bis_ply_read, &text, "damage.ply", 3000, 2);
     bytes_clear(&binary);
@@ -479,7 +466,6 @@ static void any_allocation_may_fail(void **state)
 {
     bytes binary = binary_of(typed_square("float", "uchar", "int"), false);
     bytes text = ascii_of(STRIP_OF_NORMALS "end_header\n" NORMAL_CORNERS "14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
-    (void)state;
     try_mesh_memory(bis_ply_read, &binary, "memory.ply");
     try_mesh_memory(bis_ply_read, &text, "memory.ply");
     bytes_clear(&binary);
@@ -507,7 +493,6 @@ static void files_of_the_wild_have_the_counts_that_another_reader_finds(void **s
         {P("multi"), 4, 2, false}, {P("cube_blender_uv_meshlab"), 24, 12, false}, {P("ply_empty_bin"), 0, 0, false},
         {P("icosahedron_ascii"), 12, 20, true}, {P("cube_uv"), 24, 12, true}, {P("points_ascii"), 5, 0, false},
     };
-    (void)state;
     expect_wild_meshes(bis_ply_read, files, sizeof files / sizeof *files, "fuze_ascii");
 }
 
@@ -517,7 +502,6 @@ static void the_one_contradictory_file_of_the_wild_is_refused(void **state)
     const char *path = shared_file("conformance/ply/issue623.ply");
     bis_diag diag = {0};
     bis_mesh m;
-    (void)state;
     if (!path) skip();
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, &diag), BIS_INPUT);
     assert_non_null(
@@ -529,7 +513,6 @@ static void the_one_contradictory_file_of_the_wild_is_refused(void **state)
 static void dolphins_are_the_same_in_ascii_and_both_byte_orders(void **state)
 {
     bis_mesh m[3];
-    (void)state;
     for (int i = 0; i < 3; i++) {
         static const char *const names[] = {"dolphins", "dolphins_le", "dolphins_be"};
         char name[128];

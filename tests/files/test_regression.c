@@ -77,7 +77,6 @@ static bis_status read_any(const char *path, bis_diag *diag)
 
 static void every_file_gives_what_was_agreed(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < N_OUTCOMES; i++) {
         const outcome *o = &outcomes[i];
         char path[256];
@@ -92,7 +91,6 @@ static void every_file_gives_what_was_agreed(void **state)
 
 static void every_file_has_its_row(void **state)
 {
-    (void)state;
     DIR *folder = opendir(FOLDER);
     assert_non_null(folder);
     size_t n = 0;

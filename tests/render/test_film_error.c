@@ -23,7 +23,6 @@ static void init(bis_film *f, int width, int height)
  * a b. A crop of 6 x 5 pixels, from (3, 2) on. Dark pictures have small floors. */
 static void the_error_of_passes_is_the_mean_over_pixels(void **state)
 {
-    (void)state;
     for (int dark = 0; dark < 2; dark++) {
         const double scale = dark ? 0x1p-10 : 4, crop[4] = {0.25, 0.75, 0.25, 0.875};
         double mean = 0, expected = 0;
@@ -73,7 +72,6 @@ static double rmse_of(const float *first, int passes, double *upper)
  * 2^2 - 1. */
 static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
 {
-    (void)state;
     double upper;
     const double expected = sqrt(0.5 / sqrt(4.09 * 3.09));
     assert_true(fabs(rmse_of((float[]){1, 3}, 2, &upper) - expected) < 1e-14);
@@ -84,7 +82,6 @@ static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
  * bright the sample. */
 static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
 {
-    (void)state;
     const double rmse = rmse_of((float[]){0, 0, 0, 8}, 4, NULL), twin = sqrt(0.5 * 4 / 4.09);
     /* the deviation is float: 2^-24 of the variance, which the difference 2^2 - 4 makes 4 * 2^-24 / 0.09 / 2 of the
      * square */
@@ -94,7 +91,6 @@ static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **
 
 static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(void **state)
 {
-    (void)state;
     const float values[] = {0, 1, 0.1f, 3.4e38f, 1e-38f};
     for (size_t i = 0; i < 2 * (sizeof values / sizeof *values); i++) {
         bis_film f;
@@ -115,7 +111,6 @@ static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(
 /* 5300 pixels, noise: the threads' shares meet in other orders each time. */
 static void any_number_of_threads_finds_the_same_errors(void **state)
 {
-    (void)state;
     enum { W = 100, H = 53, TIMES = 100 };
     static float rgba[2][4 * W * H];
     const int before = use_threads(1);
@@ -146,7 +141,6 @@ static void any_number_of_threads_finds_the_same_errors(void **state)
 
 static void exposure_does_not_change_the_relative_rmse(void **state)
 {
-    (void)state;
     double rmse[3], smaller;
     const double scale[3] = {1, 1e-20, 1e20};
     for (int s = 0; s < 3; s++) {
@@ -204,7 +198,6 @@ static bool too_many_misses(int misses, int n) { return misses > 0.05 * n + 2.33
 
 static void upper_bound_holds_in_95_renders_of_100(void **state)
 {
-    (void)state;
     enum { N = 2000 };
     for (int passes = 4; passes <= 64; passes *= 4) {
         int misses = 0, twin_misses = 0;
@@ -303,7 +296,6 @@ static double stratified_film(bis_film *f, int kind, int W, bool most, uint64_t 
  * low for noise and 12 % too large for edges, and the scatter of the passes is as if all were noise. */
 static void the_figure_is_right_however_the_error_falls(void **state)
 {
-    (void)state;
     const int sizes[] = {8, 16, 24};
     for (int k = 0; k < 3 * KINDS; k++) {
         const int kind = k / 3, W = sizes[k % 3];
@@ -332,7 +324,6 @@ static void the_figure_is_right_however_the_error_falls(void **state)
  * than 10.1 fail once in a hundred times if 5 may (see too_many_misses); the figure alone fails every other time. */
 static void the_bound_holds_where_the_end_is_not_known(void **state)
 {
-    (void)state;
     enum { N = 100 };
     int misses = 0, twin_misses = 0;
     for (uint64_t seed = 1; seed <= N; seed++) {
@@ -354,7 +345,6 @@ static void the_bound_holds_where_the_end_is_not_known(void **state)
  * of (36/2 - 1)/4. The bound takes the halves for noise. */
 static void halves_and_twins_are_weighed_by_what_they_know(void **state)
 {
-    (void)state;
     enum { ONE = 1, OTHER = 34 };
     const double d = 0.3f;
     bis_film f;
@@ -414,7 +404,6 @@ static bis_film_error error_of_pixels(int noisy, double noise, double weight)
  * noise^2/3: half of the mean at noise 0.87. */
 static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
 {
-    (void)state;
     assert_false(error_of_pixels(9, 0.1, 1).is_bounded);
     assert_true(error_of_pixels(11, 0.1, 1).is_bounded);
     assert_false(error_of_pixels(17, 0.1, 1).is_known);

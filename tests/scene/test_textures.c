@@ -171,7 +171,6 @@ static const struct {
 
 static void a_texture_has_the_values_beside_it(void **state)
 {
-    (void)state;
     const unsigned char grey[4] = {188, 255, 0, 99}; /* top row, bottom row */
     const uint16_t deep[2] = {0x8000, 0x0101}; /* libpng's "linear" formats are 16 bits */
     four_as(DIR "/four.pfm");
@@ -197,7 +196,6 @@ static built of_file(const char *name)
 /* bis has a reader of its own for each of these through libpng's conversions: colours, palettes, transparency. */
 static void every_kind_of_png_has_the_same_colours(void **state)
 {
-    (void)state;
     const unsigned char rgba[8] = {255, 99, 0, 0, 0, 188, 255, 128};
     built b = of_file(store_png(scratch("rgba.png"), 2, 1, PNG_FORMAT_RGBA, rgba));
     const bis_image *im = &b.scene->images[0].image;
@@ -231,7 +229,6 @@ static void every_kind_of_png_has_the_same_colours(void **state)
 
 static void a_texture_that_is_the_same_everywhere_is_no_texture(void **state)
 {
-    (void)state;
     built b = build(LIGHT "Texture \"c\" \"float\" \"constant\" \"float value\" 0.5\n"
                     "Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [0.5 0.25 1] \"texture scale\" \"c\"\n"
                     "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"");
@@ -262,7 +259,6 @@ static void assert_uv(const double uv[2], double u, double v)
 /* u = phi/2 pi counts from x over y; v = 0 at the bottom, z = -r: pbrt's (theta - pi)/(0 - pi). */
 static void a_sphere_has_pbrts_coordinates(void **state)
 {
-    (void)state;
     const double s = sqrt(0.5),
                  uv_of[][5] = {{1, 0, 0, 0, 0.5}, {0, 1, 0, 0.25, 0.5}, {-1, 0, 0, 0.5, 0.5}, {0, -1, 0, 0.75, 0.5},
                      {s, s, 0, 0.125, 0.5}, {s, 0, s, 0, 0.75}, {0, s, -s, 0.25, 0.25}, {0.6, -0.8, 0, 0.852416, 0.5}};
@@ -281,7 +277,6 @@ static void a_sphere_has_pbrts_coordinates(void **state)
 
 static void a_disk_has_pbrts_coordinates(void **state)
 {
-    (void)state;
     built b = build(LIGHT "Shape \"disk\" \"float radius\" 4 \"float height\" 1");
     const double uv_of[][4] = {{1, 0.001, 0.000159, 0.75}, {0, 2, 0.25, 0.5}, {-3, 0, 0.5, 0.25}, {0, -1, 0.75, 0.75}};
     for (size_t i = 0; i < sizeof uv_of / sizeof *uv_of; i++) {
@@ -297,7 +292,6 @@ static void a_disk_has_pbrts_coordinates(void **state)
 
 static void a_triangle_interpolates_its_corners_and_without_any_has_pbrts(void **state)
 {
-    (void)state;
     const double from[3] = {0.2, 0.3, 5}, at[3] = {0.2, 0.3, 0}; /* weights 0.5, 0.2, 0.3 */
     static const char *const spellings[] = {
         "\"point2 uv\" [1 2  3 5  7 11]", "\"float uv\" [1 2  3 5  7 11]", "\"float st\" [1 2  3 5  7 11]"};
@@ -320,7 +314,6 @@ static void a_triangle_interpolates_its_corners_and_without_any_has_pbrts(void *
 /* Meshes with and without coordinates, before and behind each other. */
 static void each_mesh_of_a_scene_keeps_its_own(void **state)
 {
-    (void)state;
     built b = build(
         LIGHT TRIANGLE "Translate 10 0 0 " BOARD TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]\nTranslate 10 0 0 " TRIANGLE);
     double uv[2];
@@ -335,7 +328,6 @@ static void each_mesh_of_a_scene_keeps_its_own(void **state)
 
 static void without_textures_no_coordinates_are_kept(void **state)
 {
-    (void)state;
     built b = build(LIGHT TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]");
     assert_null(b.desc->meshes[0].mesh.uv);
     assert_null(b.scene->geometry.uv);
@@ -352,7 +344,6 @@ static const char *store_text(const char *name, const char *text)
 /* The corner (1, 1) has other coordinates in each of the two faces: it is split. */
 static void an_obj_and_a_ply_bring_theirs(void **state)
 {
-    (void)state;
     double uv[2];
     const char *obj =
         store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1 9\nvt 5 5\nvt 7\n"
@@ -438,7 +429,6 @@ static void assert_three_parts(const char *scene)
 
 static void an_obj_plain_or_compressed_brings_its_materials_and_each_part_is_a_shape(void **state)
 {
-    (void)state;
     built b;
     write_obj();
     assert_int_equal(system("gzip -c " DIR "/o.obj > " DIR "/o.obj.gz"), 0);
@@ -453,7 +443,6 @@ static void an_obj_plain_or_compressed_brings_its_materials_and_each_part_is_a_s
 
 static void instances_of_an_obj_with_materials_are_alike(void **state)
 {
-    (void)state;
     built b;
     write_obj();
     assert_int_equal(try_build(&b, LIGHT "ObjectBegin \"o\" " OBJ_SHAPE("o.obj") MATERIALS " ObjectEnd\n"
@@ -470,7 +459,6 @@ static void instances_of_an_obj_with_materials_are_alike(void **state)
 
 static void mistakes_of_a_library_are_found_in_it(void **state)
 {
-    (void)state;
     static const char scene[] = LIGHT OBJ_SHAPE("o.obj") MATERIALS;
     static const struct { const char *obj, *mtl, *message; } cases[] = {
         {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0\n", "lib.mtl:2: error: Kd is \"0 0\", must be three numbers"},
@@ -516,7 +504,6 @@ static bis_status build_library(built *b, const char *statements)
 /* What it says in vain is told once; numbers are checked. A colour has all channels, and l is the mean. */
 static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
 {
-    (void)state;
     static const struct {
         const char *mtl, *said; /* behind the library's name: how an error begins, or a warning; NULL: nothing */
     } cases[] = {
@@ -571,7 +558,6 @@ static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
 /* Kd 1/2, Ks 0, Ns 50 where nothing is said; illum 0 and 1 have no highlight. One number stands for three. */
 static void a_librarys_values_are_those_of_the_material(void **state)
 {
-    (void)state;
     static const struct { const char *mtl; float Kd[3], Ks[3]; double Ns; } cases[] = {
         {"", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"Kd 0.25", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50},
         {"Kd 0.25 # grey", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50}, {"Kd 0.25 1 0 # green", {0.25f, 1, 0}, {0, 0, 0}, 50},
@@ -599,7 +585,6 @@ static void a_librarys_values_are_those_of_the_material(void **state)
 /* -s and -o have one to three numbers, of which two count; all else keeps its usual value. */
 static void options_of_a_map_change_what_they_name_alone(void **state)
 {
-    (void)state;
     static const struct { const char *options; double factor[2], offset[2]; bis_wrap wrap; } cases[] = {
         {"", {1, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 ", {2, 1}, {0, 0}, BIS_WRAP_REPEAT},
         {"-s 2 3 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
@@ -632,7 +617,6 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
  * image of colours, or of numbers. */
 static void options_that_change_no_value_pass(void **state)
 {
-    (void)state;
     static const struct { const char *statement; double gamma; const char *said; } cases[] = {
         {"map_Kd four.pfm", BIS_GAMMA_SRGB, NULL}, {"map_Kd -colorspace sRGB four.pfm", BIS_GAMMA_SRGB, NULL},
         {"map_Kd -colorspace linear -clamp on four.pfm", 1, NULL}, {"map_Kd -colorspace LINEAR four.pfm", 1, NULL},
@@ -664,7 +648,6 @@ static void options_that_change_no_value_pass(void **state)
 /* With --approximate an option that is not modelled takes its numbers with it, and the map is shown. */
 static void an_option_that_is_left_out_leaves_the_map(void **state)
 {
-    (void)state;
     static const char *const statements[] = {"map_Kd -mm 0.1 0.9 four.pfm", "map_Kd -t 0.5 four.pfm",
         "map_Kd -t 1 2 3 four.pfm", "map_Kd -bm 2 four.pfm", "map_Kd -what 1 four.pfm",
         "map_Kd -colorspace rec2020 four.pfm"};
@@ -686,7 +669,6 @@ static void an_option_that_is_left_out_leaves_the_map(void **state)
 /* t0: 3 steps, t1: 7, ..., t5: 127; a mix of t5, t5 and a constant has 256 with its own, and that is the most. */
 static void a_texture_of_256_steps_is_the_dearest(void **state)
 {
-    (void)state;
     static char text[4096];
     size_t n = (size_t)snprintf(text, sizeof text, LIGHT "Texture \"t0\" \"float\" \"checkerboard\"\n");
     for (int k = 1; k <= 5; k++)
@@ -704,7 +686,6 @@ static void a_texture_of_256_steps_is_the_dearest(void **state)
 
 static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 {
-    (void)state;
     static const char *const textures[] = {"\"checkerboard\" \"string mapping\" \"conical\"",
         "\"mix\" \"float amount\" 2", "\"scale\" \"rgb tex1\" [1 1 1]"};
     for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
@@ -725,7 +706,6 @@ static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 
 static void a_point_has_the_material_of_its_place(void **state)
 {
-    (void)state;
     bis_own_material m;
     bis_counters counters = {0};
     bis_point pt;
@@ -752,7 +732,6 @@ static void a_point_has_the_material_of_its_place(void **state)
 
 static void values_out_of_range_are_refused_when_the_image_is_known(void **state)
 {
-    (void)state;
     const char *name = four();
     expect_failure(":2:10: error: the texture of \"Kd\" has values up to 1.2, must be in [0, 1]: change it",
         LIGHT IMAGEMAP "\"float scale\" 1.5\nMaterial \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
@@ -778,7 +757,6 @@ static void values_out_of_range_are_refused_when_the_image_is_known(void **state
 
 static void what_is_no_texture_is_refused(void **state)
 {
-    (void)state;
 #define SHOWN LIGHT IMAGEMAP "\nMaterial \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\""
     bytes b = {0};
     put_text(&b, "PF\n1 2\n-1.0\n");
@@ -799,7 +777,6 @@ static void what_is_no_texture_is_refused(void **state)
 /* 300 scales of each other: 2^300 values, if nobody counted. */
 static void textures_of_textures_have_a_limit(void **state)
 {
-    (void)state;
     char *text = malloc(1 << 17);
     int n = sprintf(text, LIGHT "Texture \"t0\" \"float\" \"checkerboard\"\n");
     for (int i = 1; i < 300; i++)
@@ -811,7 +788,6 @@ static void textures_of_textures_have_a_limit(void **state)
 
 static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **state)
 {
-    (void)state;
     char text[2048];
     const unsigned char grey[4] = {188, 255, 0, 99};
     const char *png = store_png(scratch("grey.png"), 2, 2, PNG_FORMAT_GRAY, grey);
@@ -843,7 +819,6 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
 
 static void materials_with_other_textures_have_other_numbers(void **state)
 {
-    (void)state;
     built b = build(
         LIGHT "Texture \"a\" \"color\" \"checkerboard\" Texture \"b\" \"color\" \"checkerboard\" \"float uscale\" 2\n"
               "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\" Material \"diffuse\" \"texture "
@@ -879,7 +854,6 @@ static bis_image rendered(const char *file)
  * stands upright: its top left pixel, at (1/32, 31/32), has texel weights (9/16, 7/16) in both directions. */
 static void in_a_furnace_the_mean_of_the_picture_is_that_of_the_image(void **state)
 {
-    (void)state;
     program_run r;
     char text[2048];
     const char *name = four();
@@ -904,7 +878,6 @@ static void in_a_furnace_the_mean_of_the_picture_is_that_of_the_image(void **sta
  * every integrator, because points, directions and materials are the same. */
 static void a_textured_scene_is_the_scene_cut_into_its_colours(void **state)
 {
-    (void)state;
     static const char *const methods[] = {"em", "brdf", "mis", "sir", "rejection", "exact", "unoccluded",
                                           "sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool "
                                           "learn\" true \"string resampling\" \"systematic"};
@@ -966,7 +939,6 @@ static void write_checkpointed(const char *image, double uv)
 /* A checkpoint belongs to its textures and coordinates, not to their files' names. */
 static void a_checkpoint_is_refused_with_other_texels_or_coordinates(void **state)
 {
-    (void)state;
     program_run r;
     const char *resume = DIR "/c.txt --spp 4 --quiet --outfile " DIR "/c.pfm --resume " DIR "/c.ckpt";
     program_write_file(DIR "/a.pfm", "Pf\n1 1\n-1.0\n\x1\x1\x1\x3d");
@@ -987,7 +959,6 @@ static void a_checkpoint_is_refused_with_other_texels_or_coordinates(void **stat
 
 static void the_plan_says_what_textures_cost(void **state)
 {
-    (void)state;
     program_run r;
     program_write_file(DIR "/p.pfm", "Pf\n1000 500\n-1.0\nabcd");
     program_write_file(DIR "/p.txt",
@@ -1015,7 +986,6 @@ static void the_plan_says_what_textures_cost(void **state)
  * src/render has no part in. */
 static void verify_finds_a_textured_scene_right(void **state)
 {
-    (void)state;
     bis_verify v = {.seed = 1, .halvings = 2};
     built b = {0};
     char text[1024];
@@ -1061,7 +1031,6 @@ static double mean_of_file(const char *path)
  * tests/cli/test_program.c's. */
 static void the_shipped_scenes_of_each_version_render(void **state)
 {
-    (void)state;
     struct dirent **entries;
     const int n_entries = scandir("data/scenes/pbrt", &entries, NULL, alphasort);
     int n = 0;
@@ -1092,7 +1061,6 @@ static void the_shipped_scenes_of_each_version_render(void **state)
  * the light itself. */
 static void in_the_furnace_four_spellings_of_a_quarter_are_a_quarter(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, "data/scenes/pbrt/colours-v2.txt --quiet --spp 2 --outfile " DIR "/colours.pfm");
     bis_image image = rendered(DIR "/colours.pfm");
@@ -1118,7 +1086,6 @@ static const double texels[4] = {0.1, 0.2, 0.4, 0.8};
 
 static void points_are_mapped_by_angles_or_by_a_plane(void **state)
 {
-    (void)state;
     static const mapped cases[] = {
         /* theta 45 or 135 degrees, phi 90 or 270 */
         {"", "\"string mapping\" \"spherical\"", {{0, 1, 1}, {0, 2, -2}, {0, -1, 1}, {0, -0.5, -0.5}}},
@@ -1157,7 +1124,6 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
 /* Squares of the plane; parts have mappings of their own; the shapes that do not ask for (u, v) read none. */
 static void a_checkerboard_lies_in_its_plane(void **state)
 {
-    (void)state;
     built b =
         build(LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
                     "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] "
@@ -1181,7 +1147,6 @@ static void a_checkerboard_lies_in_its_plane(void **state)
 
 static void a_mapping_that_cannot_be_is_refused(void **state)
 {
-    (void)state;
 #define MAPPED "%sTexture \"t\" \"float\" \"checkerboard\" %s"
     static const char *const cases[][3] = { /* before, parameters, message */
         {LIGHT, "\"string mapping\" \"planar\" \"vector v1\" [1 0]", "\"v1\""},
@@ -1220,7 +1185,6 @@ static void assert_rgbd(rgbd c, double r, double g, double b)
 
 static void an_image_that_is_no_square_has_its_rows_and_columns(void **state)
 {
-    (void)state;
     static const double n[2][3] = {{4, 5, 6}, {1, 2, 3}}; /* [t][s] */
     bis_texture_image image = six();
     bis_texture x = {.kind = BIS_TEXTURE_IMAGE, .factor = {1, 1}, .scale = 1, .steps = 1};
@@ -1259,7 +1223,6 @@ static void an_image_that_is_no_square_has_its_rows_and_columns(void **state)
 /* Least and largest values of each kind in each channel: corners, worked out by hand. */
 static void the_range_of_each_kind_is_found_in_each_channel(void **state)
 {
-    (void)state;
     bis_texture_image image = six();
     bis_texture list[] = {
         {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.25, 2}},
@@ -1316,7 +1279,6 @@ static bis_texture constant_of(double r, double g, double b)
 /* Constants stand for all textures here: which are looked at, in which channel, and what is said. */
 static void textures_of_a_material_are_checked_one_by_one(void **state)
 {
-    (void)state;
     enum { NO = -1 };
     static const struct { int Kd, Ks, width; bool facets; double power; const char *said; bool is_warning; } cases[] = {
         {0, NO, NO, false, 1, NULL, false}, {0, NO, NO, true, 1, NULL, false}, {NO, 0, NO, false, 1, NULL, false},
@@ -1374,7 +1336,6 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
 /* Which values a textured material has, and which it keeps. */
 static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **state)
 {
-    (void)state;
     bis_texture list[] = {constant_of(0.5, 0.25, 0.125), constant_of(0.25, 0.5, 0.75), constant_of(0.16, 0.5, 1),
         constant_of(1.0000001, 1, 1), constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1)};
     const bis_textures t = {.list = list, .n = 6};
@@ -1410,7 +1371,6 @@ static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **st
 /* The images below a texture, and whether (u, v) are asked for, through all parts of each kind. */
 static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
 {
-    (void)state;
     bis_texture list[] = {
         {.kind = BIS_TEXTURE_CONSTANT},
         {.kind = BIS_TEXTURE_IMAGE, .image = 2},
@@ -1450,7 +1410,6 @@ static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
 /* A bad channel of any texel is found, and its place is told. */
 static void a_bad_texel_is_told_with_its_place(void **state)
 {
-    (void)state;
     for (int bad = 0; bad < 18; bad++) {
         const float wrong[3] = {-0.25f, INFINITY, NAN};
         static const char *const words[3] = {"-0.25", "inf", "nan"};
@@ -1479,7 +1438,6 @@ static void a_bad_texel_is_told_with_its_place(void **state)
 /* With a texture for one colour only the check of the image's values speaks of energy, not the parser. */
 static void energy_is_warned_of_once(void **state)
 {
-    (void)state;
     static const struct { const char *words, *warning; } cases[] = {
         {"\"texture Kd\" \"t\" \"float Ks\" 0.6", "Kd + Ks may reach 1.5 in red"},
         {"\"texture Ks\" \"t\" \"float Kd\" 0.6", "Kd + Ks may reach 1.5 in red"},

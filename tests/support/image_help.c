@@ -54,7 +54,6 @@ int scratch_count(void) { return visit_scratch(false); }
 
 int scratch_remove(void **state)
 {
-    (void)state;
     visit_scratch(true);
     return 0;
 }

@@ -49,7 +49,6 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
     const double *pick = material_of(b)->pick;
     int k = 0;
 
-    (void)u0;
     while (k < TINY_PIXELS - 1 && u1 >= pick[k]) u1 -= pick[k++];
     *wi = in_octant(k, fmin(u1 / pick[k], 1), u2);
     return true;

@@ -49,7 +49,6 @@ static void random4(bis_rng *g, double u[4])
 
 static void a_rotation_turns_the_light_and_a_reflection_mirrors_it(void **state)
 {
-    (void)state;
     /* World y up from the map's z up, as pbrt scenes do: Rotate -90 1 0 0 maps (x, y, z) to (x, z, -y). */
     const bis_xform frames[] = {bis_xform_identity(), bis_xform_rotate(-90, 1, 0, 0), bis_xform_scale(-1, 1, 1)};
     const vec3 expected[][2] = {
@@ -73,7 +72,6 @@ static void a_rotation_turns_the_light_and_a_reflection_mirrors_it(void **state)
 
 static void a_frame_that_is_no_rotation_is_an_error_with_its_place(void **state)
 {
-    (void)state;
     const bis_xform wrong[] = {bis_xform_scale(2, 2, 2), bis_xform_scale(1, 1, 1.01)};
     for (int k = 0; k < 2; k++) {
         bis_envmap em = map_new(4, 2);
@@ -92,7 +90,6 @@ static void a_frame_that_is_no_rotation_is_an_error_with_its_place(void **state)
 /* A matrix printed with four digits is a rotation to 1e-4; the light makes it one exactly: lengths stay 1. */
 static void a_rotation_printed_with_four_digits_is_straightened(void **state)
 {
-    (void)state;
     const double v[16] = {0.7071, 0.7071, 0, 0, -0.7071, 0.7071, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1};
     bis_xform t;
     assert_true(bis_xform_from_columns(&t, v));
@@ -114,7 +111,6 @@ static void a_rotation_printed_with_four_digits_is_straightened(void **state)
 
 static void a_sample_has_the_radiance_and_density_of_its_direction(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(64, 32, 4, 0.2, 5);
     bis_light *light = light_of(&em, desc_of(bis_xform_rotate(37, 1, 2, -0.5)), BIS_NEED_TABLE | BIS_NEED_CURVE);
     bis_rng g;
@@ -142,7 +138,6 @@ static void a_sample_has_the_radiance_and_density_of_its_direction(void **state)
 /* Integral of Le over the sphere: by drawing, by uniform directions, by patches, and the sum. */
 static void power_is_the_same_by_every_road(void **state)
 {
-    (void)state;
     for (int constant = 0; constant < 2; constant++) {
         bis_light *light;
         if (constant) {
@@ -179,7 +174,6 @@ static void power_is_the_same_by_every_road(void **state)
 
 static void patches_of_a_map_are_its_pixels(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(16, 8, 3, 0.3, 5);
     bis_light *light = light_of(&em, desc_of(bis_xform_identity()), 0);
     const bis_envmap *inside = bis_light_envmap(light);
@@ -199,7 +193,6 @@ static void patches_of_a_map_are_its_pixels(void **state)
 
 static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(void **state)
 {
-    (void)state;
     bis_light *light;
     assert_int_equal(bis_light_constant(&light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_light_patches(light), 512 * 256);
@@ -230,7 +223,6 @@ static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(voi
 
 static void lights_without_light_draw_nothing(void **state)
 {
-    (void)state;
     const double u[4] = {0.1, 0.2, 0.3, 0.4};
     for (int constant = 0; constant < 2; constant++) {
         bis_light *light;
@@ -301,7 +293,6 @@ static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected
 
 static void a_good_map_loads_without_a_word_and_is_multiplied(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.L = (rgb){1, 2, 3};
     desc.scale = 10;
@@ -314,7 +305,6 @@ static void a_good_map_loads_without_a_word_and_is_multiplied(void **state)
 
 static void bad_values_are_one_warning_with_counts_and_share(void **state)
 {
-    (void)state;
     bis_image image = grey(8, 4, 1);
     image.pixels[9].g = NAN;
     image.pixels[10] = (rgb){INFINITY, -INFINITY, -2};
@@ -328,7 +318,6 @@ static void bad_values_are_one_warning_with_counts_and_share(void **state)
 
 static void a_black_map_warns_that_there_is_no_light(void **state)
 {
-    (void)state;
     bis_light *light = load(grey(8, 4, 0), desc_of(bis_xform_identity()), BIS_OK,
                             "s.txt:7:3: warning: \"%s\" gives no light: none of its pixels is positive");
     assert_true(bis_light_is_black(light));
@@ -337,7 +326,6 @@ static void a_black_map_warns_that_there_is_no_light(void **state)
 
 static void a_square_map_must_say_its_mapping(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     assert_null(load(grey(8, 8, 1), desc, BIS_INPUT,
                      "s.txt:7:3: error: \"%s\" is square, 8 x 8: give its mapping, \"angular\" for a light probe, "
@@ -373,7 +361,6 @@ static void a_square_map_must_say_its_mapping(void **state)
 /* docs/scene-format.md: LightSource "infinite" without parameters. */
 static void a_light_without_words_is_white_and_seen(void **state)
 {
-    (void)state;
     const bis_light_desc d = bis_light_desc_default();
     const bis_xform id = bis_xform_identity();
 
@@ -385,7 +372,6 @@ static void a_light_without_words_is_white_and_seen(void **state)
 
 static void a_scale_that_overflows_is_an_error(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.scale = 1e30;
     assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
@@ -408,7 +394,6 @@ static void a_scale_that_overflows_is_an_error(void **state)
 
 static void a_missing_file_is_an_io_error(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     char path[] = "build/no_such_map.hdr";
     desc.filename = path;
@@ -422,7 +407,6 @@ static void a_missing_file_is_an_io_error(void **state)
 
 static void every_allocation_may_fail(void **state)
 {
-    (void)state;
     bis_image image = grey(16, 8, 1);
     char path[64];
     snprintf(path, sizeof path, "%s", scratch_map(&image));

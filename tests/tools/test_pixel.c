@@ -62,7 +62,6 @@ static void assert_agrees(const bis_pixel_value *v, rgbd truth)
 
 static void exact_is_what_brute_force_gives(void **state)
 {
-    (void)state;
     const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK, LIT_CONSTANT};
     for (size_t i = 0; i < 4; i++) {
         bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
@@ -83,7 +82,6 @@ static void exact_is_what_brute_force_gives(void **state)
 
 static void a_long_mis_stands_in_for_huge_maps(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -100,7 +98,6 @@ static void a_long_mis_stands_in_for_huge_maps(void **state)
  * mis. */
 static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
@@ -119,7 +116,6 @@ static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
 
 static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -165,7 +161,6 @@ static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
 /* From the sum over patches and from 20000 estimates; and where a lamp is found by none of them. */
 static void skewness_is_known_even_of_what_was_not_hit(void **state)
 {
-    (void)state;
     const bis_integrator *const by[] = {&bis_em, &bis_brdf};
     bis_light *lights[] = {lit_new_light(LIT_SMOOTH, 1, 0.15, false), lit_new_light(LIT_SPOTTY, 1, 0.15, false)};
     bis_pixel_exact e;
@@ -191,7 +186,6 @@ static void skewness_is_known_even_of_what_was_not_hit(void **state)
 /* A run by hand: mean, standard error, skewness and rays. */
 static void figures_of_a_method_are_those_of_its_estimates(void **state)
 {
-    (void)state;
     enum { N = 50 };
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
@@ -297,7 +291,6 @@ static void draw_candidates(bis_pixel_candidates *c, const lit *l, const bis_set
 
 static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitions(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -327,7 +320,6 @@ static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitio
  * clusters share s adds up to 1, but for those that no pixel of 128 has met. Nothing here asks the product. */
 static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
 {
-    (void)state;
     enum { PIXELS = 128, MOST = 2 * BIS_CLUSTERS + 2 };
     static double s[MOST];
     const bis_settings product = sir_of(BIS_PROPOSAL_PRODUCT);
@@ -371,7 +363,6 @@ static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
 /* Bit for bit, the estimate that is shown is that of the first pass of a render; with another seed it is not. */
 static void the_estimate_shown_is_what_renders(void **state)
 {
-    (void)state;
     const bis_proposal proposals[] = {BIS_PROPOSAL_BRDF, BIS_PROPOSAL_PRODUCT};
     for (int k = 0; k < 2; k++) {
         world w;
@@ -417,7 +408,6 @@ static void the_estimate_shown_is_what_renders(void **state)
  * nothing. E23 prints nothing for a mixture, hence proposal "em". */
 static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(void **state)
 {
-    (void)state;
     const unsigned printed[] = {0, BIS_E6, BIS_E21, BIS_E23, BIS_E6 | BIS_E21, BIS_E6 | BIS_E21 | BIS_E23};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
@@ -454,7 +444,6 @@ static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(voi
 /* All weights equal: M; one candidate alone: 1. */
 static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
     lit l;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1), slanted(), 40, LIT_OPEN);
@@ -482,7 +471,6 @@ static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **st
  * none. */
 static void candidates_without_weight_are_told(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_BELOW, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), (vec3){0, 0, 1}, 20, LIT_OPEN);
@@ -502,7 +490,6 @@ static void candidates_without_weight_are_told(void **state)
 
 static void every_ray_of_every_integrator_is_overheard(void **state)
 {
-    (void)state;
     enum { RUNS = 5 };
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
@@ -527,7 +514,6 @@ static void every_ray_of_every_integrator_is_overheard(void **state)
 
 static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -556,7 +542,6 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
 /* The drawings': tests/cli/test_no_memory.c. */
 static void every_allocation_may_fail(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
     const bis_sampler sampler = one_sample(3);
     bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
@@ -695,7 +680,6 @@ static double sum_of(const table *t, const char *column)
 
 static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
 {
-    (void)state;
     static program_run r;
     static table t;
     char buf[128];
@@ -754,7 +738,6 @@ static double density_of_the_brdf(double z) { return z > 0 ? 0.5 * 31 / (2 * PI)
  * over unoccluded. */
 static void each_column_of_the_tables_is_what_it_is_called(void **state)
 {
-    (void)state;
     static program_run r;
     static table t;
     char buf[128], line[64];
@@ -795,7 +778,6 @@ static void each_column_of_the_tables_is_what_it_is_called(void **state)
 
 static void a_hit_knows_its_shape_and_triangle(void **state)
 {
-    (void)state;
     start();
     write_scene(SCENE, map_light, "");
     verify_built built = verify_build(SCENE);
@@ -821,7 +803,6 @@ static void a_hit_knows_its_shape_and_triangle(void **state)
 
 static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
 {
-    (void)state;
     static program_run r;
     start();
     write_scene(SCENE, map_light, "");
@@ -848,7 +829,6 @@ static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
 /* Further mistakes are in tests/data/expect/bis/options-others.expect. */
 static void wrong_places_and_options_are_refused(void **state)
 {
-    (void)state;
     static program_run r;
     start();
     write_scene(SCENE, map_light, "");
@@ -869,7 +849,6 @@ static void wrong_places_and_options_are_refused(void **state)
 
 static void options_override_the_scene_for_all_methods(void **state)
 {
-    (void)state;
     static program_run r;
     static table t;
     char buf[128];
@@ -907,7 +886,6 @@ static void method_says(char text[128], const table *t, const char *method, cons
  * unoccluded, which has no "product", is that of "mix" there. */
 static void each_proposal_is_measured_by_its_name(void **state)
 {
-    (void)state;
     static const char *const names[] = {"em", "brdf", "mix", "product"};
     static program_run r;
     static table t;
@@ -942,7 +920,6 @@ static void each_proposal_is_measured_by_its_name(void **state)
 /* The runs that are shown are the fewest with 150 rays or more. The first run of a method is 0. */
 static void as_many_runs_are_shown_as_make_150_rays(void **state)
 {
-    (void)state;
     static const int rays[][2] = {{149, 4}, {150, 150}}; /* of em and brdf, of sir */
     start();
     write_scene(SCENE, map_light, "");

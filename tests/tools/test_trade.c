@@ -43,7 +43,6 @@ static void remove_tree(const char *path)
 /* One measurement with references of its own, one with a given reference: most tests read them. */
 static int setup(void **state)
 {
-    (void)state;
     program_run r;
     remove_tree(DIR);
     program_folder(DIR);
@@ -145,7 +144,6 @@ static void assert_run_is(const table *runs, const char *setting, const char *op
 
 static void each_run_is_the_render_of_its_seed_bit_for_bit(void **state)
 {
-    (void)state;
     table runs;
     read_table(&runs, DIR "/given/runs.csv");
     assert_run_is(&runs, "mis 16", "--integrator mis --samples 16", "2");
@@ -159,7 +157,6 @@ static void each_run_is_the_render_of_its_seed_bit_for_bit(void **state)
  * error is that of the full picture as far as these tell, whatever its size. */
 static void a_run_has_the_pixels_of_the_full_render(void **state)
 {
-    (void)state;
     enum { W = 240, H = 160 };
     static const char given[] = DIR "/large.exr", size[] = "--resolution 240x160";
     program_run r;
@@ -204,7 +201,6 @@ static void a_run_has_the_pixels_of_the_full_render(void **state)
 
 static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_own(void **state)
 {
-    (void)state;
     table runs;
     read_table(&runs, DIR "/own/runs.csv");
     assert_true(runs.n_rows - 1 >= 15 * 3 * 2);
@@ -225,7 +221,6 @@ static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_ow
 /* A reader that knows columns by name finds each of them: no two have the same, in any table. */
 static void no_two_columns_of_a_table_have_one_name(void **state)
 {
-    (void)state;
     assert_int_equal(system("for f in " DIR "/own/*.csv " DIR "/given/*.csv; do head -n 1 $f | tr ',' '\\n' | sort | "
                             "uniq -d | sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! "
                             "test -s "
@@ -237,7 +232,6 @@ static void no_two_columns_of_a_table_have_one_name(void **state)
  * background as well, is more than a third of a stop off. */
 static void the_pages_exposure_is_that_of_bis_render(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = SCENE, .n_threads = 1}, .plan = {.width = 24, .height = 16}};
     bis_film film;
     bis_render_result result;
@@ -272,7 +266,6 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
  * of the logarithms to base 2 is 3 (1/8) / (1/8 + 1/2) = 0.6. */
 static void the_exposure_weighs_each_pixel_by_what_is_covered_of_it(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = DIR "/ortho.txt", .n_threads = 1}, .plan = {.width = 2, .height = 2}};
     double exposure;
     program_write_file(DIR "/ortho.txt",
@@ -344,7 +337,6 @@ static void assert_table_follows(const char *folder, double share, double se_mis
 
 static void the_table_says_what_the_runs_say(void **state)
 {
-    (void)state;
     assert_table_follows(DIR "/given", 0, 0, 0);
 }
 
@@ -403,7 +395,6 @@ static double relmse_of(const double a[OWN_VALUES], const double b[OWN_VALUES])
 
 static void the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself(void **state)
 {
-    (void)state;
     static double picture[2][OWN_VALUES], both[OWN_VALUES], own[OWN_VALUES];
     double share[2], se[2], mean[2];
     judge_reference("mis", picture[0], &share[0], &se[0], &mean[0]);
@@ -476,7 +467,6 @@ static void clear_forged(bis_trade *t)
 
 static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state)
 {
-    (void)state;
     bis_trade t;
     bool extrapolated;
     forge(&t, 0.36, 0);
@@ -509,7 +499,6 @@ static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state
 
 static void a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended(void **state)
 {
-    (void)state;
     bis_trade t;
     bool extrapolated;
     forge(&t, 0.36, 0.2); /* the twin: a floor that no time removes */
@@ -527,7 +516,6 @@ static void a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_rec
 /* Each setting's line, put into a scene, is read as that setting. */
 static void the_line_for_a_scene_file_is_the_setting(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = SCENE}};
     int seen = 0;
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
@@ -565,7 +553,6 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
 /* What learns is another method than what does not: it has a row of its own, and is not mistaken for the scene's. */
 static void a_product_that_learns_has_a_row_of_its_own(void **state)
 {
-    (void)state;
     for (int learn = 0; learn < 2; learn++) {
         bis_trade t = {.o = {.scene = DIR "/learn.txt"}};
         char text[128], scene[512];
@@ -599,7 +586,6 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
  * and those of another setting. */
 static void the_seconds_of_a_setting_are_those_of_its_passes(void **state)
 {
-    (void)state;
     bis_trade_advice all[3] = {{.setting = 4, .passes = 5, .seconds = 10}, {.setting = 2, .passes = 3, .seconds = 99},
         {.setting = 4, .passes = 20, .seconds = 1}};
     assert_false(bis_trade_take_known_seconds(all, 0));
@@ -612,7 +598,6 @@ static void the_seconds_of_a_setting_are_those_of_its_passes(void **state)
 /* The page enlarges two parts of a quarter of the sides each, not one of them twice. */
 static void the_enlarged_parts_do_not_overlap(void **state)
 {
-    (void)state;
     static const char *const pages[] = {DIR "/own/report.html", DIR "/given/report.html"};
     for (int i = 0; i < 2; i++) {
         char *data = page_data(pages[i]);
@@ -629,7 +614,6 @@ static void the_enlarged_parts_do_not_overlap(void **state)
  * taken. */
 static void the_scatter_of_renders_is_their_variance(void **state)
 {
-    (void)state;
     const float values[3][2] = {{4, 1}, {6, 1}, {5, 4}}; /* grey */
     bis_trade_reference reference = {.relmse = 0};
     bis_image images[3];
@@ -670,7 +654,6 @@ static double error_of_command(unsigned passes, const bis_image *reference)
  * 12, 3 x 4 (twice as much; beyond 1.5 times by chance less than once in 10^6, by the scatter of the four seeds). */
 static void passes_are_advised_that_make_a_square_grid(void **state)
 {
-    (void)state;
     static const unsigned least[] = {0, 1, 2, 3, 4, 5, 7, 9, 10, 13, 17, 21, 150, 157, 169, 1000000},
                           good[] = {1, 1, 2, 4, 4, 6, 9, 9, 12, 16, 20, 25, 156, 169, 169, 1000000};
     bis_scene_desc desc = {.view.sampler = {.kind = BIS_SAMPLER_STRATIFIED}};
@@ -692,7 +675,6 @@ static void passes_are_advised_that_make_a_square_grid(void **state)
  * passes. */
 static void what_is_promised_comes_out(void **state)
 {
-    (void)state;
     static const uint32_t said[] = {90, 6}; /* by a curve */
     const double error = 0.04;
     bis_image truth;
@@ -751,7 +733,6 @@ static void assert_same_runs(const char *path_a, const char *path_b)
 
 static void lost_runs_are_measured_again_and_are_the_same(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("cp -r " DIR "/own " DIR "/lost && sed -i '5,40d' " DIR "/lost/runs.csv && rm " DIR
                             "/lost/report.html " DIR "/lost/references/sir-3.exr"),
@@ -766,7 +747,6 @@ static void lost_runs_are_measured_again_and_are_the_same(void **state)
 /* The time is over before the first run: there is nothing to advise from, which must not look like a measurement. */
 static void no_run_at_all_is_an_error(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(
         system("cp -r " DIR "/own " DIR "/none && sed -i '2,$d' " DIR "/none/runs.csv && rm " DIR "/none/report.html"),
@@ -786,7 +766,6 @@ static void no_run_at_all_is_an_error(void **state)
  * everything. */
 static void a_scene_that_is_too_slow_is_refused_before_its_pilot(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("sed 's/^Integrator.*/Integrator \"sir\" \"integer candidates\" 1048576 \"integer "
                             "shadowrays\" 4096/' " SCENE " >" DIR "/slow.txt && "
@@ -802,7 +781,6 @@ static void a_scene_that_is_too_slow_is_refused_before_its_pilot(void **state)
 
 static void a_finished_measurement_resumes_to_itself(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("cp -r " DIR "/own " DIR "/again"), 0);
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/again");
@@ -815,7 +793,6 @@ static void a_finished_measurement_resumes_to_itself(void **state)
 
 static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
 {
-    (void)state;
     const struct timespec pause = {0, 5000000};
     program_run r;
     table t;
@@ -849,7 +826,6 @@ static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
 /* Before anything new: no advice, and the folder as it was. */
 static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state)
 {
-    (void)state;
     static volatile sig_atomic_t flag = 1;
     const char *const integrators[] = {"mis"};
     const bis_trade_options o = {.scene = SCENE,
@@ -881,7 +857,6 @@ static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state
 
 static void stop_at_the_proof(const char *what, double share, double seconds_left, void *user)
 {
-    (void)share, (void)seconds_left;
     if (strcmp(what, "error of the advice") == 0) *(volatile sig_atomic_t *)user = 1;
 }
 
@@ -889,7 +864,6 @@ static void stop_at_the_proof(const char *what, double share, double seconds_lef
  * if a run is new, or if there is no page: what there is, is written. */
 static void a_signal_at_the_proof_of_nothing_new_leaves_the_older_page(void **state)
 {
-    (void)state;
     static const char *const change[] = {"true", "sed -i '$d' " DIR "/proof/runs.csv", "rm " DIR "/proof/report.html"};
     for (int i = 0; i < 3; i++) {
         char command[512];
@@ -915,7 +889,6 @@ static void a_signal_at_the_proof_of_nothing_new_leaves_the_older_page(void **st
 /* During the pilot: nothing to keep, and the folder goes. */
 static void a_signal_before_the_first_run_says_that_nothing_was_measured(void **state)
 {
-    (void)state;
     program_run r;
     pid_t pid = program_start("trade " SCENE " --nthreads 1 --time 1000 --output " DIR "/early");
     program_wait_for_handler(pid, SIGINT);
@@ -938,7 +911,6 @@ static char *read_page(const char *path)
 
 static void the_page_is_well_formed_and_needs_nothing_else(void **state)
 {
-    (void)state;
     static const char *const folders[] = {DIR "/own", DIR "/given"};
     for (int i = 0; i < 2; i++) {
         char why[200], path[256];
@@ -972,7 +944,6 @@ static void the_page_is_well_formed_and_needs_nothing_else(void **state)
 
 static void the_checker_of_pages_can_fail(void **state)
 {
-    (void)state;
     static const char *const broken[] = {
         "<p></p>", "<!DOCTYPE html><p>", "<!DOCTYPE html></p>", "<!DOCTYPE html><p><b></p></b>",
         "<!DOCTYPE html><p class=x></p>", "<!DOCTYPE html><p>a & b</p>",
@@ -993,7 +964,6 @@ static void the_checker_of_pages_can_fail(void **state)
 
 static void odd_names_do_not_break_the_page(void **state)
 {
-    (void)state;
     char why[200];
     program_run r;
     assert_int_equal(rename(SCENE, DIR "/a<b>&\"c'.txt"), 0);
@@ -1012,7 +982,6 @@ static void odd_names_do_not_break_the_page(void **state)
 
 static void a_folder_with_other_things_is_left_alone(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(mkdir(DIR "/mine", 0777), 0);
     program_write_file(DIR "/mine/letter.txt", "dear");
@@ -1048,7 +1017,6 @@ static const struct {
 
 static void every_field_of_a_plan_is_checked(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = SCENE, .folder = DIR "/field", .resume = true, .n_threads = 1}};
     char command[512], place[16];
     assert_int_equal(mkdir(DIR "/field", 0777), 0);
@@ -1073,7 +1041,6 @@ static void every_field_of_a_plan_is_checked(void **state)
 
 static void a_scene_without_light_or_surface_has_nothing_to_trade(void **state)
 {
-    (void)state;
     program_run r;
     program_write_file(DIR "/empty.txt", "WorldBegin\nLightSource \"infinite\"\n");
     program_expect(&r, 2, "trade " DIR "/empty.txt --output " DIR "/bad");
@@ -1086,7 +1053,6 @@ static void a_scene_without_light_or_surface_has_nothing_to_trade(void **state)
 
 static void a_constant_light_is_measured_too(void **state)
 {
-    (void)state;
     program_run r;
     program_write_file(DIR "/constant.txt", "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\nLookAt "
                                             "0 0 -4 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
@@ -1100,7 +1066,6 @@ static void a_constant_light_is_measured_too(void **state)
 
 static void a_full_disk_is_told(void **state)
 {
-    (void)state;
     program_run r;
     program_run_limited(&r, 2000, SMALL DIR "/full");
     assert_int_equal(r.exit_status, 1);
@@ -1110,7 +1075,6 @@ static void a_full_disk_is_told(void **state)
 /* Of each 3 x 3 pixels of a picture the middle one, within a crop of columns 2 to 9 and rows 3 to 8. */
 static void a_given_reference_gives_the_pixels_of_the_thin_film(void **state)
 {
-    (void)state;
     const double crop[4] = {0.2, 0.9, 0.3, 0.8}; /* of 10 x 10: [2, 9) x [3, 8) */
     const bis_film all = bis_film_place(10, 10, crop, 1), some = bis_film_place(10, 10, crop, 3);
     bis_image full, thin;

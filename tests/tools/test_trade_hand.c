@@ -36,7 +36,6 @@
 
 static int setup(void **state)
 {
-    (void)state;
     assert_int_equal(system("rm -rf " DIR), 0); /* its folders, too */
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\"\n");
@@ -130,7 +129,6 @@ static void clear(bis_trade *t)
 
 static void points_are_means_and_medians_of_their_seeds(void **state)
 {
-    (void)state;
     bis_trade t;
     forge(&t);
     static const struct {
@@ -178,7 +176,6 @@ static void points_are_means_and_medians_of_their_seeds(void **state)
  * half the error for twice the time. */
 static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **state)
 {
-    (void)state;
     bis_trade t;
     forge(&t);
     static const struct {
@@ -216,7 +213,6 @@ static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **st
 /* Two equal points hide neither the other; all come in the order of time. */
 static void equal_points_are_both_on_the_front(void **state)
 {
-    (void)state;
     bis_trade t;
     forge(&t);
     t.n_runs = 0;
@@ -238,7 +234,6 @@ static void equal_points_are_both_on_the_front(void **state)
 
 static void errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets(void **state)
 {
-    (void)state;
     const double end = sqrt(1 / 512.0), none = (double)NAN;
     const struct {
         int setting;
@@ -285,7 +280,6 @@ static void errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budg
 
 static void the_best_counts_its_standard_error_and_no_bias(void **state)
 {
-    (void)state;
     bis_trade t;
     int heads[BIS_TRADE_STRIP];
     forge(&t);
@@ -332,7 +326,6 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
 
 static void no_more_heads_than_the_strip_has_places(void **state)
 {
-    (void)state;
     bis_trade t = {.n_runs = 0};
     int heads[BIS_TRADE_STRIP + 1] = {0};
     for (int i = 0; i < BIS_TRADE_STRIP + 2; i++) {
@@ -347,7 +340,6 @@ static void no_more_heads_than_the_strip_has_places(void **state)
 
 static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
 {
-    (void)state;
     static const double halves[] = {0.5, 1, 2, 4}, rounded[] = {0.02, 0.03, 0.05, 0.1, 0.15, 0.2};
         /* from sqrt(1/512)/4 = 0.011 on */
     bis_trade t;
@@ -538,7 +530,6 @@ static int data(const expect_command *c)
 /* The pictures of the page; and that a setting may be left out that is the first of all. */
 static void the_data_have_pictures_and_what_was_left_out(void **state)
 {
-    (void)state;
     bis_trade t;
     forge_page(&t);
     char *text = data_of(&t);
@@ -570,7 +561,6 @@ static void assert_point(const char *page, const char *title, double x, double y
  */
 static void points_stand_where_the_axes_have_them(void **state)
 {
-    (void)state;
     bis_trade t;
     forge_page(&t);
     write_page(&t);
@@ -660,7 +650,6 @@ static int page(const expect_command *c)
 /* References of its own, of which one is not ready: that one is not named, and there is nothing to agree with. */
 static void the_page_of_one_names_no_reference_that_is_not_ready(void **state)
 {
-    (void)state;
     bis_trade t;
     forge_one(&t);
     t.plan.is_given = false;
@@ -681,7 +670,6 @@ static void the_page_of_one_names_no_reference_that_is_not_ready(void **state)
  * k: 100 and 2000 for each pixel, of 8. */
 static void plots_have_the_figures_of_their_range(void **state)
 {
-    (void)state;
     bis_trade t;
     forge(&t);
     for (int i = 2; i < t.result.n_points; i++) t.result.points[i].noise = 0;
@@ -706,7 +694,6 @@ static void plots_have_the_figures_of_their_range(void **state)
 /* A browser without JavaScript gets the advice and the runs as text. */
 static void without_a_script_the_page_is_text(void **state)
 {
-    (void)state;
     bis_trade t;
     forge(&t);
     t.o.folder = DIR;
@@ -764,7 +751,6 @@ static void assert_levels(const bis_trade *t, const int *levels)
  * A replicate gets 22% of the time over 2 x 8: 0.1463 s. */
 static void a_plan_fills_half_of_the_time(void **state)
 {
-    (void)state;
     static const int levels[] = {2, 5, 0, 3, 4, 1, 1, 0};
     bis_scene_desc desc;
     bis_trade t;
@@ -803,7 +789,6 @@ static void a_plan_fills_half_of_the_time(void **state)
  * 4800 are taken: of 153600 every 5.66th, the sixth. */
 static void a_plan_with_passes_has_as_many_of_each(void **state)
 {
-    (void)state;
     static const int levels[] = {4, 4, 0, 4, 4, 4, 4, 4};
     bis_scene_desc desc;
     bis_trade t;
@@ -821,7 +806,6 @@ static void a_plan_with_passes_has_as_many_of_each(void **state)
  * wanted; 31 + 7 passes of 0.0036 s fit into 0.2 s, 63 + 15 do not. */
 static void a_biased_setting_gets_the_short_curve(void **state)
 {
-    (void)state;
     bis_scene_desc desc;
     bis_trade t;
     pilot(&t, &desc);
@@ -841,7 +825,6 @@ static void a_biased_setting_gets_the_short_curve(void **state)
 /* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. */
 static void a_plan_without_time_is_refused(void **state)
 {
-    (void)state;
     bis_scene_desc desc;
     bis_trade t;
     for (int i = 0; i < 2; i++) {
@@ -860,7 +843,6 @@ static void a_plan_without_time_is_refused(void **state)
  * get 0.3874 s, and twice that is forgiven: 0.0743 = sqrt(0.125 0.03424/(2 x 0.3874)) can be reached. */
 static void an_error_out_of_reach_is_refused(void **state)
 {
-    (void)state;
     bis_scene_desc desc;
     bis_trade t;
     bis_diag diag = {0};
@@ -929,7 +911,6 @@ static int settings(const expect_command *c)
 /* 4 of another b and 1 compensated. */
 static void a_map_that_is_too_large_is_built_once(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = DIR "/scene.txt"}};
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     const int n = t.plan.n_settings;
@@ -941,7 +922,6 @@ static void a_map_that_is_too_large_is_built_once(void **state)
 /* Each that is swept or may be a reference is piloted: six em and five others. */
 static void the_pilot_tells_how_far_it_is(void **state)
 {
-    (void)state;
     const char *const em[] = {"em"};
     diary d = {.n = 0};
     bis_trade t = {.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1, .seconds = 0.01,
@@ -968,7 +948,6 @@ static void the_pilot_tells_how_far_it_is(void **state)
  * relMSE is that of one pass. */
 static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
 {
-    (void)state;
     const char *const em[] = {"em"};
     for (int rich = 0; rich < 2; rich++) {
         const uint32_t passes = rich ? 256 : 2;
@@ -998,7 +977,6 @@ static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
 /* As many as were asked for; else 2 of a quick run, 5 of one of ten minutes or more, 3. */
 static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
 {
-    (void)state;
     static const struct {
         int asked;
         bool quick;
@@ -1020,7 +998,6 @@ static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
  * for bit. */
 static void a_light_of_its_own_is_built_as_the_scenes(void **state)
 {
-    (void)state;
     static const struct { const char *sampler, *table; } scenes[] = {{"", ""}, {"Sampler \"sobol\"\n", ""},
         {"", " \"string sampler\" \"cdf\""}, {"Sampler \"halton\"\n", " \"string sampler\" \"alias\""}};
     static const struct { const char *setting, *integrator, *b; } cases[] = {
@@ -1129,7 +1106,6 @@ static uint64_t fingerprint_of(const bis_trade_plan *p)
 
 static void plan_and_runs_are_written_and_read_back(void **state)
 {
-    (void)state;
     bis_trade t, u;
     char *text;
     unsigned long long print;
@@ -1186,7 +1162,6 @@ static void plan_and_runs_are_written_and_read_back(void **state)
 /* Settings, passes, replicates: in this order, however they were measured. A plan without a setting is none. */
 static void runs_are_written_in_order(void **state)
 {
-    (void)state;
     static const char names[][12] = {"em 16", "sir 64/4"};
     static const int shuffled[] = {5, 0, 7, 2, 4, 1, 6, 3};
     char expected[2048];
@@ -1223,7 +1198,6 @@ static void runs_are_written_in_order(void **state)
 /* A folder with nothing in it is taken, and --resume begins anew with a warning; one that is not there is made. */
 static void an_empty_folder_is_taken(void **state)
 {
-    (void)state;
     for (int i = 0; i < 4; i++) {
         bis_trade t = {.o = {.folder = DIR "/empty", .resume = i % 2 == 1}};
         bis_diag diag = {0};
@@ -1280,7 +1254,6 @@ static int damage(const expect_command *c)
  * ..., a crop of row 8 alone, or of column 12, has none. */
 static void a_plan_has_pixels_and_not_too_many(void **state)
 {
-    (void)state;
     static const struct {
         int full_width, full_height, step, width, height;
         double crop[4];
@@ -1353,7 +1326,6 @@ static void assert_reference(const bis_trade_reference *ref, int which)
 /* Files of both, of mis alone, of sir alone. Of both the mean is weighted by 1/variance, and so is its noise. */
 static void references_are_read_and_combined(void **state)
 {
-    (void)state;
     for (int which = 1; which < 4; which++) {
         bis_trade t;
         bis_image image;
@@ -1408,7 +1380,6 @@ static void references_are_read_and_combined(void **state)
 /* A replicate, or a given picture, of another size than the plan's is refused, and nothing is made of the others. */
 static void a_reference_of_another_size_is_refused(void **state)
 {
-    (void)state;
     static const struct {
         int which, width, height;
         const char *name;
@@ -1449,7 +1420,6 @@ static void a_reference_of_another_size_is_refused(void **state)
  */
 static void each_channel_scatters_by_itself(void **state)
 {
-    (void)state;
     bis_image images[2];
     bis_trade_reference reference = {.relmse = 1e30};
     for (int k = 0; k < 2; k++) {
@@ -1468,7 +1438,6 @@ static void each_channel_scatters_by_itself(void **state)
 /* Two renders of six grey pixels, 1 + d and 1 - d: variances 2 d^2, means 1. Left out are those of the largest d. */
 static void the_worst_pixels_are_spared(void **state)
 {
-    (void)state;
     static const float d[6] = {0.25f, 0.75f, 0, 0.875f, 0.5f, 0.625f};
     static const double left[BIS_TRADE_MOST_SPARED + 1] = { /* sums of d^2 */
         0.0625 + 0.5625 + 0.765625 + 0.25 + 0.390625, 0.0625 + 0.5625 + 0.25 + 0.390625, 0.0625 + 0.25 + 0.390625,
@@ -1509,7 +1478,6 @@ static void assert_no_run_is_begun_too_late(bis_trade_options o)
 /* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
 static void the_rest_is_measured_in_rounds_and_told(void **state)
 {
-    (void)state;
     static const char *const what[] = {"run 2 of 4", "run 3 of 4", "run 4 of 4", "error of the advice"};
     static const double share[] = {0, 4 / 14.0, 6 / 14.0, 0};
     diary d = {.n = 0};
@@ -1636,7 +1604,6 @@ static void assert_fewest(const bis_trade_advice *a)
  * for no clock: it goes on with what is advised, as far as 64 passes; beyond, the root law again. */
 static void advice_is_put_to_the_proof(void **state)
 {
-    (void)state;
     static const double wanted[] = {1.9, 5.5, 15, 29};
     diary d;
     const bis_trade_advice rough = checked(0, 0.01, NULL, &d);
@@ -1668,7 +1635,6 @@ static void advice_is_put_to_the_proof(void **state)
  * 15 % others, so its word is the last. When it says 64, 100 or more, the next attempt is made with these. */
 static void what_is_close_enough_is_not_rendered_again(void **state)
 {
-    (void)state;
     static const struct { double wanted, passes; bool is_last; } cases[] = {
         {63.5, 64, false}, {71.5, 72, true}, {80.5, 81, true}, {89.5, 90, true}, {99.5, 100, false},
         {109.5, 110, false}};
@@ -1691,7 +1657,6 @@ static void what_is_close_enough_is_not_rendered_again(void **state)
  * the most there are. With 7, four of 90, because five have two passes too many. */
 static void renders_are_as_many_as_64_budgets_allow(void **state)
 {
-    (void)state;
     static const uint32_t cases[3][2] = {{16, 1}, {4, 1}, {90, 7}};
     diary d;
     for (int i = 0; i < 3; i++) {
@@ -1716,7 +1681,6 @@ static int falling(const void *a, const void *b)
  * sixteenth, half a picture, none. The reference is in vain, so each pixel's mean is that of its renders. */
 static void the_promise_is_what_half_of_the_pictures_have(void **state)
 {
-    (void)state;
     enum { RENDERS = 8, TURNS = 6, ADVICE = 2, MOST = 24 * 16 };
     static const struct { int step, spared; } cases[] = {{1, 5}, {2, 1}, {4, 0}};
     assert_int_equal(BIS_TRADE_MOST_SPARED, 5);
@@ -1783,7 +1747,6 @@ static bis_status reported(bis_trade *t, bis_diag *diag) { return bis_trade_writ
  * says that there is no memory, and nothing stays behind. */
 static void each_part_says_that_there_is_no_memory(void **state)
 {
-    (void)state;
     bis_status (*const parts[])(bis_trade *, bis_diag *) = {
         parsed, bis_trade_read_plan, bis_trade_read_runs, bis_trade_make_references, bis_trade_summarise,
         bis_trade_check_advice, bis_trade_time_advice, pictured, tabled, reported};
@@ -1828,7 +1791,6 @@ static void each_part_says_that_there_is_no_memory(void **state)
  * much. */
 static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
 {
-    (void)state;
     static const double pass[] = {1e4, 1e4, 1.7e5, 2e5};
     for (int i = 0; i < 4; i++) {
         bis_trade t;
@@ -1882,7 +1844,6 @@ static const struct {
 /* What each field may be at most and at least is taken as it stands, and what lies beyond is refused by its name. */
 static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
 {
-    (void)state;
     char text[2048];
     bis_trade t;
     const unsigned long long print = fingerprint_of_two();
@@ -1945,7 +1906,6 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
 /* What "size" must be follows from "full" and "step", so it stands behind both. One pixel is a picture. */
 static void the_size_of_a_plan_stands_behind_what_it_follows_from(void **state)
 {
-    (void)state;
     static const struct {
         const char *lines;
         int wrong; /* the line that is refused; 0: none */
@@ -1988,7 +1948,6 @@ static void the_size_of_a_plan_stands_behind_what_it_follows_from(void **state)
  * before it stay. */
 static void runs_without_memory_are_counted(void **state)
 {
-    (void)state;
     bis_trade t = {0};
     int refused = 0;
     for (uint64_t n = 0; n < 100; n++) {
@@ -2048,7 +2007,6 @@ static int replicates_of(const char *maker, bis_image *images)
  * When it goes on, the missing ones are rendered and nothing else, to the same bits. */
 static void a_replicate_that_was_interrupted_is_not_kept(void **state)
 {
-    (void)state;
     static const struct {
         const char *what;
         int replicate, mis, sir; /* how many are kept */
@@ -2083,7 +2041,6 @@ static void a_replicate_that_was_interrupted_is_not_kept(void **state)
 /* The worst is at the left and the best at the right, wherever they stand in the strip; of equal ones the reference. */
 static void the_slider_begins_with_the_worst_and_the_best(void **state)
 {
-    (void)state;
     static const struct {
         double relmse[2];
         const char *says[3];
@@ -2106,9 +2063,6 @@ static void the_slider_begins_with_the_worst_and_the_best(void **state)
 /* Before the last run a folder takes the place of the table. */
 static void block_the_table(const char *what, double share, double left, void *user)
 {
-    (void)share;
-    (void)left;
-    (void)user;
     if (strcmp(what, "run 3 of 3") != 0) return;
     unlink(DIR "/last/runs.csv");
     assert_int_equal(mkdir(DIR "/last/runs.csv", 0777), 0);
@@ -2117,7 +2071,6 @@ static void block_the_table(const char *what, double share, double left, void *u
 /* All was measured, but not written: that is an error, and there is no report. */
 static void runs_that_cannot_be_written_at_the_end_are_an_error(void **state)
 {
-    (void)state;
     static const char message[] = DIR "/last/runs.csv: error: cannot write \"" DIR "/last/runs.csv\": ";
     bis_trade t;
     bis_diag diag = {0};

@@ -14,7 +14,6 @@
 
 static void this_build_has_the_bits_of_every_build(void **state)
 {
-    (void)state;
     bis_bits rows[BIS_N_BITS];
     const int threads = use_threads(3);
     assert_int_equal(bis_verify_bits(rows, NULL), BIS_OK);
@@ -33,7 +32,6 @@ static void this_build_has_the_bits_of_every_build(void **state)
  * that of mis, 2.8 %. */
 static void the_pictures_agree(void **state)
 {
-    (void)state;
     bis_bits rows[BIS_N_BITS];
     const double *exact = NULL;
     assert_int_equal(bis_verify_bits(rows, NULL), BIS_OK);
@@ -48,7 +46,6 @@ static void the_pictures_agree(void **state)
  * than a thousand roundings of 2^-52. */
 static void a_build_that_rounds_otherwise_is_found(void **state)
 {
-    (void)state;
     bis_bits rows[BIS_N_BITS];
     assert_int_equal(fesetround(FE_UPWARD), 0);
     const bis_status status = bis_verify_bits(rows, NULL);
@@ -62,7 +59,6 @@ static void a_build_that_rounds_otherwise_is_found(void **state)
 
 static void the_command_says_it(void **state)
 {
-    (void)state;
     program_run r;
     program_folder(DIR);
     program_expect(&r, 0, "verify --bits");

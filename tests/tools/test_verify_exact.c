@@ -15,7 +15,6 @@ static rgb Lo_exact_one_percent_more(
 
 static void exact_that_is_one_percent_off_is_rejected(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_integrator forged = bis_exact;
     bis_settings s = bis_settings_default(&bis_exact);

@@ -120,7 +120,6 @@ static double bias_of(double *least_found, const lit *l, const bis_settings *s, 
  * was right to 0.3 % at M = 16, and no run can see that. The last column: what a finite M may matter for E6 and E27. */
 static void the_thesis_as_printed_is_rejected(void **state)
 {
-    (void)state;
     const struct {
         const char *name;
         unsigned flag;
@@ -172,7 +171,6 @@ static void the_thesis_as_printed_is_rejected(void **state)
 /* The twin of the whole program: the thesis's equations as printed, once by the command. */
 static void a_scene_that_is_wrong_on_purpose_fails(void **state)
 {
-    (void)state;
     static const char *const errata[] = {"E20", "E21", "E22", "E34"};
     verify_write_map();
     for (size_t i = 0; i < sizeof errata / sizeof *errata; i++) {

@@ -96,7 +96,6 @@ static int run_commands_of(const char *page)
 
 static void every_command_of_the_readme_works(void **state)
 {
-    (void)state;
     make_root();
     assert_true(run_commands_of("README.md") >= 5);
     assert_true(program_exists(DIR "/bis.png")); /* the first command */
@@ -105,7 +104,6 @@ static void every_command_of_the_readme_works(void **state)
 /* What a "Do" box of the guide asks for can be done. */
 static void every_command_of_the_guide_works(void **state)
 {
-    (void)state;
     make_root();
     assert_true(run_commands_of("docs/guide.md") >= 12);
     assert_true(program_exists(DIR "/pixel_350_300/pixel.html") && program_exists(DIR "/sky-importance.png"));
@@ -137,7 +135,6 @@ static void copy_block(const char *mark, const char *path)
  * after the other, with a stand-in for srun; only the camera samples are fewer, and the pixels. */
 static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 {
-    (void)state;
     make_root();
     copy_block("<!-- loop -->", DIR "/loop.sh");
     assert_int_equal(shell("cd " DIR " && sh -e loop.sh 2> err"), 0);
@@ -157,7 +154,6 @@ static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 /* No link of a page leads nowhere. */
 static void links_of_the_pages_lead_to_files(void **state)
 {
-    (void)state;
     const char *pages[] = {"README.md", "docs/command-line.md", "src/README.md", "docs/integrators.md",
         "docs/scene-format.md", "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md",
         "docs/budgets.md", "docs/measured.md", "docs/guide.md", "docs/theory.md", "docs/live.md",
@@ -183,14 +179,12 @@ static void links_of_the_pages_lead_to_files(void **state)
 
 static void code_on_the_pages_is_what_the_compiler_sees(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/fragments.sh --check"), 0);
 }
 
 /* The twins: a fresh root with one page. */
 static void a_fragment_that_is_gone_or_differs_is_found(void **state)
 {
-    (void)state;
     const char *right = "Text.\n\n<!-- src/a.c [add] -->\n```c\n    return a + b;\n```\n\n```c\nfree();\n```\n";
     const struct { const char *page, *source, *message; } cases[] = {
         {right, "{\n    /* [add] */\n    return a + b;\n    /* [end] */\n}\n", NULL},
@@ -219,13 +213,11 @@ static void a_fragment_that_is_gone_or_differs_is_found(void **state)
 
 static void every_equation_of_the_guide_stands_in_the_files_it_names(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_guide.sh"), 0);
 }
 
 static void an_equation_that_a_file_does_not_name_is_found(void **state)
 {
-    (void)state;
     static const char others[] =
         "| 3.17 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16 | |\n"
         "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
@@ -258,7 +250,6 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
 
 static void a_place_that_is_not_where_the_map_of_src_says_is_found(void **state)
 {
-    (void)state;
     assert_int_equal(shell("cd build && rm -rf map_check && mkdir -p map_check/docs && "
                            "cp ../docs/guide.md map_check/docs/ && cp -R ../src ../include map_check/"), 0);
     assert_int_equal(shell("sh scripts/check/check_guide.sh build/map_check"), 0);
@@ -271,7 +262,6 @@ static void a_place_that_is_not_where_the_map_of_src_says_is_found(void **state)
 /* The twin of "every section of chapters 3 and 4 has something to do", which the check of equations above does, too. */
 static void a_section_without_a_task_or_its_answer_is_found(void **state)
 {
-    (void)state;
     static const char table[] = "## 5 C\n| 3.1 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, "
                                 "3.14, 3.15, 3.16, 3.17 | [`src/a.c`](../src/a.c) |\n"
                                 "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
@@ -303,7 +293,6 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
 
 static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_docstrings.sh > build/test_docs.out"), 0);
 }
 
@@ -312,7 +301,6 @@ static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(
 /* The twin: a fresh tree with a public header, a private one, and one file of src. */
 static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(void **state)
 {
-    (void)state;
     const struct { const char *header, *source, *message, *private; } cases[] = {
         {"/* f does it. */\nint f(int x);\n", "\n", NULL, NULL},
         {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return "
@@ -360,7 +348,6 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
     const char *line = COLUMNS_50 COLUMNS_50 "12345678901234567890";
     char path[128], text[256], said[1024];
 
-    (void)state;
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
                                "mkdir -p include/bis/base .ci src/base tests/base scripts data/generate docs/live"), 0);
@@ -385,7 +372,6 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
 /* 60 lines from { to }, and one more; 40 lines of a table beside them are none. */
 static void a_function_of_more_than_60_lines_is_found(void **state)
 {
-    (void)state;
     static const char *const files[] = {"src/base/x.c", "tests/base/test_x.c", "scripts/x.c"};
     char path[128], said[1024], expected[256];
 
@@ -418,14 +404,12 @@ static void a_function_of_more_than_60_lines_is_found(void **state)
 
 static void arrows_only_go_down(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_layers.sh > build/test_docs.out"), 0);
 }
 
 /* The twin: a fresh tree with one file that looks up, and one in a folder that nobody gave a row. */
 static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
 {
-    (void)state;
     const struct { const char *name, *text, *message; } cases[] = {
         {"thesis/sir.c", "#include \"bis/base/vec.h\"\n", NULL},
         {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
@@ -456,7 +440,6 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
 /* Two objects that take a function of each other, and a third beside them. */
 static void files_that_need_each_other_are_found(void **state)
 {
-    (void)state;
     const char *const folder = "build/circles";
     char command[1024], text[1024] = "";
     for (int twin = 0; twin < 2; twin++) {
@@ -479,7 +462,6 @@ static void files_that_need_each_other_are_found(void **state)
 /* Objects with the instruction, and a twin in which one has none. */
 static void a_prefetch_that_the_compiler_leaves_out_is_found(void **state)
 {
-    (void)state;
     char command[1024];
     for (int twin = 0; twin < 2; twin++) {
         snprintf(command, sizeof command,
@@ -502,7 +484,6 @@ static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
                                          "if (b[i] > 1) other(a, i);", "store(&a[i], b[i]);"};
     char command[1024];
 
-    (void)state;
     if (!getenv("BIS_COMPILE")) {
         print_message("run by make test, which tells how to compile\n");
         skip();
@@ -526,7 +507,6 @@ static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
 
 static void a_shift_beyond_32_bits_is_found(void **state)
 {
-    (void)state;
     if (!getenv("BIS_COMPILE")) skip();
     if (shell("sh scripts/check/check_32_bits.sh src/cli/cmd_pixel.c | grep -q 'not checked'") == 0) skip();
     assert_int_equal(shell("sh scripts/check/check_32_bits.sh"), 0);
@@ -540,7 +520,6 @@ static void a_shift_beyond_32_bits_is_found(void **state)
 
 static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_errata.sh"), 0);
 }
 
@@ -552,7 +531,6 @@ static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void *
 
 static void an_item_without_its_test_or_its_twin_is_found(void **state)
 {
-    (void)state;
     const struct { const char *page, *tests, *message; } cases[] = {
         {ITEMS ROW1 ROW2, TESTS, NULL},
         {ITEMS ROW1 ROW2, TESTS "cmocka_unit_test(grows_by_1e12_E1_E2),\n", NULL},
@@ -585,7 +563,6 @@ static void an_item_without_its_test_or_its_twin_is_found(void **state)
 /* The words of a scene, and the scenes that hold them; the twins lack one. */
 static void every_word_of_a_scene_stands_in_a_scene(void **state)
 {
-    (void)state;
     const struct { const char *page, *source, *scene, *message; } cases[] = {
         {"`float fov` and `Rotate degrees x y z`\n", "read(\"sobol\");\n", "Rotate 1 \"float fov\" \"sobol\"\n", NULL},
         {"`float fov`\n```\n`float gap`\n```\n", "read(\"sobol\");\n", "\"float fov\" \"sobol\"\n", NULL},
@@ -623,7 +600,6 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
 /* What the sources no longer say cannot be changed. Twin: sources that are not the project's. */
 static void every_mutation_finds_its_text(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/mutate.sh -a"), 0);
     assert_int_equal(shell("cd build && rm -rf mutate && mkdir -p mutate && cp -R ../src ../include mutate && "
                            "sed 's/BIS_EDGE_OUTLINE;/BIS_EDGE_NONE;/' ../src/render/edges.c > "
@@ -656,7 +632,6 @@ static void assert_kept(const char *file)
 /* Programs that find the project's files and leave one of their own; some fail. */
 static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 {
-    (void)state;
     static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e "
                                "build/mine && echo x > build/mine\n";
     static const char bad[] = "#!/bin/sh\necho x > build/mine; exit 1\n";
@@ -695,7 +670,6 @@ static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 /* `make test` runs every test program; T names a folder or a part of a name. `make -n` tells what would run. */
 static void make_test_chooses_the_programs(void **state)
 {
-    (void)state;
     static const struct {
         const char *choice, *files;
     } cases[] = {{"", "tests/*/test_*.c"}, {"T=shape", "tests/shape/test_*.c"}, {"T=film", "tests/*/test_*film*.c"}};

@@ -170,7 +170,6 @@ static bool hidden_by_chance(const bis_accel *a, const ray *r)
 {
     uint32_t x, y;
 
-    (void)a;
     memcpy(&x, &r->d.x, sizeof x);
     memcpy(&y, &r->d.y, sizeof y);
     const double coin = (double)(bis_hash((uint64_t)x << 32 | y) >> 11) * 0x1p-53;
@@ -201,7 +200,6 @@ static bool draw_unsteered(bis_guide *guide, bis_set *x, uint32_t n, const bis_p
 
 static bool has_none(const bis_guide *guide, const bis_set *x, const bis_point *pt)
 {
-    (void)guide, (void)x, (void)pt;
     return false;
 }
 
@@ -427,7 +425,6 @@ static void each_feature_leaves_as_much_of_the_squared_error_as_is_said(void **s
     int n;
     const char *page = read_page(&n);
 
-    (void)state;
     assert_int_equal(n, N_CLAIMS);
     program_folder(FOLDER);
     for (size_t k = 0; k < N_CLAIMS; k++)

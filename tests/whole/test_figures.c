@@ -58,7 +58,6 @@ static void the_script_makes_every_figure_of_the_thesis_that_is_a_result_or_a_pl
 {
     char list[512];
 
-    (void)state;
     read_list(list);
     for (size_t i = 0; i < WANTED; i++) assert_true(is_listed(list, wanted[i], strlen(wanted[i])));
     assert_false(is_listed(list, "3.7", 3)); /* a drawing, neither a result nor a plot */
@@ -79,7 +78,6 @@ static void every_figure_that_the_page_of_results_names_is_made(void **state)
     char list[512];
     int n = 0;
 
-    (void)state;
     read_list(list);
     read_text(page, sizeof page, PAGE);
     for (const char *at = strstr(page, "igure"); at; at = strstr(at + 1, "igure")) {
@@ -99,7 +97,6 @@ static void the_page_of_results_has_a_row_for_every_figure(void **state)
     static char page[1 << 16];
     char row[16];
 
-    (void)state;
     read_text(page, sizeof page, PAGE);
     for (size_t i = 0; i < WANTED; i++) {
         snprintf(row, sizeof row, "\n| %s | ", wanted[i]);
@@ -113,7 +110,6 @@ static void links_of_the_page_of_results_lead_to_files_and_its_pictures_are_belo
     char path[256];
     int n_pictures = 0;
 
-    (void)state;
     read_text(page, sizeof page, PAGE);
     for (const char *at = strstr(page, "]("); at; at = strstr(at + 1, "](")) {
         const int n = (int)strcspn(at + 2, ")#");
@@ -133,7 +129,6 @@ static void every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB(void **st
     char list[4096], path[512];
     int n_files = 0, n_listed = 0;
 
-    (void)state;
     assert_int_equal(system("mkdir -p build && sh scripts/figures/docs_figures.sh --list > build/test_figures.out"), 0);
     list[0] = '\n';
     read_text(list + 1, sizeof list - 1, "build/test_figures.out");
@@ -180,7 +175,6 @@ static void each_drawing_of_the_docs_is_drawn_again_the_same(void **state)
 {
     char names[512], command[700];
 
-    (void)state;
     if (system("command -v node > /dev/null") != 0) skip();
     snprintf(names, sizeof names, "%s %s", fast, getenv("BIS_LONG") ? slow : "");
     snprintf(command, sizeof command,
@@ -197,7 +191,6 @@ static void each_drawing_of_the_docs_is_drawn_again_the_same(void **state)
 
 static void a_figure_that_is_not_in_the_list_is_bad_usage(void **state)
 {
-    (void)state;
     const int status = system("sh scripts/figures/figures.sh build/none 9.9 2> build/test_figures.err");
     assert_int_equal(WEXITSTATUS(status), 2);
 }
