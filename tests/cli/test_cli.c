@@ -6,6 +6,7 @@
 
 #include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "json_check.h"
 
 #include <math.h>
@@ -52,10 +53,7 @@ static void restore(FILE *stream, int saved, const char *path, char *buf, size_t
     fflush(stream);
     dup2(saved, fileno(stream));
     close(saved);
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    buf[fread(buf, 1, size - 1, f)] = '\0';
-    fclose(f);
+    read_text(buf, size, path);
 }
 
 static void with_table(run_result *r, values *v, int argc, const char *const *argv)

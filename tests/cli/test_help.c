@@ -10,6 +10,7 @@
 
 #include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "program.h"
 
 #include <ctype.h>
@@ -65,10 +66,7 @@ static int look_for_names(const char *text, const char *page, const char *sectio
 static char *read_page(const char *path)
 {
     static char text[1 << 17];
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    text[fread(text, 1, sizeof text - 1, f)] = '\0';
-    fclose(f);
+    read_text(text, sizeof text, path);
     return text;
 }
 

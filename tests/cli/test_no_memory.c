@@ -7,6 +7,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
+#include "file_help.h"
 #include "program.h"
 
 #include <stdio.h>
@@ -23,14 +24,6 @@ typedef struct answer {
     long allocations;
     char output[1 << 16], messages[1 << 12];
 } answer;
-
-static void read_text(char *text, size_t size, const char *path)
-{
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    text[fread(text, 1, size - 1, f)] = '\0';
-    fclose(f);
-}
 
 /* Allocation k fails; 0: none. */
 static void run(answer *a, int command(int argc, char **argv), const char *arguments, long k)

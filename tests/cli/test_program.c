@@ -335,10 +335,7 @@ static void stats_in_a_file_are_those_of_standard_output(void **state)
     struct stat st;
     program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats " DIR "/s.json");
     assert_string_equal(r.output, "");
-    FILE *f = fopen(DIR "/s.json", "r");
-    assert_non_null(f);
-    text[fread(text, 1, sizeof text - 1, f)] = '\0';
-    fclose(f);
+    read_text(text, sizeof text, DIR "/s.json");
     assert_string_equal(json_value(value, sizeof value, text, "rays.camera"), "1536");
     /* A device is written to, not replaced by a file. */
     program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats /dev/null");
@@ -611,9 +608,7 @@ static void a_full_disk_keeps_the_older_file_and_leaves_no_other(void **state)
         program_run_limited(&r, 1024, arguments);
         assert_int_equal(r.exit_status, 1);
         assert_non_null(strstr(r.messages, path));
-        FILE *f = fopen(path, "r");
-        assert_non_null(fgets(text, sizeof text, f));
-        fclose(f);
+        read_text(text, sizeof text, path);
         assert_string_equal(text, "an older picture");
         assert_int_equal(program_count_files(DIR), before);
     }
@@ -655,18 +650,6 @@ static void copy(const char *to, const char *from)
     assert_int_equal(fwrite(bytes, 1, n, out), n);
     fclose(in);
     assert_int_equal(fclose(out), 0);
-}
-
-static void assert_same_bytes(const char *a, const char *b)
-{
-    char bytes_a[1 << 14], bytes_b[1 << 14];
-    FILE *f = fopen(a, "rb"), *g = fopen(b, "rb");
-    assert_true(f && g);
-    const size_t n = fread(bytes_a, 1, sizeof bytes_a, f);
-    assert_int_equal(fread(bytes_b, 1, sizeof bytes_b, g), n);
-    fclose(f);
-    fclose(g);
-    if (memcmp(bytes_a, bytes_b, n)) fail_msg("%s is not what it was", a);
 }
 
 #define OVER DIR "/over"
@@ -721,7 +704,7 @@ static void what_is_read_is_never_written_over(void **state)
             char now[64], then[64];
             snprintf(now, sizeof now, OVER "/%s", files[k]);
             snprintf(then, sizeof then, OVER "2/%s", files[k]);
-            assert_same_bytes(now, then);
+            assert_same_file(now, then);
         }
     }
     program_run r;
@@ -817,9 +800,7 @@ static void a_signal_in_the_first_pass_keeps_the_older_files(void **state)
         assert_int_equal(r.exit_status, 130);
         assert_string_equal(r.output, "");
         assert_string_equal(r.messages, "bis: interrupted before the first pass was complete: nothing was written\n");
-        FILE *f = fopen(DIR "/first.exr", "r");
-        assert_non_null(fgets(text, sizeof text, f));
-        fclose(f);
+        read_text(text, sizeof text, DIR "/first.exr");
         assert_string_equal(text, "an older picture");
         assert_false(program_exists(DIR "/first.png"));
         assert_false(program_exists(DIR "/first.json"));

@@ -693,12 +693,10 @@ static void no_damage_leads_out_of_the_file(void **state)
 
 static void load(bytes *file, const char *path)
 {
-    unsigned char buffer[4096];
-    FILE *f = fopen(path, "rb");
-    assert_non_null(f);
-    for (size_t n = fread(buffer, 1, sizeof buffer, f); n; n = fread(buffer, 1, sizeof buffer, f))
-        put(file, buffer, n);
-    fclose(f);
+    size_t n;
+    unsigned char *const data = read_bytes(path, &n);
+    put(file, data, n);
+    bis_free(data);
 }
 
 static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)

@@ -4,6 +4,7 @@
 #include "tools/describe.h"
 
 #include "claim.h"
+#include "file_help.h"
 #include "further.h"
 #include "program.h"
 
@@ -82,11 +83,7 @@ static void every_parameter_is_told_and_read_back(void **state)
 static void defaults_are_those_of_the_page(void **state)
 {
     static char page[1 << 17];
-    FILE *f = fopen("docs/scene-format.md", "r");
-
-    assert_non_null(f);
-    page[fread(page, 1, sizeof page - 1, f)] = '\0';
-    fclose(f);
+    read_text(page, sizeof page, "docs/scene-format.md");
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
         char start[64], told[128], buf[32];
         snprintf(start, sizeof start, "\n| `\"%s\"`", (*i)->name);
@@ -132,10 +129,7 @@ static void a_scene_without_the_lines_has_those_of_the_pages(void **state)
     for (int i = 0; i < 2; i++) {
         static char page[1 << 17];
         char *line, told[512], *end;
-        FILE *f = fopen(pages[i], "r");
-        assert_non_null(f);
-        page[fread(page, 1, sizeof page - 1, f)] = '\0';
-        fclose(f);
+        read_text(page, sizeof page, pages[i]);
         line = strstr(page, "# A scene without a");
         assert_non_null(line);
         line = strchr(strstr(line, "\n```pbrt\n") + 1, '\n');

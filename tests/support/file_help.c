@@ -23,6 +23,22 @@ unsigned char *read_bytes(const char *path, size_t *n)
     return data;
 }
 
+char *read_whole(const char *path)
+{
+    size_t n;
+    return (char *)read_bytes(path, &n);
+}
+
+void read_text(char *text, size_t size, const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f) fail_msg("no %s", path);
+    const size_t n = fread(text, 1, size, f);
+    assert_int_equal(fclose(f), 0);
+    assert_true(n < size);
+    text[n] = '\0';
+}
+
 size_t differing_bytes(const char *path_a, const char *path_b)
 {
     size_t n_a, n_b, n = 0;

@@ -10,6 +10,7 @@
 #include "bis/render/render.h"
 
 #include "claim.h"
+#include "file_help.h"
 #include "lit.h"
 #include "program.h"
 
@@ -394,10 +395,7 @@ static void every_switch_has_a_flag_a_paragraph_and_a_scene_of_its_own(void **st
     unsigned all = 0;
     int n = 0;
 
-    FILE *f = fopen("docs/errata.md", "r");
-    assert_non_null(f);
-    doc[fread(doc, 1, sizeof doc - 1, f)] = '\0';
-    fclose(f);
+    read_text(doc, sizeof doc, "docs/errata.md");
     for (const bis_erratum *e = bis_errata; e->name; e++, n++) {
         char heading[32], command[64], path[64], buf[BIS_ERRATA_TEXT];
         snprintf(heading, sizeof heading, "**%s. ", e->name);

@@ -12,6 +12,7 @@
 #include "bis/files/image_file.h"
 #include "bis/scene/light_load.h"
 #include "claim.h"
+#include "file_help.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
@@ -651,10 +652,7 @@ static const char *field(char buf[128], const table *t, int row, const char *col
 
 static void read_table(table *t, const char *path)
 {
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    t->text[fread(t->text, 1, sizeof t->text - 1, f)] = '\0';
-    fclose(f);
+    read_text(t->text, sizeof t->text, path);
     t->n_rows = 0;
     int commas = -1;
     for (const char *line = t->text; *line;

@@ -11,6 +11,7 @@
 #include "bis/beyond/microfacet.h"
 #include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "further.h"
 #include "html_check.h"
 #include "json_check.h"
@@ -272,20 +273,10 @@ static void each_estimator_has_a_row_of_its_own(void **state)
     }
 }
 
-/* ---- files ---- */
-
-static char *read_text(const char *path)
-{
-    unsigned char *text;
-    size_t size;
-    assert_int_equal(bis_file_read(&text, &size, path, (bis_loc){0}, NULL), BIS_OK);
-    return (char *)text;
-}
-
 /* Cell by cell; numbers to 6 digits, since directions are floats. */
 static void assert_rows(const char *path, const char *expected)
 {
-    char *text = read_text(path);
+    char *text = read_whole(path);
     const char *a = text, *b = expected;
     while (*a || *b) {
         const char *end_a, *end_b;
@@ -339,7 +330,7 @@ static void tables_have_each_figure_in_its_column(void **state)
     f.desc.light.filename = NULL;
     f.r.html = true;
     assert_int_equal(bis_pixel_write_files(&f.r, NULL), BIS_OK);
-    char *text = read_text(DIR "/candidates.csv");
+    char *text = read_whole(DIR "/candidates.csv");
     assert_non_null(strstr(text, "\n1,,,,,,,0.5,0.25,0.75,7,0,0,0,\n"));
     bis_free(text);
     text = page_shown(DIR "/pixel.html", DIR);
@@ -624,7 +615,7 @@ static void without_a_script_the_page_is_the_text(void **state)
     char why[200];
     forge(&f);
     free(page_of(&f));
-    char *page = read_text(DIR "/pixel.html");
+    char *page = read_whole(DIR "/pixel.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s", why);
     page_in_order(

@@ -3,6 +3,7 @@
  * that were worked out by hand. Without node they are skipped. */
 #include "base/text.h"
 #include "claim.h"
+#include "file_help.h"
 #include "html_check.h"
 #include "program.h"
 
@@ -29,10 +30,7 @@ static void ask(const char *arguments)
     }
     snprintf(command, sizeof command, "node tests/tools/plot.js %s > " DIR "/said", arguments);
     assert_int_equal(system(command), 0);
-    FILE *f = fopen(DIR "/said", "r");
-    assert_non_null(f);
-    said[fread(said, 1, sizeof said - 1, f)] = '\0';
-    fclose(f);
+    read_text(said, sizeof said, DIR "/said");
 }
 
 static int setup(void **state)

@@ -17,6 +17,7 @@
 #include "files/image_png.h"
 #include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "html_check.h"
 #include "json_check.h"
 #include "page_help.h"
@@ -899,16 +900,6 @@ static void a_signal_before_the_first_run_says_that_nothing_was_measured(void **
     assert_false(program_exists(DIR "/early"));
 }
 
-/* ---- the page ---- */
-
-static char *read_page(const char *path)
-{
-    unsigned char *page;
-    size_t size;
-    assert_int_equal(bis_file_read(&page, &size, path, (bis_loc){0}, NULL), BIS_OK);
-    return (char *)page;
-}
-
 static void the_page_is_well_formed_and_needs_nothing_else(void **state)
 {
     static const char *const folders[] = {DIR "/own", DIR "/given"};
@@ -921,7 +912,7 @@ static void the_page_is_well_formed_and_needs_nothing_else(void **state)
         clear_table(&pictures);
         assert_true(n == 2 || n == 3);
         snprintf(path, sizeof path, "%s/report.html", folders[i]);
-        char *page = read_page(path);
+        char *page = read_whole(path);
         if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s: %s", path, why);
         if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s: %s", path, why);
         bis_free(page);
@@ -970,7 +961,7 @@ static void odd_names_do_not_break_the_page(void **state)
     program_expect(&r, 0,
         "trade " DIR "/a<b>&\"c'.txt --nthreads 1 --time 2 --passes 1 --seeds 1 --integrator em --output " DIR "/odd");
     assert_int_equal(rename(DIR "/a<b>&\"c'.txt", SCENE), 0);
-    char *page = read_page(DIR "/odd/report.html");
+    char *page = read_whole(DIR "/odd/report.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     bis_free(page);
     page = page_shown(DIR "/odd/report.html", DIR);
@@ -1059,7 +1050,7 @@ static void a_constant_light_is_measured_too(void **state)
                                             "LightSource \"infinite\"\nShape \"sphere\"\n");
     program_expect(
         &r, 0, "trade " DIR "/constant.txt --nthreads 1 --time 4 --passes 2 --seeds 2 --output " DIR "/constant");
-    char why[200], *page = read_page(DIR "/constant/report.html");
+    char why[200], *page = read_whole(DIR "/constant/report.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     bis_free(page);
 }

@@ -20,6 +20,7 @@
 #include "cli/cli.h"
 #include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "further.h"
 #include "json_check.h"
 #include "page_help.h"
@@ -372,16 +373,6 @@ static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
     clear(&t);
 }
 
-/* ---- tables ---- */
-
-static char *read_text(const char *path)
-{
-    static unsigned char *text; /* static: as in values_of */
-    size_t size;
-    assert_int_equal(bis_file_read(&text, &size, path, (bis_loc){0}, NULL), BIS_OK);
-    return (char *)text;
-}
-
 /* `table FILE` of the forged runs; equal_error.csv with a noise of 8% for mis 16 with 8 passes. */
 static int table(const expect_command *c)
 {
@@ -391,7 +382,7 @@ static int table(const expect_command *c)
     if (strcmp(c->arguments, "equal_error.csv") == 0) t.result.points[6].noise = 0.0064;
     assert_int_equal(bis_trade_write_tables(&t, NULL), BIS_OK);
     snprintf(path, sizeof path, DIR "/%s", c->arguments);
-    char *text = read_text(path);
+    char *text = read_whole(path);
     fputs(text, c->output);
     bis_free(text);
     clear(&t);
@@ -698,7 +689,7 @@ static void without_a_script_the_page_is_text(void **state)
     forge(&t);
     t.o.folder = DIR;
     write_page(&t);
-    char *page = read_text(DIR "/report.html");
+    char *page = read_whole(DIR "/report.html");
     page_in_order(page, (const char *const[]){"<noscript>", "<pre id=`text`>", "final picture", "~96 s",
         "29 of 33 runs in " DIR "/report.html\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s",
         "4.4% yes\n",
@@ -1006,7 +997,7 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
     program_folder(DIR "/own");
     for (int i = 0; i < 12; i++) {
         program_write_scene(DIR "/own", scenes[i / 3].sampler);
-        char *const scene = read_text(DIR "/own/scene.txt"), text[4096];
+        char *const scene = read_whole(DIR "/own/scene.txt"), text[4096];
         const char *const setting = strstr(scene, "sir\""), *const end = strchr(setting, '\n');
         const char *const map = strstr(scene, "\"map.pfm\"") + strlen("\"map.pfm\"");
         snprintf(text, sizeof text, "%.*s%s%s", (int)(map - scene), scene, scenes[i / 3].table, map);
@@ -1095,7 +1086,7 @@ static uint64_t fnv(const char *text)
 /* Of the version, the names and the scene's text, one behind the other. */
 static uint64_t fingerprint_of(const bis_trade_plan *p)
 {
-    char all[8192], *scene = read_text(DIR "/scene.txt");
+    char all[8192], *scene = read_whole(DIR "/scene.txt");
     int n = snprintf(all, sizeof all, "%s", BIS_VERSION);
     for (int i = 0; i < p->n_settings; i++) n += snprintf(all + n, sizeof all - (size_t)n, "%s", p->settings[i].name);
     snprintf(all + n, sizeof all - (size_t)n, "%s", scene);
@@ -1119,13 +1110,13 @@ static void plan_and_runs_are_written_and_read_back(void **state)
                                   {em, 0, 0, BIS_SEED_MAX, 1, 11, 21, 31, 5, 6, 7, 8}};
     for (int i = 0; i < 3; i++) assert_int_equal(bis_trade_add_run(&t, &runs[i], NULL), BIS_OK);
     assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
-    text = read_text(DIR "/folder/plan.txt");
+    text = read_whole(DIR "/folder/plan.txt");
     assert_int_equal(sscanf(text, "fingerprint %16llx\n", &print), 1);
     assert_true(print == t.plan.fingerprint && text[28] == '\n');
     assert_string_equal(text + 29, plan_text);
     bis_free(text);
     assert_true(print == fingerprint_of(&t.plan));
-    text = read_text(DIR "/folder/runs.csv");
+    text = read_whole(DIR "/folder/runs.csv");
     assert_string_equal(text, RUNS "em 16,1,1,9007199254740991,1,11,21,31,5,6,7,8\nem 16,2,1,8,2,10,20,30,1,2,3,4\n"
                         "sir 64/4,1,1,9,4.5,1,2,3,0.5,0.25,-0.125,0.75\n");
                             /* in the order of settings, passes, seeds */
@@ -1180,7 +1171,7 @@ static void runs_are_written_in_order(void **state)
                       1 << (k >> 1 & 1), (k & 1) + 1, k);
     }
     assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
-    char *text = read_text(DIR "/order/runs.csv");
+    char *text = read_whole(DIR "/order/runs.csv");
     assert_string_equal(text, expected);
     bis_free(text);
 
@@ -1236,7 +1227,7 @@ static int damage(const expect_command *c)
     assert_int_equal(sscanf(c->arguments, "%*s %d", &line), 1);
     snprintf(path, sizeof path, DIR "/folder/%.*s", (int)strcspn(c->arguments, " "), c->arguments);
     store_sound_folder(&t);
-    char *const sound = read_text(path), *from = sound;
+    char *const sound = read_whole(path), *from = sound;
     for (; line > 1; line--) from = strchr(from, '\n') + 1;
     snprintf(text, sizeof text, "%.*s%s%s", (int)(from - sound), sound, c->input, strchr(from, '\n') + 1);
     program_write_file(path, text);
@@ -1465,7 +1456,7 @@ static void assert_no_run_is_begun_too_late(bis_trade_options o)
 {
     bis_trade t = {.n_runs = 0};
     bool interrupted;
-    char *runs = read_text(DIR "/folder/runs.csv");
+    char *runs = read_whole(DIR "/folder/runs.csv");
     strstr(runs, "sir 64/4,2,")[0] = '\0';
     program_write_file(DIR "/folder/runs.csv", runs);
     bis_free(runs);

@@ -4,6 +4,7 @@
  * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says;
  * each check can fail. */
 #include "claim.h"
+#include "file_help.h"
 #include "program.h"
 
 #include <stdio.h>
@@ -20,6 +21,20 @@ static int shell(const char *command)
     fflush(stdout);
     int status = system(command);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+/* scripts/check/SCRIPT.sh finds nothing in the folder, or this; at_once: that is the first that it says. */
+static void assert_check(const char *script, const char *folder, const char *message, bool at_once)
+{
+    static char text[4096];
+    char command[256], path[128];
+    snprintf(path, sizeof path, "%s.out", folder);
+    snprintf(command, sizeof command, "sh scripts/check/%s.sh %s > %s", script, folder, path);
+    const int status = shell(command);
+    read_text(text, sizeof text, path);
+    if (status != (message != NULL)) fail_msg("status %d: %s", status, text);
+    const char *const at = message ? strstr(text, message) : text;
+    if (!at || (at_once && at != text)) fail_msg("no \"%s\" in: %s", message, text);
 }
 
 /* A stand-in for the root: the scene and data of the repository, `bis` the program under test. */
@@ -161,10 +176,7 @@ static void links_of_the_pages_lead_to_files(void **state)
         "docs/CODE_OF_CONDUCT.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
-        FILE *f = fopen(pages[i], "r");
-        assert_non_null(f);
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
+        read_text(text, sizeof text, pages[i]);
         for (const char *at = strstr(text, "]("); at; at = strstr(at + 1, "](")) {
             size_t n = strcspn(at + 2, ")#");
             if (n == 0 || strncmp(at + 2, "http", 4) == 0) continue;
@@ -203,9 +215,7 @@ static void a_fragment_that_is_gone_or_differs_is_found(void **state)
         program_write_file("build/fragments/docs/page.md", cases[i].page);
         program_write_file("build/fragments/src/a.c", cases[i].source);
         int status = shell("sh scripts/check/fragments.sh --check build/fragments > build/fragments.out 2>&1");
-        FILE *f = fopen("build/fragments.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
+        read_text(text, sizeof text, "build/fragments.out");
         assert_int_equal(status, cases[i].message != NULL);
         if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
     }
@@ -233,18 +243,12 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
         {"Nothing.\n", "", "docs/guide.md: no table of equations"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096];
         assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
         char table[2048]; /* the table first: messages say line 1 */
         snprintf(table, sizeof table, "%s%s%s", cases[i].page, cases[i].source[0] ? others : "", sections);
         program_write_file("build/guide_check/docs/guide.md", table);
         program_write_file("build/guide_check/src/a.c", cases[i].source);
-        int status = shell("sh scripts/check/check_guide.sh build/guide_check > build/guide_check.out");
-        FILE *f = fopen("build/guide_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_guide", "build/guide_check", cases[i].message, false);
     }
 }
 
@@ -275,17 +279,12 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
         {box, "*Do:* x\n<details>\ny\n", "section 4.4 does not close its <details>"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096], page[2048];
+        char page[2048];
         assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
         snprintf(page, sizeof page, "## 3.2.1 A\n%s## 4.4 B\n%s%s", cases[i].first, cases[i].second, table);
         program_write_file("build/guide_check/docs/guide.md", page);
         program_write_file("build/guide_check/src/a.c", "/* see eq. 3.1, eq. 4.1 */\n");
-        int status = shell("sh scripts/check/check_guide.sh build/guide_check > build/guide_check.out");
-        FILE *f = fopen("build/guide_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        if (status != (cases[i].message != NULL)) fail_msg("case %zu: status %d, %s", i, status, text);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_guide", "build/guide_check", cases[i].message, false);
     }
 }
 
@@ -324,18 +323,12 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
          "/* Does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[1024] = "";
         assert_int_equal(
             shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
         program_write_file("build/docstrings/include/bis/base/x.h", cases[i].header);
         program_write_file("build/docstrings/src/base/x.c", cases[i].source);
         program_write_file("build/docstrings/src/base/y.h", cases[i].private ? cases[i].private : "\n");
-        int status = shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out");
-        FILE *f = fopen("build/docstrings.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+        assert_check("check_docstrings", "build/docstrings", cases[i].message, true);
     }
 }
 
@@ -362,9 +355,7 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
                              shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
         }
         snprintf(text, sizeof text, "%s:1: 121 columns, at most 120 are allowed\n", files[i]);
-        FILE *f = fopen("build/docstrings.out", "r");
-        said[fread(said, 1, sizeof said - 1, f)] = '\0';
-        fclose(f);
+        read_text(said, sizeof said, "build/docstrings.out");
         assert_string_equal(said, text);
     }
 }
@@ -393,9 +384,7 @@ static void a_function_of_more_than_60_lines_is_found(void **state)
                              shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
         }
         snprintf(expected, sizeof expected, "%s:2: f has 61 lines, at most 60 are allowed\n", files[i]);
-        FILE *f = fopen("build/docstrings.out", "r");
-        said[fread(said, 1, sizeof said - 1, f)] = '\0';
-        fclose(f);
+        read_text(said, sizeof said, "build/docstrings.out");
         assert_string_equal(said, expected);
     }
 }
@@ -421,19 +410,14 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
         {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[256], text[1024] = "", command[512];
+        char path[256], command[512];
         snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
         snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base",
             path);
         assert_int_equal(shell(command), 0);
         program_write_file("build/layers/include/bis/base/vec.h", "");
         program_write_file(path, *cases[i].text ? cases[i].text : "\n");
-        int status = shell("sh scripts/check/check_layers.sh build/layers > build/layers.out");
-        FILE *f = fopen("build/layers.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+        assert_check("check_layers", "build/layers", cases[i].message, true);
     }
 }
 
@@ -452,9 +436,7 @@ static void files_that_need_each_other_are_found(void **state)
                  folder, folder, folder, folder, twin ? "bis_a()" : "1");
         if (shell(command) != 0) skip();
         assert_int_equal(shell("sh scripts/check/check_circles.sh build/circles > build/circles.out"), twin);
-        FILE *f = fopen("build/circles.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
+        read_text(text, sizeof text, "build/circles.out");
         assert_int_equal(strstr(text, "a/a.c") && strstr(text, "b/b.c") && !strstr(text, "b/c.c"), twin);
     }
 }
@@ -547,16 +529,10 @@ static void an_item_without_its_test_or_its_twin_is_found(void **state)
         {"\n", TESTS, "docs/errata.md: no items"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096];
         assert_int_equal(shell("cd build && rm -rf errata_check && mkdir -p errata_check/docs errata_check/tests"), 0);
         program_write_file("build/errata_check/docs/errata.md", cases[i].page);
         program_write_file("build/errata_check/tests/test_x.c", cases[i].tests);
-        int status = shell("sh scripts/check/check_errata.sh build/errata_check > build/errata_check.out");
-        FILE *f = fopen("build/errata_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_errata", "build/errata_check", cases[i].message, false);
     }
 }
 
@@ -575,7 +551,6 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
     };
     assert_int_equal(shell("sh scripts/check/check_scenes.sh"), 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096];
         char scene[512];
         assert_int_equal(shell("cd build && rm -rf scenes_check && mkdir -p scenes_check/docs scenes_check/src/parse "
                                "scenes_check/data/scenes"), 0);
@@ -588,12 +563,7 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
             cases[i].scene);
         program_write_file("build/scenes_check/data/scenes/a.txt", scene);
         program_write_file("build/scenes_check/scene.txt", "");
-        const int status = shell("sh scripts/check/check_scenes.sh build/scenes_check > build/scenes_check.out");
-        FILE *f = fopen("build/scenes_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_scenes", "build/scenes_check", cases[i].message, false);
     }
 }
 

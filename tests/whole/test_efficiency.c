@@ -18,6 +18,7 @@
 #include "bis/render/render.h"
 #include "bis/thesis/phong.h"
 #include "claim.h"
+#include "file_help.h"
 #include "lit.h"
 #include "program.h"
 
@@ -374,11 +375,7 @@ static double alpha(void) { return stat_level(1e-3, N_CLAIMS); }
 static const char *read_page(int *n)
 {
     static char text[1 << 17];
-    FILE *f = fopen("docs/proof.md", "r");
-
-    assert_non_null(f);
-    text[fread(text, 1, sizeof text - 1, f)] = '\0';
-    fclose(f);
+    read_text(text, sizeof text, "docs/proof.md");
     char *table = strstr(text, "<!-- efficiency -->"), *end = strstr(text, "<!-- end efficiency -->");
     assert_true(table && end);
     *end = '\0';

@@ -15,6 +15,7 @@
 #include "thesis/set.h"
 
 #include "claim.h"
+#include "file_help.h"
 #include "lit.h"
 
 #include <stdio.h>
@@ -239,20 +240,6 @@ static void cylinder_keeps_its_light_where_it_is(void **state)
     bis_envmap_clear(&em);
 }
 
-/* ---- the page ---- */
-
-static char *read_text(const char *path)
-{
-    FILE *f = fopen(path, "rb");
-    char *text = calloc(1, 1 << 18);
-
-    assert_non_null(f);
-    assert_non_null(text);
-    assert_true(fread(text, 1, (1 << 18) - 1, f) < (1 << 18) - 1);
-    fclose(f);
-    return text;
-}
-
 /* Is every ```c block of the page a piece of one of these files? Returns how many there are. */
 static int blocks_found(const char *page, bool expected)
 {
@@ -267,9 +254,9 @@ static int blocks_found(const char *page, bool expected)
         assert_non_null(end);
         char *block = strndup(begin, (size_t)(end - begin));
         for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {
-            char *text = read_text(sources[i]);
+            char *text = read_whole(sources[i]);
             found |= strstr(text, block) != NULL;
-            free(text);
+            bis_free(text);
         }
         if (found != expected) fail_msg("block %d of docs/extending.md: %.60s", n + 1, block);
         free(block);
@@ -281,9 +268,9 @@ static int blocks_found(const char *page, bool expected)
 
 static void every_block_of_the_page_is_code_that_was_compiled(void **state)
 {
-    char *page = read_text("docs/extending.md");
+    char *page = read_whole("docs/extending.md");
     assert_true(blocks_found(page, true) >= 5);
-    free(page);
+    bis_free(page);
     assert_int_equal(blocks_found("```c\nint never_written;\n```\n", false), 1); /* twin */
 }
 

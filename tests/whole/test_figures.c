@@ -3,6 +3,7 @@
  * a plot; pictures in that page are there and small. scripts/figures/docs_figures.sh makes every picture that the docs
  * show. Rendering them all takes minutes and is no part of the tests. */
 #include "claim.h"
+#include "file_help.h"
 #include "program.h"
 
 #include <ctype.h>
@@ -14,17 +15,6 @@
 #include <sys/wait.h>
 
 #define PAGE "docs/measured.md"
-
-static void read_text(char *text, size_t size, const char *path)
-{
-    FILE *f = fopen(path, "r");
-
-    assert_non_null(f);
-    const size_t n = fread(text, 1, size - 1, f);
-    text[n] = '\0';
-    fclose(f);
-    assert_true(n < size - 1);
-}
 
 /* " 3.3 3.4 ... ": what the script makes. */
 static void read_list(char list[512])
