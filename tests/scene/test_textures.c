@@ -9,6 +9,7 @@
 
 #include "claim.h"
 #include "image_help.h"
+#include "lack.h"
 #include "program.h"
 #include "tools/verify/verify.h"
 
@@ -801,18 +802,10 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
                            MATERIALS,
         png, obj);
     write_obj();
-    bool ended = false;
-    for (long k = 1; !ended; k++) {
+    FOR_LACK(l) {
         built b;
-        store(scratch("scene.txt"), text, strlen(text));
-        b = (built){0};
-        bis_mem_fail_at(k);
-        bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &b.diag);
-        if (!status) status = bis_scene_build(&b.scene, b.desc, &b.diag);
-        ended = bis_mem_count() < k;
-        bis_mem_fail_at(0);
-        assert_true(ended ? status == BIS_OK : status == BIS_NOMEM);
-        assert_true((b.scene == NULL) == (status != BIS_OK));
+        LACK(l, try_build(&b, text));
+        assert_true((l.status == BIS_OK) == l.over && (b.scene != NULL) == l.over);
         clear(&b);
     }
 }

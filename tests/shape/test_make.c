@@ -4,6 +4,7 @@
 #include "bis/base/mem.h"
 #include "bis/shape/make.h"
 #include "claim.h"
+#include "lack.h"
 #include "mesh_help.h"
 
 #include <stdio.h>
@@ -493,19 +494,15 @@ static void every_allocation_may_fail(void **state)
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
     const double z[4] = {0};
     for (int which = 0; which < 4; which++) {
-        bis_status status = BIS_NOMEM;
-        for (long k = 1; status; k++) {
+        FOR_LACK(l) {
             bis_mesh m = {0};
             if (which < 2) m = new_mesh(4, 1);
             if (which == 0) m.index[1] = 1, m.index[2] = 2;
-            bis_mem_fail_at(k);
-            if (which == 0) status = bis_make_subdivided(&m, 2, (bis_loc){0}, NULL);
-            else if (which == 1) status = bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL);
-            else if (which == 2) status = bis_make_height_field(&m, z, 2, 2, (bis_loc){0}, NULL);
-            else status = bis_make_revolved(&m, &shapes[0].r, (bis_loc){0}, NULL);
-            bis_mem_fail_at(0);
-            assert_true(status == BIS_OK || (status == BIS_NOMEM && !m.p && !m.index));
-            assert_true(k < 60);
+            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, (bis_loc){0}, NULL)
+                    : which == 1 ? bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL)
+                    : which == 2 ? bis_make_height_field(&m, z, 2, 2, (bis_loc){0}, NULL)
+                                 : bis_make_revolved(&m, &shapes[0].r, (bis_loc){0}, NULL));
+            assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !m.p && !m.index));
             bis_mesh_clear(&m);
         }
     }

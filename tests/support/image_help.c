@@ -4,6 +4,7 @@
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
+#include "lack.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -211,18 +212,14 @@ void try_damage(const bytes *b, const char *name, int n, uint32_t seed)
 void try_memory(const char *path, const bis_image *pixels, int least)
 {
     int n_failed = 0;
-    for (long k = 1, count = k; count >= k; k++) {
+    FOR_LACK(l) {
         bis_image image;
         bis_diag diag = {0};
-        bis_mem_fail_at(k);
-        const bis_status status = bis_image_read(&image, path, (bis_loc){0}, &diag);
-        count = bis_mem_count();
-        bis_mem_fail_at(0);
-        n_failed += status != BIS_OK;
-        if (status && status != BIS_NOMEM) fail_msg("k = %ld: %s", k, diag.n ? diag.messages[0].text : "no message");
-        assert_int_equal(status == BIS_OK, image.pixels != NULL);
-        assert_int_equal(status == BIS_OK, diag.n_errors == 0);
-        if (!status && pixels)
+        LACK(l, bis_image_read(&image, path, (bis_loc){0}, &diag));
+        n_failed += l.status != BIS_OK;
+        assert_int_equal(l.status == BIS_OK, image.pixels != NULL);
+        assert_int_equal(l.status == BIS_OK, diag.n_errors == 0);
+        if (!l.status && pixels)
             assert_memory_equal(image.pixels, pixels->pixels, (size_t)(image.width * image.height) * sizeof(rgb));
         bis_image_clear(&image);
         bis_diag_clear(&diag);

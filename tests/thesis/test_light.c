@@ -8,6 +8,7 @@
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
+#include "lack.h"
 #include "map_help.h"
 #include "stat.h"
 
@@ -412,15 +413,11 @@ static void every_allocation_may_fail(void **state)
     snprintf(path, sizeof path, "%s", scratch_map(&image));
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.filename = path;
-    bis_status status = BIS_NOMEM;
-    for (long k = 1; status; k++) {
+    FOR_LACK(l) {
         bis_light *light;
         bis_diag diag = {0};
-        bis_mem_fail_at(k);
-        status = bis_light_load(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag);
-        bis_mem_fail_at(0);
-        assert_true(status == BIS_OK ? light != NULL : (status == BIS_NOMEM && !light));
-        assert_true(k < 1000);
+        LACK(l, bis_light_load(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag));
+        assert_true(l.status == BIS_OK ? light != NULL : (l.status == BIS_NOMEM && !light));
         bis_light_free(light);
         bis_diag_clear(&diag);
     }

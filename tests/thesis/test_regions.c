@@ -6,6 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
+#include "lack.h"
 #include "map_help.h"
 
 #include <float.h>
@@ -376,14 +377,10 @@ static void the_area_factor_is_clamped_at_a_hundredth_steradian(void **state)
 static void every_allocation_may_fail(void **state)
 {
     bis_envmap em = map_random(16, 8, 4, 0.1, 1);
-    bis_status status = BIS_NOMEM;
-    for (long k = 1; status; k++) {
+    FOR_LACK(l) {
         bis_regions r;
-        bis_mem_fail_at(k);
-        status = bis_regions_init(&r, &em, 8, NULL);
-        bis_mem_fail_at(0);
-        assert_true(status == BIS_OK || (status == BIS_NOMEM && !r.label));
-        assert_true(k < 100);
+        LACK(l, bis_regions_init(&r, &em, 8, NULL));
+        assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !r.label));
         bis_regions_clear(&r);
     }
     bis_envmap_clear(&em);
