@@ -181,11 +181,11 @@ typedef struct listener {
     uint16_t *seen;
 } listener;
 
-static void listen(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
+static void listen(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, const rgbd *C, uint16_t *seen)
 {
     listener *l = (listener *)ray_sink;
     assert_ptr_equal(pt->ray_sink, ray_sink);
-    *l = (listener){l->ray_sink, l->n + 1, wi, C, seen};
+    *l = (listener){l->ray_sink, l->n + 1, wi, *C, seen};
 }
 
 static void terms_are_added_where_light_arrives_and_never_below_the_surface(void **state)
