@@ -209,9 +209,8 @@ static char *find_file(bis_parser *p, bis_loc at, const char *name)
     if (lies_at(&first, beside[0], name) || !first) return first;
     for (size_t i = 1; i < BIS_COUNT(beside); i++) {
         const bool found = lies_at(&path, beside[i], name);
-        if (found) bis_free(first);
-        if (found) return path;
-        bis_free(path);
+        bis_free(found || !path ? first : path);
+        if (found || !path) return path;
     }
     return first;
 }
@@ -231,10 +230,9 @@ static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path,
     if (name[0]) why = why_unreadable(path, &status);
     if (!why) return path;
     if (p->lists_missing && name[0] && status == BIS_INPUT) {
-        char *copy = bis_parser_is_missing(p, path) ? NULL : bis_strdup(path);
-        if (!copy) return path;
-        if (bis_names_set(&p->missing, path, 0) && bis_scene_desc_add_missing(p->desc, copy)) return path;
-        bis_parser_nomem(p, at);
+        if (bis_parser_is_missing(p, path)) return path;
+        char *copy = bis_names_set(&p->missing, path, 0) ? bis_strdup(path) : NULL;
+        if (!copy || !bis_scene_desc_add_missing(p->desc, copy)) bis_parser_nomem(p, at);
         return path;
     }
     const bool has_way_out = way_out && name[0] && is_absent(path);

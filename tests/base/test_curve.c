@@ -3,14 +3,10 @@
 #include "bis/base/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 /* Another road: the definition. Quarters of the curve are copies of it: mirrored at the diagonal, as it is, as it is,
  * mirrored at the other diagonal. */
@@ -33,7 +29,6 @@ static void by_definition(double t, int levels, double u[2])
 
 static void hilbert_follows_the_definition_to_its_last_level(void **state)
 {
-    (void)state;
     bis_rng r;
     bis_rng_init(&r, 1, 0, 0, 0);
     for (int i = 0; i < 20000; i++) {
@@ -46,7 +41,6 @@ static void hilbert_follows_the_definition_to_its_last_level(void **state)
 
 static void hilbert_runs_from_corner_to_corner_within_the_square(void **state)
 {
-    (void)state;
     double u[2];
     bis_curve_hilbert(0, u);
     assert_true(u[0] == 0 && u[1] == 0);
@@ -57,7 +51,6 @@ static void hilbert_runs_from_corner_to_corner_within_the_square(void **state)
 /* 4^k equal intervals go to the 4^k cells of a 2^k grid, each to one, and successive ones to neighbours. */
 static void hilbert_is_measure_preserving_and_connected_on_every_grid(void **state)
 {
-    (void)state;
     for (int level = 1; level <= 8; level++) {
         int side = 1 << level, x0 = 0, y0 = 0;
         unsigned char *seen = bis_alloc((size_t)side * (size_t)side, 1);
@@ -77,7 +70,6 @@ static void hilbert_is_measure_preserving_and_connected_on_every_grid(void **sta
  * curve). */
 static void neighbours_on_the_curve_are_neighbours_in_the_plane(void **state)
 {
-    (void)state;
     bis_rng r;
     bis_rng_init(&r, 2, 0, 0, 0);
     for (int i = 0; i < 100000; i++) {
@@ -115,7 +107,6 @@ static int diagonal_steps(uint32_t width, uint32_t height)
  * a chessboard's colours forbid it without one diagonal step. */
 static void a_rectangle_is_walked_cell_by_cell(void **state)
 {
-    (void)state;
     for (uint32_t width = 1; width <= 40; width++)
         for (uint32_t height = 1; height <= 40; height++) {
             uint32_t longer = width > height ? width : height, shorter = width > height ? height : width;
@@ -131,7 +122,6 @@ static void a_rectangle_is_walked_cell_by_cell(void **state)
 /* Cells 64 apart on the curve of a 200 x 120 rectangle are at most a few 8s apart; along rows they would be 64. */
 static void a_rectangles_curve_is_compact(void **state)
 {
-    (void)state;
     const uint32_t width = 200, height = 120;
     uint32_t *order = bis_alloc((size_t)width * height, sizeof *order);
     double sum = 0, n = 0;
@@ -148,7 +138,6 @@ static void a_rectangles_curve_is_compact(void **state)
 
 static void an_empty_rectangle_is_left_alone(void **state)
 {
-    (void)state;
     uint32_t canary = 12345;
     bis_curve_rectangle(&canary, 0, 7);
     bis_curve_rectangle(&canary, 7, 0);

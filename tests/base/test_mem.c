@@ -1,19 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* mem: aligned, zeroed, checked for overflow, and told when to fail. */
 #include "bis/base/mem.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 static void every_block_is_aligned_and_zero_to_its_last_byte(void **state)
 {
-    (void)state;
     const size_t sizes[] = {1, 15, 16, 63, 64, 65, 4095, 4097, 131071, 131072, 131073, 1000003};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         for (int repeat = 0; repeat < 3; repeat++) { /* also when the heap hands out used memory */
@@ -29,7 +24,6 @@ static void every_block_is_aligned_and_zero_to_its_last_byte(void **state)
 
 static void nothing_can_be_asked_for(void **state)
 {
-    (void)state;
     void *p = bis_alloc(0, 8), *q = bis_alloc(8, 0);
     assert_non_null(p);
     assert_non_null(q);
@@ -41,7 +35,6 @@ static void nothing_can_be_asked_for(void **state)
 
 static void a_size_that_overflows_is_refused(void **state)
 {
-    (void)state;
     assert_null(bis_alloc(SIZE_MAX, 2));
     assert_null(bis_alloc(SIZE_MAX / 2 + 1, SIZE_MAX / 2 + 1));
     assert_null(bis_alloc(SIZE_MAX, 1));
@@ -55,7 +48,6 @@ static void a_size_that_overflows_is_refused(void **state)
 
 static void realloc_keeps_contents_and_alignment(void **state)
 {
-    (void)state;
     unsigned *p = NULL;
     for (size_t n = 1; n < 3000000; n = n * 3 + 1) {
         size_t old = (n - 1) / 3;
@@ -85,7 +77,6 @@ static long resident_pages(void)
 
 static void a_gigabyte_of_zeros_is_not_touched(void **state)
 {
-    (void)state;
     long before = resident_pages();
     if (before < 0) skip();
     char *p = bis_alloc((size_t)1 << 30, 1);
@@ -98,7 +89,6 @@ static void a_gigabyte_of_zeros_is_not_touched(void **state)
 
 static void strings_are_copied_with_their_end(void **state)
 {
-    (void)state;
     char *a = bis_strdup("bis"), *b = bis_strndup("candidates", 4), *c = bis_strndup("ab", 10), *d = bis_strdup("");
     assert_string_equal(a, "bis");
     assert_string_equal(b, "cand");
@@ -112,7 +102,6 @@ static void strings_are_copied_with_their_end(void **state)
 
 static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
 {
-    (void)state;
     for (long k = 1; k <= 4; k++) {
         bis_mem_fail_at(k);
         void *p[4] = {bis_alloc(1, 1), bis_realloc(NULL, 1, 1), bis_strdup("x"), bis_strndup("x", 1)};
@@ -140,7 +129,6 @@ static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
 
 static void blocks_that_live_are_counted(void **state)
 {
-    (void)state;
     const long before = bis_mem_live();
     void *small = bis_alloc(3, 5), *large = bis_alloc(1 << 20, 1), *empty = bis_alloc(0, 8);
     char *copy = bis_strdup("copy");

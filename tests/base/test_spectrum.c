@@ -2,13 +2,7 @@
 /* spectrum: every entry of its tables against the published ones (CIE 018:2019, the observer in its seven digits; CIE
  * standard illuminant D65), through a matrix worked out from the chromaticities of IEC 61966-2-1. */
 #include "bis/base/spectrum.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <math.h>
 
@@ -58,7 +52,6 @@ static void assert_xyz(const double found[3], const double expected[3], double r
 
 static void xyz_becomes_rgb_by_the_primaries(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; k++) {
         double one[3] = {0}, back[3];
         one[k] = 1;
@@ -71,7 +64,6 @@ static void xyz_becomes_rgb_by_the_primaries(void **state)
  * the seventh digit of the observer, at most 1e-8, and the rows' largest numbers are above 4e-5. */
 static void each_wavelength_has_the_published_weight(void **state)
 {
-    (void)state;
     double white[3] = {0};
     for (int i = 0; i < N; i++)
         for (int k = 0; k < 3; k++) white[k] += observer[i][k] * d65[i];
@@ -89,7 +81,6 @@ static void each_wavelength_has_the_published_weight(void **state)
 /* Planck's law in SI units, 2 h c^2 / (l^5 (exp(h c / (l k T)) - 1)), summed with the published observer. */
 static void a_black_body_has_plancks_colour(void **state)
 {
-    (void)state;
     const double h = 6.62607015e-34, c = 299792458, k_B = 1.380649e-23,
                  kelvins[] = {1000, 1500, 2856, 6504, 20000, 1e6};
     for (size_t j = 0; j < sizeof kelvins / sizeof *kelvins; j++) {
@@ -111,7 +102,6 @@ static void a_black_body_has_plancks_colour(void **state)
 /* Five pairs at uneven places: every interval, both ends, every pair itself, and one pair alone. */
 static void a_spectrum_is_linear_in_every_interval(void **state)
 {
-    (void)state;
     static const double pairs[5][2] = {{400, 1}, {410, 3}, {450, 7}, {451, 5}, {700, 0}};
     static const struct { double nm, value; } cases[] = {
         {0, 1}, {399, 1}, {400, 1}, {405, 2}, {407.5, 2.5}, {410, 3}, {420, 4}, {440, 6}, {450, 7}, {450.5, 6},
@@ -133,7 +123,6 @@ static rgbd head_on(const bis_spectrum *eta, const bis_spectrum *k)
  * metal each: a sum of two rows. */
 static void a_conductor_reflects_fresnels_share_at_each_wavelength(void **state)
 {
-    (void)state;
     const double two[1][2] = {{500, 2}}, three[1][2] = {{500, 3}}, one[1][2] = {{500, 1}}, none[1][2] = {{500, 0}};
     const rgbd grey = head_on(&(bis_spectrum){two, 1}, &(bis_spectrum){three, 1});
     assert_true(

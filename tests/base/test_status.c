@@ -2,17 +2,12 @@
 /* status: messages name their place; they survive the words they were made of; a lost one is still counted. */
 #include "bis/base/mem.h"
 #include "bis/base/status.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void a_message_names_as_much_of_its_place_as_is_known(void **state)
 {
-    (void)state;
     bis_diag d = {0};
     assert_int_equal(bis_error(&d, BIS_INPUT, (bis_loc){"s.txt", 7, 12}, "\"%s\" is %d", "exponent", -3), BIS_INPUT);
     bis_warn(&d, (bis_loc){"s.txt", 7, 0}, "w");
@@ -35,14 +30,12 @@ static void a_message_names_as_much_of_its_place_as_is_known(void **state)
 
 static void nobody_needs_to_listen(void **state)
 {
-    (void)state;
     assert_int_equal(bis_error(NULL, BIS_IO, (bis_loc){0}, "x"), BIS_IO);
     bis_warn(NULL, (bis_loc){0}, "x");
 }
 
 static void a_thousand_long_messages_are_kept_in_order(void **state)
 {
-    (void)state;
     char word[5000];
     bis_diag d = {0};
     memset(word, 'x', sizeof word);
@@ -59,7 +52,6 @@ static void a_thousand_long_messages_are_kept_in_order(void **state)
 
 static void a_message_without_memory_is_counted_as_lost(void **state)
 {
-    (void)state;
     for (long k = 1; k <= 2; k++) { /* the list, the text */
         bis_diag d = {0};
         bis_mem_fail_at(k);
@@ -76,7 +68,6 @@ static void a_message_without_memory_is_counted_as_lost(void **state)
 
 static void the_nearest_name_is_found_up_to_a_third_of_the_word(void **state)
 {
-    (void)state;
     const char *const names[] = {"Shape", "Sampler", "candidates", "shadowrays", "N", ""};
     const size_t n = sizeof names / sizeof *names;
     assert_string_equal(bis_nearest_name("candidtes", names, n), "candidates");   /* removed */
@@ -95,7 +86,6 @@ static void the_nearest_name_is_found_up_to_a_third_of_the_word(void **state)
 
 static void of_two_names_the_nearer_is_meant_and_of_equals_the_first(void **state)
 {
-    (void)state;
     const char *const names[] = {"xsamplers", "xsamples", "ysamples"};
     assert_string_equal(bis_nearest_name("xsample", names, 3), "xsamples");
     assert_string_equal(bis_nearest_name("zsamples", names, 3), "xsamples");
@@ -104,7 +94,6 @@ static void of_two_names_the_nearer_is_meant_and_of_equals_the_first(void **stat
 /* A third of 12 letters are 4 mistakes, of 6 are 2, of 5 is 1; a name of 63 letters is compared, one of 64 is not. */
 static void mistakes_are_counted_against_the_length_of_the_word(void **state)
 {
-    (void)state;
     static const struct { const char *word, *name; bool near;
     } cases[] = {
         {"abcdefghijkl", "abcdefghwxyz", true},

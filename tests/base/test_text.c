@@ -2,21 +2,15 @@
 /* text: durations at every border of a unit, all of UTF-8 by counting, the published values of the hash, and what does
  * not fit. */
 #include "base/text.h"
+#include "claim.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Each unit ends where its rounded text would need one digit more than the next unit. */
 static void a_duration_has_the_unit_that_keeps_it_short(void **state)
 {
-    (void)state;
     static const struct { double seconds; const char *text; } cases[] = {
         {0, "0 s"}, {1e-6, "0.001 ms"}, {0.00042, "0.42 ms"}, {0.042, "42 ms"}, {0.0994, "99 ms"}, {0.09949, "99 ms"},
         {0.09951, "0.1 s"}, {0.5, "0.5 s"}, {3.14, "3.1 s"}, {9.94, "9.9 s"}, {9.949, "9.9 s"}, {9.951, "10 s"},
@@ -34,7 +28,6 @@ static void a_duration_has_the_unit_that_keeps_it_short(void **state)
 /* No figure has an exponent, because the reader is a person. */
 static void a_percentage_is_written_as_a_person_writes_it(void **state)
 {
-    (void)state;
     static const struct { double share; const char *text; } cases[] = {
         {0, "0%"}, {1e-9, "below 0.0001%"}, {9.9e-7, "below 0.0001%"}, {1.01e-6, "0.0001%"}, {0.00034, "0.034%"},
         {0.0123, "1.2%"},
@@ -58,7 +51,6 @@ static size_t length_of(const unsigned char *c, size_t n)
  * are code points. */
 static void utf8_is_what_rfc_3629_says(void **state)
 {
-    (void)state;
     for (uint32_t c = 0; c <= 0x10ffff; c++) {
         unsigned char b[4];
         const size_t n = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
@@ -95,13 +87,11 @@ static void utf8_is_what_rfc_3629_says(void **state)
 
 static void a_byte_continues_if_its_two_bits_say_so(void **state)
 {
-    (void)state;
     for (int c = 0; c < 256; c++) assert_true(bis_utf8_continues((char)c) == (c >= 128 && c < 192));
 }
 
 static void what_is_appended_stays_in_its_place(void **state)
 {
-    (void)state;
     char room[12] = {0};
     room[9] = 'x'; /* behind the 9 bytes that are ours */
     bis_append(room, 9, "%s", "ab");
@@ -117,7 +107,6 @@ static void what_is_appended_stays_in_its_place(void **state)
 
 static void a_hint_is_short_or_empty(void **state)
 {
-    (void)state;
     char hint[BIS_HINT], name[201] = "", expected[BIS_HINT];
     assert_ptr_equal(bis_hint(hint, "sir"), hint);
     assert_string_equal(hint, " (did you mean \"sir\"?)");
@@ -132,7 +121,6 @@ static void a_hint_is_short_or_empty(void **state)
 /* The test vectors of the authors' page, 64 bit FNV-1a; in parts, too. */
 static void the_hash_has_its_published_values(void **state)
 {
-    (void)state;
     assert_true(bis_fnv1a(BIS_FNV1A, "", 0) == UINT64_C(0xcbf29ce484222325));
     assert_true(bis_fnv1a(BIS_FNV1A, "a", 1) == UINT64_C(0xaf63dc4c8601ec8c));
     assert_true(bis_fnv1a(BIS_FNV1A, "foobar", 6) == UINT64_C(0x85944171f73967e8));

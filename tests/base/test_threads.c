@@ -4,13 +4,7 @@
 #include "bis/base/threads.h"
 
 #include "bis/base/mem.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <time.h>
 
@@ -45,7 +39,6 @@ static bool is_alone(void)
 
 static void as_many_as_are_asked_for(void **state)
 {
-    (void)state;
     const int counts[] = {0, 1, 2, 60};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         assert_int_equal(bis_threads_check(counts[i], at, NULL), BIS_OK);
@@ -55,7 +48,6 @@ static void as_many_as_are_asked_for(void **state)
 
 static void no_memory_is_an_error(void **state)
 {
-    (void)state;
     bis_diag diag = {0};
     bis_mem_fail_at(1);
     assert_int_equal(bis_threads_check(3, at, &diag), BIS_NOMEM);
@@ -91,7 +83,6 @@ static int in_little_room(void)
 
 static void too_many_are_an_error_and_the_program_goes_on(void **state)
 {
-    (void)state;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     print_message("a sanitizer needs more address space than this test leaves\n");
     skip();

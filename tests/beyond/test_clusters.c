@@ -4,6 +4,7 @@
 #include "beyond/guide.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
 #include "thesis/proposal.h"
@@ -12,13 +13,6 @@
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
 #include "bis/scene/light_load.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
@@ -32,7 +26,6 @@ static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH};
 
 static void clusters_share_the_curve_and_none_is_empty(void **state)
 {
-    (void)state;
     for (int i = 0; i < 2; i++) {
         bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
         const bis_importance *im = bis_light_importance(light);
@@ -67,7 +60,6 @@ static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **
     vec3 first = {0, 0, 0};
     double diagonal = 0, n = 0;
 
-    (void)state;
     assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
     for (uint32_t pass = 0; pass < 4; pass++) {
         bis_clusters_fill(&c, light, SEED, pass, 1);
@@ -101,7 +93,6 @@ static void no_cluster_is_larger_than_its_share_of_the_sphere(void **state)
     bis_light *light;
     bis_clusters c;
 
-    (void)state;
     assert_int_equal(bis_image_init(&image, 128, 64, NULL), BIS_OK);
     for (int i = 0; i < 128 * 64; i++) image.pixels[i] = i % 128 < 64 ? grey(100) : grey(1);
     assert_int_equal(bis_envmap_from_latlong(&map, &image, NULL), BIS_OK);
@@ -124,7 +115,6 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
     bis_clusters c;
     int elsewhere = 0;
 
-    (void)state;
     assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
     bis_clusters_fill(&c, light, SEED, 3, 2);
     for (uint32_t k = 0; k < c.n; k++) {
@@ -160,7 +150,6 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
     bis_clusters c;
     bis_product p;
 
-    (void)state;
     assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
     new_product(&p);
     bis_clusters_fill(&c, light, SEED, 0, 1);
@@ -274,7 +263,6 @@ static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
     static const uint32_t Ms[] = {7, 40, 64, 250};
     static const double exponents[] = {1, 5000, 10, 300, 50, 100000, 3, 1000};
 
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     for (int i = 0; i < 4; i++) {
         const bis_settings s = product(Ms[i], 5, false);
@@ -305,7 +293,6 @@ static void candidates_have_the_density_that_they_say(void **state)
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     const bis_settings s = product(M, 4, true);
 
-    (void)state;
     for (int e = 0; e < 3; e++) {
         workspace w;
         lit l;
@@ -360,7 +347,6 @@ static void product_is_unbiased_with_and_without_learned_visibility(void **state
         bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
         bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50),
         bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 1000)}; /* which gets candidates from the BRDF, too */
-    (void)state;
     for (int i = 0; i < 4 * 4 * 2; i++) {
         bis_light *light = lit_new_light(maps[(i / 4 + i / 16) % 2], 1, 0.15, false);
         const bool learned = i / 16;
@@ -381,7 +367,6 @@ static void product_is_unbiased_for_every_M_from_1_to_17(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
-    (void)state;
     for (uint32_t M = 1; M <= 17; M++) {
         const bis_settings s = product(M, 1 + M % 3, true);
         stat_moments m[4];
@@ -445,7 +430,6 @@ static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
     stat_moments m[4];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
     const double truth = rgbd_sum(lit_truth(&l, true));
     const bis_settings s = product(64, 3, false);
@@ -473,7 +457,6 @@ static bool draw_lamps(bis_guide *g, bis_set *x, uint32_t n, const bis_point *pt
     float *sine = bis_alloc(bis_lanes_round_up(small.n), sizeof *sine); /* zeros */
     double marks[1][2], phase[1][2];
 
-    (void)g;
     small.cone.sine = sine;
     const bool drawn = bis_product_weigh(p, &of_lamps->c, &pt->bsdf);
     if (drawn && of_lamps->guide.visibility) assert_true(bis_product_guess(p, &of_lamps->c, &of_lamps->guide.guess));
@@ -516,7 +499,6 @@ static void few_candidates_of_a_lamp_leave_the_mean_where_it_is(void **state)
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     const bis_settings s = product(256, 3, true);
 
-    (void)state;
     for (int e = 0; e < 3; e++) {
         stat_moments m[4];
         lit l;
@@ -544,7 +526,6 @@ static void a_lamp_has_four_candidates_at_most(void **state)
     const bis_lanes all = bis_lanes_in(memory, M), x = bis_lanes_in(memory + BIS_LANES_ARRAYS * M, M);
     uint16_t part[2][M];
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), 50), tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_clusters_init(&c, light, M, NULL), BIS_OK);
     bis_clusters_fill(&c, light, SEED, 0, 1);
@@ -628,7 +609,6 @@ static void guess_follows_what_was_seen_before(void **state)
     bis_visibility v;
     bis_visibility_guess f;
 
-    (void)state;
     assert_int_equal(bis_visibility_init(&v, 2, 0, 1 << 23, NULL), BIS_OK);
     assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
     assert_int_equal(v.cells, 16);
@@ -679,7 +659,6 @@ static void a_tile_expects_what_its_square_has_seen(void **state)
     bis_visibility v;
     bis_visibility_guess f;
 
-    (void)state;
     assert_int_equal(bis_visibility_init(&v, 1, 2, 1, NULL), BIS_OK);
     assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
     v.above[0] = 0; /* the tile in square 0, that in square 1 */
@@ -729,7 +708,6 @@ static void each_knowledge_has_its_share_of_the_candidates(void **state)
     enum { N = 150 };
     bis_visibility_guess f;
 
-    (void)state;
     assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
     for (int with = 0; with < 2; with++) {
         float b[160] = {0}, bound[160];
@@ -772,7 +750,6 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
     bis_visibility v;
     bis_visibility_guess f;
 
-    (void)state;
     assert_int_equal(bis_visibility_init(&v, 1, 0, (1 << 23) + 1, NULL), BIS_OK);
     assert_int_equal(bis_guess_init(&f, 128, NULL), BIS_OK);
     assert_int_equal(v.cells, 1);
@@ -802,7 +779,6 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
     rgb L[2][2];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 20), tilted(), 40, LIT_OPEN);
     for (int known = 0; known < 2; known++) {
         for (int i = 0; i < 2; i++) {
@@ -835,7 +811,6 @@ static void more_rays_are_cast_where_little_light_is_expected(void **state)
     workspace w;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 20), tilted(), 40, LIT_OPEN);
     open_workspace(&w, light, &s, true);
     bis_clusters_fill(&w.c, light, SEED, 0, 1);
@@ -869,7 +844,6 @@ static void rays_are_counted_and_V_1_of_a_layer_is_not_learned_from(void **state
     workspace w;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 20), tilted(), 40, LIT_HALF);
     open_workspace(&w, light, &s, true);
     bis_clusters_fill(&w.c, light, SEED, 0, 1);
@@ -896,7 +870,6 @@ static void without_a_cluster_in_reach_the_estimate_is_black(void **state)
     workspace w;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 20), tilted(), 40, LIT_OPEN);
     open_workspace(&w, light, &s, false);
     bis_clusters_fill(&w.c, light, SEED, 0, 1);
@@ -913,7 +886,6 @@ static void without_memory_nothing_is_held(void **state)
     bis_clusters whole;
     bis_visibility seen;
 
-    (void)state;
     assert_int_equal(bis_clusters_init(&whole, light, 256, NULL), BIS_OK);
     assert_int_equal(bis_visibility_init(&seen, 3, 0, 1, NULL), BIS_OK);
     for (long k = 1; k < 40; k++) {
@@ -942,7 +914,6 @@ static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void *
 {
     enum { D = BIS_CLUSTER_DIRECTIONS, M = 800 };
     static const uint32_t counts[] = {8, 100, M};
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_clusters c;
     bis_product p;

@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* coat: closed forms for a smooth one, and quadrature over all facets, seen or not, that shares no code with it. */
 #include "bis/beyond/coat.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <math.h>
 
@@ -26,7 +20,6 @@ static void a_smooth_coat_is_that_of_closed_forms(void **state)
     static const double eta[] = {1.1, 1.33, 1.5, 2.5, 10};
     double in, back;
 
-    (void)state;
     bis_coat_shares(&in, &back, 1e-4, 1.5, 0);
     assert_about(in, 1 - 0.0918, 1e-4);
     assert_about(back, 0.5963, 1e-4);
@@ -81,7 +74,6 @@ static void a_rough_coat_is_that_of_quadrature(void **state)
     static const double cases[][3] = {{0.05, 1.5, 0},   {0.2, 1.5, 0.01}, {0.5, 1.5, 0.02}, {0.8, 1.33, 0},
                                       {0.3, 2.5, 0.25}, {1, 1.2, 0.1},    {0.6, 4, 0}};
 
-    (void)state;
     for (int i = 0; i < 7; i++) {
         double in, back, a, b;
         bis_coat_shares(&in, &back, cases[i][0], cases[i][1], cases[i][2]);

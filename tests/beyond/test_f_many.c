@@ -10,15 +10,11 @@
 #include "bis/thesis/warp.h"
 #include "thesis/curve_many.h"
 
+#include "claim.h"
 #include "clones.h"
 #include "lit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 1729, N = 2048 };
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
@@ -210,7 +206,6 @@ static void f_and_density_are_those_of_single_directions_within_the_stated_error
     double most[2] = {0, 0};
     uint32_t n = 0;
 
-    (void)state;
     for (int k = 0; k < MATERIALS * COUNT(degrees); k++) {
         const bis_material m = material(k % MATERIALS);
         bis_bsdf b;
@@ -233,7 +228,6 @@ static void reflectances_of_1e_38_and_of_1e33_lose_nothing(void **state)
     const lanes l = new_lanes();
     uint32_t n = 0;
 
-    (void)state;
     for (int k = 0; k < PHONGS * 2; k++) {
         const bis_material m = material(k % PHONGS);
         bis_material scaled = m;
@@ -258,7 +252,6 @@ static void an_exponent_an_alpha_or_a_direction_that_is_off_is_found(void **stat
     uint32_t n = 0;
     bis_bsdf b, other;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         bis_material off = k ? smooth : narrow;
         off.exponent *= 1.00001;
@@ -287,7 +280,6 @@ static void nothing_is_ever_nan(void **state)
     static const float heights[] = {1, 0x1p-23f, 0x1p-25f};
     const lanes l = new_lanes();
 
-    (void)state;
     for (int k = 0; k < MATERIALS * COUNT(heights); k++) {
         const bis_material m = material(k % MATERIALS);
         const float h = heights[k / MATERIALS];
@@ -364,7 +356,6 @@ static void draws_are_those_of_single_directions(void **state)
     const lanes l = new_lanes();
     double most[2] = {0, 0};
 
-    (void)state;
     bis_curve_points(l.u1, l.u2, N, SEED);
     for (int i = 0; i < 64; i++) l.u1[i] = ends[i / 8], l.u2[i] = ends[i % 8];
     for (int k = 0; k < MATERIALS * (COUNT(degrees) - 1); k++) {
@@ -398,7 +389,6 @@ static void draws_are_not_shifted_by_the_rounding_of_the_mirror_direction(void *
     const bis_material m = bis_microfacet(grey(0), grey(1), BIS_MICROFACET_MIN_ROUGHNESS);
     const lanes l = new_lanes();
 
-    (void)state;
     bis_curve_points(l.u1, l.u2, N, SEED);
     for (int k = 0; k < 4; k++) {
         double sum[3] = {0};
@@ -477,7 +467,6 @@ static void no_direction_of_a_cone_reflects_more_than_its_bound(void **state)
     uint32_t n_below = 0;
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 99, 0, 0);
     for (int k = 0; k < MATERIALS * 2; k++) {
         const bis_material m = material(k % MATERIALS);
@@ -514,7 +503,6 @@ static void a_cone_of_one_direction_is_bounded_by_its_f_cos(void **state)
     const lanes l = new_lanes();
     int n_judged = 0;
 
-    (void)state;
     for (int k = 0; k < MATERIALS; k++) {
         const bis_material m = material(k);
         bis_bsdf b;
@@ -556,7 +544,6 @@ static void all_processors_give_the_same_bits(void **state)
 {
     const lanes a = new_lanes(), b = new_lanes();
 
-    (void)state;
     bis_curve_points(a.u1, a.u2, N, SEED);
     for (int k = 0; k < 2 * MATERIALS; k++) {
         const bool avx2 = k / MATERIALS && clone_has_avx2();
@@ -590,7 +577,6 @@ static void a_model_without_them_is_asked_one_by_one(void **state)
     bis_bsdf b;
     bis_rng r;
 
-    (void)state;
     seen_from(&b, &m, 40);
     bis_rng_init(&r, SEED, 96, 0, 0);
     fill(&l.y, &b, 5);

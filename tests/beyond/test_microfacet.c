@@ -9,13 +9,8 @@
 #include "bis/thesis/warp.h"
 #include "tools/verify/verify.h"
 
+#include "claim.h"
 #include "facets.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 
@@ -90,7 +85,6 @@ static void f_and_density_are_those_of_the_papers(void **state)
     static const double degrees[] = {0, 30, 60, 85, 89.9, 89.999};
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 1, 0, 0);
     for (int i = 0; i < 42 * 500; i++) {
         const bis_material m = bis_microfacet((rgb){0.1f, 0.8f, 0}, (rgb){0.6f, 0.04f, 0}, roughnesses[i % 7]);
@@ -155,7 +149,6 @@ static void assert_follows(bis_material (*material_of)(int which, double roughne
 /* Seen along the normal, F is Ks. */
 static void metals_follow_fresnels_equations(void **state)
 {
-    (void)state;
     assert_follows(metal_of, 8, 1e-9, 1e-6);
     /* alpha = 1, wi = wo = n: D = 1/pi, G2 = 1, f = Ks/(4 pi) */
     const bis_material copper = metal_of(0, 1);
@@ -177,7 +170,6 @@ static bis_material plastic_of(int which, double roughness)
  * at 60 degrees on opposite sides D = 1/pi, G2 = 1/2, F = Ks/0.04 0.08919. Under it lies Lambert's base, whole. */
 static void plastic_is_fresnels_glass_over_lambert(void **state)
 {
-    (void)state;
     assert_follows(plastic_of, 10, 1e-6, 2e-6); /* eta is a float */
     const bis_material m = bis_plastic(grey(0.5), grey(0.02), 1.5, 1);
     const vec3 aside = normalize(vec3_from(sqrt(3), 0, 1)), opposite = normalize(vec3_from(-sqrt(3), 0, 1));
@@ -201,7 +193,6 @@ static void f_is_reciprocal(void **state)
 {
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 2, 0, 0);
     for (int i = 0; i < 7000; i++) {
         const bis_material m = i % 2 ? bis_microfacet((rgb){0.3f, 0.6f, 0}, (rgb){0.6f, 0.04f, 1}, roughnesses[i % 7])
@@ -225,7 +216,6 @@ static void f_and_density_at_once_have_the_same_bits(void **state)
 {
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 3, 0, 0);
     for (int i = 0; i < 7000; i++) {
         const bis_material m = bis_microfacet(grey(0.5), grey(i % 3 * 0.5), roughnesses[i % 7]);
@@ -294,7 +284,6 @@ static void facets_are_drawn_as_they_are_seen(void **state)
 {
     static const double degrees[] = {0, 45, 80, 88};
 
-    (void)state;
     for (int i = 0; i < COUNT(roughnesses) * COUNT(degrees); i++)
         check_facets(roughnesses[i % 7], degrees[i / 7], RIGHT);
     check_facets(0.1, 45, SMOOTHER); /* alpha off by 4 % */
@@ -327,7 +316,6 @@ static void mixture_is_drawn_with_its_density_also_below_the_horizon(void **stat
 {
     static const double rough[] = {0.5, 0.8, 1};
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         const bis_material metal = bis_microfacet(grey(0), (rgb){0.9f, 0.6f, 0.3f}, rough[i]),
                            dull = bis_microfacet(grey(1), grey(0), rough[i]);
@@ -401,7 +389,6 @@ static void density_integrates_to_1_over_the_sphere(void **state)
 {
     static const double degrees[] = {0, 30, 60, 85, 89.9};
 
-    (void)state;
     for (int i = 0; i < COUNT(roughnesses) * COUNT(degrees); i++) {
         const bis_material m = bis_microfacet(grey(0.3), grey(0.5), roughnesses[i % 7]);
         bis_bsdf b;
@@ -445,7 +432,6 @@ static void white_facets_of_alpha_1_keep_1_minus_c_log_1_plus_1_over_c(void **st
     static const double degrees[] = {0, 30, 60, 80, 89};
     const bis_material m = bis_microfacet(grey(0), grey(1), 1);
 
-    (void)state;
     for (int i = 0; i < COUNT(degrees); i++) {
         const double c = cos(degrees[i] * PI / 180), closed = 1 - c * log1p(1 / c);
         assert_near(albedo(&m, degrees[i]), closed, 5e-4); /* the horizon's kink */
@@ -461,7 +447,6 @@ static void white_facets_lose_next_to_nothing_where_smooth_and_two_thirds_where_
                                       {0.7, 0.6976, 0.7647},
                                       {1, 0.3068, 0.5906}};
 
-    (void)state;
     for (int i = 0; i < COUNT(table); i++) {
         const bis_material m = bis_microfacet(grey(0), grey(1), table[i][0]);
         assert_near(albedo(&m, 0), table[i][1], 2e-4);
@@ -473,7 +458,6 @@ static void no_reflectances_reflect_more_than_is_received(void **state)
 {
     static const double degrees[] = {0, 45, 75, 85, 89.5}, Ks[] = {0, 0.04, 0.3, 0.7, 1};
 
-    (void)state;
     for (int i = 0; i < COUNT(roughnesses) * COUNT(degrees) * COUNT(Ks); i++) {
         const bis_material m = bis_microfacet(grey(1), grey(Ks[i % 5]), roughnesses[i / 25]);
         const double A = albedo(&m, degrees[i / 5 % 5]);
@@ -518,7 +502,6 @@ static void furnace_agrees_with_quadrature_to_grazing(void **state)
 {
     static const double degrees[] = {0, 45, 70, 85, 89.5};
 
-    (void)state;
     for (int i = 0; i < COUNT(degrees); i++) {
         const bis_material white = bis_microfacet(grey(0), grey(1), 0.6),
                            metal = bis_microfacet(grey(0), (rgb){0, 0.5f, 1}, 0.9);
@@ -556,7 +539,6 @@ static void bounds_hold_and_are_nearly_reached_E27(void **state)
     static const double degrees[] = {0, 50, 85, 89.9};
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 7, 0, 0);
     for (int i = 0; i < COUNT(roughnesses) * COUNT(degrees) * 3; i++) {
         const bool metal = i % 3 == 0;
@@ -582,7 +564,6 @@ static void bounds_of_metals_hold_and_are_nearly_reached(void **state)
     static const double degrees[] = {0, 50, 85, 89.9};
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 9, 0, 0);
     for (int i = 0; i < COUNT(roughnesses) * COUNT(degrees) * 3; i++) {
         const bis_material m = metal_of(i % 3, roughnesses[i / 12]);
@@ -602,7 +583,6 @@ static void bounds_of_plastic_hold_and_are_nearly_reached(void **state)
     static const double degrees[] = {0, 50, 85, 89.9};
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 11, 0, 0);
     for (int i = 0; i < COUNT(roughnesses) * COUNT(degrees) * 3; i++) {
         const bis_material m = plastic_of(i % 3, roughnesses[i / 12]);
@@ -630,7 +610,6 @@ static void bounds_of_a_base_alone_are_reached_at_the_normal(void **state)
     bis_bsdf b;
     double pdf;
 
-    (void)state;
     seen_from(&b, &m, 0);
     const double f = rgb_max(bis_bsdf_f_pdf(&b, b.wo, &pdf));
     assert_true(f > 0.99 * bis_bsdf_max_f_cos(&b));
@@ -648,7 +627,6 @@ static void black_material_and_hidden_surface_draw_nothing(void **state)
     bis_bsdf b;
     vec3 wi;
 
-    (void)state;
     seen_from(&b, &black, 30);
     assert_true(bis_bsdf_is_black(&b));
     assert_false(bis_bsdf_sample(&b, 0.5, 0.5, 0.5, &wi));
@@ -668,7 +646,6 @@ static void no_lobe_that_reflects_has_probability_0(void **state)
     bis_material m = bis_microfacet(grey(1e-19), grey(0.9), 0.5);
     bis_bsdf b;
 
-    (void)state;
     seen_from(&b, &m, 30);
     assert_true(b.p_specular < 1 && isfinite(bis_bsdf_max_ratio(&b)));
     m = bis_microfacet(grey(0.5), grey(0), 0.5);
@@ -683,7 +660,6 @@ static void what_reflects_below_1e_20_is_black(void **state)
 {
     const bis_material m = bis_microfacet((rgb){1e-45f, 0.5f, 0.5f}, (rgb){1e-30f, 1, 1e-19f}, 0.5);
 
-    (void)state;
     assert_true(m.Ks.r == 0 && m.Ks.g == 1 && m.Ks.b == 1e-19f);
     assert_true(m.Kd.r == 0 && m.Kd.g == 0 && m.Kd.b == 0.5f); /* under Ks = 1 no light reaches the base */
 }
@@ -697,7 +673,6 @@ static void all_stays_finite_and_below_its_bounds_for_any_material_view_and_numb
     const vec3 normals[] = {
         {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, normalize((vec3){1, -2, 0.5f}), normalize((vec3){-1e-4f, 1e-4f, -1})};
 
-    (void)state;
     for (int i = 0; i < COUNT(reflectances) * COUNT(degrees) * COUNT(normals) * COUNT(roughnesses); i++) {
         const double *k = reflectances[i % 9], angle = degrees[i / 9 % 6];
         const bis_material m = bis_microfacet(grey(k[0]), grey(k[1]), roughnesses[i / 9 / 6 / 5]);
@@ -725,7 +700,6 @@ static void nearer_to_the_horizon_than_floats_can_tell_nothing_is_reflected(void
     const vec3 n = {0, 0, 1};
     bis_bsdf b;
 
-    (void)state;
     bis_bsdf_init(&b, &m, n, (vec3){1, 0, 1e-38f});
     assert_true(rgb_is_black(bis_bsdf_f(&b, (vec3){-1, 0, 1e-38f})));
     assert_true(isfinite(bis_bsdf_pdf(&b, (vec3){-1, 0, 1e-38f})) &&
@@ -743,7 +717,6 @@ static void smoothest_mirror_keeps_its_albedo_up_to_89_99999_degrees(void **stat
     const bis_material m = bis_microfacet(grey(0), grey(1), 0.01);
     bis_rng r;
 
-    (void)state;
     assert_near(facets_albedo_of_white(1, 60), 1 - 0.5 * log(3), 1e-4);
     bis_rng_init(&r, SEED, 8, 0, 0);
     for (int d = 0; d < COUNT(degrees); d++) {
@@ -780,7 +753,6 @@ static void scenes_name_it(void **state)
         parse("Material \"microfacet\" \"rgb Kd\" [0.1 0.2 0.3] \"float Ks\" 0.25 \"float roughness\" 0.2", &diag);
     const bis_material *m = &d->materials[d->shapes[0].material];
 
-    (void)state;
     assert_ptr_equal(m->model, &bis_microfacet_model);
     assert_true(m->Kd.b == 0.3f && m->Ks.r == 0.25f && fabs(m->alpha - 0.04) < 1e-15);
     bis_scene_desc_free(d);
@@ -816,7 +788,6 @@ static size_t verified_failures(const bis_material *m, double degrees)
 
 static void verify_accepts_it_and_rejects_the_density_of_hidden_facets(void **state)
 {
-    (void)state;
     for (int i = 0; i < COUNT(roughnesses); i++) {
         const bis_material metal = bis_microfacet(grey(0), (rgb){0.9f, 0.6f, 0.3f}, roughnesses[i]);
         const bis_material plastic = bis_microfacet((rgb){0.3f, 0.2f, 0.1f}, grey(0.04), roughnesses[i]);

@@ -3,16 +3,11 @@
 #include "bis/base/mem.h"
 #include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 8154, RUNS = 400, PER_POOL = 25 };
 
@@ -39,7 +34,6 @@ static void directions_of_a_set_have_the_density_of_the_light(void **state)
     double observed[BINS] = {0}, expected[BINS] = {0}, total = 0;
     bis_pool pool;
 
-    (void)state;
     assert_int_equal(bis_pool_init(&pool, M, NULL), BIS_OK);
     assert_int_equal(pool.n_sets, 256);
     for (uint32_t fill = 0; fill < FILLS; fill++) {
@@ -101,7 +95,6 @@ static void sir_with_a_pool_is_unbiased(void **state)
                                       bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50)};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < 7 * 3; i++) {
         const bis_settings s = sir(i / 7 == 0 ? BIS_PROPOSAL_EM : BIS_PROPOSAL_MIX, Ms[i % 7], 3);
         stat_moments m[4];
@@ -147,7 +140,6 @@ static void twins_with_unfair_sets_are_found(void **state)
     stat_moments m[4];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), tilted(), 40, LIT_OPEN);
     const double truth = rgbd_sum(lit_truth(&l, true));
     run_with_pools(m, &l, &s, forget_odd_directions);
@@ -171,7 +163,6 @@ static void unused_directions_are_any_of_a_set_equally_often(void **state)
     bis_pool pool;
     lit l;
 
-    (void)state;
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     assert_int_equal(bis_pool_init(&pool, M, NULL), BIS_OK);
     bis_pool_fill(&pool, light, SEED, 0, 1);
@@ -208,7 +199,6 @@ static void a_pool_is_a_function_of_seed_and_pass_alone(void **state)
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
     bis_pool a, b;
 
-    (void)state;
     assert_int_equal(bis_pool_init(&a, M, NULL), BIS_OK);
     assert_int_equal(bis_pool_init(&b, M, NULL), BIS_OK);
     bis_pool_fill(&a, light, 1, 5, 1);
@@ -226,7 +216,6 @@ static void a_pool_is_a_function_of_seed_and_pass_alone(void **state)
 
 static void sets_become_fewer_as_they_become_larger(void **state)
 {
-    (void)state;
     static const uint32_t M[] = {1, 800, 1024, 1600, BIS_POOL_MAX_SET}, sets[] = {256, 256, 256, 163, 16};
     for (int i = 0; i < 5; i++) {
         bis_pool p;

@@ -9,15 +9,11 @@
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
+#include "claim.h"
 #include "lit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 97u
 
@@ -152,7 +148,6 @@ static void every_pair_of_values_is_in_the_covering_set_and_none_is_idle(void **
     static combination cover[MAX_COVER];
     const int n = make_cover(cover);
 
-    (void)state;
     assert_true(covers_all_pairs(cover, n));
     assert_false(covers_all_pairs(cover, n - 1));
     assert_true(n >= N_METHODS * 5 && n <= N_METHODS * 5 * 3 / 2); /* the two longest lists; half as much again */
@@ -354,7 +349,6 @@ static void means_agree_with_brute_force_for_every_pair_of_values(void **state)
     const double level = alpha();
     stage *s = new_stage();
 
-    (void)state;
     for (int i = 0; i < n; i++) check(s, &cover[i], 1000000, level);
     free_stage(s);
 }
@@ -363,7 +357,6 @@ static void means_agree_with_brute_force_for_the_full_product(void **state)
 {
     int done = 0;
 
-    (void)state;
     if (!is_long()) {
         print_message("make test-long (BIS_LONG=1) runs it\n");
         skip();

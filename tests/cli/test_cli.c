@@ -4,15 +4,10 @@
 #include "cli/progress.h"
 #include "out/json.h"
 
+#include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "json_check.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -58,10 +53,7 @@ static void restore(FILE *stream, int saved, const char *path, char *buf, size_t
     fflush(stream);
     dup2(saved, fileno(stream));
     close(saved);
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    buf[fread(buf, 1, size - 1, f)] = '\0';
-    fclose(f);
+    read_text(buf, size, path);
 }
 
 static void with_table(run_result *r, values *v, int argc, const char *const *argv)
@@ -151,7 +143,6 @@ static int test(const expect_command *c)
 
 static void options_and_operands_may_be_mixed(void **state)
 {
-    (void)state;
     RUN("a", "--count", "12", "--flag", "b", "--real=0.5", "--text", "-", "--list", "x", "--list=y=z", "--colour",
         "green");
     assert_true(r.go_on);
@@ -169,7 +160,6 @@ static void options_and_operands_may_be_mixed(void **state)
 
 static void two_dashes_end_the_options(void **state)
 {
-    (void)state;
     RUN("--flag", "--", "--count", "--help");
     assert_true(r.go_on);
     assert_int_equal(r.n_operands, 2);
@@ -180,7 +170,6 @@ static void two_dashes_end_the_options(void **state)
 
 static void an_option_that_is_absent_leaves_its_value_alone(void **state)
 {
-    (void)state;
     RUN("a");
     assert_true(r.go_on && !v.flag && !v.has_count && v.count == 0 && v.text == NULL);
     clear(&r, &v);
@@ -188,7 +177,6 @@ static void an_option_that_is_absent_leaves_its_value_alone(void **state)
 
 static void the_ends_of_a_range_belong_to_it(void **state)
 {
-    (void)state;
     RUN("a", "--big", "18446744073709551615", "--least", "2", "--share", "1", "--count", "1000", "--error", "10");
     assert_true(r.go_on && v.big == UINT64_MAX && v.least == 2 && v.share == 1 && v.count == 1000 && v.error == 10);
     clear(&r, &v);
@@ -200,7 +188,6 @@ static void the_ends_of_a_range_belong_to_it(void **state)
 
 static void shares_may_be_percentages_and_times_have_units(void **state)
 {
-    (void)state;
     const struct { const char *error, *time; double share, seconds; bool asks; } cases[] = {
         {"0.05", "10", 0.05, 10, false}, {"5%", "10s", 0.05, 10, false}, {"500%", "2min", 5, 120, false},
         {"1", "1.5h", 1, 5400, false},   {"5", "0.5", 5, 0.5, true},     {"2.5e0%", "1e3s", 0.025, 1000, false},
@@ -220,7 +207,6 @@ static void shares_may_be_percentages_and_times_have_units(void **state)
 
 static void progress_counts_to_the_last_pass_and_tells_minutes(void **state)
 {
-    (void)state;
     const double unknown = (double)NAN;
     const struct { bis_progress p; const char *text; } cases[] = {
         {{0, 12, 0, 0, unknown}, "pass 1 of 12, 0%"},
@@ -241,7 +227,6 @@ static void progress_counts_to_the_last_pass_and_tells_minutes(void **state)
 
 static void help_names_every_option_within_80_columns(void **state)
 {
-    (void)state;
     RUN("--count", "0", "--help"); /* help wins over mistakes */
     assert_false(r.go_on);
     assert_int_equal(r.exit_status, 0);
@@ -260,7 +245,6 @@ static void help_names_every_option_within_80_columns(void **state)
 
 static void version_names_the_libraries(void **state)
 {
-    (void)state;
     RUN("--version");
     assert_int_equal(r.exit_status, 0);
     assert_ptr_equal(strstr(r.output, "bis 0."), r.output);
@@ -273,7 +257,6 @@ static void version_names_the_libraries(void **state)
 /* -h and -V, as every other program has them. */
 static void help_and_version_have_a_letter(void **state)
 {
-    (void)state;
     const char *const words[2] = {"--help", "--version"}, *const letters[2] = {"-h", "-V"};
     for (int i = 0; i < 2; i++) {
         values v;
@@ -290,7 +273,6 @@ static void help_and_version_have_a_letter(void **state)
 
 static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
 {
-    (void)state;
     mkdir("build", 0777);
     fclose(fopen("build/test_cli.file", "w"));
     const struct { const char *path, *part; bis_status status; } cases[] = {
@@ -313,7 +295,6 @@ static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
 /* What has no place begins with the program's name; warnings are left out when quiet; lost messages are counted. */
 static void messages_say_who_speaks(void **state)
 {
-    (void)state;
     char text[512];
     for (int quiet = 0; quiet < 2; quiet++) {
         bis_diag diag = {0};
@@ -336,7 +317,6 @@ static void messages_say_who_speaks(void **state)
 /* Of files that are read and written: the first pair is named, and the same name or a link is the same file. */
 static void no_output_replaces_another_file(void **state)
 {
-    (void)state;
     static const char *const in[] = {"build/test_cli.in", "build/test_cli.in2"};
     static const struct { const char *outputs[3]; size_t n; const char *message; } cases[] = {
         {{"build/test_cli.out1", "build/test_cli.out2"}, 2, NULL},
@@ -368,7 +348,6 @@ static void no_output_replaces_another_file(void **state)
 
 static void exit_statuses_are_those_of_the_contract(void **state)
 {
-    (void)state;
     assert_int_equal(bis_cli_exit_status(BIS_OK), 0);
     assert_int_equal(bis_cli_exit_status(BIS_IO), 1);
     assert_int_equal(bis_cli_exit_status(BIS_NOMEM), 1);
@@ -379,7 +358,6 @@ static void exit_statuses_are_those_of_the_contract(void **state)
 
 static void json_is_valid_for_any_number_and_any_bytes(void **state)
 {
-    (void)state;
     char *text = NULL, buf[256];
     size_t size;
     bis_json j = {.out = open_memstream(&text, &size)};
@@ -423,7 +401,6 @@ static void json_is_valid_for_any_number_and_any_bytes(void **state)
 /* The judge itself: what it must refuse. */
 static void the_json_reader_refuses_what_is_no_json(void **state)
 {
-    (void)state;
     const char *good[] = {"{}", " [1, -0.5e+3, \"a\\u00e4\"] ", "null", "{\"a\": {\"b\": []}}"};
     const char *bad[] = {"", "{", "{\"a\" 1}", "{\"a\": 1,}", "[1 2]", "nan", "01", "1.", "\"\n\"", "\"\\x\"", "{} {}",
         "{a: 1}", "+1", "\"\\u12\""};

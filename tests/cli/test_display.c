@@ -3,6 +3,7 @@
  * is missing, goes, or never reads stops nothing. */
 #include "bis/files/image_file.h"
 #include "cli/display.h"
+#include "claim.h"
 #include "program.h"
 
 #include <arpa/inet.h>
@@ -12,17 +13,12 @@
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_display"
 #define SCENE DIR "/scene.txt"
@@ -30,7 +26,6 @@
 
 static int make_scene(void **state)
 {
-    (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\" \"integer pixelsamples\" 4\n");
     program_write_file(BIG, "Film \"rgb\" \"integer xresolution\" 1600 \"integer yresolution\" 1200 Sampler \"sobol\" "
@@ -232,7 +227,6 @@ static void make_film(bis_film *f)
  * reads no more. While the render goes on it may take its time. */
 static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
 {
-    (void)state;
     static const struct {
         int refusals;
         bool meanwhile, arrives;
@@ -280,7 +274,6 @@ static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
 /* Once a connection has broken nothing is sent any more, and the first reason is the one that is told. */
 static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
 {
-    (void)state;
     bis_film f;
     viewer v;
     bis_display *d;
@@ -310,7 +303,6 @@ static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
  * hears. */
 static void a_name_server_that_is_silent_is_not_waited_for(void **state)
 {
-    (void)state;
     bis_film f;
     viewer v;
     bis_display *d;
@@ -345,7 +337,6 @@ static void a_name_server_that_is_silent_is_not_waited_for(void **state)
 
 static void the_viewer_gets_the_picture_bit_by_bit(void **state)
 {
-    (void)state;
     static const char *const crops[] = {"", " --cropwindow 0.25,0.75,0.5,1"};
     for (int i = 0; i < 2; i++) {
         viewer v;
@@ -374,7 +365,6 @@ static void the_viewer_gets_the_picture_bit_by_bit(void **state)
 /* Closed standard input, as of a service: the connection is the first file that is opened, and has the number 0. */
 static void the_viewer_gets_a_picture_from_a_program_without_input(void **state)
 {
-    (void)state;
     viewer v;
     float *shown;
     int width = 0, height = 0;
@@ -392,7 +382,6 @@ static void the_viewer_gets_a_picture_from_a_program_without_input(void **state)
 
 static void a_viewer_that_is_missing_goes_or_never_reads_stops_nothing(void **state)
 {
-    (void)state;
     program_run r;
     viewer v;
     program_expect(&r, 0, BIG " --outfile " DIR "/alone.pfm");
@@ -419,7 +408,6 @@ static void a_viewer_that_is_missing_goes_or_never_reads_stops_nothing(void **st
 
 static void an_address_is_a_host_and_a_port(void **state)
 {
-    (void)state;
     static const char *const good[] = {"localhost:14158", "127.0.0.1:1", "[::1]:65535", "a.b-c.example:80"};
     static const char *const bad[] = {"", "localhost", ":80", "localhost:", "localhost:0", "localhost:65536",
         "localhost:80x", "localhost:-1", "::1:80", "localhost:0000080"};

@@ -4,17 +4,11 @@
  * tests/render/test_part.c. */
 #include "bis/base/mem.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>
@@ -29,7 +23,6 @@
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "");
     return 0;
@@ -49,7 +42,6 @@ static void write_parts(const char *options)
 /* All outputs of a merge are those of a render, but for seconds and memory; the EXR has seconds in its header. */
 static void the_outputs_are_those_of_one_run(void **state)
 {
-    (void)state;
     static const char *const keys[] = {"scene", "integrator", "proposal", "candidates", "shadowrays", "samples", "spp",
                                        "seed", "accelerator", "triangles", "width", "height", "rays.camera",
                                        "rays.shadow", "candidates_drawn", "accepted", "fallbacks", "memory.mesh",
@@ -80,7 +72,6 @@ static void the_outputs_are_those_of_one_run(void **state)
 /* The command that a message names, run by a shell with $PATH leading to the program. */
 static void the_command_in_the_message_makes_the_missing_part(void **state)
 {
-    (void)state;
     static const char odd[] = DIR "/a scene, 'quoted'.txt", mark[] = "this makes it: ";
     char command[8192], link[1024], here[512];
     program_run r;
@@ -119,7 +110,6 @@ static void the_command_in_the_message_makes_the_missing_part(void **state)
 /* A full disk leaves the older file; a signal leaves a checkpoint, with which the part goes on. */
 static void a_part_that_cannot_be_finished_is_not_written(void **state)
 {
-    (void)state;
     program_run r;
 
     program_expect(&r, 0, SCENE " --spp 4 --part 1/2 --outfile " DIR "/q1.bispart");

@@ -4,16 +4,10 @@
  * bis-mpi is not built. Ranks are many more than processors here, so they yield to each other while they wait, and all
  * are on one machine, so they need no network, which Open MPI 5 misses aloud. */
 
+#include "claim.h"
 #include "file_help.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>
@@ -52,7 +46,6 @@ static void skip_without_mpi(void)
 
 static int setup(void **state)
 {
-    (void)state;
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     setenv("OMP_NUM_THREADS", "1", 1);
@@ -63,15 +56,6 @@ static int setup(void **state)
 }
 
 static char text[1 << 16];
-
-static void read_text(const char *path)
-{
-    FILE *f = fopen(path, "r");
-    text[0] = '\0';
-    if (!f) return;
-    text[fread(text, 1, sizeof text - 1, f)] = '\0';
-    fclose(f);
-}
 
 static int shell(const char *command)
 {
@@ -87,7 +71,7 @@ static int mpi(int ranks, const char *arguments)
     snprintf(command, sizeof command, MPIRUN " -n %d %s %s > " DIR "/out 2> " DIR "/err", ranks, mpi_program(),
              arguments);
     const int status = shell(command);
-    read_text(DIR "/err");
+    read_text(text, sizeof text, DIR "/err");
     return status;
 }
 
@@ -102,7 +86,6 @@ static void expect_mpi(int ranks, const char *arguments)
 /* A picture of 4 x 3 tiles, with learned visibility, edges and layers, and less. */
 static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
 {
-    (void)state;
     static const struct {
         const char *options;
         int ranks;
@@ -132,7 +115,7 @@ static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
             strchr(text, '\n')[1])
             fail_msg("%s: %s", cases[i].options, text);
         assert_same_exr(DIR "/a.exr", DIR "/b.exr");
-        read_text(DIR "/out");
+        read_text(text, sizeof text, DIR "/out");
         for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
             json_value(a, sizeof a, whole, keys[k]);
             json_value(b, sizeof b, text, keys[k]);
@@ -144,7 +127,6 @@ static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
 /* 3 ranks, then one process, then 2, then 5 ranks. */
 static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
 {
-    (void)state;
     static const char line[] = SCENE " --quiet --resolution 60x40 --integrator sir --proposal product --learn on ";
     char arguments[2048];
     program_run r;
@@ -168,13 +150,12 @@ static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
 
 static void with_a_time_the_ranks_end_together(void **state)
 {
-    (void)state;
     program_run r;
     unsigned long spp;
 
     skip_without_mpi();
     expect_mpi(2, SCENE " --time 0.3 --stats - --outfile " DIR "/b.pfm");
-    read_text(DIR "/out");
+    read_text(text, sizeof text, DIR "/out");
     spp = (unsigned long)json_number(text, "spp");
     program_expect(&r, 0, SCENE " --spp %lu --outfile " DIR "/a.pfm", spp);
     assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
@@ -198,7 +179,7 @@ static int run_script(int ranks, const char *arguments)
     snprintf(command, sizeof command, MPIRUN " -n %d sh " DIR "/rank.sh %s > " DIR "/out 2> " DIR "/err", ranks,
              arguments);
     const int status = shell(command);
-    read_text(DIR "/err");
+    read_text(text, sizeof text, DIR "/err");
     return status;
 }
 
@@ -210,9 +191,8 @@ static void count_once(const char *words)
 
 static void a_rank_that_has_another_scene_or_none_is_named(void **state)
 {
-    (void)state;
     skip_without_mpi();
-    read_text(SCENE);
+    read_text(text, sizeof text, SCENE);
     char *exponent = strstr(text, "\"float exponent\" 20");
     assert_non_null(exponent);
     exponent[strlen("\"float exponent\" 2")] = '1';
@@ -250,10 +230,10 @@ static void a_rank_that_has_another_scene_or_none_is_named(void **state)
     assert_false(program_exists(DIR "/b.pfm"));
 
     expect_mpi(3, "help sir"); /* nothing is said twice */
-    read_text(DIR "/out");
+    read_text(text, sizeof text, DIR "/out");
     count_once("from `bis help integrators`:");
     expect_mpi(2, SCENE " --plan");
-    read_text(DIR "/out");
+    read_text(text, sizeof text, DIR "/out");
     count_once("sampler      sobol");
 }
 
@@ -261,14 +241,13 @@ static long read_pid(int rank)
 {
     char path[128];
     snprintf(path, sizeof path, DIR "/pid%d", rank);
-    read_text(path);
+    read_text(text, sizeof text, path);
     return atol(text);
 }
 
 /* A rank that is killed ends the job, and the last checkpoint is whole; a signal to rank 0 ends it with the picture. */
 static void a_rank_that_is_killed_ends_the_job_and_leaves_a_checkpoint(void **state)
 {
-    (void)state;
     static const int victims[] = {2, 1, 0}, signals[] = {SIGKILL, SIGKILL, SIGTERM};
     static const char line[] =
         "--spp 1000000 --seed 3 --checkpoint-every 0 --checkpoint " STATE " --outfile " DIR "/c.pfm";
@@ -295,7 +274,7 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_a_checkpoint(void **st
         assert_int_equal(waitpid(child, &status, 0), child);
         assert_true(WIFEXITED(status) && WEXITSTATUS(status) != 0);
         assert_int_equal(program_exists(DIR "/c.pfm"), signals[i] == SIGTERM);
-        read_text(DIR "/err");
+        read_text(text, sizeof text, DIR "/err");
         if (signals[i] == SIGTERM) {
             unsigned long spp;
             assert_int_equal(WEXITSTATUS(status), 130);

@@ -6,14 +6,9 @@
 #include "bis/base/image.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
+#include "file_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,14 +24,6 @@ typedef struct answer {
     long allocations;
     char output[1 << 16], messages[1 << 12];
 } answer;
-
-static void read_text(char *text, size_t size, const char *path)
-{
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    text[fread(text, 1, size - 1, f)] = '\0';
-    fclose(f);
-}
 
 /* Allocation k fails; 0: none. */
 static void run(answer *a, int command(int argc, char **argv), const char *arguments, long k)
@@ -96,28 +83,24 @@ static void each_may_fail(int command(int argc, char **argv), const char *argume
 
 static void compare_says_so(void **state)
 {
-    (void)state;
     each_may_fail(bis_cmd_compare, DIR "/a.exr " DIR "/b.pfm --diff " DIR "/d.png", 1000);
     each_may_fail(bis_cmd_compare, "--json " DIR "/a.exr " DIR "/b.pfm", 1000);
 }
 
 static void envmap_says_so(void **state)
 {
-    (void)state;
     each_may_fail(bis_cmd_envmap, DIR "/map.pfm --samples 5 --out " DIR "/e.png", 1000);
     each_may_fail(bis_cmd_envmap, DIR "/probe.pfm --json --mapping angular --width 16", 1000);
 }
 
 static void render_says_so(void **state)
 {
-    (void)state;
     each_may_fail(bis_cmd_render, DIR "/scene.txt --quiet --spp 2 --nthreads 1 --accelerator grid --layers all "
                                   "--stats " DIR "/r.json --outfile " DIR "/r.exr --outfile " DIR "/r.pfm", 1000);
 }
 
 static void pixel_says_so(void **state)
 {
-    (void)state;
     each_may_fail(bis_cmd_pixel, DIR "/scene.txt 12 8 --repeats 2 --candidates 4 --shadowrays 2 --samples 2 "
                                  "--output " DIR "/pixel", 60);
     each_may_fail(bis_cmd_pixel, DIR "/scene.txt 0 0 --json --output " DIR "/pixel", 1000);
@@ -125,7 +108,6 @@ static void pixel_says_so(void **state)
 
 static void verify_says_so(void **state)
 {
-    (void)state;
     each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 16);
     each_may_fail(bis_cmd_verify, DIR "/dark.txt", 16);
 }
@@ -133,7 +115,6 @@ static void verify_says_so(void **state)
 /* A measurement into a new folder each time; what it had measured by then stays there. */
 static void trade_says_so(void **state)
 {
-    (void)state;
     static const char arguments[] =
         DIR "/scene.txt --quiet --integrator em --passes 1 --seeds 1 --time 0.1 --error 900% "
             "--nthreads 1 --output " DIR "/trade";

@@ -6,16 +6,10 @@
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 
+#include "claim.h"
 #include "expect.h"
 #include "file_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdio.h>
@@ -30,7 +24,6 @@
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "");
     return 0;
@@ -38,7 +31,6 @@ static int setup(void **state)
 
 static int clean(void **state)
 {
-    (void)state;
     unlink(STATE);
     return 0;
 }
@@ -52,7 +44,6 @@ static void wait_seconds(double s)
  * is measured only for that; most of a run of so small a picture is writing, at an interval of 0. */
 static void killed_at_any_moment_it_goes_on_to_the_same_picture(void **state)
 {
-    (void)state;
     static const char line[] =
         SCENE " --spp 63 --quiet --checkpoint-every 0 --resume " STATE " --outfile " DIR "/b.pfm";
     const int kills = getenv("BIS_LONG") ? 100 : 20;
@@ -85,7 +76,6 @@ static void killed_at_any_moment_it_goes_on_to_the_same_picture(void **state)
 
 static void after_a_signal_it_goes_on_with_more_samples(void **state)
 {
-    (void)state;
     static const int signals[] = {SIGINT, SIGTERM};
     static const char line[] =
         SCENE " --spp 1000000 --checkpoint-every 0 --checkpoint " STATE " --outfile " DIR "/b.pfm";
@@ -111,7 +101,6 @@ static void after_a_signal_it_goes_on_with_more_samples(void **state)
 
 static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
 {
-    (void)state;
     program_run r;
     size_t n, m;
 
@@ -136,7 +125,6 @@ static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
 /* The map under another name is the same map; with one other byte under the same name it is another. */
 static void a_map_counts_by_what_it_holds(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/b.pfm");
     size_t n, size;

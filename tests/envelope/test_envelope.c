@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* envelope: the harness itself: it finds what it is there to find. */
+#include "claim.h"
 #include "envelope.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 static void the_largest_error_is_kept_and_a_nan_is_worse_than_any(void **state)
 {
     envelope e = envelope_row("tries", "error", 0);
 
-    (void)state;
     envelope_try(&e, 1e-3, "%d", 1);
     envelope_try(&e, 2e-3, "%d", 2);
     envelope_try(&e, 1e-4, "%d", 3);
@@ -30,7 +24,6 @@ static void wrong_outcomes_are_counted_and_the_first_is_named(void **state)
 {
     envelope e = envelope_row("outcomes", "wrong ones", 0);
 
-    (void)state;
     envelope_expect(&e, true, "%d", 1);
     envelope_expect(&e, false, "%d", 2);
     envelope_expect(&e, false, "%d", 3);
@@ -61,7 +54,6 @@ static void a_stale_page_is_rejected(void **state)
 {
     envelope one = envelope_row("one thing", "its error", 1e-3), two = envelope_row("the same", "another error", 0);
 
-    (void)state;
     envelope_try(&one, 1e-4, "here");
     envelope_expect(&two, true, "here");
     envelope_close(&one);

@@ -2,6 +2,7 @@
 /* envelope, estimators: their parameters (M = 1 to 1e6, N > M), contrast, radiances, forced random numbers, grazing
  * views and lights, bad materials. The other road: closed forms of a diffuse surface under a map of patches, scaling by
  * powers of two, and the theory of resampling. */
+#include "claim.h"
 #include "envelope.h"
 #include "forced.h"
 #include "lit.h"
@@ -13,14 +14,8 @@
 #include "thesis/choose.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
@@ -136,7 +131,6 @@ static void means_are_right_for_contrasts_of_1_to_1e76(void **state)
                               "size of z of the mean against the closed form", PERCENTILE);
     envelope finite = envelope_row("the same", "estimates not finite or negative", 0);
 
-    (void)state;
     for (int k = 0; k < COUNT(decades); k++) {
         bis_envmap em = map_random(8, 4, decades[k], k % 2 ? 0.3 : 0, (uint64_t)k + 1);
         const double truth = diffuse_truth(&em, 0.5);
@@ -169,7 +163,6 @@ static void means_are_right_for_any_M_and_N(void **state)
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit half, open;
 
-    (void)state;
     lit_init(&half, light, bis_phong(grey(0.4), grey(0.6), 10), normalize((vec3){1, 2, 2}), 40, LIT_HALF);
     lit_init(&open, light, bis_phong(grey(0.4), grey(0.6), 10), normalize((vec3){1, 2, 2}), 40, LIT_OPEN);
     const double truth = lit_truth(&half, true).g;
@@ -214,7 +207,6 @@ static void forced_numbers_are_survived_at_any_exponent_and_view(void **state)
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1e20, 0.15, false), lit_new_light(LIT_CONSTANT, 1e-30, 0, false)};
     method m[N_METHODS];
 
-    (void)state;
     make_methods(m, 8, 15);
     for (int i = 0; i < N_METHODS; i++) {
         bis_scratch scratch;
@@ -265,7 +257,6 @@ static void resampling_keeps_its_promise_for_any_weights(void **state)
     envelope even = envelope_row("the same, systematic",
                                  "difference of a weight's choices from N w/W beyond 1, over N", 0x1p-21);
 
-    (void)state;
     for (int k = 0; k < COUNT(counts) * COUNT(numbers) * 3 * 2; k++) {
         const uint32_t M = counts[k % COUNT(counts)][0], N = counts[k % COUNT(counts)][1];
         const double u = numbers[k / COUNT(counts) % COUNT(numbers)];
@@ -311,7 +302,6 @@ static void estimates_scale_with_the_light(void **state)
         envelope_row("the same times 1e-38", "relative error of an estimate: denormal floats have fewer digits", 1e-4);
     method m[N_METHODS];
 
-    (void)state;
     make_methods(m, 8, 4);
     for (int k = 0; k < 2 * (COUNT(powers) + 1); k++) {
         const lit_map map = k % 2 ? LIT_CONSTANT : LIT_SMOOTH;
@@ -393,7 +383,6 @@ static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **s
     int n_infinite = 0;
     lit l;
 
-    (void)state;
     make_methods(m, 1, 1);
     lit_init(&l, light, bis_phong(grey(1), grey(0), 0), (vec3){0, 0, 1}, 10, LIT_OPEN);
     for (int i = 0; i < N_METHODS; i++) {
@@ -431,7 +420,6 @@ static void light_at_grazing_is_reflected_by_its_closed_form(void **state)
                      "relative error of the mean", 1e-2);
     envelope finite = envelope_row("both", "estimates not finite or negative", 0);
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         bis_envmap em = map_new(W, H);
         method m[N_METHODS];
@@ -475,7 +463,6 @@ static void views_at_the_very_horizon_are_survived(void **state)
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_CONSTANT, 1, 0, false)};
     method m[N_METHODS];
 
-    (void)state;
     make_methods(m, 8, 4);
     for (int k = 0; k < COUNT(cosines) * 3 * 4 * 2; k++) {
         const double kd = (const double[]){1, 0.5, 0}[k / COUNT(cosines) % 3], n = kd > 0 ? 10 : 1e8;
@@ -516,7 +503,6 @@ static void black_is_exactly_black(void **state)
                            lit_new_light(LIT_CONSTANT, 1, 0, false), lit_new_light(LIT_CONSTANT, 0, 0, false)};
     method m[N_METHODS];
 
-    (void)state;
     make_methods(m, 8, 4);
     for (int k = 0; k < 4 * 5 * 5 * 3; k++) {
         const double kd = reflectances[k / 4 % 5], ks = reflectances[k / 20 % 5];
@@ -545,7 +531,6 @@ static void black_is_exactly_black(void **state)
 
 static void page_has_the_same_rows(void **state)
 {
-    (void)state;
     envelope_finish(4, "Estimators");
 }
 

@@ -3,6 +3,7 @@
  * closed shells, from which nothing escapes; shadow rays that must leave their surface. At scales of 1e-6 to 1e6, a
  * million away from the origin, in slivers and duplicates, along axes and cell walls, in one cell and in many millions,
  * by both backends. */
+#include "claim.h"
 #include "envelope.h"
 #include "mesh_help.h"
 
@@ -12,12 +13,6 @@
 #include "shape/grid.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
@@ -117,7 +112,6 @@ static void walls_are_met_at_their_distance(void **state)
                                  "rays that miss, or hit a triangle without area", 0);
     envelope t = envelope_row("the same", "error of the distance in units of 2^-24 of the coordinates", 2);
 
-    (void)state;
     for (int k = 0; k < N_CUTS * COUNT(places); k++) {
         const cut kind = (cut)(k % N_CUTS);
         const place *at = &places[k / N_CUTS];
@@ -171,7 +165,6 @@ static void rays_in_cell_walls_and_from_corners_find_the_far_side(void **state)
                               "signs, from inside and outside the box",
                               "rays that do not reach the far side of the box", 0);
 
-    (void)state;
     for (int k = 0; k < COUNT(places); k++) {
         const bis_xform placed = place_xform(&places[k]);
         bis_geometry g = {0};
@@ -249,7 +242,6 @@ static void nothing_leaves_a_closed_shell_and_no_surface_shadows_itself(void **s
                      "points that shadow themselves", 0);
     envelope offset = envelope_row("the same", "length of the offset in units of 2^-24 of the coordinates", 16);
 
-    (void)state;
     for (int k = 0; k < COUNT(places); k++) {
         const bis_xform placed = place_xform(&places[k]);
         bis_mesh m = sphere_mesh(23);
@@ -303,7 +295,6 @@ static void spheres_are_met_at_their_distance(void **state)
     envelope shadow = envelope_row("the same; shadow rays from there, at angles up to 89.999 degrees",
                                    "points that shadow themselves", 0);
 
-    (void)state;
     for (int k = 0; k < COUNT(places); k++) {
         const bis_xform placed = place_xform(&places[k]);
         const bis_quadric q = {BIS_SPHERE, 1, 0, placed, 0};
@@ -363,7 +354,6 @@ static void rays_of_any_length_and_origin_meet_a_wall(void **state)
     bis_geometry g = {0};
     bis_accel *a;
 
-    (void)state;
     add_mesh(&g, &m, NULL, 0);
     assert_int_equal(bis_grid_new(&a, &g, 0, 1, NULL), BIS_OK);
     for (int k = 0; k < COUNT(lengths) * COUNT(distances) * 4; k++) {
@@ -391,7 +381,6 @@ static void cameras_of_any_angle_give_unit_rays(void **state)
         envelope_row("cameras of 1e-6 to 179.999999 degrees, frames of 1 x 1, 1 x 32768, 32768 x 1, corners and centre",
                      "length of a ray's direction - 1", 1e-6);
 
-    (void)state;
     for (int k = 0; k < COUNT(angles) * COUNT(frames) * 9; k++) {
         const bis_camera c = {.fov_deg = angles[k % COUNT(angles)], .to_world = bis_xform_identity()};
         const int *frame_size = frames[k / COUNT(angles) % COUNT(frames)], at = k / COUNT(angles) / COUNT(frames);
@@ -419,7 +408,6 @@ static void a_grid_never_holds_more_than_it_may(void **state)
     bis_accel *many, *one;
     uint64_t seed = 6;
 
-    (void)state;
     add_mesh(&g, &m, NULL, 0);
     assert_int_equal(bis_grid_new(&many, &g, 1000, 1, NULL), BIS_OK);
     assert_int_equal(bis_grid_new(&one, &g, 1e-9, 1, NULL), BIS_OK);
@@ -444,7 +432,6 @@ static void a_grid_never_holds_more_than_it_may(void **state)
 
 static void a_hundred_million_cells_are_built_and_walked(void **state)
 {
-    (void)state;
     if (!envelope_long()) skip();
     envelope e = envelope_long_row(
         "grid of 1e8 cells about a closed mesh; rays through all of it, and from inside to vertices and edges",
@@ -475,7 +462,6 @@ static void a_hundred_million_cells_are_built_and_walked(void **state)
 
 static void page_has_the_same_rows(void **state)
 {
-    (void)state;
     envelope_finish(5, "Geometry");
 }
 

@@ -2,19 +2,13 @@
 /* envelope, exponents and lobes: the Phong lobe (thesis 3.5), the cosine lobe, their mixture and bounds, from n = 0 to
  * 1e8, at grazing views, with the first and the last random numbers. The other road: long double formulas of the angle,
  * where the library has vectors of float. */
+#include "claim.h"
 #include "envelope.h"
 #include "mesh_help.h"
 
 #include "bis/thesis/bsdf.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/warp.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
@@ -34,7 +28,6 @@ static void directions_of_the_lobe_are_unit_and_at_their_angle(void **state)
     envelope side = envelope_row("the same", "directions below the lobe's equator, or not finite", 0);
     envelope angle = envelope_row("the same", "relative error of sin^2, against long double", 3e-7);
 
-    (void)state;
     for (int i = 0; i < COUNT(exponents); i++) {
         for (int j = 0; j < COUNT(numbers) * COUNT(numbers); j++) {
             const double n = exponents[i], u1 = numbers[j / COUNT(numbers)], u2 = numbers[j % COUNT(numbers)];
@@ -62,7 +55,6 @@ static void density_of_the_lobe_is_good_from_the_angle_and_limited_by_float_dire
         envelope_row("density of a float direction, n = 0 to 1e8, down to a cosine of 1e-6",
                      "relative error over 1 + n tan alpha: what moving the direction by that angle does", 1.5e-7);
 
-    (void)state;
     for (int i = 0; i < COUNT(exponents); i++) {
         for (int j = 0; j < 2000; j++) {
             const double n = exponents[i], u1 = j < COUNT(numbers) ? numbers[j] : (j + 0.5) / 2000,
@@ -92,7 +84,6 @@ static void the_power_is_exact_for_the_floats_it_gets(void **state)
     envelope dark = envelope_row("the same beyond 90 degrees", "values other than 0", 0);
     uint64_t seed = 1;
 
-    (void)state;
     for (int i = 0; i < COUNT(exponents); i++) {
         for (int j = 0; j < 3000; j++) {
             const vec3 a = random_direction(&seed);
@@ -124,7 +115,6 @@ static void mean_of_the_lobe_is_its_closed_form(void **state)
     envelope e =
         envelope_row("mean of 1 - cos over 65536 even numbers, n = 0 to 1e8", "relative error against 1/(n+2)", 1e-4);
 
-    (void)state;
     for (int i = 0; i < COUNT(exponents); i++) {
         double sum = 0, pdf;
         for (int j = 0; j < N; j++) {
@@ -144,7 +134,6 @@ static void warps_survive_the_ends_of_the_unit_interval(void **state)
         envelope_row("uniform sphere and cosine lobe, u from 0 to 1 - 2^-53", "length of the direction - 1", 1.2e-7);
     envelope z = envelope_row("cosine lobe, the same", "relative error of z against long double", 1.2e-7);
 
-    (void)state;
     for (int j = 0; j < COUNT(numbers) * COUNT(numbers); j++) {
         const double u1 = numbers[j / COUNT(numbers)], u2 = numbers[j % COUNT(numbers)];
         const vec3 s = bis_warp_sphere(u1, u2), c = bis_warp_cosine(u1, u2);
@@ -182,7 +171,6 @@ static void mixture_and_its_bounds_hold_for_any_material_view_and_number(void **
     envelope ratio = envelope_row("the same", "f cos / density over its bound - 1 (E27)", 0);
     envelope product = envelope_row("the same", "f cos over its bound - 1 (E27)", 0);
 
-    (void)state;
     for (int i = 0; i < COUNT(reflectances) * COUNT(normals) * COUNT(degrees) * COUNT(exponents); i++) {
         const double *k = reflectances[i % COUNT(reflectances)];
         const vec3 n = normals[i / COUNT(reflectances) % COUNT(normals)];
@@ -252,7 +240,6 @@ static void white_furnace_is_right_at_grazing_views(void **state)
         envelope_row("the same, 0 to 89.99999 degrees, about a normal that is no axis (floats hold it to 6e-8)",
                      "absolute error of the albedo", 1e-3);
 
-    (void)state;
     for (int i = 0; i < COUNT(exponents) * COUNT(degrees) * 2; i++) {
         const double n = exponents[i / 2 / COUNT(degrees)], angle = degrees[i / 2 % COUNT(degrees)];
         const vec3 normal = normals[i % 2];
@@ -282,7 +269,6 @@ static void white_furnace_is_right_at_grazing_views(void **state)
 
 static void page_has_the_same_rows(void **state)
 {
-    (void)state;
     envelope_finish(1, "Exponents and lobes");
 }
 

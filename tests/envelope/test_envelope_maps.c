@@ -2,6 +2,7 @@
 /* envelope, maps and radiances: maps of one pixel and of 134 million, single lit texels at the poles and on the seam,
  * contrasts to 1e76, radiances from the least float to the largest, bad texels. The other road: sums and solid angles
  * in long double, and what a lone texel must be. */
+#include "claim.h"
 #include "envelope.h"
 #include "map_help.h"
 
@@ -13,13 +14,7 @@
 #include "bis/base/image.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
@@ -55,7 +50,6 @@ static void solid_angles_of_maps_of_any_size_are_right(void **state)
                                  "relative error of a pixel's solid angle against long double", 1e-15);
     envelope sum = envelope_row("the same", "relative error of their sum against 4 pi", 1e-13);
 
-    (void)state;
     for (int i = 0; i < COUNT(sizes); i++) {
         bis_envmap em = map_new(sizes[i][0], sizes[i][1]);
         check_solid_angles(&em, &each, &sum);
@@ -121,7 +115,6 @@ static void densities_hold_for_contrasts_of_1_to_1e76(void **state)
                      "relative error of the density against long double", 1e-12),
         envelope_row("the same", "relative error of the alias tables' implied probabilities", 1e-8),
         envelope_row("the same", "absolute error of the CDFs' probabilities: what lies below 2^-53 is lost", 0x1p-51)};
-    (void)state;
     for (int i = 0; i < COUNT(sizes) * COUNT(decades) * 2; i++) {
         const int *size = sizes[i % COUNT(sizes)];
         const double d = decades[i / COUNT(sizes) % COUNT(decades)];
@@ -208,7 +201,6 @@ static void one_lit_texel_is_found_at_poles_seam_and_anywhere(void **state)
     draw_rows rows = new_draw_rows("one lit texel at each pole, on both sides of the seam, anywhere; maps of 1 x 1 to "
                                    "32768 x 2; u from 0 to 1 - 2^-53");
 
-    (void)state;
     for (int i = 0; i < COUNT(sizes) * 7; i++) {
         const int w = sizes[i / 7][0], h = sizes[i / 7][1];
         const int at[7][2] = {{w / 2, 0}, {w / 2, h - 1}, {0, h / 2},    {w - 1, h / 2},
@@ -230,7 +222,6 @@ static void constant_maps_of_any_size_and_radiance_are_drawn(void **state)
     draw_rows rows =
         new_draw_rows("constant maps of 1 x 1 to 32768 x 2, radiance from 1e-45 to 3.4e38; u from 0 to 1 - 2^-53");
 
-    (void)state;
     for (int i = 0; i < COUNT(sizes) * COUNT(radiances); i++) {
         const int *size = sizes[i % COUNT(sizes)];
         const float L = radiances[i / COUNT(sizes)];
@@ -251,7 +242,6 @@ static void any_number_draws_light_from_contrasty_maps(void **state)
     draw_rows rows =
         new_draw_rows("contrast 1e12 and 1e76, half of the texels black, b = 0, 0.15, 4, 100; u from 0 to 1 - 2^-53");
 
-    (void)state;
     for (int i = 0; i < 2 * 4 * 3; i++) {
         bis_envmap em = map_random(i / 8 % 3 == 0 ? 1 : 37, 19 + i / 8, i % 2 ? 76 : 12, 0.5, (uint64_t)i);
         const double b = exponents[i / 2 % 4];
@@ -272,7 +262,6 @@ static void densities_do_not_depend_on_the_exposure(void **state)
     envelope e = envelope_row("radiance times 2^-100 to 2^118 (1e-30 to 3e35), b = 0 and 0.15, tables and curve",
                               "draws that differ in any bit", 0);
 
-    (void)state;
     for (int i = 0; i < COUNT(powers) * 4; i++) {
         const double b = i % 2 ? 0.15 : 0;
         bis_envmap em = map_random(33, 17, 4, 0.2, 5), scaled = map_random(33, 17, 4, 0.2, 5);
@@ -302,7 +291,6 @@ static void power_is_right_from_the_least_to_the_largest_float(void **state)
     static const float radiances[] = {1e-45f, 1e-38f, 1e-20f, 1, 1e20f, 1e38f, FLT_MAX};
     envelope e = envelope_row("maps of 1 x 1 to 32768 x 2, every third texel from 1e-45 to 3.4e38, one other",
                               "relative error of the integral over the sphere against long double", 1e-13);
-    (void)state;
     for (int i = 0; i < COUNT(sizes) * COUNT(radiances); i++) {
         bis_envmap em = map_new(sizes[i % COUNT(sizes)][0], sizes[i % COUNT(sizes)][1]);
         const float L = radiances[i / COUNT(sizes)];
@@ -332,7 +320,6 @@ static void bad_texels_become_black_and_are_counted(void **state)
     bis_image image;
     bis_envmap em;
 
-    (void)state;
     assert_int_equal(bis_image_init(&image, 12 * 12, 12, NULL), BIS_OK);
     for (int i = 0; i < 12 * 12 * 12; i++)
         image.pixels[i] = (rgb){values[i % 12], values[i / 12 % 12], values[i / 144]};
@@ -364,7 +351,6 @@ static void black_maps_draw_nothing(void **state)
 {
     envelope e = envelope_row("all-black maps of 1 x 1 to 32768 x 2", "directions drawn, densities other than 0", 0);
 
-    (void)state;
     for (int i = 0; i < COUNT(sizes) * 4; i++) {
         bis_envmap em = map_new(sizes[i / 4][0], sizes[i / 4][1]);
         bis_importance *im = new_importance(&em, i % 2, i / 2 % 2 ? 0.15 : 0, 8, false);
@@ -390,7 +376,6 @@ static void regions_and_compensation_hold_for_extreme_maps(void **state)
     envelope one =
         envelope_row("compensated tables of the same maps", "difference of the integral of the density from 1", 1e-12);
 
-    (void)state;
     for (int i = 0; i < COUNT(sizes) * 4; i++) {
         bis_envmap em =
             map_random(sizes[i / 4][0], sizes[i / 4][1], (const double[]){0, 6, 12, 76}[i % 4], 0, (uint64_t)i);
@@ -418,7 +403,6 @@ static void probes_of_a_few_pixels_are_resampled(void **state)
     envelope e = envelope_row("constant probes of 1 x 1 to 9 x 9, radiance from 1e-38 to 3.4e38, to widths of 2 to 18",
                               "relative error of a pixel", 1e-7);
 
-    (void)state;
     for (int i = 0; i < 9 * COUNT(widths) * 3; i++) {
         const int side = i % 9 + 1;
         const float L = (const float[]){1e-38f, 1, FLT_MAX}[i / 9 / COUNT(widths)];
@@ -461,7 +445,6 @@ static void check_large_map(const bis_envmap *em, envelope *integral, envelope *
 
 static void the_largest_map_is_as_right_as_the_smallest(void **state)
 {
-    (void)state;
     if (!envelope_long()) skip();
     envelope each =
         envelope_long_row("map of 16384 x 8192", "relative error of a pixel's solid angle against long double", 1e-15);
@@ -502,7 +485,6 @@ static void the_largest_map_is_as_right_as_the_smallest(void **state)
 
 static void page_has_the_same_rows(void **state)
 {
-    (void)state;
     envelope_finish(2, "Maps and radiances");
 }
 

@@ -2,6 +2,7 @@
 /* envelope, discrete distributions and point sets (thesis 3.2.2): weights over 600 powers of ten, one item and 100
  * million, the first and the last random number. The other road: w/sum in long double, whose range and precision exceed
  * double's. */
+#include "claim.h"
 #include "envelope.h"
 
 #include "bis/thesis/alias.h"
@@ -13,14 +14,8 @@
 #include "thesis/proposal.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
@@ -74,7 +69,6 @@ static void alias_tables_imply_their_weights(void **state)
     envelope draw = envelope_row("the same; u from 0 to 1 - 2^-53, and beside every bin's edge",
                                  "draws of an item of weight 0 or out of range", 0);
 
-    (void)state;
     for (int k = 0; k < N_LAWS * COUNT(sizes); k++) {
         const law kind = (law)(k % N_LAWS);
         const size_t n = sizes[k / N_LAWS];
@@ -115,7 +109,6 @@ static void cdfs_hold_their_weights(void **state)
         "the same; u from 0 to 1 - 2^-53, and beside every step",
         "draws of an item of weight 0, or of another than the last with C <= u; remainders outside [0, 1)", 0);
 
-    (void)state;
     for (int k = 0; k < N_LAWS * COUNT(sizes); k++) {
         const law kind = (law)(k % N_LAWS);
         const size_t n = sizes[k / N_LAWS];
@@ -154,7 +147,6 @@ static double large_weight(size_t i) { return pow(10, 12 * (double)(bis_hash(i) 
 static void a_hundred_million_items_are_as_right_as_one(void **state)
 {
     const size_t n = 100000000;
-    (void)state;
     if (!envelope_long()) skip();
     envelope pmf =
         envelope_long_row("alias table of 1e8 weights, 1 to 1e12", "relative error of the implied probability", 1e-8);
@@ -211,7 +203,6 @@ static void marsaglias_list_is_exact_or_refused(void **state)
     envelope e = envelope_row("Marsaglia's list, weights to 2^64 - 1; u from 0 to 1 - 2^-53",
                               "wrong probabilities, draws of weight 0; lists over 2^24 that are not refused", 0);
 
-    (void)state;
     for (int k = 0; k < COUNT(weights); k++) {
         const uint64_t *w = weights[k];
         const double sum = (double)w[0] + (double)w[1] + (double)w[2];
@@ -240,7 +231,6 @@ static void curves_survive_the_ends_and_the_thinnest_rectangles(void **state)
     envelope cells = envelope_row("curve through rectangles of 1 x 1, 2 x 1, 1 x N, N x 1 to odd sides",
                                   "cells left out or visited twice; steps to a cell that is no neighbour", 0);
 
-    (void)state;
     for (int i = 0; i < COUNT(numbers); i++) {
         double u[2];
         bis_curve_hilbert(numbers[i], u);
@@ -275,7 +265,6 @@ static void point_sets_stay_in_the_square(void **state)
                                    "places that reach 1 or leave their stratum by more than rounding", 0);
     double (*u)[2] = bis_alloc(MOST, sizeof *u);
 
-    (void)state;
     assert_non_null(u);
     for (int k = 0; k < 4 * COUNT(samples) * COUNT(spps); k++) {
         const bis_sampler s = {.kind = (bis_sampler_kind)(k % 4),
@@ -312,7 +301,6 @@ static void numbers_below_n_are_below_n(void **state)
     static const uint64_t n[] = {1, 2, 3, (uint64_t)1 << 63, ((uint64_t)1 << 63) + 1, UINT64_MAX};
     envelope e = envelope_row("random numbers below n, n = 1 to 2^64 - 1", "numbers not below n", 0);
 
-    (void)state;
     for (int k = 0; k < COUNT(n); k++) {
         bis_rng r;
         bis_rng_init(&r, (uint64_t)k, 0, 0, 0);
@@ -324,7 +312,6 @@ static void numbers_below_n_are_below_n(void **state)
 
 static void page_has_the_same_rows(void **state)
 {
-    (void)state;
     envelope_finish(3, "Discrete distributions and point sets");
 }
 

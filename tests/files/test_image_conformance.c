@@ -3,19 +3,14 @@
  * table says (made by tests/support/image_checksums.py; the refused ones were looked at one by one). Of the damaged
  * files none is read. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <dirent.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct known_file {
     const char *name;
@@ -164,7 +159,6 @@ static bool is_right(const known_file *f, const bis_image *image)
 
 static void each_known_file_is_read_as_others_read_it_or_refused(void **state)
 {
-    (void)state;
     int n_wrong = 0;
     if (!is_there("exr") || !is_there("hdr")) {
         print_message("no conformance files at %s\n", shared_path(""));
@@ -187,7 +181,6 @@ static void each_known_file_is_read_as_others_read_it_or_refused(void **state)
 
 static void a_wrong_pixel_changes_the_checksum(void **state)
 {
-    (void)state;
     bis_image image;
     assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
     image.pixels[5] = (rgb){1, 2, 3};
@@ -202,7 +195,6 @@ static void a_wrong_pixel_changes_the_checksum(void **state)
 
 static void every_damaged_file_is_refused_with_one_error(void **state)
 {
-    (void)state;
     int n_read = 0;
     DIR *folder = opendir(shared_path("exr-damaged"));
     if (!folder) {

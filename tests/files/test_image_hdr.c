@@ -2,17 +2,12 @@
 /* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages;
  * the writer against the definition of the nearest RGBE. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define HEADER "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"
 
@@ -22,106 +17,69 @@ static void put_rgbe(bytes *b, int r, int g, int blue, int e)
     put(b, pixel, 4);
 }
 
-/* A 1 x 1 file with this header and pixel. */
-static void read_pixel(rgb *out, const char *header, int r, int g, int b, int e, const char *remark)
+#define ONE "\n-Y 1 +X 1\n"
+#define NO_FACTOR(value) {HEADER "EXPOSURE=2\nEXPOSURE=" value "\n" ONE, {128, 64, 32, 129}, {.5f, .25f, .125f}, \
+    "its EXPOSURE is \"" value "\", which is no factor: 1 is taken (some programs write 0 where they do not know it)"}
+
+static const struct {
+    const char *header;
+    unsigned char rgbe[4];
+    rgb is;
+    const char *remark;
+} pixels[] = {
+    {HEADER ONE, {255, 255, 255, 0}, {0, 0, 0}, NULL}, /* exponent 0 is black */
+    /* values are divided by the product of exposures and of colour corrections */
+    {HEADER "EXPOSURE=4\nVIEW= -vp 0 0 0\nEXPOSURE= 0.5\nCOLORCORR=1 2 .25\n\tEXPOSURE=100\n" ONE,
+     {128, 128, 128, 129}, {.5f, .25f, 2}, NULL},
+    {HEADER "EXPOSURE=3\n" ONE, {128, 64, 1, 136}, {128.0f / 3, 64.0f / 3, 1.0f / 3}, NULL},
+    /* FreeImage writes EXPOSURE=0, and 0 is no factor; nor is a negative one, or none at all */
+    NO_FACTOR("0"), NO_FACTOR("-1"), NO_FACTOR("nan"), NO_FACTOR("inf"), NO_FACTOR(" 0.0"),
+    {"#?RGBE\r\nFORMAT=32-bit_rle_rgbe\r\nEXPOSURE=2\r\n\r\n-Y 1 +X 1\r\n", {128, 128, 128, 129}, {.5f, .5f, .5f},
+     NULL},
+    /* the magic may name any program; blanks around a value */
+    {"#?RGBE\nFORMAT=32-bit_rle_rgbe\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {"#?ANYTHING else\n# a comment\nFORMAT=32-bit_rle_rgbe\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {"#?RGBE\nFORMAT= \t32-bit_rle_rgbe  \r\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    /* what we cannot honour is a warning */
+    {"#?RADIANCE\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, "it has no FORMAT line; 32-bit_rle_rgbe is assumed"},
+    {HEADER "PRIMARIES=.7 .3 .2 .7 .1 .05 .333 .333\n" ONE, {1, 2, 3, 136}, {1, 2, 3},
+     "its PRIMARIES are not those of Rec. 709; the values are taken as they are"},
+    {HEADER "PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {HEADER "PRIMARIES=0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.3290\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {HEADER "PRIMARIES=0 0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+};
+
+/* Of a file of a header and one pixel, and what is behind it. */
+static void expect_pixel(const char *header, const unsigned char rgbe[4], const char *tail, rgb is, const char *remark)
 {
     bytes file = {0};
     bis_image image;
     put_text(&file, header);
-    put_text(&file, "\n-Y 1 +X 1\n");
-    put_rgbe(&file, r, g, b, e);
+    put(&file, rgbe, 4);
+    put_text(&file, tail);
     store(scratch("pixel.hdr"), file.data, file.n);
     expect_image(&image, scratch("pixel.hdr"), remark);
-    *out = image.pixels[0];
+    assert_memory_equal(image.pixels, &is, sizeof is);
     bis_image_clear(&image);
     bytes_clear(&file);
+}
+
+static void each_header_gives_its_pixel_the_value_beside_it(void **state)
+{
+    for (size_t i = 0; i < sizeof pixels / sizeof *pixels; i++)
+        expect_pixel(pixels[i].header, pixels[i].rgbe, "", pixels[i].is, pixels[i].remark);
+    expect_pixel(HEADER ONE, (const unsigned char[]){1, 2, 3, 136}, "tail", (rgb){1, 2, 3},
+                 "4 bytes behind the last scanline are ignored");
 }
 
 static void a_value_is_mantissa_times_2_to_the_exponent_less_136(void **state)
 {
-    (void)state;
-    const int exponents[] = {1, 2, 100, 127, 128, 129, 136, 200, 255};
-    for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++) {
-        rgb v;
-        read_pixel(&v, HEADER, 255, 128, 1, exponents[i], NULL);
-        assert_true((double)v.r == 255 * pow(2, exponents[i] - 136));
-        assert_true((double)v.g == 128 * pow(2, exponents[i] - 136));
-        assert_true((double)v.b == 1 * pow(2, exponents[i] - 136));
+    const unsigned char exponents[] = {1, 2, 100, 127, 128, 129, 136, 200, 255};
+    for (size_t i = 0; i < sizeof exponents; i++) {
+        const double unit = pow(2, exponents[i] - 136);
+        expect_pixel(HEADER ONE, (const unsigned char[]){255, 128, 1, exponents[i]}, "",
+                     rgb_from(255 * unit, 128 * unit, unit), NULL);
     }
-}
-
-static void exponent_0_is_black(void **state)
-{
-    (void)state;
-    rgb v;
-    read_pixel(&v, HEADER, 255, 255, 255, 0, NULL);
-    assert_true(v.r == 0 && v.g == 0 && v.b == 0);
-}
-
-static void values_are_divided_by_the_product_of_exposures_and_of_colour_corrections(void **state)
-{
-    (void)state;
-    rgb v;
-    read_pixel(&v, HEADER "EXPOSURE=4\nVIEW= -vp 0 0 0\nEXPOSURE= 0.5\nCOLORCORR=1 2 .25\n\tEXPOSURE=100\n", 128, 128,
-        128, 129, NULL);
-    assert_true(v.r == .5f && v.g == .25f && v.b == 2);
-    read_pixel(&v, HEADER "EXPOSURE=3\n", 128, 64, 1, 136, NULL);
-    assert_true(v.r == 128.0f / 3 && v.g == 64.0f / 3 && v.b == 1.0f / 3);
-}
-
-/* FreeImage writes EXPOSURE=0, and 0 is no factor; nor is a negative one, or none at all. */
-static void an_exposure_that_is_no_factor_is_left_out_with_a_warning(void **state)
-{
-    (void)state;
-    const char *const none[] = {"0", "-1", "nan", "inf", " 0.0"};
-    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
-        char header[200], text[200];
-        rgb v;
-        snprintf(header, sizeof header, HEADER "EXPOSURE=2\nEXPOSURE=%s\n", none[i]);
-        snprintf(text, sizeof text,
-                 "its EXPOSURE is \"%s\", which is no factor: 1 is taken (some programs write 0 where they do not know "
-                 "it)",
-                 none[i]);
-        read_pixel(&v, header, 128, 64, 32, 129, text);
-        assert_true(v.r == .5f && v.g == .25f && v.b == .125f); /* of EXPOSURE=2 alone */
-    }
-}
-
-static void header_lines_may_end_in_carriage_return_and_newline(void **state)
-{
-    (void)state;
-    bytes file = {0};
-    bis_image image;
-    put_text(&file, "#?RGBE\r\nFORMAT=32-bit_rle_rgbe\r\nEXPOSURE=2\r\n\r\n-Y 1 +X 1\r\n");
-    put_rgbe(&file, 128, 128, 128, 129);
-    store(scratch("crlf.hdr"), file.data, file.n);
-    expect_image(&image, scratch("crlf.hdr"), NULL);
-    assert_true(image.pixels[0].r == .5f);
-    bis_image_clear(&image);
-    bytes_clear(&file);
-}
-
-static void the_magic_may_name_any_program(void **state)
-{
-    (void)state;
-    rgb v;
-    read_pixel(&v, "#?RGBE\nFORMAT=32-bit_rle_rgbe\n", 1, 2, 3, 136, NULL);
-    assert_true(v.r == 1 && v.g == 2 && v.b == 3);
-    read_pixel(&v, "#?ANYTHING else\n# a comment\nFORMAT=32-bit_rle_rgbe\n", 1, 2, 3, 136, NULL);
-    read_pixel(&v, "#?RGBE\nFORMAT= \t32-bit_rle_rgbe  \r\n", 1, 2, 3, 136, NULL); /* blanks around the value */
-    assert_true(v.r == 1 && v.g == 2 && v.b == 3);
-}
-
-static void what_we_cannot_honour_is_a_warning(void **state)
-{
-    (void)state;
-    rgb v;
-    read_pixel(&v, "#?RADIANCE\n", 1, 2, 3, 136, "it has no FORMAT line; 32-bit_rle_rgbe is assumed");
-    read_pixel(&v, HEADER "PRIMARIES=.7 .3 .2 .7 .1 .05 .333 .333\n", 1, 2, 3, 136,
-               "its PRIMARIES are not those of Rec. 709; the values are taken as they are");
-    read_pixel(&v, HEADER "PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n", 1, 2, 3, 136, NULL);
-    read_pixel(&v, HEADER "PRIMARIES=0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.3290\n", 1, 2, 3, 136, NULL);
-    read_pixel(&v, HEADER "PRIMARIES=0 0 0 0 0 0 0 0\n", 1, 2, 3, 136, NULL);
 }
 
 /* The order of the pixels of a 3 x 2 picture in a file, by walking the axes as the resolution line says. */
@@ -140,7 +98,6 @@ static void put_in_order(bytes *file, char slow, char fast, bool slow_minus, boo
 
 static void all_eight_orientations_put_every_pixel_in_its_place(void **state)
 {
-    (void)state;
     for (int i = 0; i < 8; i++) {
         const char slow = i & 1 ? 'X' : 'Y', fast = i & 1 ? 'Y' : 'X';
         char line[32];
@@ -211,7 +168,6 @@ static void put_new(bytes *file, int y)
 
 static void flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file(void **state)
 {
-    (void)state;
     void (*const kinds[])(bytes *, int) = {put_flat, put_old, put_new};
     for (int way = 0; way < 4; way++) { /* 3: every line in another encoding */
         bytes file = {0};
@@ -232,129 +188,50 @@ static void flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file(voi
 
 /* ---- bad files ---- */
 
-static void expect_bad(const char *text, const char *message)
-{
-    bytes file = {0};
-    put_text(&file, text);
-    expect_refusal_of(&file, "bad.hdr", message);
-    bytes_clear(&file);
-}
+#define ROWS(size) HEADER "\n" size "\n"
+#define NO_SIZE(line) {BYTES(ROWS(line) "abcdabcdabcdabcd"), \
+    "its resolution line is \"" line "\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768"}
+#define CUT_OFF "the file ends within the header"
+#define FACTORS(key, value, what) {BYTES(HEADER key "=" value "\n\n"), \
+    key " is \"" value "\", must be " what " above 0, as must be the product of all such lines"}
+#define DAMAGE(size, pixels, message) {BYTES(ROWS(size) pixels), "scanline 1 of 1, at byte 45, is damaged: " message}
 
-static void a_bad_header_is_named_by_its_line(void **state)
-{
-    (void)state;
-    expect_bad("#?RADIANCE", "the file ends within the header");
-    expect_bad("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n", "the file ends within the header");
-    expect_bad(HEADER "\n-Y 2 +X 2", "the file ends within the header");
-    expect_bad("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd",
-               "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)");
-    expect_bad("#?RADIANCE\nFORMAT=ascii\n\n", "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe");
-    expect_bad(HEADER "EXPOSURE=dark\n\n",
-        "EXPOSURE is \"dark\", must be a number above 0, as must be the product of all such lines");
-    expect_bad(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n",
-               "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines");
-    expect_bad(HEADER "COLORCORR=1 2\n\n",
-               "COLORCORR is \"1 2\", must be three numbers above 0, as must be the product of all such lines");
-}
+/* A header is named by its line, a scanline by its number and byte; a size is held against the length of the file. */
+static const bad_file damaged[] = {
+    {BYTES("#?RADIANCE"), CUT_OFF},
+    {BYTES("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"), CUT_OFF},
+    {BYTES(HEADER "\n-Y 2 +X 2"), CUT_OFF},
+    {BYTES("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd"),
+     "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)"},
+    {BYTES("#?RADIANCE\nFORMAT=ascii\n\n"), "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe"},
+    FACTORS("EXPOSURE", "dark", "a number"), FACTORS("COLORCORR", "1 2", "three numbers"),
+    {BYTES(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n"),
+     "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines"},
+    NO_SIZE(""), NO_SIZE("-Y 2"), NO_SIZE("-Y 2 -Y 2"), NO_SIZE("-Y 2 +Z 2"), NO_SIZE("Y 2 X 2"),
+    NO_SIZE("-Y 0 +X 2"), NO_SIZE("-Y -2 +X 2"), NO_SIZE("-Y 2 +X 32769"), NO_SIZE("-Y 40000 +X 40000"),
+    NO_SIZE("-Y 2 +X 2 3"), NO_SIZE("-Y 2 +X 2x"), NO_SIZE("-Y 99999999999999999999 +X 2"),
+    {BYTES(ROWS("-Y 32768 +X 32768") "abcdabcdabcdabcd"), "32768 scanlines of 32768 pixels need 393216 bytes or more, "
+     "but 16 follow the header (the file is cut off)"},
+    {BYTES(ROWS("-Y 3 +X 1") "abcd"),
+     "3 scanlines of 1 pixels need 12 bytes or more, but 4 follow the header (the file is cut off)"},
+    DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\1\1\1\3", "a run leads beyond its end"),
+    DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\1\1\1\0" "\1\1\1\0" "\1\1\1\0" "\1\1\1\1", "a run leads beyond its end"),
+    DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\x8\x8\x8\x8", "the file ends within it"),
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x9" "\0\0\0\0", "its length is not that of the resolution line"),
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x89\0\0\0", "a run leads beyond its end"),
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\0\0\0\0", "it has a run of length 0"),
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\x7\x8\x7", "the file ends within it"),
+    {BYTES(ROWS("-Y 2 +X 2") "\x9\x9\x9\x9" "\x9\x9\x9\x9" "\1\1\1\1" "\x9\x9\x9\x9"),
+     "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat"},
+};
 
-static void a_bad_resolution_line_is_quoted(void **state)
+static void a_bad_file_is_refused_by_its_line_or_scanline(void **state)
 {
-    (void)state;
-    const char *const lines[] = {"",           "-Y 2",         "-Y 2 -Y 2",    "-Y 2 +Z 2",      "Y 2 X 2",
-                                 "-Y 0 +X 2",  "-Y -2 +X 2",   "-Y 2 +X 32769", "-Y 40000 +X 40000", "-Y 2 +X 2 3",
-                                 "-Y 2 +X 2x", "-Y 99999999999999999999 +X 2"};
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
-        char text[256], message[256];
-        snprintf(text, sizeof text, HEADER "\n%s\nabcdabcdabcdabcd", lines[i]);
-        snprintf(message, sizeof message,
-                 "its resolution line is \"%s\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768",
-                 lines[i]);
-        expect_bad(text, message);
-    }
-}
-
-static void a_huge_size_is_held_against_the_length_of_the_file(void **state)
-{
-    (void)state;
-    expect_bad(HEADER "\n-Y 32768 +X 32768\nabcdabcdabcdabcd",
-               "32768 scanlines of 32768 pixels need 393216 bytes or more, but 16 follow the header (the file is cut "
-               "off)");
-    expect_bad(HEADER "\n-Y 3 +X 1\nabcd",
-        "3 scanlines of 1 pixels need 12 bytes or more, but 4 follow the header (the file is cut off)");
-}
-
-static void expect_bad_scanlines(const bytes *scanlines, int n, int width, const char *message)
-{
-    char line[64];
-    bytes file = {0};
-    snprintf(line, sizeof line, "\n-Y %d +X %d\n", n, width);
-    put_text(&file, HEADER);
-    put_text(&file, line);
-    put(&file, scanlines->data, scanlines->n);
-    expect_refusal_of(&file, "bad.hdr", message);
-    bytes_clear(&file);
-}
-
-static void a_damaged_scanline_is_named_by_number_and_byte(void **state)
-{
-    (void)state;
-    bytes b = {0};
-    put_rgbe(&b, 9, 9, 9, 9);
-    put_rgbe(&b, 1, 1, 1, 3);
-    expect_bad_scanlines(&b, 1, 3, "scanline 1 of 1, at byte 45, is damaged: a run leads beyond its end");
-    b.n = 0;
-    put_rgbe(&b, 9, 9, 9, 9);
-    put_rgbe(&b, 1, 1, 1, 0);
-    put_rgbe(&b, 1, 1, 1, 0);
-    put_rgbe(&b, 1, 1, 1, 0);
-    put_rgbe(&b, 1, 1, 1, 1);
-    expect_bad_scanlines(&b, 1, 3, "scanline 1 of 1, at byte 45, is damaged: a run leads beyond its end");
-    b.n = 0;
-    put_rgbe(&b, 9, 9, 9, 9);
-    put_rgbe(&b, 9, 9, 9, 9);
-    put_rgbe(&b, 1, 1, 1, 1);
-    put_rgbe(&b, 9, 9, 9, 9);
-    expect_bad_scanlines(
-        &b, 2, 2, "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat");
-    b.n = 0;
-    put_rgbe(&b, 9, 9, 9, 9);
-    put_rgbe(&b, 8, 8, 8, 8);
-    expect_bad_scanlines(&b, 1, 3, "scanline 1 of 1, at byte 45, is damaged: the file ends within it");
-    b.n = 0;
-    put_rgbe(&b, 2, 2, 0, 9);
-    put_rgbe(&b, 0, 0, 0, 0);
-    expect_bad_scanlines(
-        &b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: its length is not that of the resolution line");
-    b.n = 0;
-    put_rgbe(&b, 2, 2, 0, 8);
-    put_rgbe(&b, 137, 0, 0, 0);
-    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: a run leads beyond its end");
-    b.n = 0;
-    put_rgbe(&b, 2, 2, 0, 8);
-    put_rgbe(&b, 0, 0, 0, 0);
-    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: it has a run of length 0");
-    b.n = 0;
-    put_rgbe(&b, 2, 2, 0, 8);
-    put_rgbe(&b, 136, 7, 8, 7);
-    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: the file ends within it");
-    bytes_clear(&b);
-}
-
-static void bytes_behind_the_last_scanline_are_a_warning(void **state)
-{
-    (void)state;
-    bytes file = {0};
-    bis_image image;
-    put_text(&file, HEADER "\n-Y 1 +X 1\nabcdtail");
-    store(scratch("tail.hdr"), file.data, file.n);
-    expect_image(&image, scratch("tail.hdr"), "4 bytes behind the last scanline are ignored");
-    bis_image_clear(&image);
-    bytes_clear(&file);
+    expect_refusals(damaged, sizeof damaged / sizeof *damaged, "bad.hdr");
 }
 
 static void no_damage_leads_out_of_the_file(void **state)
 {
-    (void)state;
     void (*const kinds[])(bytes *, int) = {put_old, put_new};
     for (int i = 0; i < 2; i++) {
         bytes file = {0};
@@ -373,6 +250,16 @@ static void save(const bis_image *image, const char *path)
     bis_diag diag = {0};
     assert_int_equal(bis_image_save(image, path, &diag), BIS_OK);
     assert_int_equal(diag.n, 0);
+}
+
+/* Write the picture; what is read back. */
+static bis_image back_from(const bis_image *image)
+{
+    bis_image back;
+    save(image, scratch("back.hdr"));
+    expect_image(&back, scratch("back.hdr"), NULL);
+    assert_true(back.width == image->width && back.height == image->height);
+    return back;
 }
 
 static bis_image random_image(int width, int height, uint32_t seed)
@@ -403,14 +290,9 @@ static double step_at(rgb v)
 
 static void every_channel_comes_back_within_half_a_step_of_its_pixel(void **state)
 {
-    (void)state;
     const int widths[] = {1, 2, 7, 8, 9, 127, 128, 129, 255, 256, 1000, 32767, 32768};
     for (size_t i = 0; i < sizeof widths / sizeof widths[0]; i++) {
-        bis_image image = random_image(widths[i], 3, 11), back;
-        save(&image, scratch("back.hdr"));
-        expect_image(&back, scratch("back.hdr"), NULL);
-        assert_int_equal(back.width, widths[i]);
-        assert_int_equal(back.height, 3);
+        bis_image image = random_image(widths[i], 3, 11), back = back_from(&image);
         for (int k = 0; k < 3 * widths[i]; k++) {
             rgb a = image.pixels[k], b = back.pixels[k];
             /* a mantissa of 255.5 and more rounds up to 256, which doubles the step for the other two */
@@ -427,14 +309,12 @@ static void every_channel_comes_back_within_half_a_step_of_its_pixel(void **stat
 
 static void what_rgbe_holds_comes_back_exactly(void **state)
 {
-    (void)state;
-    bis_image image, back;
+    bis_image image;
     assert_int_equal(bis_image_init(&image, 255, 128, NULL), BIS_OK);
     for (int e = 1; e <= 255; e++)
         for (int m = 0; m < 128; m++) /* a largest mantissa of 128 to 255: the form that every writer uses */
             image.pixels[m * 255 + e - 1] = rgb_from(ldexp(128 + m, e - 136), ldexp(m, e - 136), 0);
-    save(&image, scratch("exact.hdr"));
-    expect_image(&back, scratch("exact.hdr"), NULL);
+    bis_image back = back_from(&image);
     assert_memory_equal(image.pixels, back.pixels, 255 * 128 * sizeof(rgb));
     bis_image_clear(&image);
     bis_image_clear(&back);
@@ -442,51 +322,26 @@ static void what_rgbe_holds_comes_back_exactly(void **state)
 
 static void values_below_the_smallest_exponent_round_to_its_steps(void **state)
 {
-    (void)state;
     const float step = 0x1p-135f;
     const rgb in[4] = {{step * 100, 0, step}, {step * 0.25f, 0, 0}, {step * 0.75f, 0, 0}, {step, step, step}};
-    bis_image image, back;
+    /* mantissas 1 1 1 are a run in a flat line: one step too bright in blue */
+    const rgb out[4] = {in[0], {0, 0, 0}, {step, 0, 0}, {step, step, 2 * step}};
+    bis_image image;
     assert_int_equal(bis_image_init(&image, 4, 1, NULL), BIS_OK);
     memcpy(image.pixels, in, sizeof in);
-    save(&image, scratch("tiny.hdr"));
-    expect_image(&back, scratch("tiny.hdr"), NULL);
-    assert_true(back.pixels[0].r == step * 100 && back.pixels[0].g == 0 && back.pixels[0].b == step);
-    assert_true(back.pixels[1].r == 0);
-    assert_true(back.pixels[2].r == step);
-    /* mantissas 1 1 1 are a run in a flat line: one step too bright in blue */
-    assert_true(back.pixels[3].r == step && back.pixels[3].g == step && back.pixels[3].b == 2 * step);
+    bis_image back = back_from(&image);
+    assert_memory_equal(back.pixels, out, sizeof out);
     bis_image_clear(&image);
     bis_image_clear(&back);
 }
 
 static void the_bytes_written_are_those_of_the_format(void **state)
 {
-    (void)state;
     const unsigned char planes[] = {
-        128 + 4,
-        128,
-        5,
-        64,
-        1,
-        128,
-        128,
-        128,   /* red: a run of four, a literal of five (a run of three saves nothing) */
-        128 + 4,
-        0,
-        5,
-        128,
-        128,
-        0,
-        0,
-        0,      /* green */
-        128 + 9,
-        0,                              /* blue */
-        128 + 4,
-        129,
-        1,
-        130,
-        128 + 4,
-        129,      /* exponents */
+        128 + 4, 128, 5, 64, 1, 128, 128, 128, /* red: a run of four, a literal of five (one of three saves nothing) */
+        128 + 4, 0, 5, 128, 128, 0, 0, 0,      /* green */
+        128 + 9, 0,                            /* blue */
+        128 + 4, 129, 1, 130, 128 + 4, 129,    /* exponents */
     };
     bytes expected = {0};
     bis_image image;
@@ -507,7 +362,6 @@ static void the_bytes_written_are_those_of_the_format(void **state)
 
 static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void **state)
 {
-    (void)state;
     const float bad[] = {-1, -1e-30f, NAN, INFINITY, -INFINITY, 3e38f, 255.5f * 0x1p119f};
     bis_image image;
     assert_int_equal(bis_image_init(&image, 3, 2, NULL), BIS_OK);
@@ -536,20 +390,11 @@ static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void *
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_header_gives_its_pixel_the_value_beside_it),
         cmocka_unit_test(a_value_is_mantissa_times_2_to_the_exponent_less_136),
-        cmocka_unit_test(exponent_0_is_black),
-        cmocka_unit_test(values_are_divided_by_the_product_of_exposures_and_of_colour_corrections),
-        cmocka_unit_test(an_exposure_that_is_no_factor_is_left_out_with_a_warning),
-        cmocka_unit_test(header_lines_may_end_in_carriage_return_and_newline),
-        cmocka_unit_test(the_magic_may_name_any_program),
-        cmocka_unit_test(what_we_cannot_honour_is_a_warning),
         cmocka_unit_test(all_eight_orientations_put_every_pixel_in_its_place),
         cmocka_unit_test(flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file),
-        cmocka_unit_test(a_bad_header_is_named_by_its_line),
-        cmocka_unit_test(a_bad_resolution_line_is_quoted),
-        cmocka_unit_test(a_huge_size_is_held_against_the_length_of_the_file),
-        cmocka_unit_test(a_damaged_scanline_is_named_by_number_and_byte),
-        cmocka_unit_test(bytes_behind_the_last_scanline_are_a_warning),
+        cmocka_unit_test(a_bad_file_is_refused_by_its_line_or_scanline),
         cmocka_unit_test(no_damage_leads_out_of_the_file),
         cmocka_unit_test(every_channel_comes_back_within_half_a_step_of_its_pixel),
         cmocka_unit_test(what_rgbe_holds_comes_back_exactly),

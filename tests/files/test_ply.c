@@ -1,49 +1,29 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* ply: every type, order and element, written here byte by byte; bad files with their exact messages; the files of the
- * wild against the counts of an independent reader. */
+/* ply: texts beside the mesh that each is, also as binary files; every type, order and element; bad files with their
+ * exact messages; the files of the wild against the counts of an independent reader. */
+#include "claim.h"
 #include "mesh_help.h"
 #include "files/ply.h"
 
-#include "bis/base/mem.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-#define SQUARE_HEADER "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-#define FACES(n) "element face " #n "\nproperty list uchar int vertex_indices\nend_header\n"
 #define ASCII "ply\nformat ascii 1.0\n"
+#define VERTICES(n) "element vertex " #n "\nproperty float x\nproperty float y\nproperty float z\n"
+#define FACES(n) "element face " #n "\nproperty list uchar int vertex_indices\nend_header\n"
+#define CORNERS "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+#define UV(u, v) "element vertex 3\nproperty float x\nproperty float " u "\nproperty float y\nproperty float " v \
+    "\nproperty float z\n"
+#define UV_BODY "0 0.25 0 0.5 0\n1 1 0 nan 0\n0 -2 1 1e39 9\n3 0 1 2\n"
 
-static const float square[4][3] = {{0, 0, 0}, {1, 0, 0.5f}, {1, 1, 0}, {0, 1, -0.25f}};
-
-static bytes text_file(const char *text)
+/* The text of a file without its first line and its format: an ascii file. */
+static bytes ascii_of(const char *text)
 {
     bytes b = {0};
-
-    if (*text) put_text(&b, text);
+    put_text(&b, ASCII);
+    put_text(&b, text);
     return b;
-}
-
-static void expect_text(bis_mesh *m, const char *text, const char *warning)
-{
-    bytes b = text_file(text);
-
-    expect_mesh_of(bis_ply_read, m, &b, "text.ply", warning);
-    bytes_clear(&b);
-}
-
-static void refuse_text(const char *text, int line, const char *message)
-{
-    bytes b = text_file(text);
-
-    expect_mesh_refusal_of(bis_ply_read, &b, "bad.ply", line, message);
-    bytes_clear(&b);
 }
 
 /* The low byte first, or the high one. */
@@ -64,414 +44,387 @@ static void put_number(bytes *b, double v, const char *type, bool big)
     for (size_t i = 0; i < n; i++) put(b, &raw[big ? n - 1 - i : i], 1);
 }
 
-/* A binary square as one quad: coordinates times 4 (whole numbers) of type `coordinate`, a scalar in the middle, lists
- * before and behind the indices. */
-static bytes binary_square(bool big, const char *coordinate, const char *count, const char *index)
+/* The same text as a binary file: each number of the body is of its property's type; a list has its count before. */
+static bytes binary_of(const char *text, bool big)
 {
+    const char *const end = strstr(text, "end_header\n") + strlen("end_header\n");
+    char *body = strdup(end), *at = body;
     bytes b = {0};
-    char header[512];
-
-    snprintf(header, sizeof header,
-             "ply\nformat binary_%s_endian 1.0\ncomment by hand\nelement vertex 4\nproperty %s z\nproperty uchar "
-             "red\nproperty %s "
-             "x\nproperty list ushort double bones\nproperty %s y\nobj_info none\nelement face 1\nproperty list uchar "
-             "float "
-             "texcoord\nproperty list %s %s vertex_index\nproperty short group\nelement edge 1\nproperty int "
-             "a\nend_header\n",
-             big ? "big" : "little", coordinate, coordinate, coordinate, count, index);
-    put_text(&b, header);
-    for (size_t i = 0; i < 4; i++) {
-        put_number(&b, 4 * (double)square[i][2], coordinate, big);
-        put_number(&b, 200, "uchar", big);
-        put_number(&b, 4 * (double)square[i][0], coordinate, big);
-        put_number(&b, (double)i, "ushort", big);
-        for (size_t k = 0; k < i; k++) put_number(&b, 1e300, "double", big);
-        put_number(&b, 4 * (double)square[i][1], coordinate, big);
+    put_text(&b, big ? "ply\nformat binary_big_endian 1.0\n" : "ply\nformat binary_little_endian 1.0\n");
+    put(&b, text, (size_t)(end - text));
+    for (const char *element = strstr(text, "element"), *next; element && element < end; element = next) {
+        long n_rows = 0;
+        sscanf(element, "element %*s %ld", &n_rows);
+        next = strstr(element + 1, "element ");
+        for (; n_rows > 0; n_rows--)
+            for (const char *line = element; line < (next ? next : end); line = strchr(line, '\n') + 1) {
+                char type[16], items[16];
+                if (sscanf(line, "property %15s %15s", type, items) != 2) continue;
+                long n = 1;
+                if (strcmp(type, "list") == 0) {
+                    n = strtol(at, &at, 10);
+                    put_number(&b, (double)n, items, big);
+                    sscanf(line, "property list %*s %15s", type);
+                }
+                for (; n > 0; n--) put_number(&b, strtod(at, &at), type, big);
+            }
     }
-    put_number(&b, 2, "uchar", big);
-    put_number(&b, 0.5, "float", big);
-    put_number(&b, 0.5, "float", big);
-    put_number(&b, 4, count, big);
-    for (int i = 0; i < 4; i++) put_number(&b, i, index, big);
-    put_number(&b, -7, "short", big);
-    put_number(&b, 1, "int", big);
+    free(body);
     return b;
+}
+
+static const struct {
+    enum { ANY, ALONE, WITH_UV } kind; /* ALONE: no binary file says this; WITH_UV: read by bis_ply_read_uv */
+    const char *claim, *text, *warning, *mesh;
+} texts[] = {
+    {ALONE, "rows may span lines, and numbers be spelled in any way",
+     "element vertex 3\nproperty float32 x\nproperty float64 y\nproperty int8 z\n"
+     "element face 1\nproperty list uint8 int32 vertex_indices\nend_header\n"
+     " +1.5e0\t.25 -3 \n1\n\n1\r1\n 7. 8e-1 9\r\n3 0 1\n2",
+     NULL, "1.5 0.25 -3, 1 1 1, 7 0.8 9; 0 1 2"},
+    {ALONE, "what is too much in a line is skipped", VERTICES(4) FACES(1)
+     "0 0 0 \n1 0 0 9 9\n1 1 0\t\n0 1 0\n3 1 2 3 0.5 0.5\r\n",
+     "2 lines hold more numbers than the header says: the rest of them is skipped",
+     "0 0 0, 1 0 0, 1 1 0, 0 1 0; 1 2 3"},
+    {ANY, "faces may come before their vertices",
+     "element face 1\nproperty list uchar int vertex_indices\n" VERTICES(3)
+     "end_header\n3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n",
+     NULL, "0 0 0, 1 0 0, 0 1 0; 2 1 0"},
+    {ANY, "polygons become fans, and small ones are left out and counted",
+     VERTICES(5) FACES(4) "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n5 0 1 2 3 4\n2 0 1\n0\n3 2 3 4\n",
+     "2 faces have fewer than 3 vertices and are left out",
+     "0 0 0, 1 0 0, 2 1 0, 1 2 0, 0 1 0; 0 1 2, 0 2 3, 0 3 4, 2 3 4"},
+    {ANY, "strips alternate their winding and begin anew after -1",
+     VERTICES(5) "element tristrips 2\nproperty list int int vertex_indices\nend_header\n"
+     "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n8 0 1 2 3 -1 2 3 4\n4 4 3 2 1\n",
+     NULL, "0 0 0, 1 0 0, 2 1 0, 1 2 0, 0 1 0; 0 1 2, 2 1 3, 2 3 4, 4 3 2, 2 3 1"},
+    {ANY, "broken normals stand for the faces'",
+     "element vertex 3\nproperty float nx\nproperty float x\nproperty float y\nproperty float z\nproperty float ny\n"
+     "property float nz\n" FACES(1) "0 1 2 3 0 1\nnan 4 5 6 0 1\n0 7 8 10 1e60 0\n3 0 1 2\n",
+     "2 vertex normals are not finite: the faces' normals are used there",
+     "1 2 3 n 0 0 1, 4 5 6 n 0 0 0, 7 8 10 n 0 0 0; 0 1 2"},
+    {ANY, "a short cut meets a quad half way",
+     VERTICES(4) "element face 3\nproperty list uchar uint vertex_indices\nend_header\n" CORNERS
+     "3 0 1 2\n4 0 1 2 3\n3 0 1 2\n", NULL, "0 0 0, 1 0 0, 1 1 0, 0 1 0; 0 1 2, 0 1 2, 0 2 3, 0 1 2"},
+    {ANY, "an empty mesh is legal", "end_header\n",
+     "no triangles: nothing of this mesh will be seen (0 vertices)", "; "},
+    {ANY, "a mesh without faces is legal", VERTICES(4) "end_header\n" CORNERS,
+     "no triangles: nothing of this mesh will be seen (4 vertices)", "0 0 0, 1 0 0, 1 1 0, 0 1 0; "},
+    {ALONE, "an element without properties takes neither room nor time",
+     "element nothing 1844674407370955161\nend_header\n",
+     "no triangles: nothing of this mesh will be seen (0 vertices)", "; "},
+    {ANY, "the last property of a name counts, and two of the three of a normal make none",
+     VERTICES(3) "property float x\nproperty float nx\nproperty float ny\n" FACES(1)
+     "9 0 0 1 1 0\n9 1 0 2 1 0\n9 0 1 3 1 0\n3 0 1 2\n", NULL, "1 0 0, 2 1 0, 3 0 1; 0 1 2"},
+#define NAMES(kind, u, v, warning, mesh) \
+    {kind, "texture coordinates have four pairs of names", UV(u, v) FACES(1) UV_BODY, warning, mesh}
+#define PAIR(u, v) NAMES(WITH_UV, u, v, \
+    "2 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)", \
+    "0 0 0 t 0.25 0.5, 1 0 0 t none, 0 1 9 t none; 0 1 2")
+    PAIR("u", "v"), PAIR("s", "t"), PAIR("texture_u", "texture_v"), PAIR("texture_s", "texture_t"),
+    NAMES(ANY, "u", "v", NULL, "0 0 0, 1 0 0, 0 1 9; 0 1 2"), /* none without the reader for them */
+    NAMES(WITH_UV, "u", "w", NULL, "0 0 0, 1 0 0, 0 1 9; 0 1 2"),
+    NAMES(WITH_UV, "w", "v", NULL, "0 0 0, 1 0 0, 0 1 9; 0 1 2"),
+    {WITH_UV, "of two pairs of names the first in the list counts, wherever it stands",
+     UV("s", "t") "property float v\nproperty float u\n" FACES(1)
+     "0 3 0 4 0 2 1\n0 3 1 4 0 2 1\n1 3 0 4 0 2 1\n3 0 1 2\n", NULL,
+     "0 0 0 t 1 2, 0 1 0 t 1 2, 1 0 0 t 1 2; 0 1 2"},
+};
+
+static void each_text_is_its_mesh_in_ascii_and_both_byte_orders(void **state)
+{
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        for (int format = 0; format < (texts[i].kind == ALONE ? 1 : 3); format++) {
+            bytes b = format ? binary_of(texts[i].text, format == 2) : ascii_of(texts[i].text);
+            mesh_reader *const read = texts[i].kind == WITH_UV ? bis_ply_read_uv : bis_ply_read;
+            expect_mesh_words(read, &b, "text.ply", texts[i].warning, texts[i].claim, texts[i].mesh);
+            bytes_clear(&b);
+        }
+}
+
+/* A square as one quad, coordinates of type `coordinate`, a scalar in the middle, lists before and behind the
+ * indices. */
+static const char *typed_square(const char *coordinate, const char *count, const char *index)
+{
+    static char text[1024];
+    snprintf(text, sizeof text, "comment by hand\nelement vertex 4\nproperty %s z\nproperty uchar red\nproperty %s x\n"
+             "property list ushort double bones\nproperty %s y\nobj_info none\nelement face 1\n"
+             "property list uchar float texcoord\nproperty list %s %s vertex_index\nproperty short group\n"
+             "element edge 1\nproperty int a\nend_header\n0 200 0 0 0\n2 200 4 1 1e300 0\n0 200 4 2 1e300 1e300 4\n"
+             "-1 200 0 3 1e300 1e300 1e300 4\n2 0.5 0.5 4 0 1 2 3 -7\n1\n", coordinate, coordinate, coordinate, count,
+             index);
+    return text;
 }
 
 static void all_types_orders_and_places_of_properties_read_the_same(void **state)
 {
     static const char *const coordinates[] = {"char", "short", "int", "float", "double"};
     static const char *const integers[] = {"char", "uchar", "short", "ushort", "int", "uint"};
-    (void)state;
     for (size_t i = 0; i < 2 * 5 * 6 * 6; i++) {
-        bytes b = binary_square(i % 2, coordinates[i / 2 % 5], integers[i / 10 % 6], integers[i / 60]);
-        bis_mesh m;
-        expect_mesh_of(bis_ply_read, &m, &b, "square.ply", NULL);
-        assert_int_equal(m.n_vertices, 4);
-        assert_int_equal(m.n_triangles, 2);
-        for (size_t k = 0; k < 4; k++) {
-            assert_true(m.p[k].x == 4 * square[k][0] && m.p[k].y == 4 * square[k][1] && m.p[k].z == 4 * square[k][2]);
-        }
-        assert_triangle(&m, 0, 0, 1, 2);
-        assert_triangle(&m, 1, 0, 2, 3);
-        bis_mesh_clear(&m);
+        const char *const text = typed_square(coordinates[i / 2 % 5], integers[i / 10 % 6], integers[i / 60]);
+        bytes b = binary_of(text, i % 2);
+        expect_mesh_words(bis_ply_read, &b, "square.ply", NULL, text, "0 0 0, 4 0 2, 4 4 0, 0 4 -1; 0 1 2, 0 2 3");
         bytes_clear(&b);
     }
 }
 
-static void ascii_rows_may_span_lines_and_numbers_be_spelled_in_any_way(void **state)
+/* The text's first n bytes with other ends of lines, and what follows them. */
+static bytes with_ends(const char *text, size_t n, const char *end, const bytes *rest)
 {
-    bis_mesh m;
-    (void)state;
-    expect_text(&m, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float32 x\nproperty float64 y\nproperty int8 z\n"
-                    "element face 1\nproperty list uint8 int32 vertex_indices\nend_header\n"
-                    " +1.5e0\t.25 -3 \n1\n\n1\r1\n 7. 8e-1 9\r\n3 0 1\n2", NULL);
-    assert_int_equal(m.n_triangles, 1);
-    assert_true(m.p[0].x == 1.5f && m.p[0].y == 0.25f && m.p[0].z == -3);
-    assert_true(m.p[2].x == 7 && m.p[2].y == 0.8f && m.p[2].z == 9);
-    bis_mesh_clear(&m);
+    bytes b = {0};
+    for (; n > 0; n--, text++) put(&b, *text == '\n' ? end : text, *text == '\n' ? strlen(end) : 1);
+    if (rest) put(&b, rest->data, rest->n);
+    return b;
 }
 
-static void what_is_too_much_in_a_line_is_skipped_with_a_warning(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m, ASCII SQUARE_HEADER FACES(1) "0 0 0 \n1 0 0 9 9\n1 1 0\t\n0 1 0\n3 1 2 3 0.5 0.5\r\n",
-                "2 lines hold more numbers than the header says: the rest of them is skipped");
-    assert_true(m.p[2].x == 1 && m.p[2].y == 1);
-    assert_triangle(&m, 0, 1, 2, 3);
-    bis_mesh_clear(&m);
-}
-
-static void faces_may_come_before_their_vertices(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m,
-        ASCII "element face 1\nproperty list uchar int vertex_indices\nelement vertex 3\nproperty float x\nproperty "
-              "float y\nproperty float z\nend_header\n3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n",
-        NULL);
-    assert_triangle(&m, 0, 2, 1, 0);
-    bis_mesh_clear(&m);
-}
-
-static void polygons_become_fans_and_small_ones_are_left_out_and_counted(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m, ASCII "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n" FACES(4)
-                    "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n5 0 1 2 3 4\n2 0 1\n0\n3 2 3 4\n",
-                "2 faces have fewer than 3 vertices and are left out");
-    assert_int_equal(m.n_triangles, 4);
-    assert_triangle(&m, 0, 0, 1, 2);
-    assert_triangle(&m, 1, 0, 2, 3);
-    assert_triangle(&m, 2, 0, 3, 4);
-    assert_triangle(&m, 3, 2, 3, 4);
-    bis_mesh_clear(&m);
-}
-
-static void strips_alternate_their_winding_and_begin_anew_after_minus_1(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m,
-        ASCII
-        "element vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 2\nproperty list "
-        "int int vertex_indices\nend_header\n0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n8 0 1 2 3 -1 2 3 4\n4 4 3 2 1\n",
-        NULL);
-    assert_int_equal(m.n_triangles, 5);
-    assert_triangle(&m, 0, 0, 1, 2);
-    assert_triangle(&m, 1, 2, 1, 3);
-    assert_triangle(&m, 2, 2, 3, 4);
-    assert_triangle(&m, 3, 4, 3, 2);
-    assert_triangle(&m, 4, 2, 3, 1);
-    bis_mesh_clear(&m);
-}
-
-static void normals_are_read_and_broken_ones_stand_for_the_faces(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m,
-        ASCII
-        "element vertex 3\nproperty float nx\nproperty float x\nproperty float y\nproperty float z\nproperty float "
-        "ny\nproperty float nz\n" FACES(1) "0 1 2 3 0 1\nnan 4 5 6 0 1\n0 7 8 10 1e60 0\n3 0 1 2\n",
-        "2 vertex normals are not finite: the faces' normals are used there");
-    assert_non_null(m.n);
-    assert_true(m.p[1].x == 4 && m.p[1].z == 6);
-    assert_true(m.n[0].x == 0 && m.n[0].y == 0 && m.n[0].z == 1);
-    for (int i = 1; i < 3; i++) assert_true(m.n[i].x == 0 && m.n[i].y == 0 && m.n[i].z == 0);
-    bis_mesh_clear(&m);
-}
+static const char *const ends[] = {"\n", "\r\n", "\r"};
 
 /* Behind "end_header\r\n" both bytes belong to the line's end; behind "end_header\n" a first byte \n belongs to the
  * body, and behind "end_header\r" it does where all lines end so. */
 static void every_line_end_leaves_a_body_that_begins_with_a_newline_alone(void **state)
 {
-    static const char *const ends[] = {"\n", "\r\n", "\r"};
-    (void)state;
+    static const char header[] = "ply\nformat binary_little_endian 1.0\ncomment x\n" VERTICES(3) FACES(1);
+    bytes body = {0};
+    put_text(&body, "\n\r\n?"); /* as a float: 0.5392615 */
+    for (int k = 1; k < 9; k++) put_float(&body, (float)k);
+    put_int(&body, 3, 1);
+    for (uint64_t k = 0; k < 3; k++) put_int(&body, k, 4);
     for (int i = 0; i < 3; i++) {
-        const char *lines[] = {"ply", "format binary_little_endian 1.0", "comment x", "element vertex 3",
-            "property float x", "property float y", "property float z", "element face 1",
-            "property list uchar int vertex_indices", "end_header"};
-        bytes b = {0};
-        bis_mesh m;
-        float first;
-        for (size_t k = 0; k < 10; k++) {
-            put_text(&b, lines[k]);
-            put_text(&b, ends[i]);
-        }
-        memcpy(&first, "\n\r\n?", 4);
-        for (int k = 0; k < 9; k++) put_float(&b, k == 0 ? first : (float)k);
-        put_int(&b, 3, 1);
-        for (uint64_t k = 0; k < 3; k++) put_int(&b, k, 4);
-        expect_mesh_of(bis_ply_read, &m, &b, "ends.ply", NULL);
-        assert_true(m.p[0].x == first && m.p[2].z == 8);
-        bis_mesh_clear(&m);
+        bytes b = with_ends(header, sizeof header - 1, ends[i], &body);
+        expect_mesh_words(bis_ply_read, &b, "ends.ply", NULL, "ends of lines", "0.5392615 1 2, 3 4 5, 6 7 8; 0 1 2");
+        bytes_clear(&b);
+    }
+    bytes_clear(&body);
+}
+
+/* Where every line is counted: a word that is no number stands where it stands for all three ends of lines, which are
+ * one each. */
+static void lines_are_counted_by_any_end(void **state)
+{
+    static const char text[] = ASCII "comment a b c d e f g\n" VERTICES(4) FACES(1) "0 0 0\n1 0 0\n\n1 1 0\n0 x 0\n";
+    for (int i = 0; i < 3; i++) {
+        bytes b = with_ends(text, sizeof text - 1, ends[i], NULL);
+        expect_mesh_refusal_of(bis_ply_read, &b, "lines.ply", 15, "\"x\" where a number of vertex 3 should stand");
         bytes_clear(&b);
     }
 }
 
-static void an_empty_mesh_is_legal_with_a_warning(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m, ASCII "end_header\n", "no triangles: nothing of this mesh will be seen (0 vertices)");
-    assert_int_equal(m.n_vertices, 0);
-    bis_mesh_clear(&m);
-    expect_text(&m, ASCII SQUARE_HEADER "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0",
-                "no triangles: nothing of this mesh will be seen (4 vertices)");
-    assert_int_equal(m.n_vertices, 4);
-    bis_mesh_clear(&m);
-}
+/* ---- bad files ---- */
 
-static void bad_headers_are_refused_by_line(void **state)
-{
-    (void)state;
-    refuse_text("", 0, "the file is empty");
-    refuse_text("plyx\n", 0, "not a PLY file: its first line must be \"ply\"");
-    refuse_text("\nply\n", 0, "not a PLY file: its first line must be \"ply\"");
-    refuse_text("solid cube\n", 0, "not a PLY file: its first line must be \"ply\"");
-    refuse_text("ply", 0, "the header has no line \"end_header\": is the file cut off?");
-    refuse_text(ASCII "element vertex 3\n", 0, "the header has no line \"end_header\": is the file cut off?");
-    refuse_text("ply\nend_header\n", 0, "the header has no line \"format\"");
-    refuse_text("ply\nformat binary 1.0\nend_header\n", 2,
-                "the format must be ascii, binary_little_endian or binary_big_endian, and the version 1.0");
-    refuse_text("ply\nformat ascii 2.0\nend_header\n", 2,
-                "the format must be ascii, binary_little_endian or binary_big_endian, and the version 1.0");
-    refuse_text(ASCII "elephant vertex 3\n", 3, "unknown word \"elephant\" in the header");
-    refuse_text(ASCII "element vertex -3\n", 3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    refuse_text(ASCII "element vertex\n", 3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    refuse_text(ASCII "element vertex 99999999999999999999\n", 3,
-        "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    refuse_text(ASCII "property float x\n", 3, "a property before the first element");
-    refuse_text(ASCII "element vertex 1\nproperty float\n", 4,
-                "a property is \"property TYPE NAME\" or \"property list COUNT-TYPE TYPE NAME\"");
-    refuse_text(ASCII "element vertex 1\nproperty half x\n", 4,
-                "\"half\" is no type: char, uchar, short, ushort, int, uint, float, double");
-    refuse_text(ASCII "element vertex 1\nproperty list float int x\n", 4,
-                "\"float\" is no type of a list's count: char, uchar, short, ushort, int, uint");
-}
+#define NO_END "the header has no line \"end_header\": is the file cut off?"
+#define NO_FORMAT "the format must be ascii, binary_little_endian or binary_big_endian, and the version 1.0"
+#define NO_ELEMENT "an element is \"element NAME COUNT\", COUNT a whole number >= 0"
+#define NO_PLY "not a PLY file: its first line must be \"ply\""
+#define SQUARE ASCII VERTICES(4)
+#define ONE SQUARE FACES(1)
+#define LARGE(n) "ply\nformat binary_big_endian 1.0\nelement vertex " n "\nproperty double x\nproperty float y\n" \
+    "property float z\nend_header\n0123456789abcdef"
 
-static void bad_bodies_are_refused_by_line_vertex_or_face(void **state)
-{
-    (void)state;
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", 12,
-                "\"x\" where a number of vertex 2 should stand");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2x\n", 14,
-                "\"2x\" where a number of face 0 should stand");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1", 0, "the file ends in face 0 of 1");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 inf\n0 1 0\n3 0 1 2", 0,
-                "vertex 2 has z = inf, must be a finite float");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 nan 0\n1 1 0\n0 1 0\n3 0 1 2", 0,
-                "vertex 1 has y = nan, must be a finite float");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "1e39 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2", 0,
-                "vertex 0 has x = 1e+39, must be a finite float");
-    refuse_text(ASCII SQUARE_HEADER FACES(2) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 1 4", 0,
-                "face 1 has the index 4, but there are 4 vertices");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 -1 2", 0,
-                "face 0 has the index -1, but there are 4 vertices");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1.5 2", 0,
-                "face 0 has the index 1.5, but there are 4 vertices");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-3 0 1 2", 0,
-                "face 0: the list \"vertex_indices\" has -3 items");
-    refuse_text(
-        ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4000000000 0 1 2", 0, "the file ends in face 0 of 1");
-    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float z\nend_header\n1 2\n", 0,
-        "a vertex has no property \"y\"");
-    refuse_text(ASCII "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n", 0,
-        "a vertex has no property \"x\"");
-    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n", 0,
-        "a vertex has no property \"z\"");
-    refuse_text(ASCII SQUARE_HEADER SQUARE_HEADER
-        "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n",
-        0, "the element \"vertex\" occurs twice");
-    refuse_text(ASCII "element face 1\nproperty list uchar int corners\nend_header\n3 0 1 2\n", 0,
-                "the element \"face\" has no list \"vertex_indices\"");
-    refuse_text(ASCII "element strange 1\nproperty list char int x\nend_header\n-1\n", 0,
-        "strange 0: the list \"x\" has -1 items");
-}
+/* 32 characters of a long word are told. An element's count is held against the file before memory is asked for. */
+static const struct {
+    const char *text;
+    int line;
+    const char *message;
+} bad[] = {
+    {"", 0, "the file is empty"},
+    {"plyx\n", 0, NO_PLY},
+    {"\nply\n", 0, NO_PLY},
+    {"solid cube\n", 0, NO_PLY},
+    {"ply", 0, NO_END},
+    {ASCII "element vertex 3\n", 0, NO_END},
+    {"ply\nend_header\n", 0, "the header has no line \"format\""},
+    {"ply\nformat binary 1.0\nend_header\n", 2, NO_FORMAT},
+    {"ply\nformat ascii 2.0\nend_header\n", 2, NO_FORMAT},
+    {ASCII "elephant vertex 3\n", 3, "unknown word \"elephant\" in the header"},
+    {ASCII "element vertex -3\n", 3, NO_ELEMENT},
+    {ASCII "element vertex\n", 3, NO_ELEMENT},
+    {ASCII "element vertex 99999999999999999999\n", 3, NO_ELEMENT},
+    {LARGE("18446744073709551615"), 3, NO_ELEMENT},
+    {ASCII "property float x\n", 3, "a property before the first element"},
+    {ASCII "element vertex 1\nproperty float\n", 4,
+     "a property is \"property TYPE NAME\" or \"property list COUNT-TYPE TYPE NAME\""},
+    {ASCII "element vertex 1\nproperty half x\n", 4,
+     "\"half\" is no type: char, uchar, short, ushort, int, uint, float, double"},
+    {ASCII "element vertex 1\nproperty list float int x\n", 4,
+     "\"float\" is no type of a list's count: char, uchar, short, ushort, int, uint"},
 
-static void counts_are_held_against_the_file_before_memory_is_asked_for(void **state)
-{
-    (void)state;
-    refuse_text(ASCII
-        "element vertex 200000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n",
-        0, "200000000 rows of \"vertex\" of at least 6 bytes each, but the file has 6 bytes left");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 18446744073709551615\nproperty double x\nproperty "
-                "float y\nproperty "
-                "float z\nend_header\n0123456789abcdef",
-        3, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 1844674407370955161\nproperty double x\nproperty "
-                "float y\nproperty "
-                "float z\nend_header\n0123456789abcdef",
-        0, "1844674407370955161 vertices, must be below 2^32 - 1");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement vertex 2\nproperty double x\nproperty float y\nproperty "
-                "float z\nend_header\n0123456789abcdef", 0,
-                "2 rows of \"vertex\" of at least 16 bytes each, but the file has 16 bytes left");
-    refuse_text("ply\nformat binary_big_endian 1.0\nelement face 4000000000\nproperty list uchar int "
-                "vertex_index\nend_header\nx",
-        0, "4000000000 rows of \"face\" of at least 1 bytes each, but the file has 1 bytes left");
-}
+    {ONE "0 0 0\n1 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", 12, "\"x\" where a number of vertex 2 should stand"},
+    {ONE "0 0 0\n1 abcdefghijklmnopqrstuvwxyz0123456789 0\n1 1 0\n0 1 0\n3 0 1 2\n", 11,
+     "\"abcdefghijklmnopqrstuvwxyz012345\" where a number of vertex 1 should stand"},
+    {ONE CORNERS "3 0 1 2x\n", 14, "\"2x\" where a number of face 0 should stand"},
+    {ONE CORNERS "3 0 1", 0, "the file ends in face 0 of 1"},
+    {ONE "0 0 0\n1 0 0\n1 1 inf\n0 1 0\n3 0 1 2", 0, "vertex 2 has z = inf, must be a finite float"},
+    {ONE "0 0 0\n1 nan 0\n1 1 0\n0 1 0\n3 0 1 2", 0, "vertex 1 has y = nan, must be a finite float"},
+    {ONE "1e39 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2", 0, "vertex 0 has x = 1e+39, must be a finite float"},
+    {SQUARE FACES(2) CORNERS "3 0 1 2\n3 0 1 4", 0, "face 1 has the index 4, but there are 4 vertices"},
+    {ONE CORNERS "3 0 -1 2", 0, "face 0 has the index -1, but there are 4 vertices"},
+    {ONE CORNERS "3 0 1.5 2", 0, "face 0 has the index 1.5, but there are 4 vertices"},
+    {ONE CORNERS "-3 0 1 2", 0, "face 0: the list \"vertex_indices\" has -3 items"},
+    {ONE CORNERS "4000000000 0 1 2", 0, "the file ends in face 0 of 1"},
+    {ASCII "element vertex 1\nproperty float x\nproperty float z\nend_header\n1 2\n", 0,
+     "a vertex has no property \"y\""},
+    {ASCII "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n", 0,
+     "a vertex has no property \"x\""},
+    {ASCII "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n", 0,
+     "a vertex has no property \"z\""},
+    {SQUARE VERTICES(4) "end_header\n" CORNERS CORNERS, 0, "the element \"vertex\" occurs twice"},
+    {ASCII "element face 1\nproperty list uchar int corners\nend_header\n3 0 1 2\n", 0,
+     "the element \"face\" has no list \"vertex_indices\""},
+    {ASCII "element strange 1\nproperty list char int x\nend_header\n-1\n", 0,
+     "strange 0: the list \"x\" has -1 items"},
 
-static void an_element_without_properties_takes_neither_room_nor_time(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m, ASCII "element nothing 1844674407370955161\nend_header\n",
-                "no triangles: nothing of this mesh will be seen (0 vertices)");
-    bis_mesh_clear(&m);
-}
+    {ASCII VERTICES(200000000) "end_header\n0 0 0\n", 0,
+     "200000000 rows of \"vertex\" of at least 6 bytes each, but the file has 6 bytes left"},
+    {ONE "0 0 0\n1 0 0\n1 1", 0, "4 rows of \"vertex\" of at least 6 bytes each, but the file has 15 bytes left"},
+    {ASCII VERTICES(4294967294) "end_header\n0 0 0", 0,
+     "4294967294 rows of \"vertex\" of at least 6 bytes each, but the file has 5 bytes left"},
+    {ASCII VERTICES(4294967295) "end_header\n0 0 0", 0, "4294967295 vertices, must be below 2^32 - 1"},
+    {LARGE("1844674407370955161"), 0, "1844674407370955161 vertices, must be below 2^32 - 1"},
+    {LARGE("2"), 0, "2 rows of \"vertex\" of at least 16 bytes each, but the file has 16 bytes left"},
+    {"ply\nformat binary_big_endian 1.0\nelement face 4000000000\nproperty list uchar int vertex_index\nend_header\nx",
+     0, "4000000000 rows of \"face\" of at least 1 bytes each, but the file has 1 bytes left"},
+};
 
-static void a_short_cut_checks_every_corner(void **state)
+static void a_bad_file_is_refused_by_line_vertex_or_face(void **state)
 {
-    (void)state;
-    for (uint64_t bad = 0; bad < 6; bad++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         bytes b = {0};
-        char message[80];
-        put_text(&b, "ply\nformat binary_little_endian 1.0\n" SQUARE_HEADER "element face 2\nproperty list uchar uint "
-                     "vertex_indices\nend_header\n");
-        for (size_t i = 0; i < 12; i++) put_float(&b, square[i / 3][i % 3]);
-        for (uint64_t i = 0; i < 6; i++) {
-            if (i % 3 == 0) put_int(&b, 3, 1);
-            put_int(&b, i == bad ? 4 : i % 3, 4);
-        }
-        snprintf(message, sizeof message, "face %d has the index 4, but there are 4 vertices", (int)bad / 3);
-        expect_mesh_refusal_of(bis_ply_read, &b, "corner.ply", 0, message);
+        put_text(&b, bad[i].text);
+        expect_mesh_refusal_of(bis_ply_read, &b, "bad.ply", bad[i].line, bad[i].message);
         bytes_clear(&b);
     }
 }
+
+#define TWO VERTICES(4) "element face 2\nproperty list uchar uint vertex_indices\nend_header\n" CORNERS
+#define THREE(p) VERTICES(4) "element face 3\nproperty list uchar uint vertex_indices\nend_header\n0 0 0\n1 0 0\n" p \
+    "\n0 1 0\n"
+#define NO_CORNER(face) "face " face " has the index 4, but there are 4 vertices"
+
+/* Of binary files: each corner that a short cut takes is checked, and so is what it cannot take. */
+static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
+{
+    static const struct {
+        const char *text, *message;
+        size_t lost; /* bytes of the end */
+    } cut[] = {{TWO "3 4 1 2\n3 0 1 2", NO_CORNER("0"), 0}, {TWO "3 0 4 2\n3 0 1 2", NO_CORNER("0"), 0},
+               {TWO "3 0 1 4\n3 0 1 2", NO_CORNER("0"), 0}, {TWO "3 0 1 2\n3 4 1 2", NO_CORNER("1"), 0},
+               {TWO "3 0 1 2\n3 0 4 2", NO_CORNER("1"), 0}, {TWO "3 0 1 2\n3 0 1 4", NO_CORNER("1"), 0},
+               {THREE("1 nan 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "vertex 2 has y = nan, must be a finite float", 0},
+               {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 4 2", NO_CORNER("2"), 0},
+               {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "the file ends in face 2 of 3", 1}};
+    for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
+        bytes b = binary_of(cut[i].text, false);
+        b.n -= cut[i].lost;
+        expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, cut[i].message);
+        bytes_clear(&b);
+    }
+}
+
+/* A list has 18 bytes; its count alone is 2, and the file must have room for that. */
+static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **state)
+{
+    for (size_t i = 0; i < 2 * 29; i++) {
+        const char *const name = i % 2 ? "tristrips" : "face";
+        const size_t lost = 1 + i / 2;
+        char text[512], message[80];
+        snprintf(text, sizeof text, "element vertex 3\nproperty short x\nproperty double y\nproperty int z\n"
+                 "element %s 2\nproperty list ushort int vertex_indices\nend_header\n0 0 1\n1 1 1\n2 4 1\n"
+                 "4 0 1 2 0\n4 0 1 2 0\n", name);
+        bytes b = binary_of(text, true);
+        b.n -= lost;
+        snprintf(message, sizeof message, "the file ends in %s %d of 2", name, lost <= 18 ? 1 : 0);
+        expect_mesh_refusal_of(bis_ply_read, &b, "ends.ply", 0, message);
+        bytes_clear(&b);
+    }
+}
+
+/* ---- short cuts ---- */
 
 /* Faces that are lists and nothing else: rows of three indices of 4 bytes behind a count of one are copied whole, any
  * other type, order of bytes or length is read by itself. A triangle without area, whose zeros look the same at any
  * width, two triangles, a quad, a triangle. */
 static void a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone(void **state)
 {
-    (void)state;
     static const char *const types[] = {"char", "uchar", "short", "ushort", "int", "uint"};
-    static const int faces[5][5] = {{3, 0, 0, 0}, {3, 0, 1, 2}, {3, 0, 2, 3}, {4, 0, 1, 2, 3}, {3, 1, 2, 3}};
     for (int i = 0; i < 6 * 6 * 2; i++) {
-        const char *const count = types[i % 6], *const index = types[i / 6 % 6];
-        const bool big = i >= 36;
-        bytes b = {0};
-        bis_mesh m;
-        char header[256];
-        snprintf(header, sizeof header, "ply\nformat binary_%s_endian 1.0\n" SQUARE_HEADER
-                 "element face 5\nproperty list %s %s vertex_indices\nend_header\n", big ? "big" : "little", count,
-                 index);
-        put_text(&b, header);
-        for (size_t k = 0; k < 12; k++) put_number(&b, (double)square[k / 3][k % 3], "float", big);
-        for (int f = 0; f < 5; f++) {
-            put_number(&b, faces[f][0], count, big);
-            for (int k = 1; k <= faces[f][0]; k++) put_number(&b, faces[f][k], index, big);
-        }
-        expect_mesh_of(bis_ply_read, &m, &b, "faces.ply", NULL);
-        assert_true(m.n_vertices == 4 && m.n_triangles == 6);
-        assert_triangle(&m, 0, 0, 0, 0);
-        assert_triangle(&m, 1, 0, 1, 2);
-        assert_triangle(&m, 2, 0, 2, 3);
-        assert_triangle(&m, 3, 0, 1, 2);
-        assert_triangle(&m, 4, 0, 2, 3);
-        assert_triangle(&m, 5, 1, 2, 3);
-        bis_mesh_clear(&m);
+        char text[512];
+        snprintf(text, sizeof text, VERTICES(4) "element face 5\nproperty list %s %s vertex_indices\nend_header\n"
+                 CORNERS "3 0 0 0\n3 0 1 2\n3 0 2 3\n4 0 1 2 3\n3 1 2 3\n", types[i % 6], types[i / 6 % 6]);
+        bytes b = binary_of(text, i >= 36);
+        expect_mesh_words(bis_ply_read, &b, "faces.ply", NULL, text,
+                          "0 0 0, 1 0 0, 1 1 0, 0 1 0; 0 0 0, 0 1 2, 0 2 3, 0 1 2, 0 2 3, 1 2 3");
         bytes_clear(&b);
     }
 }
+
+/* Appends to a text of 512 bytes. */
+__attribute__((format(printf, 2, 3))) static void append(char *text, const char *format, ...)
+{
+    const size_t n = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + n, 512 - n, format, arguments);
+    va_end(arguments);
+}
+
+static const float triangle[3][3] = {{0, 0, 0}, {1, 0, 0.5f}, {1, 1, 0}};
+static const char triangle_words[] = "0 0 0, 1 0 0.5, 1 1 0; 0 1 2";
 
 /* Three floats in the order x, y, z are copied whole; any one that is a double, a list beside them or another order is
  * read by itself, in either byte order. */
 static void a_short_cut_is_for_three_floats_alone(void **state)
 {
-    (void)state;
     static const char orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     for (int i = 0; i < 6 * 8 * 2 * 2; i++) {
         const char *const order = orders[i % 6];
         const int doubles = i / 6 % 8;
-        const bool big = i / 48 % 2, more = i / 96;
-        bytes b = {0};
-        bis_mesh m;
-        char line[64];
-        put_text(&b, "ply\nformat binary_");
-        put_text(&b, big ? "big_endian 1.0\nelement vertex 3\n" : "little_endian 1.0\nelement vertex 3\n");
-        for (int k = 0; k < 3; k++) {
-            snprintf(
-                line, sizeof line, "property %s %c\n", doubles >> k & 1 ? "double" : "float", "xyz"[(int)order[k]]);
-            put_text(&b, line);
-        }
-        if (more) put_text(&b, "property list uchar uchar rest\n");
-        put_text(&b, FACES(1));
+        const bool more = i / 96;
+        char text[512] = "element vertex 3\n";
+        for (int k = 0; k < 3; k++)
+            append(text, "property %s %c\n", doubles >> k & 1 ? "double" : "float", "xyz"[(int)order[k]]);
+        append(text, more ? "property list uchar uchar rest\n" FACES(1) : FACES(1));
         for (int v = 0; v < 3; v++) {
-            for (int k = 0; k < 3; k++)
-                put_number(&b, (double)square[v][(int)order[k]], doubles >> k & 1 ? "double" : "float", big);
-            if (more) put_number(&b, 0, "uchar", big);
+            for (int k = 0; k < 3; k++) append(text, "%g ", (double)triangle[v][(int)order[k]]);
+            append(text, more ? "0\n" : "\n");
         }
-        put_number(&b, 3, "uchar", big);
-        for (int v = 0; v < 3; v++) put_number(&b, v, "int", big);
-        expect_mesh_of(bis_ply_read, &m, &b, "three.ply", NULL);
-        for (int v = 0; v < 3; v++)
-            assert_true(m.p[v].x == square[v][0] && m.p[v].y == square[v][1] && m.p[v].z == square[v][2]);
-        assert_triangle(&m, 0, 0, 1, 2);
-        bis_mesh_clear(&m);
+        append(text, "3 0 1 2\n");
+        bytes b = binary_of(text, i / 48 % 2);
+        expect_mesh_words(bis_ply_read, &b, "three.ply", NULL, text, triangle_words);
         bytes_clear(&b);
     }
 }
 
-static void a_short_cut_meets_what_it_cannot_read_half_way(void **state)
+/* A list is no coordinate, also where all else is as in the short cut; a name that is a coordinate's and a list's is
+ * the coordinate's. */
+static void a_list_is_no_coordinate(void **state)
 {
-    (void)state;
-    for (int bad = 0; bad < 4; bad++) {
-        bytes b = {0};
-        bis_mesh m;
-        put_text(&b, "ply\nformat binary_little_endian 1.0\n" SQUARE_HEADER "element face 3\nproperty list uchar uint "
-                     "vertex_indices\nend_header\n");
-        for (size_t i = 0; i < 12; i++) put_float(&b, bad == 1 && i == 7 ? NAN : square[i / 3][i % 3]);
-        for (uint64_t face = 0; face < 3; face++) {
-            const uint64_t n = face == 1 ? 4 : 3;
-            put_int(&b, n, 1);
-            for (uint64_t i = 0; i < n; i++) put_int(&b, bad == 2 && face == 2 && i == 1 ? 4 : i, 4);
+    for (int k = 0; k < 3; k++)
+        for (int twice = 0; twice < 2; twice++) {
+            char text[512] = "element vertex 3\n", message[64];
+            for (int i = 0; i < 3; i++)
+                append(text, "property %s %c\n", i == k ? "list uchar float" : "float", "xyz"[i]);
+            if (twice) append(text, "property float %c\n", "xyz"[k]);
+            append(text, FACES(1));
+            for (int v = 0; v < 3; v++) {
+                for (int i = 0; i < 3; i++)
+                    append(text, i == k ? "1 %g " : "%g ", i == k ? 99 : (double)triangle[v][i]);
+                if (twice) append(text, "%g\n", (double)triangle[v][k]);
+            }
+            append(text, "3 0 1 2\n");
+            bytes b = binary_of(text, false);
+            snprintf(message, sizeof message, "a vertex has no property \"%c\"", "xyz"[k]);
+            if (twice) expect_mesh_words(bis_ply_read, &b, "list.ply", NULL, text, triangle_words);
+            else expect_mesh_refusal_of(bis_ply_read, &b, "list.ply", 0, message);
+            bytes_clear(&b);
         }
-        if (bad == 3) b.n--;
-        if (bad == 0) {
-            expect_mesh_of(bis_ply_read, &m, &b, "cut.ply", NULL);
-            assert_int_equal(m.n_triangles, 4);
-            assert_triangle(&m, 2, 0, 2, 3);
-            assert_triangle(&m, 3, 0, 1, 2);
-            bis_mesh_clear(&m);
-        }
-        if (bad == 1)
-            expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "vertex 2 has y = nan, must be a finite float");
-        if (bad == 2)
-            expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "face 2 has the index 4, but there are 4 vertices");
-        if (bad == 3) expect_mesh_refusal_of(bis_ply_read, &b, "cut.ply", 0, "the file ends in face 2 of 3");
-        bytes_clear(&b);
-    }
 }
+
+/* ---- files ---- */
 
 static void missing_files_and_folders_are_the_disks_fault(void **state)
 {
     bis_diag diag = {0};
     bis_mesh m;
-    (void)state;
     assert_int_equal(bis_ply_read(&m, "build/no such file.ply", (bis_loc){"s.txt", 3, 7}, &diag), BIS_IO);
     assert_int_equal(bis_ply_read(&m, "build", (bis_loc){0}, &diag), BIS_IO);
     assert_null(m.p);
@@ -487,7 +440,6 @@ static void a_message_names_the_scene_line_and_the_meshes(void **state)
     char expected[512];
     bis_diag diag = {0};
     bis_mesh m;
-    (void)state;
     store(path, "ply\nformat oops\n", 16);
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){"s.txt", 3, 7}, &diag), BIS_INPUT);
     snprintf(expected, sizeof expected, "s.txt:3:7: error: %s:2: the format must be ascii, binary_little_endian or "
@@ -496,13 +448,14 @@ static void a_message_names_the_scene_line_and_the_meshes(void **state)
     bis_diag_clear(&diag);
 }
 
+#define STRIP_OF_NORMALS VERTICES(4) "property float nx\nproperty float ny\nproperty float nz\n" \
+    "element tristrips 1\nproperty list int int vertex_indices\n"
+#define NORMAL_CORNERS "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 1 0 0\n"
+
 static void damaged_files_never_crash(void **state)
 {
-    bytes binary = binary_square(true, "short", "uchar", "ushort");
-    bytes text = text_file(ASCII SQUARE_HEADER "property float nx\nproperty float ny\nproperty float nz\n"
-                           "element tristrips 1\nproperty list int int vertex_indices\n" FACES(2)
-                           "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 1 0 0\n6 0 1 2 -1 3 2\n3 0 1 2\n4 0 1 2 3\n");
-    (void)state;
+    bytes binary = binary_of(typed_square("short", "uchar", "ushort"), true);
+    bytes text = ascii_of(STRIP_OF_NORMALS FACES(2) NORMAL_CORNERS "6 0 1 2 -1 3 2\n3 0 1 2\n4 0 1 2 3\n");
     try_mesh_damage(bis_ply_read, &binary, "damage.ply", 3000, 1);
     try_mesh_damage(bis_ply_read, &text, "damage.ply", 3000, 2);
     bytes_clear(&binary);
@@ -511,65 +464,36 @@ static void damaged_files_never_crash(void **state)
 
 static void any_allocation_may_fail(void **state)
 {
-    bytes binary = binary_square(false, "float", "uchar", "int");
-    bytes text = text_file(ASCII SQUARE_HEADER "property float nx\nproperty float ny\nproperty float nz\n"
-                           "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
-                           "0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 1 0 0\n14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
-    (void)state;
+    bytes binary = binary_of(typed_square("float", "uchar", "int"), false);
+    bytes text = ascii_of(STRIP_OF_NORMALS "end_header\n" NORMAL_CORNERS "14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
     try_mesh_memory(bis_ply_read, &binary, "memory.ply");
     try_mesh_memory(bis_ply_read, &text, "memory.ply");
     bytes_clear(&binary);
     bytes_clear(&text);
 }
 
+/* One of them has ten numbers where its header speaks of four; issue623.ply is in the next test. */
 static void files_of_the_wild_have_the_counts_that_another_reader_finds(void **state)
 {
-    static const struct {
-        const char *name;
-        size_t n_vertices, n_triangles;
-        bool normals;
-    } files[] = {
-        {"points_emptyascii", 12, 0, false}, {"triangle_face_colors", 3, 1, true},
-        {"dolphins", 855, 1689, false}, {"rectangle_uv", 4, 2, false}, {"dolphins_be", 855, 1689, false},
-        {"ply_empty_header", 0, 0, false},
-        {"platonic_shelf_ascii", 50, 80, false}, {"quad", 4, 2, false}, {"plane_tri", 4, 2, true},
-        {"fuze", 502, 1000, false},
-        {"points_bin", 5, 0, false}, {"sofa_ascii", 12103, 24104, false}, {"octagonal_pocket", 1658, 3262, false},
-        {"fuze_ascii", 502, 1000, false}, {"Tetraascii", 4, 4, false}, {"cube_binary_starts_with_nl", 8, 12, false},
-        {"cube_blender_uv", 24, 12, true}, {"igea_tristrips", 134345, 268686, false}, {"mirror", 143, 286, false},
-        {"reference", 845, 1610, false}, {"input", 3, 1, false}, {"fixed_top", 2374, 4772, false},
-        {"quad4", 5, 4, false},
-        {"plane", 4, 2, true}, {"bunny_normals_uv_rgba", 33528, 65630, true}, {"cube_binary", 8, 12, false},
-        {"cube_binary_header_with_RN_newline", 8, 12, false}, {"ply_empty_ascii", 0, 0, false},
-        {"sphere", 642, 1280, false},
-        {"points_emptyface", 1024, 0, false}, {"dolphins_le", 855, 1689, false}, {"rectangle_normals_uv", 4, 2, true},
-        {"float-color", 3, 1, false}, {"multi", 4, 2, false}, {"cube_blender_uv_meshlab", 24, 12, false},
-        {"ply_empty_bin", 0, 0, false},
-        {"icosahedron_ascii", 12, 20, true}, {"cube_uv", 24, 12, true}, {"points_ascii", 5, 0, false},
+#define P(name) "conformance/ply/" name ".ply"
+    static const wild_mesh files[] = {
+        {P("points_emptyascii"), 12, 0, false}, {P("triangle_face_colors"), 3, 1, true},
+        {P("dolphins"), 855, 1689, false}, {P("rectangle_uv"), 4, 2, false}, {P("dolphins_be"), 855, 1689, false},
+        {P("ply_empty_header"), 0, 0, false}, {P("platonic_shelf_ascii"), 50, 80, false}, {P("quad"), 4, 2, false},
+        {P("plane_tri"), 4, 2, true}, {P("fuze"), 502, 1000, false}, {P("points_bin"), 5, 0, false},
+        {P("sofa_ascii"), 12103, 24104, false}, {P("octagonal_pocket"), 1658, 3262, false},
+        {P("fuze_ascii"), 502, 1000, false}, {P("Tetraascii"), 4, 4, false},
+        {P("cube_binary_starts_with_nl"), 8, 12, false}, {P("cube_blender_uv"), 24, 12, true},
+        {P("igea_tristrips"), 134345, 268686, false}, {P("mirror"), 143, 286, false},
+        {P("reference"), 845, 1610, false}, {P("input"), 3, 1, false}, {P("fixed_top"), 2374, 4772, false},
+        {P("quad4"), 5, 4, false}, {P("plane"), 4, 2, true}, {P("bunny_normals_uv_rgba"), 33528, 65630, true},
+        {P("cube_binary"), 8, 12, false}, {P("cube_binary_header_with_RN_newline"), 8, 12, false},
+        {P("ply_empty_ascii"), 0, 0, false}, {P("sphere"), 642, 1280, false}, {P("points_emptyface"), 1024, 0, false},
+        {P("dolphins_le"), 855, 1689, false}, {P("rectangle_normals_uv"), 4, 2, true}, {P("float-color"), 3, 1, false},
+        {P("multi"), 4, 2, false}, {P("cube_blender_uv_meshlab"), 24, 12, false}, {P("ply_empty_bin"), 0, 0, false},
+        {P("icosahedron_ascii"), 12, 20, true}, {P("cube_uv"), 24, 12, true}, {P("points_ascii"), 5, 0, false},
     };
-    (void)state; /* issue623.ply is in the next test */
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
-        char name[128];
-        snprintf(name, sizeof name, "conformance/ply/%s.ply", files[i].name);
-        const char *path = shared_file(name);
-        bis_diag diag = {0};
-        bis_mesh m;
-        if (!path) skip();
-        bis_status status = bis_ply_read(&m, path, (bis_loc){0}, &diag);
-        if (status) print_message("%s\n", diag.messages[0].text);
-        assert_int_equal(status, BIS_OK);
-        assert_sound(&m);
-        if (m.n_vertices != files[i].n_vertices || m.n_triangles != files[i].n_triangles) {
-            print_message("%s: %zu vertices, %zu triangles\n", name, m.n_vertices, m.n_triangles);
-        }
-        assert_int_equal(m.n_vertices, files[i].n_vertices);
-        assert_int_equal(m.n_triangles, files[i].n_triangles);
-        assert_int_equal(m.n != NULL, files[i].normals);
-        /* fuze_ascii.ply has ten numbers where its header speaks of four. */
-        assert_int_equal(diag.n, files[i].n_triangles == 0 || !strcmp(files[i].name, "fuze_ascii") ? 1 : 0);
-        bis_mesh_clear(&m);
-        bis_diag_clear(&diag);
-    }
+    expect_wild_meshes(bis_ply_read, files, sizeof files / sizeof *files, "fuze_ascii");
 }
 
 /* Its header gives each vertex a list that the rows do not have: the line "element face" is missing. */
@@ -578,7 +502,6 @@ static void the_one_contradictory_file_of_the_wild_is_refused(void **state)
     const char *path = shared_file("conformance/ply/issue623.ply");
     bis_diag diag = {0};
     bis_mesh m;
-    (void)state;
     if (!path) skip();
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, &diag), BIS_INPUT);
     assert_non_null(
@@ -590,7 +513,6 @@ static void the_one_contradictory_file_of_the_wild_is_refused(void **state)
 static void dolphins_are_the_same_in_ascii_and_both_byte_orders(void **state)
 {
     bis_mesh m[3];
-    (void)state;
     for (int i = 0; i < 3; i++) {
         static const char *const names[] = {"dolphins", "dolphins_le", "dolphins_be"};
         char name[128];
@@ -606,191 +528,19 @@ static void dolphins_are_the_same_in_ascii_and_both_byte_orders(void **state)
     for (int i = 0; i < 3; i++) bis_mesh_clear(&m[i]);
 }
 
-#define UV(u, v) ASCII "element vertex 3\nproperty float x\nproperty float " u "\nproperty float y\nproperty float " v \
-    "\nproperty float z\n"
-
-/* Any of pbrt's pairs of names; of two pairs the first in the list, wherever it stands; none without the reader for
- * them. */
-static void texture_coordinates_have_four_pairs_of_names(void **state)
-{
-    static const char body[] = FACES(1) "0 0.25 0 0.5 0\n1 1 0 nan 0\n0 -2 1 1e39 9\n3 0 1 2\n";
-    static const char *const headers[] = {
-        UV("u", "v"), UV("s", "t"), UV("texture_u", "texture_v"), UV("texture_s", "texture_t")};
-    (void)state;
-    for (int i = 0; i < 4; i++) {
-        bytes b = {0};
-        bis_mesh m;
-        put_text(&b, headers[i]);
-        put_text(&b, body);
-        expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply",
-                       "2 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)");
-        assert_true(m.uv[0].u == 0.25f && m.uv[0].v == 0.5f && isnan(m.uv[1].u) && isnan(m.uv[2].u));
-        assert_true(m.p[1].x == 1 && m.p[2].y == 1 && m.p[2].z == 9);
-        bis_mesh_clear(&m);
-        expect_mesh_of(bis_ply_read, &m, &b, "uv.ply", NULL);
-        assert_null(m.uv);
-        assert_true(m.p[1].x == 1 && m.p[2].y == 1 && m.p[2].z == 9);
-        bis_mesh_clear(&m);
-        bytes_clear(&b);
-    }
-    bytes b = {0};
-    bis_mesh m;
-    put_text(&b, UV("s", "t") "property float v\nproperty float u\n" FACES(1) "0 3 0 4 0 2 1\n0 3 1 4 0 2 1\n1 3 0 4 0 "
-                                                                              "2 1\n3 0 1 2\n");
-    expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply", NULL);
-    assert_true(m.uv[2].u == 1 && m.uv[2].v == 2);
-    bis_mesh_clear(&m);
-    bytes_clear(&b);
-    static const char *const halves[] = {UV("u", "w"), UV("w", "v")};
-    for (int i = 0; i < 2; i++) {
-        put_text(&b, halves[i]);
-        put_text(&b, FACES(1) "0 3 0 4 0\n0 3 1 4 0\n1 3 0 4 0\n3 0 1 2\n");
-        expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply", NULL);
-        assert_null(m.uv); /* one of the two is missing */
-        bis_mesh_clear(&m);
-        bytes_clear(&b);
-    }
-}
-
-/* The last property of a name counts; two of the three of a normal make none. */
-static void a_name_that_occurs_twice_counts_as_its_last(void **state)
-{
-    bis_mesh m;
-    (void)state;
-    expect_text(&m,
-        ASCII
-        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float x\nproperty float nx\n"
-        "property float ny\n" FACES(1) "9 0 0 1 1 0\n9 1 0 2 1 0\n9 0 1 3 1 0\n3 0 1 2\n",
-        NULL);
-    for (int i = 0; i < 3; i++) assert_true(m.p[i].x == (float)(i + 1) && m.p[i].y == (float)(i == 1));
-    assert_null(m.n);
-    bis_mesh_clear(&m);
-}
-
-/* 32 characters of a long word; a binary file that ends within a vertex or a list; the most vertices that a header may
- * claim, which the file's length then refuses. */
-static void messages_tell_where_a_file_ends_and_no_more_than_32_characters(void **state)
-{
-    (void)state;
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 abcdefghijklmnopqrstuvwxyz0123456789 0\n1 1 0\n0 1 0\n3 0 1 2\n",
-        11, "\"abcdefghijklmnopqrstuvwxyz012345\" where a number of vertex 1 should stand");
-    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1", 0,
-                "4 rows of \"vertex\" of at least 6 bytes each, but the file has 15 bytes left");
-    refuse_text(ASCII
-        "element vertex 4294967294\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0",
-        0, "4294967294 rows of \"vertex\" of at least 6 bytes each, but the file has 5 bytes left");
-    refuse_text(ASCII
-        "element vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0",
-        0, "4294967295 vertices, must be below 2^32 - 1");
-    for (int strips = 0; strips < 2; strips++)
-        for (size_t lost = 1; lost < 30; lost++) {
-            bytes b = {0};
-            char message[80];
-            put_text(&b, "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\nproperty double "
-                         "y\nproperty int z\n");
-            put_text(&b, strips ? "element tristrips 2\nproperty list ushort int vertex_indices\nend_header\n"
-                                : "element face 2\nproperty list ushort int vertex_indices\nend_header\n");
-            for (int i = 0; i < 3; i++) {
-                put_number(&b, i, "short", true);
-                put_number(&b, i * i, "double", true);
-                put_number(&b, 1, "int", true);
-            }
-            for (int i = 0; i < 8; i++) {
-                if (i % 4 == 0) put_number(&b, 4, "ushort", true);
-                put_number(&b, i % 4 % 3, "int", true);
-            }
-            b.n -= lost; /* a list has 18 bytes; its count alone is 2, and the file must have room for that */
-            snprintf(message, sizeof message, "the file ends in %s %d of 2", strips ? "tristrips" : "face",
-                lost <= 18 ? 1 : 0);
-            expect_mesh_refusal_of(bis_ply_read, &b, "ends.ply", 0, message);
-            bytes_clear(&b);
-        }
-}
-
-/* A list is no coordinate, also where all else is as in the short cut; a name that is a coordinate's and a list's is
- * the coordinate's. */
-static void a_list_is_no_coordinate(void **state)
-{
-    (void)state;
-    for (int k = 0; k < 3; k++) {
-        for (int twice = 0; twice < 2; twice++) {
-            bytes b = {0};
-            bis_mesh m;
-            char text[64];
-            put_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n");
-            for (int i = 0; i < 3; i++) {
-                snprintf(text, sizeof text, "property %s %c\n", i == k ? "list uchar float" : "float", "xyz"[i]);
-                put_text(&b, text);
-            }
-            snprintf(text, sizeof text, "property float %c\n", "xyz"[k]);
-            if (twice) put_text(&b, text);
-            put_text(&b, FACES(1));
-            for (int v = 0; v < 3; v++) {
-                for (int i = 0; i < 3; i++) {
-                    if (i == k) put_int(&b, 1, 1);
-                    put_float(&b, i == k ? 99 : square[v][i]);
-                }
-                if (twice) put_float(&b, square[v][k]);
-            }
-            put_int(&b, 3, 1);
-            for (uint64_t v = 0; v < 3; v++) put_int(&b, v, 4);
-            snprintf(text, sizeof text, "a vertex has no property \"%c\"", "xyz"[k]);
-            if (twice) {
-                expect_mesh_of(bis_ply_read, &m, &b, "list.ply", NULL);
-                for (int v = 0; v < 3; v++)
-                    assert_true(m.p[v].x == square[v][0] && m.p[v].y == square[v][1] && m.p[v].z == square[v][2]);
-                bis_mesh_clear(&m);
-            } else {
-                expect_mesh_refusal_of(bis_ply_read, &b, "list.ply", 0, text);
-            }
-            bytes_clear(&b);
-        }
-    }
-}
-
-/* Where every line is counted: a word that is no number stands where it stands for all three ends of lines, which are
- * one each. */
-static void lines_are_counted_by_any_end(void **state)
-{
-    (void)state;
-    static const char *const ends[] = {"\n", "\r\n", "\r"};
-    for (int e = 0; e < 3; e++) {
-        static const char text[] = "ply\nformat ascii 1.0\ncomment a b c d e f g\n" SQUARE_HEADER FACES(
-            1) "0 0 0\n1 0 0\n\n1 1 0\n0 x 0\n3 0 1 2\n";
-        bytes b = {0};
-        int line = 1;
-        for (const char *c = text; *c; c++) {
-            if (*c == '\n') put_text(&b, ends[e]);
-            else put(&b, c, 1);
-        }
-        for (const char *c = text; c < strstr(text, "x 0\n3"); c++) line += *c == '\n';
-        expect_mesh_refusal_of(bis_ply_read, &b, "lines.ply", line, "\"x\" where a number of vertex 3 should stand");
-        bytes_clear(&b);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_text_is_its_mesh_in_ascii_and_both_byte_orders),
         cmocka_unit_test(all_types_orders_and_places_of_properties_read_the_same),
-        cmocka_unit_test(ascii_rows_may_span_lines_and_numbers_be_spelled_in_any_way),
-        cmocka_unit_test(what_is_too_much_in_a_line_is_skipped_with_a_warning),
-        cmocka_unit_test(faces_may_come_before_their_vertices),
-        cmocka_unit_test(polygons_become_fans_and_small_ones_are_left_out_and_counted),
-        cmocka_unit_test(strips_alternate_their_winding_and_begin_anew_after_minus_1),
-        cmocka_unit_test(normals_are_read_and_broken_ones_stand_for_the_faces),
         cmocka_unit_test(every_line_end_leaves_a_body_that_begins_with_a_newline_alone),
-        cmocka_unit_test(an_empty_mesh_is_legal_with_a_warning),
-        cmocka_unit_test(bad_headers_are_refused_by_line),
-        cmocka_unit_test(bad_bodies_are_refused_by_line_vertex_or_face),
-        cmocka_unit_test(counts_are_held_against_the_file_before_memory_is_asked_for),
-        cmocka_unit_test(an_element_without_properties_takes_neither_room_nor_time),
-        cmocka_unit_test(a_short_cut_checks_every_corner),
+        cmocka_unit_test(lines_are_counted_by_any_end),
+        cmocka_unit_test(a_bad_file_is_refused_by_line_vertex_or_face),
+        cmocka_unit_test(a_short_cut_refuses_what_the_long_way_refuses),
+        cmocka_unit_test(a_binary_file_that_ends_early_is_refused_by_its_last_face),
         cmocka_unit_test(a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone),
         cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
-        cmocka_unit_test(a_short_cut_meets_what_it_cannot_read_half_way),
         cmocka_unit_test(a_list_is_no_coordinate),
-        cmocka_unit_test(lines_are_counted_by_any_end),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),
         cmocka_unit_test(damaged_files_never_crash),
@@ -798,9 +548,6 @@ int main(void)
         cmocka_unit_test(files_of_the_wild_have_the_counts_that_another_reader_finds),
         cmocka_unit_test(the_one_contradictory_file_of_the_wild_is_refused),
         cmocka_unit_test(dolphins_are_the_same_in_ascii_and_both_byte_orders),
-        cmocka_unit_test(texture_coordinates_have_four_pairs_of_names),
-        cmocka_unit_test(a_name_that_occurs_twice_counts_as_its_last),
-        cmocka_unit_test(messages_tell_where_a_file_ends_and_no_more_than_32_characters),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -5,16 +5,11 @@
 #include "bis/scene/scene.h"
 #include "files/obj.h"
 #include "files/ply.h"
+#include "claim.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FOLDER "tests/data/regression"
 
@@ -82,7 +77,6 @@ static bis_status read_any(const char *path, bis_diag *diag)
 
 static void every_file_gives_what_was_agreed(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < N_OUTCOMES; i++) {
         const outcome *o = &outcomes[i];
         char path[256];
@@ -97,7 +91,6 @@ static void every_file_gives_what_was_agreed(void **state)
 
 static void every_file_has_its_row(void **state)
 {
-    (void)state;
     DIR *folder = opendir(FOLDER);
     assert_non_null(folder);
     size_t n = 0;

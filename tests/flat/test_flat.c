@@ -9,15 +9,9 @@
 #include "bis/flat/flat.h"
 #include "bis/scene/layers.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "json_check.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -32,7 +26,6 @@ static char say[512];
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "");
     return 0;
@@ -69,7 +62,6 @@ static void a_map_gives_directions_and_their_densities(void **state)
     bis_rng r;
     double sum = 0, squares = 0;
 
-    (void)state;
     assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "cdf", 0.15, NULL, SAY), 0);
     bis_flat_light_shape(light, shape);
     assert_int_equal(shape[0], 8);
@@ -108,7 +100,6 @@ static void a_black_map_has_no_directions(void **state)
     float w[3], L[3];
     double pdf;
 
-    (void)state;
     FILE *out = fopen(DIR "/black.pfm", "wb");
     assert_non_null(out);
     fwrite(black, 1, sizeof black - 1, out);
@@ -126,7 +117,6 @@ static void alias_tables_are_those_of_the_thesis(void **state)
     double prob[4], total;
     uint32_t alias[4], item[4];
 
-    (void)state;
     assert_int_equal(bis_flat_alias_build(4, (double[]){0.1, 0.2, 0.4, 0.3}, prob, alias, &total, SAY), 0);
     assert_true(fabs(prob[0] - 0.4) < 1e-12 && fabs(prob[1] - 0.8) < 1e-12 && prob[2] >= 1 - 1e-12);
     assert_true(alias[0] == 2 && alias[1] == 3 && fabs(total - 1) < 1e-12);
@@ -148,7 +138,6 @@ static void alias_tables_of_the_caller_are_checked(void **state)
     const uint32_t alias[3] = {2, 0, 1}, outside[3] = {2, 0, 3}, far[3] = {UINT32_MAX, 0, 1};
     uint32_t item[4] = {9, 9, 9, 9};
 
-    (void)state;
     assert_int_equal(bis_flat_alias_sample(3, prob, alias, 4, (double[]){0.1, 0.3, 0.5, 0.9}, item, SAY), 0);
     assert_true(item[0] == 0 && item[1] == 2 && item[2] == 1 && item[3] == 1);
     for (int i = 0; i < 4; i++)
@@ -169,7 +158,6 @@ static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
     uint32_t alias[1] = {0}, item;
     int shape[2] = {7, 7};
 
-    (void)state;
     assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, NULL, 99), 0); /* say may be NULL */
     refuses(bis_flat_light_open(NULL, "m.hdr", "cdf", 0, NULL, SAY), "light is NULL");
     refuses(bis_flat_light_open(&(bis_light *){NULL}, NULL, "cdf", 0, NULL, SAY), "path is NULL");
@@ -215,7 +203,6 @@ static void null_is_an_error_wherever_a_material_or_a_picture_is_due(void **stat
     uint8_t lobe;
     int shape[2] = {7, 7};
 
-    (void)state;
     assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, SAY), 0);
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
     refuses(bis_flat_bsdf_open(NULL, "phong", half, half, 9, up, up, SAY), "bsdf is NULL");
@@ -259,7 +246,6 @@ static void a_material_gives_f_and_density(void **state)
     double pdf[2];
     uint8_t lobe[2];
 
-    (void)state;
     /* in the mirror direction: Ks (n+1)/(2 pi) + Kd/pi; a density of half lobe, half cosine */
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
     assert_int_equal(bis_flat_bsdf_look(b, 2, wi[0], f[0], pdf, SAY), 0);
@@ -290,7 +276,6 @@ static void a_metal_reflects_by_fresnels_equations(void **state)
     float mirror[2][3] = {{0, 0, 1}, {(float)-sqrt(0.75), 0, 0.5F}}, f[2][3];
     double pdf;
 
-    (void)state;
     for (int oblique = 0; oblique < 2; oblique++) {
         bis_bsdf *metal, *facets;
         const double *wo = oblique ? aside : up;
@@ -338,7 +323,6 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         {{"approximate=true", "layers=albedo,stderr", "spp=2", NULL}, "--spp 2", "\"sir\""},
     };
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         bis_flat_picture *p;
         bis_image image;
@@ -405,7 +389,6 @@ static void a_scene_is_text_and_a_camera_is_replaced(void **state)
     const char *const twin[] = {"text=" FILM "Camera \"orthographic\"" WORLD, NULL};
     int n[3];
 
-    (void)state;
     program_write_file(DIR "/whole.txt", FILM CAMERA WORLD);
     float *expected = pixels_of(DIR "/whole.txt", (const char *const[]){NULL}, NULL, &n[0]);
     float *got = pixels_of(DIR "/a scene", as_text, NULL, &n[1]), *other = pixels_of(DIR "/a scene", twin, NULL, &n[2]);
@@ -429,7 +412,6 @@ static void a_light_of_an_array_is_that_of_its_file(void **state)
     bis_rng rng;
     int n;
 
-    (void)state;
     assert_int_equal(bis_image_read(&image, DIR "/map.pfm", (bis_loc){0}, NULL), BIS_OK);
     image.pixels[3] = (rgb){5, 6, 7};
     assert_int_equal(bis_image_save(&image, DIR "/other.pfm", NULL), BIS_OK);
@@ -475,7 +457,6 @@ static void layers_are_given_by_name(void **state)
     static float albedo[16][24][3], normal[16][24][3], depth[16][24], samples[16][24];
     bis_flat_picture *p;
 
-    (void)state;
     assert_int_equal(bis_flat_render(&p, SCENE, settings, NULL, SAY), 0);
     assert_int_equal(bis_flat_picture_layer(p, "albedo", albedo[0][0]), 3);
     assert_int_equal(bis_flat_picture_layer(p, "normal", normal[0][0]), 3);
@@ -510,7 +491,6 @@ static void what_is_not_modelled_is_replaced_when_that_is_asked_for(void **state
 #define GLASS "text=WorldBegin LightSource \"infinite\" Material \"dielectric\" Shape \"sphere\""
     bis_flat_picture *p;
 
-    (void)state;
     refuses(bis_flat_render(&p, "scene", (const char *const[]){GLASS, "spp=1", NULL}, NULL, SAY),
         "scene:1:44: error: Material \"dielectric\"");
     assert_int_equal(bis_flat_render(&p, "scene",
@@ -539,7 +519,6 @@ static void a_watcher_hears_of_the_render(void **state)
     watched w = {0};
     bis_flat_picture *p;
 
-    (void)state;
     assert_int_equal(
         bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=1", NULL}, NULL, look_on, &w, NULL, SAY), 0);
     assert_true(w.n > 0 && !w.falls && w.share > 0);
@@ -574,7 +553,6 @@ static void wrong_settings_are_refused(void **state)
     };
     bis_flat_picture *p;
 
-    (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         refuses(bis_flat_render(&p, SCENE, (const char *const[]){cases[k].setting, NULL}, NULL, SAY), cases[k].text);
         assert_null(p);
@@ -599,7 +577,6 @@ static void a_map_of_eight_pixels_by_hand(void **state)
     int shape[2];
     bis_light *light;
 
-    (void)state;
     for (int y = 0; y < 2; y++)
         for (int x = 0; x < 4; x++)
             for (int k = 0; k < 3; k++) file[1 - y][x][k] = (float)((4 * y + x + 1) * (k == 0 ? 1 : k == 1 ? 10 : 100));
@@ -663,7 +640,6 @@ static void the_kind_of_a_table_is_the_one_asked_for(void **state)
     float w[3], L[3];
     double pdf;
 
-    (void)state;
     write_pfm(DIR "/row.pfm", 4, 1, row[0]);
     for (int i = 0; i < 2; i++) {
         bis_light *light;
@@ -684,7 +660,6 @@ static void an_area_exponent_draws_large_regions_more_often(void **state)
         (float)cos(5.5 / 64 * PI), (float)sin(5.5 / 64 * PI), -0.01f}; /* column 5, the first row below */
     const double sr = 2 * PI / 128 * sin(PI / 64), rest = 3 * (4 * PI - sr);
 
-    (void)state;
     for (int i = 0; i < 64 * 128; i++)
         for (int k = 0; k < 3; k++) file[i / 128][i % 128][k] = 1;
     for (int k = 0; k < 3; k++) file[31][5][k] = 1000;
@@ -707,7 +682,6 @@ static void weights_of_a_table_are_checked_and_summed(void **state)
     double prob[3], total = -1, w[3] = {6, 0, 3};
     uint32_t alias[3], item[2];
 
-    (void)state;
     /* of 3 each: bin 1 is all bin 0's; bin 2 its own; bin 0 is full */
     assert_int_equal(bis_flat_alias_build(3, w, prob, alias, &total, SAY), 0);
     assert_about(total, 9, 1e-12);
@@ -743,7 +717,6 @@ static void each_channel_of_a_material_is_its_own(void **state)
     double pdf[3];
     bis_bsdf *b;
 
-    (void)state;
     /* a vector across the normal, (2, -2, 1)/3, for the direction at 60 degrees */
     for (int k = 0; k < 3; k++) wi[1][k] = (float)((n[k] / 6 + sqrt(3) * (const double[]){2, -2, 1}[k] / 3) * 7);
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", Kd, Ks, 5, n, wo, SAY), 0);
@@ -787,7 +760,6 @@ static void materials_are_taken_up_to_their_limits(void **state)
     const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125}, one[3] = {1, 0, 0}, z[3] = {0, 0, 3};
     bis_bsdf *b;
 
-    (void)state;
     assert_int_equal(bis_flat_bsdf_open(&b, "phong", one, (double[]){0, 0, 1}, 0, z, z, SAY), 0);
     bis_flat_bsdf_close(b);
     assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", one, one, 1, z, z, SAY), 0);
@@ -829,7 +801,6 @@ static void alpha_is_the_share_that_hits_a_surface(void **state)
     float rgba[6][4][4];
     int shape[2];
 
-    (void)state;
     program_write_file(DIR "/half.txt",
         "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 6 \"string filename\" \"x.pfm\"\nCamera "
         "\"perspective\" \"float fov\" 60\n"
@@ -883,7 +854,6 @@ static void settings_have_their_limits(void **state)
                 "-of-a-parameter-that-ther\" is no setting: give name=value"}};
     bis_flat_picture *p;
 
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         /* small, unless it is the size that is asked for */
         const char *settings[] = {"width=2", "height=1", good[i], NULL};
@@ -911,7 +881,6 @@ static void an_integrator_named_again_keeps_what_the_scene_says(void **state)
         {"integrator=sir", NULL}, {"integrator=em", NULL}, {"integrator=mis", NULL}};
     static const char *const options[] = {"--integrator sir", "--integrator em", "--integrator mis"};
 
-    (void)state;
     program_write_scene(DIR, "Option \"string asprinted\" \"E3\"\n");
     for (int k = 0; k < 3; k++) {
         bis_flat_picture *p;
@@ -935,7 +904,6 @@ static void each_message_has_a_line(void **state)
 {
     bis_flat_picture *p;
 
-    (void)state;
     program_write_file(DIR "/bad.txt", "Film \"rgb\" \"integer xresolution\" 0\nWorldBegin\nShape \"cube\"\n");
     assert_int_equal(bis_flat_render(&p, DIR "/bad.txt", (const char *const[]){NULL}, NULL, SAY), BIS_INPUT);
     const char *line = strchr(say, '\n');
@@ -951,7 +919,6 @@ static void when_the_kth_allocation_fails_there_is_no_picture(void **state)
     bis_light *light;
     bool ended = false;
 
-    (void)state;
     assert_int_equal(bis_flat_light_make(&light, 2, 1, grey, "cdf", 0, NULL, SAY), 0);
     for (long k = 1; !ended; k++) {
         static const char *const settings[] = {"width=2", "height=2", "spp=1", "threads=1", "accelerator=grid",

@@ -4,14 +4,8 @@
 #include "bis/base/clock.h"
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -29,7 +23,6 @@ static char say[512];
 /* A map of 16 x 8 pixels of radiance 1. */
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     FILE *out = fopen(DIR "/white.pfm", "wb");
     if (!out) return 1;
@@ -46,7 +39,6 @@ static void refuses(int status, const char *text)
 
 static void marsaglias_list_is_the_thesiss(void **state)
 {
-    (void)state;
     const uint32_t right[10] = {0, 1, 1, 2, 2, 2, 2, 3, 3, 3};
     uint32_t list[10], length;
 
@@ -60,7 +52,6 @@ static void marsaglias_list_is_the_thesiss(void **state)
  */
 static void the_stages_lead_from_NP_to_the_table(void **state)
 {
-    (void)state;
     const double w[5] = {1, 2, 3, 4, 5};
     double prob[5], height[5], total;
     uint32_t alias[5], order[5], seen = 0;
@@ -79,7 +70,6 @@ static void the_stages_lead_from_NP_to_the_table(void **state)
 
 static void the_cdf_is_the_running_sum(void **state)
 {
-    (void)state;
     const double w[4] = {1, 0, 2, 1}, right[5] = {0, 0.25, 0.25, 0.75, 1};
     double c[5];
     uint32_t guide[10], n_guide, item[3], part[3], first[3];
@@ -98,7 +88,6 @@ static void the_cdf_is_the_running_sum(void **state)
 /* 10 and 30 of 40, where 20 each are due: (100 + 100)/20 = 10, and the twin of 20 and 20: 0. */
 static void the_fit_is_pearsons(void **state)
 {
-    (void)state;
     uint32_t item[40];
     double observed[2], fit[3];
 
@@ -116,7 +105,6 @@ static void the_fit_is_pearsons(void **state)
  * ones. */
 static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
 {
-    (void)state;
     const double w[8] = {0, 1, 0, 1, 0, 1, 0, 1};
     double printed[8], right[8], impossible[2];
 
@@ -135,7 +123,6 @@ static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
 
 static void a_histogram_counts_each_value_once(void **state)
 {
-    (void)state;
     const double v[8] = {-1, 0, 0.49, 0.5, 0.99, 1, 7, (double)INFINITY};
     uint32_t count[2];
 
@@ -153,7 +140,6 @@ static void a_histogram_counts_each_value_once(void **state)
 /* A white map is one component of 4 pi, drawn with 1/(4 pi) everywhere. */
 static void a_white_map_is_one_light(void **state)
 {
-    (void)state;
     bis_light *light;
     double pdf[128], peak, share[8], area[128], factor[128], polar[2], sum = 0;
     uint32_t label[128], level[128], count[8], n;
@@ -180,7 +166,6 @@ static void a_white_map_is_one_light(void **state)
 /* The mean over four white pixels is white; a map is not made larger. */
 static void a_shrunk_map_keeps_its_light(void **state)
 {
-    (void)state;
     bis_light *light, *small, *same;
     int shape[2];
 
@@ -203,7 +188,6 @@ static void a_shrunk_map_keeps_its_light(void **state)
 /* A diffuse floor under radiance 1 in R, G and B reflects 3 Kd = 1.5 everywhere, and nothing hides the light. */
 static void a_point_of_a_diffuse_floor_is_known(void **state)
 {
-    (void)state;
     bis_flat_stage *stage;
     double found[8], value[4], sum[6], L[64], w[64], u[64], bound[2], height[64];
     float wi[192];
@@ -247,7 +231,6 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
  * noise of the rays left out, the sum would miss by more than that. */
 static void the_two_noises_add_up_E31(void **state)
 {
-    (void)state;
     const char *const sir[] = {"integrator=sir", "candidates=16", "shadowrays=2", "proposal=mix", "learn=false", NULL};
     const char *const scenes[2] = {
         SCENE, SCENE "Shape \"trianglemesh\" \"point3 P\" [-3 .3 0  3 .3 0  0 .3 4] \"integer indices\" [0 1 2]\n"};
@@ -317,7 +300,6 @@ static void best_weights_by_quadrature(double out[5], bis_flat_stage *stage, dou
  * twin: the balance heuristic lies farther from the best weights than is allowed. */
 static void the_best_weights_are_what_they_say(void **state)
 {
-    (void)state;
     const char *const mis[] = {"integrator=mis", "samples=8", "heuristic=balance", NULL};
     const char *const uneven[] = {"integrator=mis", "samples=8", "split=0.25", NULL};
     enum { RUNS = 40000 };
@@ -354,7 +336,6 @@ static void the_best_weights_are_what_they_say(void **state)
  * 1e-5. */
 static void a_diffuse_material_loses_nothing(void **state)
 {
-    (void)state;
     const double up[3] = {0, 0, 1}, Kd[3] = {0.5, 0.5, 0.5}, Ks[3] = {0, 0, 0};
     bis_bsdf *bsdf;
     double sum[3];
@@ -370,7 +351,6 @@ static void a_diffuse_material_loses_nothing(void **state)
  * away from the eye, with (n + 1)/(2 pi); the twin is the eye's own side. Straight down there is a plane, too. */
 static void the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle(void **state)
 {
-    (void)state;
     const double up[3] = {0, 0, 2}, half[3] = {0.5, 0.5, 0.5}, one[3] = {1, 1, 1}, black[3] = {0, 0, 0};
     const double eye[2][3] = {{-sqrt(3), 0, 1}, {0, 0, 1}}, at[4] = {-60, 0, 60, 120};
     double f_cos[4], pdf[4];
@@ -394,7 +374,6 @@ static void the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle(void **stat
 
 static void what_lies_below_the_horizon_is_counted(void **state)
 {
-    (void)state;
     const double up[3] = {0, 0, 1}, half[3] = {0.5, 0.5, 0.5};
     const float wi[12] = {0, 0, 1, 1, 0, 0, 0, 0.6f, -0.8f, 0, 0.6f, 0.8f}; /* above, on it, below, above */
     uint8_t below[4];
@@ -411,7 +390,6 @@ static void what_lies_below_the_horizon_is_counted(void **state)
 /* No time is tested, only that there is one: no pass takes longer than all of the call. */
 static void a_pass_takes_a_part_of_the_time(void **state)
 {
-    (void)state;
     bis_flat_picture *picture;
     const double before = bis_clock_now();
 

@@ -3,14 +3,8 @@
  * full experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
 #include "bis/base/mem.h"
 
+#include "claim.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 
@@ -77,7 +71,6 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
  * % if the bound covers 90 %, and of 2e-6 if it covers 95 % (binomial). */
 static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
 {
-    (void)state;
     const bis_integrator *const integrators[3] = {&bis_sir, &bis_em, &bis_mis};
     const double E[3] = {0.05, 0.07, 0.1};
     tally t = {0};
@@ -132,7 +125,6 @@ static void judge(double *figure, double *twin, world *w, const bis_film *refere
  * its twin. 777 pixels and 4 x 5 renders: the standard error of the ratio is 2 %, of which three are added. */
 static void the_figure_sees_what_strata_gain(void **state)
 {
-    (void)state;
     const bis_sampler_kind kinds[] = {BIS_SAMPLER_SOBOL, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_RANDOM};
     world w;
     bis_film reference;
@@ -172,7 +164,6 @@ static void keep_forecast(const bis_forecast *f, void *user)
 
 static void the_first_passes_forecast_what_an_error_will_take(void **state)
 {
-    (void)state;
     world w;
     bis_film f;
     bis_render_result result;
@@ -214,7 +205,6 @@ static void note_progress(const bis_progress *p, void *user)
 
 static void progress_by_error_is_the_square_of_the_errors(void **state)
 {
-    (void)state;
     world w;
     bis_film f;
     bis_render_result result;
@@ -235,7 +225,6 @@ static void progress_by_error_is_the_square_of_the_errors(void **state)
 /* An error of just the size that is asked for is enough: no pass more, and no forecast of one. */
 static void an_error_that_is_just_reached_is_reached(void **state)
 {
-    (void)state;
     world w;
     bis_film f;
     bis_render_result result;
@@ -262,7 +251,6 @@ static void an_error_that_is_just_reached_is_reached(void **state)
 /* A render that ends by its error is the same as one of so many samples; where its halves part may differ. */
 static void a_render_by_error_can_be_repeated_by_its_number_of_samples(void **state)
 {
-    (void)state;
     world w;
     bis_film by_error, by_spp;
     bis_render_result a, b;

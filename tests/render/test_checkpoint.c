@@ -3,16 +3,10 @@
  * is refused by name. Expected pictures are those of renders without a checkpoint. The twin is a checkpoint in which
  * one number is another, with a checksum that fits: its picture must be another. */
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "file_help.h"
 #include "program.h"
 #include "state_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdatomic.h>
 #include <math.h>
@@ -29,7 +23,6 @@
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR_NAME);
     return 0;
 }
@@ -77,7 +70,6 @@ static bis_render_options budget(const kind *k, uint32_t spp, int n_threads)
  * smaller than one render's and must be left out. 22 camera samples end with a smaller pass, too. */
 static void a_render_that_goes_on_has_the_bits_of_one_render(void **state)
 {
-    (void)state;
     static const uint32_t breaks[] = {1, 2, 3, 4, 6, 8, 12, 13, 20, 22};
 
     for (size_t i = 0; i < COUNT(kinds); i++) {
@@ -120,7 +112,6 @@ static const bis_integrator burning = {
 /* One thread, because the fuse is shared; a pass of 4 samples has 4 x 37 x 21 calls at most. */
 static void a_render_that_is_interrupted_again_and_again_has_the_bits_of_one_render(void **state)
 {
-    (void)state;
     static const double intervals[] = {0, 1e9};
     const kind k = {"burning", &burning, BIS_SAMPLER_SOBOL, .crop = whole};
     world w;
@@ -154,7 +145,6 @@ static void a_render_that_is_interrupted_again_and_again_has_the_bits_of_one_ren
  * every pass from there to the end, and by a larger error. */
 static void an_error_is_reached_by_the_same_pass_and_a_smaller_one_may_follow(void **state)
 {
-    (void)state;
     const kind k = {"error", &bis_sir, BIS_SAMPLER_SOBOL, .error = 0.07, .crop = middle};
     const bis_render_options options = {.budget = {.error = k.error}, .n_threads = 2};
     world w;
@@ -216,7 +206,6 @@ static void expect_refusal(const char *path, bis_status status, const char *word
 
 static void every_truncation_and_every_changed_byte_is_refused(void **state)
 {
-    (void)state;
     static const char bad[] = DIR_NAME "/bad";
     static const unsigned char masks[] = {0x01, 0xff};
     world w;
@@ -261,7 +250,6 @@ enum { BEFORE_SUMS = 96 }; /* bytes of the state that come before the film's sum
 /* A forged file may be refused or not; it must not break anything. */
 static void a_forged_head_breaks_nothing(void **state)
 {
-    (void)state;
     static const unsigned char masks[] = {0x01, 0x80, 0xff};
     int n_refused = 0;
     world w;
@@ -297,7 +285,6 @@ static void a_forged_head_breaks_nothing(void **state)
  * of the film, and the counts of what was seen. */
 static void another_number_in_the_state_makes_another_picture(void **state)
 {
-    (void)state;
     world w;
     size_t size, at;
 
@@ -339,7 +326,6 @@ static void another_number_in_the_state_makes_another_picture(void **state)
 /* The second field of the state: 1000 s are spent, so a budget of 500 s allows no pass, and one of 2000 s does. */
 static void seconds_that_were_spent_before_count(void **state)
 {
-    (void)state;
     static const double spent = 1000;
     world w;
     size_t size, at;
@@ -368,7 +354,6 @@ static void seconds_that_were_spent_before_count(void **state)
 /* All settings come back, also those that sir does not read. */
 static void settings_are_read_back(void **state)
 {
-    (void)state;
     kind k = kinds[0];
     bis_checkpoint c = {.path = PATH, .every = 1e9};
     bis_render_result result;
@@ -417,20 +402,17 @@ static void other_density(OTHER) { (void)k, (void)o, w->desc.accel.density = 3; 
 
 static void other_spp(OTHER)
 {
-    (void)k, (void)o;
     bis_sampler_set_spp(&w->desc.view.sampler, 9);
 }
 
 static void other_pixel(OTHER)
 {
-    (void)k, (void)o;
     bis_light_envmap(w->scene.light)->pixels[77].g += 1;
 }
 
 static void other_name(OTHER)
 {
     static char name[] = "elsewhere/map.exr";
-    (void)k, (void)o;
     w->desc.light.filename = name;
 }
 
@@ -534,7 +516,6 @@ static const struct {
 
 static void another_render_is_refused_by_what_differs(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < COUNT(other_renders); i++) {
         const bool edges = other_renders[i].change == other_edges || other_renders[i].change == other_edge_light;
         kind k = kinds[edges ? 6 : 0]; /* 6: has edges */
@@ -576,7 +557,6 @@ static void count_warning(const char *message)
 /* A limit of the size of files is what a full disk looks like. */
 static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on(void **state)
 {
-    (void)state;
     world w;
     bis_film expected, f;
     bis_render_result result;
@@ -616,7 +596,6 @@ static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_rend
 
 static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
 {
-    (void)state;
     const kind *k = &kinds[0];
     int n_lost = 0;
     world w;
@@ -650,7 +629,6 @@ static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
 /* What was read is freed once the render goes on, and where it is refused. */
 static void what_was_read_is_freed_when_the_render_begins(void **state)
 {
-    (void)state;
     const kind *k = &kinds[0];
     bis_film f;
     bis_render_result result;
@@ -679,7 +657,6 @@ static void what_was_read_is_freed_when_the_render_begins(void **state)
 /* More rays saw the light than there were: in whichever part of the counts, the file is damaged. */
 static void counts_of_more_seen_than_rays_are_refused_wherever_they_stand(void **state)
 {
-    (void)state;
     world w;
     size_t size, at;
 

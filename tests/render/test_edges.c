@@ -6,17 +6,12 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "render/edges.h"
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 1); }
 
@@ -29,7 +24,6 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     bis_render_result result;
     int edges = 0, mixed = 0, missed = 0, n = 0;
 
-    (void)state;
     make_world(&w, &place);
     bis_sampler_set_spp(&w.desc.view.sampler, 256);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
@@ -59,7 +53,6 @@ static void places_of_pixels_lie_in_the_bytes_of_the_area(void **state)
     static const bis_rect areas[] = {{0, 0, WIDTH, HEIGHT}, {16, 32, 48, 48}, {17, 5, 18, 6}, {31, 47, 70, 66}};
     static const size_t tiles[] = {3 * 2, 2 * 1, 1, 4 * 3};
 
-    (void)state;
     for (size_t i = 0; i < sizeof areas / sizeof *areas; i++) {
         const bis_rect a = areas[i];
         const size_t n = 4 * bis_edges_bytes(a);
@@ -126,7 +119,6 @@ static int count_ridge(double angle_deg, int left, int right, bis_material m, in
 /* "normals more than 60 degrees apart", "other materials": on both sides of the bound. */
 static void ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always(void **state)
 {
-    (void)state;
     const bis_material matt = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
     const int outline = BIS_EDGE_OUTLINE;
     assert_int_equal(count_ridge(58, 0, 0, matt, outline), 0);
@@ -143,7 +135,6 @@ static void ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always(
  * a diffuse surface, 70.5 degrees; one of 10^6 narrower than the degree that is asked for at least. */
 static void the_turn_that_counts_is_that_of_the_lobe(void **state)
 {
-    (void)state;
     static const struct {
         float kd, ks;
         double n, angle;
@@ -174,7 +165,6 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
     world w;
     stat_moments plain = {0}, more = {0}, longer = {0};
 
-    (void)state;
     make_world(&w, &bis_sir);
     w.desc.view.edge_light = 0.5;
     for (int k = 0; k < 2; k++) {
@@ -221,7 +211,6 @@ static void bits_do_not_depend_on_threads_and_one_is_none(void **state)
     bis_film a, b;
     bis_render_result ra, rb;
 
-    (void)state;
     make_world(&w, &bis_sir);
     w.desc.view.edge_samples = 5;
     render(&a, &ra, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
@@ -249,7 +238,6 @@ static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
     static const uint32_t spps[] = {1u << 29, 1u << 30, 600000000};
     world w;
 
-    (void)state;
     make_world(&w, &bis_brdf);
     for (int i = 0; i < 3; i++) {
         bis_film film;

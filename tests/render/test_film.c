@@ -4,15 +4,10 @@
 #include "bis/render/render.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "threads.h"
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 
@@ -26,7 +21,6 @@ static void init(bis_film *f, int width, int height)
 
 static void neighbouring_crops_share_no_pixel_and_leave_no_gap(void **state)
 {
-    (void)state;
     for (int full = 1; full < 40; full++) {
         for (int cut = 1; cut < 20; cut++) {
             double x = cut / 20.0;
@@ -45,7 +39,6 @@ static void neighbouring_crops_share_no_pixel_and_leave_no_gap(void **state)
 /* pbrt-v4, film.cpp: pixelBounds = (ceil(full * x0), ceil(full * x1)). */
 static void crop_is_rounded_as_pbrt_does(void **state)
 {
-    (void)state;
     bis_film f;
     assert_int_equal(bis_film_init(&f, 10, 9, (double[4]){0.25, 0.75, 0.5, 1}, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(f.x0, 3);
@@ -60,7 +53,6 @@ static void crop_is_rounded_as_pbrt_does(void **state)
 static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
 {
     enum { W = 13, H = 7, SIDE = 4 };
-    (void)state;
     for (int i = 0; i < W * W * H * H; i++) {
         const bis_rect r = {i % W, i / W % H, i / (W * H) % W + 1, i / (W * H * W) + 1};
         const bis_film f = {
@@ -86,7 +78,6 @@ static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
  * picture has there, each once, and none elsewhere. */
 static void crops_and_tiles_have_the_twins_of_their_picture(void **state)
 {
-    (void)state;
     enum { W = 400, H = 240, SQUARES = 50 * 30 };
     static unsigned char has[H][W];
     const double crops[][4] = {{0, 1, 0, 1}, {0.1, 0.9, 0.31, 0.33}, {0.5, 0.503, 0, 1}, {0.999, 1, 0.999, 1}};
@@ -117,7 +108,6 @@ static void crops_and_tiles_have_the_twins_of_their_picture(void **state)
  * freedom exceeds 92.0 once in a hundred times. The twin: a grid, one pixel in the middle of each square. */
 static void twins_lie_anywhere_in_their_squares(void **state)
 {
-    (void)state;
     const double expected = 50 * 30 / 64.0;
     const bis_film f = bis_film_place(400, 240, whole, 1);
     int counts[64] = {0}, n = 0;
@@ -135,7 +125,6 @@ static void twins_lie_anywhere_in_their_squares(void **state)
 /* At least 3 pixels a side, so that twins take a 9th of the samples, and no tile of 16 pixels has more than 36. */
 static void small_pictures_have_a_twin_for_9_pixels(void **state)
 {
-    (void)state;
     const bis_film f = bis_film_place(150, 90, whole, 1), one = bis_film_place(1, 1, whole, 1);
     int across;
     assert_int_equal(bis_film_twin_side(&f), 3);
@@ -150,7 +139,6 @@ static void small_pictures_have_a_twin_for_9_pixels(void **state)
 
 static void a_crop_without_pixels_or_outside_is_refused(void **state)
 {
-    (void)state;
     const double bad[][4] = {{0.5, 0.5, 0, 1}, {0.6, 0.4, 0, 1}, {0, 1, 0.91, 0.99}, {-0.1, 1, 0, 1}, {0, 1.1, 0, 1},
         {0, (double)NAN, 0, 1}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -166,7 +154,6 @@ static void a_crop_without_pixels_or_outside_is_refused(void **state)
 /* A thin film of each 2 x 2 has pixels 1, 3, 5, 7 of 8; a crop from 0.8 to 0.96 of a pixel has none of any film. */
 static void a_crop_without_pixels_of_a_thin_film_says_so(void **state)
 {
-    (void)state;
     static const char rest[] = "; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1";
     static const struct { int step; double x0, x1; const char *thin; } cases[] = {
         {1, 0.1, 0.12, ""}, {2, 0, 0.1, " that a thin film has"}, {3, 0, 0.1, " that a thin film has"}};
@@ -185,7 +172,6 @@ static void a_crop_without_pixels_of_a_thin_film_says_so(void **state)
 
 static void pixels_are_means_and_alpha_the_share_of_hits(void **state)
 {
-    (void)state;
     bis_film f;
     float rgba[4 * 6];
     init(&f, 3, 2);
@@ -225,7 +211,6 @@ static double alpha_after(uint32_t passes, double share)
 /* Eighths need 24 bits up to 2^21 whole ones. One more whole one and an eighth do not fit. */
 static void alpha_of_eighths_is_exact_for_two_million_camera_samples(void **state)
 {
-    (void)state;
     for (int eighths = 1; eighths <= 8; eighths++)
         assert_true(alpha_after(1 << 20, eighths / 8.0) == eighths / 8.0);
     assert_true(alpha_after(1 << 21, 7 / 8.0) == 7 / 8.0);
@@ -239,7 +224,6 @@ static void alpha_of_eighths_is_exact_for_two_million_camera_samples(void **stat
  * film.c, 2^-25 (1/3) (n + 1), and half a step of float for the quotient. */
 static void alpha_of_thirds_errs_by_less_than_the_bound(void **state)
 {
-    (void)state;
     static const uint32_t passes[] = {10, 1000, 10000, 100000};
     for (size_t i = 0; i < sizeof passes / sizeof *passes; i++) {
         const double n = passes[i], error = alpha_after(passes[i], 1 / 3.0) - 1 / 3.0;
@@ -258,7 +242,6 @@ static void alpha_of_thirds_errs_by_less_than_the_bound(void **state)
 
 static void a_film_without_passes_is_black(void **state)
 {
-    (void)state;
     bis_film f;
     float rgba[4] = {1, 1, 1, 1};
     init(&f, 1, 1);
@@ -269,7 +252,6 @@ static void a_film_without_passes_is_black(void **state)
 
 static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
 {
-    (void)state;
     for (long k = 1;; k++) {
         bis_film f;
         bis_diag diag = {0};
@@ -294,7 +276,6 @@ static void a_mean_below_0_becomes_0_and_is_told(void **state)
     bis_film f;
     float rgba[8];
 
-    (void)state;
     assert_int_equal(bis_film_init(&f, 2, 1, crop, (bis_loc){0}, NULL), BIS_OK);
     bis_film_add(&f, 0, 0, (rgb){-1, 1, 0}, 1, 1);
     bis_film_add(&f, 1, 0, (rgb){2, 1, 0}, 1, 1);

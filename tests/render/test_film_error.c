@@ -3,17 +3,11 @@
  * 0.01 and says how. */
 #include "bis/render/film.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "threads.h"
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <stdio.h>
-
-#include <cmocka.h>
-
 #include <math.h>
+#include <stdio.h>
 
 static const double whole[4] = {0, 1, 0, 1};
 
@@ -44,7 +38,6 @@ static double mean_around(double mean[8][12], int x, int y)
  * floors. */
 static void the_error_of_passes_is_the_mean_over_pixels(void **state)
 {
-    (void)state;
     for (int dark = 0; dark < 2; dark++) {
         const double scale = dark ? 0x1p-10 : 4, crop[4] = {0.25, 0.75, 0.25, 0.875};
         double mean = 0, expected = 0, means[8][12];
@@ -100,7 +93,6 @@ static double rmse_of(const float *first, int passes, double *upper)
  * for the truth's square. */
 static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
 {
-    (void)state;
     double upper;
     const double expected = sqrt(0.5 / 4.09);
     assert_true(fabs(rmse_of((float[]){1, 3}, 2, &upper) - expected) < 1e-14);
@@ -111,7 +103,6 @@ static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
  * it an error of 70%, however bright the sample. */
 static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
 {
-    (void)state;
     const double rmse = rmse_of((float[]){0, 0, 0, 32}, 4, NULL), twin = sqrt(0.5 * 64 / 64.36);
     assert_true(fabs(rmse / sqrt(0.5 * 64 / 16.36) - 1) < 1e-6); /* the deviation is float */
     assert_true(rmse > 1.9 * twin);
@@ -119,7 +110,6 @@ static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **
 
 static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(void **state)
 {
-    (void)state;
     const float values[] = {0, 1, 0.1f, 3.4e38f, 1e-38f};
     for (size_t i = 0; i < 2 * (sizeof values / sizeof *values); i++) {
         bis_film f;
@@ -140,7 +130,6 @@ static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(
 /* 5300 pixels, noise: the threads' shares meet in other orders each time. */
 static void any_number_of_threads_finds_the_same_errors(void **state)
 {
-    (void)state;
     enum { W = 100, H = 53, TIMES = 100 };
     static float rgba[2][4 * W * H];
     const int before = use_threads(1);
@@ -171,7 +160,6 @@ static void any_number_of_threads_finds_the_same_errors(void **state)
 
 static void exposure_does_not_change_the_relative_rmse(void **state)
 {
-    (void)state;
     double rmse[3], smaller;
     const double scale[3] = {1, 1e-20, 1e20};
     for (int s = 0; s < 3; s++) {
@@ -229,7 +217,6 @@ static bool too_many_misses(int misses, int n) { return misses > 0.05 * n + 2.33
 
 static void upper_bound_holds_in_95_renders_of_100(void **state)
 {
-    (void)state;
     enum { N = 2000 };
     for (int passes = 4; passes <= 64; passes *= 4) {
         int misses = 0, twin_misses = 0;
@@ -328,7 +315,6 @@ static double stratified_film(bis_film *f, int kind, int W, bool most, uint64_t 
  * of the passes is as if all were noise. */
 static void the_figure_is_right_however_the_error_falls(void **state)
 {
-    (void)state;
     const int sizes[] = {8, 16, 24};
     for (int k = 0; k < 3 * KINDS; k++) {
         const int kind = k / 3, W = sizes[k % 3];
@@ -357,7 +343,6 @@ static void the_figure_is_right_however_the_error_falls(void **state)
  * than 10.1 fail once in a hundred times if 5 may (see too_many_misses); the figure alone fails every other time. */
 static void the_bound_holds_where_the_end_is_not_known(void **state)
 {
-    (void)state;
     enum { N = 100 };
     int misses = 0, twin_misses = 0;
     for (uint64_t seed = 1; seed <= N; seed++) {
@@ -410,7 +395,6 @@ static double skewed_film(bis_film *f, int W, uint64_t seed, double *by_own)
  * what makes the error makes it small. */
 static void the_figure_is_right_where_few_samples_are_bright(void **state)
 {
-    (void)state;
     enum { N = 60 };
     for (int W = 8; W <= 32; W *= 2) {
         int misses = 0, twin_misses = 0;
@@ -435,7 +419,6 @@ static void the_figure_is_right_where_few_samples_are_bright(void **state)
  * their sum: noise makes 4/3 of that, and four twins of 36 pixels 36/4 of it. The bound takes the halves for noise. */
 static void halves_and_twins_are_weighed_by_what_they_know(void **state)
 {
-    (void)state;
     enum { ONE = 1, OTHER = 34 };
     const double more[] = {0.3, 0.1, 0, 0}, apart[] = {0.1, 0.05, 0, 0};
     bis_film f;
@@ -500,7 +483,6 @@ static bis_film_error error_of_pixels(int noisy, double noise, double weight)
  * take a rounding. The mean of four passes has the variance noise^2/3: half of the mean at noise 0.87. */
 static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
 {
-    (void)state;
     assert_false(error_of_pixels(9, 0.1, 1).is_bounded);
     assert_true(error_of_pixels(11, 0.1, 1).is_bounded);
     assert_false(error_of_pixels(17, 0.1, 1).is_known);

@@ -4,15 +4,9 @@
  * or like one within 7 rows and columns. */
 #include "render/first_light.h"
 
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdatomic.h>
@@ -44,7 +38,6 @@ static void make_learning(world *w)
 
 static void a_finished_render_has_the_same_bits_and_counts(void **state)
 {
-    (void)state;
     for (int i = -1; i < 0 || bis_integrators[i]; i++) {
         world w;
         bis_film plain, film;
@@ -75,7 +68,6 @@ static bool same_pixel(const bis_film *a, size_t i, const bis_film *b, size_t j)
  * the other pixels of that pass are not like their glimpse. */
 static void a_late_render_shows_its_glimpse(void **state)
 {
-    (void)state;
     const double crops[][4] = {{0, 1, 0, 1}, {0.3, 0.9, 0.2, 0.7}, {0.5, 0.52, 0.5, 0.56}};
     world w;
     bis_film film, clean;
@@ -109,7 +101,6 @@ static void a_late_render_shows_its_glimpse(void **state)
 /* Twin of the promise: without first_light the first pass is completed. */
 static void without_it_the_first_pass_is_complete(void **state)
 {
-    (void)state;
     world w;
     bis_film film;
     bis_render_result result;
@@ -124,7 +115,6 @@ static void without_it_the_first_pass_is_complete(void **state)
 /* In the middle of the first pass, and before its glimpse is there. */
 static void an_interrupted_first_pass_leaves_what_there_is(void **state)
 {
-    (void)state;
     world w;
     bis_film film, clean;
     bis_render_result result;
@@ -160,7 +150,6 @@ static void an_interrupted_first_pass_leaves_what_there_is(void **state)
 /* The layer `samples` of a pixel that is missing is 0, and 1 elsewhere. */
 static void the_layer_of_samples_tells_which_pixels_are_missing(void **state)
 {
-    (void)state;
     world w;
     bis_film film;
     bis_render_result result;
@@ -180,7 +169,6 @@ static void the_layer_of_samples_tells_which_pixels_are_missing(void **state)
 /* Two tiles side by side, the first one whole: by hand, pixel (x, y) is x + 100 y. */
 static void what_is_shown_is_the_pixel_or_its_glimpse(void **state)
 {
-    (void)state;
     enum { W = 20, H = 9 };
     bis_film film;
     bis_pixel_mean pass[W * H];
@@ -228,7 +216,6 @@ static void note(const bis_render_result *result, void *user)
 /* Passes of 1, 1, 2, 4, 4. The error that is told on the way changes nothing: the same bits, the same last figure. */
 static void the_result_so_far_is_told_between_passes(void **state)
 {
-    (void)state;
     const uint64_t expected[] = {1, 2, 4, 8, 12};
     world w;
     bis_film film, plain;

@@ -4,16 +4,10 @@
  * in their lowest bit. */
 #include "render/identity.h"
 
+#include "claim.h"
 #include "world.h"
 
 #include "bis/thesis/light.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <ctype.h>
 #include <glob.h>
@@ -179,7 +173,6 @@ static void expect_xform(const known *k, bis_xform *x, int part, const char *nam
 
 static void each_field_of_the_view_counts(void **state)
 {
-    (void)state;
     known own, *k = &own;
     bis_view *v = &own.view;
     fill(k);
@@ -228,7 +221,6 @@ static void each_field_of_the_view_counts(void **state)
 /* An error that is asked for decides only when a render ends. */
 static void an_error_that_is_asked_for_does_not_count(void **state)
 {
-    (void)state;
     known own, *k = &own;
     uint64_t none[BIS_IDENTITY_PARTS], some[BIS_IDENTITY_PARTS];
     fill(k);
@@ -242,7 +234,6 @@ static void an_error_that_is_asked_for_does_not_count(void **state)
 /* The camera samples that divide a pixel count where the sampler divides one, and the cells of "stratified". */
 static void camera_samples_count_where_they_divide_a_pixel(void **state)
 {
-    (void)state;
     static const struct {
         bis_sampler_kind kind;
         bool divides;
@@ -266,7 +257,6 @@ static void camera_samples_count_where_they_divide_a_pixel(void **state)
 
 static void each_field_of_the_shapes_counts(void **state)
 {
-    (void)state;
     known own, *k = &own;
     fill(k);
     for (int i = 0; i < 4; i++) {
@@ -292,7 +282,6 @@ static void each_field_of_the_shapes_counts(void **state)
 
 static void each_field_of_materials_and_textures_counts(void **state)
 {
-    (void)state;
     known own, *k = &own;
     fill(k);
     for (int i = 0; i < 2; i++) {
@@ -343,7 +332,6 @@ static void each_field_of_materials_and_textures_counts(void **state)
 
 static void each_field_of_the_light_counts(void **state)
 {
-    (void)state;
     known own, *k = &own;
     bis_light_desc *l = &own.w.desc.light;
     fill(k);
@@ -436,7 +424,6 @@ static int look_for_fields(const char *text, const char *type, const char *also,
 /* Each field of a struct counts, or is said not to; of the settings, those that are no parameter. */
 static void no_field_of_a_struct_is_missing(void **state)
 {
-    (void)state;
     const char *headers = read_headers();
     char parameters[1024] = "integrator as_printed";
     int n_missing = 0;
@@ -453,7 +440,6 @@ static void no_field_of_a_struct_is_missing(void **state)
 /* The twin: a field is added at each place where one may stand, also where the struct does not grow by it. */
 static void a_field_that_is_added_is_missing(void **state)
 {
-    (void)state;
     static const char *const with[] = {"bool orthographic, is_new;", "bool is_new, orthographic;",
                                        "bool orthographic; /* a; b */ float is_new[4];", "char *is_new; bool x0;"};
     char text[256];
@@ -469,7 +455,6 @@ static void a_field_that_is_added_is_missing(void **state)
  * accelerators. */
 static void names_of_integrators_and_accelerators_count(void **state)
 {
-    (void)state;
     known own, *k = &own;
     uint64_t parts[3][BIS_IDENTITY_PARTS];
     fill(k);
@@ -506,7 +491,6 @@ static void names_of_integrators_and_accelerators_count(void **state)
 /* What one array loses the next one does not get: a smaller n is another identity. */
 static void numbers_of_things_count(void **state)
 {
-    (void)state;
     known own, *k = &own;
     fill(k);
     size_t *const numbers[] = {&k->w.scene.geometry.n_vertices, &k->w.scene.geometry.n_triangles,
@@ -528,7 +512,6 @@ static void numbers_of_things_count(void **state)
 /* Each part has its words, in this order; where nothing differs, there are none. */
 static void what_differs_is_named(void **state)
 {
-    (void)state;
     static const char *const names[BIS_IDENTITY_PARTS] = {
         "the size of the picture, or its crop", "the layers", "the camera", "the sampler, or its seed",
         "the camera samples for which samplers \"stratified\" and \"halton\" divide a pixel (--spp)",

@@ -8,15 +8,9 @@
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdatomic.h>
@@ -43,7 +37,6 @@ static const bis_integrator fused = {.name = "fused", .light_needs = no_light_ne
 
 static void any_number_of_threads_gives_the_same_bits_and_counts(void **state)
 {
-    (void)state;
     const bis_sampler_kind kinds[] = {
         BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
     const int threads[] = {1, 2, 3, 7};
@@ -126,7 +119,6 @@ static void assert_crops_are_parts(world *w, uint32_t spp)
 
 static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
 {
-    (void)state;
     for (int i = 0; bis_integrators[i]; i++) {
         world w;
         make_world(&w, bis_integrators[i]);
@@ -140,7 +132,6 @@ static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
  * differ. */
 static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
 {
-    (void)state;
     const uint64_t seed = 7, other = bis_hash(seed ^ 0x7477696e); /* "twin" */
     for (uint32_t edge_samples = 1; edge_samples <= 4; edge_samples += 3) {
         world w;
@@ -173,7 +164,6 @@ static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
  */
 static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
 {
-    (void)state;
     for (uint32_t edge_samples = 1; edge_samples <= 4; edge_samples += 3) {
         world w;
         bis_film learned, plain;
@@ -199,7 +189,6 @@ static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
  * or of those of them that lie in the picture. Without, the crop alone. */
 static void what_learns_renders_whole_tiles_and_says_so(void **state)
 {
-    (void)state;
     for (int learn = 0; learn < 2; learn++) {
         world w;
         bis_film part;
@@ -218,7 +207,6 @@ static void what_learns_renders_whole_tiles_and_says_so(void **state)
 /* Of each k x k pixels the one in the middle, with edge samples and in a crop as well. */
 static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state)
 {
-    (void)state;
     const double crops[2][4] = {{0, 1, 0, 1}, {0.3, 0.9, 0.2, 0.7}};
     for (int i = 0; i < 12; i++) {
         const int k = 2 + i % 4;
@@ -253,7 +241,6 @@ static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state
 /* Each pass is a function of its number: 8 camera samples (passes of 1, 1, 2, 4) are 4 and then one pass more. */
 static void more_passes_begin_with_the_same_passes(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &noise);
     bis_film four, eight;
@@ -276,7 +263,6 @@ static void more_passes_begin_with_the_same_passes(void **state)
 
 static void another_seed_gives_other_noise(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &noise);
     bis_film a, b;
@@ -299,15 +285,11 @@ static void another_seed_gives_other_noise(void **state)
 /* An integrator whose colour is a direction of the pool. */
 static void drawn_scratch(const bis_settings *s, bis_needs *need)
 {
-    (void)s;
     need->n_set = 8;
 }
 
 static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    (void)s;
-    (void)pt;
-    (void)stream;
     return (rgb){bis_pool_set((const bis_pool *)scratch->sets, 3).x[5] + 2, 1, 1};
 }
 
@@ -315,7 +297,6 @@ static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stre
  * would share their noise, and no number of passes would end it. */
 static void each_pass_has_a_pool_of_its_own(void **state)
 {
-    (void)state;
     const bis_integrator drawn = {.name = "drawn", .light_needs = no_light_needs,
                                   .scratch_needs = drawn_scratch, .Lo = drawn_Lo};
     world w;
@@ -373,7 +354,6 @@ static bool listening_occluded(const bis_accel *a, const ray *r)
  * passes have none in common; with the clusters of the pass before they would have most. */
 static void each_pass_has_clusters_of_its_own(void **state)
 {
-    (void)state;
     static const bis_accel_ops ops = {
         .name = "listener", .intersect = listening_intersect, .occluded = listening_occluded};
     static vec3 d[2][MOST_RAYS];
@@ -411,7 +391,6 @@ static void each_pass_has_clusters_of_its_own(void **state)
 
 static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &fused);
     bis_film film, clean;
@@ -448,7 +427,6 @@ static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39
 
 static void an_interrupted_first_pass_leaves_nothing(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &fused);
     bis_film film;
@@ -472,7 +450,6 @@ static void an_interrupted_first_pass_leaves_nothing(void **state)
 /* 1, 1, 2, then 4, and the last pass takes what is left. */
 static void spp_is_the_number_of_camera_rays_in_growing_passes(void **state)
 {
-    (void)state;
     static const struct {
         uint32_t asked, pass_size;
         int passes;
@@ -501,7 +478,6 @@ static void spp_is_the_number_of_camera_rays_in_growing_passes(void **state)
 
 static void the_shortest_time_still_completes_one_pass_E39(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &noise);
     bis_film film;
@@ -524,7 +500,6 @@ static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
  * few. A slow machine changes nothing: passes never take less than they rest. */
 static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
 {
-    (void)state;
     const bis_integrator slow = {
         .name = "slow", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = slow_Lo};
     const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
@@ -565,7 +540,6 @@ static bool tired_occluded(const bis_accel *a, const ray *r)
  * of the first pass, no second one would fit. */
 static void what_is_done_once_does_not_make_passes_dearer(void **state)
 {
-    (void)state;
     static const bis_accel_ops ops = {.name = "tired", .intersect = tired_intersect, .occluded = tired_occluded};
     const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
     world w;
@@ -595,7 +569,6 @@ static rgb hastening_Lo(const bis_settings *s, const bis_point *pt, bis_stream *
  * render of 5 samples. A slow machine ends earlier. */
 static void a_pass_that_is_cut_to_fit_is_the_last(void **state)
 {
-    (void)state;
     const bis_integrator hastening = {
         .name = "hastening", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = hastening_Lo};
     const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
@@ -613,7 +586,6 @@ static void a_pass_that_is_cut_to_fit_is_the_last(void **state)
 
 static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &noise);
     w.desc.view.pixel_jitter = false;
@@ -637,7 +609,6 @@ static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **stat
 
 static void an_error_budget_takes_three_passes_at_least_and_spp_at_most(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &place);
     w.desc.view.pixel_jitter = false; /* no scatter at all: the estimate is 0 from the second pass on */
@@ -671,7 +642,6 @@ static void log_progress(const bis_progress *p, void *user)
 
 static void progress_grows_to_the_whole_budget(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &bis_exact);
     bis_film film;
@@ -725,7 +695,6 @@ static void make_wall(world *w)
 static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_rejected_E30(void **state)
 {
     enum { W = 36, H = 20, PASSES = 3, HITS = PASSES * W * H / 4 };
-    (void)state;
     world w;
     make_wall(&w);
     bis_film film;
@@ -746,7 +715,6 @@ static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_r
 /* The upper rows see the sky: no hit, and the map's radiance in the pixel's direction. */
 static void escaped_rays_see_the_map_where_it_is_visible(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &place);
     w.desc.view.pixel_jitter = false;
@@ -768,7 +736,6 @@ static void escaped_rays_see_the_map_where_it_is_visible(void **state)
 
 static void without_jitter_rays_pass_through_pixel_centres(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &place);
     w.desc.view.pixel_jitter = false;
@@ -789,7 +756,6 @@ static void without_jitter_rays_pass_through_pixel_centres(void **state)
 
 static void a_black_material_reflects_nothing_and_costs_nothing(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &sick);
     for (int i = 0; i < 2; i++) w.materials[i].Kd = w.materials[i].Ks = (rgb){0};
@@ -810,7 +776,6 @@ static void a_black_material_reflects_nothing_and_costs_nothing(void **state)
 
 static void estimates_that_are_not_finite_are_counted_and_kept_out(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &sick);
     bis_film film;
@@ -826,7 +791,6 @@ static void estimates_that_are_not_finite_are_counted_and_kept_out(void **state)
 
 static void rendering_allocates_nothing(void **state)
 {
-    (void)state;
     world w;
     long counts[2];
     make_world(&w, &bis_sir);
@@ -847,7 +811,6 @@ static void rendering_allocates_nothing(void **state)
 
 static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &bis_sir);
     assert_true(first_k_without_failure(&w, 0) > 6);
@@ -934,7 +897,6 @@ static void lit_denormals_leave_every_estimate_finite_and_the_means_right(void *
     const int n_ways = ways_to_draw(ways);
     const double alpha = stat_level(1e-3, 3 * n_ways);
 
-    (void)state;
     for (int map = 0; map < 4; map++) {
         double exact[N_DENORMAL_SEEDS], mean[N_DENORMAL_SEEDS];
         world w;
@@ -982,7 +944,6 @@ static void check_time(const bis_progress *p, void *user)
 
 static void progress_by_time_is_the_share_of_the_seconds(void **state)
 {
-    (void)state;
     static const double budgets[] = {1e-9, 0.1, 0.3};
     world w;
     make_world(&w, &bis_em);

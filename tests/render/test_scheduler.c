@@ -8,14 +8,8 @@
 #include "render/ranks.h"
 #include "render/scheduler_parts.h"
 
+#include "claim.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <pthread.h>
 #include <stdio.h>
@@ -260,7 +254,6 @@ enum { PASSES = 8 };
  * in one of many renders, usually the first, and each has the same bits. */
 static void tiles_of_a_slow_rank_move_and_the_bits_stay(void **state)
 {
-    (void)state;
     world w;
     picture one, to_an_error;
     size_t moved = 0;
@@ -289,7 +282,6 @@ static void tiles_of_a_slow_rank_move_and_the_bits_stay(void **state)
  * of what would travel if all did. */
 static void as_a_rule_only_pixels_travel(void **state)
 {
-    (void)state;
     world w;
     picture one;
     const bis_render_options options = {.budget = {.spp = spp}, .n_threads = 1};
@@ -316,7 +308,6 @@ static void begin_afresh(world *w, bis_film *one, bis_render_result *result)
 /* 3 ranks, one process, 5 ranks; each goes on from the checkpoint of the one before, and the slow one loses tiles. */
 static void a_checkpoint_has_what_all_have_learned(void **state)
 {
-    (void)state;
     static const struct {
         int ranks;
         uint32_t spp;
@@ -348,7 +339,6 @@ static void a_checkpoint_has_what_all_have_learned(void **state)
 /* A pass that is given up leaves no trace, also not in what was learned: the next run goes on to the bits of one. */
 static void a_pass_that_is_given_up_is_not_learned_from(void **state)
 {
-    (void)state;
     world w;
     bis_film one, f;
     bis_render_result result_one, result;
@@ -383,7 +373,6 @@ static void a_pass_that_is_given_up_is_not_learned_from(void **state)
  * back. */
 static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
 {
-    (void)state;
     world w;
     picture one;
     const bis_render_options options = {.budget = {.spp = spp}, .n_threads = 1};
@@ -582,7 +571,6 @@ static void expect_work(const fake_ranks *d, int *at, int to, const int *tiles, 
  * waits; rank 2 gets 41/16 = 2.6. */
 static void the_first_batches_are_those_by_hand(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0;
 
@@ -636,7 +624,6 @@ static void begin_anew(fake_ranks *d, int *at)
  * 0.0256 seconds: 5 tiles, 2 tiles. */
 static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0;
 
@@ -664,7 +651,6 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
  * = 2.7 and so on, as far as the list goes. */
 static void tiles_go_to_their_owners_first(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0;
 
@@ -719,7 +705,6 @@ static void tiles_go_to_their_owners_first(void **state)
 
 static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0;
 
@@ -755,7 +740,6 @@ static void who_has_no_tiles_gets_those_of_who_has_most(void **state)
  * none. */
 static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0;
 
@@ -786,7 +770,6 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
 static void what_is_done_goes_before_the_queue_is_empty(void **state)
 {
     static const int batches[21] = {[8] = 8, [14] = 6, [17] = 3, [19] = 2, [20] = 1};
-    (void)state;
     static fake_ranks d;
     int at = 0;
 
@@ -841,7 +824,6 @@ static void what_is_done_goes_before_the_queue_is_empty(void **state)
  */
 static void tiles_that_took_no_time_are_dealt_out_too(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0, tiles[49];
 
@@ -858,7 +840,6 @@ static void tiles_that_took_no_time_are_dealt_out_too(void **state)
 /* For a checkpoint: 40 tiles of rank 1 are more than a message holds; 5 of rank 2; those of rank 0 and nobody stay. */
 static void what_others_have_learned_is_asked_for(void **state)
 {
-    (void)state;
     static fake_ranks d;
     int at = 0, tiles[40];
 
@@ -912,7 +893,6 @@ static void what_others_have_learned_is_asked_for(void **state)
 /* A whole pass: each message is answered in its turn. */
 static void every_tile_is_rendered_once(void **state)
 {
-    (void)state;
     static fake_ranks d;
 
     for (int kind = 0; kind < 6; kind++) {
@@ -945,7 +925,6 @@ static void every_tile_is_rendered_once(void **state)
 
 static int setup(void **state)
 {
-    (void)state;
     if (system("rm -rf " DIR_NAME)) return -1;
     return mkdir(DIR_NAME, 0777);
 }

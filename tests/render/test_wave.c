@@ -5,18 +5,12 @@
 #include "render/edges.h"
 #include "render/pass.h"
 #include "render/workspace.h"
+#include "claim.h"
 #include "stat.h"
 #include "world.h"
 
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
@@ -220,7 +214,6 @@ static void use_accel(world *w, bis_accel_kind kind)
 
 static void waves_have_the_bits_of_single_samples(void **state)
 {
-    (void)state;
     static const int threads[] = {1, 2, 3, 7};
     static const uint32_t growing[] = {1, 1, 2, 3}; /* of 7 camera samples */
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
@@ -272,7 +265,6 @@ static void a_pass_tells_its_progress_after_each_tile(void **state)
     bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
                           .film = &film};
 
-    (void)state;
     make_world(&w, &bis_em);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
@@ -287,8 +279,6 @@ static void a_pass_tells_its_progress_after_each_tile(void **state)
 static bool one_ray_is_lost(const bis_accel *a, const ray *r)
 {
     static long n;
-    (void)a;
-    (void)r;
     return n++ == 500;
 }
 
@@ -299,7 +289,6 @@ static bool same_hit(const bis_accel *a, const ray *r, bis_hit *hit)
 
 static void one_ray_that_is_lost_changes_the_bits(void **state)
 {
-    (void)state;
     static const bis_accel_ops ops = {.name = "leaky", .intersect = same_hit, .occluded = one_ray_is_lost};
     static const uint32_t sizes[] = {1};
     world w;
@@ -322,7 +311,6 @@ static void one_ray_that_is_lost_changes_the_bits(void **state)
 /* A pixel with a thousand camera samples, one with none, and pixels of nothing but sky. */
 static void many_samples_of_one_pixel_fill_several_waves(void **state)
 {
-    (void)state;
     static const uint32_t sizes[] = {1, 1};
     world w;
     bis_film one, waves;
@@ -342,15 +330,12 @@ static void many_samples_of_one_pixel_fill_several_waves(void **state)
 /* An integrator that does not put its rays off, as a student's first: bis_point_sees, and the sum is returned. */
 static rgb impatient_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    (void)s;
-    (void)scratch;
     const vec3 wi = normalize((vec3){pt->n.x + (float)bis_stream_random(stream) - 0.5f, pt->n.y, pt->n.z});
     return bis_point_sees(pt, wi) ? (rgb){1, 2, 3} : (rgb){0.25f, 0, 0};
 }
 
 static void an_integrator_may_trace_its_rays_at_once(void **state)
 {
-    (void)state;
     const bis_integrator impatient = {
         .name = "impatient", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = impatient_Lo};
     static const uint32_t sizes[] = {1, 1, 2, 4};
@@ -406,7 +391,6 @@ static double p_of_difference(const stat_moments *a, const stat_moments *b, doub
 static void what_passes_share_and_learn_does_not_bias(void **state)
 {
     enum { RUNS = 60, PLAIN = 300 };
-    (void)state;
     static const struct {
         setting s;
         bis_sampler_kind sampler;

@@ -3,16 +3,10 @@
  * against frames worked out by hand. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
 #include "mesh_help.h"
 #include "scene/bump.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -86,7 +80,6 @@ static void assert_normal(const double n[3], double x, double y, double z, doubl
 static void a_slope_tilts_a_plane(void **state)
 {
     double n[3];
-    (void)state;
     built b = build(SLOPE "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, -.1, -.3, 1, 1e-4);
@@ -112,7 +105,6 @@ static void a_slope_tilts_a_plane(void **state)
 /* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s. */
 static void an_images_slope_is_taken_over_a_texel(void **state)
 {
-    (void)state;
     bytes file = {0};
     double n[3];
     put_text(&file, "PF\n4 1\n-1.0\n");
@@ -160,7 +152,6 @@ static void normal_of_library(double n[3], const char *statement)
  * texel. */
 static void a_library_bends_normals(void **state)
 {
-    (void)state;
     static const unsigned char tga[] = {0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 8, 0, 0, 51, 102, 153};
     static const struct { const char *statement; double n[3]; } cases[] = {
         {"", {0, 0, 1}},
@@ -189,7 +180,6 @@ static void a_library_bends_normals(void **state)
  * out d itself, so that only the slopes count: amplitude 1e-3 of r makes them differ by about 1e-3 of the tilt. */
 static void a_displaced_sphere_has_that_normal(void **state)
 {
-    (void)state;
     /* planar mapping makes s = 40 x; wrap repeats are avoided by bilerp, which goes on linearly: d = 0.001 s */
     built b = build("Texture \"d\" \"float\" \"bilerp\" \"string mapping\" \"planar\" \"vector3 v1\" [40 0 0] "
                     "\"float v00\" 0 \"float v01\" 0 \"float v10\" 0.001 \"float v11\" 0.001 "
@@ -229,7 +219,6 @@ static void a_displaced_sphere_has_that_normal(void **state)
 /* What depends on the place alone bends the same, whatever the coordinates of the mesh, and without any. */
 static void noise_in_space_does_not_ask_for_coordinates(void **state)
 {
-    (void)state;
     static const char *const uvs[] = {"\"point2 uv\" [0 0 1 0 1 1 0 1]", "\"point2 uv\" [5 1 2 1 2 3 5 3]", "",
                                       "\"point2 uv\" [1 1 1 1 1 1 1 1]", "\"normal N\" [0 0 1 0 0 1 0 0 1 0 0 1]"};
     double first[3];
@@ -263,7 +252,6 @@ static void store_colour(const char *path, float r, float g, float b)
 
 static void a_normal_map_turns_with_the_surface(void **state)
 {
-    (void)state;
     double n[3];
     store_colour(scratch("n.pfm"), .75f, .6f, .9f); /* (0.5, 0.2, 0.8) */
     const char *name = strrchr(scratch("n.pfm"), '/') + 1;
@@ -297,7 +285,6 @@ static void a_normal_map_turns_with_the_surface(void **state)
 /* The tangents of quadrics are the differences of their coordinates: a point that moves by p_u du has u + du. */
 static void tangents_are_the_derivatives_of_the_point(void **state)
 {
-    (void)state;
     bis_xform t = bis_xform_rotate(40, 1, 2, 3), s = bis_xform_scale(1, 2, .5);
     t = bis_xform_compose(&t, &s);
     for (int kind = 0; kind < 2; kind++) {
@@ -336,7 +323,6 @@ static void tangents_are_the_derivatives_of_the_point(void **state)
 /* A triangle of p = o + u p_u + v p_v, anywhere in space: its tangents are p_u and p_v. */
 static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
 {
-    (void)state;
     uint64_t random = 7;
     for (int i = 0; i < 100; i++) {
         const vec3 o = random_point(&random, -1, 1), p[2] = {random_direction(&random), random_direction(&random)};
@@ -367,7 +353,6 @@ static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
 
 static void a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump(void **state)
 {
-    (void)state;
     built b = build("Texture \"d\" \"float\" \"constant\" Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
     assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
     clear(&b);

@@ -2,19 +2,16 @@
 /* foreign: scenes that were written for pbrt: where it looks for files, what it lets pass, what bis makes of it. */
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
 
 #include <ftw.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
-
-#include <cmocka.h>
 
 #define LIT "WorldBegin LightSource \"infinite\"\n"
 
@@ -30,19 +27,16 @@ static const char *place(const char *name)
 
 static int make_folder(void **state)
 {
-    (void)state;
     return mkdir(scratch("folder"), 0777) || mkdir(place("geometry"), 0777) || mkdir(place("geometry/geometry"), 0777);
 }
 
 static int forget(const char *path, const struct stat *st, int type, struct FTW *walk)
 {
-    (void)st, (void)type, (void)walk;
     return remove(path);
 }
 
 static int remove_folder(void **state)
 {
-    (void)state;
     return nftw(scratch("folder"), forget, 8, FTW_DEPTH | FTW_PHYS) || scratch_remove(state);
 }
 
@@ -91,7 +85,6 @@ static bool ends(const char *s, const char *end)
 static void names_of_an_included_file_are_looked_for_beside_the_main_scene_first(void **state)
 {
     char said[8192];
-    (void)state;
     write_file("geometry/a.txt", "Shape \"plymesh\" \"string filename\" \"geometry/m.ply\"\n");
     write_file("geometry/m.ply", "ply\n");
     write_file("geometry/geometry/m.ply", "ply\n");
@@ -116,7 +109,6 @@ static void names_of_an_included_file_are_looked_for_beside_the_main_scene_first
 static void the_working_directory_is_the_second_place(void **state)
 {
     char said[8192];
-    (void)state;
     bis_scene_desc *d = good(LIT "Shape \"plymesh\" \"string filename\" \"tests/scene/test_foreign.c\"", 0, said);
     assert_string_equal(d->meshes[0].filename, "tests/scene/test_foreign.c");
     bis_scene_desc_free(d);
@@ -126,7 +118,6 @@ static void an_include_may_be_compressed(void **state)
 {
     char said[8192];
     static const char text[] = "Translate 0 4 0 Shape \"sphere\"\nShape \"spher\"\n";
-    (void)state;
     gzFile file = gzopen(place("part.pbrt.gz"), "wb");
     assert_true(gzwrite(file, text, (unsigned)strcspn(text, "\n")) > 0 && gzclose(file) == Z_OK);
     bis_scene_desc *d = good(LIT "Include \"part.pbrt.gz\"", 0, said);
@@ -141,7 +132,6 @@ static void an_include_may_be_compressed(void **state)
 static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
 {
     char said[8192];
-    (void)state;
     bis_scene_desc *d =
         good(LIT "Material \"metal\" \"spectrum eta\" \"spds/Au.eta.spd\" \"spectrum k\" \"spds/Au.k.spd\" "
                  "Shape \"sphere\" Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"",
@@ -169,7 +159,6 @@ static void errors_of_one_cause_are_one_message_with_their_number(void **state)
 {
     char text[8192] = LIT, said[8192];
     bis_scene_desc *d;
-    (void)state;
     for (int i = 1; i <= 60; i++)
         snprintf(text + strlen(text), sizeof text - strlen(text), "Shape \"sphere\" \"float radius\" -%d\n", i);
     strcat(text, "Shape \"cub\"\nShape \"cubb\"\nShape \"cub\"\n");
@@ -189,7 +178,6 @@ static void errors_of_one_cause_are_one_message_with_their_number(void **state)
 static void what_pbrt_passes_over_in_silence_is_a_warning(void **state)
 {
     char said[8192];
-    (void)state;
     bis_scene_desc *d = good(LIT "Shape \"sphere\" \"float radius\" 2 \"float radius\" 3 \"float radius\" 4\nShape "
                                  "\"sphere\" \"float radius\" 1 \"float radius\" 5",
         0, said);
@@ -264,7 +252,6 @@ static const struct pass {
 static void what_pbrt_goes_on_after_is_approximated(void **state)
 {
     char said[8192];
-    (void)state;
     for (size_t i = 0; i < sizeof passes / sizeof *passes; i++) {
         const struct pass *x = &passes[i];
         bis_scene_desc *d;
@@ -288,7 +275,6 @@ static void what_pbrt_goes_on_after_is_approximated(void **state)
 static void what_is_replaced_has_the_values_of_the_scene(void **state)
 {
     char said[8192];
-    (void)state;
     bis_scene_desc *d = good(passes[0].scene, BIS_PARSE_APPROXIMATE, said);
     const bis_material *m = &d->materials[d->shapes[0].material];
     assert_true(m->Kd.r == .1f && m->Kd.g == .2f && m->Kd.b == .3f);
@@ -320,7 +306,6 @@ static void what_is_replaced_has_the_values_of_the_scene(void **state)
 static void both_roughnesses_may_be_one_texture(void **state)
 {
     char said[8192];
-    (void)state;
 #define T \
     "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6 Texture \"u\" \"float\" " \
     "\"checkerboard\" "
@@ -353,7 +338,6 @@ static void a_bad_part_of_a_texture_counts_where_it_is_shown(void **state)
     char said[8192];
     bis_diag diag = {0};
     bis_scene *s;
-    (void)state;
     bis_scene_desc *d = good(shown, 0, said);
     assert_int_equal(bis_scene_build(&s, d, &diag), BIS_INPUT);
     assert_non_null(strstr(diag.messages[0].text, "the texture of \"Kd\" has values down to -0.5, must be in [0, 1]"));
@@ -390,7 +374,6 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
     const float rows[2][2][3] = {
         {{.75f, .75f, .75f}, {.75f, .75f, .75f}}, {{.25f, .25f, .25f}, {.25f, .25f, .25f}}}; /* from below */
     char pfm[64], said[8192], text[1024];
-    (void)state;
     const size_t n = (size_t)snprintf(pfm, sizeof pfm, "PF\n2 2\n-1.0\n");
     memcpy(pfm + n, rows, sizeof rows);
     store(place("two.pfm"), pfm, n + sizeof rows);
@@ -446,7 +429,6 @@ static void textures_lie_where_their_version_has_them(void **state)
         {"rgb", "\"color\" \"uv\" \"string mapping\" \"planar\" \"vector v1\" [0.25 0 0] \"float udelta\" 0.125", .875},
     };
     char said[8192], text[1024];
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(text, sizeof text,
             "Film \"%s\" " LIT
@@ -493,7 +475,6 @@ static void what_pbrt_filters_is_listed(void **state)
          "mapping \"cylindrical\" of a Texture"},
     };
     char said[8192], text[1024], kind[64];
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(text, sizeof text, "%s" LIT "Texture \"t\" \"%s\" %s Shape \"sphere\"", cases[i].before, cases[i].type,
             cases[i].texture);
@@ -517,7 +498,6 @@ static void what_pbrt_filters_is_listed(void **state)
 static void the_films_scale_multiplies_the_light(void **state)
 {
     char said[8192];
-    (void)state;
     bis_scene_desc *d = good("Film \"image\" \"float scale\" 5 WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3] "
                              "\"float scale\" 0.5 Shape \"sphere\"",
         0, said);
@@ -553,7 +533,6 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
          "has values up to 2, must be in [0, 1]"},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE, NULL},
     };
-    (void)state;
     write_file("two.gif", "GIF89a, a picture of the web");
     write_file("bad.jpg", "\xff\xd8\xff\xe0garbage"); /* a mark, and then nothing that tells the size */
     write_file("bad.png", "\x89PNG\r\n\x1a\ngarbage");
@@ -591,7 +570,6 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
                                 "\"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
     char said[8192];
     bis_scene_desc *d;
-    (void)state;
     write_file("m.obj",
         "mtllib none.mtl\nmtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl lost\nf 1 3 2\n");
     write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nmap_Kd -texres 512 none.jpg\n");
@@ -625,7 +603,6 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
 static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
 {
     char said[8192];
-    (void)state;
     bis_scene_desc *d =
         good("Integrator \"path\" WorldBegin LightSource \"point\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE, said);
     assert_true(d->has_light && !d->light.filename && d->light.scale == 1 && d->light.L.r == 1 && d->light.L.b == 1);
@@ -676,7 +653,6 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
          {1 / 3., 2 / 3., 2 / 3.}, 40},
     };
     char pfm[1000] = "", said[8192], text[1024];
-    (void)state;
     const size_t n = (size_t)snprintf(pfm, sizeof pfm, "PF\n8 4\n-1.0\n"); /* black */
     store(place("small.pfm"), pfm, n + 8 * 4 * 12);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -711,7 +687,6 @@ static void distant_lights_are_all_there_in_one_frame(void **state)
 {
     static const double to[2][3] = {{1 / 3., 2 / 3., 2 / 3.}, {-2 / 3., -2 / 3., 1 / 3.}};
     char pfm[1000] = "", said[8192], text[2048];
-    (void)state;
     const size_t n = (size_t)snprintf(pfm, sizeof pfm, "PF\n8 4\n-1.0\n"); /* black */
     store(place("small.pfm"), pfm, n + 8 * 4 * 12);
     static const char map[] =
@@ -755,7 +730,6 @@ static void another_light_takes_the_place_of_all(void **state)
          "\"no.exr\" AttributeEnd", {1, 0, 0}},
     };
     char said[8192], text[1024];
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(text, sizeof text, "%s WorldBegin %s Shape \"sphere\"", cases[i].before, cases[i].after);
         bis_scene_desc *d = good(text, BIS_PARSE_OTHER_LIGHT, said);

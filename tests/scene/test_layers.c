@@ -8,14 +8,8 @@
 
 #include "render/gather.h"
 #include "thesis/set.h"
+#include "claim.h"
 #include "world.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
@@ -49,7 +43,6 @@ static double sum_of(const float *plane, const bis_film *f)
 
 static void every_layer_is_found_by_its_name_and_all_are_all(void **state)
 {
-    (void)state;
     unsigned all = 0, together = 0;
     for (int i = 0; i < BIS_N_LAYERS; i++) {
         unsigned set = 0;
@@ -66,7 +59,6 @@ static void every_layer_is_found_by_its_name_and_all_are_all(void **state)
 
 static void channels_have_names_that_an_EXR_can_hold_and_no_name_twice(void **state)
 {
-    (void)state;
     bis_film f;
     bis_channel c[BIS_FILM_MAX_CHANNELS];
     assert_int_equal(bis_film_init(&f, 1, 1, whole, (bis_loc){0}, NULL), BIS_OK);
@@ -85,7 +77,6 @@ static void channels_have_names_that_an_EXR_can_hold_and_no_name_twice(void **st
 
 static void without_layers_there_is_no_memory_and_no_channel(void **state)
 {
-    (void)state;
     world w;
     bis_film film, asked;
     bis_render_result result, other;
@@ -105,7 +96,6 @@ static void without_layers_there_is_no_memory_and_no_channel(void **state)
 
 static void asking_for_layers_changes_no_bit_of_the_picture_and_no_count(void **state)
 {
-    (void)state;
     for (int i = -1; i < 0 || bis_integrators[i]; i++) {
         world w;
         bis_film plain, layered;
@@ -128,7 +118,6 @@ static void asking_for_layers_changes_no_bit_of_the_picture_and_no_count(void **
 
 static void layers_have_the_same_bits_for_any_number_of_threads(void **state)
 {
-    (void)state;
     world w;
     bis_film one, many;
     bis_render_result result;
@@ -148,7 +137,6 @@ static void layers_have_the_same_bits_for_any_number_of_threads(void **state)
 
 static void counts_of_pixels_add_up_to_the_counts_of_the_render(void **state)
 {
-    (void)state;
     for (int i = 0; bis_integrators[i]; i++) {
         world w;
         bis_film f;
@@ -169,7 +157,6 @@ static void counts_of_pixels_add_up_to_the_counts_of_the_render(void **state)
  * +z. */
 static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
 {
-    (void)state;
     world w;
     bis_film f;
     bis_render_result result;
@@ -197,7 +184,6 @@ static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
  * looks back at the camera. */
 static void normals_and_depths_turn_with_the_camera(void **state)
 {
-    (void)state;
     world w;
     bis_film f;
     bis_render_result result;
@@ -221,7 +207,6 @@ static void normals_and_depths_turn_with_the_camera(void **state)
  * and its normal the gradient S^-1 q'. The twin, S q', is what a normal that is taken for a vector would be. */
 static void normals_stand_on_what_a_scaled_camera_sees(void **state)
 {
-    (void)state;
     static const double S[3] = {3, 1, 2};
     world w;
     bis_film f;
@@ -265,7 +250,6 @@ static void normals_stand_on_what_a_scaled_camera_sees(void **state)
  * is 0.3%), and V = L/L_ns. */
 static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
 {
-    (void)state;
     const bis_integrator *const all[] = {&bis_em, &bis_brdf, &bis_mis, &bis_rejection, &bis_sir, &bis_exact};
     for (int i = 0; i < 6; i++) {
         world w;
@@ -305,7 +289,6 @@ static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
  * left see only the floor. */
 static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(void **state)
 {
-    (void)state;
     world w;
     bis_film f;
     bis_render_result result;
@@ -336,7 +319,6 @@ static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(
  * (1 + cos 60)/2 of the cosine. */
 static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
 {
-    (void)state;
     const vec3 corners[4] = {{-9, -9, 0.3f}, {9, -9, 0.3f}, {9, 9, 0.3f}, {-9, 9, 0.3f}};
     const uint32_t index[6] = {0, 2, 1, 0, 3, 2};
     const bis_xform identity = bis_xform_identity();
@@ -385,7 +367,6 @@ static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
  * 2/sqrt 3, t(0.975, 2) = 4.30265. */
 static void error_bars_are_what_the_formulas_give_by_hand(void **state)
 {
-    (void)state;
     const double se[2] = {1, 2 / sqrt(3)}, t[2] = {tan(0.475 * PI), 4.302652729911275};
     bis_film f;
     float planes[BIS_FILM_MAX_CHANNELS];
@@ -410,7 +391,6 @@ static void error_bars_are_what_the_formulas_give_by_hand(void **state)
  * its sum by 4, the number of samples the sum itself. */
 static void layers_of_no_pass_are_black_and_passes_count_by_their_weight(void **state)
 {
-    (void)state;
     const unsigned asked = 1u << BIS_LAYER_UNOCCLUDED | 1u << BIS_LAYER_ALBEDO | 1u << BIS_LAYER_NORMAL |
                            1u << BIS_LAYER_DEPTH | 1u << BIS_LAYER_VISIBILITY | 1u << BIS_LAYER_SAMPLES;
     bis_film f;
@@ -467,7 +447,6 @@ static void cover(coverage *c, uint64_t seed, int passes)
 
 static void intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on(void **state)
 {
-    (void)state;
     for (int passes = 4; passes <= 64; passes *= 2) {
         coverage c = {0};
         for (uint64_t seed = 1; seed <= 10; seed++) cover(&c, seed, passes);
@@ -481,7 +460,6 @@ static void intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on(void 
  * point of t, one-sided, for that of both sides. */
 static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
 {
-    (void)state;
     world w;
     bis_film truth, f;
     bis_render_result result;
@@ -524,7 +502,6 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
 
 static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
 {
-    (void)state;
     world w;
     make_world(&w, &noise);
     assert_true(first_k_without_failure(&w, BIS_LAYERS_ALL) > 7);
@@ -538,7 +515,6 @@ static float open_red;
 /* L_ns: asked of an empty scene, without a later ray, with the geometric normal turned to the shading one. */
 static rgb open_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    (void)s, (void)stream;
     assert_true(!pt->accel && !pt->ray_sink && pt->ng.x == 0 && pt->ng.y == 1 && pt->ng.z == 0);
     assert_false(scratch->guide->learns);
     pt->counters->shadow_rays += 1000; /* of no picture */
@@ -548,7 +524,6 @@ static rgb open_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
 /* All values begin as 1, 2, 3, ... The camera sees y as its z. Counts are differences, and no means. */
 static void a_sample_adds_to_each_value_by_hand(void **state)
 {
-    (void)state;
     enum { SAMPLES, RAYS, CANDIDATES, OPEN, SEEN = OPEN + 3, ALBEDO = SEEN + 2, NORMAL = ALBEDO + 3, DEPTH = NORMAL + 3,
            N };
     const bis_layers layers = {.asked = BIS_LAYERS_ALL, .n_values = N,

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* lexer: tokens and their places. Expected values are counted by hand from the text in the test. */
+#include "claim.h"
 #include "image_help.h"
 #include "parse/lexer.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -43,7 +40,6 @@ static void every_kind_of_token_has_its_line_and_column(void **state)
     static const char text[] = "Film \"rgb\"\n  [ 1 -2.5e1 ] true # [ 3 ]\n\tWorldEnd";
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, text, strlen(text));
     assert_token(&l, BIS_TOKEN_WORD, "Film", 1, 1);
     assert_token(&l, BIS_TOKEN_STRING, "rgb", 1, 6);
@@ -64,7 +60,6 @@ static void columns_count_characters_and_not_bytes(void **state)
         "\"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\" a # \xc3\xa9\n b \"\xc3\xa9\xc3\xa9\" \"\xc3\xa9\" c";
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, text, strlen(text));
     assert_token(&l, BIS_TOKEN_STRING, NULL, 1, 1);
     assert_token(&l, BIS_TOKEN_WORD, "a", 1, 7);
@@ -80,7 +75,6 @@ static void a_mark_alone_is_an_empty_file(void **state)
 {
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, "\xef\xbb\xbf", 3);
     assert_token(&l, BIS_TOKEN_END, NULL, 1, 1);
     done(&l, &diag, 0);
@@ -97,7 +91,6 @@ static void dos_line_ends_and_a_byte_order_mark_are_white_space(void **state)
     static const char text[] = "\xef\xbb\xbf" "a\r\n\r\n b # c\r\nd\r\n";
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, text, strlen(text));
     assert_token(&l, BIS_TOKEN_WORD, "a", 1, 1);
     assert_token(&l, BIS_TOKEN_WORD, "b", 3, 2);
@@ -114,7 +107,6 @@ static void numbers_are_read_in_every_form_that_pbrt_scenes_use(void **state)
     } cases[] = {{"0", 0},        {"-0", -0.0},    {"+7", 7},      {".5", 0.5},       {"-.25", -0.25}, {"5.", 5},
                  {"1e3", 1000},   {"1E-2", 0.01},  {"1.5e+2", 150}, {"123456789", 123456789}, {"0.1", 0.1},
                  {"1e-400", 0},   {"9007199254740993", 9007199254740992.0}};
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_lexer l;
         bis_diag diag;
@@ -131,7 +123,6 @@ static void what_only_looks_like_a_number_is_refused_whole(void **state)
 {
     static const char *const cases[] = {"0x10", "1e", "1e+", "1.2.3", "1-2", "--1", "+", "-", ".", "1a", "-inf", "+nan",
                                         "1e999", "-.e1", "1_000"};
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[32];
         bis_lexer l;
@@ -149,7 +140,6 @@ static void tokens_need_no_space_where_brackets_and_quotes_part_them(void **stat
     static const char text[] = "a[1]\"s\"2#x\n[\"t\"]";
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, text, strlen(text));
     assert_token(&l, BIS_TOKEN_WORD, "a", 1, 1);
     assert_token(&l, BIS_TOKEN_OPEN, NULL, 1, 2);
@@ -169,7 +159,6 @@ static void escapes_in_strings_are_pbrts(void **state)
     char buf[32];
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, text, strlen(text));
     bis_token t = bis_lexer_next(&l);
     assert_int_equal(t.kind, BIS_TOKEN_STRING);
@@ -185,7 +174,6 @@ static void a_bad_string_is_skipped_and_the_next_token_is_in_place(void **state)
         int line;
     } cases[] = {{"\"a\\q\" b", 1}, {"\"a\nb", 2}, {"\"\xff\" b", 1}, {"\"\xc3\" b", 1}, {"\"\xe2\x82\" b", 1},
                  {"\"\xed\xa0\x80\" b", 1}};
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_lexer l;
         bis_diag diag;
@@ -203,7 +191,6 @@ static void any_bytes_give_tokens_and_an_end(void **state)
 {
     char text[4096];
     unsigned x = 12345;
-    (void)state;
     for (int round = 0; round < 50; round++) {
         bis_lexer l;
         bis_diag diag;
@@ -220,7 +207,6 @@ static void an_included_file_is_read_in_between(void **state)
 {
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     const char *inner = scratch("lexer-inner.txt");
     store(inner, "x\ny", 3);
     open_text(&l, &diag, "a b", 3);
@@ -239,7 +225,6 @@ static void sixty_four_includes_are_nested_and_one_more_is_refused(void **state)
 {
     bis_lexer l;
     bis_diag diag;
-    (void)state;
     open_text(&l, &diag, "a", 1);
     for (int i = 1; i <= BIS_INCLUDE_DEPTH + 1; i++) {
         static char names[BIS_INCLUDE_DEPTH + 1][64];
@@ -257,7 +242,6 @@ static void a_cycle_is_seen_through_another_name_of_the_file(void **state)
     bis_lexer l;
     bis_diag diag;
     char other[256];
-    (void)state;
     open_text(&l, &diag, "a", 1);
     snprintf(other, sizeof other, "./%s", l.sources[0].name);
     assert_int_equal(bis_lexer_push(&l, other, (bis_loc){0}), BIS_INPUT);

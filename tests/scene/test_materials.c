@@ -6,14 +6,8 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +19,6 @@
 
 static void materials_are_numbered_by_value_in_the_order_of_the_shapes(void **state)
 {
-    (void)state;
     const rgb grey = {0.5f, 0.5f, 0.5f}, red = {0.5f, 0.1f, 0.1f}, black = {0, 0, 0};
     bis_material materials[] = {bis_phong(grey, black, 50), bis_phong(red, black, 50), bis_phong(red, grey, 50),
         bis_phong(red, black, 50), bis_phong(red, grey, 51)};
@@ -45,7 +38,6 @@ static void materials_are_numbered_by_value_in_the_order_of_the_shapes(void **st
 /* The other road: comparing each with each. */
 static void numbers_are_those_that_comparing_all_pairs_gives(void **state)
 {
-    (void)state;
     enum { N = 60, SHAPES = 200 };
     bis_material materials[N];
     bis_shape_desc shapes[SHAPES];
@@ -78,7 +70,6 @@ static void numbers_are_those_that_comparing_all_pairs_gives(void **state)
 /* Any one value that differs makes another number, and equal ones never do. */
 static void each_value_of_a_material_tells_it_from_others(void **state)
 {
-    (void)state;
     enum { N = 17 };
     const rgb a = {0.5f, 0.25f, 0.125f}, b = {0.25f, 0.125f, 0.5f};
     bis_material materials[2 * N];
@@ -131,7 +122,6 @@ static void each_value_of_a_material_tells_it_from_others(void **state)
 
 static void the_plan_lists_materials_by_number(void **state)
 {
-    (void)state;
     program_run r;
     program_write_file(DIR "/a.txt", "WorldBegin LightSource \"infinite\"\n"
                        "Material \"phong\" \"float Ks\" 0.5 \"float Kd\" 0.4 \"float exponent\" 40\nShape \"sphere\"\n"

@@ -3,15 +3,10 @@
 #include "bis/scene/scene.h"
 #include "tools/describe.h"
 
+#include "claim.h"
+#include "file_help.h"
 #include "further.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <string.h>
@@ -35,7 +30,6 @@ static double another(const bis_parameter *p, double v)
 
 static void every_row_has_a_default_in_its_range_and_a_reader(void **state)
 {
-    (void)state;
     for (const bis_parameter *p = bis_parameters; p->name; p++) {
         if (!is_in_range(p, p->usual)) fail_msg("%s: its default is out of its range", p->name);
         if (!p->readers[0]) fail_msg("%s: nobody reads it", p->name);
@@ -48,7 +42,6 @@ static void every_row_has_a_default_in_its_range_and_a_reader(void **state)
 
 static void no_integrator_reads_two_rows_of_one_name(void **state)
 {
-    (void)state;
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
         int n = 0;
         for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL; n++)
@@ -64,7 +57,6 @@ static void every_parameter_is_told_and_read_back(void **state)
 {
     int n = 0;
 
-    (void)state;
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
         const bis_settings usual = bis_settings_default(*i);
         for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL; n += !is_further(*i)) {
@@ -91,12 +83,7 @@ static void every_parameter_is_told_and_read_back(void **state)
 static void defaults_are_those_of_the_page(void **state)
 {
     static char page[1 << 17];
-    FILE *f = fopen("docs/scene-format.md", "r");
-
-    (void)state;
-    assert_non_null(f);
-    page[fread(page, 1, sizeof page - 1, f)] = '\0';
-    fclose(f);
+    read_text(page, sizeof page, "docs/scene-format.md");
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
         char start[64], told[128], buf[32];
         snprintf(start, sizeof start, "\n| `\"%s\"`", (*i)->name);
@@ -139,14 +126,10 @@ static void a_scene_without_the_lines_has_those_of_the_pages(void **state)
     static const char *const pages[] = {"docs/scene-format.md", "docs/integrators.md"};
     bis_scene_desc *none = scene_of("");
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         static char page[1 << 17];
         char *line, told[512], *end;
-        FILE *f = fopen(pages[i], "r");
-        assert_non_null(f);
-        page[fread(page, 1, sizeof page - 1, f)] = '\0';
-        fclose(f);
+        read_text(page, sizeof page, pages[i]);
         line = strstr(page, "# A scene without a");
         assert_non_null(line);
         line = strchr(strstr(line, "\n```pbrt\n") + 1, '\n');
@@ -174,7 +157,6 @@ static void defaults_of_a_named_sampler_are_those_of_the_page(void **state)
     const bis_sampler *s = &d->view.sampler;
     char rows[7][64];
 
-    (void)state;
     assert_non_null(f);
     page[fread(page, 1, sizeof page - 1, f)] = '\0';
     fclose(f);
@@ -193,7 +175,6 @@ static void defaults_of_a_named_sampler_are_those_of_the_page(void **state)
 /* Worked out by hand. The last column: what is left of candidates, shadowrays, samples. */
 static void a_share_of_the_light_samples_is_rounded_up(void **state)
 {
-    (void)state;
     static const struct {
         const bis_integrator *integrator;
         bis_proposal proposal;

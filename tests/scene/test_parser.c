@@ -4,14 +4,11 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "expect.h"
 #include "image_help.h"
 #include "parse/directives.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 #include <dirent.h>
 #include <float.h>
 #include <locale.h>
@@ -98,7 +95,6 @@ static void each_bad_scene_has_its_messages(void **state)
 {
     int n = 0;
     DIR *folder = opendir(BAD);
-    (void)state;
     assert_non_null(folder);
     for (struct dirent *e = readdir(folder); e; e = readdir(folder)) {
         char path[512], name[256];
@@ -118,7 +114,6 @@ static void each_bad_scene_has_its_messages(void **state)
 static void a_bad_scene_without_a_list_for_messages_fails_all_the_same(void **state)
 {
     bis_scene_desc *d;
-    (void)state;
     assert_int_equal(bis_scene_parse(&d, BAD "syntax-several-errors.txt", NULL), BIS_INPUT);
     assert_null(d);
 }
@@ -127,7 +122,6 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
 {
     bis_scene_desc *d;
     bis_diag diag = {0};
-    (void)state;
     assert_int_equal(bis_scene_parse(&d, "build/no-such-scene.txt", &diag), BIS_IO);
     assert_int_equal(bis_scene_parse(&d, "tests", &diag), BIS_IO);
     assert_int_equal(diag.n_errors, 2);
@@ -163,7 +157,6 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
 {
     bis_diag diag;
     bis_scene_desc *d;
-    (void)state;
     assert_int_equal(parse_text(&d, &diag, "WorldBegin"), BIS_OK);
     assert_int_equal(diag.n, 1); /* the warning "no light" */
     assert_non_null(strstr(diag.messages[0].text, "no light"));
@@ -185,7 +178,6 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
 
 static void a_sampler_alone_leaves_the_integrator_to_us(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("Sampler \"stratified\"", "");
     assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_STRATIFIED);
     assert_int_equal(d->view.sampler.spp, 16);
@@ -214,7 +206,6 @@ static void an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sa
         {"Integrator \"em\"", "Integrator \"em\" \"integer samples\" 16"},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         bis_scene_desc *d = good_scene(lines[i][0], ""), *written_out = good_scene(lines[i][1], "");
         assert_true(d->names_integrator);
@@ -230,7 +221,6 @@ static void a_word_that_sir_once_had_is_ignored_with_a_note(void **state)
 {
     bis_diag diag;
     bis_scene_desc *d;
-    (void)state;
     assert_int_equal(
         parse_text(&d, &diag, "Integrator \"sir\" \"bool vectorize\" false \"integer candidates\" 33\nWorldBegin"),
         BIS_OK);
@@ -254,7 +244,6 @@ static void an_integrator_of_pbrt_is_none(void **state)
         char text[256];
         bis_diag diag;
         bis_scene_desc *d;
-        (void)state;
         snprintf(text, sizeof text, "Option \"string asprinted\" \"E6\" %s WorldBegin LightSource \"infinite\"",
                  lines[i]);
         assert_int_equal(parse_text(&d, &diag, text), BIS_OK);
@@ -268,7 +257,6 @@ static void an_integrator_of_pbrt_is_none(void **state)
 /* Of two lines of a kind the second counts, with its defaults: nothing of the first stays. */
 static void a_second_sampler_begins_with_the_defaults(void **state)
 {
-    (void)state;
     static const char first[] =
         "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 2 \"integer seed\" 7 "
         "\"bool jitter\" false \"integer edgesamples\" 1024 \"float edgelight\" 0.125\n";
@@ -288,7 +276,6 @@ static void a_second_sampler_begins_with_the_defaults(void **state)
 
 static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("Film \"rgb\"", "");
     const bis_film_desc *f = &d->view.film;
     assert_true(f->width == 1280 && f->height == 720 && strcmp(d->outfile, "bis.exr") == 0 && f->layers == 0);
@@ -298,7 +285,6 @@ static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
 
 static void a_light_without_parameters_has_the_defaults_of_the_contract(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("", "");
     const bis_light_desc *l = &d->light;
     assert_true(d->has_light && l->visible && !l->filename && !l->is_v4 && l->mapping == BIS_MAPPING_LATLONG &&
@@ -311,7 +297,6 @@ static void a_light_without_parameters_has_the_defaults_of_the_contract(void **s
 
 static void materials_have_the_defaults_of_the_contract(void **state)
 {
-    (void)state;
     bis_scene_desc *d =
         good_scene("", "Shape \"sphere\" Material \"phong\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\"");
     for (size_t i = 0; i < 3; i++) {
@@ -325,7 +310,6 @@ static void materials_have_the_defaults_of_the_contract(void **state)
 
 static void whole_quadrics_may_say_that_they_are_whole(void **state)
 {
-    (void)state;
     bis_scene_desc *d =
         good_scene("", "Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 5 \"float phimax\" 360 "
                        "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360 \"float height\" 3");
@@ -341,7 +325,6 @@ static void coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are
     static const char *const scenes[] = {
         "WorldBegin LightSource \"infinite\" Material \"phong\" \"float Ks\" 0 \"float Kd\" 1 Shape \"sphere\"",
         "WorldBegin LightSource \"infinite\" Material \"phong\" \"float Ks\" 1 \"float Kd\" 0.1 Shape \"sphere\""};
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         bis_diag diag;
         bis_scene_desc *d;
@@ -355,7 +338,6 @@ static void coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are
 
 static void every_parameter_before_the_world_arrives(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene(
         "Camera \"orthographic\" \"float screenwindow\" [-2 2 -1.5 1.5] \"float frameaspectratio\" 2 \"float "
         "lensradius\" 0\n"
@@ -395,7 +377,6 @@ static void every_parameter_before_the_world_arrives(void **state)
 static void every_parameter_of_the_other_integrators_arrives(void **state)
 {
     bis_scene_desc *d;
-    (void)state;
     d = good_scene("Integrator \"mis\" \"integer samples\" 9 \"string heuristic\" \"power\" \"float split\" .25 \"bool "
                    "compensate\" true",
         "");
@@ -426,7 +407,6 @@ static void every_parameter_of_the_other_integrators_arrives(void **state)
 static void every_parameter_of_a_light_arrives(void **state)
 {
     char text[1024];
-    (void)state;
     store(scratch("map.pfm"), "x", 1);
     const char *name = strrchr(scratch("map.pfm"), '/') + 1;
     snprintf(text, sizeof text,
@@ -450,7 +430,6 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
         uint32_t spp, x, y;
     } cases[] = {{1, 1, 1}, {2, 2, 1}, {7, 7, 1}, {8, 4, 2}, {12, 4, 3}, {16, 4, 4}, {100, 10, 10}, {72, 9, 8},
                  {999983, 999983, 1}, {1000000000, 32000, 31250}};
-    (void)state;
     for (size_t i = 0; i < BIS_COUNT(cases); i++) {
         char text[128];
         snprintf(text, sizeof text, "Sampler \"stratified\" \"integer pixelsamples\" %u", cases[i].spp);
@@ -464,7 +443,6 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
 
 static void a_directive_given_again_starts_from_the_defaults(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("Film \"rgb\" \"integer xresolution\" 10 \"string filename\" \"a.exr\"\n"
                                    "Film \"rgb\" \"integer yresolution\" 20\n"
                                    "Sampler \"random\" \"integer seed\" 3\nSampler \"random\"\n"
@@ -488,7 +466,6 @@ static void assert_moves(const bis_scene_desc *d, size_t i, double x, double y, 
 
 static void transformations_multiply_from_the_right(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("Translate 100 100 100", /* the camera's: forgotten at WorldBegin */
                                    "Translate 10 0 0 Scale 2 3 4 Shape \"sphere\"\n"
                                    "Identity Rotate 90 0 0 1 Shape \"sphere\"\n"
@@ -509,7 +486,6 @@ static void transformations_multiply_from_the_right(void **state)
 
 static void the_coordinate_system_camera_maps_camera_space_to_the_world(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("Translate 0 0 5 Camera \"perspective\"",
                                    "CoordSysTransform \"camera\" Shape \"sphere\"");
     assert_moves(d, 0, 1, 2, -2);
@@ -519,7 +495,6 @@ static void the_coordinate_system_camera_maps_camera_space_to_the_world(void **s
 
 static void blocks_restore_what_they_saved(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("", "Material \"diffuse\" \"rgb reflectance\" [1 0 0] Translate 1 0 0\n"
                                        "AttributeBegin Material \"diffuse\" Translate 1 0 0 Shape \"sphere\"\n"
                                        "  TransformBegin Translate 5 0 0 Material \"phong\" Shape \"sphere\" "
@@ -537,7 +512,6 @@ static void blocks_restore_what_they_saved(void **state)
 
 static void instances_put_their_transformation_before_the_objects(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("", "Translate 1 0 0\n"
                                        "ObjectBegin \"o\" Scale 2 2 2 Material \"phong\" Shape \"sphere\" Shape "
                                        "\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] ObjectEnd\n"
@@ -554,7 +528,6 @@ static void instances_put_their_transformation_before_the_objects(void **state)
 
 static void a_file_named_by_many_shapes_is_one_mesh(void **state)
 {
-    (void)state;
     store(scratch("m.ply"), "x", 1);
     char text[1024];
     const char *name = strrchr(scratch("m.ply"), '/') + 1;
@@ -573,7 +546,6 @@ static void a_file_named_by_many_shapes_is_one_mesh(void **state)
 /* Read otherwise, a file is another mesh: as PLY or OBJ, smooth or not, in parts or whole. Each way comes twice. */
 static void a_file_that_is_read_in_other_ways_is_other_meshes(void **state)
 {
-    (void)state;
     static const char *const ways[] = {"\"plymesh\"", "\"plymesh\" \"bool smooth\" true", "\"objmesh\"",
         "\"objmesh\" \"bool smooth\" true", "\"objmesh\" \"bool materials\" true",
         "\"objmesh\" \"bool materials\" true \"bool smooth\" true"};
@@ -604,7 +576,6 @@ static void a_file_that_is_read_in_other_ways_is_other_meshes(void **state)
 
 static void a_named_material_may_be_used_before_it_is_made(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("",
         "NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"matte\" \"color Kd\" [1 0 0]");
     assert_true(d->materials[d->shapes[0].material].Kd.r == 1);
@@ -613,7 +584,6 @@ static void a_named_material_may_be_used_before_it_is_made(void **state)
 
 static void triangles_arrive_with_points_indices_and_normals(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good_scene("",
         "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [0 1 2 3 2 1]\n"
         " \"normal N\" [0 0 1 0 0 1 0 0 1 1 0 0] \"vector S\" [1 0 0]\n"
@@ -633,7 +603,6 @@ static void triangles_arrive_with_points_indices_and_normals(void **state)
 
 static void a_light_frame_may_be_rotated_and_mirrored_and_is_made_exactly_orthonormal(void **state)
 {
-    (void)state;
     /* 30 degrees about z to three digits, mirrored in x, moved */
     bis_scene_desc *d = good("WorldBegin Translate 5 5 5 Scale -1 1 1 ConcatTransform [.866 .5 0 0 -.5 .866 0 0 0 0 1 "
                              "0 0 0 0 1] LightSource \"infinite\"");
@@ -657,7 +626,6 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
 {
     bis_scene_desc *a, *b;
     bis_diag diag = {0};
-    (void)state;
     assert_int_equal(bis_scene_parse(&a, "tests/data/scenes/pbrt-v3.txt", &diag), BIS_OK);
     assert_int_equal(bis_scene_parse(&b, "tests/data/scenes/pbrt-v4.txt", &diag), BIS_OK);
     assert_int_equal(diag.n, 0);
@@ -685,7 +653,6 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
 static void a_transformation_with_one_infinite_number_is_not_usable(void **state)
 {
     static const double bad[] = {HUGE_VAL, -HUGE_VAL, (double)NAN};
-    (void)state;
     for (size_t k = 0; k < BIS_COUNT(bad); k++)
         for (int i = 0; i < 16; i++) {
             bis_xform t = bis_xform_identity(), u = t;
@@ -702,7 +669,6 @@ static void a_transformation_with_one_infinite_number_is_not_usable(void **state
 /* What a scene leaves unsaid is said nowhere: the place is the file alone. */
 static void what_nobody_names_has_the_file_for_its_place(void **state)
 {
-    (void)state;
     bis_scene_desc *d = good("WorldBegin LightSource \"infinite\"");
     assert_string_equal(d->integrator_loc.file, d->files[0]);
     assert_true(ends_with(d->files[0], "scene.txt"));
@@ -717,7 +683,6 @@ static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
 {
     static const char *const scenes[] = {"tests/data/scenes/pbrt-v3.txt", "tests/data/scenes/pbrt-v4.txt",
                                          BAD "syntax-several-errors.txt"};
-    (void)state;
     for (size_t i = 0; i < BIS_COUNT(scenes); i++) {
         bool ended = false;
         for (long k = 1; !ended; k++) {
@@ -739,7 +704,6 @@ static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
 
 static void a_german_locale_changes_no_number(void **state)
 {
-    (void)state;
     if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "de_DE.utf8")) {
         print_message("skipped: no locale de_DE.UTF-8 here\n");
         skip();
@@ -756,7 +720,6 @@ static void damaged_scenes_are_survived(void **state)
     unsigned char *text;
     size_t size;
     unsigned x = 1;
-    (void)state;
     assert_int_equal(bis_file_read(&text, &size, "tests/data/scenes/pbrt-v3.txt", (bis_loc){0}, NULL), BIS_OK);
     char *damaged = calloc(size + 2, 1);
     for (int round = 0; round < 2000; round++) {
@@ -804,7 +767,6 @@ static const char *repeated(char buf[256], const char *head, const char *unit, s
 static void limits_are_errors_and_not_exhausted_memory(void **state)
 {
     char buf[256];
-    (void)state;
     assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 100000, ""),
                            "blocks nest deeper than 4096"));
     /* 1000 shapes a thousand times, and that a thousand times */
@@ -822,7 +784,6 @@ static void includes_that_double_are_stopped(void **state)
     char first[128];
     bis_scene_desc *d;
     bis_diag diag = {0};
-    (void)state;
     snprintf(first, sizeof first, "%s", scratch("double0.txt"));
     for (int i = 0; i < 40; i++) {
         char name[32], text[256];
@@ -841,7 +802,6 @@ static void after_a_texture_of_the_wrong_kind_the_parser_goes_on(void **state)
 {
     bis_scene_desc *d;
     bis_diag diag;
-    (void)state;
     assert_int_equal(parse_text(&d, &diag, "WorldBegin LightSource \"infinite\"\n"
                                 "Texture \"wood\" \"spectrum\" \"constant\"\n"
                                 "Material \"phong\" \"texture exponent\" \"wood\"\nShape \"quux\""), BIS_INPUT);
@@ -859,7 +819,6 @@ static void an_included_map_gives_one_error(void **state)
     char text[256];
     bis_scene_desc *d;
     bis_diag diag;
-    (void)state;
     store(path, map, sizeof map - 1);
     snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\"\nInclude \"%s\" Shape \"sphere\"",
              strrchr(path, '/') + 1);
@@ -901,7 +860,6 @@ static void every_example_of_the_reference_is_a_scene(void **state)
     unsigned char *page;
     size_t size;
     int n = 0;
-    (void)state;
     assert_int_equal(bis_file_read(&page, &size, "docs/scene-format.md", (bis_loc){0}, NULL), BIS_OK);
     /* the files that the examples name */
     static const char *const names[] = {"map.exr", "probe.hdr", "dragon.ply", "teapot.obj", "materials.txt"};

@@ -7,14 +7,9 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/scene/scene.h"
 
+#include "claim.h"
 #include "image_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "lack.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,7 +85,6 @@ static void chromaticity(double xy[2], rgbd c)
 /* Chromaticities of black bodies: Wyszecki and Stiles, Color Science, table 1(3.11); 2856 K is illuminant A. */
 static void black_bodies_lie_on_plancks_locus(void **state)
 {
-    (void)state;
     static const double known[][3] = {
         {2000, 0.5267, 0.4133}, {2856, 0.4476, 0.4074}, {5000, 0.3451, 0.3516}, {10000, 0.2807, 0.2884}};
     for (size_t i = 0; i < 4; i++) {
@@ -106,7 +100,6 @@ static void black_bodies_lie_on_plancks_locus(void **state)
 
 static void white_is_white_and_a_part_of_the_spectrum_has_its_colour(void **state)
 {
-    (void)state;
     const double grey[1][2] = {{550, 0.25}}, red[4][2] = {{400, 0}, {599, 0}, {600, 1}, {800, 1}};
     const rgbd g = bis_spectrum_reflected(&(bis_spectrum){grey, 1}),
                r = bis_spectrum_reflected(&(bis_spectrum){red, 4});
@@ -123,7 +116,6 @@ static void white_is_white_and_a_part_of_the_spectrum_has_its_colour(void **stat
 
 static void reflectances_may_be_spectra_files_or_xyz(void **state)
 {
-    (void)state;
     char text[512];
     assert_rgb(
         material("Material \"diffuse\" \"spectrum reflectance\" [400 0.25 700 0.25]", NULL).Kd, 0.25, 0.25, 0.25, 1e-6);
@@ -175,7 +167,6 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
 
 static void light_may_be_a_black_body_or_xyz(void **state)
 {
-    (void)state;
     parsed p = {0};
     static const char a[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" 2856 \"float scale\" 2",
                       b[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0.95047 1 1.08883]",
@@ -212,7 +203,6 @@ static void light_may_be_a_black_body_or_xyz(void **state)
 /* By numbers that anybody can check: k = 0 and n = 1.5 is glass, ((0.5)/(2.5))^2 = 0.04; n = 1 and k = 2 is 4/8. */
 static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
 {
-    (void)state;
     const char *rough = "\"float roughness\" 0.25";
     char text[512];
     snprintf(text, sizeof text, "Material \"conductor\" \"rgb eta\" [1.5 1 1] \"rgb k\" [0 2 0] %s", rough);
@@ -249,7 +239,6 @@ static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
 /* Over all directions: sums over 41 wavelengths by numpy. Gold's red would be 1.012, and is cut off. */
 static void metals_reflect_on_average_what_their_spectra_do(void **state)
 {
-    (void)state;
     static const struct { const char *name; double mean[3]; } known[] = {
         {"Ag", {0.96958, 0.95857, 0.91795}}, {"Al", {0.90078, 0.91154, 0.91682}}, {"Cu", {0.95219, 0.64684, 0.55546}},
         {"Au", {1, 0.79192, 0.38046}},
@@ -289,7 +278,6 @@ static void metals_reflect_on_average_what_their_spectra_do(void **state)
 
 static void named_metals_have_their_published_colours(void **state)
 {
-    (void)state;
     assert_rgb(material("Material \"conductor\" \"float roughness\" 0.1", NULL).Ks, 0.955, 0.638, 0.538, 1e-3);
     assert_rgb(material("Material \"conductor\" \"float roughness\" 0.1\n"
         "\"spectrum eta\" [" COPPER_ETA "] \"spectrum k\" [" COPPER_K "]", NULL).Ks, 0.955, 0.638, 0.538, 4e-3);
@@ -326,7 +314,6 @@ static void named_metals_have_their_published_colours(void **state)
  * counts. */
 static void roughness_becomes_pbrts_alpha(void **state)
 {
-    (void)state;
     assert_about(material("Material \"conductor\" \"float roughness\" 0.25", NULL).alpha, 0.5, 1e-12);
     assert_about(material("Material \"conductor\" \"float roughness\" 0.25 \"bool remaproughness\" false", NULL).alpha,
         0.25, 1e-12);
@@ -349,7 +336,6 @@ static void roughness_becomes_pbrts_alpha(void **state)
 
 static void textures_of_roughness_are_remapped_as_constants_are(void **state)
 {
-    (void)state;
     parsed p = parse("Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.0625 \"float tex2\" 0.25\nMaterial "
                      "\"conductor\" \"texture roughness\" \"r\"");
     assert_int_equal(p.status, BIS_OK);
@@ -368,7 +354,6 @@ static void textures_of_roughness_are_remapped_as_constants_are(void **state)
  */
 static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
 {
-    (void)state;
     static const struct { const char *rest; double alpha[2]; } cases[] = {
         {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\"",
          {0.46176003200863414, 0.8570364675174545}},
@@ -400,7 +385,6 @@ static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
  * are. */
 static void oxides_reflect_as_their_indices_say(void **state)
 {
-    (void)state;
     assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-MgO-eta\" \"spectrum k\" \"metal-MgO-k\" "
                         "\"float roughness\" 0.1",
                    NULL)
@@ -430,7 +414,6 @@ static void oxides_reflect_as_their_indices_say(void **state)
  * 0.85674^2/2.25 0.5/(1 - 0.2724 0.5) = 0.18883, a white one 0.44836. */
 static void coats_are_what_their_index_says(void **state)
 {
-    (void)state;
     bis_material m = material("Material \"plastic\" \"rgb Kd\" [0.1 0.2 0.3] \"float Ks\" 0.5", NULL);
     assert_rgb(m.Kd, 0.1, 0.2, 0.3, 1e-6);
     assert_rgb(m.Ks, 0.02, 0.02, 0.02, 1e-6);
@@ -475,7 +458,6 @@ static void coats_are_what_their_index_says(void **state)
 
 static void a_textured_coat_is_the_coat_of_each_colour(void **state)
 {
-    (void)state;
     parsed p = parse("Texture \"k\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"rgb tex2\" [1 0 0.5]\nMaterial "
                      "\"coateddiffuse\" \"texture reflectance\" \"k\" \"float roughness\" 0.25");
     assert_int_equal(p.status, BIS_OK);
@@ -520,27 +502,21 @@ static void a_textured_coat_is_the_coat_of_each_colour(void **state)
 
 static void when_the_kth_allocation_fails_colours_fail_cleanly(void **state)
 {
-    (void)state;
     static const char text[] = "WorldBegin LightSource \"infinite\" Texture \"k\" \"spectrum\" \"checkerboard\" "
                                "Material \"plastic\" \"texture Kd\" \"k\" \"texture Ks\" \"k\"\n"
                                "Material \"conductor\" \"spectrum eta\" \"grey.spd\" \"spectrum k\" [400 1 500 2] "
                                "\"float roughness\" 0.1 Shape \"sphere\"\n";
     char scene[1024];
-    bool ended = false;
     store(scratch("grey.spd"), "300 1 900 2", 11);
     strcpy(scene, text);
     char *at = strstr(scene, "grey.spd");
     snprintf(at, sizeof scene - (size_t)(at - scene), "%s%s", strrchr(scratch("grey.spd"), '/') + 1,
         strstr(text, "grey.spd") + 8);
     store(scratch("scene.txt"), scene, strlen(scene));
-    for (long k = 1; !ended; k++) {
+    FOR_LACK(l) {
         parsed p = {0};
-        bis_mem_fail_at(k);
-        p.status = bis_scene_parse(&p.desc, scratch("scene.txt"), &p.diag);
-        ended = bis_mem_count() < k;
-        bis_mem_fail_at(0);
-        if (p.status != (ended ? BIS_OK : BIS_NOMEM))
-            fail_msg("allocation %ld: status %d, %s", k, p.status, p.diag.n ? p.diag.messages[0].text : "");
+        LACK(l, bis_scene_parse(&p.desc, scratch("scene.txt"), &p.diag));
+        assert_int_equal(l.status == BIS_OK, l.over);
         clear(&p);
     }
 }
@@ -548,7 +524,6 @@ static void when_the_kth_allocation_fails_colours_fail_cleanly(void **state)
 /* A texture that is made of constants is one: what it is follows by hand from the shares and factors. */
 static void textures_of_constants_are_their_values(void **state)
 {
-    (void)state;
 #define DULL " Material \"diffuse\" \"texture reflectance\" \"m\""
     assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0] \"float "
                         "amount\" 0.25" DULL,
@@ -578,7 +553,6 @@ static void textures_of_constants_are_their_values(void **state)
 /* The gamma of an image's bytes, up to its limits; a file that is named twice is there once for each gamma. */
 static void an_image_has_the_gamma_that_is_said(void **state)
 {
-    (void)state;
     static const struct {
         const char *words;
         double gamma;
@@ -628,7 +602,6 @@ static void an_image_has_the_gamma_that_is_said(void **state)
 /* The defaults of the page, and the limits of each parameter, by hand. alpha 0: Phong's, of exponent `width`. */
 static void each_material_has_its_defaults(void **state)
 {
-    (void)state;
     static const struct { const char *material; double Kd[3], Ks[3], alpha, exponent; } cases[] = {
         {"\"phong\"", {.5, .5, .5}, {0, 0, 0}, 0, 50},
         {"\"phong\" \"rgb Kd\" [0 0.25 1] \"rgb Ks\" [1 0.5 0] \"float exponent\" 0", {0, .25, 1}, {1, .5, 0}, 0, 0},
@@ -769,7 +742,6 @@ static const struct { const char *material, *message; } limits[] = {
 /* One complaint a mistake, with its place and its words. */
 static void each_parameter_of_a_material_has_its_limits(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         char text[400];
         snprintf(text, sizeof text, "Material %s", limits[i].material);
@@ -785,7 +757,6 @@ static void each_parameter_of_a_material_has_its_limits(void **state)
 /* A warning comes once a scene; a lobe of two widths has the mean one where it is asked for. */
 static void what_a_roughness_becomes_is_told_once(void **state)
 {
-    (void)state;
     parsed p = parse("Material \"conductor\"\nMaterial \"conductor\"\nMaterial \"conductor\" \"float roughness\" "
                      "2\nMaterial \"conductor\" \"float roughness\" 3");
     assert_int_equal(p.status, BIS_OK);
@@ -825,7 +796,6 @@ static const struct { const char *texture; double typical[3]; unsigned steps; } 
 
 static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **state)
 {
-    (void)state;
     char x[64], text[1024];
     store(scratch("x.png"), "x", 1);
     snprintf(x, sizeof x, "%s", strrchr(scratch("x.png"), '/') + 1);
@@ -906,7 +876,6 @@ static const struct { const char *scene, *message; } wrong_names[] = {
 /* A texture that is defined twice, of the wrong kind, or not at all. */
 static void names_of_textures_are_those_of_their_kind(void **state)
 {
-    (void)state;
     /* a name of colours and the same of numbers are two */
     parsed p = parse("Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [0.1 0.2 0.3]\nTexture \"t\" \"float\" "
                      "\"constant\" \"float value\" 7\n"
@@ -950,7 +919,6 @@ static void names_of_textures_are_those_of_their_kind(void **state)
 /* What bis does not filter is passed over, or told. */
 static void words_about_filtering_are_ignored(void **state)
 {
-    (void)state;
     char x[64], text[1024];
     static const struct { const char *words; bool is_told; } cases[] = {
         {"\"string filter\" \"bilinear\"", false}, {"\"bool trilinear\" true \"float maxanisotropy\" 4", false},

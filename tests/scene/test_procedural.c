@@ -2,15 +2,9 @@
 /* Patterns: Perlin's noise by the check value of its reference implementation and by what it must be, the textures that
  * are made of it by formulas of the test's own, the others by hand. */
 #include "bis/scene/scene.h"
+#include "claim.h"
 #include "image_help.h"
 #include "scene/noise.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -61,13 +55,11 @@ static double noise(double x, double y, double z) { return bis_noise((double[]){
 /* Perlin's reference implementation, noise(3.14, 42, 7), is known to be this; its gradients are pbrt's there. */
 static void noise_has_the_published_value(void **state)
 {
-    (void)state;
     assert_true(fabs(noise(3.14, 42, 7) - 0.13691995878400012) < 1e-15);
 }
 
 static void noise_is_0_at_whole_numbers_and_repeats_after_256(void **state)
 {
-    (void)state;
     for (int i = -300; i < 300; i += 7) {
         assert_true(noise(i, 3 * i, -i) == 0);
         assert_true(fabs(noise(i + .25, .5, .125) - noise(i + .25 - 256, .5 + 512, .125)) < 1e-12);
@@ -78,7 +70,6 @@ static void noise_is_0_at_whole_numbers_and_repeats_after_256(void **state)
 /* The gradients at the corner: (+-1, +-1, 0) and its permutations, all twelve, each near its share. */
 static void all_twelve_gradients_are_there(void **state)
 {
-    (void)state;
     int n[27] = {0};
     const double h = 1e-7;
     for (int i = 0; i < 4096; i++) {
@@ -111,7 +102,6 @@ static void all_twelve_gradients_are_there(void **state)
  * two parts of at most 1 each, and the parts by 1. */
 static void noise_stays_below_its_bound(void **state)
 {
-    (void)state;
     enum { N = 128 };
     double most = 0, found = 0;
     for (int i = 0; i <= N; i++)
@@ -154,7 +144,6 @@ static const vec3 points[] = {{.3f, .7f, -1.4f}, {12.1f, -3.3f, .9f}, {-.2f, 5.5
 
 static void patterns_of_noise_are_sums_of_octaves(void **state)
 {
-    (void)state;
     /* twice as large as the world's, and moved */
     bis_scene_desc *fbm = read_scene("Translate 1 2 3 Scale 2 2 2 Texture \"t\" \"spectrum\" \"fbm\"");
     bis_scene_desc *few = read_scene("Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 3 \"float roughness\" 0.7");
@@ -180,7 +169,6 @@ static void patterns_of_noise_are_sums_of_octaves(void **state)
 /* pbrt-v2 takes the matrix itself. */
 static void a_scene_of_pbrt_v2_turns_the_space_of_patterns_over(void **state)
 {
-    (void)state;
     bis_scene_desc *d = read_scene("v2Translate 1 2 3 Scale 2 2 2 Texture \"t\" \"color\" \"fbm\"");
     const vec3 p = points[0];
     const double e = octave_sum(2 * (double)p.x + 1, 2 * (double)p.y + 2, 2 * (double)p.z + 3, .5, 8, false);
@@ -192,7 +180,6 @@ static void a_scene_of_pbrt_v2_turns_the_space_of_patterns_over(void **state)
  * known: t = 0, 1/2, 1. */
 static void marble_is_a_bezier_curve_of_layers(void **state)
 {
-    (void)state;
     static const double c[9][3] = {{.58, .58, .6}, {.58, .58, .6}, {.58, .58, .6}, {.5, .5, .5}, {.6, .59, .58},
                                    {.58, .58, .6}, {.58, .58, .6}, {.2, .2, .33}, {.58, .58, .6}};
     bis_scene_desc *d = read_scene("Texture \"t\" \"spectrum\" \"marble\" \"integer octaves\" 0 \"float scale\" 3");
@@ -221,7 +208,6 @@ static void marble_is_a_bezier_curve_of_layers(void **state)
 /* Every cell has no dot or one disc of radius 0.35, that lies in the cell or a little outside. */
 static void dots_are_discs_in_two_fifths_of_the_cells(void **state)
 {
-    (void)state;
     enum { CELLS = 40, N = 60 };
     bis_scene_desc *d = read_scene("Texture \"t\" \"float\" \"dots\" \"float inside\" 0.25 \"float outside\" 0.75 "
                                    "\"float uscale\" 2");
@@ -256,7 +242,6 @@ static void dots_are_discs_in_two_fifths_of_the_cells(void **state)
 
 static void uv_bilerp_and_checkers_in_space_by_hand(void **state)
 {
-    (void)state;
     bis_scene_desc *uv = read_scene("Texture \"t\" \"spectrum\" \"uv\" \"float uscale\" 4 \"float vdelta\" -2.25");
     assert_value(value(uv, .3, .5, (vec3){0, 0, 0}), .2, .25, 0, 1e-12);
     bis_scene_desc *lerp = read_scene("Texture \"t\" \"spectrum\" \"bilerp\" \"rgb v00\" [1 0 0] \"rgb v01\" [0 1 0] "
@@ -283,7 +268,6 @@ static void uv_bilerp_and_checkers_in_space_by_hand(void **state)
 
 static void ranges_hold_all_values(void **state)
 {
-    (void)state;
     static const char *const all[] = {
         "Texture \"t\" \"spectrum\" \"fbm\" \"float roughness\" 0.9", "Texture \"t\" \"float\" \"wrinkled\"",
         "Texture \"t\" \"float\" \"windy\"", "Texture \"t\" \"spectrum\" \"marble\"",
@@ -308,7 +292,6 @@ static void ranges_hold_all_values(void **state)
 
 static void what_leaves_its_range_or_its_type_is_refused(void **state)
 {
-    (void)state;
     static const struct { const char *scene, *text; } rows[] = {
         {"Texture \"t\" \"float\" \"marble\"", "Texture \"marble\" is one of colours: its type must be \"spectrum\" "
          "(or \"color\")"},

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it,
  * within its bound; a shadow ray that starts beside it leaves the surface for good, at every scale. */
+#include "claim.h"
+#include "lack.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -11,14 +13,8 @@
 #include "shape/rounding.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bis_xform scale_then_move(double s, double x)
 {
@@ -47,7 +43,6 @@ static void the_first_mesh_is_moved_and_further_ones_are_copied(void **state)
     const size_t nv = a.n_vertices, nt = a.n_triangles, mv = b.n_vertices, mt = b.n_triangles;
     const uint32_t *index = a.index;
     const bis_xform move = bis_xform_translate(10, 0, 0);
-    (void)state;
     add_mesh(&g, &a, NULL, 7);
     assert_ptr_equal(g.index, index);
     assert_null(a.p);
@@ -65,7 +60,6 @@ static void the_first_mesh_is_moved_and_further_ones_are_copied(void **state)
 static void a_material_is_found_by_its_range(void **state)
 {
     bis_geometry g = {0};
-    (void)state;
     for (uint32_t i = 0; i < 50; i++) {
         for (uint32_t k = 0; k <= i % 3; k++) {
             bis_mesh m = triangle_mesh((vec3){(float)i, 0, 0}, (vec3){(float)i, 1, 0}, (vec3){(float)i, 0, 1});
@@ -88,7 +82,6 @@ static void a_material_is_found_by_its_range(void **state)
 
 static void normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order(void **state)
 {
-    (void)state;
     for (int order = 0; order < 2; order++) {
         bis_geometry g = {0};
         size_t with_normals = 0;
@@ -115,7 +108,6 @@ static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     bis_mesh m = new_mesh(9, 13);
-    (void)state;
     for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), (float)(i >> 1 & 1), (float)(i >> 2)};
     memcpy(m.index, faces, sizeof faces);
     m.index[36] = m.index[37] = m.index[38] = 8; /* a point: vertex 8 has no proper face */
@@ -137,7 +129,6 @@ static void more_than_an_index_can_count_is_refused(void **state)
     bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 0, 0}, (vec3){0, 1, 0});
     bis_mesh many = {.n_triangles = UINT32_MAX - 1}, large = {.n_vertices = (size_t)UINT32_MAX - 2};
     bis_diag diag = {0};
-    (void)state;
     add_mesh(&g, &m, NULL, 0);
     assert_int_equal(bis_geometry_add_mesh(&g, &many, &identity, 0, &diag), BIS_INPUT);
     assert_int_equal(bis_geometry_add_mesh(&g, &large, &identity, 0, &diag), BIS_INPUT);
@@ -157,7 +148,6 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 0, 0}, (vec3){0, 1, 0});
     bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_scale(1, 1e39, 1), 0};
     bis_diag diag = {0};
-    (void)state;
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &huge, 0, &diag), BIS_INPUT);
     assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_INPUT);
     m.index[1] = 3;
@@ -179,34 +169,28 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
 
 static void any_allocation_may_fail(void **state)
 {
-    (void)state;
-    for (long k = 1;; k++) {
+    FOR_LACK(l) {
         const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
         const bis_quadric q = {BIS_SPHERE, 1, 0, move, 0};
         bis_mesh a = sphere_mesh(4), b = sphere_mesh(3);
         bis_geometry g = {0};
         bis_diag diag = {0};
-        bis_mem_fail_at(k);
-        bis_status status = bis_mesh_smooth_normals(&b, &diag);
-        if (!status) status = bis_geometry_add_mesh(&g, &a, &identity, 1, &diag);
-        if (!status) status = bis_geometry_add_mesh(&g, &b, &move, 2, &diag);
-        if (!status) status = bis_geometry_add_quadric(&g, &q, &diag);
-        const bool failed = bis_mem_count() >= k;
-        bis_mem_fail_at(0);
-        assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
-        assert_int_equal(diag.n_errors, failed ? 1 : 0);
+        LACK(l, bis_mesh_smooth_normals(&b, &diag)
+                    ?: bis_geometry_add_mesh(&g, &a, &identity, 1, &diag)
+                    ?: bis_geometry_add_mesh(&g, &b, &move, 2, &diag)
+                    ?: bis_geometry_add_quadric(&g, &q, &diag));
+        assert_int_equal(l.status == BIS_OK, l.over);
+        assert_int_equal(diag.n_errors, l.over ? 0 : 1);
         bis_mesh_clear(&a);
         bis_mesh_clear(&b);
         bis_geometry_clear(&g);
         bis_diag_clear(&diag);
-        if (!failed) return;
     }
 }
 
 /* Places for quadrics are asked for at the first, second and third; the message counts the one that has none. */
 static void quadrics_without_memory_are_counted(void **state)
 {
-    (void)state;
     static const char *const says[] = {"no memory for spheres and disks: 1 in all",
                                        "no memory for spheres and disks: 2 in all",
                                        "no memory for spheres and disks: 3 in all"};
@@ -263,7 +247,6 @@ static void quadric_point(const bis_quadric *q, uint64_t *seed, double p[3])
 static void a_quadrics_box_holds_it_and_is_tight(void **state)
 {
     uint64_t seed = 1;
-    (void)state;
     for (int n = 0; n < 100; n++) {
         bis_geometry g = {0};
         const bis_quadric q = random_quadric(&seed, 5);
@@ -294,7 +277,6 @@ static void a_quadric_is_met_where_its_implicit_function_first_changes_sign(void
     enum { STEPS = 4000 };
     uint64_t seed = 2;
     int hits = 0;
-    (void)state;
     for (int n = 0; n < 300; n++) {
         bis_quadric q = random_quadric(&seed, 2);
         q.kind = BIS_SPHERE;
@@ -332,7 +314,6 @@ static void a_quadrics_range_is_open_and_tmax_is_kept(void **state)
     const bis_quadric sphere = {BIS_SPHERE, 1, 0, bis_xform_identity(), 0},
                       disk = {BIS_DISK, 1, 2, bis_xform_identity(), 0};
     float t = 0;
-    (void)state;
     assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, INFINITY}, &t) && t == 2);
     assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 0.5f}, INFINITY}, &t) && t == 4);
     assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, 0}, {0, -0.0f, 1}, INFINITY}, &t) && t == 1);
@@ -361,7 +342,6 @@ static bool within(const double a[3], vec3 b)
  */
 static void a_quadrics_point_is_where_the_ray_was_aimed(void **state)
 {
-    (void)state;
     static const double columns[16] = {0, 0, 1, 0, 2, 0, 0, 0, 0, 3, 0, 0, 4, -1, 5, 1};
     bis_quadric q[2] = {{BIS_DISK, 2, 3, bis_xform_identity(), 7}, {BIS_SPHERE, 2, 0, bis_xform_identity(), 7}};
     bis_rng rng;
@@ -398,7 +378,6 @@ static void a_quadrics_point_is_where_the_ray_was_aimed(void **state)
 static void a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray(void **state)
 {
     uint64_t seed = 3;
-    (void)state;
     for (int n = 0; n < 20000; n++) {
         const double scale = pow(10, random_between(&seed, -6, 6)), move = n % 3 ? 0 : 1e6 * random_double(&seed);
         vec3 v[3];
@@ -441,7 +420,6 @@ static void a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray(
 static void the_error_of_a_triangles_point_is_no_larger_than_four_ulps(void **state)
 {
     uint64_t seed = 4;
-    (void)state;
     for (int n = 0; n < 1000; n++) {
         bis_mesh m = soup_mesh(1, 0.01, seed + (uint64_t)n);
         const ray r = {{-1, 0.5f, 0.5f}, sub(m.p[0], (vec3){-1, 0.5f, 0.5f}), INFINITY};
@@ -460,7 +438,6 @@ static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
 {
     uint64_t seed = 5;
     int hits = 0;
-    (void)state;
     for (int n = 0; n < 20000; n++) {
         bis_quadric q = random_quadric(&seed, n % 2 ? 2 : 1e5);
         const bis_xform scale = scale_then_move(pow(10, random_between(&seed, -6, 6)), 0);
@@ -511,7 +488,6 @@ static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
  */
 static void the_error_of_a_balls_point_knows_no_axis(void **state)
 {
-    (void)state;
     static const struct { double c, radius; } cases[] = {{1 << 20, 1}, {1 << 20, 8}, {1 << 16, 0.01}, {3, 1}};
     for (int i = 0; i < 4; i++) {
         const double c = cases[i].c, R = cases[i].radius, e = 0x1p-24 * (c + R / sqrt(3));
@@ -531,7 +507,6 @@ static void the_error_of_a_balls_point_knows_no_axis(void **state)
 static void normals_are_turned_to_the_eyes_side(void **state)
 {
     const vec3 a = {0, 0, 0}, b = {1, 0, 0}, c = {0, 1, 0};
-    (void)state;
     for (int side = 0; side < 2; side++) {
         for (int kind = 0; kind < 5; kind++) {
             const float z = side ? 1.0f : -1.0f;
@@ -564,7 +539,6 @@ static void a_zero_vertex_normal_is_the_faces_in_the_interpolation(void **state)
     bis_geometry g = {0};
     bis_mesh m = triangle_mesh((vec3){0, 0, 0}, (vec3){1, 0, 0}, (vec3){0, 1, 0});
     bis_surface s;
-    (void)state;
     m.n = bis_alloc(3, sizeof *m.n);
     m.n[0] = (vec3){1, 0, 0};
     add_mesh(&g, &m, NULL, 0);
@@ -633,7 +607,6 @@ static void expect_darkness_inside(const bis_accel *a, const bis_geometry *g, do
     const vec3 centre = mul(add(g->box.lo, g->box.hi), 0.5);
     uint64_t seed = 7;
 
-    (void)scale;
     for (int n = 0; n < 20000; n++) {
         const ray r = {centre, random_direction(&seed), INFINITY};
         bis_hit hit;
@@ -669,7 +642,6 @@ static const struct {
 
 static void a_convex_mesh_never_shadows_itself_nor_leaks(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
         const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
         const bis_xform turn = bis_xform_rotate(33, 1, 2, 3), turned = bis_xform_compose(&place, &turn);
@@ -689,7 +661,6 @@ static void a_convex_mesh_never_shadows_itself_nor_leaks(void **state)
 /* A tetrahedron has no planar quads: convex for any rounding. */
 static void a_turned_tetrahedron_never_shadows_itself(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
         if (placements[i].scale < 1 && placements[i].move > 0)
             continue; /* 8 ulps: every other ray meets an edge exactly */
@@ -713,7 +684,6 @@ static void a_turned_tetrahedron_never_shadows_itself(void **state)
 
 static void spheres_never_shadow_themselves_nor_leak_E37(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
         const bool tiny =
             placements[i].scale < 1 && placements[i].move > 0; /* stretched, its least axis would have 3 ulps */
@@ -737,7 +707,6 @@ static void a_sphere_of_16_ulps_never_shadows_itself(void **state)
 {
     const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(1e6, 1e6, 1e6), 0};
     bis_geometry g = {0};
-    (void)state;
     assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
     for_each_backend(expect_no_shadow_outside, &g, 1);
     for_each_backend(expect_darkness_inside, &g, 1);
@@ -748,7 +717,6 @@ static void a_sphere_of_16_ulps_never_shadows_itself(void **state)
 static void a_large_tilted_plane_never_shadows_itself(void **state)
 {
     uint64_t seed = 8;
-    (void)state;
     for (int n = 0; n < 200; n++) {
         const double size = pow(10, random_between(&seed, -6, 6));
         const frame f = frame_about(random_direction(&seed));
@@ -794,7 +762,6 @@ static void no_triangle_of_the_dragon_shadows_itself(void **state)
     bis_geometry g = {0};
     bis_mesh m;
     uint64_t seed = 9;
-    (void)state;
     if (!path) skip();
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, NULL), BIS_OK);
     add_mesh(&g, &m, NULL, 0);
@@ -826,7 +793,6 @@ static void without_the_offset_a_point_does_shadow_itself_E37(void **state)
     const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(3, 3, 3), 0};
     uint64_t seed = 10;
     int shadowed = 0;
-    (void)state;
     bis_geometry g = {0};
     bis_accel *a;
     assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
@@ -853,7 +819,6 @@ static void rounded_numbers_are_the_nearest_floats_on_their_side(void **state)
         0, -0.0, 1e-60, 0x1p-149, 0x1p-150, 0x1p-126, 1, 1 + 0x1p-24, 1 - 0x1p-30, (double)FLT_MAX};
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, 7, 0, 0, 0);
     for (int i = 0; i < 200000; i++) {
         const double size = i < 20 ? special[i / 2] : ldexp(1 + bis_rng_double(&r), (int)(bis_rng_u64(&r) % 280) - 153);
@@ -871,7 +836,6 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
     bis_mesh a = sphere_mesh(6);
     const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(5, 0, 0), 2};
 
-    (void)state;
     for (int smooth = 0; smooth < 2; smooth++) {
         if (smooth) a = sphere_mesh(6), assert_int_equal(bis_mesh_smooth_normals(&a, NULL), BIS_OK);
         add_mesh(&g, &a, NULL, 1);
@@ -896,7 +860,6 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
  * (0,0,0), and (NaN, 0). Behind the last vertex stands (0,0,0). */
 static void what_a_mesh_lacks_is_filled_in(void **state)
 {
-    (void)state;
     const bis_xform up = bis_xform_translate(0, 0, 5);
     for (int has = 0; has < 8; has++) { /* bit k: mesh k has both */
         bis_geometry g = {0};
@@ -936,7 +899,6 @@ static void what_a_mesh_lacks_is_filled_in(void **state)
  * more, 12 for a normal, 8 for (u, v); ranges of 8 bytes; quadrics. What is not there has none. */
 static void bytes_are_those_of_the_arrays(void **state)
 {
-    (void)state;
     vec3 p[1], n[1];
     bis_uv uv[1];
     bis_geometry g = {.capacity_triangles = 5, .capacity_vertices = 7, .n_ranges = 3, .n_quadrics = 2};
@@ -977,7 +939,6 @@ static bis_surface in_the_middle(vec3 a, vec3 b, vec3 c)
 static void the_error_of_a_point_follows_its_triangle(void **state)
 {
     bis_rng rng;
-    (void)state;
     bis_rng_init(&rng, 1, 0, 0, 0);
     for (int i = 0; i < 200; i++) {
         double v[3][3];

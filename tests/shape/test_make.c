@@ -3,16 +3,12 @@
  * Loop's subdivision by powers of its matrix around a vertex, which the test sets up from the rules alone. */
 #include "bis/base/mem.h"
 #include "bis/shape/make.h"
+#include "claim.h"
+#include "lack.h"
 #include "mesh_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define N_POINTS 20000
 
@@ -136,7 +132,6 @@ static void check_point(const shape *s, const sample *at, double *furthest, doub
 static void revolved_meshes_lie_on_the_implicit_surfaces(void **state)
 {
     double worst = 0;
-    (void)state;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         const shape *s = &shapes[i];
         uint64_t random = i;
@@ -164,7 +159,6 @@ static void a_ring_is_flat_and_a_whole_turn_closes(void **state)
 {
     const bis_revolved ring = {.p = {{2, 0, 1}, {.5, 0, 1}}, .phi_max_deg = 360};
     bis_mesh m;
-    (void)state;
     assert_int_equal(bis_make_revolved(&m, &ring, (bis_loc){0}, NULL), BIS_OK);
     for (size_t i = 0; i < m.n_vertices; i++) {
         assert_true(m.p[i].z == 1 && m.n[i].z == 1 && m.n[i].x == 0 && m.n[i].y == 0);
@@ -181,7 +175,6 @@ static void a_ring_is_flat_and_a_whole_turn_closes(void **state)
 
 static void patches_lie_on_the_hyperbolic_paraboloid(void **state)
 {
-    (void)state;
     /* z = x y over the unit square, beside a parallelogram, which needs two triangles */
     static const float points[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}, {2, 0, 0}, {2, 1, 1}};
     static const uint32_t corner[2][4] = {{0, 1, 2, 3}, {1, 4, 3, 5}};
@@ -211,7 +204,6 @@ static void patches_lie_on_the_hyperbolic_paraboloid(void **state)
 
 static void patches_interpolate_normals_and_coordinates(void **state)
 {
-    (void)state;
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
     bis_mesh m = new_mesh(4, 0);
     m.n = bis_alloc(4, sizeof *m.n);
@@ -234,7 +226,6 @@ static void a_height_field_spans_the_unit_square(void **state)
 {
     static const double z[6] = {0, 1, 2, 3, 4, 5};
     bis_mesh m;
-    (void)state;
     assert_int_equal(bis_make_height_field(&m, z, 3, 2, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(m.n_triangles, 4);
     assert_null(m.n);
@@ -251,7 +242,6 @@ static void a_height_field_spans_the_unit_square(void **state)
  */
 static void a_rational_patch_is_a_sphere(void **state)
 {
-    (void)state;
     static const double knots[6] = {2, 2, 2, 4, 4, 4};
     const double w = sqrt(.5);
     double net[9][4];
@@ -280,7 +270,6 @@ static void a_rational_patch_is_a_sphere(void **state)
 /* Greville's abscissae as points: x(u) = u for every order, also between knots of all kinds. */
 static void b_splines_reproduce_the_line(void **state)
 {
-    (void)state;
     for (size_t order = 2; order <= 5; order++) {
         static const double flat[4] = {0, 0, 1, 1};
         double knot[14] = {0}, net[18][4];
@@ -411,7 +400,6 @@ static void check_limit(uint32_t k, bool closed, unsigned levels, uint64_t seed)
 
 static void vertices_and_normals_are_the_limits_of_the_rules(void **state)
 {
-    (void)state;
     for (uint32_t k = 1; k <= 11; k++)
         for (unsigned levels = 0; levels < 4; levels++)
             for (uint64_t seed = 0; seed < 5; seed++) {
@@ -423,7 +411,6 @@ static void vertices_and_normals_are_the_limits_of_the_rules(void **state)
 /* Twin: the weights that pbrt has on the border are not the limit of its rules. */
 static void the_test_tells_one_sixth_from_one_fifth(void **state)
 {
-    (void)state;
     uint64_t random = 1;
     bis_mesh m = fan_mesh(3, false, &random);
     const double c = (double)m.p[0].z, a = (double)m.p[1].z, b = (double)m.p[4].z;
@@ -436,7 +423,6 @@ static void the_test_tells_one_sixth_from_one_fifth(void **state)
 /* The sides of a cube turn outside; pbrt's normals are against the order of the corners. */
 static void a_cube_becomes_round_and_closed(void **state)
 {
-    (void)state;
     static const uint32_t index[36] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                                        1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7};
     bis_mesh m = new_mesh(8, 12);
@@ -467,7 +453,6 @@ static void a_cube_becomes_round_and_closed(void **state)
 
 static void what_is_no_surface_is_refused(void **state)
 {
-    (void)state;
     static const struct { uint32_t n_points, n, index[12]; const char *text; } rows[] = {
         {5, 3, {0, 1, 2, 1, 0, 3, 0, 1, 4},
          "more than two triangles share the edge between points 0 and 1: split the surface there"},
@@ -494,7 +479,6 @@ static void what_is_no_surface_is_refused(void **state)
 
 static void a_point_of_no_triangle_stays(void **state)
 {
-    (void)state;
     bis_mesh m = new_mesh(4, 1);
     for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
     m.p[1].x = m.p[2].y = m.p[3].z = 1;
@@ -509,21 +493,16 @@ static void every_allocation_may_fail(void **state)
 {
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
     const double z[4] = {0};
-    (void)state;
     for (int which = 0; which < 4; which++) {
-        bis_status status = BIS_NOMEM;
-        for (long k = 1; status; k++) {
+        FOR_LACK(l) {
             bis_mesh m = {0};
             if (which < 2) m = new_mesh(4, 1);
             if (which == 0) m.index[1] = 1, m.index[2] = 2;
-            bis_mem_fail_at(k);
-            if (which == 0) status = bis_make_subdivided(&m, 2, (bis_loc){0}, NULL);
-            else if (which == 1) status = bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL);
-            else if (which == 2) status = bis_make_height_field(&m, z, 2, 2, (bis_loc){0}, NULL);
-            else status = bis_make_revolved(&m, &shapes[0].r, (bis_loc){0}, NULL);
-            bis_mem_fail_at(0);
-            assert_true(status == BIS_OK || (status == BIS_NOMEM && !m.p && !m.index));
-            assert_true(k < 60);
+            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, (bis_loc){0}, NULL)
+                    : which == 1 ? bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL)
+                    : which == 2 ? bis_make_height_field(&m, z, 2, 2, (bis_loc){0}, NULL)
+                                 : bis_make_revolved(&m, &shapes[0].r, (bis_loc){0}, NULL));
+            assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !m.p && !m.index));
             bis_mesh_clear(&m);
         }
     }

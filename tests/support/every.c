@@ -5,16 +5,11 @@
 #include "every.h"
 
 #include "bis/base/mem.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 __attribute__((constructor)) static void choose_tests(void)
 {

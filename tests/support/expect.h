@@ -14,14 +14,9 @@
 #ifndef TESTS_EXPECT_H
 #define TESTS_EXPECT_H
 
-#include <stddef.h>
+#include "claim.h"
+
 #include <stdio.h>
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 /* What a command is given: the words behind its name, and the lines of "<". */
 typedef struct expect_command {

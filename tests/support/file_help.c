@@ -4,14 +4,9 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-#include <cmocka.h>
 
 void store(const char *path, const void *data, size_t n)
 {
@@ -26,6 +21,22 @@ unsigned char *read_bytes(const char *path, size_t *n)
     unsigned char *data;
     assert_int_equal(bis_file_read(&data, n, path, (bis_loc){0}, NULL), BIS_OK);
     return data;
+}
+
+char *read_whole(const char *path)
+{
+    size_t n;
+    return (char *)read_bytes(path, &n);
+}
+
+void read_text(char *text, size_t size, const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f) fail_msg("no %s", path);
+    const size_t n = fread(text, 1, size, f);
+    assert_int_equal(fclose(f), 0);
+    assert_true(n < size);
+    text[n] = '\0';
 }
 
 size_t differing_bytes(const char *path_a, const char *path_b)

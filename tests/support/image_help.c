@@ -1,20 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* image_help: see the header. */
+#include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
+#include "lack.h"
 
 #include <dirent.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #define FOLDER "build/scratch"
 
@@ -58,7 +55,6 @@ int scratch_count(void) { return visit_scratch(false); }
 
 int scratch_remove(void **state)
 {
-    (void)state;
     visit_scratch(true);
     return 0;
 }
@@ -145,6 +141,16 @@ void expect_refusal_of(const bytes *b, const char *name, const char *text)
     expect_refusal(scratch(name), BIS_INPUT, text);
 }
 
+void expect_refusals(const bad_file *files, size_t n, const char *name)
+{
+    for (const bad_file *f = files; f < files + n; f++) {
+        bytes b = {0};
+        put(&b, f->bytes, f->n);
+        expect_refusal_of(&b, name, f->text);
+        bytes_clear(&b);
+    }
+}
+
 void expect_image(bis_image *image, const char *path, const char *text)
 {
     char expected[1024];
@@ -201,4 +207,22 @@ void try_damage(const bytes *b, const char *name, int n, uint32_t seed)
         try_read(path);
     }
     free(changed);
+}
+
+void try_memory(const char *path, const bis_image *pixels, int least)
+{
+    int n_failed = 0;
+    FOR_LACK(l) {
+        bis_image image;
+        bis_diag diag = {0};
+        LACK(l, bis_image_read(&image, path, (bis_loc){0}, &diag));
+        n_failed += l.status != BIS_OK;
+        assert_int_equal(l.status == BIS_OK, image.pixels != NULL);
+        assert_int_equal(l.status == BIS_OK, diag.n_errors == 0);
+        if (!l.status && pixels)
+            assert_memory_equal(image.pixels, pixels->pixels, (size_t)(image.width * image.height) * sizeof(rgb));
+        bis_image_clear(&image);
+        bis_diag_clear(&diag);
+    }
+    assert_true(n_failed >= least);
 }

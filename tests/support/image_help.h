@@ -42,12 +42,29 @@ void expect_refusal(const char *path, bis_status status, const char *text);
 /* The same for a file with these bytes. */
 void expect_refusal_of(const bytes *b, const char *name, const char *text);
 
+/* A file of n bytes, and the text for which it is refused. BYTES: a string with its length. */
+typedef struct bad_file {
+    const char *bytes;
+    size_t n;
+    const char *text;
+} bad_file;
+
+#define BYTES(text) text, sizeof(text) - 1
+
+/* The same for each of n files. */
+void expect_refusals(const bad_file *files, size_t n, const char *name);
+
 /* Reading must succeed, without a word when text is NULL, else with the one warning `PATH: warning: "PATH": TEXT`. */
 void expect_image(bis_image *image, const char *path, const char *text);
 
 /* Read every prefix of the file's bytes (each must be refused) and n files with up to four bytes changed (any status,
  * but no crash, and pixels only with BIS_OK). seed: of the changes. */
 void try_damage(const bytes *b, const char *name, int n, uint32_t seed);
+
+/* Read the file with its k-th allocation failing, k = 1, 2, ...: each time there is no memory and there are no pixels,
+ * or these, where a library can do without or only a message's text is lost. pixels: NULL for any. `least` times it
+ * must fail, or more often. */
+void try_memory(const char *path, const bis_image *pixels, int least);
 
 /* xorshift32: numbers for tests, never 0 for a seed other than 0. */
 uint32_t next_random(uint32_t *state);

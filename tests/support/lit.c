@@ -4,12 +4,7 @@
 
 #include "bis/base/mem.h"
 #include "bis/scene/light_load.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 enum { W = LIT_WIDTH, H = LIT_HEIGHT, BLOCK = 8 };
 

@@ -6,12 +6,7 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/phong.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <complex.h>
 

@@ -3,14 +3,11 @@
 
 #include "bis/thesis/rng.h"
 #include "bis/base/image.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 bis_envmap map_new(int width, int height)
 {

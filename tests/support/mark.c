@@ -4,15 +4,9 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "every.h"
 #include "mark_run.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -15,6 +15,21 @@ const char *shared_file(const char *name);
 /* Reading b must succeed, without a word when text is NULL, else with the one warning `PATH: warning: TEXT`. */
 void expect_mesh_of(mesh_reader *read, bis_mesh *m, const bytes *b, const char *name, const char *text);
 
+/* The same, and the mesh in words must be these: "x y z n x y z t u v, ...; a b c, ...", where n is a vertex's normal,
+ * t are its texture coordinates ("t none": they are not numbers), and a b c is a triangle. claim: for the message. */
+void expect_mesh_words(mesh_reader *read, const bytes *b, const char *name, const char *warning, const char *claim,
+                       const char *words);
+
+typedef struct wild_mesh {
+    const char *name; /* of a shared test file */
+    size_t n_vertices, n_triangles;
+    bool normals;
+} wild_mesh;
+
+/* Each must be read, and have these counts; with one warning where it has no triangles or its path holds `warned`. The
+ * test is skipped where they are not there. */
+void expect_wild_meshes(mesh_reader *read, const wild_mesh *files, size_t n, const char *warned);
+
 /* Reading b must fail with BIS_INPUT, an empty mesh and exactly `PATH: error: TEXT`, or `PATH:LINE: error: TEXT` for
  * line > 0. */
 void expect_mesh_refusal_of(mesh_reader *read, const bytes *b, const char *name, int line, const char *text);

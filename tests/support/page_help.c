@@ -2,14 +2,8 @@
 /* page_help: the data between its two marks; what node prints. */
 #include "page_help.h"
 
+#include "claim.h"
 #include "html_check.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,15 +2,11 @@
 #include "picture_help.h"
 
 #include "out/palette.h"
+#include "claim.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <png.h>
 
 void picture_in(bis_image *image, const char *drawing, const char *name)

@@ -3,13 +3,7 @@
 #include "program.h"
 
 #include "bis/files/image_file.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <dirent.h>
 #include <fcntl.h>

@@ -3,17 +3,14 @@
  * wrong. */
 #include "stat.h"
 #include "bis/base/stats.h"
+#include "claim.h"
 
 #include <errno.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static const double LEAST_EXPECTED = 5;
 

@@ -3,13 +3,7 @@
 #include "state_help.h"
 
 #include "base/text.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 void make_kind(world *w, const kind *k)
 {

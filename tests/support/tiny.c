@@ -4,14 +4,10 @@
 
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "set_help.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define OCTANT (PI / 2) /* sr */
 
@@ -53,7 +49,6 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
     const double *pick = material_of(b)->pick;
     int k = 0;
 
-    (void)u0;
     while (k < TINY_PIXELS - 1 && u1 >= pick[k]) u1 -= pick[k++];
     *wi = in_octant(k, fmin(u1 / pick[k], 1), u2);
     return true;

@@ -3,16 +3,13 @@
 
 #include "bis/files/image_file.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "map_help.h"
 #include "program.h"
 #include "stat.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 size_t verify_failures(bis_verify *v)
 {

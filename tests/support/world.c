@@ -5,13 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <math.h>
 #include <string.h>
@@ -149,22 +143,16 @@ void assert_same_bits(const bis_film *a, const bis_film *b)
 
 unsigned no_light_needs(const bis_settings *s)
 {
-    (void)s;
     return 0;
 }
 
 void no_scratch(const bis_settings *s, bis_needs *need)
 {
-    (void)s;
-    (void)need;
 }
 
 /* A random number, hence noise. */
 rgb noise_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    (void)s;
-    (void)pt;
-    (void)scratch;
     double u = bis_stream_random(stream);
     return rgb_from(u, 0.5 + u, 1);
 }
@@ -172,18 +160,12 @@ rgb noise_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis
 /* The place: what a camera ray saw. */
 static rgb place_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    (void)s;
-    (void)stream;
-    (void)scratch;
     return (rgb){pt->p.x + 10, pt->p.y + 10, pt->p.z + 10};
 }
 
 /* NaN or infinity for a quarter of the samples. */
 static rgb sick_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    (void)s;
-    (void)pt;
-    (void)scratch;
     double u = bis_stream_random(stream);
     return (rgb){1, u < 0.125 ? NAN : u < 0.25 ? INFINITY : 1, 1};
 }

@@ -14,16 +14,12 @@
 #include "bis/thesis/importance.h"
 #include "bis/base/image.h"
 
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 83u
 
@@ -209,7 +205,6 @@ static void candidates_of_each_proposal_have_its_density(void **state)
     const bis_material materials[] = {bis_phong((rgb){0.2f, 0.3f, 0.1f}, (rgb){0.5f, 0.4f, 0.3f}, 10),
         bis_phong(grey(0.6), grey(0.3), 2.5), bis_microfacet((rgb){0.4f, 0.3f, 0.2f}, (rgb){0.3f, 0.2f, 0.1f}, 0.5)};
 
-    (void)state;
     for (int i = 0; i < 3 * N_WAYS; i++) {
         const way *w = &ways[i % N_WAYS];
         double observed[CELLS], share[CELLS];
@@ -232,7 +227,6 @@ static void first_of_a_set_and_redrawing_below_the_horizon_are_rejected_E1_E34(v
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < N_WAYS; i++) {
         const way *w = &ways[i];
         double observed[CELLS], share[CELLS];
@@ -280,7 +274,6 @@ static void candidates_of_lobes_from_0_to_1e6_have_their_density(void **state)
     static const double exponents[] = {0, 1, 2.5, 10, 50, 1e3, 1e5, 1e6};
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
 
-    (void)state;
     for (int i = 0; i < 8 * 4; i++) {
         const double n = exponents[i % 8];
         double observed[LOBE_CELLS], expected[LOBE_CELLS];
@@ -319,7 +312,6 @@ static void accepted_directions_of_glossy_surfaces_have_the_product_density_eq_4
                                       bis_microfacet((rgb){0.4f, 0.2f, 0.3f}, (rgb){0.3f, 0.6f, 0.5f}, 0.6)};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < 2 * 3; i++) {
         double hits[CELLS] = {0}, share[CELLS];
         recorder rec = {{.ops = &recording}, hits};
@@ -447,7 +439,6 @@ static void check_cells(drawing how, double b, map_twin wrong)
 
 static void directions_from_a_probe_fit_inside_the_pixels_E2(void **state)
 {
-    (void)state;
     for (drawing how = ALIAS; how <= CURVE; how++) {
         check_cells(how, 0, MAP_RIGHT);
         check_cells(how, 0.15, MAP_RIGHT);
@@ -463,7 +454,6 @@ static void directions_from_a_probe_come_from_where_its_pixels_shine(void **stat
     enum { N = 100000, BLOCK = 4, SIDE_BLOCKS = SIDE / BLOCK, DISC_CELLS = SIDE_BLOCKS * SIDE_BLOCKS, K = 8 };
     double expected[2][DISC_CELLS] = {{0}}, total[2] = {0};
 
-    (void)state;
     for (int i = 0; i < SIDE * SIDE * K * K; i++) {
         const int x = i / (K * K) % SIDE, y = i / (K * K) / SIDE;
         const double u = 2 * (x + (i % K + 0.5) / K) / SIDE - 1, v = 1 - 2 * (y + ((int)(i / K % K) + 0.5) / K) / SIDE,
@@ -598,7 +588,6 @@ static void chi_square_p_values_of_right_samplers_are_uniform_over_seeds(void **
     bis_envmap em = probe_map(40, false);
     bis_importance *im = importance_of(&em, ALIAS, 0);
 
-    (void)state;
     for (int i = 0; i < P_CELLS; i++) w[i] = 1 + i % 5;
     assert_int_equal(bis_alias_init(&a, w, P_CELLS, NULL), BIS_OK);
     check_p_values("p_values_alias", fill_alias, &a);

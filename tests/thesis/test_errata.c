@@ -9,14 +9,10 @@
 #include "bis/thesis/phong.h"
 #include "bis/render/render.h"
 
+#include "claim.h"
+#include "file_help.h"
 #include "lit.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -68,8 +64,6 @@ static bis_settings settings(
 
 static rgb one(int x, int y)
 {
-    (void)x;
-    (void)y;
     return (rgb){1, 1, 1};
 }
 
@@ -94,7 +88,6 @@ static void E3_importance_without_solid_angle_makes_the_poles_too_bright(void **
 {
     const vec3 normals[] = {up, {1, 0, 0}};
 
-    (void)state;
     bis_light *right = new_light(one, 0, BIS_TABLE_ALIAS, 0), *printed = new_light(one, 0, BIS_TABLE_ALIAS, BIS_E3);
     assert_true(fabs(irradiance_by_rows(true) - 4 / PI) < 1e-3);
     assert_true(fabs(irradiance_by_rows(false) - 8 / (PI * PI)) < 1e-3);
@@ -120,7 +113,6 @@ static void E6_one_mean_visibility_turns_coloured_shadows_grey(void **state)
 {
     bis_light *light = lit_new_light(LIT_RED_BLUE, 1, 0, false);
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         bis_settings s = settings(i ? &bis_rejection : &bis_sir, 64, 8, BIS_PROPOSAL_EM, 0);
         stat_moments m[4];
@@ -168,7 +160,6 @@ static void E13_alias_tables_from_raw_weights_do_not_draw_by_importance(void **s
 {
     const bis_settings s = settings(&bis_em, 1, 64, BIS_PROPOSAL_EM, 0);
 
-    (void)state;
     for (int i = 0; i < 3; i++) { /* right; printed; printed, with CDFs, which it does not reach */
         bis_light *light = new_light(contrasty, 0, i == 2 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, i ? BIS_E13 : 0);
         stat_moments m[4];
@@ -203,7 +194,6 @@ static void E20_the_unweighted_density_takes_light_from_the_sun_and_gives_it_to_
            sky = 4 * PI - A;
     double mean_factor = (sun * factor + sky) / (sun + sky);
 
-    (void)state;
     assert_true(factor > 0.44 && factor < 0.50);
     for (int i = 0; i < 2; i++) {
         const bis_settings s = settings(i ? &bis_sir : &bis_em, 16, i ? 1 : 16, BIS_PROPOSAL_EM, 0);
@@ -231,7 +221,6 @@ static void E21_L_ns_from_other_candidates_is_biased_at_small_M(void **state)
 {
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
 
-    (void)state;
     for (uint32_t M = 1; M <= 4; M *= 2) {
         bis_settings s = settings(&bis_sir, M, 1, BIS_PROPOSAL_EM, 0);
         stat_moments m[4];
@@ -268,7 +257,6 @@ static void E22_drawing_until_N_are_accepted_is_too_bright(void **state)
 {
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
 
-    (void)state;
     assert_true(fabs(overestimate(1, 0.02) - 4.0) < 0.02 && fabs(overestimate(4, 0.02) - 1.32) < 0.01);
     assert_true(fabs(overestimate(15, 0.02) - 1.070) < 0.001);
     assert_true(fabs(overestimate(1, 0.25) + log(0.25) / 0.75) < 1e-9);
@@ -312,7 +300,6 @@ static void E23_weights_f_and_L_reflect_more_than_arrives(void **state)
     stat_moments m[4];
     lit l;
 
-    (void)state;
     assert_true(fabs(share_above(50, 85) - 0.73) < 0.005);
     for (int i = 0; i < 2; i++) {
         bis_settings s = settings(&bis_sir, 16, 4, BIS_PROPOSAL_BRDF, 0);
@@ -341,7 +328,6 @@ static void E34_redrawing_below_the_horizon_adds_64_percent_at_85_degrees(void *
     stat_moments m[4];
     lit l;
 
-    (void)state;
     assert_true(fabs(1 / share_above(10, 85) - 1.64) < 0.01);
     lit_init(&l, light, bis_phong(grey(0), grey(1), 10), up, 85, LIT_OPEN);
     double truth = lit_truth(&l, true).r;
@@ -358,7 +344,6 @@ static void E34_redrawing_below_the_horizon_adds_64_percent_at_85_degrees(void *
 
 static bool is_low(const bis_accel *a, const ray *r)
 {
-    (void)a;
     return r->d.z < 0.5f;
 }
 
@@ -373,7 +358,6 @@ static void E27_accepting_against_f_max_does_not_accept_by_the_product(void **st
     stat_moments m[4];
     lit l;
 
-    (void)state;
     lit_init(&l, light, white_diffuse(), up, 30, LIT_OPEN);
     l.pt.accel = &accel;
     lit_run(m, &l, &s, 1500, SEED);
@@ -394,7 +378,6 @@ static void E29_the_unshadowed_fallback_lights_a_fully_hidden_point(void **state
     stat_moments m[4];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), up, 40, LIT_ALL);
     lit_run(m, &l, &s, 2000, SEED);
     assert_true(m[3].mean == 0 && m[3].m2 == 0);
@@ -412,11 +395,7 @@ static void every_switch_has_a_flag_a_paragraph_and_a_scene_of_its_own(void **st
     unsigned all = 0;
     int n = 0;
 
-    (void)state;
-    FILE *f = fopen("docs/errata.md", "r");
-    assert_non_null(f);
-    doc[fread(doc, 1, sizeof doc - 1, f)] = '\0';
-    fclose(f);
+    read_text(doc, sizeof doc, "docs/errata.md");
     for (const bis_erratum *e = bis_errata; e->name; e++, n++) {
         char heading[32], command[64], path[64], buf[BIS_ERRATA_TEXT];
         snprintf(heading, sizeof heading, "**%s. ", e->name);
@@ -442,7 +421,6 @@ static void every_switch_has_a_flag_a_paragraph_and_a_scene_of_its_own(void **st
 /* Not a bit of any estimate, for the integrators that the table does not name. */
 static void a_switch_changes_nothing_where_it_does_not_reach(void **state)
 {
-    (void)state;
     for (const bis_erratum *e = bis_errata; e->name; e++) {
         bis_light *right = new_light(contrasty, 0.15, BIS_TABLE_ALIAS, 0),
                   *printed = new_light(contrasty, 0.15, BIS_TABLE_ALIAS, e->flag);
@@ -506,7 +484,6 @@ static void the_scenes_of_the_errata_show_a_difference(void **state)
 {
     static rgb right[20 * 15], printed[20 * 15];
 
-    (void)state;
     for (const bis_erratum *e = bis_errata; e->name; e++) {
         char path[64];
         double difference = 0;
@@ -538,7 +515,6 @@ static void an_option_of_the_scene_outlives_the_integrator_and_may_be_a_list(voi
         "Option \"string asprinted\" [\"E21\" \"E6\" \"E3\" \"E3\"]\nIntegrator \"path\"" BALL,
     };
 
-    (void)state;
     program_folder(DIR);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         bis_diag diag = {0};
@@ -555,7 +531,6 @@ static void the_command_line_lists_switches_and_corrects_their_names(void **stat
 {
     static program_run run;
 
-    (void)state;
     program_folder(DIR);
     program_write_file(DIR "/ball.txt", "Integrator \"sir\"" BALL);
     program_expect(&run, 0, "--as-printed list");
@@ -581,7 +556,6 @@ static void the_EXR_names_the_switches_only_where_there_are_some(void **state)
     static program_run run;
     static char bytes[2][1 << 16];
 
-    (void)state;
     program_folder(DIR);
     program_write_file(DIR "/ball.txt", "Option \"string asprinted\" \"E6\"\nIntegrator \"sir\"" BALL);
     program_write_file(DIR "/right.txt", "Integrator \"sir\"" BALL);

@@ -4,14 +4,9 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define SEED 61u
 
@@ -49,7 +44,6 @@ static void error_falls_with_the_square_root_of_the_cost_for_every_integrator_E9
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < N_INTEGRATORS; i++) {
         double slope[2], x[3], y[3];
         for (int k = 0; k < 3; k++) {
@@ -86,7 +80,6 @@ static void intervals_from_16_replicates_cover_95_percent_of_10000_runs_E32(void
     static const int tried[] = {0, 2, 5, 6};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         const bis_settings s = unbiased(tried[i], tried[i] == 6 ? 4 : 1);
         uint32_t covered = 0;
@@ -121,7 +114,6 @@ static void intervals_from_the_rays_of_one_set_do_not_cover_E32(void **state)
     bis_scratch scratch;
     lit l;
 
-    (void)state;
     s.candidates = M;
     s.shadowrays = N;
     lit_init(&l, light, bis_phong(grey(0.6), grey(0.3), 5), tilted(), 40, LIT_HALF);
@@ -173,7 +165,6 @@ static void stopping_by_the_kept_estimates_own_error_is_biased_and_by_that_of_ot
     bis_scratch scratch;
     lit l;
 
-    (void)state;
     s.samples = 1;
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.4), 5), tilted(), 40, LIT_HALF);
     l.kind = BIS_SAMPLER_RANDOM;
@@ -204,7 +195,6 @@ static void white_furnace_agrees_with_quadrature_from_0_to_89_9_degrees_for_ever
     static const double degrees[] = {0, 45, 80, 89.9};
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
 
-    (void)state;
     for (int d = 0; d < 4; d++) {
         lit l;
         lit_init(&l, light, bis_phong(grey(0), grey(1), 50), tilted(), degrees[d], LIT_OPEN);

@@ -7,15 +7,11 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
+#include "claim.h"
 #include "forced.h"
 #include "lit.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 31u
 
@@ -94,7 +90,6 @@ static void em_and_brdf_are_unbiased(void **state)
 {
     setting c;
 
-    (void)state;
     setting_init(&c);
     for (int i = 0; i < 48; i++) {
         bis_settings s = bis_settings_default(i / 24 ? &bis_brdf : &bis_em);
@@ -109,7 +104,6 @@ static void mis_is_unbiased_for_each_heuristic_and_split(void **state)
     static const double splits[] = {0, 0.1, 0.5, 1};
     setting c;
 
-    (void)state;
     setting_init(&c);
     for (int i = 0; i < 32; i++) {
         bis_settings s = bis_settings_default(&bis_mis);
@@ -124,7 +118,6 @@ static void mis_is_unbiased_for_each_heuristic_and_split(void **state)
 
 static void compensated_mis_is_unbiased(void **state)
 {
-    (void)state;
     for (int i = 0; i < 8; i++) {
         bis_light *light = lit_new_light(i % 2 ? LIT_SMOOTH : LIT_SPOTTY, 1, i / 4 ? 0.15 : 0, true);
         bis_settings s = bis_settings_default(&bis_mis);
@@ -149,7 +142,6 @@ static void every_integrator_is_unbiased_for_microfacets_too(void **state)
                                       bis_plastic((rgb){0.1f, 0.3f, 0.6f}, (rgb){0.16f, 0.1f, 0}, 2.4, 0.5)};
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
 
-    (void)state;
     for (int i = 0; i < 12; i++) {
         lit l;
         lit_init(&l, lights[i % 2], materials[i / 2 % 3], tilted(), i / 6 ? 75 : 40, i / 6 ? LIT_OPEN : LIT_HALF);
@@ -178,7 +170,6 @@ static void balance_heuristic_needs_the_counts(void **state)
     bis_rng r;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_OPEN);
     double truth = lit_truth(&l, true).g;
     bis_rng_init(&r, SEED, 0, 0, 0);
@@ -213,7 +204,6 @@ static void sir_is_unbiased_for_every_M_and_N_E21(void **state)
 {
     setting c;
 
-    (void)state;
     setting_init(&c);
     for (int i = 0; i < 3 * 4 * 2 * 2 * 2; i++) {
         bis_settings s = bis_settings_default(&bis_sir);
@@ -233,7 +223,6 @@ static void plain_rejection_is_unbiased_for_every_M_and_N_E22(void **state)
     static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
     setting c;
 
-    (void)state;
     setting_init(&c);
     for (int i = 0; i < 3 * 4 * 2 * 2; i++) {
         bis_settings s = bis_settings_default(&bis_rejection);
@@ -251,7 +240,6 @@ static void unoccluded_is_unbiased_for_L_ns(void **state)
 {
     setting c;
 
-    (void)state;
     setting_init(&c);
     for (int i = 0; i < 24; i++) {
         bis_settings s = bis_settings_default(&bis_unoccluded);
@@ -267,7 +255,6 @@ static void exact_is_unbiased_and_nearly_exact(void **state)
 {
     setting c;
 
-    (void)state;
     setting_init(&c);
     for (int i = 0; i < 24; i++) {
         bis_settings s = bis_settings_default(&bis_exact);
@@ -331,7 +318,6 @@ static void fully_hidden_point_is_exactly_black_E29(void **state)
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
 
-    (void)state;
     lit_init(&l, light, glossy(), tilted(), 40, LIT_ALL);
     assert_true(assert_black(&l) > 0);
     bis_light_free(light);
@@ -342,7 +328,6 @@ static void black_map_black_surface_and_hidden_eye_cast_no_ray(void **state)
     bis_light *black = lit_new_light(LIT_BLACK, 1, 0.15, false), *spotty = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
 
-    (void)state;
     lit_init(&l, black, glossy(), tilted(), 40, LIT_OPEN);
     assert_int_equal(assert_black(&l), 0);
     lit_init(&l, spotty, bis_phong(grey(0), grey(0), 10), tilted(), 40, LIT_OPEN);
@@ -358,7 +343,6 @@ static void surface_turned_away_from_all_light_casts_no_ray_E25(void **state)
     bis_light *below = lit_new_light(LIT_BELOW, 1, 0.15, false);
     lit l;
 
-    (void)state;
     lit_init(&l, below, bis_phong(grey(0.5), grey(0.5), 20), (vec3){0, 0, 1}, 40, LIT_OPEN);
     assert_int_equal(assert_black(&l), 0);
     bis_light_free(below);
@@ -369,7 +353,6 @@ static void no_ray_is_cast_below_the_geometric_surface_E37(void **state)
     bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0, false);
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(1), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
     l.pt.ng = normalize(vec3_from(0.8, 0.8, 0.3)); /* the lit block lies about phi = 281 degrees: behind this face */
     assert_int_equal(assert_black(&l), 0);
@@ -391,7 +374,6 @@ static void constant_light_on_open_diffuse_plane_is_exact_from_the_brdf_and_righ
     bis_settings s[N_ALL];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.8f}, grey(0), 1), tilted(), 40, LIT_OPEN);
     all_settings(s);
     for (int i = 0; i < N_ALL; i++) {
@@ -425,7 +407,6 @@ static void directions_below_the_horizon_count_E1(void **state)
     bis_rng r;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(1), grey(0), 1), tilted(), 0, LIT_OPEN);
     lit_run(m, &l, &s, 20000, SEED);
     check("E1", m, (rgbd){1, 0.5, 0.25});
@@ -448,7 +429,6 @@ static void each_channel_is_right_under_coloured_light_E5(void **state)
     bis_settings s[N_ALL];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong((rgb){0.9f, 0.5f, 0.3f}, grey(0), 1), tilted(), 40, LIT_OPEN);
     rgbd truth = lit_truth(&l, true);
     all_settings(s);
@@ -480,7 +460,6 @@ static void one_lit_window_is_found_by_all_E4(void **state)
     bis_settings s[N_ALL];
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.8), grey(0.2), 5), tilted(), 40, LIT_HALF);
     rgbd truth = lit_truth(&l, true);
     all_settings(s);
@@ -501,7 +480,6 @@ static void first_and_last_random_numbers_are_survived(void **state)
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1};
     bis_settings s[N_ALL];
 
-    (void)state;
     bis_rng check_forced = forced(1 - 0x1p-53, 5);
     for (int i = 0; i < 5; i++) bis_rng_u64(&check_forced);
     assert_true(bis_rng_double(&check_forced) == 1 - 0x1p-53);
@@ -534,7 +512,6 @@ static void radiance_of_1e36_and_exponents_of_1e8_stay_finite(void **state)
     static const double scales[] = {1e-38, 1e-30, 1, 1e30, 1e35}, more[] = {0, 50, 1e5, 1e8};
     bis_settings s[N_ALL];
 
-    (void)state;
     all_settings(s);
     for (int e = 0; e < 5; e++) {
         bis_light *light = lit_new_light(LIT_SMOOTH, scales[e], 0.15, false);
@@ -563,7 +540,6 @@ static void counters_equal_hand_counts_E30(void **state)
     stat_moments m[4];
     lit l;
 
-    (void)state;
     s.candidates = 40;
     s.shadowrays = 7;
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_OPEN);
@@ -597,7 +573,6 @@ static void bad_settings_are_refused_with_the_way_out(void **state)
 {
     bis_settings s = bis_settings_default(&bis_mis);
 
-    (void)state;
     s.samples = 1;
     assert_refused(&s, "take \"em\" or \"brdf\"");
     s = bis_settings_default(&bis_mis);
@@ -627,7 +602,6 @@ static void bad_settings_are_refused_with_the_way_out(void **state)
 
 static void defaults_are_allowed_and_those_of_the_contract(void **state)
 {
-    (void)state;
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
         const bis_settings s = bis_settings_default(*i);
         assert_int_equal(bis_settings_check(&s, (bis_loc){NULL, 0, 0}, NULL), BIS_OK);
@@ -644,7 +618,6 @@ static void only_what_proposes_from_the_map_needs_tables(void **state)
 {
     bis_settings s = bis_settings_default(&bis_sir);
 
-    (void)state;
     assert_int_equal(s.integrator->light_needs(&s), BIS_NEED_CURVE);
     s.stratify = false;
     assert_int_equal(s.integrator->light_needs(&s), BIS_NEED_TABLE);
@@ -665,7 +638,6 @@ static void scratch_without_memory_is_an_error(void **state)
     bis_diag diag = {0};
     bis_scratch scratch;
 
-    (void)state;
     for (long k = 1; k <= 3; k++) {
         bis_mem_fail_at(k);
         assert_int_equal(bis_scratch_init(&scratch, &s, &diag), BIS_NOMEM);
@@ -700,7 +672,6 @@ static void mis_scatters_as_the_weights_of_its_heuristic_say(void **state)
     static const bis_heuristic heuristics[] = {BIS_HEURISTIC_BALANCE, BIS_HEURISTIC_POWER};
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false); /* red is 1 */
 
-    (void)state;
     for (int h = 0; h < 2; h++) {
         bis_settings s = bis_settings_default(&bis_mis);
         bis_scratch scratch;
@@ -732,7 +703,6 @@ static void mis_divides_its_samples(void **state)
         {0.5, 8, 4}, {0.25, 4, 3}, {0, 4, 3}, {1, 4, 3}, {0.5, 2, 1}, {0.1, 2, 1}, {0.9, 2, 1}, {0.3, 10, 7},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         bis_settings s = bis_settings_default(&bis_mis);
         bis_needs need = {0, 0, 0, 0};

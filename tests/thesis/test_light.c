@@ -7,19 +7,17 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
+#include "lack.h"
 #include "map_help.h"
 #include "stat.h"
 
 #include <float.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* Four statistical tests in this file, a false alarm of any of them once in 1000. */
 static double alpha(void) { return stat_level(1e-3, 4); }
@@ -52,7 +50,6 @@ static void random4(bis_rng *g, double u[4])
 
 static void a_rotation_turns_the_light_and_a_reflection_mirrors_it(void **state)
 {
-    (void)state;
     /* World y up from the map's z up, as pbrt scenes do: Rotate -90 1 0 0 maps (x, y, z) to (x, z, -y). */
     const bis_xform frames[] = {bis_xform_identity(), bis_xform_rotate(-90, 1, 0, 0), bis_xform_scale(-1, 1, 1)};
     const vec3 expected[][2] = {
@@ -76,7 +73,6 @@ static void a_rotation_turns_the_light_and_a_reflection_mirrors_it(void **state)
 
 static void a_frame_that_is_no_rotation_is_an_error_with_its_place(void **state)
 {
-    (void)state;
     const bis_xform wrong[] = {bis_xform_scale(2, 2, 2), bis_xform_scale(1, 1, 1.01)};
     for (int k = 0; k < 2; k++) {
         bis_envmap em = map_new(4, 2);
@@ -95,7 +91,6 @@ static void a_frame_that_is_no_rotation_is_an_error_with_its_place(void **state)
 /* A matrix printed with four digits is a rotation to 1e-4; the light makes it one exactly: lengths stay 1. */
 static void a_rotation_printed_with_four_digits_is_straightened(void **state)
 {
-    (void)state;
     const double v[16] = {0.7071, 0.7071, 0, 0, -0.7071, 0.7071, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1};
     bis_xform t;
     assert_true(bis_xform_from_columns(&t, v));
@@ -117,7 +112,6 @@ static void a_rotation_printed_with_four_digits_is_straightened(void **state)
 
 static void a_sample_has_the_radiance_and_density_of_its_direction(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(64, 32, 4, 0.2, 5);
     bis_light *light = light_of(&em, desc_of(bis_xform_rotate(37, 1, 2, -0.5)), BIS_NEED_TABLE | BIS_NEED_CURVE);
     bis_rng g;
@@ -145,7 +139,6 @@ static void a_sample_has_the_radiance_and_density_of_its_direction(void **state)
 /* Integral of Le over the sphere: by drawing, by uniform directions, by patches, and the sum. */
 static void power_is_the_same_by_every_road(void **state)
 {
-    (void)state;
     for (int constant = 0; constant < 2; constant++) {
         bis_light *light;
         if (constant) {
@@ -182,7 +175,6 @@ static void power_is_the_same_by_every_road(void **state)
 
 static void patches_of_a_map_are_its_pixels(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(16, 8, 3, 0.3, 5);
     bis_light *light = light_of(&em, desc_of(bis_xform_identity()), 0);
     const bis_envmap *inside = bis_light_envmap(light);
@@ -202,7 +194,6 @@ static void patches_of_a_map_are_its_pixels(void **state)
 
 static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(void **state)
 {
-    (void)state;
     bis_light *light;
     assert_int_equal(bis_light_constant(&light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_light_patches(light), 512 * 256);
@@ -233,7 +224,6 @@ static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(voi
 
 static void lights_without_light_draw_nothing(void **state)
 {
-    (void)state;
     const double u[4] = {0.1, 0.2, 0.3, 0.4};
     for (int constant = 0; constant < 2; constant++) {
         bis_light *light;
@@ -304,7 +294,6 @@ static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected
 
 static void a_good_map_loads_without_a_word_and_is_multiplied(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.L = (rgb){1, 2, 3};
     desc.scale = 10;
@@ -317,7 +306,6 @@ static void a_good_map_loads_without_a_word_and_is_multiplied(void **state)
 
 static void bad_values_are_one_warning_with_counts_and_share(void **state)
 {
-    (void)state;
     bis_image image = grey(8, 4, 1);
     image.pixels[9].g = NAN;
     image.pixels[10] = (rgb){INFINITY, -INFINITY, -2};
@@ -331,7 +319,6 @@ static void bad_values_are_one_warning_with_counts_and_share(void **state)
 
 static void a_black_map_warns_that_there_is_no_light(void **state)
 {
-    (void)state;
     bis_light *light = load(grey(8, 4, 0), desc_of(bis_xform_identity()), BIS_OK,
                             "s.txt:7:3: warning: \"%s\" gives no light: none of its pixels is positive");
     assert_true(bis_light_is_black(light));
@@ -340,7 +327,6 @@ static void a_black_map_warns_that_there_is_no_light(void **state)
 
 static void a_square_map_must_say_its_mapping(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     assert_null(load(grey(8, 8, 1), desc, BIS_INPUT,
                      "s.txt:7:3: error: \"%s\" is square, 8 x 8: give its mapping, \"angular\" for a light probe, "
@@ -376,7 +362,6 @@ static void a_square_map_must_say_its_mapping(void **state)
 /* docs/scene-format.md: LightSource "infinite" without parameters. */
 static void a_light_without_words_is_white_and_seen(void **state)
 {
-    (void)state;
     const bis_light_desc d = bis_light_desc_default();
     const bis_xform id = bis_xform_identity();
 
@@ -388,7 +373,6 @@ static void a_light_without_words_is_white_and_seen(void **state)
 
 static void a_scale_that_overflows_is_an_error(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.scale = 1e30;
     assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
@@ -411,7 +395,6 @@ static void a_scale_that_overflows_is_an_error(void **state)
 
 static void a_missing_file_is_an_io_error(void **state)
 {
-    (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     char path[] = "build/no_such_map.hdr";
     desc.filename = path;
@@ -425,21 +408,16 @@ static void a_missing_file_is_an_io_error(void **state)
 
 static void every_allocation_may_fail(void **state)
 {
-    (void)state;
     bis_image image = grey(16, 8, 1);
     char path[64];
     snprintf(path, sizeof path, "%s", scratch_map(&image));
     bis_light_desc desc = desc_of(bis_xform_identity());
     desc.filename = path;
-    bis_status status = BIS_NOMEM;
-    for (long k = 1; status; k++) {
+    FOR_LACK(l) {
         bis_light *light;
         bis_diag diag = {0};
-        bis_mem_fail_at(k);
-        status = bis_light_load(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag);
-        bis_mem_fail_at(0);
-        assert_true(status == BIS_OK ? light != NULL : (status == BIS_NOMEM && !light));
-        assert_true(k < 1000);
+        LACK(l, bis_light_load(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag));
+        assert_true(l.status == BIS_OK ? light != NULL : (l.status == BIS_NOMEM && !light));
         bis_light_free(light);
         bis_diag_clear(&diag);
     }

@@ -4,13 +4,10 @@
 #include "bis/thesis/marsaglia.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "stat.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static bis_marsaglia list_of(const uint64_t *w, size_t n)
 {
@@ -21,7 +18,6 @@ static bis_marsaglia list_of(const uint64_t *w, size_t n)
 
 static void figure_3_3_is_reproduced(void **state)
 {
-    (void)state;
     const uint64_t w[] = {1, 2, 4, 3};
     const uint32_t L[] = {0, 1, 1, 2, 2, 2, 2, 3, 3, 3};
     bis_marsaglia m = list_of(w, 4);
@@ -38,7 +34,6 @@ static void figure_3_3_is_reproduced(void **state)
 
 static void E11_one_in_2953_needs_2953_elements(void **state)
 {
-    (void)state;
     const uint64_t w[] = {1, 2952};
     bis_marsaglia m = list_of(w, 2);
     assert_int_equal(m.length, 2953);
@@ -48,7 +43,6 @@ static void E11_one_in_2953_needs_2953_elements(void **state)
 
 static void the_common_divisor_is_cancelled(void **state)
 {
-    (void)state;
     const uint64_t w[] = {0, (uint64_t)3 << 60, (uint64_t)1 << 60, 0};
     bis_marsaglia m = list_of(w, 4);
     assert_int_equal(m.length, 4);
@@ -59,7 +53,6 @@ static void the_common_divisor_is_cancelled(void **state)
 
 static void a_list_too_long_is_refused_with_its_length_and_the_way_out(void **state)
 {
-    (void)state;
     const uint64_t w[] = {1, BIS_MARSAGLIA_MAX_LENGTH}, just_right[] = {1, BIS_MARSAGLIA_MAX_LENGTH - 1};
     const uint64_t beyond_64_bits[] = {UINT64_MAX, UINT64_MAX - 1, 1};
     bis_diag d = {0};
@@ -79,7 +72,6 @@ static void a_list_too_long_is_refused_with_its_length_and_the_way_out(void **st
 
 static void items_are_drawn_with_their_probabilities(void **state)
 {
-    (void)state;
     const uint64_t w[] = {5, 0, 1, 30, 7, 0, 12};
     double observed[7] = {0}, twin[7] = {0}, expected[7];
     bis_marsaglia m = list_of(w, 7);
@@ -99,7 +91,6 @@ static void items_are_drawn_with_their_probabilities(void **state)
 
 static void nothing_and_all_zero_are_legal(void **state)
 {
-    (void)state;
     const uint64_t zeros[3] = {0};
     bis_marsaglia none = list_of(NULL, 0), black = list_of(zeros, 3);
     assert_int_equal(none.length, 0);
@@ -110,7 +101,6 @@ static void nothing_and_all_zero_are_legal(void **state)
 
 static void without_memory_it_says_so(void **state)
 {
-    (void)state;
     const uint64_t w[] = {1, 2};
     bis_marsaglia m;
     bis_mem_fail_at(1);

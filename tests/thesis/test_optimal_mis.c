@@ -6,14 +6,10 @@
  * choose (those of the second technique are 1 less them), so weights at which no derivative is left are the best there
  * are. */
 #include "bis/thesis/rng.h"
+#include "claim.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 enum { PATCHES = 8, CASES = 20 };
 
@@ -105,7 +101,6 @@ static const double rounding = 1e-11;
 
 static void optimal_weights_by_hand_are_the_best(void **state)
 {
-    (void)state;
     static const int n[3][2] = {{1, 1}, {2, 1}, {1, 3}};
     bis_rng rng;
     bis_rng_init(&rng, 3, 0, 0, 0);
@@ -129,7 +124,6 @@ static void optimal_weights_by_hand_are_the_best(void **state)
 /* F + t q1, with t so that a sample of each technique brings as much as one of the other. */
 static void the_balance_heuristic_is_the_best_where_both_bring_as_much(void **state)
 {
-    (void)state;
     bis_rng rng;
     bis_rng_init(&rng, 4, 0, 0, 0);
     for (int k = 0; k < CASES; k++) {

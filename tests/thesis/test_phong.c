@@ -6,13 +6,8 @@
 #include "bis/thesis/rng.h"
 #include "bis/thesis/warp.h"
 
+#include "claim.h"
 #include "stat.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define SEED 20240u
 
@@ -116,7 +111,6 @@ static void draw_lobe(double *observed, const double x[N_ALPHA + 1], double n)
 
 static void lobe_is_drawn_with_density_of_eq_3_15(void **state)
 {
-    (void)state;
     for (int e = 0; e < N_EXPONENTS; e++) {
         double x[N_ALPHA + 1], observed[N_CELLS] = {0}, wrong[N_CELLS] = {0}, expected[N_CELLS], n = exponents[e];
         const frame axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -168,7 +162,6 @@ static void check_mixture(double degrees, double ks, double n, wrong how)
 
 static void mixture_of_lobes_is_drawn_with_its_density_E35(void **state)
 {
-    (void)state;
     for (int e = 0; e < N_EXPONENTS; e++) check_mixture(60, 0.4, exponents[e], RIGHT);
     check_mixture(60, 0.4, 10, EXPONENT_OFF_BY_ONE);
     check_mixture(60, 0.4, 50, UNIFORM_DIFFUSE);
@@ -204,7 +197,6 @@ static double integrate(
 
 static double density(const bis_bsdf *b, vec3 wi, double one_minus_cos)
 {
-    (void)one_minus_cos;
     return bis_bsdf_pdf(b, wi);
 }
 
@@ -212,7 +204,6 @@ static void density_integrates_to_1_over_the_sphere(void **state)
 {
     static const double degrees[] = {0, 30, 60, 85, 89.9};
 
-    (void)state;
     for (int e = 0; e < N_EXPONENTS; e++) {
         for (int d = 0; d < 5; d++) {
             bis_material m = bis_phong(grey(0.6), grey(0.4), exponents[e]);
@@ -245,7 +236,6 @@ static double albedo(const bis_material *m, double degrees)
 
 static void albedo_at_normal_incidence_is_n_plus_1_over_n_plus_2_E33(void **state)
 {
-    (void)state;
     for (int e = 0; e < N_EXPONENTS; e++) {
         bis_material m = bis_phong(grey(0), grey(1), exponents[e]);
         assert_near(albedo(&m, 0), (exponents[e] + 1) / (exponents[e] + 2), 1e-5);
@@ -264,7 +254,6 @@ static void without_the_cosine_of_eq_3_13_the_furnace_is_rejected_E33(void **sta
     bis_material diffuse = bis_phong(grey(1), grey(0), 1);
     bis_bsdf b;
 
-    (void)state;
     for (int e = 0; e < N_EXPONENTS; e++) {
         bis_material m = bis_phong(grey(0), grey(1), exponents[e]);
         seen_from(&b, &m, 0);
@@ -303,7 +292,6 @@ static void white_furnace_agrees_with_quadrature_to_grazing(void **state)
 {
     static const double degrees[] = {0, 45, 60, 85, 89.9};
 
-    (void)state;
     for (int d = 0; d < 5; d++) {
         bis_material glossy = bis_phong(grey(0), grey(1), 50), mixed = bis_phong(grey(0.5), grey(0.5), 50);
         bis_material wide = bis_phong(grey(0.7), grey(0.3), 2.5), narrow = bis_phong(grey(0), grey(1), 1e5);
@@ -319,7 +307,6 @@ static void redrawing_below_the_horizon_is_caught_E34(void **state)
 {
     bis_material m = bis_phong(grey(0), grey(1), 10);
 
-    (void)state;
     furnace(&m, 85, RIGHT);
     furnace(&m, 85, REDRAWN_BELOW);
 }
@@ -329,7 +316,6 @@ static void albedo_is_0_490_at_60_and_0_108_at_85_degrees_E23(void **state)
 {
     bis_material m = bis_phong(grey(0), grey(1), 50);
 
-    (void)state;
     assert_near(albedo(&m, 60), 0.490, 5e-4);
     assert_near(albedo(&m, 85), 0.108, 5e-4);
 }
@@ -341,7 +327,6 @@ static void mean_of_1_minus_cos_is_1_over_n_plus_2_E36(void **state)
 {
     enum { N = 1 << 16 };
 
-    (void)state;
     for (double n = 1; n <= 1e8; n *= 10) {
         double sum = 0, printed = 0;
         for (int i = 0; i < N; i++) {
@@ -366,7 +351,6 @@ static void density_of_own_sample_is_good_to_1e_9_and_from_the_float_direction_t
     const frame lobe = frame_about(normalize(vec3_from(-0.4, 0.8, 0.2)));
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 4, 0, 0);
     for (int e = 0; e < 10; e++) {
         double n = more[e], square = 0;
@@ -390,7 +374,6 @@ static void power_agrees_with_long_double_pow(void **state)
 {
     static const double more[] = {0, 0.5, 1, 2.5, 50, 1e3, 1e6};
 
-    (void)state;
     for (int e = 0; e < 7; e++) {
         for (int i = 1; i < 90; i++) {
             vec3 a = {0, 0, 1}, w = vec3_from(sin(radians(i)), 0, cos(radians(i)));
@@ -412,7 +395,6 @@ static void back_lobe_and_horizon_are_dark_E34(void **state)
 {
     static const double even_and_fractional[] = {0, 2, 2.5};
 
-    (void)state;
     for (int e = 0; e < 3; e++) {
         double n = even_and_fractional[e];
         vec3 z = {0, 0, 1};
@@ -433,7 +415,6 @@ static void f_is_eq_3_14_and_reciprocal(void **state)
 {
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 5, 0, 0);
     for (int i = 0; i < 1000; i++) {
         double n = exponents[i % 6];
@@ -459,7 +440,6 @@ static void f_and_density_at_once_have_the_same_bits(void **state)
 {
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 6, 0, 0);
     for (int i = 0; i < 1000; i++) {
         bis_material m = bis_phong(grey(0.5), grey(i % 3 * 0.25), exponents[i % N_EXPONENTS]);
@@ -476,7 +456,6 @@ static void bounds_hold_and_are_reached_head_on_E27(void **state)
 {
     bis_rng r;
 
-    (void)state;
     bis_rng_init(&r, SEED, 7, 0, 0);
     for (int e = 0; e < N_EXPONENTS; e++) {
         for (int k = 0; k < 3; k++) {
@@ -508,7 +487,6 @@ static void the_mirror_direction_is_as_unit_as_floats_can_be(void **state)
     const bis_material m = bis_phong(grey(0.5), grey(0.5), 50);
     bis_rng rng;
 
-    (void)state;
     bis_rng_init(&rng, SEED, 77, 0, 0);
     for (int i = 0; i < 3000; i++) {
         const vec3 n = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng)),
@@ -529,7 +507,6 @@ static void black_material_and_hidden_surface_draw_nothing(void **state)
     bis_bsdf b;
     vec3 wi;
 
-    (void)state;
     seen_from(&b, &black, 30);
     assert_true(bis_bsdf_is_black(&b));
     assert_false(bis_bsdf_sample(&b, 0.5, 0.5, 0.5, &wi));
@@ -547,7 +524,6 @@ static void no_lobe_that_reflects_has_probability_0(void **state)
     bis_material m = bis_phong(grey(1e-20), grey(1), 50), diffuse = bis_phong(grey(1e-20), grey(0), 50);
     bis_bsdf b;
 
-    (void)state;
     seen_from(&b, &m, 30);
     assert_true(b.p_specular < 1);
     assert_true(isfinite(bis_bsdf_max_ratio(&b)));
@@ -564,7 +540,6 @@ static void reflectance_below_1e_20_is_black(void **state)
 {
     const bis_material m = bis_phong(grey(1e-45), (rgb){1e-45f, 1e-30f, 1e-19f}, 2.5);
 
-    (void)state;
     assert_true(rgb_is_black(m.Kd) && m.Ks.r == 0 && m.Ks.g == 0);
     assert_true(m.Ks.b == 1e-19f);
 }
@@ -573,7 +548,6 @@ static void first_and_last_random_numbers_give_unit_directions(void **state)
 {
     static const double ends[] = {0, 0.5, 1 - 0x1p-24, 1 - 0x1p-53}, more[] = {0, 1e-3, 1, 50, 1e6, 1e8};
 
-    (void)state;
     for (int k = 0; k < 6 * 4 * 4 * 4; k++) {
         bis_material m = bis_phong(grey(0.5), grey(0.5), more[k % 6]);
         double u0 = ends[k / 6 % 4], u1 = ends[k / 24 % 4], u2 = ends[k / 96 % 4], pdf;
@@ -594,7 +568,6 @@ static void first_and_last_random_numbers_give_unit_directions(void **state)
 /* u1 = 0.3, u2 = 0.8 is 120 degrees and 0.6 from the middle of the disc (test_warp.c), in the frame of the normal. */
 static void the_cosine_is_drawn_in_the_normals_frame(void **state)
 {
-    (void)state;
     const bis_material m = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 10);
     bis_bsdf b;
     vec3 wi;

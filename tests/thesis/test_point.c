@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* point: many rays at once answer what they answer one by one, on both backends, among triangles and quadrics; the
  * terms of an estimate are added or noted, and rays are counted. */
+#include "claim.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -8,14 +9,8 @@
 #include "bis/thesis/point.h"
 #include "files/ply.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { MOST = 200 };
 static const uint32_t counts[] = {0, 1, 15, 16, 17, 63, 64, 65, 128, 129, MOST};
@@ -75,7 +70,6 @@ static uint32_t same_as_one_by_one(const bis_accel *a, const ray *r, uint32_t n)
 
 static void many_rays_answer_as_one_by_one(void **state)
 {
-    (void)state;
     for (int what = 0; what < N_CONTENTS; what++) {
         bis_geometry g;
         make_scene(&g, (content)what);
@@ -110,7 +104,6 @@ static void many_rays_answer_as_one_by_one(void **state)
  * from where they hit. BIS_LONG=1: 10^6 rays of each kind. */
 static void packets_answer_as_single_rays_on_real_meshes(void **state)
 {
-    (void)state;
     static const char *const names[] = {
         "mesh/armadillo_86k.ply", "mesh/igea_269k.ply", "mesh/nefertiti_100k.ply", "mesh/dragon_871k.ply"};
     const int n_packets = getenv("BIS_LONG") ? 250000 / 128 : 100;
@@ -172,7 +165,6 @@ static void in_an_empty_scene_nothing_is_hit(void **state)
     bool occluded[2] = {true, true};
     uint32_t prim[2] = {0, 0};
 
-    (void)state;
     bis_accel_occluded_many(NULL, r, 2, occluded);
     bis_accel_intersect_many(NULL, r, 2, prim);
     assert_true(!occluded[0] && !occluded[1] && prim[0] == BIS_NO_PRIM && prim[1] == BIS_NO_PRIM);
@@ -189,18 +181,17 @@ typedef struct listener {
     uint16_t *seen;
 } listener;
 
-static void listen(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
+static void listen(bis_ray_sink *ray_sink, const bis_point *pt, vec3 wi, const rgbd *C, uint16_t *seen)
 {
     listener *l = (listener *)ray_sink;
     assert_ptr_equal(pt->ray_sink, ray_sink);
-    *l = (listener){l->ray_sink, l->n + 1, wi, C, seen};
+    *l = (listener){l->ray_sink, l->n + 1, wi, *C, seen};
 }
 
 static void terms_are_added_where_light_arrives_and_never_below_the_surface(void **state)
 {
     bis_geometry g;
 
-    (void)state;
     make_scene(&g, BOTH);
     for (int k = 0; k < 2; k++) {
         bis_accel *a = backend(&g, k);

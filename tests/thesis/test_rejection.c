@@ -8,14 +8,9 @@
 #include "bis/scene/light_load.h"
 #include "thesis/light_many.h"
 
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #define SEED 53u
 
@@ -90,7 +85,6 @@ static void accepted_directions_have_the_product_density_eq_4_4(void **state)
     static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         double hits[BLOCKS] = {0}, expected[BLOCKS];
         recorder rec = {{.ops = &recording}, hits};
@@ -117,7 +111,6 @@ static void mean_acceptance_is_L_ns_over_B_E27(void **state)
 {
     static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
 
-    (void)state;
     for (int i = 0; i < 6; i++) {
         bis_light *light = lit_new_light(maps[i / 2], 1, 0.15, false);
         const bis_proposal proposal = i % 2 ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM;
@@ -155,7 +148,6 @@ static void choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out(vo
     bis_scratch scratch;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 20), tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (uint64_t run = 0; run < 30000; run++) {
@@ -247,7 +239,6 @@ static void no_weight_exceeds_the_bound_by_more_than_2_to_the_minus_16_E27(void 
     bis_scratch scratch;
     double worst = -1;
 
-    (void)state;
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (int k = 0; k < 60 * 4 * 3 * 2; k++) {
         lit l;
@@ -285,7 +276,6 @@ static void expected_M_on_a_one_texel_sun_is_pi_over_its_projected_solid_angle_E
 {
     static const int rows[] = {2, 10, 25};
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         const double top = sin(PI * rows[i] / 64), bottom = sin(PI * (rows[i] + 1) / 64);
         const double share = (bottom * bottom - top * top) / 128;
@@ -320,7 +310,6 @@ static void at_most_N_of_the_accepted_are_traced_each_once(void **state)
     bis_scratch scratch;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (uint64_t run = 0; run < 2000; run++) {
@@ -345,7 +334,6 @@ static void stopping_at_the_Nth_acceptance_is_biased_E22(void **state)
     stat_moments m[4], twin = {0};
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), tilted(), 40, LIT_HALF);
     double truth = rgbd_sum(lit_truth(&l, true)), B = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM);
     lit_run(m, &l, &fixed, 40000, SEED);
@@ -376,7 +364,6 @@ static void ratio_estimator_is_right_to_a_percent_at_M_800(void **state)
     static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         const bis_settings s = rejection(proposals[i], 800, 15, BIS_ESTIMATOR_RATIO);
         stat_moments m[4];
@@ -394,7 +381,6 @@ static void fallback_unoccluded_brightens_shadows_and_resample_does_not_E29(void
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     stat_moments m[3][4];
 
-    (void)state;
     for (int k = 0; k < 3; k++) {
         bis_settings s = rejection(BIS_PROPOSAL_EM, 32, 4, BIS_ESTIMATOR_RATIO);
         lit l;
@@ -434,7 +420,6 @@ static void plain_returns_0_when_nothing_is_accepted_and_counts_no_fallback(void
     int none = 0;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (uint64_t run = 0; run < 500; run++) {

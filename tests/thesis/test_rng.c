@@ -2,14 +2,11 @@
 /* rng: numbers are uniform, and independent across every coordinate that a stream is keyed by.
  * Family-wise significance 0.01. */
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
 
 enum { GRID = 32, CELLS = GRID * GRID, DRAWS = 1 << 20 };
 
@@ -56,7 +53,6 @@ static void successive(double u[2], uint64_t k)
 
 static void numbers_of_a_stream_are_uniform_and_independent_in_pairs(void **state)
 {
-    (void)state;
     assert_uniform_pairs("rng_successive", successive);
 }
 
@@ -98,7 +94,6 @@ static void pixel_and_sample(double u[2], uint64_t k)
 
 static void streams_are_independent_across_seeds_pixels_samples_and_purposes(void **state)
 {
-    (void)state;
     assert_uniform_pairs("rng_seeds", along_seeds);
     assert_uniform_pairs("rng_pixels", along_pixels);
     assert_uniform_pairs("rng_rows", along_rows);
@@ -118,7 +113,6 @@ static void sum_key(double u[2], uint64_t k)
 
 static void streams_that_overlap_are_found(void **state)
 {
-    (void)state;
     double observed[CELLS], expected[CELLS];
     count_pairs(observed, expected, sum_key);
     stat_assert_no_fit("rng_twin", 0, observed, expected, CELLS, alpha());
@@ -127,7 +121,6 @@ static void streams_that_overlap_are_found(void **state)
 /* Each of the 53 bits of a double is fair, and any two neighbours of them are independent. */
 static void every_bit_is_fair(void **state)
 {
-    (void)state;
     double observed[53 * 4] = {0}, expected[53 * 4];
     const int n = 200000;
     bis_rng r;
@@ -146,7 +139,6 @@ static void every_bit_is_fair(void **state)
 
 static void numbers_lie_in_0_to_1_and_have_53_bits(void **state)
 {
-    (void)state;
     bis_rng r;
     bis_rng_init(&r, 12, 0, 0, 0);
     uint64_t seen_low_bits = 0;
@@ -162,7 +154,6 @@ static void numbers_lie_in_0_to_1_and_have_53_bits(void **state)
 
 static void a_number_is_a_function_of_its_coordinates_alone(void **state)
 {
-    (void)state;
     bis_rng a, b;
     bis_rng_init(&a, 1, 2, 3, 4);
     for (int k = 0; k < 100; k++) {
@@ -182,7 +173,6 @@ static int compare_u64(const void *a, const void *b)
 
 static void keys_of_a_million_streams_are_distinct(void **state)
 {
-    (void)state;
     static uint64_t keys[1 << 20];
     size_t n = 0;
     for (uint64_t seed = 0; seed < 4; seed++)
@@ -200,7 +190,6 @@ static void keys_of_a_million_streams_are_distinct(void **state)
 
 static void below_n_is_uniform_for_any_n(void **state)
 {
-    (void)state;
     const uint64_t sizes[] = {2, 3, 7, 100};
     for (int s = 0; s < 4; s++) {
         double observed[100] = {0}, expected[100];
@@ -217,7 +206,6 @@ static void below_n_is_uniform_for_any_n(void **state)
 /* n = 3 * 2^62: a plain modulus returns the lower third twice as often, rejection does not. */
 static void below_a_huge_n_is_not_folded(void **state)
 {
-    (void)state;
     const uint64_t n = (uint64_t)3 << 62;
     double observed[3] = {0}, folded[3] = {0}, expected[3] = {10000, 10000, 10000};
     bis_rng r;

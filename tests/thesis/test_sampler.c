@@ -4,15 +4,12 @@
  * Family-wise significance 0.01. */
 #include "bis/base/curve.h"
 #include "bis/thesis/sampler.h"
+#include "claim.h"
 #include "stat.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { KINDS = 4, GRID = 16, CELLS = GRID * GRID, MAX_POINTS = 4096 };
 
@@ -55,7 +52,6 @@ static void count(double observed[CELLS], double x, double y)
 
 static void every_point_of_every_kind_is_uniform_over_the_pixels(void **state)
 {
-    (void)state;
     const uint32_t pixels = 100000, n = 7, sizes[] = {0, 3, 6};
     for (int kind = 0; kind < KINDS; kind++) {
         bis_sampler p = sampler_of((bis_sampler_kind)kind, 3, 2);
@@ -80,7 +76,6 @@ static void every_point_of_every_kind_is_uniform_over_the_pixels(void **state)
 /* All 53 bits are there: below 2^-32, too, each bit is 0 and 1 equally often (E14). */
 static void every_kind_has_53_fair_bits(void **state)
 {
-    (void)state;
     static double u[MAX_POINTS][2];
     for (int kind = 0; kind < KINDS; kind++) {
         bis_sampler p = sampler_of((bis_sampler_kind)kind, 4, 4);
@@ -118,7 +113,6 @@ static bool is_net_in_base_2(double (*u)[2], uint32_t n)
 
 static void sobol_sets_of_2_to_the_k_points_are_nets(void **state)
 {
-    (void)state;
     static double u[MAX_POINTS][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
     for (uint32_t n = 1; n <= MAX_POINTS; n *= 2)
@@ -133,7 +127,6 @@ static void sobol_sets_of_2_to_the_k_points_are_nets(void **state)
 
 static void sobol_sets_of_successive_samples_continue_each_other(void **state)
 {
-    (void)state;
     static double u[MAX_POINTS][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
     for (uint32_t sample = 0; sample < 64; sample++) /* the last 48 lie beyond spp */
@@ -144,7 +137,6 @@ static void sobol_sets_of_successive_samples_continue_each_other(void **state)
 
 static void any_prefix_of_2_to_the_k_sobol_camera_samples_is_a_net(void **state)
 {
-    (void)state;
     static double u[256][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 16, 16);
     for (uint32_t sample = 0; sample < 256; sample++)
@@ -157,7 +149,6 @@ static void any_prefix_of_2_to_the_k_sobol_camera_samples_is_a_net(void **state)
  * proportion to the place in the pixel is then found without error. Its twins: sets of light, and the other kinds. */
 static void sobol_camera_samples_come_in_pairs_that_mirror_each_other(void **state)
 {
-    (void)state;
     double u[2], v[2], set[2][2], off[KINDS] = {0}, set_off = 0;
     for (int kind = 0; kind < KINDS; kind++) {
         bis_sampler p = sampler_of((bis_sampler_kind)kind, 4, 4);
@@ -183,7 +174,6 @@ static void sobol_camera_samples_come_in_pairs_that_mirror_each_other(void **sta
  * as far from its middle, on either side; likewise in each half by the other axis. */
 static void four_sobol_camera_samples_mirror_each_other_within_halves(void **state)
 {
-    (void)state;
     bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
     for (uint32_t pixel = 0; pixel < 20; pixel++)
         for (uint32_t first = 0; first < 64; first += 4) {
@@ -201,7 +191,6 @@ static void four_sobol_camera_samples_mirror_each_other_within_halves(void **sta
 
 static void halton_sets_have_one_point_in_each_box_of_2_to_the_a_by_3_to_the_b(void **state)
 {
-    (void)state;
     static double u[MAX_POINTS][2];
     const uint32_t powers[][2] = {{1, 1}, {8, 1}, {1, 9}, {8, 9}, {16, 27}, {4, 243}, {256, 3}};
     bis_sampler p = sampler_of(BIS_SAMPLER_HALTON, 3, 3);
@@ -215,7 +204,6 @@ static void halton_sets_have_one_point_in_each_box_of_2_to_the_a_by_3_to_the_b(v
 
 static void halton_sets_of_a_pixel_fill_the_boxes_together(void **state)
 {
-    (void)state;
     static double u[MAX_POINTS][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_HALTON, 4, 9);
     for (uint32_t sample = 0; sample < 36; sample++)
@@ -244,7 +232,6 @@ static double hilbert_parameter(double x, double y)
 
 static void stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_order(void **state)
 {
-    (void)state;
     static double u[MAX_POINTS][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 4, 4);
     const uint32_t sizes[] = {1, 2, 3, 7, 15, 16, 101, 800, 1024, 4096};
@@ -262,7 +249,6 @@ static void stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_orde
 
 static void stratified_camera_samples_visit_each_cell_once_in_each_round(void **state)
 {
-    (void)state;
     double u[21][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 7, 3);
     for (uint64_t pixel = 0; pixel < 50; pixel++)
@@ -275,7 +261,6 @@ static void stratified_camera_samples_visit_each_cell_once_in_each_round(void **
 
 static void without_jitter_camera_samples_lie_in_the_middle(void **state)
 {
-    (void)state;
     bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 4, 2);
     double u[2];
     p.jitter = false;
@@ -308,7 +293,6 @@ static int by_number(const void *a, const void *b)
 /* All n samples, or the first and last of them, of orders of any length up to 2^32 and beyond. */
 static void no_cell_is_visited_twice_whatever_their_number(void **state)
 {
-    (void)state;
     enum { MOST = 100000 };
     static uint64_t cell[MOST];
     const uint64_t large[] = {1000,    4097,    65536,       99991,               65537,
@@ -349,7 +333,6 @@ static void check_cells(uint64_t n, uint64_t sample, bool shifted)
 
 static void every_cell_is_equally_likely_for_every_sample(void **state)
 {
-    (void)state;
     const uint64_t n[] = {2, 3, 4, 5, 6, 7, 9, 13, 16, 21, 33, 36, 64, 100, 1000};
     for (int k = 0; k < 15; k++) {
         check_cells(n[k], 0, false);
@@ -375,7 +358,6 @@ static bool is_spread(const uint64_t cell[64], uint64_t first, uint64_t count, u
  * never in 16 blocks. */
 static void the_halves_of_the_camera_samples_interleave(void **state)
 {
-    (void)state;
     enum { PIXELS = 400 };
     int spread = 0, twin = 0;
     bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 8, 8);
@@ -401,7 +383,6 @@ static void the_halves_of_the_camera_samples_interleave(void **state)
 
 static void the_same_point_of_neighbouring_pixels_and_dims_is_independent(void **state)
 {
-    (void)state;
     const uint32_t pixels = 100000;
     for (int kind = 0; kind < KINDS; kind++) {
         bis_sampler p = sampler_of((bis_sampler_kind)kind, 3, 2);
@@ -473,7 +454,6 @@ static double of_another_pixels_camera(const bis_sampler *p, uint64_t pixel, uin
  * the twin, two scramblings of one sequence in the same order, as halton's camera samples of two pixels are. */
 static void two_dims_of_one_pixel_fill_the_square_together(void **state)
 {
-    (void)state;
     const double limit = sqrt(2 * 0.25 / 1024) * (1 + 4 / sqrt(2 * 200));
     for (int kind = 0; kind < KINDS; kind++) {
         bis_sampler p = sampler_of((bis_sampler_kind)kind, 32, 32);
@@ -506,7 +486,6 @@ static double rms_error(bis_sampler_kind kind, uint32_t n, int runs)
  * one by its variance, in closed form. */
 static void the_error_falls_with_the_exponent_of_its_kind(void **state)
 {
-    (void)state;
     const double exponent[KINDS] = {-0.5, -1, -1.5, -1};
     const double e = exp(1), variance = pow((e * e - 1) / 2, 2) - pow(e - 1, 4);
     for (int kind = 0; kind < KINDS; kind++) {
@@ -523,7 +502,6 @@ static void the_error_falls_with_the_exponent_of_its_kind(void **state)
 
 static void a_set_depends_on_its_coordinates_and_not_on_what_was_drawn_before(void **state)
 {
-    (void)state;
     for (int kind = 0; kind < KINDS; kind++) {
         bis_sampler p = sampler_of((bis_sampler_kind)kind, 4, 4);
         bis_stream s;
@@ -546,7 +524,6 @@ static void a_set_depends_on_its_coordinates_and_not_on_what_was_drawn_before(vo
 
 static void the_last_sample_of_2_to_the_32_is_still_a_net(void **state)
 {
-    (void)state;
     static double u[1024][2];
     bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
     points_of(&p, 3, UINT32_MAX, 0, 1024, u); /* index 2^42 - 1024 ... 2^42 - 1 */
@@ -558,7 +535,6 @@ static void the_last_sample_of_2_to_the_32_is_still_a_net(void **state)
 
 static void kinds_have_their_names_and_sobol_and_halton_are_low_discrepancy(void **state)
 {
-    (void)state;
     const char *const names[] = {"random", "stratified", "sobol", "halton"};
     for (int kind = 0; kind < KINDS; kind++) {
         assert_string_equal(bis_sampler_name((bis_sampler_kind)kind), names[kind]);
@@ -574,7 +550,6 @@ static void camera_samples_are_counted_beyond_32_bits(void **state)
         (uint64_t)1 << 32, 4800000000u, 1024 * UINT64_C(1000000000), 6 * UINT64_C(715827883)};
     static const uint64_t ysamples[] = {65536, 64000, 1000000, 6}; /* the last: 6 times a prime */
 
-    (void)state;
     for (int kind = 0; kind < 4; kind++) {
         for (int i = 0; i < 4; i++) {
             bis_sampler s = {.kind = (bis_sampler_kind)kind, .seed = 42, .jitter = true};

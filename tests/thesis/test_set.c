@@ -7,16 +7,12 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "clones.h"
 #include "lit.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { SEED = 60221 };
 
@@ -68,14 +64,12 @@ static int open_lights(void **state)
     static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
     static const double scales[] = {1, 1e-35, 1e33};
 
-    (void)state;
     for (int i = 0; i < 3; i++) lights[i] = lit_new_light(maps[i], scales[i], 0.15, false);
     return 0;
 }
 
 static int close_lights(void **state)
 {
-    (void)state;
     for (int i = 0; i < 3; i++) bis_light_free(lights[i]);
     return 0;
 }
@@ -135,8 +129,6 @@ static rgbd F_over_q(const example *e, rgbd f_cos, rgbd Le, double q_L, double q
 /* Twins: every candidate with the density of the map; one candidate too few in the mixture. */
 static rgbd with_q_L(const example *e, rgbd f_cos, rgbd Le, double q_L, double q_f)
 {
-    (void)e;
-    (void)q_f;
     return (rgbd){f_cos.r * Le.r / q_L, f_cos.g * Le.g / q_L, f_cos.b * Le.b / q_L};
 }
 
@@ -202,7 +194,6 @@ static void weights_means_and_shares_are_those_of_single_candidates(void **state
     float *memory = bis_alloc(10 * most, sizeof *memory);
     double worst[3] = {0}, twins[2] = {0};
 
-    (void)state;
     for (int k = 0; k < N_SETS; k++) {
         example e;
         bis_reflected f[2];
@@ -235,7 +226,6 @@ static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(voi
 {
     double worst = 0;
 
-    (void)state;
     for (int k = 0; k < N_SETS; k++) {
         example e;
         new_example(&e, k);
@@ -274,7 +264,6 @@ static void shares_of_the_chosen_are_F_over_phat_down_to_denormal_floats(void **
 {
     double worst = 0;
 
-    (void)state;
     for (int k = 0; k < N_SETS * 3; k++) {
         const float scale = (float[]){1, 0x1p-126f, 0x1p-140f}[k / N_SETS];
         bis_stream stream = stream_of((uint64_t)k);
@@ -340,7 +329,6 @@ static void sets_have_the_same_bits_on_every_processor(void **state)
                              {avx2_set_weigh, avx2_set_mean, avx2_set_choose}};
     const int n = clone_has_avx2() ? 3 : 2;
 
-    (void)state;
     for (int k = 0; k < N_SETS; k++) {
         example e[3];
         rgbd mean[3];
@@ -358,7 +346,6 @@ static void sets_have_the_same_bits_on_every_processor(void **state)
  * other blocks: what one point has left there changes no bit of the next. */
 static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
 {
-    (void)state;
     for (int k = 0; k < N_SETS; k += N_MATERIALS) {
         example used, fresh;
         new_example(&used, k);
@@ -384,7 +371,6 @@ static void what_reflects_nothing_draws_nothing(void **state)
 {
     example e;
 
-    (void)state;
     new_example(&e, 2 * N_MATERIALS); /* from the BRDF */
     for (int k = 0; k < 3; k++) {
         bis_light *black = lit_new_light(LIT_BLACK, 1, 0, false);
@@ -409,7 +395,6 @@ static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
     static const bis_integrator *const integrators[] = {&bis_em,        &bis_mis, &bis_exact,
                                                         &bis_rejection, &bis_sir, &bis_unoccluded};
 
-    (void)state;
     for (int k = 0; k < 6 * 4; k++) {
         bis_settings s = bis_settings_default(integrators[k % 6]);
         const long before = bis_mem_live();
@@ -439,7 +424,6 @@ static void any_allocation_may_fail(void **state)
     bis_status status = BIS_NOMEM;
     int k = 0;
 
-    (void)state;
     while (status) {
         bis_scratch scratch;
         bis_diag diag = {0};

@@ -4,15 +4,11 @@
  * significance 1e-3. */
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
+#include "claim.h"
 #include "lit.h"
 #include "set_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define SEED 47u
 
@@ -103,7 +99,6 @@ static void M_1_N_1_is_plain_importance_sampling_E24(void **state)
         BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
-    (void)state;
     for (int k = 0; k < 16; k++) {
         const bool brdf = k % 2;
         bis_settings s = sir(brdf ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM, 1, 1, false),
@@ -143,7 +138,6 @@ static void unshadowed_grey_point_has_only_the_candidates_variance_E31(void **st
     bis_scratch scratch;
     lit l;
 
-    (void)state;
     /* diffuse: f cos is smooth over the map's patches, so that the variance has no heavy tail and can be tested
      * itself */
     lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
@@ -171,7 +165,6 @@ static void stratified_candidates_with_systematic_resampling_are_less_noisy(void
     stat_moments m[4], n[4];
     lit l;
 
-    (void)state;
     thesis.resampling = BIS_RESAMPLING_MULTINOMIAL;
     lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_HALF);
     lit_run(m, &l, &thesis, 4000, SEED);
@@ -191,7 +184,6 @@ static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
 
     int em_alone = 0, brdf_alone = 0;
 
-    (void)state;
     for (int i = 0; i < 4 * 5; i++) {
         bis_light *light = lit_new_light(maps[i % 4], 1, 0, false);
         double rmse[3], truth = 0;
@@ -232,7 +224,6 @@ static void repeats_are_traced_once_and_counted_k_times_E32(void **state)
     bis_stream stream;
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), (vec3){0, 0, 1}, 0, LIT_HALF);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     bis_set *x = scratch.set;
@@ -307,7 +298,6 @@ static double mean_V(const lit *l, const bis_set *x)
 /* Eq. 4.6 as printed: L_ns in RGB times the mean of V. */
 static rgbd L_ns_times_mean_V(const lit *l, const bis_set *x, double Z)
 {
-    (void)Z;
     return rgbd_scale(bis_set_mean(x), mean_V(l, x));
 }
 
@@ -317,7 +307,6 @@ static void colour_of_shadows_is_right_E6(void **state)
     bis_light *light = lit_new_light(LIT_RED_BLUE, 1, 0, false);
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.9), grey(0), 1), (vec3){0, 0, 1}, 0, LIT_HALF);
     rgbd truth = lit_truth(&l, true);
     assert_true(truth.r == 0 && truth.b > 0.4);
@@ -333,7 +322,6 @@ static void area_weighting_does_not_change_the_picture_E20(void **state)
 {
     static const double b[] = {0, 0.1, 0.2, 1};
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         bis_light *light = lit_new_light(LIT_SPOTTY, 1, b[i], false);
         stat_moments twin = {0};
@@ -380,7 +368,6 @@ static rgbd F_over_w(const lit *l, const bis_set *x, double Z)
 {
     const uint32_t y = x->choice.item[0];
 
-    (void)Z;
     return rgbd_scale(F(l, set_direction(x, y)), 1 / bis_set_weight(x, y));
 }
 
@@ -396,7 +383,6 @@ static void eq_4_9_holds_for_F_over_phat_alone_E24(void **state)
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_HALF);
     const double truth = lit_truth(&l, true).r;
     for (int i = 0; i < 2; i++) {
@@ -416,7 +402,6 @@ static void a_set_without_weight_counts_as_0_and_left_out_brightens_the_rest_E25
 {
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
 
-    (void)state;
     for (uint32_t M = 1; M <= 4; M *= 2) {
         const bis_settings s = sir(BIS_PROPOSAL_EM, M, 1, false);
         stat_moments m = {0}, twin = {0};
@@ -444,7 +429,6 @@ static rgbd exact_L_ns;
 /* E21: L_ns known exactly, or from anywhere but the same candidates. */
 static rgbd exact_L_ns_times_mean_V(const lit *l, const bis_set *x, double Z)
 {
-    (void)Z;
     return rgbd_scale(exact_L_ns, mean_V(l, x));
 }
 
@@ -453,7 +437,6 @@ static void L_ns_must_come_from_the_same_candidates_E21(void **state)
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     lit l;
 
-    (void)state;
     lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), tilted(), 40, LIT_HALF);
     exact_L_ns = lit_truth(&l, false);
     for (uint32_t M = 1; M <= 8; M *= 2) {
@@ -472,7 +455,6 @@ static rgbd weight_is_Le(const lit *l, const bis_set *x, double Z)
 {
     double sum = 0;
 
-    (void)Z;
     for (uint32_t i = 0; i < x->M; i++) {
         const uint32_t number = set_number(x, i);
         if (bis_set_weight(x, number) > 0) sum += (double)bis_light_Le(l->light, set_direction(x, number)).r;
@@ -485,7 +467,6 @@ static void furnace_returns_the_albedo_at_grazing_E23(void **state)
     static const double degrees[] = {60, 85}, albedo[] = {0.490, 0.108};
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         lit l;
         lit_init(&l, light, bis_phong(grey(0), grey(1), 50), tilted(), degrees[i], LIT_OPEN);
@@ -505,7 +486,6 @@ static double lobe_u[2], rest_u;
 
 static bool note_numbers(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
-    (void)b;
     lobe_u[0] = u0, lobe_u[1] = u2, rest_u = u1;
     *wi = (vec3){0, 0, 1};
     return true;
@@ -516,7 +496,6 @@ static bool note_numbers(const bis_bsdf *b, double u0, double u1, double u2, vec
  * number of [0,1), and the largest one below it is taken. */
 static void the_number_that_chose_the_lobe_is_used_again_below_1(void **state)
 {
-    (void)state;
     static const struct {
         double p, u, rest;
     } cases[] = {{0.25, 0.125, 0.5}, {0.25, 0.25, 0}, {0.25, 0.625, 0.5}, {0.25, 0.1875, 0.75}, {0, 0.5, 0.5},
@@ -538,7 +517,6 @@ static void the_number_that_chose_the_lobe_is_used_again_below_1(void **state)
  * mixture had a quarter of them, and 1.5 times the squared error. */
 static void product_without_a_guide_is_mix(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), 50), tilted(), 40, LIT_HALF);

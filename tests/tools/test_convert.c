@@ -2,19 +2,16 @@
 /* convert: pictures from format to format, exposure, tone curves; PNGs read. Expected bytes and values are worked out
  * by hand or by libpng. */
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 #include "out/tone.h"
 #include "program.h"
 
 #include <math.h>
 #include <png.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_convert"
 
@@ -23,7 +20,6 @@ static const float values[W * H] = {0, .0009765625f, .125f, .25f, .5f, 1, 2, 102
 
 static int make_pictures(void **state)
 {
-    (void)state;
     rgb pixels[W * H];
     program_folder(DIR);
     for (int i = 0; i < W * H; i++) pixels[i] = (rgb){values[i], values[i] / 2, values[i]};
@@ -35,7 +31,6 @@ static int make_pictures(void **state)
 /* A picture without loss in all formats of radiance: all values have few digits. */
 static void a_picture_goes_round_through_all_formats(void **state)
 {
-    (void)state;
     program_run r;
     bis_image image;
     program_expect(&r, 0, "convert " DIR "/a.exr " DIR "/a.pfm");
@@ -54,7 +49,6 @@ static void a_picture_goes_round_through_all_formats(void **state)
 /* IEC 61966-2-1's codes of what the curves make of 1/8, 1/2, 1, 2. */
 static void a_png_has_the_exposure_and_the_curve(void **state)
 {
-    (void)state;
     static const struct { const char *options; int code[4]; const char *said; } cases[] = {
         {"--exposure 0", {99, 188, 255, 255}, ", exposure 0, tone none\n"},
         {"--exposure 2", {188, 255, 255, 255}, ", exposure 2, tone none\n"},
@@ -83,7 +77,6 @@ static void a_png_has_the_exposure_and_the_curve(void **state)
 /* Each channel by itself; of reinhard the luminance is 0.2126 R + 0.7152 G + 0.0722 B; no light or less stays dark. */
 static void a_curve_bends_each_channel(void **state)
 {
-    (void)state;
     static const struct { float in[3]; double ev; bis_tone tone; double out[3]; } cases[] = {
         {{0.5f, -1, 4}, 1, BIS_TONE_NONE, {1, -2, 8}}, {{0.5f, 1, 4}, -2, BIS_TONE_NONE, {0.125, 0.25, 1}},
         {{1, 0, 0}, 0, BIS_TONE_REINHARD, {1 / 1.2126, 0, 0}}, {{0, 1, 0}, 0, BIS_TONE_REINHARD, {0, 1 / 1.7152, 0}},
@@ -125,7 +118,6 @@ static void a_curve_bends_each_channel(void **state)
 
 static void the_curves_are_monotonous_and_end_at_white(void **state)
 {
-    (void)state;
     for (int tone = 0; tone < BIS_N_TONES; tone++) {
         double before = -1;
         for (double v = 1e-4; v < 1e4; v *= 1.1) {
@@ -147,7 +139,6 @@ static void the_curves_are_monotonous_and_end_at_white(void **state)
 /* A PNG without an option is that of bis_image_save, and again itself. */
 static void a_png_stays_itself(void **state)
 {
-    (void)state;
     program_run r;
     bis_image image;
     assert_int_equal(bis_image_read(&image, DIR "/a.exr", (bis_loc){0}, NULL), BIS_OK);
@@ -170,7 +161,6 @@ static void a_png_stays_itself(void **state)
 /* Of libpng's own making: grey, a palette's worth of colours with alpha, 16 bit. */
 static void any_png_is_read_as_linear_colours(void **state)
 {
-    (void)state;
     bis_image image;
     bool is_screen;
     const unsigned char grey[2] = {0, 188}, clear[8] = {255, 255, 255, 0, 188, 0, 255, 255};
@@ -197,7 +187,6 @@ static void any_png_is_read_as_linear_colours(void **state)
 
 static void bad_pngs_and_usage_are_named(void **state)
 {
-    (void)state;
     program_run r;
     FILE *f = fopen(DIR "/b.png", "rb");
     unsigned char data[4096];

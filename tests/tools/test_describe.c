@@ -7,17 +7,11 @@
 #include "bis/base/version.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "expect.h"
 #include "json_check.h"
 #include "program.h"
 #include "threads.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -37,7 +31,6 @@ static bis_settings settings(const bis_integrator *integrator, uint32_t M, uint3
 
 static void a_line_names_every_parameter_and_its_type(void **state)
 {
-    (void)state;
     bis_settings s = {.samples = 7, .candidates = 33, .shadowrays = 5, .perpatch = 9, .proposal = BIS_PROPOSAL_BRDF,
                       .heuristic = BIS_HEURISTIC_POWER, .resampling = BIS_RESAMPLING_MULTINOMIAL,
                           .estimator = BIS_ESTIMATOR_PLAIN,
@@ -91,7 +84,6 @@ static void a_line_names_every_parameter_and_its_type(void **state)
 /* Counts always; of the rest what is not the default of this integrator. */
 static void a_short_line_leaves_out_what_has_its_default(void **state)
 {
-    (void)state;
     char line[BIS_MAX_LINE];
     bis_settings s = settings(&bis_sir, 800, 15);
     assert_string_equal(
@@ -155,7 +147,6 @@ static const char stats_before[] =
 
 static void the_stats_are_those_by_hand(void **state)
 {
-    (void)state;
     /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
     static const char after[] =
         "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2092\n  },\n"
@@ -221,7 +212,6 @@ static const char *join(char *buf, size_t size, const bis_attribute *a, int n)
 
 static void a_pictures_attributes_are_those_by_hand(void **state)
 {
-    (void)state;
     bis_attribute attributes[BIS_MAX_ATTRIBUTES];
     char text[1024];
     bis_scene_desc desc = small_scene();
@@ -281,7 +271,6 @@ static int plan(const expect_command *c)
 /* A map or mesh whose header tells nothing: the size of the file. */
 static void a_file_that_tells_nothing_has_its_bytes(void **state)
 {
-    (void)state;
     static char text[2500001];
     bis_scene_desc *desc = NULL;
     char *plan = NULL;

@@ -2,18 +2,13 @@
 /* What a scene requires is found once (src/scene/scene_needs.h): what is built, printed by --plan, foretold of memory
  * and looked at before a render follows from it. */
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "program.h"
 #include "scene/scene_needs.h"
 #include "tools/memory.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_needs"
 
@@ -88,7 +83,6 @@ static void look(bool found[3], double *bytes, const required *r, const char *te
 
 static void what_is_required_is_built_and_planned_and_foreseen(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         bool with[3], without[3];
         double most, least;
@@ -103,7 +97,6 @@ static void what_is_required_is_built_and_planned_and_foreseen(void **state)
 /* What no shape shows is not looked at: a file that is no image is then no error. */
 static void only_what_is_required_is_checked(void **state)
 {
-    (void)state;
     program_write_file(DIR "/bad.pfm", "no image");
     for (int shown = 0; shown < 2; shown++) {
         char text[512];
@@ -120,7 +113,6 @@ static void only_what_is_required_is_checked(void **state)
 /* Every allocation may fail: then nothing is kept. */
 static void without_memory_nothing_is_required(void **state)
 {
-    (void)state;
     bis_scene_desc *desc;
     assert_int_equal(bis_scene_parse_text(&desc, DIR "/scene", all[0].with, 0, NULL), BIS_OK);
     for (long k = 1; k <= 4; k++) {

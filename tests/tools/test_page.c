@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of page and json: pages filled by hand, JSON letter by letter, pictures read back. */
+#include "claim.h"
 #include "map_help.h"
 #include "out/json.h"
 #include "out/page.h"
@@ -8,12 +9,8 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define TEXT "<pre id=\"text\">"
 #define DATA "<script type=\"application/json\" id=\"data\">"
@@ -31,7 +28,6 @@ static bis_status filled(char **text, const char *page, const char *json, const 
 static void a_page_gets_its_data_and_its_text(void **state)
 {
     char *text;
-    (void)state;
     assert_int_equal(
         filled(&text, "<p>null" TEXT "</pre>" DATA "null</script>null", "{\"a\": \"</script>\"}\n", "a < b\n", NULL),
         BIS_OK);
@@ -42,7 +38,6 @@ static void a_page_gets_its_data_and_its_text(void **state)
 static void a_page_without_a_place_is_refused(void **state)
 {
     static const char *const pages[] = {"", TEXT "</pre>", DATA "null</script>"};
-    (void)state;
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char *text;
         bis_diag diag = {0};
@@ -61,7 +56,6 @@ static void each_byte_of_a_text_is_itself_an_entity_or_replaced(void **state)
         {"\xc3\xa9<", "\xc3\xa9&lt;"}, {"\xed\xa0\x80", "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd"}, {"", ""}};
     char *text, wanted[200], letter[8];
 
-    (void)state;
     for (int c = 1; c < 256 + 5; c++) {
         const char byte[2] = {(char)c, 0}, *const entity = c == '&'   ? "&amp;"
                                                            : c == '<' ? "&lt;"
@@ -97,7 +91,6 @@ static size_t decoded(unsigned char *to, const char *text)
 /* What stands in the page is the file that bis_image_write would make. */
 static void a_picture_in_the_page_is_that_of_the_file(void **state)
 {
-    (void)state;
     unsigned paddings = 0;
 
     for (int width = 1; width < 40; width++) {
@@ -132,7 +125,6 @@ static void texts_are_utf8(void **state)
         {"\xa9z", "\\ufffdz"},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         char *text = NULL, expected[64];
         size_t n;
@@ -184,7 +176,6 @@ static void json_is_written_as_by_hand(void **state)
     FILE *out = open_memstream(&text, &n);
     bis_json j = {.out = out};
 
-    (void)state;
     bis_json_open(&j, NULL, '{');
     bis_json_number(&j, "a \"key\"", -0.25);
     bis_json_open(&j, "list", '[');
@@ -220,7 +211,6 @@ static void the_exposure_of_a_picture_is_seen_in_its_codes(void **state)
     static const int exposures[] = {0, 1, 2};
     static const double codes[][3] = {{137, 188, 0}, {188, 255, 0}, {255, 255, 0}};
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         bis_image image;
         unsigned char bytes[1024];

@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tests of palette: its stops as they appear, and that hotter is lighter. */
+#include "claim.h"
 #include "map_help.h"
 #include "out/palette.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* The seven stops of the scale as codes of sRGB, and half way between two stops; a code is off by half at most. */
 static void the_scale_of_heat_has_seven_stops(void **state)
 {
-    (void)state;
     static const struct { double t; int code[3]; } cases[] = {
         {0, {0x0d, 0x08, 0x33}}, {1 / 6.0, {0x40, 0x12, 0x6e}}, {2 / 6.0, {0x87, 0x21, 0x6b}},
         {4 / 6.0, {0xf2, 0x78, 0x1f}},
@@ -33,7 +29,6 @@ static void the_scale_of_heat_has_seven_stops(void **state)
 
 static void hotter_is_lighter(void **state)
 {
-    (void)state;
     double last = -1;
     for (int i = 0; i <= 1000; i++) {
         const rgb c = bis_palette_heat(i / 1000.0);

@@ -11,7 +11,10 @@
 #include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
+#include "file_help.h"
 #include "json_check.h"
+#include "lack.h"
 #include "lit.h"
 #include "map_help.h"
 #include "page_help.h"
@@ -20,13 +23,8 @@
 #include "verify_help.h"
 #include "world.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* All but exact; rejection twice, by either estimator. */
 static size_t n_methods(void)
@@ -66,7 +64,6 @@ static void assert_agrees(const bis_pixel_value *v, rgbd truth)
 
 static void exact_is_what_brute_force_gives(void **state)
 {
-    (void)state;
     const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK, LIT_CONSTANT};
     for (size_t i = 0; i < 4; i++) {
         bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
@@ -87,7 +84,6 @@ static void exact_is_what_brute_force_gives(void **state)
 
 static void a_long_mis_stands_in_for_huge_maps(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -104,7 +100,6 @@ static void a_long_mis_stands_in_for_huge_maps(void **state)
  * mis. */
 static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
@@ -123,7 +118,6 @@ static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
 
 static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -169,7 +163,6 @@ static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
 /* From the sum over patches and from 20000 estimates; and where a lamp is found by none of them. */
 static void skewness_is_known_even_of_what_was_not_hit(void **state)
 {
-    (void)state;
     const bis_integrator *const by[] = {&bis_em, &bis_brdf};
     bis_light *lights[] = {lit_new_light(LIT_SMOOTH, 1, 0.15, false), lit_new_light(LIT_SPOTTY, 1, 0.15, false)};
     bis_pixel_exact e;
@@ -195,7 +188,6 @@ static void skewness_is_known_even_of_what_was_not_hit(void **state)
 /* A run by hand: mean, standard error, skewness and rays. */
 static void figures_of_a_method_are_those_of_its_estimates(void **state)
 {
-    (void)state;
     enum { N = 50 };
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
@@ -301,7 +293,6 @@ static void draw_candidates(bis_pixel_candidates *c, const lit *l, const bis_set
 
 static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitions(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -331,7 +322,6 @@ static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitio
  * clusters share s adds up to 1, but for those that no pixel of 128 has met. Nothing here asks the product. */
 static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
 {
-    (void)state;
     enum { PIXELS = 128, MOST = 2 * BIS_CLUSTERS + 2 };
     static double s[MOST];
     const bis_settings product = sir_of(BIS_PROPOSAL_PRODUCT);
@@ -375,7 +365,6 @@ static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
 /* Bit for bit, the estimate that is shown is that of the first pass of a render; with another seed it is not. */
 static void the_estimate_shown_is_what_renders(void **state)
 {
-    (void)state;
     const bis_proposal proposals[] = {BIS_PROPOSAL_BRDF, BIS_PROPOSAL_PRODUCT};
     for (int k = 0; k < 2; k++) {
         world w;
@@ -421,7 +410,6 @@ static void the_estimate_shown_is_what_renders(void **state)
  * nothing. E23 prints nothing for a mixture, hence proposal "em". */
 static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(void **state)
 {
-    (void)state;
     const unsigned printed[] = {0, BIS_E6, BIS_E21, BIS_E23, BIS_E6 | BIS_E21, BIS_E6 | BIS_E21 | BIS_E23};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
@@ -458,7 +446,6 @@ static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(voi
 /* All weights equal: M; one candidate alone: 1. */
 static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
     lit l;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1), slanted(), 40, LIT_OPEN);
@@ -486,7 +473,6 @@ static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **st
  * none. */
 static void candidates_without_weight_are_told(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_BELOW, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), (vec3){0, 0, 1}, 20, LIT_OPEN);
@@ -506,7 +492,6 @@ static void candidates_without_weight_are_told(void **state)
 
 static void every_ray_of_every_integrator_is_overheard(void **state)
 {
-    (void)state;
     enum { RUNS = 5 };
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
@@ -531,7 +516,6 @@ static void every_ray_of_every_integrator_is_overheard(void **state)
 
 static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
@@ -560,7 +544,6 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
 /* The drawings': tests/cli/test_no_memory.c. */
 static void every_allocation_may_fail(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
     const bis_sampler sampler = one_sample(3);
     bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
@@ -571,26 +554,21 @@ static void every_allocation_may_fail(void **state)
     assert_true(bis_pixel_methods(methods, &sir) > 0);
     assert_int_equal(bis_pixel_exact_of(&exact, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
     for (int what = 0; what < 6; what++) {
-        bis_status status = BIS_NOMEM;
         sir.proposal = what < 4 ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_PRODUCT;
-        for (long k = 1; status; k++) {
+        FOR_LACK(turn) {
             bis_stream stream;
             bis_pixel_candidates c = {0};
             bis_pixel_rays r = {0};
             bis_pixel_exact e;
             bis_pixel_method m = methods[0];
             bis_stream_init(&stream, &sampler, 0, 0);
-            bis_mem_fail_at(k);
-            if (what == 0) status = bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
-            else if (what == 1) status = bis_pixel_method_run(&m, &l.pt, &exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
-            else if (what % 2) status = bis_pixel_candidates_draw(&c, &l.pt, &sir, &stream, NULL);
-            else status = bis_pixel_rays_record(&r, &l.pt, &sir, &sampler, 0, 20, NULL);
-            const bool failed = bis_mem_count() >= k;
-            bis_mem_fail_at(0);
-            assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
+            LACK(turn, what == 0   ? bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL)
+                       : what == 1 ? bis_pixel_method_run(&m, &l.pt, &exact, BIS_SAMPLER_RANDOM, 4, 1, NULL)
+                       : what % 2  ? bis_pixel_candidates_draw(&c, &l.pt, &sir, &stream, NULL)
+                                   : bis_pixel_rays_record(&r, &l.pt, &sir, &sampler, 0, 20, NULL));
+            assert_int_equal(turn.status == BIS_OK, turn.over);
             bis_pixel_candidates_clear(&c);
             bis_pixel_rays_clear(&r);
-            assert_true(k < 1000);
         }
     }
     bis_light_free(light);
@@ -670,10 +648,7 @@ static const char *field(char buf[128], const table *t, int row, const char *col
 
 static void read_table(table *t, const char *path)
 {
-    FILE *f = fopen(path, "r");
-    assert_non_null(f);
-    t->text[fread(t->text, 1, sizeof t->text - 1, f)] = '\0';
-    fclose(f);
+    read_text(t->text, sizeof t->text, path);
     t->n_rows = 0;
     int commas = -1;
     for (const char *line = t->text; *line;
@@ -699,7 +674,6 @@ static double sum_of(const table *t, const char *column)
 
 static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
 {
-    (void)state;
     static program_run r;
     static table t;
     char buf[128];
@@ -758,7 +732,6 @@ static double density_of_the_brdf(double z) { return z > 0 ? 0.5 * 31 / (2 * PI)
  * over unoccluded. */
 static void each_column_of_the_tables_is_what_it_is_called(void **state)
 {
-    (void)state;
     static program_run r;
     static table t;
     char buf[128], line[64];
@@ -799,7 +772,6 @@ static void each_column_of_the_tables_is_what_it_is_called(void **state)
 
 static void a_hit_knows_its_shape_and_triangle(void **state)
 {
-    (void)state;
     start();
     write_scene(SCENE, map_light, "");
     verify_built built = verify_build(SCENE);
@@ -825,7 +797,6 @@ static void a_hit_knows_its_shape_and_triangle(void **state)
 
 static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
 {
-    (void)state;
     static program_run r;
     start();
     write_scene(SCENE, map_light, "");
@@ -852,7 +823,6 @@ static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
 /* Further mistakes are in tests/data/expect/bis/options-others.expect. */
 static void wrong_places_and_options_are_refused(void **state)
 {
-    (void)state;
     static program_run r;
     start();
     write_scene(SCENE, map_light, "");
@@ -873,7 +843,6 @@ static void wrong_places_and_options_are_refused(void **state)
 
 static void options_override_the_scene_for_all_methods(void **state)
 {
-    (void)state;
     static program_run r;
     static table t;
     char buf[128];
@@ -911,7 +880,6 @@ static void method_says(char text[128], const table *t, const char *method, cons
  * unoccluded, which has no "product", is that of "mix" there. */
 static void each_proposal_is_measured_by_its_name(void **state)
 {
-    (void)state;
     static const char *const names[] = {"em", "brdf", "mix", "product"};
     static program_run r;
     static table t;
@@ -946,7 +914,6 @@ static void each_proposal_is_measured_by_its_name(void **state)
 /* The runs that are shown are the fewest with 150 rays or more. The first run of a method is 0. */
 static void as_many_runs_are_shown_as_make_150_rays(void **state)
 {
-    (void)state;
     static const int rays[][2] = {{149, 4}, {150, 150}}; /* of em and brdf, of sir */
     start();
     write_scene(SCENE, map_light, "");

@@ -9,7 +9,9 @@
 #include "bis/scene/light_load.h"
 #include "bis/thesis/phong.h"
 #include "bis/beyond/microfacet.h"
+#include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "further.h"
 #include "html_check.h"
 #include "json_check.h"
@@ -17,13 +19,8 @@
 #include "page_help.h"
 #include "program.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_pixel_hand"
 
@@ -144,7 +141,6 @@ static int text_word(const expect_command *c)
 
 static void the_text_knows_other_shapes_and_what_is_not_known(void **state)
 {
-    (void)state;
     forged f;
     char *text;
     forge(&f);
@@ -211,7 +207,6 @@ static int json_word(const expect_command *c)
 
 static void the_json_knows_other_shapes_and_materials(void **state)
 {
-    (void)state;
     forged f;
     forge(&f);
     f.r.exact.by_patches = false;
@@ -230,7 +225,6 @@ static void the_json_knows_other_shapes_and_materials(void **state)
 /* Past all shapes the light's own radiance, where the camera sees it; at a surface that reflects nothing, 0. */
 static void nothing_is_said_with_its_radiance(void **state)
 {
-    (void)state;
     static const struct {
         bool is_hit, visible;
         const char *text, *json;
@@ -258,7 +252,6 @@ static void nothing_is_said_with_its_radiance(void **state)
 /* Both estimators of rejection, whichever the scene has; its M and N go to all that have them. */
 static void each_estimator_has_a_row_of_its_own(void **state)
 {
-    (void)state;
     static const char *const names[] = {"em", "brdf", "mis", "rejection ratio", "rejection plain", "sir", "unoccluded"};
     for (int plain = 0; plain < 2; plain++) {
         bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
@@ -280,20 +273,10 @@ static void each_estimator_has_a_row_of_its_own(void **state)
     }
 }
 
-/* ---- files ---- */
-
-static char *read_text(const char *path)
-{
-    unsigned char *text;
-    size_t size;
-    assert_int_equal(bis_file_read(&text, &size, path, (bis_loc){0}, NULL), BIS_OK);
-    return (char *)text;
-}
-
 /* Cell by cell; numbers to 6 digits, since directions are floats. */
 static void assert_rows(const char *path, const char *expected)
 {
-    char *text = read_text(path);
+    char *text = read_whole(path);
     const char *a = text, *b = expected;
     while (*a || *b) {
         const char *end_a, *end_b;
@@ -318,7 +301,6 @@ static void assert_rows(const char *path, const char *expected)
 
 static void tables_have_each_figure_in_its_column(void **state)
 {
-    (void)state;
     forged f;
     forge(&f);
     program_folder(DIR);
@@ -348,7 +330,7 @@ static void tables_have_each_figure_in_its_column(void **state)
     f.desc.light.filename = NULL;
     f.r.html = true;
     assert_int_equal(bis_pixel_write_files(&f.r, NULL), BIS_OK);
-    char *text = read_text(DIR "/candidates.csv");
+    char *text = read_whole(DIR "/candidates.csv");
     assert_non_null(strstr(text, "\n1,,,,,,,0.5,0.25,0.75,7,0,0,0,\n"));
     bis_free(text);
     text = page_shown(DIR "/pixel.html", DIR);
@@ -363,7 +345,6 @@ static void tables_have_each_figure_in_its_column(void **state)
 /* Each failure has its status and leaves no file under a name of its own behind. */
 static void what_cannot_be_written_is_an_error(void **state)
 {
-    (void)state;
     static char long_name[5000];
     static const char *const names[] = {"methods.csv", "candidates.csv", "rays.csv", "pixel.html"};
     forged f;
@@ -454,7 +435,6 @@ static void assert_density(double q, double expected, int x, int y)
  * ends at 1, since 1/pi, the largest, is below that. */
 static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
 {
-    (void)state;
     static const char *const names[] = {"map", "brdf", "product", "seen"};
     forged f;
     forge(&f);
@@ -490,7 +470,6 @@ static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
  * one meets it, no less and no more. With four directions none would. */
 static void a_lamp_of_one_pixel_is_in_its_place(void **state)
 {
-    (void)state;
     enum { X = 100, Y = 120 };
     bis_light_desc desc = bis_light_desc_default();
     bis_image map;
@@ -531,7 +510,6 @@ static void assert_text(const char *text, const char *path, const char *wanted)
  * first candidate weighs nothing. */
 static void rays_candidates_and_marks_are_those_of_the_report(void **state)
 {
-    (void)state;
     static const struct {
         const char *path;
         double value;
@@ -582,7 +560,6 @@ static void rays_candidates_and_marks_are_those_of_the_report(void **state)
  * 0.01 of a sum of 5, where 1 is a radius of 2.4, from 0.9 to 9; the chosen come last, ringed. */
 static void the_page_has_dots_where_the_rays_go(void **state)
 {
-    (void)state;
     static const char *const parts[] = {
         "<h1>Pixel (3, 2) of scene.txt</h1>", "under sky.exr; ", "seen at 36.9 degrees", "reflects 6 (r+g+b)", "be 12.",
         "<b>Map: q<sub>L</sub></b>", "eq. 4.2", "<b>BRDF: q<sub>f</sub></b>", "eq. 4.3", "<b>Product: p</b>", "eq. 4.4",
@@ -634,12 +611,11 @@ static void the_page_has_dots_where_the_rays_go(void **state)
 /* A browser without JavaScript gets what the command prints. */
 static void without_a_script_the_page_is_the_text(void **state)
 {
-    (void)state;
     forged f;
     char why[200];
     forge(&f);
     free(page_of(&f));
-    char *page = read_text(DIR "/pixel.html");
+    char *page = read_whole(DIR "/pixel.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s", why);
     page_in_order(

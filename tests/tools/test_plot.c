@@ -2,19 +2,14 @@
 /* Tests of docs/live/plot.js under node: numbers against printf and the program's own words, drawings against places
  * that were worked out by hand. Without node they are skipped. */
 #include "base/text.h"
+#include "claim.h"
+#include "file_help.h"
 #include "html_check.h"
 #include "program.h"
 
 #include "bis/base/image.h"
 #include "bis/files/image_file.h"
 #include "bis/thesis/rng.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -35,15 +30,11 @@ static void ask(const char *arguments)
     }
     snprintf(command, sizeof command, "node tests/tools/plot.js %s > " DIR "/said", arguments);
     assert_int_equal(system(command), 0);
-    FILE *f = fopen(DIR "/said", "r");
-    assert_non_null(f);
-    said[fread(said, 1, sizeof said - 1, f)] = '\0';
-    fclose(f);
+    read_text(said, sizeof said, DIR "/said");
 }
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     return 0;
 }
@@ -62,7 +53,6 @@ static void numbers_are_printed_as_c_prints_them(void **state)
     enum { N = 3000 };
     static char wanted[N][200];
     bis_rng rng;
-    (void)state;
 
     bis_rng_init(&rng, 29, 0, 0, 0);
     FILE *f = fopen(DIR "/numbers", "w");
@@ -110,7 +100,6 @@ static void assert_place(double is, double wanted)
 static void a_line_goes_through_its_places(void **state)
 {
     double left, top, bottom, right, x[3], y[3];
-    (void)state;
     draw("line");
     read_axis(&left, &top, &bottom, &right);
     const char *line = strstr(said, "<g data-series=\"0\"");
@@ -130,7 +119,6 @@ static void a_line_goes_through_its_places(void **state)
 static void bars_and_steps_stand_on_the_axis(void **state)
 {
     double left, top, bottom, right, x, y, w, h, end, second;
-    (void)state;
     draw("bars");
     read_axis(&left, &top, &bottom, &right);
     const char *bar = strstr(strstr(said, "<g data-series"), "<rect");
@@ -147,7 +135,6 @@ static void bars_and_steps_stand_on_the_axis(void **state)
 
 static void what_is_missing_leaves_an_empty_drawing(void **state)
 {
-    (void)state;
     draw("nothing");
     assert_null(strstr(said, "NaN"));
     draw("alone");
@@ -161,7 +148,6 @@ static void what_is_missing_leaves_an_empty_drawing(void **state)
  */
 static void a_field_has_the_colours_of_its_values(void **state)
 {
-    (void)state;
     ask("drawing pixels");
     assert_string_equal(said, "255 252 204 204 61 77 13 8 51 5 5 13 255 252 204 5 5 13\n");
     draw("field");
@@ -175,7 +161,6 @@ static void a_png_reads_back(void **state)
     static const int wanted[6][3] = {
         {255, 252, 204}, {204, 61, 77}, {13, 8, 51}, {5, 5, 13}, {255, 252, 204}, {5, 5, 13}};
     bis_image image;
-    (void)state;
     ask("drawing png");
     assert_int_equal(system("sed 's/.*,//' " DIR "/said | base64 -d > " DIR "/field.png"), 0);
     assert_int_equal(bis_image_read_colours(&image, DIR "/field.png", 1, (bis_loc){0}, NULL), BIS_OK);
@@ -191,7 +176,6 @@ static void a_png_reads_back(void **state)
 /* The elements as SVG 1.1 has them; places have two decimals; capitals of 18 are those of a font of 18/.72 = 25. */
 static void a_list_of_shapes_becomes_elements(void **state)
 {
-    (void)state;
     static const char *const parts[] = {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"320\" height=\"200\" viewBox=\"0 0 320 200\"",
         "<rect x=\"-1\" y=\"2.25\" width=\"30\" height=\"0.5\" fill=\"#ffffff\"/>\n",
@@ -218,7 +202,6 @@ static void a_list_of_shapes_becomes_elements(void **state)
 /* Where each span's base line is above that of the text: the sum of all dy up to it, as a reader of SVG adds them. */
 static void exponents_are_raised_and_indices_lowered_to_the_next_blank(void **state)
 {
-    (void)state;
     static const struct {
         const char *letter;
         double lift;

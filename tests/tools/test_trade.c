@@ -15,18 +15,13 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "files/image_png.h"
+#include "claim.h"
 #include "expect.h"
+#include "file_help.h"
 #include "html_check.h"
 #include "json_check.h"
 #include "page_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <signal.h>
 #include <stdlib.h>
@@ -49,7 +44,6 @@ static void remove_tree(const char *path)
 /* One measurement with references of its own, one with a given reference: most tests read them. */
 static int setup(void **state)
 {
-    (void)state;
     program_run r;
     remove_tree(DIR);
     program_folder(DIR);
@@ -151,7 +145,6 @@ static void assert_run_is(const table *runs, const char *setting, const char *op
 
 static void each_run_is_the_render_of_its_seed_bit_for_bit(void **state)
 {
-    (void)state;
     table runs;
     read_table(&runs, DIR "/given/runs.csv");
     assert_run_is(&runs, "mis 16", "--integrator mis --samples 16", "2");
@@ -165,7 +158,6 @@ static void each_run_is_the_render_of_its_seed_bit_for_bit(void **state)
  * error is that of the full picture as far as these tell, whatever its size. */
 static void a_run_has_the_pixels_of_the_full_render(void **state)
 {
-    (void)state;
     enum { W = 240, H = 160 };
     static const char given[] = DIR "/large.exr", size[] = "--resolution 240x160";
     program_run r;
@@ -210,7 +202,6 @@ static void a_run_has_the_pixels_of_the_full_render(void **state)
 
 static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_own(void **state)
 {
-    (void)state;
     table runs;
     read_table(&runs, DIR "/own/runs.csv");
     assert_true(runs.n_rows - 1 >= 15 * 3 * 2);
@@ -231,7 +222,6 @@ static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_ow
 /* A reader that knows columns by name finds each of them: no two have the same, in any table. */
 static void no_two_columns_of_a_table_have_one_name(void **state)
 {
-    (void)state;
     assert_int_equal(system("for f in " DIR "/own/*.csv " DIR "/given/*.csv; do head -n 1 $f | tr ',' '\\n' | sort | "
                             "uniq -d | sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! "
                             "test -s "
@@ -243,7 +233,6 @@ static void no_two_columns_of_a_table_have_one_name(void **state)
  * background as well, is more than a third of a stop off. */
 static void the_pages_exposure_is_that_of_bis_render(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = SCENE, .n_threads = 1}, .plan = {.width = 24, .height = 16}};
     bis_film film;
     bis_render_result result;
@@ -278,7 +267,6 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
  * of the logarithms to base 2 is 3 (1/8) / (1/8 + 1/2) = 0.6. */
 static void the_exposure_weighs_each_pixel_by_what_is_covered_of_it(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = DIR "/ortho.txt", .n_threads = 1}, .plan = {.width = 2, .height = 2}};
     double exposure;
     program_write_file(DIR "/ortho.txt",
@@ -350,7 +338,6 @@ static void assert_table_follows(const char *folder, double share, double se_mis
 
 static void the_table_says_what_the_runs_say(void **state)
 {
-    (void)state;
     assert_table_follows(DIR "/given", 0, 0, 0);
 }
 
@@ -409,7 +396,6 @@ static double relmse_of(const double a[OWN_VALUES], const double b[OWN_VALUES])
 
 static void the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself(void **state)
 {
-    (void)state;
     static double picture[2][OWN_VALUES], both[OWN_VALUES], own[OWN_VALUES];
     double share[2], se[2], mean[2];
     judge_reference("mis", picture[0], &share[0], &se[0], &mean[0]);
@@ -482,7 +468,6 @@ static void clear_forged(bis_trade *t)
 
 static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state)
 {
-    (void)state;
     bis_trade t;
     bool extrapolated;
     forge(&t, 0.36, 0);
@@ -515,7 +500,6 @@ static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state
 
 static void a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended(void **state)
 {
-    (void)state;
     bis_trade t;
     bool extrapolated;
     forge(&t, 0.36, 0.2); /* the twin: a floor that no time removes */
@@ -533,7 +517,6 @@ static void a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_rec
 /* Each setting's line, put into a scene, is read as that setting. */
 static void the_line_for_a_scene_file_is_the_setting(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = SCENE}};
     int seen = 0;
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
@@ -571,7 +554,6 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
 /* What learns is another method than what does not: it has a row of its own, and is not mistaken for the scene's. */
 static void a_product_that_learns_has_a_row_of_its_own(void **state)
 {
-    (void)state;
     for (int learn = 0; learn < 2; learn++) {
         bis_trade t = {.o = {.scene = DIR "/learn.txt"}};
         char text[128], scene[512];
@@ -605,7 +587,6 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
  * and those of another setting. */
 static void the_seconds_of_a_setting_are_those_of_its_passes(void **state)
 {
-    (void)state;
     bis_trade_advice all[3] = {{.setting = 4, .passes = 5, .seconds = 10}, {.setting = 2, .passes = 3, .seconds = 99},
         {.setting = 4, .passes = 20, .seconds = 1}};
     assert_false(bis_trade_take_known_seconds(all, 0));
@@ -618,7 +599,6 @@ static void the_seconds_of_a_setting_are_those_of_its_passes(void **state)
 /* The page enlarges two parts of a quarter of the sides each, not one of them twice. */
 static void the_enlarged_parts_do_not_overlap(void **state)
 {
-    (void)state;
     static const char *const pages[] = {DIR "/own/report.html", DIR "/given/report.html"};
     for (int i = 0; i < 2; i++) {
         char *data = page_data(pages[i]);
@@ -635,7 +615,6 @@ static void the_enlarged_parts_do_not_overlap(void **state)
  * taken. */
 static void the_scatter_of_renders_is_their_variance(void **state)
 {
-    (void)state;
     const float values[3][2] = {{4, 1}, {6, 1}, {5, 4}}; /* grey */
     bis_trade_reference reference = {.relmse = 0};
     bis_image images[3];
@@ -676,7 +655,6 @@ static double error_of_command(unsigned passes, const bis_image *reference)
  * 12, 3 x 4 (twice as much; beyond 1.5 times by chance less than once in 10^6, by the scatter of the four seeds). */
 static void passes_are_advised_that_make_a_square_grid(void **state)
 {
-    (void)state;
     static const unsigned least[] = {0, 1, 2, 3, 4, 5, 7, 9, 10, 13, 17, 21, 150, 157, 169, 1000000},
                           good[] = {1, 1, 2, 4, 4, 6, 9, 9, 12, 16, 20, 25, 156, 169, 169, 1000000};
     bis_scene_desc desc = {.view.sampler = {.kind = BIS_SAMPLER_STRATIFIED}};
@@ -698,7 +676,6 @@ static void passes_are_advised_that_make_a_square_grid(void **state)
  * passes. */
 static void what_is_promised_comes_out(void **state)
 {
-    (void)state;
     static const uint32_t said[] = {90, 6}; /* by a curve */
     const double error = 0.04;
     bis_image truth;
@@ -757,7 +734,6 @@ static void assert_same_runs(const char *path_a, const char *path_b)
 
 static void lost_runs_are_measured_again_and_are_the_same(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("cp -r " DIR "/own " DIR "/lost && sed -i '5,40d' " DIR "/lost/runs.csv && rm " DIR
                             "/lost/report.html " DIR "/lost/references/sir-3.exr"),
@@ -769,23 +745,9 @@ static void lost_runs_are_measured_again_and_are_the_same(void **state)
     assert_int_equal(system("cmp -s " DIR "/own/plan.txt " DIR "/lost/plan.txt"), 0);
 }
 
-static void a_reference_of_another_size_is_named(void **state)
-{
-    (void)state;
-    program_run r;
-    assert_int_equal(system("cp -r " DIR "/own " DIR "/sized && rm " DIR "/sized/report.html"), 0);
-    program_expect(&r, 0, SCENE " --resolution 5x4 --spp 1 --quiet --outfile " DIR "/sized/references/sir-3.exr");
-    program_expect(&r, 2, "trade " SCENE " --resume --nthreads 1 --output " DIR "/sized");
-    assert_non_null(strstr(r.messages, DIR "/sized/references/sir-3.exr: error: 5 x 4 pixels, must have the "));
-    assert_non_null(strstr(r.messages, " of plan.txt; remove it and it is made again\n"));
-    assert_int_equal(system("rm " DIR "/sized/references/sir-3.exr"), 0);
-    program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/sized");
-}
-
 /* The time is over before the first run: there is nothing to advise from, which must not look like a measurement. */
 static void no_run_at_all_is_an_error(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(
         system("cp -r " DIR "/own " DIR "/none && sed -i '2,$d' " DIR "/none/runs.csv && rm " DIR "/none/report.html"),
@@ -805,7 +767,6 @@ static void no_run_at_all_is_an_error(void **state)
  * everything. */
 static void a_scene_that_is_too_slow_is_refused_before_its_pilot(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("sed 's/^Integrator.*/Integrator \"sir\" \"integer candidates\" 1048576 \"integer "
                             "shadowrays\" 4096/' " SCENE " >" DIR "/slow.txt && "
@@ -821,7 +782,6 @@ static void a_scene_that_is_too_slow_is_refused_before_its_pilot(void **state)
 
 static void a_finished_measurement_resumes_to_itself(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(system("cp -r " DIR "/own " DIR "/again"), 0);
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/again");
@@ -834,7 +794,6 @@ static void a_finished_measurement_resumes_to_itself(void **state)
 
 static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
 {
-    (void)state;
     const struct timespec pause = {0, 5000000};
     program_run r;
     table t;
@@ -868,7 +827,6 @@ static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
 /* Before anything new: no advice, and the folder as it was. */
 static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state)
 {
-    (void)state;
     static volatile sig_atomic_t flag = 1;
     const char *const integrators[] = {"mis"};
     const bis_trade_options o = {.scene = SCENE,
@@ -900,7 +858,6 @@ static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state
 
 static void stop_at_the_proof(const char *what, double share, double seconds_left, void *user)
 {
-    (void)share, (void)seconds_left;
     if (strcmp(what, "error of the advice") == 0) *(volatile sig_atomic_t *)user = 1;
 }
 
@@ -908,7 +865,6 @@ static void stop_at_the_proof(const char *what, double share, double seconds_lef
  * if a run is new, or if there is no page: what there is, is written. */
 static void a_signal_at_the_proof_of_nothing_new_leaves_the_older_page(void **state)
 {
-    (void)state;
     static const char *const change[] = {"true", "sed -i '$d' " DIR "/proof/runs.csv", "rm " DIR "/proof/report.html"};
     for (int i = 0; i < 3; i++) {
         char command[512];
@@ -934,7 +890,6 @@ static void a_signal_at_the_proof_of_nothing_new_leaves_the_older_page(void **st
 /* During the pilot: nothing to keep, and the folder goes. */
 static void a_signal_before_the_first_run_says_that_nothing_was_measured(void **state)
 {
-    (void)state;
     program_run r;
     pid_t pid = program_start("trade " SCENE " --nthreads 1 --time 1000 --output " DIR "/early");
     program_wait_for_handler(pid, SIGINT);
@@ -945,19 +900,8 @@ static void a_signal_before_the_first_run_says_that_nothing_was_measured(void **
     assert_false(program_exists(DIR "/early"));
 }
 
-/* ---- the page ---- */
-
-static char *read_page(const char *path)
-{
-    unsigned char *page;
-    size_t size;
-    assert_int_equal(bis_file_read(&page, &size, path, (bis_loc){0}, NULL), BIS_OK);
-    return (char *)page;
-}
-
 static void the_page_is_well_formed_and_needs_nothing_else(void **state)
 {
-    (void)state;
     static const char *const folders[] = {DIR "/own", DIR "/given"};
     for (int i = 0; i < 2; i++) {
         char why[200], path[256];
@@ -968,7 +912,7 @@ static void the_page_is_well_formed_and_needs_nothing_else(void **state)
         clear_table(&pictures);
         assert_true(n == 2 || n == 3);
         snprintf(path, sizeof path, "%s/report.html", folders[i]);
-        char *page = read_page(path);
+        char *page = read_whole(path);
         if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s: %s", path, why);
         if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s: %s", path, why);
         bis_free(page);
@@ -991,7 +935,6 @@ static void the_page_is_well_formed_and_needs_nothing_else(void **state)
 
 static void the_checker_of_pages_can_fail(void **state)
 {
-    (void)state;
     static const char *const broken[] = {
         "<p></p>", "<!DOCTYPE html><p>", "<!DOCTYPE html></p>", "<!DOCTYPE html><p><b></p></b>",
         "<!DOCTYPE html><p class=x></p>", "<!DOCTYPE html><p>a & b</p>",
@@ -1012,14 +955,13 @@ static void the_checker_of_pages_can_fail(void **state)
 
 static void odd_names_do_not_break_the_page(void **state)
 {
-    (void)state;
     char why[200];
     program_run r;
     assert_int_equal(rename(SCENE, DIR "/a<b>&\"c'.txt"), 0);
     program_expect(&r, 0,
         "trade " DIR "/a<b>&\"c'.txt --nthreads 1 --time 2 --passes 1 --seeds 1 --integrator em --output " DIR "/odd");
     assert_int_equal(rename(DIR "/a<b>&\"c'.txt", SCENE), 0);
-    char *page = read_page(DIR "/odd/report.html");
+    char *page = read_whole(DIR "/odd/report.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     bis_free(page);
     page = page_shown(DIR "/odd/report.html", DIR);
@@ -1031,7 +973,6 @@ static void odd_names_do_not_break_the_page(void **state)
 
 static void a_folder_with_other_things_is_left_alone(void **state)
 {
-    (void)state;
     program_run r;
     assert_int_equal(mkdir(DIR "/mine", 0777), 0);
     program_write_file(DIR "/mine/letter.txt", "dear");
@@ -1047,108 +988,42 @@ static void a_folder_with_other_things_is_left_alone(void **state)
     program_expect(&r, 1, SMALL DIR "/no/such/place");
 }
 
-static void a_folder_of_another_scene_or_a_damaged_one_is_told(void **state)
-{
-    (void)state;
-    program_run r;
-    assert_int_equal(system("cp -r " DIR "/own " DIR "/harm"), 0);
-    assert_int_equal(system("sed 's/exponent\" 20/exponent\" 21/' " SCENE " > " DIR "/other.txt"), 0);
-    program_expect(&r, 2, "trade " DIR "/other.txt --resume --output " DIR "/harm");
-    assert_non_null(strstr(r.messages, "another scene"));
-    assert_int_equal(system("sed -i '3s/,/,x/' " DIR "/harm/runs.csv"), 0);
-    program_expect(&r, 2, "trade " SCENE " --resume --output " DIR "/harm");
-    assert_non_null(strstr(r.messages, "runs.csv:3:1"));
-    assert_int_equal(system("sed -i 's/^size .*/size -3 4/' " DIR "/harm/plan.txt"), 0);
-    program_expect(&r, 2, "trade " SCENE " --resume --output " DIR "/harm");
-    assert_non_null(strstr(r.messages, "plan.txt:4:1"));
-}
-
+/* Of plan.txt, the line that is named where a field is outside its range. Whole messages are in
+ * tests/data/expect/trade/damages.expect, the fields of runs.csv in test_trade_hand.c. */
 static const struct {
-    const char *edit, *says; /* a script for sed */
+    int line;
+    const char *edit; /* a script for sed */
 } damages[] = {
-    {"plan.txt:s/^fingerprint ./fingerprint x/", "plan.txt:1:1"},
-    {"plan.txt:s/^fingerprint .*/fingerprint 12/", "plan.txt:1:1"},
-    {"plan.txt:s/^full .*/full 0 16/", "plan.txt:2:1"},
-    {"plan.txt:s/^full .*/full 24.5 16/", "plan.txt:2:1"},
-    {"plan.txt:s/^full .*/full 24 16 3/", "plan.txt:2:1"},
-    {"plan.txt:s/^full .*/full 24 99999/", "plan.txt:2:1"},
-    {"plan.txt:s/^full /f /", "plan.txt:2:1"},
-    {"plan.txt:s/^step .*/step 0/", "plan.txt:3:1"},
-    {"plan.txt:s/^step .*/step 2/", "plan.txt:4:1"}, /* size is not that of step 2 */
-    {"plan.txt:s/^full .*/full 32768 32768/;s/^size .*/size 32768 32768/", "at most 360000"},
-    {"plan.txt:s/^size .*/size 32768 32768/", "plan.txt:4:1"},
-    {"plan.txt:s/^size .*/size 24/", "plan.txt:4:1"},
-    {"plan.txt:s/^seeds .*/seeds 0/", "plan.txt:5:1"},
-    {"plan.txt:s/^seeds .*/seeds 17/", "plan.txt:5:1"},
-    {"plan.txt:s/^seeds .*/seeds nan/", "plan.txt:5:1"},
-    {"plan.txt:s/^seed .*/seed abc/", "plan.txt:6:1"},
-    {"plan.txt:s/^seed .*/seed -1/", "plan.txt:6:1"},
-    {"plan.txt:s/^seed .*/seed 1e30/", "plan.txt:6:1"},
-    {"plan.txt:s/^seed .*/seed 1.5/", "plan.txt:6:1"},
-    {"plan.txt:s/^seed .*/seed 7x/", "plan.txt:6:1"},
-    {"plan.txt:s/^run_seconds .*/run_seconds 0/", "plan.txt:7:1"},
-    {"plan.txt:s/^run_seconds .*/run_seconds inf/", "plan.txt:7:1"},
-    {"plan.txt:s/^given .*/given 2/", "plan.txt:8:1"},
-    {"plan.txt:s/^given .*/given/", "plan.txt:8:1"},
-    {"plan.txt:9s/^reference 0 [0-9]*/reference 0 0/", "plan.txt:9:1"},
-    {"plan.txt:9s/^reference 0/reference 2/", "plan.txt:9:1"},
-    {"plan.txt:9s/mis [0-9]*$/sir 64\\/4/", "plan.txt:9:1"}, /* a sir must not judge sir */
-    {"plan.txt:9s/mis [0-9]*$/nobody/", "plan.txt:9:1"},
-    {"plan.txt:10s/^reference 1/reference 0/", "plan.txt:10:1"},
-    {"plan.txt:11s/^setting [0-9]*/setting 22/", "plan.txt:11:1"},
-    {"plan.txt:11s/^setting [0-9]* [^ ]*/setting 3 0/", "plan.txt:11:1"},
-    {"plan.txt:11s/^\\(setting [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:11:1"},
-    {"plan.txt:11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:11:1"},
-    {"plan.txt:11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 x/", "plan.txt:11:1"},
-    {"plan.txt:11p", "plan.txt:12:1"},
-    {"plan.txt:2p", "plan.txt:3:1"},
-    {"plan.txt:/^seed /d", "no"},
-    {"plan.txt:/^given /d", "\"given\""},
-    {"plan.txt:/^setting /d", "\"setting\""},
-    {"plan.txt:/^reference 0/d", "\"reference 0\""}, /* once status 0 with nothing measured */
-    {"plan.txt:/^reference/d", "\"reference "},
-    {"runs.csv:1s/seed/sead/", "runs.csv:1:1"},
-    {"runs.csv:2s/^[^,]*/nobody/", "runs.csv:2:1"},
-    {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,3/", "its passes"},
-    {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,8/", "its passes"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{2\\}\\)[^,]*/\\13/", "its replicate"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\1-1/", "its seed"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\11.5/", "its seed"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{4\\}\\)[^,]*/\\1nan/", "its seconds"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{5\\}\\)[^,]*/\\11e30/", "its camera_rays"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{6\\}\\)[^,]*/\\1x/", "its shadow_rays"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{7\\}\\)[^,]*/\\1/", "its candidates"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{8\\}\\)[^,]*/\\1-2/", "its rmse"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{9\\}\\)[^,]*/\\1inf/", "its relmse"},
-    {"runs.csv:2s/^\\(\\([^,]*,\\)\\{10\\}\\)[^,]*/\\1nan/", "its bias"},
-    {"runs.csv:2s/$/,5/", "its relmse_both"},
-    {"runs.csv:2p", "runs.csv:3:1"},
+    {1, "s/^fingerprint .*/fingerprint 12/"}, {2, "s/^full .*/full 0 16/"}, {2, "s/^full .*/full 24.5 16/"},
+    {2, "s/^full .*/full 24 16 3/"}, {3, "s/^step .*/step 0/"}, {4, "s/^size .*/size 24/"},
+    {5, "s/^seeds .*/seeds 0/"}, {5, "s/^seeds .*/seeds nan/"}, {6, "s/^seed .*/seed abc/"},
+    {6, "s/^seed .*/seed -1/"}, {6, "s/^seed .*/seed 1.5/"}, {6, "s/^seed .*/seed 7x/"},
+    {7, "s/^run_seconds .*/run_seconds 0/"}, {7, "s/^run_seconds .*/run_seconds inf/"},
+    {9, "9s/^reference 0/reference 2/"}, {9, "9s/mis [0-9]*$/sir 64\\/4/"}, /* a sir must not judge sir */
+    {9, "9s/mis [0-9]*$/nobody/"}, {10, "10s/^reference 1/reference 0/"},
+    {11, "11s/^setting [0-9]* [^ ]*/setting 3 0/"}, {11, "11s/^\\(setting [^ ]* [^ ]*\\) [^ ]*/\\1 -1/"},
+    {11, "11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 -1/"},
+    {11, "11s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 x/"}, {12, "11p"},
 };
 
-/* Each field of plan.txt and runs.csv, outside its range: the file and line are named, and nothing is lost. */
-static void every_field_of_the_folder_is_checked(void **state)
+static void every_field_of_a_plan_is_checked(void **state)
 {
-    (void)state;
     bis_trade t = {.o = {.scene = SCENE, .folder = DIR "/field", .resume = true, .n_threads = 1}};
-    char name[16], command[512];
+    char command[512], place[16];
     assert_int_equal(mkdir(DIR "/field", 0777), 0);
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     const bis_trade_plan empty = t.plan;
     for (size_t i = 0; i < sizeof damages / sizeof *damages; i++) {
-        const char *script = strchr(damages[i].edit, ':') + 1;
         bis_diag diag = {0};
-        snprintf(name, sizeof name, "%.*s", (int)(script - 1 - damages[i].edit), damages[i].edit);
-        snprintf(command, sizeof command, "cd " DIR "/field && cp ../own/plan.txt ../own/runs.csv . && sed -i '%s' "
-                 "%s && ! cmp -s %s ../own/%s", script, name, name, name);
+        snprintf(command, sizeof command, "cd " DIR "/field && cp ../own/plan.txt . && sed -i '%s' plan.txt && "
+                 "! cmp -s plan.txt ../own/plan.txt", damages[i].edit);
         assert_int_equal(system(command), 0);
         t.plan = empty;
-        t.n_runs = 0;
-        bis_status status = bis_trade_read_plan(&t, &diag);
-        if (!status) status = bis_trade_read_runs(&t, &diag);
+        const bis_status status = bis_trade_read_plan(&t, &diag);
         const char *text = diag.n ? diag.messages[diag.n - 1].text : "";
-        if (status != BIS_INPUT || !strstr(text, damages[i].says) || strstr(text, "(null)")) {
+        snprintf(place, sizeof place, "plan.txt:%d:1", damages[i].line);
+        if (status != BIS_INPUT || !strstr(text, place) || strstr(text, "(null)"))
             fail_msg("%s: %d\n%s", damages[i].edit, status, text);
-        }
         bis_diag_clear(&diag);
     }
     t.plan = empty;
@@ -1157,7 +1032,6 @@ static void every_field_of_the_folder_is_checked(void **state)
 
 static void a_scene_without_light_or_surface_has_nothing_to_trade(void **state)
 {
-    (void)state;
     program_run r;
     program_write_file(DIR "/empty.txt", "WorldBegin\nLightSource \"infinite\"\n");
     program_expect(&r, 2, "trade " DIR "/empty.txt --output " DIR "/bad");
@@ -1170,21 +1044,19 @@ static void a_scene_without_light_or_surface_has_nothing_to_trade(void **state)
 
 static void a_constant_light_is_measured_too(void **state)
 {
-    (void)state;
     program_run r;
     program_write_file(DIR "/constant.txt", "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\nLookAt "
                                             "0 0 -4 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
                                             "LightSource \"infinite\"\nShape \"sphere\"\n");
     program_expect(
         &r, 0, "trade " DIR "/constant.txt --nthreads 1 --time 4 --passes 2 --seeds 2 --output " DIR "/constant");
-    char why[200], *page = read_page(DIR "/constant/report.html");
+    char why[200], *page = read_whole(DIR "/constant/report.html");
     if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
     bis_free(page);
 }
 
 static void a_full_disk_is_told(void **state)
 {
-    (void)state;
     program_run r;
     program_run_limited(&r, 2000, SMALL DIR "/full");
     assert_int_equal(r.exit_status, 1);
@@ -1194,7 +1066,6 @@ static void a_full_disk_is_told(void **state)
 /* Of each 3 x 3 pixels of a picture the middle one, within a crop of columns 2 to 9 and rows 3 to 8. */
 static void a_given_reference_gives_the_pixels_of_the_thin_film(void **state)
 {
-    (void)state;
     const double crop[4] = {0.2, 0.9, 0.3, 0.8}; /* of 10 x 10: [2, 9) x [3, 8) */
     const bis_film all = bis_film_place(10, 10, crop, 1), some = bis_film_place(10, 10, crop, 3);
     bis_image full, thin;
@@ -1230,7 +1101,6 @@ int main(void)
         cmocka_unit_test(passes_are_advised_that_make_a_square_grid),
         cmocka_unit_test(what_is_promised_comes_out),
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
-        cmocka_unit_test(a_reference_of_another_size_is_named),
         cmocka_unit_test(no_run_at_all_is_an_error),
         cmocka_unit_test(a_scene_that_is_too_slow_is_refused_before_its_pilot),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
@@ -1242,8 +1112,7 @@ int main(void)
         cmocka_unit_test(the_checker_of_pages_can_fail),
         cmocka_unit_test(odd_names_do_not_break_the_page),
         cmocka_unit_test(a_folder_with_other_things_is_left_alone),
-        cmocka_unit_test(a_folder_of_another_scene_or_a_damaged_one_is_told),
-        cmocka_unit_test(every_field_of_the_folder_is_checked),
+        cmocka_unit_test(every_field_of_a_plan_is_checked),
         cmocka_unit_test(a_scene_without_light_or_surface_has_nothing_to_trade),
         cmocka_unit_test(a_constant_light_is_measured_too),
         cmocka_unit_test(a_full_disk_is_told),

@@ -10,17 +10,13 @@
 #include "bis/thesis/warp.h"
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "thesis/proposal.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static const double weight[3] = {4, 2, 1}, chance = 1e-7;
 enum { CELLS = 1 << 13 };
@@ -38,7 +34,6 @@ static double measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
  * of its cell, for lobes narrower than a patch (0.05) as well. */
 static void it_is_brute_force_within_its_bound(void **state)
 {
-    (void)state;
     const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
     const bis_material materials[] = {bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20),
         bis_phong(grey(0), grey(0.9), 300), bis_microfacet(grey(0.3), (rgb){0.9f, 0.5f, 0.1f}, 0.4),
@@ -67,7 +62,6 @@ static void it_is_brute_force_within_its_bound(void **state)
  * furnace. */
 static void a_lobe_far_narrower_than_a_patch_is_found(void **state)
 {
-    (void)state;
     bis_envmap em = map_new(32, 16);
     bis_light *light;
     const bis_light_desc desc = {.to_world = bis_xform_identity()};
@@ -122,7 +116,6 @@ static double four_rays(const bis_point *pt, double truth, uint64_t seed)
  * A sum of midpoints, 1000 x 1000 in the patch, is the truth. */
 static void a_patch_hidden_by_a_tenth_does_not_look_exact(void **state)
 {
-    (void)state;
     enum { SEEDS = 60, FINE = 1000 };
     static const bis_accel_ops ops = {.name = "curtain", .occluded = is_behind};
     bis_envmap em = map_new(16, 8);
@@ -169,7 +162,6 @@ static void a_patch_hidden_by_a_tenth_does_not_look_exact(void **state)
 /* Nothing scatters, and the bound is not 0: 2 M sqrt(l/2) sqrt(2 l) + M l/3, l = log(3/chance), by hand. */
 static void a_scatter_of_0_promises_no_error_of_0(void **state)
 {
-    (void)state;
     const bis_truth_sum still = {.most = 1e-3}, known = {.variance = {0, 0, 0, 4}};
     const double l = log(3 / 1e-7);
     assert_near(bis_truth_bound(&still, 1e-7), 1e-3 * (2 * l + l / 3), 1e-15);
@@ -180,7 +172,6 @@ static void a_scatter_of_0_promises_no_error_of_0(void **state)
 /* Moments of one sample of a density, and of one ray in each patch, against 10^5 draws of them. */
 static void moments_are_those_of_draws(void **state)
 {
-    (void)state;
     enum { N = 200000 };
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     const bis_truth_density q[] = {{1, 0, 0}, {0.5, 0.5, 0}, {0.2, 0.3, 0.5}};
@@ -235,7 +226,6 @@ static void moments_are_those_of_draws(void **state)
 
 static void the_same_bits_for_any_number_of_threads_and_every_allocation_may_fail(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     bis_truth a, b;
     lit l;

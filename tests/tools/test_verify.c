@@ -4,18 +4,14 @@
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
+#include "claim.h"
 #include "map_help.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **state)
 {
-    (void)state;
     bis_verify v = {.seed = 1};
     const double expected[] = {100, 100, 3, 3, 3, 0}, observed[] = {90, 110, 2, 4, 3, 0},
                  impossible[] = {90, 110, 2, 4, 2, 1};
@@ -65,7 +61,6 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
 /* Farther from what is right is never likelier: without the cut at 1/s, 30 standard errors at s = 0.05 gave p = 1. */
 static void a_larger_distance_is_never_more_likely(void **state)
 {
-    (void)state;
     static const double skewness[] = {0, 0.01, 0.05, -0.05, 0.15}, dof[] = {63, 16383, HUGE_VAL};
     const double of_100_tests = bis_stats_sidak(BIS_VERIFY_ALPHA, 100);
     for (int i = 0; i < 5; i++) {
@@ -88,7 +83,6 @@ static void a_larger_distance_is_never_more_likely(void **state)
  * 4 standard errors, and by t alone, the twin, more often. */
 static void skewed_means_do_not_accuse(void **state)
 {
-    (void)state;
     enum { N = 40000, RUNS = 400 };
     int below = 0, below_t = 0;
     bis_rng rng;
@@ -121,7 +115,6 @@ static double poisson(bis_rng *rng, double mean)
  * for 4 standard errors, and by plain chi-square, the twin, more often. */
 static void small_cells_do_not_accuse(void **state)
 {
-    (void)state;
     enum { CELLS = 200, EACH = 5, REST = 1000000, N = 40000 };
     double expected[CELLS + 1], observed[CELLS + 1];
     int below = 0, below_plain = 0;
@@ -144,7 +137,6 @@ static void small_cells_do_not_accuse(void **state)
 
 static void every_allocation_may_fail(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(8, 4, 2, 0.1, 1);
     bis_status status = BIS_NOMEM;
     for (long k = 1; status; k++) {

@@ -3,14 +3,11 @@
 #include "shape/triangle.h"
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "mesh_help.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 typedef struct forgetful {
     bis_accel accel;
@@ -46,7 +43,6 @@ static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 
 static void a_backend_that_loses_rays_is_rejected(void **state)
 {
-    (void)state;
     static const bis_accel_ops loses = {
         .name = "loses", .intersect = forgetful_intersect, .occluded = forgetful_occluded};
     static const bis_accel_ops is_blind = {.name = "blind", .intersect = right_intersect, .occluded = blind};
@@ -89,7 +85,6 @@ static bool sheared_occluded(const bis_accel *a, const ray *r)
  * Embree. */
 static void a_floor_that_shadows_itself_is_found_with_one_backend(void **state)
 {
-    (void)state;
     static const bis_accel_ops once = {.name = "once", .intersect = right_intersect, .occluded = sheared_occluded};
     static const float p[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     static const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
@@ -125,7 +120,6 @@ static void a_floor_that_shadows_itself_is_found_with_one_backend(void **state)
  * that both are right; but not where one of them loses a hit or sees one that is not there 1e-4 beside the edge. */
 static void a_grazing_ray_may_go_either_way_and_no_other(void **state)
 {
-    (void)state;
     bis_geometry g = {0};
     const bis_xform here = bis_xform_identity();
     bis_rng rng;
@@ -169,7 +163,6 @@ static void a_grazing_ray_may_go_either_way_and_no_other(void **state)
  * of a ray in 4 million. */
 static void the_truth_is_always_right(void **state)
 {
-    (void)state;
     static const float corner[3][3] = {{0.1f, 0.2f, 0.3f}, {1.7f, 0.4f, -0.2f}, {0.3f, 1.9f, 0.5f}};
     const bis_xform here = bis_xform_identity();
     bis_geometry g = {0};
@@ -217,7 +210,6 @@ static void the_truth_is_always_right(void **state)
 /* One of 40 triangles is a point. */
 static void a_backend_that_loses_a_triangle_is_rejected(void **state)
 {
-    (void)state;
     const bis_xform here = bis_xform_identity();
     const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
     bis_geometry g[2] = {{0}, {0}};
@@ -296,7 +288,6 @@ static void assert_error(const bis_geometry *g, const ray *r, double t, double e
  * 5.5 x 4 + 2 x 5.5 x 2 + 64) = 170 u: 338 u. */
 static void a_triangle_is_met_to_within_the_error_by_hand(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; k++) {
         bis_geometry g = {0};
         add_triangle(&g, turned(0, 0, 0, k), turned(2, 0, 0, k), turned(0, 4, 0, k));
@@ -323,7 +314,6 @@ static void a_triangle_is_met_to_within_the_error_by_hand(void **state)
  * from s = 88e6/8000 u = 11000 u on, inside surely met from 9000 u on. */
 static void an_edge_is_in_doubt_within_the_bound_by_hand(void **state)
 {
-    (void)state;
     const double u = 0x1p-24;
     static const struct {
         double s;
@@ -348,7 +338,6 @@ static void an_edge_is_in_doubt_within_the_bound_by_hand(void **state)
 /* Of two triangles the nearer one counts, whichever comes first; a ray between them meets the other one. */
 static void the_nearest_triangle_is_met(void **state)
 {
-    (void)state;
     for (int first = 0; first < 2; first++) {
         bis_geometry g = {0};
         for (int i = 0; i < 2; i++) {
@@ -369,7 +358,6 @@ static void the_nearest_triangle_is_met(void **state)
  * as much of the square of half the chord, 3/16 or more: 2.2 u of its half. */
 static void a_quadric_is_met_to_within_the_error_by_hand(void **state)
 {
-    (void)state;
     static const struct {
         bis_quadric_kind kind;
         double o[3], d[3], t;
@@ -464,7 +452,6 @@ static void assert_mean(double mean, double expected, double variance, double n)
  * again no octant is before another. Each ray is asked for by both questions. */
 static void rays_come_from_all_around_and_leave_to_all_sides(void **state)
 {
-    (void)state;
     static const bis_accel_ops notes = {.name = "notes", .intersect = note_ray, .occluded = note_shadow};
     enum { RAYS = 20000 };
     const double a = 1 + 0.2 * sqrt(3);
@@ -514,7 +501,6 @@ static void rays_come_from_all_around_and_leave_to_all_sides(void **state)
  * another backend 2^21, but 4. */
 static void large_scenes_have_fewer_rays_searched(void **state)
 {
-    (void)state;
     static const struct {
         size_t n;
         bool two;

@@ -1,24 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify --bits`: this build has the bits of every build, for any number of threads; a build that rounds otherwise
  * is told so, by the first row that it reaches and by how much. */
+#include "claim.h"
 #include "program.h"
 #include "threads.h"
 #include "tools/verify/verify.h"
 
 #include <fenv.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define DIR "build/test_verify_bits"
 
 static void this_build_has_the_bits_of_every_build(void **state)
 {
-    (void)state;
     bis_bits rows[BIS_N_BITS];
     const int threads = use_threads(3);
     assert_int_equal(bis_verify_bits(rows, NULL), BIS_OK);
@@ -37,7 +32,6 @@ static void this_build_has_the_bits_of_every_build(void **state)
  * that of mis, 2.8 %. */
 static void the_pictures_agree(void **state)
 {
-    (void)state;
     bis_bits rows[BIS_N_BITS];
     const double *exact = NULL;
     assert_int_equal(bis_verify_bits(rows, NULL), BIS_OK);
@@ -52,7 +46,6 @@ static void the_pictures_agree(void **state)
  * than a thousand roundings of 2^-52. */
 static void a_build_that_rounds_otherwise_is_found(void **state)
 {
-    (void)state;
     bis_bits rows[BIS_N_BITS];
     assert_int_equal(fesetround(FE_UPWARD), 0);
     const bis_status status = bis_verify_bits(rows, NULL);
@@ -66,7 +59,6 @@ static void a_build_that_rounds_otherwise_is_found(void **state)
 
 static void the_command_says_it(void **state)
 {
-    (void)state;
     program_run r;
     program_folder(DIR);
     program_expect(&r, 0, "verify --bits");

@@ -3,13 +3,9 @@
  * `exact` takes long. */
 #include "tools/verify/verify.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "verify_help.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
 
 static rgb Lo_exact_one_percent_more(
     const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -19,7 +15,6 @@ static rgb Lo_exact_one_percent_more(
 
 static void exact_that_is_one_percent_off_is_rejected(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_integrator forged = bis_exact;
     bis_settings s = bis_settings_default(&bis_exact);

@@ -3,15 +3,12 @@
  * right, for several seeds, and must accept it. */
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "stat.h"
 #include "map_help.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 66 + 16 + 6); }
 
@@ -26,7 +23,6 @@ static void upside_down(bis_envmap *to, const bis_envmap *from)
 
 static void right_maps_pass(void **state)
 {
-    (void)state;
     for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
         bis_envmap em = map_random(64, 32, 6, 0.2, seed);
         for (int k = 0; k < 2; k++) {
@@ -41,7 +37,6 @@ static void right_maps_pass(void **state)
 
 static void odd_maps_pass(void **state)
 {
-    (void)state;
     const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {5, 3}};
     for (int i = 0; i < 4; i++) {
         bis_envmap em = map_random(sizes[i][0], sizes[i][1], 3, 0, 7);
@@ -65,7 +60,6 @@ static void odd_maps_pass(void **state)
  * which is a thousandth of that, and right. */
 static void a_lamp_beside_darkness_passes(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(64, 32, 1, 0, 6);
     em.pixels[11 * 64 + 20] = (rgb){1e10f, 1e10f, 1e10f};
     bis_verify v = {.seed = 3, .halvings = 2};
@@ -77,7 +71,6 @@ static void a_lamp_beside_darkness_passes(void **state)
 
 static void wrong_solid_angles_are_rejected(void **state)
 {
-    (void)state;
     bis_envmap em = map_new(64, 32);
     for (int y = 0; y < 32; y++)
         em.row_solid_angle[y] = PI / 32 * 2 * PI / 64 * sin(PI * (y + 0.5) / 32); /* at the middle: 0.04 % too much */
@@ -105,7 +98,6 @@ static size_t failures_against(const bis_envmap *em, const bis_envmap *forged, b
 
 static void an_importance_of_another_map_is_rejected(void **state)
 {
-    (void)state;
     bis_envmap em = map_random(64, 32, 4, 0.1, 5), forged;
     assert_int_equal(failures_against(&em, &em, BIS_TABLE_ALIAS), 0);
     assert_int_equal(failures_against(&em, &em, BIS_TABLE_CDF), 0);
@@ -151,7 +143,6 @@ static void tell_importance(bis_verify *v, const bis_envmap *em, bis_table_kind 
  * nothing should be drawn. */
 static void an_error_of_any_row_or_pixel_is_told_by_its_size(void **state)
 {
-    (void)state;
     const double e = 1e-5, near = 1e-9;
     for (int width = 1; width <= 4; width++)
         for (int kind = 0; kind < 2; kind++) {
@@ -205,7 +196,6 @@ static void an_error_of_any_row_or_pixel_is_told_by_its_size(void **state)
  * become twice as bright is drawn half as often as its density says, whichever it is. */
 static void an_error_of_any_pixel_of_a_table_is_told_by_its_size(void **state)
 {
-    (void)state;
     for (int width = 1; width <= 4; width++)
         for (int kind = 0; kind < 2; kind++) {
             const bis_table_kind of = kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
@@ -236,7 +226,6 @@ static void an_error_of_any_pixel_of_a_table_is_told_by_its_size(void **state)
  * 2^-52 of all, which is 1e-7 of the row's. So of an error of 1e-5 most is still told. */
 static void in_a_dark_row_an_error_is_told_but_for_the_steps_rounding(void **state)
 {
-    (void)state;
     bis_envmap em = map_new(8, 3);
     double pmf[24], sum = 0, sizes[3];
     bis_verify v;
@@ -294,7 +283,6 @@ static bool draw_by_pmf(const void *self, bis_rng *rng, bis_map_sample *s)
  * One group: 15 degrees of freedom; two: 31; a last pixel with less joins its neighbour. */
 static void neighbours_share_a_group_until_each_place_expects_five(void **state)
 {
-    (void)state;
     static const struct { int width; double pmf[4]; double groups; } cases[] = {
         {2, {0.001, 0.999}, 1}, {2, {0.0013, 0.9987}, 2}, {2, {0.999, 0.001}, 1}, {3, {0.0007, 0.0007, 0.9986}, 2},
         {3, {0.5, 0.0011, 0.4989}, 2}, {4, {0.25, 0.25, 0.25, 0.25}, 4}, {4, {0.0004, 0.0004, 0.0003, 0.9989}, 1},
@@ -362,7 +350,6 @@ static bool draw_with_coarse_numbers(const void *self, bis_rng *rng, bis_map_sam
 
 static void wrong_samplers_of_a_map_are_rejected(void **state)
 {
-    (void)state;
     const struct {
         const char *name;
         bool (*draw)(const void *, bis_rng *, bis_map_sample *);

@@ -3,16 +3,13 @@
 #include "render/edges.h"
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
+#include "claim.h"
 #include "stat.h"
 #include "map_help.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Two renders, of five sums each: all pixels, three of outlines, the material. */
 enum { SEEDS = 2, SUMS = 5 };
@@ -57,7 +54,6 @@ static size_t failed_of_picture(
 
 static void a_right_picture_passes(void **state)
 {
-    (void)state;
     verify_built b = build_full();
     for (uint64_t seed = 0; seed < SEEDS; seed++) {
         bis_verify v = {.seed = seed, .halvings = 2};
@@ -75,7 +71,6 @@ static void a_right_picture_passes(void **state)
 /* Whether a few renders outweigh all others is a matter of chance. Whether there is any light, the scene decides. */
 static void what_is_skipped_by_chance_counts_among_the_p_values(void **state)
 {
-    (void)state;
     bis_verify v = {.seed = 1};
     bis_verify_p(&v, "picture", 1, 0.3, "z", "one");
     bis_verify_bound(&v, "picture", 0, 0, "estimates that are no numbers", "two");
@@ -189,7 +184,6 @@ static bis_status render_three_percent_more(bis_render_result *result, bis_film 
 
 static void wrong_pictures_are_rejected(void **state)
 {
-    (void)state;
     static const struct { const char *what; bis_verify_render *render; const char *by; } wrong[] = {
         {"edge pixels count 1.5 times", render_heavy_edges, "outlines: "},
         {"edge samples to the right", render_to_the_right, "outlines, left to right"},
@@ -214,7 +208,6 @@ static double factor[2];
 static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene,
     const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    (void)scene, (void)desc, (void)view, (void)options, (void)diag;
     *result = (bis_render_result){.counters = {0}};
     for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] = 2 * 0.75 * factor[i / 3];
     f->weight = 2;
@@ -241,7 +234,6 @@ static const struct {
  * that with slopes. */
 static void the_sums_of_a_picture_are_those_by_hand(void **state)
 {
-    (void)state;
     static const char floor_text[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
                                      "[%g %g 2  %g %g 2  %g %g 2  %g %g 2]\n";
     static const char *const of_one[] = {"all pixels: em", "outlines: em", "not a number: em"},
@@ -304,7 +296,6 @@ static struct { uint64_t spp; unsigned calls, wrong; } asked;
 static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene,
     const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    (void)scene, (void)desc, (void)view, (void)diag;
     *result = (bis_render_result){.counters = {0}};
     asked.calls++;
     asked.wrong += options->budget.spp != asked.spp;
@@ -319,7 +310,6 @@ static bis_status render_nothing(bis_render_result *result, bis_film *f, const b
  * pixels have 6 x 5 of each 10 x 10. */
 static void renders_pixels_and_passes_are_those_worked_out(void **state)
 {
-    (void)state;
     static const struct { const char *integrator; int width, height; unsigned h; const char *note; unsigned renders,
         spp; } cases[] = {
         {"\"em\" \"integer samples\" 8", 8, 4, 5, "; 128 renders of 32 pixels, 4 passes", 128, 4},
@@ -361,7 +351,6 @@ static void renders_pixels_and_passes_are_those_worked_out(void **state)
  * of 7. Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
 static void a_reference_is_the_mean_over_the_pixel(void **state)
 {
-    (void)state;
     static const char *const text =
         "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\nWorldBegin\n"
         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
@@ -396,7 +385,6 @@ static void a_reference_is_the_mean_over_the_pixel(void **state)
  * (0.70118 + 2 x 0.29882 x 0.70118). */
 static void pixels_of_a_thin_film_meet_what_is_there(void **state)
 {
-    (void)state;
     static const char text[] = "Film \"rgb\" \"integer xresolution\" 6 \"integer yresolution\" 4\n"
         "Camera \"orthographic\"\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
         "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
@@ -447,7 +435,6 @@ static void pixels_of_a_thin_film_meet_what_is_there(void **state)
  * they meet by so many degrees: an outline where the material is another, or by more than 60 degrees. */
 static void outlines_are_other_materials_and_other_sides(void **state)
 {
-    (void)state;
     static const struct {
         bool is_other;
         double degrees;
@@ -485,7 +472,6 @@ static void outlines_are_other_materials_and_other_sides(void **state)
 /* `exact` takes 2^17 patches a pixel: its points are looked at, as before. */
 static void what_is_too_dear_is_said(void **state)
 {
-    (void)state;
     verify_built b = build_full();
     bis_settings s = bis_settings_default(&bis_exact);
     bis_verify v = {.seed = 1};
@@ -502,7 +488,6 @@ static void what_is_too_dear_is_said(void **state)
 
 static void every_allocation_of_a_picture_may_fail(void **state)
 {
-    (void)state;
     verify_built b = build_full();
     bis_settings s = bis_settings_default(&bis_em);
     bis_status status = BIS_NOMEM;

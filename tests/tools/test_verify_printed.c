@@ -4,16 +4,13 @@
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* What a candidate from the map may be: one of 4 places in each pixel. */
 typedef struct place {
@@ -123,7 +120,6 @@ static double bias_of(double *least_found, const lit *l, const bis_settings *s, 
  * was right to 0.3 % at M = 16, and no run can see that. The last column: what a finite M may matter for E6 and E27. */
 static void the_thesis_as_printed_is_rejected(void **state)
 {
-    (void)state;
     const struct {
         const char *name;
         unsigned flag;
@@ -175,7 +171,6 @@ static void the_thesis_as_printed_is_rejected(void **state)
 /* The twin of the whole program: the thesis's equations as printed, once by the command. */
 static void a_scene_that_is_wrong_on_purpose_fails(void **state)
 {
-    (void)state;
     static const char *const errata[] = {"E20", "E21", "E22", "E34"};
     verify_write_map();
     for (size_t i = 0; i < sizeof errata / sizeof *errata; i++) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` as a command and for whole scenes. */
 #include "tools/verify/verify.h"
+#include "claim.h"
 #include "further.h"
 #include "stat.h"
 #include "bis/files/image_file.h"
@@ -9,12 +10,8 @@
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* The scenes of a_pixel_is_looked_at_once, what_a_scene_lacks, every_material, pixels_of_the_lattice and our_own_files,
  * in this order. In all they have seven points of view, at which each further integrator is tested. */
@@ -25,7 +22,6 @@ static double alpha(void)
 
 static void the_command_verifies_maps_and_scenes(void **state)
 {
-    (void)state;
     program_run r;
     bis_envmap em = map_random(32, 16, 4, 0.1, 2);
     const bis_image square = {16, 16, em.pixels};
@@ -51,7 +47,6 @@ static void the_command_verifies_maps_and_scenes(void **state)
 /* The lattice comes back to the pixels of a small film: each is looked at once. */
 static void a_pixel_is_looked_at_once(void **state)
 {
-    (void)state;
     bis_verify v = {.seed = 1, .halvings = 1}; /* three pixels are wanted */
     size_t in_view = 0;
     verify_write_map();
@@ -98,7 +93,6 @@ static size_t count(const bis_verify *v, const char *group, const char *begin)
 
 static void what_a_scene_lacks_is_skipped_and_says_why(void **state)
 {
-    (void)state;
     bis_verify v = {.seed = 1, .halvings = 5};
     run_text(&v, verify_one_pixel, MAP_LIGHT);
     assert_int_equal(count(&v, "map", ""), 14);
@@ -125,7 +119,6 @@ static void what_a_scene_lacks_is_skipped_and_says_why(void **state)
  * its like all angles have equally many tests. */
 static void every_material_is_looked_at_once(void **state)
 {
-    (void)state;
     static char world[8192] = MAP_LIGHT "Translate 50 0 0 "; /* out of view */
     bis_verify v = {.seed = 2, .halvings = 5};
     strcat(world, PHONG("0.25", "0.25", "7") "Shape \"sphere\" " PHONG("0.25", "0.25",
@@ -163,7 +156,6 @@ static void every_material_is_looked_at_once(void **state)
  * not. */
 static void metals_that_differ_in_one_number_are_others(void **state)
 {
-    (void)state;
     static const char *const metals[] = {
         "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
         "\"rgb eta\" [1 1.5 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
@@ -204,7 +196,6 @@ static void assert_columns(const char *line, const char *json, int test)
  * status is 1, and table and JSON agree in each line about what failed, its numbers and how many there are. */
 static void a_failure_is_told_in_table_and_json(void **state)
 {
-    (void)state;
     static char json[1 << 17];
     program_run r;
     char value[256], path[64], expected[512], text[1024];
@@ -253,7 +244,6 @@ static void a_failure_is_told_in_table_and_json(void **state)
  * (0.00976, 0.63968). They fall into columns 10 to 29 and rows 10 to 19 of the crop. */
 static void pixels_of_the_lattice_lie_in_the_crop(void **state)
 {
-    (void)state;
     bis_verify v = {.seed = 3, .halvings = 1}; /* three pixels are wanted */
     run_text(&v,
         "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 \"float cropwindow\" [0.25 0.75 0.5 1] "
@@ -272,7 +262,6 @@ static void pixels_of_the_lattice_lie_in_the_crop(void **state)
  * rows. */
 static void a_large_map_has_fewer_pixels_looked_at(void **state)
 {
-    (void)state;
     enum { W = 2048, H = 1024, DARK = 800, LIT = 8 };
     bis_image map;
     verify_write_map();
@@ -295,7 +284,6 @@ static void a_large_map_has_fewer_pixels_looked_at(void **state)
 
 static void our_own_files_pass(void **state)
 {
-    (void)state;
     static const char *const paths[] = {"data/scenes/figure-5.3.txt", "data/scenes/louvres.txt"};
     for (int i = 0; i < 2; i++) {
         bis_verify v = {.seed = 3, .halvings = 4};

@@ -6,16 +6,13 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/warp.h"
 #include "thesis/proposal.h"
+#include "claim.h"
 #include "stat.h"
 #include "lit.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 static double alpha(void) { return stat_level(1e-3, 160); }
 
@@ -32,7 +29,6 @@ static const bis_settings *all_settings(void)
 
 static void right_integrators_pass(void **state)
 {
-    (void)state;
     const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
     const lit_hidden hidden[] = {LIT_HALF, LIT_OPEN, LIT_HALF};
     for (int i = 0; i < 3; i++) {
@@ -57,7 +53,6 @@ static void right_integrators_pass(void **state)
 /* An integrator's numbers come from its name: whatever stands before it in the list. */
 static void a_test_does_not_depend_on_those_before_it(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_verify all = {.seed = 1, .halvings = 4}, one = all;
     bool tested;
@@ -76,7 +71,6 @@ static void a_test_does_not_depend_on_those_before_it(void **state)
 /* "+- 0.002 %" is a share: a light that is 64 times as bright leaves it as it is, to the bit. */
 static void the_error_of_the_reference_is_told_as_a_share(void **state)
 {
-    (void)state;
     const bis_settings *s = all_settings();
     char note[2][sizeof((bis_verify_test *)0)->note + 128];
     for (int k = 0; k < 2; k++) {
@@ -101,7 +95,6 @@ static void the_error_of_the_reference_is_told_as_a_share(void **state)
 
 static void a_point_in_the_dark_is_not_tested(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     lit l;
     bool tested;
@@ -117,7 +110,6 @@ static void a_point_in_the_dark_is_not_tested(void **state)
  * inequality. The right one passes; the one that draws again below the horizon, hence too often above it, does not. */
 static void what_is_rare_and_bright_is_judged_too(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
     lit l;
     bool tested;
@@ -159,7 +151,6 @@ static rgb Lo_of_a_stranger(const bis_settings *s, const bis_point *pt, bis_stre
  * The lamp is met by one uniform direction of 150: perhaps by none of 64 runs, but by many of 16384. */
 static void a_stranger_is_held_to_what_uniform_directions_do(void **state)
 {
-    (void)state;
     const struct { lit_map map; double factor; float brightest; unsigned halvings; bool passes; } rows[] = {
         {LIT_SMOOTH, 1, INFINITY, 2, true},   {LIT_SMOOTH, 0.9, INFINITY, 2, false},
         {LIT_SMOOTH, 1.1, INFINITY, 2, false},
@@ -196,7 +187,6 @@ static rgb Lo_not_a_number_at_times(const bis_settings *s, const bis_point *pt, 
 /* One run of many that is no number: the integrator fails at once, whatever the threshold. */
 static void what_is_not_a_number_fails(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_integrator forged = bis_mis;
     bis_settings s = bis_settings_default(&bis_mis);
@@ -221,7 +211,6 @@ static void what_is_not_a_number_fails(void **state)
 /* Run r is the estimate of stream r, on whatever thread, and what it has counted is added to what stood there. */
 static void runs_are_those_of_their_streams(void **state)
 {
-    (void)state;
     enum { RUNS = 100, SEED = 77 };
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_settings s = bis_settings_default(&bis_rejection);
@@ -257,7 +246,6 @@ static void runs_are_those_of_their_streams(void **state)
  * told to. */
 static void the_density_of_its_samples_decides_how_an_integrator_is_judged(void **state)
 {
-    (void)state;
     enum { T, BERNSTEIN, SKIPPED };
     static const struct {
         lit_map map;
@@ -300,7 +288,6 @@ static void the_density_of_its_samples_decides_how_an_integrator_is_judged(void 
  * patches. The point of pixel (12, 8) of the scene of verify_help, 40 seeds; 1e-3 for all of them. */
 static void seeds_that_were_accused_pass(void **state)
 {
-    (void)state;
     enum { N = 40, X = 12, Y = 8 };
     bis_counters counters = {0};
     bis_pixel_hit hit;

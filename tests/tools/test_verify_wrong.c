@@ -3,14 +3,11 @@
  * test_verify_exact. */
 #include "tools/verify/verify.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
 #include "lit.h"
 #include "verify_help.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 /* Wrong integrators, made of right ones. */
 static rgb Lo_without_shadows(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -76,7 +73,6 @@ static double f_many_without_cosine(const bis_reflected *f, const bis_bsdf *b, c
  * cosine that phat forgets, grazing candidates outweigh all others, and the test is skipped. */
 static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
 {
-    (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     bis_bsdf_model model = bis_phong_model;
     lit l;
@@ -100,7 +96,6 @@ static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
 
 static void wrong_integrators_are_rejected(void **state)
 {
-    (void)state;
     const struct {
         const bis_integrator *from;
         rgb (*Lo)(const bis_settings *, const bis_point *, bis_stream *, bis_scratch *);

@@ -7,20 +7,15 @@
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "image_help.h"
 #include "mesh_help.h"
 #include "files/obj.h"
 #include "files/ply.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 5, HEIGHT = 4 };
 #define SCENES "../../tests/data/scenes/" /* from build/scratch */
@@ -147,7 +142,6 @@ static void fail_each_of_scene(const char *integrator, const char *accelerator, 
 
 static void a_picture_by_any_integrator_or_a_clean_error(void **state)
 {
-    (void)state;
     const char *integrators[] = {"\"em\"", "\"brdf\"", "\"mis\"", "\"mis\" \"bool compensate\" \"true\"",
                                  "\"rejection\" \"string proposal\" \"choose\"", "\"sir\" \"string proposal\" \"em\"",
                                  "\"sir\" \"string proposal\" \"mix\"", "\"exact\"", "\"unoccluded\""};
@@ -157,14 +151,12 @@ static void a_picture_by_any_integrator_or_a_clean_error(void **state)
 
 static void both_accelerators_or_a_clean_error(void **state)
 {
-    (void)state;
     if (bis_accel_embree_version()) fail_each_of_scene("\"sir\"", "embree", "stratified", MAP);
     fail_each_of_scene("\"sir\"", "grid", "independent", MAP);
 }
 
 static void every_kind_of_light_table_and_sampler_or_a_clean_error(void **state)
 {
-    (void)state;
     const char *samplers[] = {"independent", "stratified", "halton"};
     const char *lights[] = {MAP "\"float areaexponent\" 0", MAP "\"string sampler\" \"cdf\"",
         MAP "\"string sampler\" \"alias\"", "\"rgb L\" [1 2 3]"};
@@ -176,7 +168,6 @@ static void every_kind_of_light_table_and_sampler_or_a_clean_error(void **state)
 
 static void maps_of_every_format_and_mapping_or_a_clean_error(void **state)
 {
-    (void)state;
     const char *endings[] = {"hdr", "exr", "pfm"};
     bis_image image;
     assert_int_equal(bis_image_init(&image, 8, 8, NULL), BIS_OK);
@@ -207,7 +198,6 @@ static bis_status read_image(void *path, rgb *result, bis_diag *diag)
 
 static void an_image_of_every_format_or_a_clean_error(void **state)
 {
-    (void)state;
     const char *names[] = {"a.hdr", "a.exr", "a.pfm"};
     bis_image image;
     assert_int_equal(bis_image_init(&image, 64, 32, NULL), BIS_OK);
@@ -223,7 +213,6 @@ static void an_image_of_every_format_or_a_clean_error(void **state)
 
 static void a_mesh_of_every_format_or_a_clean_error(void **state)
 {
-    (void)state;
     static const char *const files[] = {
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float "
         "nx\nproperty float ny\n"

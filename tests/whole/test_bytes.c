@@ -13,6 +13,7 @@
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
 #include "bis/scene/light_load.h"
+#include "claim.h"
 #include "lit.h"
 #include "map_help.h"
 #include "render/ranks.h"
@@ -22,15 +23,9 @@
 
 #include <malloc.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
 enum { MALLOC_COUNTS = 0 };
@@ -66,7 +61,6 @@ static void expect(account before, size_t said) { assert_true(is_true(before, sa
 
 static void malloc_sees_a_block_of_ours_and_the_account_can_fail(void **state)
 {
-    (void)state;
     const account before = begin();
     void *p = bis_alloc(1000, 8);
     assert_true(is_true(before, 8000));
@@ -83,7 +77,6 @@ static void tables_of_weights(void **state)
     bis_alias alias;
     bis_cdf cdf;
 
-    (void)state;
     for (int i = 0; i < N; i++) weights[i] = 1 + i % 7;
     account before = begin();
     assert_int_equal(bis_alias_init(&alias, weights, N, NULL), BIS_OK);
@@ -102,7 +95,6 @@ static void a_light_with_its_map_and_tables(void **state)
     static const int sides[] = {10, 67, 128};
     static const unsigned needs[] = {0, BIS_NEED_TABLE, BIS_NEED_CURVE, BIS_NEED_TABLE | BIS_NEED_CURVE};
 
-    (void)state;
     bis_light_free(lit_new_light(LIT_SPOTTY, 1, 0.15, false)); /* threads are made once, with memory of their own */
     for (size_t i = 0; i < 3; i++)
         for (size_t k = 0; k < 4; k++)
@@ -129,7 +121,6 @@ static void what_the_points_of_a_pass_share(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
-    (void)state;
     for (uint32_t M = 9; M <= 260; M += 251) {
         bis_clusters clusters;
         bis_visibility visibility;
@@ -154,7 +145,6 @@ static void what_the_points_of_a_pass_share(void **state)
 
 static void what_a_thread_has(void **state)
 {
-    (void)state;
     for (int i = 0; bis_integrators[i]; i++)
         for (uint32_t M = 8; M <= 300; M += 97)
             for (int proposal = BIS_PROPOSAL_EM; proposal <= BIS_PROPOSAL_PRODUCT; proposal++) {
@@ -177,7 +167,6 @@ static void what_a_thread_knows_beyond_the_thesis(void **state)
     bis_clusters clusters;
     bis_visibility visibility;
 
-    (void)state;
     assert_int_equal(bis_clusters_init(&clusters, light, 260, NULL), BIS_OK);
     assert_int_equal(bis_visibility_init(&visibility, 4, 0, 1, NULL), BIS_OK);
     for (int learns = 0; learns < 2; learns++) {
@@ -198,7 +187,6 @@ static void a_film_and_its_layers(void **state)
 {
     const double crop[4] = {0.1, 0.9, 0, 1};
 
-    (void)state;
     for (unsigned layers = 0; layers < 2; layers++) {
         bis_film film;
         const account before = begin();
@@ -229,7 +217,6 @@ static void what_a_render_works_with(void **state)
         {&bis_rejection, BIS_PROPOSAL_CHOOSE, false, false, false},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         for (int n_threads = 1; n_threads <= 3; n_threads += 2) {
             const bis_render_options options = {.n_threads = n_threads};
@@ -263,7 +250,6 @@ static void what_a_scheduler_has_for_tiles_and_ranks(void **state)
     static const struct { int ranks, side; } cases[] = {{2, 16}, {2, 1600}, {1000, 16}, {900, 3200}};
     size_t said[4], taken[4];
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         bis_ranks ranks = {.size = cases[i].ranks};
         bis_film film;
@@ -292,7 +278,6 @@ static void start_again_without_caches(char **argv)
 
 int main(int argc, char **argv)
 {
-    (void)argc;
     if (!MALLOC_COUNTS) {
         puts("malloc keeps no account here: it is the sanitizer's, or another C library's");
         return 0;

@@ -9,13 +9,7 @@
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "claim.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -83,7 +77,6 @@ static int run_generator(const char *environment, const char *arguments)
 
 static int make_both(void **state)
 {
-    (void)state;
     assert_int_equal(run("mkdir -p build/test-data"), 0);
     assert_int_equal(run_generator("OMP_NUM_THREADS=1", ONE), 0);
     assert_int_equal(run_generator("OMP_NUM_THREADS=3", TWO), 0);
@@ -221,7 +214,6 @@ static double volume6(const bis_mesh *m)
 
 static void every_mesh_is_closed_and_wound_outwards(void **state)
 {
-    (void)state;
     for (int i = 0; i < N_MODELS; i++) {
         bis_mesh m = {0};
         read_model(&m, models[i]);
@@ -237,7 +229,6 @@ static void one_turned_or_missing_triangle_is_found(void **state)
 {
     bis_mesh m = {0};
 
-    (void)state;
     read_model(&m, "pawn");
     uint32_t keep = m.index[3 * 777];
     m.index[3 * 777] = m.index[3 * 777 + 1];
@@ -255,7 +246,6 @@ static void one_turned_or_missing_triangle_is_found(void **state)
  * without area. */
 static void no_triangle_is_without_area(void **state)
 {
-    (void)state;
     for (int i = 0; i < N_MODELS; i++) {
         bis_mesh m = {0};
         read_model(&m, models[i]);
@@ -270,7 +260,6 @@ static void no_triangle_is_without_area(void **state)
 
 static void vertex_normals_are_unit_and_face_outwards(void **state)
 {
-    (void)state;
     for (int i = 0; i < N_MODELS; i++) {
         bis_mesh m = {0};
         size_t wrong = 0;
@@ -305,7 +294,6 @@ static void the_chess_set_and_the_knot_have_at_least_100000_triangles(void **sta
     char path[256];
     size_t set = 0;
 
-    (void)state;
     for (int i = 0; i < 6; i++) {
         snprintf(path, sizeof path, ONE "/models/%s.ply", models[i]);
         set += triangles_of(path);
@@ -318,7 +306,6 @@ static void a_benchmark_knot_has_the_triangles_asked_for(void **state)
 {
     static const size_t counts[] = {10000, 31623, 300000};
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         char arguments[64];
         bis_mesh m = {0};
@@ -335,7 +322,6 @@ static void a_benchmark_knot_has_the_triangles_asked_for(void **state)
 
 static void one_thread_and_three_make_the_same_bytes(void **state)
 {
-    (void)state;
     assert_int_equal(run("diff -r " ONE " " TWO), 0);
 }
 
@@ -344,7 +330,6 @@ static void all_of_it_takes_at_most_12_megabytes(void **state)
     static const char *const folders[] = {ONE "/models", ONE "/maps"};
     size_t total = 0, n = 0;
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         DIR *dir = opendir(folders[i]);
         assert_non_null(dir);
@@ -364,7 +349,6 @@ static void all_of_it_takes_at_most_12_megabytes(void **state)
 
 static void bad_usage_and_an_unwritable_place_are_told(void **state)
 {
-    (void)state;
     assert_int_equal(run_generator("", ""), 2);
     assert_int_equal(run_generator("", "--knot 12x build/test-data/x.ply"), 2);
     assert_int_equal(run_generator("", "--knot 1e12 build/test-data/x.ply"), 2);
@@ -433,7 +417,6 @@ static contrast contrast_of(const char *name)
 
 static void every_map_is_finite_and_lit(void **state)
 {
-    (void)state;
     for (int i = 0; i < N_MAPS; i++) {
         bis_image image;
         double sum = 0;
@@ -451,7 +434,6 @@ static void every_map_is_finite_and_lit(void **state)
 /* Figures of photographed maps: max/median 1e4 to 1e6, 15% to 80% of the energy in the brightest 0.1%. */
 static void the_hall_has_a_contrast_of_ten_million(void **state)
 {
-    (void)state;
     contrast c = contrast_of("interior.hdr");
     assert_true(c.to_min >= 1e7);
     assert_true(c.to_median > 1e4 && c.to_median < 1e6);
@@ -462,7 +444,6 @@ static void outdoor_and_studio_concentrate_their_energy_like_photographed_ones(v
 {
     static const char *const names[] = {"outdoor.hdr", "studio.hdr"};
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         contrast c = contrast_of(names[i]);
         assert_true(c.to_median > 1e4 && c.to_median < 1e6);
@@ -472,7 +453,6 @@ static void outdoor_and_studio_concentrate_their_energy_like_photographed_ones(v
 
 static void the_overcast_sky_is_smooth(void **state)
 {
-    (void)state;
     contrast c = contrast_of("overcast.hdr");
     assert_true(c.to_median < 10);
     assert_true(c.share < 0.01);
@@ -487,7 +467,6 @@ static void the_sun_gives_the_irradiance_of_its_disc(void **state)
     bis_image image;
     double e = 0;
 
-    (void)state;
     read_map(&image, "outdoor.hdr");
     for (int y = 0; y < image.height; y++) {
         for (int x = 0; x < image.width; x++) {
@@ -506,7 +485,6 @@ static void the_plain_maps_hold_their_idea(void **state)
     bis_image image;
     int lit = 0;
 
-    (void)state;
     read_map(&image, "one_pixel.exr");
     for (int i = 0; i < image.width * image.height; i++) lit += !rgb_is_black(image.pixels[i]);
     assert_int_equal(lit, 1);
@@ -562,7 +540,6 @@ static double cells_apart(const double *a, const double *b, bool flip)
  * sign would make; a cloudy sky is nearly its own mirror image, and still differs twice as much. */
 static void maps_in_other_mappings_show_the_map_that_they_are_of(void **state)
 {
-    (void)state;
     for (int i = 0; i < N_MAPPED; i++) {
         bis_image image, source;
         bis_envmap em;
@@ -649,19 +626,16 @@ static void check_renders(const char *path)
 
 static void every_scene_parses_without_a_warning(void **state)
 {
-    (void)state;
     assert_true(for_each_scene(check_parses) >= 20);
 }
 
 static void every_scene_says_what_to_look_for(void **state)
 {
-    (void)state;
     for_each_scene(check_says_what_to_look_for);
 }
 
 static void every_scene_renders_without_a_warning(void **state)
 {
-    (void)state;
     for_each_scene(check_renders);
 }
 

@@ -3,14 +3,9 @@
  * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
  * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says;
  * each check can fail. */
+#include "claim.h"
+#include "file_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,6 +21,20 @@ static int shell(const char *command)
     fflush(stdout);
     int status = system(command);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+/* scripts/check/SCRIPT.sh finds nothing in the folder, or this; at_once: that is the first that it says. */
+static void assert_check(const char *script, const char *folder, const char *message, bool at_once)
+{
+    static char text[4096];
+    char command[256], path[128];
+    snprintf(path, sizeof path, "%s.out", folder);
+    snprintf(command, sizeof command, "sh scripts/check/%s.sh %s > %s", script, folder, path);
+    const int status = shell(command);
+    read_text(text, sizeof text, path);
+    if (status != (message != NULL)) fail_msg("status %d: %s", status, text);
+    const char *const at = message ? strstr(text, message) : text;
+    if (!at || (at_once && at != text)) fail_msg("no \"%s\" in: %s", message, text);
 }
 
 /* A stand-in for the root: the scene and data of the repository, `bis` the program under test. */
@@ -102,7 +111,6 @@ static int run_commands_of(const char *page)
 
 static void every_command_of_the_readme_works(void **state)
 {
-    (void)state;
     make_root();
     assert_true(run_commands_of("README.md") >= 5);
     assert_true(program_exists(DIR "/bis.png")); /* the first command */
@@ -111,7 +119,6 @@ static void every_command_of_the_readme_works(void **state)
 /* What a "Do" box of the guide asks for can be done. */
 static void every_command_of_the_guide_works(void **state)
 {
-    (void)state;
     make_root();
     assert_true(run_commands_of("docs/guide.md") >= 12);
     assert_true(program_exists(DIR "/pixel_350_300/pixel.html") && program_exists(DIR "/sky-importance.png"));
@@ -143,7 +150,6 @@ static void copy_block(const char *mark, const char *path)
  * after the other, with a stand-in for srun; only the camera samples are fewer, and the pixels. */
 static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 {
-    (void)state;
     make_root();
     copy_block("<!-- loop -->", DIR "/loop.sh");
     assert_int_equal(shell("cd " DIR " && sh -e loop.sh 2> err"), 0);
@@ -163,7 +169,6 @@ static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
 /* No link of a page leads nowhere. */
 static void links_of_the_pages_lead_to_files(void **state)
 {
-    (void)state;
     const char *pages[] = {"README.md", "docs/command-line.md", "src/README.md", "docs/integrators.md",
         "docs/scene-format.md", "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md",
         "docs/budgets.md", "docs/measured.md", "docs/guide.md", "docs/theory.md", "docs/live.md",
@@ -171,10 +176,7 @@ static void links_of_the_pages_lead_to_files(void **state)
         "docs/CODE_OF_CONDUCT.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
-        FILE *f = fopen(pages[i], "r");
-        assert_non_null(f);
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
+        read_text(text, sizeof text, pages[i]);
         for (const char *at = strstr(text, "]("); at; at = strstr(at + 1, "](")) {
             size_t n = strcspn(at + 2, ")#");
             if (n == 0 || strncmp(at + 2, "http", 4) == 0) continue;
@@ -189,14 +191,12 @@ static void links_of_the_pages_lead_to_files(void **state)
 
 static void code_on_the_pages_is_what_the_compiler_sees(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/fragments.sh --check"), 0);
 }
 
 /* The twins: a fresh root with one page. */
 static void a_fragment_that_is_gone_or_differs_is_found(void **state)
 {
-    (void)state;
     const char *right = "Text.\n\n<!-- src/a.c [add] -->\n```c\n    return a + b;\n```\n\n```c\nfree();\n```\n";
     const struct { const char *page, *source, *message; } cases[] = {
         {right, "{\n    /* [add] */\n    return a + b;\n    /* [end] */\n}\n", NULL},
@@ -215,9 +215,7 @@ static void a_fragment_that_is_gone_or_differs_is_found(void **state)
         program_write_file("build/fragments/docs/page.md", cases[i].page);
         program_write_file("build/fragments/src/a.c", cases[i].source);
         int status = shell("sh scripts/check/fragments.sh --check build/fragments > build/fragments.out 2>&1");
-        FILE *f = fopen("build/fragments.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
+        read_text(text, sizeof text, "build/fragments.out");
         assert_int_equal(status, cases[i].message != NULL);
         if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
     }
@@ -225,13 +223,11 @@ static void a_fragment_that_is_gone_or_differs_is_found(void **state)
 
 static void every_equation_of_the_guide_stands_in_the_files_it_names(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_guide.sh"), 0);
 }
 
 static void an_equation_that_a_file_does_not_name_is_found(void **state)
 {
-    (void)state;
     static const char others[] =
         "| 3.17 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16 | |\n"
         "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
@@ -247,24 +243,17 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
         {"Nothing.\n", "", "docs/guide.md: no table of equations"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096];
         assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
         char table[2048]; /* the table first: messages say line 1 */
         snprintf(table, sizeof table, "%s%s%s", cases[i].page, cases[i].source[0] ? others : "", sections);
         program_write_file("build/guide_check/docs/guide.md", table);
         program_write_file("build/guide_check/src/a.c", cases[i].source);
-        int status = shell("sh scripts/check/check_guide.sh build/guide_check > build/guide_check.out");
-        FILE *f = fopen("build/guide_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_guide", "build/guide_check", cases[i].message, false);
     }
 }
 
 static void a_place_that_is_not_where_the_map_of_src_says_is_found(void **state)
 {
-    (void)state;
     assert_int_equal(shell("cd build && rm -rf map_check && mkdir -p map_check/docs && "
                            "cp ../docs/guide.md map_check/docs/ && cp -R ../src ../include map_check/"), 0);
     assert_int_equal(shell("sh scripts/check/check_guide.sh build/map_check"), 0);
@@ -277,7 +266,6 @@ static void a_place_that_is_not_where_the_map_of_src_says_is_found(void **state)
 /* The twin of "every section of chapters 3 and 4 has something to do", which the check of equations above does, too. */
 static void a_section_without_a_task_or_its_answer_is_found(void **state)
 {
-    (void)state;
     static const char table[] = "## 5 C\n| 3.1 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, "
                                 "3.14, 3.15, 3.16, 3.17 | [`src/a.c`](../src/a.c) |\n"
                                 "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
@@ -291,17 +279,12 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
         {box, "*Do:* x\n<details>\ny\n", "section 4.4 does not close its <details>"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096], page[2048];
+        char page[2048];
         assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
         snprintf(page, sizeof page, "## 3.2.1 A\n%s## 4.4 B\n%s%s", cases[i].first, cases[i].second, table);
         program_write_file("build/guide_check/docs/guide.md", page);
         program_write_file("build/guide_check/src/a.c", "/* see eq. 3.1, eq. 4.1 */\n");
-        int status = shell("sh scripts/check/check_guide.sh build/guide_check > build/guide_check.out");
-        FILE *f = fopen("build/guide_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        if (status != (cases[i].message != NULL)) fail_msg("case %zu: status %d, %s", i, status, text);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_guide", "build/guide_check", cases[i].message, false);
     }
 }
 
@@ -309,7 +292,6 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
 
 static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_docstrings.sh > build/test_docs.out"), 0);
 }
 
@@ -318,7 +300,6 @@ static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(
 /* The twin: a fresh tree with a public header, a private one, and one file of src. */
 static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(void **state)
 {
-    (void)state;
     const struct { const char *header, *source, *message, *private; } cases[] = {
         {"/* f does it. */\nint f(int x);\n", "\n", NULL, NULL},
         {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return "
@@ -342,18 +323,12 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
          "/* Does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[1024] = "";
         assert_int_equal(
             shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
         program_write_file("build/docstrings/include/bis/base/x.h", cases[i].header);
         program_write_file("build/docstrings/src/base/x.c", cases[i].source);
         program_write_file("build/docstrings/src/base/y.h", cases[i].private ? cases[i].private : "\n");
-        int status = shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out");
-        FILE *f = fopen("build/docstrings.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+        assert_check("check_docstrings", "build/docstrings", cases[i].message, true);
     }
 }
 
@@ -366,7 +341,6 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
     const char *line = COLUMNS_50 COLUMNS_50 "12345678901234567890";
     char path[128], text[256], said[1024];
 
-    (void)state;
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
                                "mkdir -p include/bis/base .ci src/base tests/base scripts data/generate docs/live"), 0);
@@ -381,9 +355,7 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
                              shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
         }
         snprintf(text, sizeof text, "%s:1: 121 columns, at most 120 are allowed\n", files[i]);
-        FILE *f = fopen("build/docstrings.out", "r");
-        said[fread(said, 1, sizeof said - 1, f)] = '\0';
-        fclose(f);
+        read_text(said, sizeof said, "build/docstrings.out");
         assert_string_equal(said, text);
     }
 }
@@ -391,7 +363,6 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
 /* 60 lines from { to }, and one more; 40 lines of a table beside them are none. */
 static void a_function_of_more_than_60_lines_is_found(void **state)
 {
-    (void)state;
     static const char *const files[] = {"src/base/x.c", "tests/base/test_x.c", "scripts/x.c"};
     char path[128], said[1024], expected[256];
 
@@ -413,9 +384,7 @@ static void a_function_of_more_than_60_lines_is_found(void **state)
                              shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));
         }
         snprintf(expected, sizeof expected, "%s:2: f has 61 lines, at most 60 are allowed\n", files[i]);
-        FILE *f = fopen("build/docstrings.out", "r");
-        said[fread(said, 1, sizeof said - 1, f)] = '\0';
-        fclose(f);
+        read_text(said, sizeof said, "build/docstrings.out");
         assert_string_equal(said, expected);
     }
 }
@@ -424,14 +393,12 @@ static void a_function_of_more_than_60_lines_is_found(void **state)
 
 static void arrows_only_go_down(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_layers.sh > build/test_docs.out"), 0);
 }
 
 /* The twin: a fresh tree with one file that looks up, and one in a folder that nobody gave a row. */
 static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
 {
-    (void)state;
     const struct { const char *name, *text, *message; } cases[] = {
         {"thesis/sir.c", "#include \"bis/base/vec.h\"\n", NULL},
         {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
@@ -443,26 +410,20 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
         {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[256], text[1024] = "", command[512];
+        char path[256], command[512];
         snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
         snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base",
             path);
         assert_int_equal(shell(command), 0);
         program_write_file("build/layers/include/bis/base/vec.h", "");
         program_write_file(path, *cases[i].text ? cases[i].text : "\n");
-        int status = shell("sh scripts/check/check_layers.sh build/layers > build/layers.out");
-        FILE *f = fopen("build/layers.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+        assert_check("check_layers", "build/layers", cases[i].message, true);
     }
 }
 
 /* Two objects that take a function of each other, and a third beside them. */
 static void files_that_need_each_other_are_found(void **state)
 {
-    (void)state;
     const char *const folder = "build/circles";
     char command[1024], text[1024] = "";
     for (int twin = 0; twin < 2; twin++) {
@@ -475,9 +436,7 @@ static void files_that_need_each_other_are_found(void **state)
                  folder, folder, folder, folder, twin ? "bis_a()" : "1");
         if (shell(command) != 0) skip();
         assert_int_equal(shell("sh scripts/check/check_circles.sh build/circles > build/circles.out"), twin);
-        FILE *f = fopen("build/circles.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
+        read_text(text, sizeof text, "build/circles.out");
         assert_int_equal(strstr(text, "a/a.c") && strstr(text, "b/b.c") && !strstr(text, "b/c.c"), twin);
     }
 }
@@ -485,7 +444,6 @@ static void files_that_need_each_other_are_found(void **state)
 /* Objects with the instruction, and a twin in which one has none. */
 static void a_prefetch_that_the_compiler_leaves_out_is_found(void **state)
 {
-    (void)state;
     char command[1024];
     for (int twin = 0; twin < 2; twin++) {
         snprintf(command, sizeof command,
@@ -508,7 +466,6 @@ static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
                                          "if (b[i] > 1) other(a, i);", "store(&a[i], b[i]);"};
     char command[1024];
 
-    (void)state;
     if (!getenv("BIS_COMPILE")) {
         print_message("run by make test, which tells how to compile\n");
         skip();
@@ -532,7 +489,6 @@ static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
 
 static void a_shift_beyond_32_bits_is_found(void **state)
 {
-    (void)state;
     if (!getenv("BIS_COMPILE")) skip();
     if (shell("sh scripts/check/check_32_bits.sh src/cli/cmd_pixel.c | grep -q 'not checked'") == 0) skip();
     assert_int_equal(shell("sh scripts/check/check_32_bits.sh"), 0);
@@ -546,7 +502,6 @@ static void a_shift_beyond_32_bits_is_found(void **state)
 
 static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/check_errata.sh"), 0);
 }
 
@@ -558,7 +513,6 @@ static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void *
 
 static void an_item_without_its_test_or_its_twin_is_found(void **state)
 {
-    (void)state;
     const struct { const char *page, *tests, *message; } cases[] = {
         {ITEMS ROW1 ROW2, TESTS, NULL},
         {ITEMS ROW1 ROW2, TESTS "cmocka_unit_test(grows_by_1e12_E1_E2),\n", NULL},
@@ -575,23 +529,16 @@ static void an_item_without_its_test_or_its_twin_is_found(void **state)
         {"\n", TESTS, "docs/errata.md: no items"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096];
         assert_int_equal(shell("cd build && rm -rf errata_check && mkdir -p errata_check/docs errata_check/tests"), 0);
         program_write_file("build/errata_check/docs/errata.md", cases[i].page);
         program_write_file("build/errata_check/tests/test_x.c", cases[i].tests);
-        int status = shell("sh scripts/check/check_errata.sh build/errata_check > build/errata_check.out");
-        FILE *f = fopen("build/errata_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_errata", "build/errata_check", cases[i].message, false);
     }
 }
 
 /* The words of a scene, and the scenes that hold them; the twins lack one. */
 static void every_word_of_a_scene_stands_in_a_scene(void **state)
 {
-    (void)state;
     const struct { const char *page, *source, *scene, *message; } cases[] = {
         {"`float fov` and `Rotate degrees x y z`\n", "read(\"sobol\");\n", "Rotate 1 \"float fov\" \"sobol\"\n", NULL},
         {"`float fov`\n```\n`float gap`\n```\n", "read(\"sobol\");\n", "\"float fov\" \"sobol\"\n", NULL},
@@ -604,7 +551,6 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
     };
     assert_int_equal(shell("sh scripts/check/check_scenes.sh"), 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char text[4096];
         char scene[512];
         assert_int_equal(shell("cd build && rm -rf scenes_check && mkdir -p scenes_check/docs scenes_check/src/parse "
                                "scenes_check/data/scenes"), 0);
@@ -617,19 +563,13 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
             cases[i].scene);
         program_write_file("build/scenes_check/data/scenes/a.txt", scene);
         program_write_file("build/scenes_check/scene.txt", "");
-        const int status = shell("sh scripts/check/check_scenes.sh build/scenes_check > build/scenes_check.out");
-        FILE *f = fopen("build/scenes_check.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+        assert_check("check_scenes", "build/scenes_check", cases[i].message, false);
     }
 }
 
 /* What the sources no longer say cannot be changed. Twin: sources that are not the project's. */
 static void every_mutation_finds_its_text(void **state)
 {
-    (void)state;
     assert_int_equal(shell("sh scripts/check/mutate.sh -a"), 0);
     assert_int_equal(shell("cd build && rm -rf mutate && mkdir -p mutate && cp -R ../src ../include mutate && "
                            "sed 's/BIS_EDGE_OUTLINE;/BIS_EDGE_NONE;/' ../src/render/edges.c > "
@@ -662,7 +602,6 @@ static void assert_kept(const char *file)
 /* Programs that find the project's files and leave one of their own; some fail. */
 static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 {
-    (void)state;
     static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e "
                                "build/mine && echo x > build/mine\n";
     static const char bad[] = "#!/bin/sh\necho x > build/mine; exit 1\n";
@@ -701,7 +640,6 @@ static void each_job_of_the_tests_has_a_root_of_its_own(void **state)
 /* `make test` runs every test program; T names a folder or a part of a name. `make -n` tells what would run. */
 static void make_test_chooses_the_programs(void **state)
 {
-    (void)state;
     static const struct {
         const char *choice, *files;
     } cases[] = {{"", "tests/*/test_*.c"}, {"T=shape", "tests/shape/test_*.c"}, {"T=film", "tests/*/test_*film*.c"}};

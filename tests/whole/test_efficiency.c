@@ -17,19 +17,15 @@
 #include "bis/base/stats.h"
 #include "bis/render/render.h"
 #include "bis/thesis/phong.h"
+#include "claim.h"
+#include "file_help.h"
 #include "lit.h"
 #include "program.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FOLDER "build/test_efficiency"
 
@@ -175,7 +171,6 @@ static bool hidden_by_chance(const bis_accel *a, const ray *r)
 {
     uint32_t x, y;
 
-    (void)a;
     memcpy(&x, &r->d.x, sizeof x);
     memcpy(&y, &r->d.y, sizeof y);
     const double coin = (double)(bis_hash((uint64_t)x << 32 | y) >> 11) * 0x1p-53;
@@ -206,7 +201,6 @@ static bool draw_unsteered(bis_guide *guide, bis_set *x, uint32_t n, const bis_p
 
 static bool has_none(const bis_guide *guide, const bis_set *x, const bis_point *pt)
 {
-    (void)guide, (void)x, (void)pt;
     return false;
 }
 
@@ -381,11 +375,7 @@ static double alpha(void) { return stat_level(1e-3, N_CLAIMS); }
 static const char *read_page(int *n)
 {
     static char text[1 << 17];
-    FILE *f = fopen("docs/proof.md", "r");
-
-    assert_non_null(f);
-    text[fread(text, 1, sizeof text - 1, f)] = '\0';
-    fclose(f);
+    read_text(text, sizeof text, "docs/proof.md");
     char *table = strstr(text, "<!-- efficiency -->"), *end = strstr(text, "<!-- end efficiency -->");
     assert_true(table && end);
     *end = '\0';
@@ -432,7 +422,6 @@ static void each_feature_leaves_as_much_of_the_squared_error_as_is_said(void **s
     int n;
     const char *page = read_page(&n);
 
-    (void)state;
     assert_int_equal(n, N_CLAIMS);
     program_folder(FOLDER);
     for (size_t k = 0; k < N_CLAIMS; k++)

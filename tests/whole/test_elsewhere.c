@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* elsewhere: scenes that other people published, judged by scripts/check/elsewhere.sh and tests/data/elsewhere.tsv
  * where they are on disk, and the script itself on scenes of our own. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -81,7 +75,6 @@ static void write_list(int from, int to, int left_out, int wrong, int column, co
 
 static int make_scenes(void **state)
 {
-    (void)state;
     program_folder(DIR);
     if (mkdir(DIR "/scenes", 0777) || mkdir(DIR "/scenes/we", 0777) || mkdir(DIR "/scenes/we/ours", 0777)) return 1;
     for (int i = 0; i < N_SCENES; i++) {
@@ -94,7 +87,6 @@ static int make_scenes(void **state)
 
 static void what_the_list_expects_passes(void **state)
 {
-    (void)state;
     char said[8192];
     write_list(0, BROKEN, -1, -1, 0, NULL);
     assert_int_equal(judge(program(), DIR "/scenes", DIR "/list.tsv", said), 0);
@@ -108,7 +100,6 @@ static void what_the_list_expects_passes(void **state)
 /* The twin: each column of each line, wrong, is found. */
 static void whatever_is_other_fails(void **state)
 {
-    (void)state;
     static const char *const other[4] = {"refused", "none", "2/2", "7"};
     char said[8192];
     for (int i = 0; i < BROKEN; i++) {
@@ -126,7 +117,6 @@ static void whatever_is_other_fails(void **state)
 
 static void too_few_that_pass_fail(void **state)
 {
-    (void)state;
     char said[8192];
     write_list(0, N_SCENES, -1, -1, 0, NULL); /* as the list expects, but 3 of 4 is fewer than 95 % */
     assert_int_equal(judge(program(), DIR "/scenes", DIR "/list.tsv", said), 1);
@@ -137,7 +127,6 @@ static void too_few_that_pass_fail(void **state)
 /* A bis that keeps silent about a black picture. */
 static void a_black_picture_that_nothing_announces_fails(void **state)
 {
-    (void)state;
     char said[8192], text[512];
     snprintf(text, sizeof text, "#!/bin/sh\n%s \"$@\" 2>" DIR "/said\nstatus=$?\n"
              "grep -v 'the picture is black' " DIR "/said >&2\nexit $status\n", program());
@@ -153,7 +142,6 @@ static void a_black_picture_that_nothing_announces_fails(void **state)
 
 static void nothing_there_is_no_success(void **state)
 {
-    (void)state;
     char said[8192];
     program_write_file(DIR "/list.tsv", "we/ours/inside.pbrt\t0123456789abcdef\tplain\town\t1/1\t0\n");
     assert_int_equal(judge(program(), DIR "/scenes", DIR "/list.tsv", said), 3);
@@ -164,7 +152,6 @@ static void nothing_there_is_no_success(void **state)
 
 static void a_render_says_that_its_picture_is_black(void **state)
 {
-    (void)state;
     program_run r;
     program_expect(&r, 0, "--approximate --resolution 8x6 --outfile " DIR "/a.pfm " OURS "room.pbrt");
     assert_non_null(strstr(r.messages, "the picture is black: no light from infinity reaches what the camera sees"));
@@ -196,7 +183,6 @@ static void a_render_says_that_its_picture_is_black(void **state)
 
 static void scenes_of_others_are_accepted_as_the_list_says(void **state)
 {
-    (void)state;
     const char *folder = getenv("BIS_SCENES");
     if (!folder) {
         print_message("no scenes of others: BIS_SCENES names no folder of them (scripts/check/elsewhere.sh says what "

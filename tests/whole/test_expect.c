@@ -73,7 +73,6 @@ static const struct { const char *text, *says; } bad[] = {
 
 static void what_is_expected_is_found(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         program_write_file(DIR "/good.expect", good[i]);
         char *wrong = expect_file(DIR "/good.expect", words, texts);
@@ -83,7 +82,6 @@ static void what_is_expected_is_found(void **state)
 
 static void what_is_not_as_expected_fails_and_is_shown(void **state)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         program_write_file(DIR "/bad.expect", bad[i].text);
         char *wrong = expect_file(DIR "/bad.expect", words, texts);
@@ -99,7 +97,6 @@ static void what_is_not_as_expected_fails_and_is_shown(void **state)
 /* Runs of `bis` are held to the same. */
 static void a_wrong_word_of_bis_itself_fails(void **state)
 {
-    (void)state;
     program_write_file(DIR "/bis.expect", "$2 bis help sp\n! bis: error: no command\n");
     char *wrong = expect_file(DIR "/bis.expect", NULL, NULL);
     assert_non_null(wrong);
@@ -112,7 +109,6 @@ static const expect_text here[] = {{"end", "\n"}, {"scene", DIR "/scene.txt"}, {
 
 static int setup(void **state)
 {
-    (void)state;
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\"\n");
     program_write_file(DIR "/empty.txt", "WorldBegin LightSource \"infinite\"\n");

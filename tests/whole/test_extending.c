@@ -14,13 +14,9 @@
 #include "thesis/proposal.h"
 #include "thesis/set.h"
 
+#include "claim.h"
+#include "file_help.h"
 #include "lit.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -163,7 +159,6 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
         {&bis_uniform, BIS_PROPOSAL_EM}, {&hemisphere, BIS_PROPOSAL_EM}, {&hemisphere, BIS_PROPOSAL_MIX}};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
 
-    (void)state;
     for (int i = 0; i < 12; i++) {
         bis_settings s = bis_settings_default(&bis_sir);
         lit l;
@@ -190,7 +185,6 @@ static void dust_has_the_albedo_of_lommel_and_seeliger_by_every_integrator(void 
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false); /* 1, 0.5, 0.25 */
     const double c = cos(50 * PI / 180), share = 0.5 * (1 - c * log1p(1 / c));
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         bis_settings s = bis_settings_default(integrators[i]);
         lit l;
@@ -212,7 +206,6 @@ static void dust_is_the_same_in_vectors(void **state)
     const bis_reflected f = {at, at + N, at + 2 * N, at + 3 * N, at + 4 * N};
     bis_bsdf b;
 
-    (void)state;
     bis_bsdf_init(&b, &m, tilted(), normalize(vec3_from(0.1, 0.5, 0.8)));
     bis_curve_points(u1, u2, N, SEED);
     bis_bsdf_sample_many(&y, &b, u1, u2, N);
@@ -234,7 +227,6 @@ static void cylinder_keeps_its_light_where_it_is(void **state)
     bis_image cylinder;
     bis_envmap em;
 
-    (void)state;
     assert_int_equal(bis_image_init(&cylinder, 64, 128, NULL), BIS_OK);
     for (int i = 0; i < 64 * 128; i++)
         cylinder.pixels[i] = i / 64 < 32 ? (rgb){2, 1, 0} : (rgb){0, 1, i % 64 < 16 ? 4 : 0};
@@ -246,20 +238,6 @@ static void cylinder_keeps_its_light_where_it_is(void **state)
     assert_true(bis_envmap_Le(&em, normalize((vec3){-1, 1, 0.5f})).b == 0);
     bis_image_clear(&cylinder);
     bis_envmap_clear(&em);
-}
-
-/* ---- the page ---- */
-
-static char *read_text(const char *path)
-{
-    FILE *f = fopen(path, "rb");
-    char *text = calloc(1, 1 << 18);
-
-    assert_non_null(f);
-    assert_non_null(text);
-    assert_true(fread(text, 1, (1 << 18) - 1, f) < (1 << 18) - 1);
-    fclose(f);
-    return text;
 }
 
 /* Is every ```c block of the page a piece of one of these files? Returns how many there are. */
@@ -276,9 +254,9 @@ static int blocks_found(const char *page, bool expected)
         assert_non_null(end);
         char *block = strndup(begin, (size_t)(end - begin));
         for (size_t i = 0; i < sizeof sources / sizeof *sources; i++) {
-            char *text = read_text(sources[i]);
+            char *text = read_whole(sources[i]);
             found |= strstr(text, block) != NULL;
-            free(text);
+            bis_free(text);
         }
         if (found != expected) fail_msg("block %d of docs/extending.md: %.60s", n + 1, block);
         free(block);
@@ -290,10 +268,9 @@ static int blocks_found(const char *page, bool expected)
 
 static void every_block_of_the_page_is_code_that_was_compiled(void **state)
 {
-    (void)state;
-    char *page = read_text("docs/extending.md");
+    char *page = read_whole("docs/extending.md");
     assert_true(blocks_found(page, true) >= 5);
-    free(page);
+    bis_free(page);
     assert_int_equal(blocks_found("```c\nint never_written;\n```\n", false), 1); /* twin */
 }
 
@@ -301,7 +278,6 @@ static void every_block_of_the_page_is_code_that_was_compiled(void **state)
  * command. */
 static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
 {
-    (void)state;
     if (!getenv("BIS_COMPILE")) {
         print_message("run by make test, which tells how to compile\n");
         skip();
@@ -323,7 +299,6 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
 /* The page's BRDF is part of that check; its twin: a `remake` that forgets the exponent. */
 static void a_brdf_whose_remake_forgets_a_number_is_found(void **state)
 {
-    (void)state;
     if (!getenv("BIS_COMPILE")) skip();
     assert_int_equal(
         system("! EXTENDING_EDIT='s,exponent ? \\*exponent : m->exponent,&/2,' sh scripts/check/check_extending.sh "
@@ -335,7 +310,6 @@ static void a_brdf_whose_remake_forgets_a_number_is_found(void **state)
  */
 static void every_number_of_a_material_is_listed(void **state)
 {
-    (void)state;
     const size_t word = sizeof(float), end = offsetof(bis_material, eta) + sizeof(rgb);
     assert_true(offsetof(bis_material, model) == 0 &&
                 (sizeof(bis_material) - end) < _Alignof(bis_material)); /* eta is the last field */
@@ -354,7 +328,6 @@ static void every_number_of_a_material_is_listed(void **state)
 /* What has no `remake` must be told, because a picture without the texture would look like one with it. */
 static void a_texture_of_a_model_without_remake_is_an_error(void **state)
 {
-    (void)state;
     bis_bsdf_model model = bis_phong_model;
     bis_texture white = {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.5, 0.5}};
     const bis_textures t = {.list = &white, .n = 1};

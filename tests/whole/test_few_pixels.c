@@ -2,14 +2,8 @@
 /* few_pixels: a map of few pixels has few clusters, and the default is as good under it as candidates that are drawn
  * for each point alone. It had 36 times their squared error under a map of one pixel, because all points of a pass
  * shared 64 directions, of which few met a lobe. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,7 +56,6 @@ static const double most = 1.3;
 static void the_default_is_as_good_as_mix(void **state)
 {
     static const int sizes[][2] = {{1, 1}, {2, 1}, {4, 2}, {8, 4}, {16, 8}};
-    (void)state;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         write_map(sizes[i][0], sizes[i][1]);
         const double ratio = scatter("") / scatter("--integrator sir --proposal mix --learn off" COUNTS);
@@ -74,7 +67,6 @@ static void the_default_is_as_good_as_mix(void **state)
 /* The twin: candidates from the map alone, as the default had them under one pixel. */
 static void candidates_that_do_not_meet_the_lobe_are_found(void **state)
 {
-    (void)state;
     write_map(1, 1);
     assert_true(scatter("--integrator sir --proposal em --learn off" COUNTS) >
                 most * scatter("--integrator sir --proposal mix --learn off" COUNTS));
@@ -82,7 +74,6 @@ static void candidates_that_do_not_meet_the_lobe_are_found(void **state)
 
 static int set_up(void **state)
 {
-    (void)state;
     program_folder(DIR);
     write_scene();
     return 0;

@@ -2,14 +2,9 @@
 /* `make figures` knows every figure that docs/measured.md speaks of, and each one that the thesis shows as a result or
  * a plot; pictures in that page are there and small. scripts/figures/docs_figures.sh makes every picture that the docs
  * show. Rendering them all takes minutes and is no part of the tests. */
+#include "claim.h"
+#include "file_help.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <ctype.h>
 #include <dirent.h>
@@ -20,17 +15,6 @@
 #include <sys/wait.h>
 
 #define PAGE "docs/measured.md"
-
-static void read_text(char *text, size_t size, const char *path)
-{
-    FILE *f = fopen(path, "r");
-
-    assert_non_null(f);
-    const size_t n = fread(text, 1, size - 1, f);
-    text[n] = '\0';
-    fclose(f);
-    assert_true(n < size - 1);
-}
 
 /* " 3.3 3.4 ... ": what the script makes. */
 static void read_list(char list[512])
@@ -64,7 +48,6 @@ static void the_script_makes_every_figure_of_the_thesis_that_is_a_result_or_a_pl
 {
     char list[512];
 
-    (void)state;
     read_list(list);
     for (size_t i = 0; i < WANTED; i++) assert_true(is_listed(list, wanted[i], strlen(wanted[i])));
     assert_false(is_listed(list, "3.7", 3)); /* a drawing, neither a result nor a plot */
@@ -85,7 +68,6 @@ static void every_figure_that_the_page_of_results_names_is_made(void **state)
     char list[512];
     int n = 0;
 
-    (void)state;
     read_list(list);
     read_text(page, sizeof page, PAGE);
     for (const char *at = strstr(page, "igure"); at; at = strstr(at + 1, "igure")) {
@@ -105,7 +87,6 @@ static void the_page_of_results_has_a_row_for_every_figure(void **state)
     static char page[1 << 16];
     char row[16];
 
-    (void)state;
     read_text(page, sizeof page, PAGE);
     for (size_t i = 0; i < WANTED; i++) {
         snprintf(row, sizeof row, "\n| %s | ", wanted[i]);
@@ -119,7 +100,6 @@ static void links_of_the_page_of_results_lead_to_files_and_its_pictures_are_belo
     char path[256];
     int n_pictures = 0;
 
-    (void)state;
     read_text(page, sizeof page, PAGE);
     for (const char *at = strstr(page, "]("); at; at = strstr(at + 1, "](")) {
         const int n = (int)strcspn(at + 2, ")#");
@@ -139,7 +119,6 @@ static void every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB(void **st
     char list[4096], path[512];
     int n_files = 0, n_listed = 0;
 
-    (void)state;
     assert_int_equal(system("mkdir -p build && sh scripts/figures/docs_figures.sh --list > build/test_figures.out"), 0);
     list[0] = '\n';
     read_text(list + 1, sizeof list - 1, "build/test_figures.out");
@@ -186,7 +165,6 @@ static void each_drawing_of_the_docs_is_drawn_again_the_same(void **state)
 {
     char names[512], command[700];
 
-    (void)state;
     if (system("command -v node > /dev/null") != 0) skip();
     snprintf(names, sizeof names, "%s %s", fast, getenv("BIS_LONG") ? slow : "");
     snprintf(command, sizeof command,
@@ -203,7 +181,6 @@ static void each_drawing_of_the_docs_is_drawn_again_the_same(void **state)
 
 static void a_figure_that_is_not_in_the_list_is_bad_usage(void **state)
 {
-    (void)state;
     const int status = system("sh scripts/figures/figures.sh build/none 9.9 2> build/test_figures.err");
     assert_int_equal(WEXITSTATUS(status), 2);
 }

@@ -5,17 +5,12 @@
  * Some 10^6 shadow rays; BIS_LONG=1 in the environment: more than 10^7. */
 #include "bis/scene/scene.h"
 #include "bis/shape/accel.h"
+#include "claim.h"
 #include "mesh_help.h"
 #include "shape/triangle.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { RAYS = 1000000 };
 #define COUNT(a) (int)(sizeof(a) / sizeof *(a))
@@ -132,7 +127,6 @@ static void no_flat_mesh_across_an_axis_shadows_itself_E37(void **state)
 {
     tally t = {0};
     uint64_t seed = 21;
-    (void)state;
     for (int k = 0; k < 3 * COUNT(heights) * COUNT(scales) * COUNT(squares) * 2; k++) {
         const int axis = k % 3, n = squares[k / 3 % 2];
         const double height = heights[k / 6 % COUNT(heights)], scale = scales[k / 30 % COUNT(scales)];
@@ -162,7 +156,6 @@ static void no_turned_triangle_shadows_itself(void **state)
 {
     tally t = {0};
     uint64_t seed = 22;
-    (void)state;
     for (int k = 0; k < COUNT(heights) * COUNT(scales) * 12; k++) {
         const double height = heights[k % COUNT(heights)], scale = scales[k / 5 % COUNT(scales)];
         const int turn = k / 25;
@@ -195,7 +188,6 @@ static void no_needle_shadows_itself(void **state)
 {
     uint64_t seed = 23;
     long own = 0, rays = 0;
-    (void)state;
     for (int k = 0; k < 1500; k++) {
         const double width = pow(10, -random_between(&seed, 1, k % 2 ? 25 : 4)), along = random_between(&seed, -1, 1);
         const int axis = k / 2 % 3, x = (axis + 1) % 3, y = (axis + 2) % 3;
@@ -228,7 +220,6 @@ static void the_sheared_test_alone_meets_its_own_triangle_E37(void **state)
 {
     int met = 0, rays = 0;
     uint64_t seed = 24;
-    (void)state;
     bis_mesh m = flat_mesh(1, 2, 0, 1, false);
     bis_geometry g = {0};
     bis_accel *a[BACKENDS];
@@ -261,7 +252,6 @@ static void no_disk_shadows_itself(void **state)
 {
     uint64_t seed = 25;
     tally t = {0};
-    (void)state;
     for (int k = 0; k < COUNT(heights) * COUNT(scales) * 6; k++) {
         const double height = heights[k % COUNT(heights)], scale = scales[k / 5 % COUNT(scales)];
         const int turn = k / 25;
@@ -326,7 +316,6 @@ static void a_box_on_the_floor_occludes_at_its_contact(void **state)
     const double gaps[] = {0, 1e-12, 1e-6, 1e-3}; /* heights of the bottom, in units of the box */
     uint64_t seed = 26;
     long below = 0, beside = 0;
-    (void)state;
     for (int k = 0; k < COUNT(scales) * COUNT(gaps) * 2; k++) {
         const double scale = scales[k % COUNT(scales)], gap = gaps[k / 5 % COUNT(gaps)], room = 100 * scale;
         bis_geometry g = {0};
@@ -378,7 +367,6 @@ static void the_offset_is_at_most_six_ulps(void **state)
 {
     uint64_t seed = 27;
     double most = 0;
-    (void)state;
     for (int k = 0; k < COUNT(heights) * COUNT(scales) * 4; k++) {
         const double height = heights[k % COUNT(heights)], scale = scales[k / 5 % COUNT(scales)];
         if (scale < 1e-2 * fabs(height)) continue;

@@ -4,14 +4,8 @@
  * closed form. */
 #include "bis/base/image.h"
 #include "bis/files/image_file.h"
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,7 +43,6 @@ static double mean_of_program(void)
 
 static void the_example_of_the_page_works_with_what_is_installed(void **state)
 {
-    (void)state;
     if (!is_run_by_make()) skip();
     program_folder(DIR);
     program_write_scene(DIR, "");
@@ -59,7 +52,6 @@ static void the_example_of_the_page_works_with_what_is_installed(void **state)
 /* The twins: a sampler that is wrong by a hundredth, another mean, a line too many. */
 static void a_page_with_a_wrong_program_is_found(void **state)
 {
-    (void)state;
     if (!is_run_by_make()) skip();
     program_folder(DIR);
     program_write_scene(DIR, "");

@@ -2,17 +2,12 @@
 /* What floats of Embree cannot reach: where it is only the default, the grid takes over and says so; where it was asked
  * for, the program refuses. Expected messages are written out; expected pictures come from the grid. */
 #include "bis/shape/accel.h"
+#include "claim.h"
 #include "mesh_help.h"
 #include "program.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #define FOLDER "build/test_reach"
 #define WAY_OUT ": scale the scene, or use the accelerator \"grid\" (--accelerator grid)"
@@ -104,7 +99,6 @@ static void a_camera_out_of_reach(void **state)
         {"Scale .5 .5 .5", orthographic, NULL, "the camera stands at x = -6e+38, beyond the largest float, "
          "3.40282e+38: scale the scene"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         write_scene(rows[i].place, rows[i].camera, ball);
         expect(rows[i].limit, rows[i].never);
@@ -123,7 +117,6 @@ static void geometry_out_of_reach(void **state)
         {"1e13", "the scene and its camera measure 4e+13 along z, and Embree loses triangles beyond 3e+12"},
         {"1.9e18", "the scene or its camera reaches to z = 7.6e+18, and Embree works up to 1.8e+18"},
     };
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const char *s = rows[i].size;
         char shape[500], place[100];
@@ -147,7 +140,6 @@ static void at_its_limits_embree_sees_what_the_grid_sees(void **state)
 {
     const double sizes[] = {.2 * BIS_EMBREE_MOST, BIS_EMBREE_LEAST};
     uint64_t seed = 31;
-    (void)state;
     if (!bis_accel_embree_version()) skip();
     for (int k = 0; k < 2; k++) {
         for (int kind = 0; kind < 2; kind++) {
@@ -179,7 +171,6 @@ static void at_its_limits_embree_sees_what_the_grid_sees(void **state)
 
 static int make_folder(void **state)
 {
-    (void)state;
     program_folder(FOLDER);
     return 0;
 }

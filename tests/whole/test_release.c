@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What a release promises of its files: one version, and a licence in every source file. (`make release` builds, tests
  * and installs the tarball.) */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,14 +11,12 @@
 
 static void all_files_name_one_version(void **state)
 {
-    (void)state;
     assert_int_equal(system("sh scripts/check/check_release.sh"), 0);
 }
 
 /* The twins: a copy of the files in which one has another version. */
 static void another_version_is_found(void **state)
 {
-    (void)state;
     static const char *const edits[] = {
         "s/^version: 0/version: 1/' " DIR "/CITATION.cff",
         "s/\"version\": \"0/\"version\": \"1/' " DIR "/codemeta.json",
@@ -48,14 +40,12 @@ static void another_version_is_found(void **state)
 
 static void every_source_file_names_its_licence(void **state)
 {
-    (void)state;
     assert_int_equal(system("sh scripts/check/spdx.sh --check"), 0);
 }
 
 /* The twins: files of each kind without the line are named; then it is written, once, and the rest stays as it is. */
 static void a_file_without_a_licence_is_found_and_mended(void **state)
 {
-    (void)state;
     program_folder(DIR);
     assert_int_equal(system("mkdir -p " DIR "/src " DIR "/scripts"), 0);
     program_write_file(DIR "/src/a.c", "int a;\n");

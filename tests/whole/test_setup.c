@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* scripts/setup.sh asks the system for what an option needs, and for nothing that nobody asked for: stand-ins of the
  * package managers write down what they are told. */
+#include "claim.h"
 #include "program.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,7 +53,6 @@ static void make_debian(void)
 
 static void only_what_was_asked_for_is_installed(void **state)
 {
-    (void)state;
     /* a package of each part, and the options that ask for it, one letter each */
     static const struct { const char *package, *by; } parts[] = {
         {"libopenexr-dev", "-mwpa"}, {"libcmocka-dev", "-mwpa"}, {"libembree-dev", "-mwpa"}, {"libopenmpi-dev", "ma"},
@@ -81,7 +74,6 @@ static void only_what_was_asked_for_is_installed(void **state)
 
 static void an_unknown_option_installs_nothing(void **state)
 {
-    (void)state;
     make_debian();
     assert_int_equal(set_up(DIR ":$PATH", "--everything"), 2);
     assert_string_equal(told, "");
@@ -91,7 +83,6 @@ static void an_unknown_option_installs_nothing(void **state)
 /* Only that the names of that system are given to its package manager; no such system was tried. */
 static void fedora_and_arch_are_asked_by_their_own_names(void **state)
 {
-    (void)state;
     static const struct { const char *manager, *image, *mpi; } systems[] = {
         {"dnf", "openexr-devel", "openmpi-devel"}, {"pacman", "openexr", "openmpi"},
     };

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* taught: what is taught is what runs: each method's picture runs the files of src/thesis that teach it
  * (scripts/check/check_taught.sh, by the compiler's counters). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
+#include "claim.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,19 +5,14 @@
  * compared with a third road, too: the sheared triangle test of the grid alone, which shadows floors at 0, is the twin
  * and must be rejected. Without Embree the plain grid takes its place. */
 #include "bis/base/stats.h"
+#include "claim.h"
 #include "stat.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
 #include "shape/triangle.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include <dirent.h>
 
@@ -92,7 +87,6 @@ static void every_scene_has_one_picture(void **state)
     char path[MOST_SCENES][256];
     const int n = find_scenes(path);
     const double alpha = stat_level(ALPHA, n);
-    (void)state;
     assert_true(n >= 24);
     for (int i = 0; i < n; i++) {
         static double one[WIDTH * HEIGHT], other[WIDTH * HEIGHT];
@@ -153,7 +147,6 @@ static void floors_that_shadow_themselves_are_rejected(void **state)
     bis_scene_desc *d;
     bis_scene *s;
     int pixels;
-    (void)state;
     load(&d, &s, "data/scenes/trianglemesh.txt");
     render(one, s, d);
     bis_accel *right = s->accel;
@@ -258,7 +251,6 @@ static void assert_same_everywhere(double expected[3], bool has_box, double fart
  * larger than the floor, the camera cannot be put above it.) */
 static void open_floors_give_half_of_the_light(void **state)
 {
-    (void)state;
     assert_same_everywhere((double[3]){0.5, 0.5, 0.5}, false, 1e5);
 }
 
@@ -268,7 +260,6 @@ static void open_floors_give_half_of_the_light(void **state)
 static void a_box_on_a_floor_looks_the_same_everywhere(void **state)
 {
     double expected[3] = {0}; /* of each turn: directions are drawn about the normal in a frame that it decides */
-    (void)state;
     assert_same_everywhere(expected, true, 100);
     for (int k = 0; k < 3; k++) assert_true(expected[k] > 0.4 && expected[k] < 0.499); /* some of it is hidden */
 }
