@@ -80,7 +80,8 @@ static void assert_part_of(const bis_film *part, const bis_film *full)
     for (bis_twin t = {0}, of_full = {0}; part->twin && bis_film_next_twin(part, bis_film_crop(part), &t);) {
         while (bis_film_next_twin(full, bis_film_crop(full), &of_full))
             if (of_full.x == t.x && of_full.y == t.y) break;
-        assert_memory_equal(part->twin + 3 * t.at, full->twin + 3 * of_full.at, 3 * sizeof *part->twin);
+        assert_memory_equal(part->twin + BIS_TWIN_VALUES * t.at, full->twin + BIS_TWIN_VALUES * of_full.at,
+            BIS_TWIN_VALUES * sizeof *part->twin);
     }
 }
 
@@ -146,8 +147,8 @@ static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
         render(&another, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
         for (bis_twin t = {0}; bis_film_next_twin(&film, bis_film_crop(&film), &t); n++) {
             const size_t i = 3 * ((size_t)t.y * WIDTH + (size_t)t.x), bytes = 3 * sizeof *film.sum;
-            assert_memory_equal(film.twin + 3 * t.at, another.sum + i, bytes);
-            as_own += memcmp(film.twin + 3 * t.at, film.sum + i, bytes) == 0;
+            assert_memory_equal(film.twin + BIS_TWIN_VALUES * t.at, another.sum + i, bytes);
+            as_own += memcmp(film.twin + BIS_TWIN_VALUES * t.at, film.sum + i, bytes) == 0;
         }
         assert_true(n > 20 && as_own < n / 2); /* pixels of a constant sky are alike */
         bis_film_clear(&film);
