@@ -186,6 +186,9 @@ static void a_damaged_or_rare_bmp_is_refused(void **state)
     make_bmp(&b, 8, 2, 1, 4, bmps[3].rest, 8);
     refuse("coded.bmp", b.data, b.n, "only plain files of 1, 4, 8, 24 and 32 bits are read: save it as PNG");
     bytes_clear(&b);
+    make_bmp(&b, 256 + 8, 2, 0, 4, bmps[3].rest, 8); /* the number of bits has two bytes */
+    refuse("bits.bmp", b.data, b.n, "only plain files");
+    bytes_clear(&b);
     make_bmp(&b, 32, 2, 3, 0, (const unsigned char[28]){255}, 28);
     refuse("masks.bmp", b.data, b.n, "only plain files");
     bytes_clear(&b);

@@ -230,6 +230,9 @@ static const struct pass {
      "a shape under a singular transformation", "the matrix of ConcatTransform is singular"},
     {LIT "Shape \"sphere\" AttributeBegin Scale 0 0 0 Shape \"disk\" AttributeEnd",
      "a shape under a singular transformation", "Scale by 0 is singular"},
+    {LIT "CoordinateSystem \"c\" Scale 0 0 0 CoordSysTransform \"c\" Shape \"sphere\"", NULL, "Scale by 0"},
+    {LIT "Scale 0 0 0 Identity Shape \"sphere\"", NULL, "Scale by 0"},
+    {LIT "Scale 0 0 0 Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1] Shape \"sphere\"", NULL, "Scale by 0"},
     {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" .5 Material \"uber\" \"texture "
      "opacity\" \"t\" Shape \"sphere\"",
      "a texture as \"opacity\"", "\"opacity\" is of type texture"},
@@ -238,6 +241,11 @@ static const struct pass {
      "Shape \"sphere\"",
      "\"float gamma\" of a texture", NULL},
     {LIT "Texture \"t\" \"float\" \"mix\" \"float tex1\" 0 \"float tex2\" -0.25 Shape \"sphere\"", NULL, NULL},
+    /* both ends of a marble's interval belong to it */
+    {LIT "Texture \"t\" \"color\" \"marble\" \"float scale\" -1e30 \"float variation\" 1e30 "
+     "Shape \"sphere\"", NULL, NULL},
+    {LIT "Texture \"t\" \"color\" \"marble\" \"float scale\" 1e30 \"float variation\" -1e30 "
+     "Shape \"sphere\"", NULL, NULL},
     {LIT "Material \"mirror\" \"spectrum Kr\" [400 .9 700 .9] Shape \"sphere\"", "Material \"mirror\"",
      "with --approximate"},
     {LIT "Texture \"t\" \"float\" \"imagemap\" \"float scale\" -3 \"string filename\" \"tests/scene/test_foreign.c\" "
