@@ -663,7 +663,8 @@ static void what_a_service_needs_is_in_its_kit(void **state)
     assert_int_equal(
         shell("sh scripts/course/kit.sh alias gradescope " DIR "/box.zip > /dev/null && mkdir " DIR "/zip && "
               "cd " DIR
-              "/zip && unzip -q ../box.zip && test -x run_autograder -a -x setup.sh && diff -r -x build bis ../box/bis"),
+              "/zip && unzip -q ../box.zip && test -x run_autograder -a -x setup.sh && "
+              "diff -r -x build bis ../box/bis"),
         0);
 }
 
