@@ -387,7 +387,8 @@ static void what_lies_below_the_horizon_is_counted(void **state)
     bis_flat_bsdf_close(bsdf);
 }
 
-/* No time is tested, only that there is one: no pass takes longer than all of the call. */
+/* No time is tested, only that there is one: no pass takes longer than all of the call. How many passes 4 samples make
+ * is the scheduler's affair, so that a quarter would be too strict: it failed on a machine that loaded fast. */
 static void a_pass_takes_a_part_of_the_time(void **state)
 {
     bis_flat_picture *picture;
@@ -396,7 +397,7 @@ static void a_pass_takes_a_part_of_the_time(void **state)
     assert_int_equal(
         bis_flat_render(&picture, "scene", (const char *[]){SCENE, "integrator=em", "spp=4", NULL}, NULL, SAY), 0);
     const double all = bis_clock_now() - before, pass = bis_flat_picture_pass_seconds(picture);
-    assert_true(pass > 0 && pass <= all / 4 && isnan(bis_flat_picture_pass_seconds(NULL)));
+    assert_true(pass > 0 && pass <= all && isnan(bis_flat_picture_pass_seconds(NULL)));
     bis_flat_picture_close(picture);
 }
 
