@@ -30,9 +30,6 @@
 
 enum { CREATE_IMAGE = 4, UPDATE_IMAGE = 3, ROWS = 16, HEADER = 512, PATIENCE_MS = 1000, CONNECT_MS = 3000 };
 
-/* Before the first copy tells: seconds that a pixel takes to be copied and sent. */
-#define USUAL_SECONDS_A_PIXEL 50e-9
-
 struct bis_display {
     char host[256], port[8], name[256];
     int x0, y0, width, height, full_width, full_height;
@@ -310,7 +307,6 @@ bis_status bis_display_open(bis_display **out, const char *where, const char *na
         d->full_width = film->full_width;
         d->full_height = film->full_height;
         d->start = bis_clock_now();
-        d->last_cost = USUAL_SECONDS_A_PIXEL * (double)n;
         set_address(d, where);
         snprintf(d->name, sizeof d->name, "%s", name);
         init_lock(d);
@@ -340,14 +336,15 @@ static void give(bis_display *d, const bis_film *film, const float *rgba)
     pthread_mutex_unlock(&d->lock);
 }
 
+/* The first picture waits for nothing: somebody who sees an empty window does not know that the render runs. */
 static bool has_time(bis_display *d)
 {
     pthread_mutex_lock(&d->lock);
     const bool idle = !d->busy && !d->gone;
-    const double cost = d->cost, sending = d->has_given ? cost - d->cost_before : 0;
+    const double cost = d->cost, sending = cost - d->cost_before;
     pthread_mutex_unlock(&d->lock);
     const double all = d->spent + cost + d->last_cost + sending;
-    return idle && all <= BIS_DISPLAY_SHARE * (bis_clock_now() - d->start);
+    return idle && (!d->has_given || all <= BIS_DISPLAY_SHARE * (bis_clock_now() - d->start));
 }
 
 void bis_display_offer(bis_display *d, const bis_film *film)

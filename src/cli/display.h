@@ -2,8 +2,8 @@
 /* display: shows a render in tev (https://github.com/Tom94/tev) while it is made, by tev's protocol over TCP.
  *
  * A thread of its own sends, so that a viewer that is slow, stuck or gone never holds up the render. The picture is
- * copied between two passes, or in the first one as far as it is, and only while all copying and sending has taken less
- * than BIS_DISPLAY_SHARE of the time. */
+ * copied between two passes, or in the first one as far as it is. After the first copy that is only done while all
+ * copying and sending has taken less than BIS_DISPLAY_SHARE of the time. */
 #pragma once
 
 #include "bis/render/film.h"

@@ -102,8 +102,8 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     bis_pixel_sum dropped;
 
     if (me->scratch.guide) me->scratch.guide->learns = true;
-    if (pass->first == 0 && w->visibility.n_tiles && (is_glimpse || !w->fine)) bis_survey_tile(w, me, t);
     const bis_counters before = me->counters;
+    if (pass->first == 0 && w->visibility.n_tiles && !is_glimpse) bis_survey_tile(w, me, t);
     if (me->scratch.guide) me->scratch.guide->learns = !is_glimpse;
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
         int x, y;
@@ -166,22 +166,21 @@ static void sweep(bis_workspace *w, const bis_pass *pass, bool is_glimpse, bis_p
     }
 }
 
-static void render_alone(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
-{
-    if (w->fine && pass->first == 0) sweep(w, pass, true, progress, user);
-    sweep(w, pass, false, progress, user);
-}
-
 bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
 {
     const uint64_t seed = w->view->sampler.seed;
 
+    const bool looks = !w->surveyed && w->visibility.n_squares, is_first = pass->number == 0;
+
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
-    if (!w->surveyed && w->visibility.n_squares) bis_survey(w, pass->number == 0);
-    if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
     if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
+    if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, looks ? 0 : pass->number, w->n_threads);
+    if (looks) bis_survey(w, false, is_first, progress, user);
+    if (w->fine && is_first) sweep(w, pass, true, progress, user);
+    if (looks) bis_survey(w, true, is_first, progress, user);
+    if (looks && !is_first) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
     if (w->sched) render_with_ranks(w, pass, progress, user);
-    else render_alone(w, pass, progress, user);
+    else sweep(w, pass, false, progress, user);
     return !bis_workspace_interrupted(w);
 }
 

@@ -4,9 +4,6 @@
 
 #include "workspace.h"
 
-/* Called between tiles by one thread, with the share of the pass that is done. */
-typedef void bis_pass_progress(double share, void *user);
-
 typedef struct bis_pass {
     uint32_t number; /* of the pass, from 0 */
     uint32_t n;      /* camera samples of a pixel */

@@ -10,7 +10,9 @@
  * and all that a look does depends on the picture, the seed and the squares around it. So a crop, a part and each rank
  * find the same as the whole picture does, and a resumed render finds it again. The squares of a picture are looked at
  * before its first pass, and a tile before its own first samples. All squares together cost a third of what the tiles
- * cost; a part or a rank looks at all squares of its picture.
+ * cost; a part or a rank looks at all squares of its picture. Those of 128 pixels and more cost a 16th of all squares,
+ * a third of a glimpse (first_light.h), so they come before it and the others after it: the first light does not wait,
+ * and knows a window.
  *
  * The random numbers of a look are not those of a pass, nor those of a look of another size, so no estimate depends on
  * the rays that it weighs. */
@@ -18,9 +20,12 @@
 
 #include "ranks.h"
 
+#include "bis/base/clock.h"
+
+#include <math.h>
 #include <string.h>
 
-enum { TILE = BIS_RENDER_TILE, PIXELS = TILE * TILE, WIDER = 2, MOST_LEVELS = 28 };
+enum { TILE = BIS_RENDER_TILE, PIXELS = TILE * TILE, WIDER = 2, MOST_LEVELS = 28, COARSE = 128 };
 
 /* Of the random number that is the seed of all looks around of a size: beyond all purposes of sampler.c. */
 static const uint64_t LOOK = UINT64_MAX, PURPOSE_SEED = (uint64_t)4 << 32;
@@ -144,7 +149,7 @@ void bis_survey_tile(const bis_workspace *w, bis_worker *me, int t)
     look(w, me, t, r.x0, r.y0, TILE);
 }
 
-static void look_at_squares(bis_workspace *w, const squares *s)
+static void look_at_squares(bis_workspace *w, const squares *s, double late, bis_pass_progress *progress, void *user)
 {
     bis_visibility *v = &w->visibility;
     const bis_rect a = w->area;
@@ -154,24 +159,35 @@ static void look_at_squares(bis_workspace *w, const squares *s)
         const int x0 = i % s->across * s->side, y0 = i / s->across * s->side;
         const size_t k = s->first + (size_t)i;
         if (x0 >= a.x1 || y0 >= a.y1 || x0 + s->side <= a.x0 || y0 + s->side <= a.y0) continue;
-        if (bis_workspace_interrupted(w)) continue;
+        if (bis_workspace_interrupted(w) || bis_clock_now() >= late) continue;
         look(w, &w->workers[bis_workspace_thread()], (int)(v->n_tiles + k), x0, y0, s->side);
         bis_visibility_close(v, k, w->clusters.n);
+        if (bis_workspace_thread() == 0) progress(0, user);
     }
 }
 
-void bis_survey(bis_workspace *w, bool counts)
+static void forget(bis_visibility *v)
 {
-    bis_visibility *v = &w->visibility;
-    squares level[MOST_LEVELS];
     const size_t first = bis_visibility_first_cell(v, v->n_tiles);
-    const bool is_first = w->options->part.k <= 1 && (!w->options->ranks || w->options->ranks->rank == 0);
 
-    bis_clusters_fill(&w->clusters, w->scene->light, w->view->sampler.seed, 0, w->n_threads);
     memset(v->known + first, 0, v->n_squares * sizeof *v->known);
     memset(v->counted + first, 0, v->n_squares * sizeof *v->counted);
+    memset(v->squares, 0, v->n_squares * sizeof *v->squares);
+}
+
+void bis_survey(bis_workspace *w, bool is_fine, bool counts, bis_pass_progress *progress, void *user)
+{
+    squares level[MOST_LEVELS];
+    const int n = find_squares(level, w->film);
+    const bool is_first = w->options->part.k <= 1 && (!w->options->ranks || w->options->ranks->rank == 0);
+    const double late = w->fine && is_fine ? w->late : HUGE_VAL;
+
+    if (!is_fine) forget(&w->visibility);
     for (int i = 0; i < w->n_threads; i++) w->workers[i].scratch.guide->learns = true;
-    for (int i = find_squares(level, w->film) - 1; i >= 0; i--) look_at_squares(w, &level[i]);
-    w->surveyed = !bis_workspace_interrupted(w);
+    for (int i = n - 1; i >= 0; i--) {
+        const bool is_coarse = level[i].side >= COARSE || i == n - 1;
+        if (is_coarse != is_fine) look_at_squares(w, &level[i], late, progress, user);
+    }
+    w->surveyed = is_fine && !bis_workspace_interrupted(w) && bis_clock_now() < late;
     for (int i = 0; i < w->n_threads && !(counts && is_first); i++) w->workers[i].counters = (bis_counters){0};
 }

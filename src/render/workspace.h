@@ -24,6 +24,9 @@ typedef struct bis_worker {
     bis_pixel_sum pixels[BIS_RENDER_TILE * BIS_RENDER_TILE]; /* of the tile at hand */
 } bis_worker;
 
+/* Called by one thread after each of its tiles or squares, with the share of the pass that is done. */
+typedef void bis_pass_progress(double share, void *user);
+
 /* What a pass makes of a pixel, kept until the pass is complete: the mean of its camera samples. */
 typedef struct bis_pixel_mean {
     rgb L;
@@ -55,7 +58,7 @@ typedef struct bis_workspace {
     bis_settings edge_settings; /* of each of them */
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */
     unsigned char *fine;      /* fine[n_tiles] of the first pass, see first_light.h; NULL: it is like all others */
-    double late;              /* on bis_clock_now's clock: the first pass ends then */
+    double late;              /* on bis_clock_now's clock: the first pass ends then, if `fine` is there */
     rgb *pass_twins;          /* pass_twins[bis_film_twins]: what the pass makes of them; NULL: no twins */
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
 } bis_workspace;

@@ -245,7 +245,7 @@ static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
         slow_down(cases[i].refusals);
         assert_int_equal(bis_display_open(&d, where, "slow", &f, NULL), BIS_OK);
         if (cases[i].meanwhile) {
-            while (slow.calls < 2) bis_display_offer(d, &f); /* until a share of the time is enough for it */
+            while (slow.calls < 2) bis_display_offer(d, &f); /* until the viewer is met */
             while (slow.waits < 9 * 500) sched_yield(); /* nine pieces, the last of which is then sent */
         }
         bis_display_close(d, cases[i].meanwhile ? NULL : &f, &diag);
@@ -268,6 +268,35 @@ static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
         bis_diag_clear(&diag);
         free(v.data);
     }
+    bis_film_clear(&f);
+}
+
+/* To copy and send two million pixels takes more than a share of the time that has passed. What comes right after the
+ * first picture must wait for its share. */
+static void the_first_picture_waits_for_nothing(void **state)
+{
+    static const double whole[4] = {0, 1, 0, 1};
+    bis_film f;
+    viewer v;
+    bis_display *d;
+    bis_diag diag = {0};
+    char where[64];
+    float *shown;
+    int width = 0, height = 0;
+    assert_int_equal(bis_film_init(&f, 1600, 1200, whole, (bis_loc){0}, NULL), BIS_OK);
+    float *rgba = calloc((size_t)f.width * (size_t)f.height, 4 * sizeof *rgba);
+    open_viewer(&v, READS);
+    snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
+    assert_int_equal(bis_display_open(&d, where, "first", &f, NULL), BIS_OK);
+    bis_display_offer_pixels(d, rgba);
+    bis_display_offer_pixels(d, rgba);
+    bis_display_close(d, NULL, &diag);
+    close_viewer(&v);
+    assert_int_equal(diag.n, 0);
+    assert_int_equal(read_messages(&v, &shown, &width, &height, "first"), 3 * 1200 / 16);
+    free(shown);
+    free(rgba);
+    free(v.data);
     bis_film_clear(&f);
 }
 
@@ -439,6 +468,7 @@ int main(void)
         cmocka_unit_test(the_viewer_gets_a_picture_from_a_program_without_input),
         cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
         cmocka_unit_test(a_slow_viewer_has_a_second_for_each_piece_at_the_end),
+        cmocka_unit_test(the_first_picture_waits_for_nothing),
         cmocka_unit_test(nothing_is_sent_to_a_viewer_that_has_gone),
         cmocka_unit_test(a_name_server_that_is_silent_is_not_waited_for),
         cmocka_unit_test(an_address_is_a_host_and_a_port),

@@ -98,6 +98,29 @@ static void a_late_render_shows_its_glimpse(void **state)
     clear_world(&w);
 }
 
+/* Rays of a look count, and those of a glimpse do not. A picture of 256 x 256 pixels has 5 squares of 128 pixels and
+ * more, with 64 looks each at most; those of 32 and 64 pixels, and the tiles, wait until the glimpse is there. The
+ * twin has no glimpse: it looks around in all squares first. */
+static void a_late_render_has_looked_around_coarsely(void **state)
+{
+    uint64_t rays[2];
+    world w;
+    make_learning(&w);
+    for (int k = 0; k < 2; k++) {
+        const bis_render_options options = {.budget = {.seconds = 1e-9}, .n_threads = 2, .first_light = k == 0};
+        bis_render_result result;
+        bis_film film;
+        assert_int_equal(bis_film_init(&film, 256, 256, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+        assert_true(k == 0 ? result.missing > 0.98 : result.missing == 0);
+        rays[k] = result.counters.camera_rays;
+        bis_film_clear(&film);
+    }
+    assert_in_range(rays[0], 5 * 4, 5 * 64);
+    assert_true(rays[1] >= 256 * 256 + (5 + 16 + 64) * 4);
+    clear_world(&w);
+}
+
 /* Twin of the promise: without first_light the first pass is completed. */
 static void without_it_the_first_pass_is_complete(void **state)
 {
@@ -244,6 +267,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_finished_render_has_the_same_bits_and_counts),
         cmocka_unit_test(a_late_render_shows_its_glimpse),
+        cmocka_unit_test(a_late_render_has_looked_around_coarsely),
         cmocka_unit_test(without_it_the_first_pass_is_complete),
         cmocka_unit_test(an_interrupted_first_pass_leaves_what_there_is),
         cmocka_unit_test(the_layer_of_samples_tells_which_pixels_are_missing),
