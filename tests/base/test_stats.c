@@ -260,8 +260,8 @@ static void a_p_value_that_is_judged_later_fails_the_program(void **state)
                             "build/test_stats.out"), 0);
 }
 
-/* test_stats TEST: only the tests of that name, with no word to the count of p-values. test_stats later P M: P is judged
- * among M. */
+/* test_stats TEST: only the tests of that name, with no word to the count of p-values. test_stats later P M: P is
+ * judged among M. */
 int main(int argc, char **argv)
 {
     if (argc > 3) {

@@ -644,8 +644,8 @@ static void moodle_gets_the_same_marks(void **state)
                      0);
 }
 
-/* Fifty remarks of three words of 96 letters: each is cut at 200 characters on its last word, a cell of the CSV holds one
- * of them and says how many more there are, and who wrote the same comes first. The page and Moodle have all. */
+/* Fifty remarks of three words of 96 letters: each is cut at 200 characters on its last word, a cell of the CSV holds
+ * one of them and says how many more there are, and who wrote the same comes first. The page and Moodle have all. */
 static void a_flood_of_remarks_fits_into_a_cell(void **state)
 {
     (void)state;

@@ -494,7 +494,7 @@ class Notebooks(unittest.TestCase):
         with open(os.path.join(ROOT, "docs/notebooks/README.md")) as f:
             page = f.read()
         installed = page.split("bin/pip install ")[1].split("\n")[0].split()
-        for path in glob.glob(os.path.join(ROOT, "docs/notebooks/*.ipynb")) + [os.path.join(ROOT, "docs/figures.ipynb")]:
+        for path in glob.glob(os.path.join(ROOT, "docs/**/*.ipynb"), recursive=True):
             with open(path) as f:
                 code = "".join("".join(c["source"]) + "\n" for c in json.load(f)["cells"] if c["cell_type"] == "code")
             for name in re.findall(r"^ *(?:import|from) (\w+)", code, re.MULTILINE):
