@@ -16,10 +16,10 @@ run() {
     return $status
 }
 
-# What is said, as a line of 200 characters at most, which ends with a word.
+# What a hand-in makes a tool say, as a line that scripts/course/short.awk cuts. What the judge says is whole: its hint
+# may stand at the end.
 short() {
-    printf '%s' "$*" | tr '\t\n' '  ' |
-        awk 'length($0) > 200 { $0 = substr($0, 1, 196); sub(/ [^ ]*$/, ""); $0 = $0 " ..." } { print }'
+    printf '%s' "$*" | tr '\t\n' '  ' | awk "$(cat scripts/course/short.awk) { print short(\$0) }"
 }
 remark() {
     short "$*" >>"$work/remarks"

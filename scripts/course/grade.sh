@@ -56,7 +56,7 @@ result=${BIS_RESULT:-$work}
 
 # points, of how many, the criterion, a remark
 line() {
-    printf '%s\t%s\t%s\t%s\n' "$1" "$2" "$3" "$(short "$4")" >>"$result/lines"
+    printf '%s\t%s\t%s\t%s\n' "$1" "$2" "$3" "$4" >>"$result/lines"
 }
 
 # Link $work/$1, the program that answers the claims, of their objects below objects/$2, with the flags that follow.
@@ -91,7 +91,7 @@ grade_speed() {
         ratio=$(cat "$work/ratio")
         line "$(awk -v r="$ratio" 'BEGIN { print r <= 1.5 ? 10 : r <= 3 ? 5 : 0 }')" 10 speed "$ratio times our time"
     else
-        line 0 10 speed "$(cat "$work/ratio")"
+        line 0 10 speed "$(short "$(cat "$work/ratio")")"
     fi
 }
 
@@ -121,7 +121,7 @@ grade_memory() {
         points=$(awk -F '\t' '$1 == "ok" { got += $2 } END { print int(got / 8) }' "$work/marks")
         line "$points" 10 "clean memory" "$([ "$points" -eq 10 ] || echo "in the share of the tests that pass")"
     else
-        line 0 10 "clean memory" "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g')"
+        line 0 10 "clean memory" "$(short "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g')")"
     fi
 }
 

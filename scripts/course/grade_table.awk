@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; moodle, that of its
-# grading worksheet; html; text, the groups alone.
+# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh, behind scripts/course/short.awk.
+# kind: csv; moodle, that of its grading worksheet; html; text, the groups alone.
 #     C points criterion      N name      R remark      L points of criterion message      A least most i j ...
 #     (with tabs between)
 function csv(s) {
@@ -26,15 +26,15 @@ function html(s) {
 function note(i, s) { remark[i, ++n_remarks[i]] = s }
 # It comes first, as number 0. The student reads Moodle's, where it is not said.
 function note_likeness(i, s) { if (kind != "moodle") remark[i, 0] = remark[i, 0] (remark[i, 0] == "" ? "" : "; ") s }
-# The remarks on student i: all, or for a cell of a spreadsheet the first and as many more as 200 characters hold.
+# The remarks on student i: all, or for a cell of a spreadsheet as many as 200 characters hold, and of the first one
+# what they hold.
 function remarks(i, is_cell,    s, j) {
     s = remark[i, 0]
     for (j = 1; j <= n_remarks[i]; j++) {
-        if (is_cell && s != "" && length(s) + 2 + length(remark[i, j]) > 200)
-            return s "; and " n_remarks[i] - j + 1 " more, in the .html"
+        if (is_cell && s != "" && length(s) + 2 + length(remark[i, j]) > 200) break
         s = s (s == "" ? "" : "; ") remark[i, j]
     }
-    return s
+    return (is_cell ? short(s) : s) (j <= n_remarks[i] ? "; and " n_remarks[i] - j + 1 " more, in the .html" : "")
 }
 BEGIN { FS = "\t" }
 $1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }

@@ -655,7 +655,8 @@ static void a_flood_of_remarks_fits_into_a_cell(void **state)
               "while [ $n -lt 50 ]; do n=$((n + 1)); remark \"$w $w\n$w\"; done && "
               "{ echo 'C\t10\tspeed'; for who in Ann Ben; do echo \"N\t$who\"; sed 's/^/R\t/' $work/remarks; "
               "echo 'L\t5\t10\tspeed\t2 times our time'; done; echo 'A\t70\t70\t1\t2'; } > $work/all && "
-              "for kind in csv moodle html; do awk -v kind=$kind -f scripts/course/grade_table.awk $work/all "
+              "for kind in csv moodle html; do "
+              "awk -v kind=$kind -f scripts/course/short.awk -f scripts/course/grade_table.awk $work/all "
               "> $work/$kind || exit 1; done"),
         0);
     char cut[256], row[1024];
@@ -666,9 +667,21 @@ static void a_flood_of_remarks_fits_into_a_cell(void **state)
     assert_has(contents(DIR "/html"), row);
     assert_has(contents(DIR "/moodle"), row);
     assert_has(contents(DIR "/html"), "; speed: 2 times our time</td>");
-    assert_int_equal(shell("sed 's/^A.*//' " DIR "/all | awk -v kind=csv -f scripts/course/grade_table.awk > " DIR
+    assert_int_equal(shell("sed 's/^A.*//' " DIR "/all | "
+                           "awk -v kind=csv -f scripts/course/short.awk -f scripts/course/grade_table.awk > " DIR
                            "/csv"), 0);
     snprintf(row, sizeof row, "\"Ben\",5,5,\"%s; and 50 more, in the .html\"\r\n", cut);
+    assert_has(contents(DIR "/csv"), row);
+    /* what the judge says is whole, but for the cell */
+    assert_int_equal(
+        shell("work=$PWD/" DIR " && w=$(printf %096d 7) && "
+              "printf 'N\\tAnn\\nL\\t0\\t10\\tx\\t%s %s a hint\\n' $w $w > $work/one && for kind in csv html; do "
+              "awk -v kind=$kind -f scripts/course/short.awk -f scripts/course/grade_table.awk $work/one "
+              "> $work/$kind || exit 1; done"),
+        0);
+    snprintf(row, sizeof row, "x: %096d %096d a hint", 7, 7);
+    assert_has(contents(DIR "/html"), row);
+    snprintf(row, sizeof row, "x: %096d ...\"\r\n", 7);
     assert_has(contents(DIR "/csv"), row);
 }
 
