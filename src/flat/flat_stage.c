@@ -159,8 +159,9 @@ int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, 
     if (!status) bis_light_axes(stage->scene->light, axis);
     for (size_t i = 0; !status && i < n; i++) {
         const frame light = {axis[0], axis[1], axis[2]};
-        vec3 w;
-        status = bis_flat_direction(&w, wi, i, &diag);
+        const float *d = wi + 3 * i;
+        vec3 w = {0, 0, 0};
+        if (d[0] != 0 || d[1] != 0 || d[2] != 0) status = bis_flat_direction(&w, wi, i, &diag);
         if (status) break;
         w = to_local(&light, w);
         const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z);

@@ -152,7 +152,8 @@ int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings
                               double *w, uint32_t *chosen, uint32_t *kind, double *sum, char *say, size_t size);
 
 /* bis_flat_stage_find stores the cell of a field [rows][columns] of the light's frame that each wi[n][3] lies in.
- * Errors: BIS_INPUT (columns or rows outside [1, 4096], wi is 0 or not finite). */
+ * The first one is that of (0, 0, 0), which bis_flat_stage_candidates stores where there is no candidate. Errors:
+ * BIS_INPUT (columns or rows outside [1, 4096], wi not finite). */
 int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
                         char *say, size_t size);
 
