@@ -4,12 +4,11 @@
 # page: the file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a
 # copy of the sources; only what changed is compiled, and linked before the present library; then the program has one
 # integrator more.
-#     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too;
-# First a BRDF, by the page's section: Phong's file once more under the name "again", with its entries in
-# parser_world.c. With textures for all that it has it must render the bits of Material "phong". EXTENDING_EDIT: a sed
-# script for that copy (a twin). "all": all as make test runs them, but this one and those of the course, the pages and
-# what is installed.
-# EXTENDING_PAGE: another page.
+#     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too.
+# First a BRDF, by the page's section: its dust, and Phong's file once more under the name "again", each by the page's
+# line in parser_world.c. With textures for all that it has, "again" must render the bits of Material "phong".
+# EXTENDING_EDIT: a sed script for that copy (a twin). EXTENDING_PAGE: another page. TEST "all": all as make test runs
+# them, but this one and those of the course, the pages and what is installed.
 # From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link
 # (scripts/course/course.mk). The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything
 # fails.
@@ -33,29 +32,39 @@ sed -e 's/bis_phong/bis_again/g; s/phong_reach_lanes/again_reach_lanes/g' \
     -e 's/define MODEL phong/define MODEL again/; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' \
     -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
 sed 's/bis_phong/bis_again/g' include/bis/thesis/phong.h >"$root/include/bis/beyond/again.h"
-awk '/^static bis_material read_phong/ { inside = 1 }
-    inside {
-        line = $0
-        gsub(/read_phong/, "read_again", line)
-        gsub(/bis_phong/, "bis_again", line)
-        copy = copy line "\n"
-    }
-    { print }
-    inside && /^}/ { inside = 0; printf "\n%s", copy }' src/parse/parser_world.c |
-    sed -e '0,/^#include/s/^#include/#include "bis\/beyond\/again.h"\n&/' \
-        -e 's/enum { PHONG,/enum { AGAIN, PHONG,/; s/{"phong", PHONG},/{"again", AGAIN}, &/' \
-        -e 's/^ *\[PHONG\] = read_phong,/    [AGAIN] = read_again,\n&/' >"$root/src/parse/world_again.c"
-grep -q "again.*AGAIN" "$root/src/parse/world_again.c" &&
-    grep -q "AGAIN. = read_again" "$root/src/parse/world_again.c" ||
-    say "parser_world.c has no place for a material"
-for file in src/beyond/again src/parse/world_again; do
+cp tests/support/beyond/moon.c tests/support/beyond/moon_formulas.h "$root/src/beyond"
+row=$(grep -o '{"moon", [^}]*}' "${EXTENDING_PAGE:-docs/extending.md}" | sed 's/&/\\&/g')
+test -n "$row" || say "the page has no line for materials[]"
+{
+    echo '#include "bis/beyond/again.h"'
+    echo 'extern const bis_bsdf_model bis_moon_model;'
+    sed "s/^} materials\[\] = {/&\n    $row,\n    $(echo "$row" | sed 's/moon/again/g'),/" src/parse/parser_world.c
+} >"$root/src/parse/world_again.c"
+grep -q '"again"' "$root/src/parse/world_again.c" || say "parser_world.c has no place for a material"
+for file in src/beyond/again src/beyond/moon src/parse/world_again; do
     (cd "$root" && $BIS_COMPILE -Werror -c -o "$(basename $file).o" "$file.c") ||
         say "$file does not compile without warnings"
 done
 # shellcheck disable=SC2086
-$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/world_again.o" \
+$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/moon.o" "$root/world_again.o" \
     "$BIS_BUILD/libbis.a" $BIS_LIBS ||
     say "the program with a BRDF more does not link"
+# What scenes may say of dust, and what they may not.
+dust() {
+    cat <<END
+Film "rgb" "integer xresolution" 24 "integer yresolution" 12
+WorldBegin
+LightSource "infinite" "rgb L" [1 2 3]
+Texture "c" "spectrum" "checkerboard" "rgb tex1" [.1 .2 .3] "rgb tex2" [.4 .3 .2]
+Material "moon" "texture Kd" "c" $1
+Translate 0 0 4 Shape "sphere"
+END
+}
+dust | "$root/bis-again" --spp 4 --outfile "$root/moon.pfm" - 2>"$root/moon.txt" ||
+    say "a texture of dust: $(tail -1 "$root/moon.txt")"
+! dust '"float Ks" 0.1' | "$root/bis-again" --plan - >"$root/moon.txt" 2>&1 &&
+    grep -q 'unknown parameter "Ks" of Material "moon"' "$root/moon.txt" ||
+    say "dust has no lobe, and its Ks is not refused"
 for model in phong again; do
     cat >"$root/$model-textured.txt" <<END
 Film "rgb" "integer xresolution" 24 "integer yresolution" 12 "float cropwindow" [.5 1 0 1]

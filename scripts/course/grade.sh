@@ -91,7 +91,7 @@ grade_speed() {
         ratio=$(cat "$work/ratio")
         line "$(awk -v r="$ratio" 'BEGIN { print r <= 1.5 ? 10 : r <= 3 ? 5 : 0 }')" 10 speed "$ratio times our time"
     else
-        line 0 10 speed "$(short <"$work/ratio")"
+        line 0 10 speed "$(short "$(cat "$work/ratio")")"
     fi
 }
 
@@ -121,7 +121,7 @@ grade_memory() {
         points=$(awk -F '\t' '$1 == "ok" { got += $2 } END { print int(got / 8) }' "$work/marks")
         line "$points" 10 "clean memory" "$([ "$points" -eq 10 ] || echo "in the share of the tests that pass")"
     else
-        line 0 10 "clean memory" "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g' | short)"
+        line 0 10 "clean memory" "$(short "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g')")"
     fi
 }
 
@@ -160,7 +160,7 @@ grade() {
     accept || { nothing "$reason"; return; }
     warnings=$(grep -c 'warning:' "$work/messages")
     if ! link_it mine ""; then
-        remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages" | short)"
+        remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages")"
         nothing "it does not link"
         return
     fi

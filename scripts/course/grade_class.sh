@@ -114,10 +114,13 @@ done
     done
     tr ' ' '\t' <"$work/alike" | sed 's/^/A\t/'
 } >"$work/all"
+table_awk="-f scripts/course/short.awk -f scripts/course/grade_table.awk"
 for table in csv html ${kind:+$kind.csv}; do
-    awk -v assignment="$name" -v kind="${table%.csv}" -f scripts/course/grade_table.awk "$work/all" >"$work/table" &&
+    # shellcheck disable=SC2086
+    awk -v assignment="$name" -v kind="${table%.csv}" $table_awk "$work/all" >"$work/table" &&
         cp "$work/table" "$from.$name.$table" || exit 1
 done
-awk -v kind=text -f scripts/course/grade_table.awk "$work/all"
+# shellcheck disable=SC2086
+awk -v kind=text $table_awk "$work/all"
 echo "$n marked: $from.$name.csv, $from.$name.html"
 exit 0

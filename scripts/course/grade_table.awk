@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; moodle, that of its
-# grading worksheet; html; text, the groups alone.
+# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh, behind scripts/course/short.awk.
+# kind: csv; moodle, that of its grading worksheet; html; text, the groups alone.
 #     C points criterion      N name      R remark      L points of criterion message      A least most i j ...
 #     (with tabs between)
 function csv(s) {
@@ -23,8 +23,19 @@ function html(s) {
     gsub(/'/, "\\&#39;", s)
     return s
 }
-function note(i, s) { remarks[i] = remarks[i] (remarks[i] == "" ? "" : "; ") s }
-function note_likeness(i, s) { if (kind != "moodle") note(i, s) } # the student reads Moodle's
+function note(i, s) { remark[i, ++n_remarks[i]] = s }
+# It comes first, as number 0. The student reads Moodle's, where it is not said.
+function note_likeness(i, s) { if (kind != "moodle") remark[i, 0] = remark[i, 0] (remark[i, 0] == "" ? "" : "; ") s }
+# The remarks on student i: all, or for a cell of a spreadsheet as many as 200 characters hold, and of the first one
+# what they hold.
+function remarks(i, is_cell,    s, j) {
+    s = remark[i, 0]
+    for (j = 1; j <= n_remarks[i]; j++) {
+        if (is_cell && s != "" && length(s) + 2 + length(remark[i, j]) > 200) break
+        s = s (s == "" ? "" : "; ") remark[i, j]
+    }
+    return (is_cell ? short(s) : s) (j <= n_remarks[i] ? "; and " n_remarks[i] - j + 1 " more, in the .html" : "")
+}
 BEGIN { FS = "\t" }
 $1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }
 $1 == "N" { name[++n] = $2; k = 0 }
@@ -48,7 +59,7 @@ END {
             feedback = ""
             for (c = 1; c <= n_criteria; c++)
                 feedback = feedback points[i, c] + 0 " of " of[c] "  " html(criterion[c]) "<br>"
-            printf "%s,%d,%d,,%s\r\n", csv(identifier(name[i])), sum[i], all, csv(feedback html(remarks[i]))
+            printf "%s,%d,%d,,%s\r\n", csv(identifier(name[i])), sum[i], all, csv(feedback html(remarks(i)))
         }
     } else if (kind == "csv") {
         printf "student,points"
@@ -57,7 +68,7 @@ END {
         for (i = 1; i <= n; i++) {
             printf "%s,%d", csv(name[i]), sum[i]
             for (c = 1; c <= n_criteria; c++) printf ",%d", points[i, c]
-            printf ",%s\r\n", csv(remarks[i])
+            printf ",%s\r\n", csv(remarks(i, 1))
         }
     } else if (kind == "html") {
         print "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" assignment "</title>"
@@ -72,7 +83,7 @@ END {
             printf "<tr><td>%s</td><td class=\"n\">%d</td>", html(name[i]), sum[i]
             for (c = 1; c <= n_criteria; c++) printf "<td class=\"n\" title=\"%s\">%d</td>",
                 html(message[i, c]), points[i, c]
-            printf "<td class=\"r\">%s</td></tr>\n", html(remarks[i])
+            printf "<td class=\"r\">%s</td></tr>\n", html(remarks(i))
         }
         print "</table>"
         print "<h2>Alike beyond what was given out</h2>"

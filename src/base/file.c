@@ -84,6 +84,17 @@ static bis_status read_all(unsigned char **data, size_t *size, const source *fro
     return BIS_OK;
 }
 
+bis_status bis_file_read_open(unsigned char **data, size_t *size, int fd, const char *name, bis_diag *diag)
+{
+    *size = 0;
+    const bis_status status = read_all(data, size, &(source){fd, name, {name, 0, 0}}, 0, diag);
+
+    if (!status) return BIS_OK;
+    bis_free(*data);
+    *data = NULL;
+    return status;
+}
+
 bis_status bis_file_read(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag)
 {
     bis_status status;

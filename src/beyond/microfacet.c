@@ -252,8 +252,8 @@ static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *
 /* The functions of both are the same: those that compute F ask which model they serve. */
 #define FACETS(called) \
     {.name = called, .init = init, .sample = sample, .f_pdf = f_pdf, .max_f_cos = max_f_cos, .max_ratio = max_ratio, \
-     .remake = remake, .of_half_vector = true, .width = width, .f_many = f_many, .sample_many = sample_many, \
-     .reach = reach}
+     .usual = {{0, 0, 0}, {0.9f, 0.9f, 0.9f}, 0.5}, .remake = remake, .of_half_vector = true, .width = width, \
+     .f_many = f_many, .sample_many = sample_many, .reach = reach}
 
 const bis_bsdf_model bis_microfacet_model = FACETS("microfacet"), bis_plastic_model = FACETS("plastic");
 

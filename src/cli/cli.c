@@ -455,6 +455,25 @@ int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, 
     return exit_status;
 }
 
+bis_status bis_cli_parse_scene(bis_scene_desc **out, const char *operand, unsigned how, bis_diag *diag)
+{
+    static const char name[] = "<stdin>";
+    unsigned char *text;
+    size_t size;
+
+    if (strcmp(operand, "-") != 0) return bis_scene_parse_as(out, operand, how, diag);
+    *out = NULL;
+    if (bis_cli_ranks)
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "only the first rank has the standard input: give a file");
+    bis_status status = bis_file_read_open(&text, &size, STDIN_FILENO, name, diag);
+    if (!status && strlen((char *)text) < size)
+        status = bis_error(diag, BIS_INPUT, (bis_loc){name, 0, 0}, "byte %zu is 0: a scene is text",
+                           strlen((char *)text) + 1);
+    if (!status) status = bis_scene_parse_text(out, name, (char *)text, how, diag);
+    bis_free(text);
+    return status;
+}
+
 volatile sig_atomic_t bis_cli_signal;
 
 static void catch_signal(int number)

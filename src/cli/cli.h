@@ -142,6 +142,16 @@ bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, co
 int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, const char *mapping, unsigned needs,
                      bis_diag *diag);
 
+/* For the help of a command that parses by the function below. */
+#define BIS_CLI_SCENE_NOTE \
+    "SCENE is a file, or - for standard input. The files that such a scene names are\n" \
+    "looked for in the working directory.\n"
+
+/* bis_cli_parse_scene parses the scene that an operand names: a file, or "-" for standard input, of which one process
+ * has all, and messages say "<stdin>". `how` is as for bis_scene_parse_as. Errors: those of bis_scene_parse, BIS_INPUT
+ * (a NUL in standard input, several ranks). */
+bis_status bis_cli_parse_scene(bis_scene_desc **out, const char *operand, unsigned how, bis_diag *diag);
+
 /* bis_cli_use_threads sets (--nthreads) that from now on n threads work wherever nobody says how many, as for the
  * tables of a map. 0: as many as there are. */
 void bis_cli_use_threads(uint64_t n);

@@ -192,7 +192,7 @@ static int pixel(void *options, const char *const *operand, bis_diag *diag)
         bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
         goto done;
     }
-    status = bis_scene_parse_as(&desc, operand[0], o->approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
+    status = bis_cli_parse_scene(&desc, operand[0], o->approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
     if (!status) status = read_places(place, operand + 1, &desc->view.film, diag);
     if (status) goto done;
     if (o->has_seed) desc->view.sampler.seed = o->seed;
@@ -248,7 +248,9 @@ int bis_cmd_pixel(int argc, char **argv)
                    "weights and samples",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 3, .max_operands = 3,
-        .notes = "X counts from the left, Y from the top, both from 0, in the scene's film. The\n"
+        .notes = BIS_CLI_SCENE_NOTE
+                 "\n"
+                 "X counts from the left, Y from the top, both from 0, in the scene's film. The\n"
                  "ray goes through the pixel's centre. The folder gets methods.csv, candidates.csv\n"
                  "and rays.csv; with --html also pixel.html: figure 4.1 of the thesis (map, BRDF,\n"
                  "product), figure 4.2 (where each method looks), and the tables.\n",

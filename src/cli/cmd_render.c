@@ -298,7 +298,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     const unsigned how = approximate | (o->over.light ? BIS_PARSE_OTHER_LIGHT : 0);
     bis_status status = o->plan ? BIS_OK : bis_render_part_name(o->part.share, &o->files, diag);
     if (!status && leads) status = bis_render_files_check(&o->files, diag);
-    if (!status) status = bis_scene_parse_as(&desc, operands[0], how, diag);
+    if (!status) status = bis_cli_parse_scene(&desc, operands[0], how, diag);
     if (!status) status = bis_override_scene(desc, &o->over, diag);
     const bis_budget budget = {.seconds = o->seconds, .error = o->error};
     if (!status) status = bis_render_part_check(o->part.share, &budget, diag);
@@ -489,7 +489,9 @@ int bis_cmd_render(int argc, char **argv)
         .options = table.options,
         .n_options = table.n,
         .min_operands = 1, .max_operands = 1,
-        .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
+        .notes = BIS_CLI_SCENE_NOTE
+                 "\n"
+                 "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
                  "bad scene; 130 interrupted, after what is done has been written.\n",
     };
     return bis_cli_run(&command, argc, argv, render_scene, &o);

@@ -142,6 +142,9 @@ static int measure(void *options, const char *const *operands, bis_diag *diag)
     char *folder = o->output ? bis_strdup(o->output) : default_folder(operands[0]);
     bis_status status = folder ? check_resume(o, diag) : bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
     if (!status) status = check_integrators(o, diag);
+    if (!status && strcmp(operands[0], "-") == 0)
+        status = bis_error(diag, BIS_INPUT, bis_cli_loc,
+                           "bis trade reads the scene again with --resume: give a file, not -");
     const int exit_status = status ? bis_cli_exit_status(status) : run(o, operands[0], folder, diag);
     bis_free(folder);
     return exit_status;

@@ -134,7 +134,7 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
 
     if (o->mapping) bis_warn(diag, bis_cli_loc, "--mapping has no effect on a scene: its LightSource says it");
     bis_verify_begin(v, "reading the scene");
-    bis_status status = bis_scene_parse_as(&desc, path, o->approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
+    bis_status status = bis_cli_parse_scene(&desc, path, o->approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
     if (status) return bis_cli_exit_status(status);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
@@ -214,7 +214,9 @@ int bis_cmd_verify(int argc, char **argv)
         .summary = "are samplers, materials and integrators right for this scene, or this map (.hdr, .exr, .pfm)?",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 0, .max_operands = 1,
-        .notes = "A scene's own integrator is tested by what `bis SCENE` renders, all others at\n"
+        .notes = BIS_CLI_SCENE_NOTE
+                 "\n"
+                 "A scene's own integrator is tested by what `bis SCENE` renders, all others at\n"
                  "single points.\n"
                  "\n"
                  "Each test is a number below a limit that rounding explains, or a statistic with\n"

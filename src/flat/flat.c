@@ -52,8 +52,7 @@ static bis_status check_numbers(size_t n, size_t k, const double *u, bis_diag *d
     return BIS_OK;
 }
 
-/* The i-th of many directions as a unit vector. */
-static bis_status direction(vec3 *w, const float *all, size_t i, bis_diag *diag)
+bis_status bis_flat_direction(vec3 *w, const float *all, size_t i, bis_diag *diag)
 {
     const double x = (double)all[3 * i], y = (double)all[3 * i + 1], z = (double)all[3 * i + 2];
     const double most = fmax(fabs(x), fmax(fabs(y), fabs(z)));
@@ -83,7 +82,7 @@ static int look(rgb (*value_of)(const void *self, vec3 w, double *pdf), const vo
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, w, value, pdf);
     for (size_t i = 0; !status && i < n; i++) {
         vec3 wi;
-        status = direction(&wi, w, i, &diag);
+        status = bis_flat_direction(&wi, w, i, &diag);
         if (status) break;
         const rgb v = value_of(handle, wi, &pdf[i]);
         store(value + 3 * i, v.r, v.g, v.b);
@@ -150,13 +149,14 @@ void bis_flat_light_close(bis_light *light) { bis_light_free(light); }
 
 void bis_flat_light_shape(const bis_light *light, int shape[2])
 {
+    if (!shape) return;
     shape[0] = light ? bis_light_envmap(light)->width : 0;
     shape[1] = light ? bis_light_envmap(light)->height : 0;
 }
 
 void bis_flat_light_pixels(const bis_light *light, float *pixels)
 {
-    if (!light) return;
+    if (!light || !pixels) return;
     const bis_envmap *em = bis_light_envmap(light);
     const size_t n = (size_t)em->width * (size_t)em->height;
 
@@ -196,7 +196,7 @@ int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float 
 
 /* ---- alias tables ---- */
 
-static bis_status check_weights(size_t n, const double *w, bis_diag *diag)
+bis_status bis_flat_weights(size_t n, const double *w, bis_diag *diag)
 {
     bool is_black = true;
 
@@ -218,7 +218,7 @@ int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alia
     bis_alias a = {0};
     bis_status status = n > 0 ? BIS_FLAT_GIVEN(&diag, w, prob, alias, total) : BIS_OK;
 
-    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_flat_weights(n, w, &diag);
     if (!status) status = bis_alias_init(&a, w, n, &diag);
     if (!status) {
         memcpy(prob, a.prob, n * sizeof *prob);
@@ -276,7 +276,7 @@ static bis_status check_colour(const char *name, const double *c, bis_diag *diag
     return BIS_OK;
 }
 
-static bis_status unit(vec3 *w, const char *name, const double *v, bis_diag *diag)
+bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *diag)
 {
     const double l = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 
@@ -292,9 +292,9 @@ static bis_status place(bis_bsdf **bsdf, bis_material material, const double *no
                         bis_diag *diag)
 {
     vec3 n, out;
-    bis_status status = unit(&n, "normal", normal, diag);
+    bis_status status = bis_flat_unit(&n, "normal", normal, diag);
 
-    if (!status) status = unit(&out, "wo", wo, diag);
+    if (!status) status = bis_flat_unit(&out, "wo", wo, diag);
     if (status) return status;
     owned *o = bis_alloc(1, sizeof *o);
     if (!o) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for a material");

@@ -221,8 +221,9 @@ static bis_status apply(bis_scene_desc *d, wishes *w, const char *const *setting
 bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag)
 {
     wishes w = {0};
-    bis_status status = parse(out, path, settings, NULL, diag);
+    bis_status status = BIS_FLAT_GIVEN(diag, out, path, settings);
 
+    if (!status) status = parse(out, path, settings, NULL, diag);
     if (!status) status = apply(*out, &w, settings, diag);
     return status;
 }
@@ -230,7 +231,9 @@ bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char 
 bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag)
 {
     wishes w = {0};
-    return apply(d, &w, settings, diag);
+    const bis_status status = BIS_FLAT_GIVEN(diag, d, settings);
+
+    return status ? status : apply(d, &w, settings, diag);
 }
 
 /* ---- rendering ---- */
@@ -369,13 +372,14 @@ void bis_flat_picture_close(bis_flat_picture *picture)
 
 void bis_flat_picture_shape(const bis_flat_picture *picture, int shape[2])
 {
+    if (!shape) return;
     shape[0] = picture ? picture->width : 0;
     shape[1] = picture ? picture->height : 0;
 }
 
 void bis_flat_picture_pixels(const bis_flat_picture *picture, float *rgba)
 {
-    if (!picture) return;
+    if (!picture || !rgba) return;
     memcpy(rgba, picture->rgba, (size_t)picture->width * (size_t)picture->height * 4 * sizeof *rgba);
 }
 

@@ -151,14 +151,19 @@ int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, 
                         char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, wi, cell);
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage);
     vec3 axis[3];
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, wi, cell);
     if (!status) status = check_field(columns, rows, &diag);
     if (!status) bis_light_axes(stage->scene->light, axis);
     for (size_t i = 0; !status && i < n; i++) {
         const frame light = {axis[0], axis[1], axis[2]};
-        const vec3 w = to_local(&light, (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]});
+        const float *d = wi + 3 * i;
+        vec3 w = {0, 0, 0};
+        if (d[0] != 0 || d[1] != 0 || d[2] != 0) status = bis_flat_direction(&w, wi, i, &diag);
+        if (status) break;
+        w = to_local(&light, w);
         const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z);
         const double phi = atan2((double)w.y, (double)w.x), turn = phi < 0 ? phi + 2 * PI : phi;
         const int x = (int)(turn / (2 * PI) * columns), y = (int)(theta / PI * rows);
@@ -349,8 +354,9 @@ int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n,
                           double *height, uint32_t *taken, uint32_t *accepted, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, w, u, height, taken, accepted);
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, accepted);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, w, u, height, taken);
     if (!status) status = check_hit(stage, &diag);
     if (!status && strcmp(proposal, "em") != 0 && strcmp(proposal, "brdf") != 0)
         status = bis_error(&diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);

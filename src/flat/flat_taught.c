@@ -27,8 +27,8 @@ static const bis_loc nowhere = {0};
 
 void bis_flat_fnv(uint32_t hash[2], size_t n, const uint8_t *bytes)
 {
+    if (!hash || (n > 0 && !bytes)) return;
     uint64_t h = (uint64_t)hash[1] << 32 | hash[0];
-
     h = bis_fnv1a(h ? h : BIS_FNV1A, bytes, n);
     hash[0] = (uint32_t)h;
     hash[1] = (uint32_t)(h >> 32);
@@ -39,16 +39,17 @@ void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u)
     bis_rng rng;
 
     bis_rng_init(&rng, seed, stream, 0, 0);
-    for (size_t i = 0; i < n; i++) u[i] = bis_rng_double(&rng);
+    for (size_t i = 0; u && i < n; i++) u[i] = bis_rng_double(&rng);
 }
 
 int bis_flat_histogram(size_t n, const double *values, const double *unit, double most, size_t cells, uint32_t *count,
                        char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, values, unit, count);
-    const double hi = status ? 0 : most * *unit;
+    bis_status status = BIS_FLAT_GIVEN(&diag, unit, count);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, values);
+    const double hi = status ? 0 : most * *unit;
     if (!status && !(cells >= 1 && isfinite(hi) && *unit >= 0 && most >= 0))
         status = bis_error(&diag, BIS_INPUT, nowhere, "%zu cells from 0 to %g times %g: give a cell or more, and "
                            "numbers >= 0", cells, most, *unit);
@@ -82,21 +83,6 @@ int bis_flat_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t *n
 }
 
 /* ---- thesis 3.2: discrete distributions ---- */
-
-static bis_status check_weights(size_t n, const double *w, bis_diag *diag)
-{
-    double sum = 0;
-
-    if (n == 0 || n > UINT32_MAX)
-        return bis_error(diag, BIS_INPUT, nowhere, "there are %zu weights: give 1 to %" PRIu32, n, UINT32_MAX);
-    for (size_t i = 0; i < n; i++) {
-        if (!(isfinite(w[i]) && w[i] >= 0))
-            return bis_error(diag, BIS_INPUT, nowhere, "weight %zu is %g: give finite numbers >= 0", i, w[i]);
-        sum += w[i];
-    }
-    if (sum > 0) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "all weights are 0: there is nothing to draw");
-}
 
 int bis_flat_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *list, uint32_t *length, char *say,
                        size_t size)
@@ -146,7 +132,7 @@ int bis_flat_alias_stage(size_t n, const double *w, size_t steps, uint32_t *orde
     uint32_t *waits = status ? NULL : bis_alloc(n, sizeof *waits);
 
     if (!status && !waits) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu items", n);
-    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_flat_weights(n, w, &diag);
     if (!status) status = bis_alias_init(&a, w, n, &diag);
     if (!status) {
         order_bins(order, waits, &a);
@@ -168,7 +154,7 @@ int bis_flat_alias_pmf(size_t n, const double *w, double *pmf, double *P, char *
     bis_alias a = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, w, pmf, P);
 
-    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_flat_weights(n, w, &diag);
     if (!status) status = bis_alias_init(&a, w, n, &diag);
     if (!status) bis_alias_implied_pmf(&a, pmf);
     for (size_t i = 0; !status && i < n; i++) P[i] = w[i] / a.total;
@@ -185,7 +171,7 @@ int bis_flat_alias_few_bits(size_t n, const double *w, int bits, double *printed
 
     if (!status && !(bits >= 0 && bits <= 24))
         status = bis_error(&diag, BIS_INPUT, nowhere, "numbers of %d bits: give 0 to 24", bits);
-    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_flat_weights(n, w, &diag);
     if (!status) status = bis_alias_init(&a, w, n, &diag);
     for (size_t i = 0; !status && i < n; i++) printed[i] = right[i] = 0;
     double theirs = 0, drawn[2] = {0, 0};
@@ -210,7 +196,7 @@ int bis_flat_cdf_build(size_t n, const double *w, double *c, uint32_t *guide, ui
     bis_cdf cdf = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, w, c, guide, n_guide);
 
-    if (!status) status = check_weights(n, w, &diag);
+    if (!status) status = bis_flat_weights(n, w, &diag);
     if (!status) status = bis_cdf_init(&cdf, w, n, &diag);
     if (!status && cdf.n_guide > 2 * n + 1)
         status = bis_error(&diag, BIS_INPUT, nowhere, "a guide table of %zu is too long", cdf.n_guide);
@@ -228,9 +214,10 @@ int bis_flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, ui
 {
     bis_diag diag = {0};
     bis_cdf cdf = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, w, u, item, part, first);
+    bis_status status = BIS_FLAT_GIVEN(&diag, w);
 
-    if (!status) status = check_weights(n, w, &diag);
+    if (!status && m > 0) status = BIS_FLAT_GIVEN(&diag, u, item, part, first);
+    if (!status) status = bis_flat_weights(n, w, &diag);
     if (!status) status = bis_cdf_init(&cdf, w, n, &diag);
     for (size_t i = 0; !status && i < m; i++) {
         if (!(u[i] >= 0 && u[i] < 1)) {
@@ -250,7 +237,9 @@ int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, doub
 {
     bis_diag diag = {0};
     bis_verify v = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, P, item, observed, fit);
+    bis_status status = BIS_FLAT_GIVEN(&diag, P, observed, fit);
+
+    if (!status && m > 0) status = BIS_FLAT_GIVEN(&diag, item);
     double *expected = status ? NULL : bis_alloc(n, sizeof *expected);
 
     if (!status && !expected) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu items", n);
@@ -312,13 +301,13 @@ int bis_flat_light_open_as(bis_light **light, const char *path, const char *cons
 int bis_flat_light_find(const bis_light *light, size_t n, const float *w, uint32_t *pixel, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, light, w, pixel);
+    bis_status status = BIS_FLAT_GIVEN(&diag, light);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, w, pixel);
     for (size_t i = 0; !status && i < n; i++) {
-        const vec3 d = {w[3 * i], w[3 * i + 1], w[3 * i + 2]};
-        if (isfinite(dot(d, d)) && dot(d, d) > 0)
-            pixel[i] = (uint32_t)bis_envmap_pixel(bis_light_envmap(light), normalize(d));
-        else status = bis_error(&diag, BIS_INPUT, nowhere, "direction %zu is 0 or not finite", i);
+        vec3 d;
+        status = bis_flat_direction(&d, w, i, &diag);
+        if (!status) pixel[i] = (uint32_t)bis_envmap_pixel(bis_light_envmap(light), d);
     }
     return bis_flat_end(status, &diag, say, size);
 }
@@ -367,8 +356,9 @@ int bis_flat_light_rows(const bis_light *light, size_t n, const uint32_t *pixel,
                         double *polar, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, light, pixel, count, polar);
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, count, polar);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, pixel);
     if (status) return bis_flat_end(status, &diag, say, size);
     const bis_envmap *em = bis_light_envmap(light);
     const size_t width = (size_t)em->width, height = (size_t)em->height;
@@ -423,8 +413,10 @@ int bis_flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, doub
 
     if (!status && !(n >= 1 && n <= 4096))
         status = bis_error(&diag, BIS_INPUT, nowhere, "n is %d: give 1 to 4096", n);
+    vec3 up;
+    if (!status) status = bis_flat_unit(&up, "normal", normal, &diag);
     if (status) return bis_flat_end(status, &diag, say, size);
-    const frame about = frame_about(normalize(vec3_from(normal[0], normal[1], normal[2])));
+    const frame about = frame_about(up);
     const double cell = 2 * PI / n / n;
     double reflected = 0, above = 0;
     for (int i = 0; i < n * n; i++) {
@@ -441,10 +433,12 @@ int bis_flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, co
                         double *pdf, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, normal, degrees, f_cos, pdf);
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, normal);
 
+    vec3 up;
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, degrees, f_cos, pdf);
+    if (!status) status = bis_flat_unit(&up, "normal", normal, &diag);
     if (status) return bis_flat_end(status, &diag, say, size);
-    const vec3 up = normalize(vec3_from(normal[0], normal[1], normal[2]));
     /* away from the eye; 0 where it looks straight down */
     const vec3 across = sub(mul(up, dot(up, bsdf->wo)), bsdf->wo);
     const vec3 side = dot(across, across) > 0 ? normalize(across) : frame_about(up).x;
@@ -465,8 +459,9 @@ int bis_flat_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint8_t
                         size_t size)
 {
     bis_diag diag = {0};
-    const bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, wi, below, count);
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, count);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, wi, below);
     if (status) return bis_flat_end(status, &diag, say, size);
     *count = 0;
     for (size_t i = 0; i < n; i++) {

@@ -4,6 +4,8 @@
 
 #include "bis/scene/scene.h"
 
+#include <stdint.h>
+
 /* bis_flat_end writes all messages to say[size], one a line, frees them, and returns the status. say may be NULL. */
 int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size);
 
@@ -14,6 +16,17 @@ bis_status bis_flat_given(const char *names, const void *const *pointers, size_t
 #define BIS_FLAT_GIVEN(diag, ...)                                                                                   \
     bis_flat_given(#__VA_ARGS__, (const void *const[]){__VA_ARGS__},                                                \
                    sizeof(const void *const[]){__VA_ARGS__} / sizeof(void *), diag)
+
+/* bis_flat_weights checks that there are weights w[n] from which one can draw. Errors: BIS_INPUT (n is 0 or above
+ * 2^32 - 1, a weight is negative or not finite, all are 0). */
+bis_status bis_flat_weights(size_t n, const double *w, bis_diag *diag);
+
+/* bis_flat_direction stores the i-th direction of all[][3] as a unit vector. Errors: BIS_INPUT (it is 0 or not
+ * finite). */
+bis_status bis_flat_direction(vec3 *w, const float *all, size_t i, bis_diag *diag);
+
+/* bis_flat_unit stores v[3], called name, as a unit vector. Errors: BIS_INPUT (it is 0 or not finite). */
+bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *diag);
 
 /* bis_flat_describe reads a scene with the settings of bis_flat_render. The caller frees *out, on failure too. Errors:
  * those of bis_scene_parse, BIS_INPUT (a setting). */

@@ -14,18 +14,6 @@
 static const bis_interval unit = {0, 1, false, false};
 static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
 
-enum { PHONG, MICROFACET, DIFFUSE, CONDUCTOR, METAL, COATED_DIFFUSE, PLASTIC, UBER, SUBSTRATE };
-static const bis_choice materials[] = {
-    {"phong", PHONG}, {"microfacet", MICROFACET}, {"diffuse", DIFFUSE}, {"matte", DIFFUSE},
-    {"coateddiffuse", COATED_DIFFUSE}, {"coatedconductor", BIS_FOREIGN}, {"conductor", CONDUCTOR},
-    {"dielectric", BIS_FOREIGN}, {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN},
-    {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN}, {"interface", BIS_FOREIGN},
-    {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN}, {"metal", METAL}, {"mirror", BIS_FOREIGN},
-    {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"plastic", PLASTIC}, {"shinymetal", BIS_FOREIGN},
-    {"substrate", SUBSTRATE}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
-    {"translucent", BIS_FOREIGN}, {"uber", UBER}, {"", BIS_FOREIGN},
-};
-
 void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks)
 {
     const double sum[3] = {(double)Kd.r + (double)Ks.r, (double)Kd.g + (double)Ks.g, (double)Kd.b + (double)Ks.b};
@@ -40,28 +28,22 @@ void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks)
     }
 }
 
-static bis_material read_phong(bis_parser *p, bis_material_textures *t)
+/* A model of ours: each value is a number, a colour or a texture, as the model's ranges and defaults say. */
+static bis_material read_model(bis_parser *p, bis_material_textures *t, const bis_bsdf_model *model)
 {
-    rgb Kd = {0.5f, 0.5f, 0.5f}, Ks = {0, 0, 0};
-    double exponent = 50;
+    const bis_material none = {.model = model};
+    const bis_bsdf_width w = model->width(&none);
+    rgb Kd = model->usual.Kd, Ks = model->usual.Ks;
+    double width = model->usual.width;
     bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
-    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
-    bis_params_number(p, "exponent", &exponent, positive_or_0, &t->width);
+    if (w.scene_name) {
+        bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+        bis_params_number(p, w.scene_name, &width, (bis_interval){w.least, w.most, false, false}, &t->width);
+    }
     /* with textures: when their images are known, by bis_textures_check */
-    if (t->Kd == BIS_NO_TEXTURE && t->Ks == BIS_NO_TEXTURE) bis_parser_warn_energy(p, p->name_at, Kd, Ks);
-    return bis_phong(Kd, Ks, exponent);
-}
-
-/* No warning of energy: no Kd and Ks in [0,1] reflect more than they receive. */
-static bis_material read_microfacet(bis_parser *p, bis_material_textures *t)
-{
-    const bis_interval rough = {BIS_MICROFACET_MIN_ROUGHNESS, 1, false, false};
-    rgb Kd = {0, 0, 0}, Ks = {0.9f, 0.9f, 0.9f};
-    double roughness = 0.5;
-    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
-    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
-    bis_params_number(p, "roughness", &roughness, rough, &t->width);
-    return bis_microfacet(Kd, Ks, roughness);
+    if (model->gains_beyond_1 && t->Kd == BIS_NO_TEXTURE && t->Ks == BIS_NO_TEXTURE)
+        bis_parser_warn_energy(p, p->name_at, Kd, Ks);
+    return model->remake(&none, Kd, Ks, &width);
 }
 
 static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
@@ -94,32 +76,54 @@ static void read_bump(bis_parser *p, bis_material_textures *t)
     if (!lacks) bis_parser_add_image(p, path, 1, at, &t->normals);
 }
 
-/* By the value of a choice. Each asks for its own parameters; what is left over is then an error. */
-static bis_material_reader *const readers[] = {
-    [PHONG] = read_phong,
-    [MICROFACET] = read_microfacet,
-    [DIFFUSE] = read_diffuse,
-    [CONDUCTOR] = bis_parser_conductor,
-    [METAL] = bis_parser_metal,
-    [COATED_DIFFUSE] = bis_parser_coated_diffuse,
-    [PLASTIC] = bis_parser_plastic,
-    [UBER] = bis_parser_uber,
-    [SUBSTRATE] = bis_parser_substrate,
+/* By name: a model of ours, or a reader that asks for pbrt's parameters (what is left over is an error); neither: pbrt
+ * has it and bis does not model it. */
+static const struct {
+    const char *name;
+    const bis_bsdf_model *model;
+    bis_material_reader *read;
+} materials[] = {
+    {"phong", .model = &bis_phong_model},
+    {"microfacet", .model = &bis_microfacet_model},
+    {"diffuse", .read = read_diffuse},
+    {"matte", .read = read_diffuse},
+    {"coateddiffuse", .read = bis_parser_coated_diffuse},
+    {"conductor", .read = bis_parser_conductor},
+    {"metal", .read = bis_parser_metal},
+    {"plastic", .read = bis_parser_plastic},
+    {"substrate", .read = bis_parser_substrate},
+    {"uber", .read = bis_parser_uber},
+    {.name = "coatedconductor"}, {.name = "dielectric"}, {.name = "diffusetransmission"}, {.name = "disney"},
+    {.name = "fourier"}, {.name = "glass"}, {.name = "hair"}, {.name = "interface"}, {.name = "kdsubsurface"},
+    {.name = "measured"}, {.name = "mirror"}, {.name = "mix"}, {.name = "none"}, {.name = "shinymetal"},
+    {.name = "subsurface"}, {.name = "thindielectric"}, {.name = "translucent"}, {.name = ""},
 };
+enum { N_MATERIALS = BIS_COUNT(materials) };
+
+/* The number of the material called type, or N_MATERIALS after a complaint. */
+static int choose_material(bis_parser *p, const char *directive, const char *type, bis_loc at)
+{
+    bis_choice choices[N_MATERIALS];
+    for (int i = 0; i < N_MATERIALS; i++)
+        choices[i] = (bis_choice){materials[i].name, materials[i].model || materials[i].read ? i : BIS_FOREIGN};
+    const bis_choice *chosen = bis_parser_choose(p, directive, type, at, choices, N_MATERIALS);
+    return chosen ? (int)(chosen - choices) : N_MATERIALS;
+}
 
 /* The material that the parameters describe goes to desc->materials[index]. */
 static void read_material(bis_parser *p, const char *directive, const char *type, bis_loc at, uint32_t index)
 {
-    const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
-    if (!chosen) return;
-    if (strcmp(chosen->name, type) != 0) /* pbrt's matte, of what it does not know, takes what it can use */
+    const int k = choose_material(p, directive, type, at);
+    if (k == N_MATERIALS) return;
+    if (strcmp(materials[k].name, type) != 0) /* pbrt's matte, of what it does not know, takes what it can use */
         for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true;
     bis_material_textures t = BIS_NO_TEXTURES;
     t.loc = at;
-    const bool foreign = chosen->value == BIS_FOREIGN;
-    const bis_material m = foreign ? bis_approximate_material(p, chosen->name, index) : readers[chosen->value](p, &t);
+    const bis_material m = materials[k].model  ? read_model(p, &t, materials[k].model)
+                           : materials[k].read ? materials[k].read(p, &t)
+                                               : bis_approximate_material(p, materials[k].name, index);
     read_bump(p, &t);
-    if (!foreign) bis_params_end(p, directive, chosen->name);
+    if (materials[k].model || materials[k].read) bis_params_end(p, directive, materials[k].name);
     p->desc->materials[index] = m;
     if (bis_textures_any(&t) && m.model && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
 }

@@ -35,7 +35,7 @@ static void pack_block(bis_grid *g, size_t block)
             if (d > reach) reach = d;
         }
     }
-    g->reach[block] = reach * (1 + 0x1p-22f); /* rounding of the differences, and of the sum in may_meet */
+    g->reach[block] = reach * (1 + 0x1p-22f); /* the differences, this product, may_meet's sum: u each */
 }
 
 /* Rays jump about in the blocks: with pages of 2 MiB, where there are any, rays are 5% and the build is 15% faster. */

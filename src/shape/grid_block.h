@@ -67,6 +67,7 @@ static inline BIS_INLINE void near_move(near_ray *near, const sheared_ray *s, do
  *    8M^2, so nothing is ruled out.
  * 5. 72 in the place of 64 is for all that is of a higher order: products of two errors above, shear_test's rounding
  *    of its weights (16 * 2^-53 M^2), and the roundings of e and M (9 of them, u each).
+ * A search (tests/shape/test_grid_block.c) finds triangles that need 31 u M^2 and 7.7 M w.
  * FLT_MIN is for what underflows: each product then loses up to 2^-150, and 2M times as much by its factors.
  * What overflows: all products are at most 8M^2, so if one is infinite then e is, too, and nothing is ruled out. */
 static inline BIS_INLINE unsigned may_meet(const near_ray *r, const bis_grid_block v, float reach)

@@ -146,7 +146,8 @@ static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *
 }
 
 const bis_bsdf_model bis_phong_model = {.name = "phong", .init = init, .sample = sample, .f_pdf = f_pdf,
-    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .of_half_vector = false, .remake = remake,
+    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .of_half_vector = false,
+    .usual = {{0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, .remake = remake,
     .gains_beyond_1 = true, .width = width,
     .f_many = f_many, .sample_many = sample_many, .reach = reach};
 

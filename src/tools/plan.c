@@ -260,7 +260,8 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         else print_colour("Ks", m->Ks, out);
         if (!rgb_is_black(m->eta)) print_colour("eta", m->eta, out);
         if (t && t->width != BIS_NO_TEXTURE) print_texture(w.scene_name, &d->textures, t->width, out);
-        else if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
+        else if (w.scene_name && w.scene_value > 0)
+            fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
         if (t && t->bump != BIS_NO_TEXTURE) print_texture("bump", &d->textures, t->bump, out);
         if (t && t->normals != BIS_NO_TEXTURE) fprintf(out, ", normal map (%s)", last_name(&d->textures, t->normals));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");

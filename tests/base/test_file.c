@@ -119,6 +119,29 @@ static void what_is_no_regular_file_is_refused_with_its_kind(void **state)
     unlink(DIR_NAME "/fifo");
 }
 
+/* 5 bytes and 20000, more than the first read asks for; fd stays open. */
+static void an_open_pipe_is_read_to_its_end(void **state)
+{
+    for (size_t n = 5; n <= 20000; n += 19995) {
+        bis_diag d = {0};
+        unsigned char *data;
+        size_t size;
+        int ends[2];
+        assert_int_equal(pipe(ends), 0);
+        for (size_t i = 0; i < n; i++) assert_int_equal(write(ends[1], &(char){(char)(i % 251)}, 1), 1);
+        close(ends[1]);
+        assert_int_equal(bis_file_read_open(&data, &size, ends[0], "<pipe>", NULL), BIS_OK);
+        assert_int_equal(size, n);
+        for (size_t i = 0; i <= n; i++) assert_int_equal(data[i], i < n ? i % 251 : 0);
+        bis_free(data);
+        assert_int_equal(close(ends[0]), 0);
+        assert_int_equal(bis_file_read_open(&data, &size, ends[0], "<pipe>", &d), BIS_IO);
+        assert_true(!data && size == 0);
+        assert_string_equal(d.messages[0].text, "<pipe>: error: cannot read \"<pipe>\": Bad file descriptor");
+        bis_diag_clear(&d);
+    }
+}
+
 static void a_missing_file_is_reported_where_it_was_named(void **state)
 {
     expect_refusal("no/such", (bis_loc){"s.txt", 3, 14},
@@ -740,6 +763,7 @@ int main(void)
         cmocka_unit_test(files_of_any_size_are_read_whole_and_end_in_a_zero),
         cmocka_unit_test(a_file_that_claims_size_0_is_read_to_its_end),
         cmocka_unit_test(what_is_no_regular_file_is_refused_with_its_kind),
+        cmocka_unit_test(an_open_pipe_is_read_to_its_end),
         cmocka_unit_test(a_missing_file_is_reported_where_it_was_named),
         cmocka_unit_test(a_read_that_fails_is_no_end_of_the_file),
         cmocka_unit_test(reading_without_memory_says_so_and_leaks_nothing),

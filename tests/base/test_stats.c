@@ -244,12 +244,35 @@ static void a_program_that_judges_another_number_than_it_tells_fails(void **stat
     assert_int_equal(system(command), 0);
 }
 
-/* test_stats TEST: only the tests of that name, with no word to the count of p-values. */
+/* Of ten p-values the smallest must not be below 1 - 0.999^(1/10) = 1.0005e-4. */
+static void a_p_value_that_is_judged_later_fails_the_program(void **state)
+{
+    static const char *const rows[] = {"1.001e-4 10", "1.000e-4 10", "1.000e-4 11"};
+    char command[1024];
+
+    for (int i = 0; i < 3; i++) {
+        snprintf(command, sizeof command, "%s later %s >build/test_stats.out 2>&1", program_invocation_name, rows[i]);
+        assert_int_equal(system(command) != 0, i == 1);
+    }
+    snprintf(command, sizeof command, "%s later 1e-9 10 >build/test_stats.out 2>&1", program_invocation_name);
+    assert_int_not_equal(system(command), 0);
+    assert_int_equal(system("grep -q '^stat: a claim: p 1e-09 is below 0.0001, the level of each of 10 p-values$' "
+                            "build/test_stats.out"), 0);
+}
+
+/* test_stats TEST: only the tests of that name, with no word to the count of p-values. test_stats later P M: P is
+ * judged among M. */
 int main(int argc, char **argv)
 {
+    if (argc > 3) {
+        stat_judges(atoi(argv[3]));
+        stat_later(1e-3, atof(argv[2]), "a %s", "claim");
+        return 0;
+    }
     if (argc > 1) cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_program_that_judges_another_number_than_it_tells_fails),
+        cmocka_unit_test(a_p_value_that_is_judged_later_fails_the_program),
         cmocka_unit_test(gamma_q_agrees_with_published_values_to_1e_13_sqrt_a),
         cmocka_unit_test(gamma_q_has_its_closed_forms),
         cmocka_unit_test(gamma_q_has_its_limits),

@@ -3,6 +3,7 @@
  * looked at is read back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/shape/accel.h"
 #include "bis/tools/compare.h"
+#include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
@@ -999,6 +1000,55 @@ static void another_light_may_be_put_over_any_scene(void **state)
     assert_null(strstr(r.messages, "approximated"));
 }
 
+/* The program's standard input is a pipe that holds text[size], at most the 4096 bytes that each pipe has room for. */
+static void run_on(program_run *r, int exit_status, const char *text, size_t size, const char *arguments)
+{
+    const int input = dup(STDIN_FILENO);
+    int ends[2];
+
+    assert_true(size <= 4096 && pipe(ends) == 0);
+    assert_int_equal(write(ends[1], text, size), size);
+    close(ends[1]);
+    assert_int_equal(dup2(ends[0], STDIN_FILENO), STDIN_FILENO);
+    close(ends[0]);
+    program_expect(r, exit_status, "%s", arguments);
+    dup2(input, STDIN_FILENO);
+    close(input);
+}
+
+/* The scene of the file, whose map is named as seen from here: the same picture, and the same figures. */
+static void a_pipe_is_read_where_that_is_asked_for(void **state)
+{
+    program_run r;
+    unsigned char *file;
+    size_t size;
+    char text[4096], *map;
+    bis_image a, b;
+
+    assert_int_equal(bis_file_read(&file, &size, SCENE, (bis_loc){0}, NULL), BIS_OK);
+    assert_non_null(map = strstr((char *)file, "map.pfm"));
+    snprintf(text, sizeof text, "%.*s" DIR "/%s", (int)(map - (char *)file), (char *)file, map);
+    bis_free(file);
+    program_expect(&r, 0, SCENE " --outfile " DIR "/file.pfm");
+    run_on(&r, 0, text, strlen(text), "--outfile " DIR "/pipe.pfm -");
+    read_image(&a, DIR "/file.pfm");
+    read_image(&b, DIR "/pipe.pfm");
+    assert_memory_equal(a.pixels, b.pixels, (size_t)a.width * (size_t)a.height * sizeof *a.pixels);
+    bis_image_clear(&a);
+    bis_image_clear(&b);
+    run_on(&r, 0, text, strlen(text), "pixel - 12 8 --output " DIR "/pixel");
+    assert_non_null(strstr(r.output, "(12, 8) of 24 x 16, <stdin>\n"));
+    run_on(&r, 0, text, strlen(text), "verify -");
+    assert_non_null(strstr(r.output, "\npassed\n"));
+
+    run_on(&r, 2, "WorldBegin\nShape \"cube\"", 23, "-");
+    assert_non_null(strstr(r.messages, "<stdin>:2:7: error: "));
+    run_on(&r, 2, "WorldBegin\0", 11, "-");
+    assert_string_equal(r.messages, "<stdin>: error: byte 11 is 0: a scene is text\n");
+    run_on(&r, 2, text, strlen(text), "trade -");
+    assert_non_null(strstr(r.messages, "give a file, not -"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1023,6 +1073,7 @@ int main(void)
         cmocka_unit_test(a_light_probe_tells_its_energy_before_and_after),
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(plan_renders_and_writes_nothing),
+        cmocka_unit_test(a_pipe_is_read_where_that_is_asked_for),
         cmocka_unit_test(the_note_on_a_resampled_map_tells_its_energy),
         cmocka_unit_test(what_is_no_scene_gets_one_line),
         cmocka_unit_test(what_a_scene_leaves_out_is_what_it_could_have_written),

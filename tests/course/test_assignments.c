@@ -644,6 +644,47 @@ static void moodle_gets_the_same_marks(void **state)
                      0);
 }
 
+/* Fifty remarks of three words of 96 letters: each is cut at 200 characters on its last word, a cell of the CSV holds
+ * one of them and says how many more there are, and who wrote the same comes first. The page and Moodle have all. */
+static void a_flood_of_remarks_fits_into_a_cell(void **state)
+{
+    (void)state;
+    clean_folder();
+    assert_int_equal(
+        shell("work=$PWD/" DIR " && . scripts/course/accept.sh && w=$(printf %096d 7) && n=0 && "
+              "while [ $n -lt 50 ]; do n=$((n + 1)); remark \"$w $w\n$w\"; done && "
+              "{ echo 'C\t10\tspeed'; for who in Ann Ben; do echo \"N\t$who\"; sed 's/^/R\t/' $work/remarks; "
+              "echo 'L\t5\t10\tspeed\t2 times our time'; done; echo 'A\t70\t70\t1\t2'; } > $work/all && "
+              "for kind in csv moodle html; do "
+              "awk -v kind=$kind -f scripts/course/short.awk -f scripts/course/grade_table.awk $work/all "
+              "> $work/$kind || exit 1; done"),
+        0);
+    char cut[256], row[1024];
+    snprintf(cut, sizeof cut, "%096d %096d ...", 7, 7);
+    snprintf(row, sizeof row, "\"Ann\",5,5,\"70 %% like Ben; and 51 more, in the .html\"\r\n");
+    assert_has(contents(DIR "/csv"), row);
+    snprintf(row, sizeof row, "%s; %s; %s", cut, cut, cut);
+    assert_has(contents(DIR "/html"), row);
+    assert_has(contents(DIR "/moodle"), row);
+    assert_has(contents(DIR "/html"), "; speed: 2 times our time</td>");
+    assert_int_equal(shell("sed 's/^A.*//' " DIR "/all | "
+                           "awk -v kind=csv -f scripts/course/short.awk -f scripts/course/grade_table.awk > " DIR
+                           "/csv"), 0);
+    snprintf(row, sizeof row, "\"Ben\",5,5,\"%s; and 50 more, in the .html\"\r\n", cut);
+    assert_has(contents(DIR "/csv"), row);
+    /* what the judge says is whole, but for the cell */
+    assert_int_equal(
+        shell("work=$PWD/" DIR " && w=$(printf %096d 7) && "
+              "printf 'N\\tAnn\\nL\\t0\\t10\\tx\\t%s %s a hint\\n' $w $w > $work/one && for kind in csv html; do "
+              "awk -v kind=$kind -f scripts/course/short.awk -f scripts/course/grade_table.awk $work/one "
+              "> $work/$kind || exit 1; done"),
+        0);
+    snprintf(row, sizeof row, "x: %096d %096d a hint", 7, 7);
+    assert_has(contents(DIR "/html"), row);
+    snprintf(row, sizeof row, "x: %096d ...\"\r\n", 7);
+    assert_has(contents(DIR "/csv"), row);
+}
+
 /* All that Gradescope unpacks and calls is in the archive, and no other assignment's solution test. */
 static void what_a_service_needs_is_in_its_kit(void **state)
 {
@@ -689,7 +730,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 23];
+    struct CMUnitTest tests[N_NAMES + 24];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -720,6 +761,7 @@ int main(void)
         cmocka_unit_test(a_copy_is_found_and_who_wrote_alone_is_not),
         cmocka_unit_test(gradescope_and_classroom_50_get_the_same_marks),
         cmocka_unit_test(moodle_gets_the_same_marks),
+        cmocka_unit_test(a_flood_of_remarks_fits_into_a_cell),
         cmocka_unit_test(what_a_service_needs_is_in_its_kit),
         cmocka_unit_test(a_class_that_is_stopped_leaves_nothing_behind),
     };

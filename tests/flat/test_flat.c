@@ -187,6 +187,9 @@ static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
     bis_flat_light_shape(NULL, shape);
     assert_true(shape[0] == 0 && shape[1] == 0);
     bis_flat_light_pixels(NULL, v);
+    bis_flat_light_shape(NULL, NULL);
+    bis_flat_light_shape(light, NULL);
+    bis_flat_light_pixels(light, NULL);
     assert_true(isnan(bis_flat_light_power(NULL)));
     bis_flat_light_close(light);
 }
@@ -228,6 +231,11 @@ static void null_is_an_error_wherever_a_material_or_a_picture_is_due(void **stat
     bis_flat_picture_shape(NULL, shape);
     assert_true(shape[0] == 0 && shape[1] == 0);
     bis_flat_picture_pixels(NULL, v);
+    bis_flat_picture_shape(NULL, NULL);
+    assert_int_equal(bis_flat_render(&p, SCENE, none, NULL, SAY), 0);
+    bis_flat_picture_shape(p, NULL);
+    bis_flat_picture_pixels(p, NULL);
+    bis_flat_picture_close(p);
     assert_null(bis_flat_picture_stats(NULL));
     assert_int_equal(bis_flat_picture_layer(NULL, "depth", v), 0);
     refuses(bis_flat_render_with(NULL, SCENE, none, light, NULL, NULL, NULL, SAY), "picture is NULL");

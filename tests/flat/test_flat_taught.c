@@ -401,6 +401,79 @@ static void a_pass_takes_a_part_of_the_time(void **state)
     bis_flat_picture_close(picture);
 }
 
+/* The header's rule: an array of no items may be NULL, one of items must not be. */
+static void null_is_an_error_where_there_are_items(void **state)
+{
+    const double up[3] = {0, 0, 1}, half[3] = {0.5, 0.5, 0.5};
+    bis_flat_stage *stage;
+    bis_light *light;
+    bis_bsdf *b;
+    uint32_t k[16] = {1}, n = 7;
+    uint8_t below;
+    double v[16], found[8];
+
+    bis_flat_uniform(1, 1, 3, NULL);
+    bis_flat_fnv(NULL, 1, &below);
+    bis_flat_fnv(k, 1, NULL);
+    assert_int_equal(k[0], 1); /* left alone */
+    assert_int_equal(bis_flat_light_open(&light, DIR "/white.pfm", "cdf", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    for (size_t i = 0; i < 2; i++) {
+        const struct {
+            int status;
+            const char *first;
+        } rows[] = {
+            {bis_flat_histogram(i, NULL, half, 1, 1, k, SAY), "values"},
+            {bis_flat_cdf_sample(3, half, i, NULL, NULL, NULL, NULL, SAY), "u"},
+            {bis_flat_fit(3, half, i, NULL, v, found, SAY), "item"},
+            {bis_flat_light_find(light, i, NULL, NULL, SAY), "w"},
+            {bis_flat_light_rows(light, i, NULL, 1, k, v, SAY), "pixel"},
+            {bis_flat_bsdf_plane(b, up, i, NULL, NULL, NULL, SAY), "degrees"},
+            {bis_flat_bsdf_below(b, i, NULL, NULL, &n, SAY), "wi"},
+            {bis_flat_stage_find(stage, 1, 1, i, NULL, NULL, SAY), "wi"},
+            {bis_flat_stage_accept(stage, "em", i, NULL, NULL, NULL, NULL, &n, SAY), "w"},
+        };
+        for (size_t r = 0; r < sizeof rows / sizeof *rows; r++)
+            if (rows[r].status != (i ? BIS_INPUT : BIS_OK)) fail_msg("%s of %zu items", rows[r].first, i);
+    }
+    refuses(bis_flat_stage_accept(stage, "em", 1, v, NULL, v, k, &n, SAY), "u is NULL");
+    bis_flat_stage_close(stage);
+    bis_flat_light_close(light);
+    bis_flat_bsdf_close(b);
+}
+
+/* A NaN must not become an index, and a direction of any length is one. */
+static void directions_of_the_caller_are_checked(void **state)
+{
+    const float w[3][3] = {{-1e30f, -1e30f, -1e30f}, {NAN, 0, 1}, {0, 0, 0}};
+    const double up[3] = {0, 0, 1}, half[3] = {0.5, 0.5, 0.5}, zero[3] = {0, 0, 0};
+    bis_flat_stage *stage;
+    bis_light *light;
+    bis_bsdf *b;
+    uint32_t at;
+    double sum[3], degrees = 0, value;
+
+    assert_int_equal(bis_flat_light_open(&light, DIR "/white.pfm", "cdf", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    /* an azimuth of 225 degrees: column 10 of 16; 125.3 degrees from the zenith: row 5 of 8 */
+    assert_int_equal(bis_flat_light_find(light, 1, w[0], &at, SAY), 0);
+    assert_int_equal(at, 5 * 16 + 10);
+    assert_int_equal(bis_flat_stage_find(stage, 16, 8, 1, w[0], &at, SAY), 0);
+    assert_int_equal(at, 5 * 16 + 10);
+    for (int i = 1; i < 3; i++) refuses(bis_flat_light_find(light, 1, w[i], &at, SAY), "direction 0 is");
+    refuses(bis_flat_stage_find(stage, 16, 8, 1, w[1], &at, SAY), "direction 0 is");
+    assert_int_equal(bis_flat_stage_find(stage, 16, 8, 1, w[2], &at, SAY), 0); /* no candidate */
+    assert_int_equal(at, 0);
+    refuses(bis_flat_bsdf_albedo(b, zero, 4, sum, SAY), "normal is (0, 0, 0)");
+    refuses(bis_flat_bsdf_plane(b, zero, 1, &degrees, &value, sum, SAY), "normal is (0, 0, 0)");
+    bis_flat_stage_close(stage);
+    bis_flat_light_close(light);
+    bis_flat_bsdf_close(b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -419,6 +492,8 @@ int main(void)
         cmocka_unit_test(a_histogram_counts_each_value_once),
         cmocka_unit_test(a_shrunk_map_keeps_its_light),
         cmocka_unit_test(the_best_weights_are_what_they_say),
+        cmocka_unit_test(null_is_an_error_where_there_are_items),
+        cmocka_unit_test(directions_of_the_caller_are_checked),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

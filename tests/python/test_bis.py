@@ -12,6 +12,7 @@ import io
 import json
 import os
 import pickle
+import re
 import subprocess
 import sys
 import tempfile
@@ -488,6 +489,16 @@ class Notebooks(unittest.TestCase):
                 self.assertIn("*For students", text[0])
                 self.assertGreaterEqual("".join(text).count("**Question "), 5)
                 self.assertGreaterEqual("".join(code[-1]["source"]).count("assert "), 4)
+
+    def test_the_page_installs_what_the_notebooks_import(self):
+        with open(os.path.join(ROOT, "docs/notebooks/README.md")) as f:
+            page = f.read()
+        installed = page.split("bin/pip install ")[1].split("\n")[0].split()
+        for path in glob.glob(os.path.join(ROOT, "docs/**/*.ipynb"), recursive=True):
+            with open(path) as f:
+                code = "".join("".join(c["source"]) + "\n" for c in json.load(f)["cells"] if c["cell_type"] == "code")
+            for name in re.findall(r"^ *(?:import|from) (\w+)", code, re.MULTILINE):
+                self.assertIn(name, installed + ["bis"] + list(sys.stdlib_module_names), path)
 
     def test_a_notebook_with_a_wrong_formula_is_found(self):
         """The twins: in each, one formula is wrong by a factor or a sign."""

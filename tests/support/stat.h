@@ -31,6 +31,11 @@ double stat_level(double significance, int m);
  */
 void stat_judges(int n);
 
+/* stat_later judges a p-value when the program ends, because only then it is known how many there are: it must not be
+ * below the level of stat_level(significance, m), where m is what stat_judges has counted. Such a program needs no
+ * stat_level. The claim is said where it does not hold. */
+void stat_later(double significance, double p, const char *claim, ...) __attribute__((format(printf, 3, 4)));
+
 /* Pearson's chi-square test of observed counts against expected counts (not probabilities), n cells each. Cells that
  * expect fewer than 5 are pooled; what is left at the end joins the last pool. Rejects also: a hit in a cell that
  * expects 0; totals that differ by more than 0.1 sqrt(total), which could move the statistic by 0.01; a NaN

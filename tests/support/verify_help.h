@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* verify_help: what the tests of `bis verify` share (tests/tools/test_verify*.c). Each check is handed something wrong
  * and must reject it, and something right, for several seeds, and must accept it. A run's own significance is 0.01; a
- * program takes 1e-3 for the p-values of all its right runs together. What is wrong must be rejected by the run itself.
+ * program takes 1e-3 for the p-values of all its right runs together, however many there are. What is wrong must be
+ * rejected by the run itself.
  */
 #ifndef TESTS_VERIFY_HELP_H
 #define TESTS_VERIFY_HELP_H
@@ -19,9 +20,9 @@ size_t verify_failures(bis_verify *v);
  * draws tell too little. The scene alone decides this number, because only these tests are skipped by chance. */
 size_t verify_judged(const bis_verify *v);
 
-/* verify_assert_accepted judges a run and clears it: no p-value may be below alpha, no other test may fail. What
- * verify_judged says is counted (stat_judges). */
-void verify_assert_accepted(bis_verify *v, double alpha);
+/* verify_assert_accepted judges a run and clears it: no test without a p-value may fail. What verify_judged says is
+ * counted (stat_judges), and the p-values are judged when the program ends (stat_later). */
+void verify_assert_accepted(bis_verify *v);
 
 /* verify_glossy returns a coloured Phong material of this model. */
 bis_material verify_glossy(const bis_bsdf_model *model, double exponent);

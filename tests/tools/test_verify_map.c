@@ -4,13 +4,10 @@
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "claim.h"
-#include "stat.h"
 #include "map_help.h"
 #include "verify_help.h"
 
 #include <string.h>
-
-static double alpha(void) { return stat_level(1e-3, 66 + 16 + 6); }
 
 static void upside_down(bis_envmap *to, const bis_envmap *from)
 {
@@ -29,7 +26,7 @@ static void right_maps_pass(void **state)
             bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(bis_verify_map(&v, &em, 0.15 * k, 8, NULL), BIS_OK);
             assert_int_equal(v.n, 14);
-            verify_assert_accepted(&v, alpha());
+            verify_assert_accepted(&v);
         }
         bis_envmap_clear(&em);
     }
@@ -42,7 +39,7 @@ static void odd_maps_pass(void **state)
         bis_envmap em = map_random(sizes[i][0], sizes[i][1], 3, 0, 7);
         bis_verify v = {.seed = 2};
         assert_int_equal(bis_verify_map(&v, &em, 0.15, 8, NULL), BIS_OK);
-        verify_assert_accepted(&v, alpha());
+        verify_assert_accepted(&v);
         bis_envmap_clear(&em);
     }
     bis_envmap black = map_new(8, 4);
@@ -52,7 +49,7 @@ static void odd_maps_pass(void **state)
     assert_string_equal(v.tests[2].name, "alias, cdf, curve");
     assert_string_equal(v.tests[2].note, "the map gives no light, nothing can be drawn from it");
     assert_int_equal(v.tests[2].verdict, BIS_VERDICT_SKIPPED);
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
     bis_envmap_clear(&black);
 }
 
@@ -65,7 +62,7 @@ static void a_lamp_beside_darkness_passes(void **state)
     bis_verify v = {.seed = 3, .halvings = 2};
     assert_int_equal(bis_verify_map(&v, &em, 0, 8, NULL), BIS_OK);
     assert_int_equal(v.n, 14);
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
     bis_envmap_clear(&em);
 }
 
@@ -296,7 +293,7 @@ static void neighbours_share_a_group_until_each_place_expects_five(void **state)
         assert_int_equal(v.n, 2);
         assert_string_equal(v.tests[1].name, "by pmf: draws in 4 x 4 cells inside pixels");
         if (v.tests[1].dof != 16 * cases[i].groups - 1) fail_msg("case %zu: %g degrees of freedom", i, v.tests[1].dof);
-        verify_assert_accepted(&v, alpha());
+        verify_assert_accepted(&v);
         bis_envmap_clear(&em);
     }
 }
@@ -371,7 +368,7 @@ static void wrong_samplers_of_a_map_are_rejected(void **state)
             const bis_verify_sampler sampler = {samplers[i].name, samplers[i].draw, &self};
             bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(bis_verify_draws(&v, &sampler, &em, pmf, NULL), BIS_OK);
-            if (samplers[i].right) verify_assert_accepted(&v, alpha());
+            if (samplers[i].right) verify_assert_accepted(&v);
             else if (verify_failures(&v) == 0) fail_msg("%s was accepted, seed %u", samplers[i].name, (unsigned)seed);
         }
     }

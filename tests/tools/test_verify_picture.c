@@ -4,7 +4,6 @@
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "claim.h"
-#include "stat.h"
 #include "map_help.h"
 #include "program.h"
 #include "verify_help.h"
@@ -13,8 +12,6 @@
 
 /* Two renders, of five sums each: all pixels, three of outlines, the material. */
 enum { SEEDS = 2, SUMS = 5 };
-
-static double alpha(void) { return stat_level(1e-3, SEEDS * SUMS); }
 
 /* What the renderer does at most: product, learned visibility, edge samples. */
 static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
@@ -63,7 +60,7 @@ static void a_right_picture_passes(void **state)
         assert_true(tested);
         assert_int_equal(v.n, SUMS + 1); /* and no number that is none */
         assert_int_equal(verify_judged(&v), SUMS);
-        verify_assert_accepted(&v, alpha());
+        verify_assert_accepted(&v);
     }
     verify_clear(&b);
 }

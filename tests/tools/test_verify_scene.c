@@ -3,7 +3,6 @@
 #include "tools/verify/verify.h"
 #include "claim.h"
 #include "further.h"
-#include "stat.h"
 #include "bis/files/image_file.h"
 #include "json_check.h"
 #include "map_help.h"
@@ -12,13 +11,6 @@
 
 #include <stdio.h>
 #include <string.h>
-
-/* The scenes of a_pixel_is_looked_at_once, what_a_scene_lacks, every_material, pixels_of_the_lattice and our_own_files,
- * in this order. In all they have seven points of view, at which each further integrator is tested. */
-static double alpha(void)
-{
-    return stat_level(1e-3, 36 + (6 + 12 + 13) + (55 + 7 + 7) + 41 + (27 + 55) + 7 * n_further());
-}
 
 static void the_command_verifies_maps_and_scenes(void **state)
 {
@@ -57,7 +49,7 @@ static void a_pixel_is_looked_at_once(void **state)
         for (size_t j = 0; j < k; j++) assert_string_not_equal(v.tests[j].name, v.tests[k].name);
     }
     assert_int_equal(in_view, 14 + 2 * n_further()); /* of four pixels, two see a surface in the light */
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 }
 
 /* ---- which tests a scene gets, by hand ---- */
@@ -100,19 +92,19 @@ static void what_a_scene_lacks_is_skipped_and_says_why(void **state)
     assert_true(has_skip(&v, "view", "all integrators", "there is no geometry"));
     assert_true(has_skip(&v, "accelerators", "grid and embree", "there is no geometry"));
     assert_int_equal(v.n, 16);
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 
     v = (bis_verify){.seed = 1, .halvings = 5};
     run_text(&v, verify_one_pixel, "LightSource \"infinite\" \"rgb L\" [0 0 0] Shape \"sphere\"");
     assert_true(has_skip(&v, "map", "alias, cdf, curve", "the light is a constant, there is no map"));
     assert_true(has_skip(&v, "view", "all integrators", "there is no light"));
     assert_int_equal(count(&v, "accelerators", ""), 1);
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 
     v = (bis_verify){.seed = 1, .halvings = 5};
     run_text(&v, verify_one_pixel, "LightSource \"infinite\" Translate 50 0 0 Shape \"sphere\"");
     assert_true(has_skip(&v, "view", "all integrators", "no pixel was found that sees a surface in the light"));
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 }
 
 /* Each material once, at four angles; what is black or too narrow is left out, and what is beyond the 24th. Of 0.25 and
@@ -134,7 +126,7 @@ static void every_material_is_looked_at_once(void **state)
     assert_true(each >= 3);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) assert_int_equal(count(&v, "materials", names[i]), each);
     assert_int_equal(count(&v, "materials", ""), 4 * 4 * each + 2);
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 
     strcpy(world, MAP_LIGHT "Translate 50 0 0 " PHONG("0", "0", "7") "Shape \"sphere\" ");
     for (int i = 1; i < 24; i++)
@@ -143,13 +135,13 @@ static void every_material_is_looked_at_once(void **state)
     run_text(&v, verify_one_pixel, world);
     assert_int_equal(count(&v, "materials", ""), 24);
     assert_true(has_skip(&v, "materials", "24, n 1e+31", "unit vectors in float cannot resolve exponents beyond 1e8"));
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
     strcat(world, PHONG("0.25", "0.25", "2e30") "Shape \"sphere\" ");
     v = (bis_verify){.seed = 2, .halvings = 5};
     run_text(&v, verify_one_pixel, world);
     assert_int_equal(count(&v, "materials", ""), 25);
     assert_true(has_skip(&v, "materials", "25 and on", "too many: only the first are looked at"));
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 }
 
 /* Metals that differ in one channel of eta, in one of k, or in alpha are others; one that has all of the first is
@@ -254,7 +246,7 @@ static void pixels_of_the_lattice_lie_in_the_crop(void **state)
     assert_int_equal(count(&v, "view", "pixel (15, 10): "), each);
     assert_int_equal(count(&v, "view", "pixel (10, 16): "), each);
     assert_int_equal(count(&v, "view", "pixel "), 3 * each);
-    verify_assert_accepted(&v, alpha());
+    verify_assert_accepted(&v);
 }
 
 /* A pixel visits each patch 6 times, and 2^25 visits are made: of a map of 2^21 patches, 12.6 million for each of two
@@ -288,7 +280,7 @@ static void our_own_files_pass(void **state)
     for (int i = 0; i < 2; i++) {
         bis_verify v = {.seed = 3, .halvings = 4};
         verify_run_file(&v, paths[i]);
-        verify_assert_accepted(&v, alpha());
+        verify_assert_accepted(&v);
     }
 }
 

@@ -18,6 +18,10 @@
  * messages name `at` (the scene line that named the file), otherwise path. */
 bis_status bis_file_read(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag);
 
+/* bis_file_read_open does the same with what is left in fd, which may be a pipe; it waits for its end, and leaves fd
+ * open. name stands in messages. Errors: BIS_IO, BIS_NOMEM. */
+bis_status bis_file_read_open(unsigned char **data, size_t *size, int fd, const char *name, bis_diag *diag);
+
 /* bis_file_target stores in target what path names after all links are followed. The file need not exist yet. Errors:
  * BIS_IO (links in a ring, a name that is too long). */
 bis_status bis_file_target(char target[PATH_MAX], const char *path, bis_diag *diag);

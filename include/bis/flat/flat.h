@@ -11,7 +11,7 @@
  * Arrays are dense, in the order of C. Values in arrays are checked, because the caller is no C compiler: a NaN must
  * not become an index. NULL where something is due is BIS_INPUT; an array of no items may be NULL, and so may say. A
  * function without a status takes a NULL in the place of what was opened, too: its shape is 0 x 0, it has no pixels,
- * its power is NaN and its text NULL. */
+ * its power is NaN and its text NULL. It does nothing where the array that it should fill is NULL. */
 #pragma once
 
 #include "bis/thesis/bsdf.h"

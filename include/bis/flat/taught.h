@@ -8,7 +8,7 @@
 /* ---- numbers, hashes ---- */
 
 /* bis_flat_fnv continues the FNV-1a hash[2] (low half, high half) by bytes[n]. It begins with {0, 0}, which stands for
- * the offset basis. */
+ * the offset basis. It does nothing where hash is NULL, or bytes is and n is not 0. */
 void bis_flat_fnv(uint32_t hash[2], size_t n, const uint8_t *bytes);
 
 /* bis_flat_uniform stores n numbers of the stream (seed, stream), uniform in [0,1). */
@@ -104,12 +104,12 @@ int bis_flat_light_regions(const bis_light *light, int levels, double b, uint32_
 /* bis_flat_bsdf_albedo stores in sum[3], by the midpoints of n x n cells of equal solid angle about the normal: the
  * share of light that is reflected (mean of R, G, B), the integral of the density over the hemisphere above the
  * horizon, and 1 minus it, which is drawn below the horizon and lost. normal is as for bis_flat_bsdf_open. Errors:
- * BIS_INPUT (n outside [1, 4096]). */
+ * BIS_INPUT (n outside [1, 4096], a normal of 0). */
 int bis_flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, double *sum, char *say, size_t size);
 
 /* bis_flat_bsdf_plane looks along n directions in the plane of normal and eye, degrees[n] from the normal, negative on
  * the eye's side: f_cos[n], f cos of red in 1/sr, and the density pdf[n]. normal is as for bis_flat_bsdf_open. Errors:
- * BIS_INPUT (an angle that is not finite). */
+ * BIS_INPUT (an angle that is not finite, a normal of 0). */
 int bis_flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, const double *degrees, double *f_cos,
                         double *pdf, char *say, size_t size);
 
@@ -151,7 +151,9 @@ int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float
 int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room, float *wi,
                               double *w, uint32_t *chosen, uint32_t *kind, double *sum, char *say, size_t size);
 
-/* bis_flat_stage_find stores the cell of a field [rows][columns] of the light's frame that each wi[n][3] lies in. */
+/* bis_flat_stage_find stores the cell of a field [rows][columns] of the light's frame that each wi[n][3] lies in.
+ * The first one is that of (0, 0, 0), which bis_flat_stage_candidates stores where there is no candidate. Errors:
+ * BIS_INPUT (columns or rows outside [1, 4096], wi not finite). */
 int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
                         char *say, size_t size);
 

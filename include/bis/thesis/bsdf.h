@@ -39,7 +39,8 @@ typedef struct bis_bsdf {
 } bis_bsdf;
 
 /* What the width of a material's lobe depends on: the name and value in formulas; those in scenes, where a texture may
- * take the value's place, and the range of the latter. */
+ * take the value's place, and the range of the latter. scene_name is NULL where there is no lobe: scenes then give Kd
+ * alone. */
 typedef struct bis_bsdf_width {
     const char *name, *scene_name;
     double value, scene_value, least, most; /* the last three are in the scene's unit */
@@ -61,8 +62,14 @@ struct bis_bsdf_model {
     rgb (*f_pdf)(const bis_bsdf *b, vec3 wi, double *pdf);
     double (*max_f_cos)(const bis_bsdf *b);
     double (*max_ratio)(const bis_bsdf *b);
-    /* Returns material *m with other values, those that textures have at a point: Kd, Ks, and the width in the scene's
-     * unit and range. width = NULL keeps that of *m, to the bit. May be NULL: a texture is then an error. */
+    /* What Material "name" of a scene is where the scene does not say it; the width in the scene's unit. */
+    struct {
+        rgb Kd, Ks;
+        double width;
+    } usual;
+    /* Returns material *m with other values, those that the scene gives, or textures at a point: Kd, Ks, and the width
+     * in the scene's unit and range. width = NULL keeps that of *m, to the bit. May be NULL: a texture is then an
+     * error, and the model is no Material of scenes. */
     bis_material (*remake)(const bis_material *m, rgb Kd, rgb Ks, const double *width);
     /* true if the surface reflects more than it receives where Kd + Ks > 1: textures that can reach it get a warning */
     bool gains_beyond_1;

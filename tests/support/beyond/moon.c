@@ -32,8 +32,15 @@ static void init(bis_bsdf *b)
 
 static bis_bsdf_width width(const bis_material *m)
 {
-    return (bis_bsdf_width){"Kd", "Kd", (double)m->Kd.g, (double)m->Kd.g, 0, 1};
+    return (bis_bsdf_width){.name = "Kd", .value = (double)m->Kd.g};
+}
+
+static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *width)
+{
+    (void)Ks, (void)width; /* there is no lobe */
+    return (bis_material){.model = m->model, .Kd = Kd};
 }
 
 const bis_bsdf_model bis_moon_model = {.name = "moon", .init = init, .sample = sample, .f_pdf = f_pdf,
-    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .width = width, .f_many = f_many, .sample_many = sample_many};
+    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .usual = {.Kd = {0.5f, 0.5f, 0.5f}}, .remake = remake,
+    .width = width, .f_many = f_many, .sample_many = sample_many};
