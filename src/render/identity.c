@@ -104,7 +104,7 @@ const bis_identity_struct bis_identity_structs[] = {
                                 "shapes n_shapes capacity_shapes files n_files capacity_files approximations "
                                 "n_approximations capacity_approximations missing n_missing capacity_missing"},
     /* shape_end: for messages */
-    {"bis_scene", by_hand, "geometry accel light images n_images shape_end seconds"},
+    {"bis_scene", by_hand, "desc geometry accel light images n_images shape_end seconds"},
     /* pass_size counts; the others say when and where a render ends, and who is told */
     {"bis_render_options", by_hand, "budget n_threads pass_size interrupted progress forecast first_light glimpse "
                                     "so_far every user part ranks checkpoint"},

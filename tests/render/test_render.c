@@ -673,6 +673,7 @@ static void make_wall(world *w)
     m.index = bis_alloc(6, sizeof *m.index);
     memcpy(m.p, corners, sizeof corners);
     memcpy(m.index, index, sizeof index);
+    w->scene.desc = &w->desc;
     w->materials[0] = bis_phong((rgb){1, 1, 1}, (rgb){0, 0, 0}, 1);
     w->desc.materials = w->materials;
     w->desc.n_materials = 1;

@@ -50,7 +50,7 @@ static bool normal_at(double n[3], const built *b, vec3 from, vec3 to)
     bis_own_material own;
     bis_counters counters = {0};
     const ray eye = {from, normalize(sub(to, from)), INFINITY};
-    if (!bis_scene_point(&pt, &own, b->scene, b->desc, eye, &counters, NULL)) return false;
+    if (!bis_scene_point(&pt, &own, b->scene, eye, &counters, NULL)) return false;
     n[0] = (double)pt.n.x;
     n[1] = (double)pt.n.y;
     n[2] = (double)pt.n.z;

@@ -416,8 +416,8 @@ static void assert_three_parts(const char *scene)
         const ray r = {{-1.5f + (float)k, 0.25f, 5}, {0, 0, -1}, INFINITY};
         bis_hit hit;
         size_t part;
-        assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, &hit));
-        assert_int_equal(bis_scene_shape_of(b.scene, b.desc, hit.prim, &part), k);
+        assert_true(bis_scene_point(&pt, &m, b.scene, r, &counters, &hit));
+        assert_int_equal(bis_scene_shape_of(b.scene, hit.prim, &part), k);
         const bis_material *at = pt.bsdf.material;
         if (k == 0) assert_true(at->Kd.r == 0.375f);
         if (k == 1) assert_true(at->Kd.r == 0.25f && at->Kd.g == 0.125f && at->Kd.b == 0.5f && at->Ks.r == 0);
@@ -719,12 +719,12 @@ static void a_point_has_the_material_of_its_place(void **state)
         "Material \"phong\" \"texture Kd\" \"k\" \"texture exponent\" \"n\" \"float Ks\" 0.1 Translate 5 0 0 " TRIANGLE
         "\"point2 uv\" [0 0  2 0  0 2]");
     const ray right = {{0.75f, 0.125f, 5}, {0, 0, -1}, INFINITY}, other = {{5.25f, 0.125f, 5}, {0, 0, -1}, INFINITY};
-    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, right, &counters, NULL));
+    assert_true(bis_scene_point(&pt, &m, b.scene, right, &counters, NULL));
     assert_ptr_equal(pt.bsdf.material, &m.own);
     assert_int_equal(m.index, b.desc->shapes[0].material);
     assert_true(m.own.Ks.r == 0.4f && m.own.Ks.b == 0.6f && m.own.Kd.g == 0.7f);
     assert_near(m.own.alpha, 0.01); /* 0.1^2 */
-    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, other, &counters, NULL));
+    assert_true(bis_scene_point(&pt, &m, b.scene, other, &counters, NULL));
     assert_true(m.own.Kd.g == 0.2f && m.own.Ks.g == 0.1f && m.own.exponent == 30);
     clear(&b);
 }
@@ -1133,7 +1133,7 @@ static void a_checkerboard_lies_in_its_plane(void **state)
     bis_own_material m;
     bis_point pt;
     const ray r = {.o = {0.75f, -4, 0.5f}, .d = {0, 1, 0}, .tmax = INFINITY};
-    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, NULL));
+    assert_true(bis_scene_point(&pt, &m, b.scene, r, &counters, NULL));
     assert_near((double)pt.bsdf.material->Kd.r, 0.2);
     clear(&b);
 }

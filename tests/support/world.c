@@ -45,6 +45,7 @@ void make_world(world *w, const bis_integrator *integrator)
 {
     *w = (world){0};
     bis_scene_desc *d = &w->desc;
+    w->scene.desc = d;
     w->materials[0] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.2f, 0.2f, 0.2f}, 20);
     w->materials[1] = bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rgb){0.5f, 0.5f, 0.2f}, 100);
     d->materials = w->materials;
