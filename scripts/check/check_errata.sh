@@ -3,7 +3,7 @@
 # check_errata: each item of docs/errata.md has its test, named after it, and one that its wrong variant does not pass.
 #     scripts/check/check_errata.sh [ROOT]          ROOT holds docs/errata.md and tests; default: here
 # The page tells items by headings ("**E17. ..."), and it or tests/thesis/errata.md tests by a table:
-# | E17 | `test` | `twin` | what the twin is |.
+# | E17 | `test` | `twin` | what the twin is |, and where an item has more tests, rows below it that begin | |.
 # Two columns hold names of tests that a program registers; all have the item's number as a word of their name (..._E17,
 # E17_...). "the same" for a twin: the first column's tests run both directions. "none" needs its reason in the last
 # column. A test of a number that is no item is found, too.
@@ -40,6 +40,12 @@ FILENAME ~ /\.md$/ && /^\| E[0-9]+ \|/ {
     twin[rows] = cell[4]
     what[rows] = cell[5]
     seen[cell[2]]++
+}
+FILENAME ~ /\.md$/ && /^\| \|/ && file[rows] == FILENAME { # more of the item above
+    split($0, cell, " *[|] *")
+    right[rows] = right[rows] " " cell[3]
+    if (cell[4] != "") twin[rows] = twin[rows] " " cell[4]
+    what[rows] = what[rows] cell[5]
 }
 END {
     for (i = 1; i <= items; i++)

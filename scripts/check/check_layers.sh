@@ -11,7 +11,7 @@ BEGIN {
     may["beyond"] = "base shape thesis"
     may["files"]  = "base shape"
     may["scene"]  = "base shape thesis beyond files"
-    may["parse"]  = "base shape thesis beyond scene"
+    may["parse"]  = "base shape thesis beyond files scene"
     may["render"] = "base shape thesis beyond scene"
     may["out"]    = "base files"
     may["tools"]  = "base shape thesis beyond files scene render out"

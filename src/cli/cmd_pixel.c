@@ -171,7 +171,7 @@ static bis_status build_and_report(bis_pixel_report *r, const pixel_options *o, 
     bis_status status = bis_scene_build(&scene, desc, diag);
     if (!status) {
         r->scene = scene;
-        r->is_hit = bis_pixel_find(&r->hit, &r->pt, &r->eye, scene, desc, r->x, r->y, &counters);
+        r->is_hit = bis_pixel_find(&r->hit, &r->pt, scene, r->x, r->y, &counters);
         r->why_nothing = why_nothing(r);
         status = report_all(r, o, desc, diag);
     }

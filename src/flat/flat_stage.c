@@ -61,7 +61,6 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
 {
     bis_diag diag = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, found);
-    ray eye;
 
     if (!status) {
         const bis_film_desc *film = &stage->desc->view.film;
@@ -72,7 +71,7 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
     if (status) return bis_flat_end(status, &diag, say, size);
     memset(found, 0, 8 * sizeof *found);
     stage->knows_exact = false;
-    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, &eye, stage->scene, stage->desc, x, y, &stage->counters);
+    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, stage->scene, x, y, &stage->counters);
     if (stage->is_hit) {
         const vec3 p = stage->pt.p, n = stage->pt.n;
         const double all[8] = {1, (double)p.x, (double)p.y, (double)p.z, (double)n.x, (double)n.y, (double)n.z,

@@ -10,7 +10,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "scene/scene_peek.h"
+#include "files/gzip.h"
 
 #include <math.h>
 #include <string.h>
@@ -259,7 +259,7 @@ bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at)
 
     size_t size;
     unsigned char *data;
-    status = bis_scene_peek_text(&data, &size, name, at, l->diag);
+    status = bis_gzip_read(&data, &size, name, at, l->diag);
     if (status) return status;
     begin(l, name, data, size, &st);
     return BIS_OK;

@@ -46,7 +46,7 @@ typedef struct bis_lexer {
 } bis_lexer;
 
 /* bis_lexer_push goes on with the file of this name, which must outlive all locs; at: the place that names it. A .gz is
- * expanded. Errors: those of bis_scene_peek_text; BIS_INPUT: a cycle, too deep. */
+ * expanded. Errors: those of bis_gzip_read; BIS_INPUT: a cycle, too deep. */
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at);
 
 /* bis_lexer_push_text does the same with text of the caller, which is copied, in the place of a file. Errors:

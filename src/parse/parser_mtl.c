@@ -13,11 +13,11 @@
 #include "bis/base/file.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
+#include "files/obj.h"
 #include "approximate.h"
 #include "parser_materials.h"
 #include "parser_shapes.h"
 #include "parser_textures.h"
-#include "scene/scene_peek.h"
 
 #include <string.h>
 #include <strings.h>
@@ -392,7 +392,7 @@ void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
 {
     bis_mesh_desc *mesh = &p->desc->meshes[shape->mesh];
     bis_obj_materials obj;
-    const bis_status status = bis_scene_peek_obj(&obj, mesh->filename, mesh->loc, p->diag);
+    const bis_status status = bis_obj_read_materials(&obj, mesh->filename, mesh->loc, p->diag);
     bis_parser_note(p, status);
     if (status) return;
     const unsigned errors = p->n_errors;

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* edges: where camera samples are worth more than light samples.
  *
- * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays: on
- * a small picture of the dragon, 3 % of the pixels hold 80 % of a diffuse surface's error at 12 rays a camera sample.
- * So a ray goes through every pixel's corner. Where one corner sees the background and another a surface, other
- * materials, or normals more than 60 degrees apart, pass.c takes edgesamples camera samples in each pass instead of
- * one. Where the surface turns so far that the material's lobe passes from one part of the map to another, it takes
- * half as many, because there each of them sees light of its own.
+ * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays
+ * (docs/budgets.md, "Outlines"). So a ray goes through every pixel's corner. Where one corner sees the background and
+ * another a surface, other materials, or normals more than 60 degrees apart, pass.c takes edgesamples camera samples in
+ * each pass instead of one. Where the surface turns so far that the material's lobe passes from one part of the map to
+ * another, it takes half as many, because there each of them sees light of its own.
  *
  * How far that is depends on the material: a lobe of density q at its peak is about as wide as a cone of 1/q. Half of
  * its opening is 60 degrees for a diffuse surface, 25 for n = 10, 11 for n = 50. What counts is the geometric mean of

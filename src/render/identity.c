@@ -77,6 +77,8 @@ FIELDS(light) = {
 FIELDS(accel) = {
     FIELD(bis_accel_options, density, double), END};
 
+FIELDS(by_hand) = {END}; /* by a function of their own, below */
+
 const bis_identity_struct bis_identity_structs[] = {
     /* what passes add up; of the layers those that are asked for count */
     {"bis_film", film, "sum deviation half hits passes weight half_weight most independent layers twin"},
@@ -91,6 +93,21 @@ const bis_identity_struct bis_identity_structs[] = {
     /* of a map its pixels count, whatever they are made of; as_printed is that of the settings */
     {"bis_light_desc", light, "filename image has_mapping is_v4 distants n_distants capacity_distants as_printed loc"},
     {"bis_accel_options", accel, "kind n_threads eyes"}, /* the name of what is built counts */
+    {"bis_geometry", by_hand, "p n uv index n_vertices n_triangles capacity_vertices capacity_triangles ranges "
+                              "n_ranges quadrics n_quadrics box"},
+    {"bis_material", by_hand, "model Kd Ks exponent alpha eta"},
+    {"bis_textures", by_hand, "list n capacity files n_files capacity_files of_material n_of_material "
+                              "capacity_of_material cuts_off"},
+    /* of files and meshes what is built of them counts */
+    {"bis_scene_desc", by_hand, "path view outfile integrator_loc names_integrator light_needs accel has_light light "
+                                "materials n_materials capacity_materials textures meshes n_meshes capacity_meshes "
+                                "shapes n_shapes capacity_shapes files n_files capacity_files approximations "
+                                "n_approximations capacity_approximations missing n_missing capacity_missing"},
+    /* shape_end: for messages */
+    {"bis_scene", by_hand, "desc geometry accel light images n_images shape_end seconds"},
+    /* pass_size counts; the others say when and where a render ends, and who is told */
+    {"bis_render_options", by_hand, "budget n_threads pass_size interrupted progress forecast first_light glimpse "
+                                    "so_far every user part ranks checkpoint"},
     {NULL, NULL, NULL},
 };
 

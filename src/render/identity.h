@@ -21,7 +21,7 @@ typedef struct bis_identity_struct {
     const char *rest;
 } bis_identity_struct;
 
-/* The structs whose fields are hashed one by one: for the test that no field is missing. */
+/* The structs whose fields are hashed: for the test that no field is missing. */
 extern const bis_identity_struct bis_identity_structs[];
 
 /* bis_identify hashes the parts of a render, whose edges must be known. */

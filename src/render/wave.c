@@ -90,7 +90,7 @@ static void find_points(bis_wave *w)
         if (w->prim[i] == BIS_NO_PRIM) continue;
         bis_point *pt = &w->samples[i].pt;
         bis_own_material *own = w->materials ? &w->materials[i] : NULL;
-        bis_scene_point_at(pt, own, w->task.scene, w->task.desc, w->eyes[i], w->prim[i], w->counters);
+        bis_scene_point_at(pt, own, w->task.scene, w->eyes[i], w->prim[i], w->counters);
         pt->ray_sink = w->task.view->settings.as_printed ? NULL : &w->ray_sink;
     }
 }

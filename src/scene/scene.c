@@ -218,6 +218,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for a scene");
         goto done;
     }
+    s->desc = desc;
     /* geometry first: shapes that turn out to be empty need no tables of the light and no accelerator */
     status = bis_threads_check(desc->accel.n_threads, (bis_loc){desc->path, 0, 0}, diag);
     if (!status) status = load_geometry(s, desc, &needs, diag);
@@ -253,19 +254,20 @@ void bis_scene_free(bis_scene *s)
 }
 
 /* The shading normal, on ng's side, of a material that bends it. */
-static vec3 bent_normal(const bis_scene *s, const bis_scene_desc *desc, const bis_material_textures *of,
-                        const bis_surface *at, uint32_t prim, const ray *eye, const double uv[2])
+static vec3 bent_normal(const bis_scene *s, const bis_material_textures *of, const bis_surface *at, uint32_t prim,
+                        const ray *eye, const double uv[2])
 {
     bis_tangents t;
 
     bis_geometry_tangents(&s->geometry, prim, eye, &t);
-    const vec3 n = bis_bump_normal(&desc->textures, s->images, of, &t, uv, at->p);
+    const vec3 n = bis_bump_normal(&s->desc->textures, s->images, of, &t, uv, at->p);
     return dot(n, at->ng) < 0 ? neg(n) : n;
 }
 
-void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
-                        uint32_t prim, bis_counters *counters)
+void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, ray eye, uint32_t prim,
+                        bis_counters *counters)
 {
+    const bis_scene_desc *desc = s->desc;
     bis_surface at;
 
     bis_geometry_surface(&s->geometry, prim, &eye, &at);
@@ -287,19 +289,19 @@ void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, 
         bis_geometry_uv(&s->geometry, prim, &eye, uv);
         m->own = bis_textures_material(&desc->textures, s->images, textures, base, uv, at.p);
         if (textures->bump != BIS_NO_TEXTURE || textures->normals != BIS_NO_TEXTURE)
-            pt->n = bent_normal(s, desc, textures, &at, prim, &eye, uv);
+            pt->n = bent_normal(s, textures, &at, prim, &eye, uv);
     }
     bis_bsdf_init(&pt->bsdf, textures ? &m->own : base, pt->n, pt->wo);
 }
 
-bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
-                     bis_counters *counters, bis_hit *hit)
+bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, ray eye, bis_counters *counters,
+                     bis_hit *hit)
 {
     bis_hit first;
 
     if (!bis_accel_intersect(s->accel, &eye, &first)) return false;
     if (hit) *hit = first;
-    bis_scene_point_at(pt, m, s, desc, eye, first.prim, counters);
+    bis_scene_point_at(pt, m, s, eye, first.prim, counters);
     return true;
 }
 
@@ -311,11 +313,11 @@ static size_t quadric_shape(const bis_scene_desc *desc, size_t number)
     return i;
 }
 
-size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part)
+size_t bis_scene_shape_of(const bis_scene *s, uint32_t prim, size_t *part)
 {
     *part = 0;
     assert(prim < bis_geometry_primitives(&s->geometry));
-    if (prim >= s->geometry.n_triangles) return quadric_shape(desc, prim - s->geometry.n_triangles);
+    if (prim >= s->geometry.n_triangles) return quadric_shape(s->desc, prim - s->geometry.n_triangles);
     size_t i = 0;
     while (s->shape_end[i] <= prim) i++;
     *part = prim - (i ? s->shape_end[i - 1] : 0);

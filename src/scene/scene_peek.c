@@ -175,17 +175,6 @@ bool bis_scene_peek_is_text(const char *path)
     return !read_head(&h, path) || strlen(h.text) == h.n;
 }
 
-/* These two stand here because the parser may not include src/files: it knows files by what a scene may ask of them. */
-bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
-{
-    return bis_obj_read_materials(out, path, at, diag);
-}
-
-bis_status bis_scene_peek_text(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag)
-{
-    return bis_gzip_read(data, size, path, at, diag);
-}
-
 typedef struct stranger {
     const char *mark, *what;
     bis_stranger_kind kind;

@@ -4,8 +4,6 @@
  * will say why. */
 #pragma once
 
-#include "files/obj.h"
-
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -18,14 +16,6 @@ bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces);
 
 /* bis_scene_peek_is_text returns whether an .obj begins with text, as far as one looks. */
 bool bis_scene_peek_is_text(const char *path);
-
-/* bis_scene_peek_obj reads what an .obj says of materials. Here a strange file is an error, as for
- * bis_obj_read_materials. */
-bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag);
-
-/* bis_scene_peek_text reads a scene's text whole, expanded if it is compressed by gzip. *data receives *size bytes and
- * one zero byte after them, for bis_free. Errors: those of bis_gzip_read. */
-bis_status bis_scene_peek_text(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag);
 
 typedef enum bis_stranger_kind {
     BIS_STRANGER_MAP,

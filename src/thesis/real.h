@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* real: one text of a formula, compiled twice: with REAL float for loops over many directions, which become vectors,
- * and with REAL double for a single direction and for the tests. A text says
+ * and with REAL double for a single direction, which in the tests is the reference of the loops. A text says
  *
  *     FORMULA REAL OF(half)(REAL x) { return x / 2; }
  *

@@ -248,10 +248,7 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
 
 static bis_settings product(uint32_t M, uint32_t N, bool learn)
 {
-    bis_settings s = bis_settings_default(&bis_sir);
-    s.proposal = BIS_PROPOSAL_PRODUCT;
-    s.candidates = M;
-    s.shadowrays = N;
+    bis_settings s = lit_settings(&bis_sir, BIS_PROPOSAL_PRODUCT, M, N);
     s.learn = learn;
     return s;
 }

@@ -17,11 +17,7 @@ static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
 static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N)
 {
-    bis_settings s = bis_settings_default(&bis_sir);
-    s.proposal = proposal;
-    s.candidates = M;
-    s.shadowrays = N;
-    return s;
+    return lit_settings(&bis_sir, proposal, M, N);
 }
 
 /* Every set has one direction in each M-th of the importance: the sets' directions number i all lie in the same piece

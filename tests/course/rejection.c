@@ -13,11 +13,7 @@ static bis_material shiny(void) { return bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb
 
 static bis_settings rejection(bis_proposal proposal, uint32_t M, uint32_t N, bis_estimator estimator)
 {
-    bis_settings s = bis_settings_default(&bis_rejection);
-
-    s.proposal = proposal;
-    s.candidates = M;
-    s.shadowrays = N;
+    bis_settings s = lit_settings(&bis_rejection, proposal, M, N);
     s.estimator = estimator;
     return s;
 }

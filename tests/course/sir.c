@@ -18,11 +18,7 @@ static bis_material glossy(void) { return bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rg
 
 static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool stratify)
 {
-    bis_settings s = bis_settings_default(&bis_sir);
-
-    s.proposal = proposal;
-    s.candidates = M;
-    s.shadowrays = N;
+    bis_settings s = lit_settings(&bis_sir, proposal, M, N);
     s.stratify = stratify;
     return s;
 }

@@ -164,9 +164,9 @@ static void mixture_and_its_bounds_hold_for_any_material_view_and_number(void **
                                              {0, 1e-45}, {1e-38, 1e-38}, {0, 1e-20}, {1e-20, 1}, {0, 0}};
     const vec3 normals[] = {
         {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, normalize((vec3){1, -2, 0.5f}), normalize((vec3){-1e-4f, 1e-4f, -1})};
-    envelope finite = envelope_row("mixture of lobes: reflectances 0, 1e-45, 1e-38, 1e-20, 1; n = 0 to 1e8; views at 0 "
-                                   "to 89.99999 degrees; u from 0 to 1 - 2^-53",
-                                   "f, density or direction not finite or negative, or f > 0 at density 0", 0);
+    envelope finite = envelope_row("mixture of lobes: reflectances 0, 1e-45 to 1; n = 0 to 1e8; views at 0 to 89.99999 "
+                                   "degrees; any u",
+                                   "f, density, direction not finite or negative; f > 0 at density 0", 0);
     envelope unit = envelope_row("the same", "length of the direction - 1", 1e-6);
     envelope ratio = envelope_row("the same", "f cos / density over its bound - 1 (E27)", 0);
     envelope product = envelope_row("the same", "f cos over its bound - 1 (E27)", 0);

@@ -62,9 +62,9 @@ static double *new_weights(law kind, size_t n, long double *sum)
 
 static void alias_tables_imply_their_weights(void **state)
 {
-    envelope pmf = envelope_row("alias tables of 1 to 65536 weights: equal, 1e-300 to 1e300, 5e-324, 1.8e308, one of "
-                                "1e12 times the rest, one positive, half 0",
-                                "relative error of the implied probability where it is at least 1e-290 (E15)", 1e-8);
+    envelope pmf = envelope_row("alias tables of 1 to 65536 weights: equal, 5e-324 to 1.8e308, 1e12 beside 1, "
+                                "one positive, half 0",
+                                "relative error of implied probabilities of 1e-290 and more (E15)", 1e-8);
     envelope zero = envelope_row("the same", "items of weight 0 that can be drawn, table entries out of range", 0);
     envelope draw = envelope_row("the same; u from 0 to 1 - 2^-53, and beside every bin's edge",
                                  "draws of an item of weight 0 or out of range", 0);

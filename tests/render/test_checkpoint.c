@@ -8,7 +8,6 @@
 #include "program.h"
 #include "state_help.h"
 
-#include <stdatomic.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -96,24 +95,11 @@ static void a_render_that_goes_on_has_the_bits_of_one_render(void **state)
     }
 }
 
-/* As noise, and the interrupting call number `fuse`. */
-static volatile sig_atomic_t flag;
-static atomic_long fuse;
-
-static rgb burning_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    if (atomic_fetch_sub(&fuse, 1) == 1) __atomic_store_n(&flag, 1, __ATOMIC_RELAXED);
-    return noise_Lo(s, pt, stream, scratch);
-}
-
-static const bis_integrator burning = {
-    .name = "burning", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = burning_Lo};
-
 /* One thread, because the fuse is shared; a pass of 4 samples has 4 x 37 x 21 calls at most. */
 static void a_render_that_is_interrupted_again_and_again_has_the_bits_of_one_render(void **state)
 {
     static const double intervals[] = {0, 1e9};
-    const kind k = {"burning", &burning, BIS_SAMPLER_SOBOL, .crop = whole};
+    const kind k = {"fused", &fused, BIS_SAMPLER_SOBOL, .crop = whole};
     world w;
     bis_film expected, f;
     bis_render_result result;
@@ -127,9 +113,8 @@ static void a_render_that_is_interrupted_again_and_again_has_the_bits_of_one_ren
             bis_render_options options = budget(&k, 31, 1);
             bis_checkpoint c = {.path = PATH, .every = intervals[i]};
             if (runs) c = read_state(PATH), c.every = intervals[i];
-            flag = 0;
-            fuse = 4L * WIDTH * HEIGHT + 300 * runs++;
-            options.interrupted = &flag;
+            set_fuse(4L * WIDTH * HEIGHT + 300 * runs++);
+            options.interrupted = &world_flag;
             if (result.interrupted) bis_film_clear(&f);
             render_kind(&f, &result, &w, &k, options, &c);
         } while (result.interrupted);

@@ -78,13 +78,13 @@ static int count_ridge(double angle_deg, int left, int right, bis_material m, in
     const bis_xform identity = bis_xform_identity();
     bis_material materials[2] = {m, m};
     const bis_scene_desc desc = {.materials = materials, .n_materials = 2};
-    world w, empty = {0};
+    world w;
     bis_film film;
     int n = 0;
 
     make_world(&w, &place);
     clear_world(&w);
-    w.scene = empty.scene;
+    w.scene = (bis_scene){.desc = &w.desc};
     for (int side = 0; side < 2; side++) {
         const float x = side ? far : -far;
         const vec3 corners[4] = {{0, -far, 0}, {0, far, 0}, {x, far, z}, {x, -far, z}};

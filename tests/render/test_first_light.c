@@ -9,23 +9,9 @@
 #include "world.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 enum { SIDE = 8 }; /* of the squares that have a pixel each in a glimpse */
-
-/* Interrupts at call number `fuse`. */
-static atomic_long calls, fuse;
-static volatile sig_atomic_t flag;
-
-static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    if (atomic_fetch_add(&calls, 1) + 1 == fuse) __atomic_store_n(&flag, 1, __ATOMIC_RELAXED);
-    return noise_Lo(s, pt, stream, scratch);
-}
-
-static const bis_integrator fused = {.name = "fused", .light_needs = no_light_needs,
-                                     .scratch_needs = no_scratch, .Lo = fuse_Lo};
 
 /* The default learns, so the order of its rays counts: a glimpse must not teach it, nor look around a second time. */
 static void make_learning(world *w)
@@ -143,17 +129,15 @@ static void an_interrupted_first_pass_leaves_what_there_is(void **state)
     bis_render_result result;
     size_t own = 0;
     make_world(&w, &fused);
-    fuse = -1;
-    calls = 0;
+    set_fuse(-1);
     render(&clean, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}, .first_light = true});
-    const long all = calls;
+    const long all = world_calls;
     for (int early = 0; early < 2; early++) {
-        calls = 0;
-        fuse = early ? 2 : all / 2;
-        flag = 0;
+        set_fuse(early ? 2 : all / 2);
         /* one sample is all that is asked for, and yet it is not done */
         render(&film, &result, &w, whole,
-               &(bis_render_options){.budget = {.spp = 1}, .n_threads = 1, .interrupted = &flag, .first_light = true});
+               &(bis_render_options){.budget = {.spp = 1}, .n_threads = 1, .interrupted = &world_flag,
+                                     .first_light = true});
         assert_true(result.interrupted);
         assert_int_equal(result.passes, early ? 0 : 1);
         assert_true(early ? result.missing == 0 : result.missing > 0.1 && result.missing < 0.9);

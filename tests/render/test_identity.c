@@ -392,8 +392,9 @@ static bool is_listed(const char *type, const char *name, const char *also)
     return any;
 }
 
-/* Looks at each field that the text declares of the struct: a name before ',', ';' or '['. Returns how many there are.
- * Fields that are neither in its tables nor in `also` are counted in *n_missing. */
+/* Looks at each field that the text declares of the struct: a name before ',', ';' or '[', or behind "(*", whose
+ * arguments are no fields. Returns how many there are. Fields that are neither in its tables nor in `also` are counted
+ * in *n_missing. */
 static int look_for_fields(const char *text, const char *type, const char *also, int *n_missing)
 {
     char begin[64], name[64] = "";
@@ -406,6 +407,7 @@ static int look_for_fields(const char *text, const char *type, const char *also,
     for (at += strlen(begin); *at != '}'; at++) {
         if (at[0] == '/' && at[1] == '*') at = strstr(at, "*/") + 1;
         else if (in_brackets) in_brackets = *at != ']';
+        else if (at[0] == ')' && at[1] == '(') at = strchr(at + 1, ')');
         else if (isalnum((unsigned char)*at) || *at == '_') name[n < sizeof name - 1 ? n++ : n] = *at, name[n] = '\0';
         else if (*at == '[' || *at == ',' || *at == ';') {
             in_brackets = *at == '[';
@@ -441,7 +443,8 @@ static void no_field_of_a_struct_is_missing(void **state)
 static void a_field_that_is_added_is_missing(void **state)
 {
     static const char *const with[] = {"bool orthographic, is_new;", "bool is_new, orthographic;",
-                                       "bool orthographic; /* a; b */ float is_new[4];", "char *is_new; bool x0;"};
+                                       "bool orthographic; /* a; b */ float is_new[4];", "char *is_new; bool x0;",
+                                       "int x0; void (*is_new)(int a, char b);"};
     char text[256];
     for (size_t i = 0; i < COUNT(with); i++) {
         int n_missing = 0;

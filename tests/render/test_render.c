@@ -13,25 +13,8 @@
 #include "world.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 #include <time.h>
-
-/* ---- an integrator of our own ---- */
-
-/* As noise, and the interrupting call number `fuse`. Set by the test before each render: an integrator has no place of
- * its own for state. */
-static atomic_long calls, fuse;
-static volatile sig_atomic_t flag;
-
-static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    if (atomic_fetch_add(&calls, 1) + 1 == fuse) __atomic_store_n(&flag, 1, __ATOMIC_RELAXED);
-    return noise_Lo(s, pt, stream, scratch);
-}
-
-static const bis_integrator fused = {.name = "fused", .light_needs = no_light_needs,
-                                     .scratch_needs = no_scratch, .Lo = fuse_Lo};
 
 /* ---- same bits ---- */
 
@@ -396,23 +379,21 @@ static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39
     make_world(&w, &fused);
     bis_film film, clean;
     bis_render_result result, whole_pass;
-    calls = 0;
-    fuse = -1;
+    set_fuse(-1);
     render(&clean, &whole_pass, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
-    long per_pass = calls; /* about: jitter decides at the silhouettes */
+    long per_pass = world_calls; /* about: jitter decides at the silhouettes */
     bis_film_clear(&clean);
     for (int threads = 1; threads <= 3; threads += 2) {
         for (int part = 0; part < 4; part++) {
-            calls = 0;
-            fuse = (1 + part) * (per_pass + per_pass / 4); /* in the middle of the second pass and of later ones */
-            flag = 0;
-            const bis_render_options options = {.budget = {.spp = 100}, .n_threads = threads, .interrupted = &flag};
+            set_fuse((1 + part) * (per_pass + per_pass / 4)); /* in the middle of the second pass and of later ones */
+            const bis_render_options options = {
+                .budget = {.spp = 100}, .n_threads = threads, .interrupted = &world_flag};
             render(&film, &result, &w, whole, &options);
             assert_true(result.interrupted);
             assert_true(result.passes >= 1 && result.passes < 8);
             assert_int_equal(film.passes, result.passes);
             assert_int_equal(result.counters.camera_rays, result.spp * WIDTH * HEIGHT);
-            fuse = -1;
+            set_fuse(-1);
             render(&clean, &whole_pass, &w, whole, &(bis_render_options){.budget = {.spp = (uint32_t)result.spp}});
             assert_same_bits(&film, &clean);
             bis_film_clear(&clean);
@@ -432,11 +413,10 @@ static void an_interrupted_first_pass_leaves_nothing(void **state)
     make_world(&w, &fused);
     bis_film film;
     bis_render_result result;
-    calls = 0;
-    fuse = 100;
-    flag = 0;
+    set_fuse(100);
     render(
-        &film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &flag});
+        &film, &result, &w, whole,
+        &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &world_flag});
     assert_true(result.interrupted);
     assert_int_equal(result.passes, 0);
     assert_int_equal(film.passes, 0);
@@ -673,6 +653,7 @@ static void make_wall(world *w)
     m.index = bis_alloc(6, sizeof *m.index);
     memcpy(m.p, corners, sizeof corners);
     memcpy(m.index, index, sizeof index);
+    w->scene.desc = &w->desc;
     w->materials[0] = bis_phong((rgb){1, 1, 1}, (rgb){0, 0, 0}, 1);
     w->desc.materials = w->materials;
     w->desc.n_materials = 1;

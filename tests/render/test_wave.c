@@ -42,7 +42,7 @@ static rgb radiance(
     bis_stream_init(&stream, sampler, (uint64_t)(y * WIDTH + x), index);
     if (view->pixel_jitter) bis_stream_camera(&stream, u);
     const ray eye = bis_camera_ray(&view->camera, WIDTH, HEIGHT, x + u[0], y + u[1]);
-    *hit = bis_scene_point(&pt, &m, &w->scene, &w->desc, eye, &work->workers[0].counters, NULL);
+    *hit = bis_scene_point(&pt, &m, &w->scene, eye, &work->workers[0].counters, NULL);
     if (!*hit) return bis_light_Le(w->scene.light, eye.d);
     const bis_settings quarter = quarter_of(&view->settings),
                        *s = edge && view->edge_light > 0 ? &quarter : &view->settings;

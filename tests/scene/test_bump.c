@@ -7,41 +7,13 @@
 #include "image_help.h"
 #include "mesh_help.h"
 #include "scene/bump.h"
+#include "scene_help.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-typedef struct built {
-    bis_scene_desc *desc;
-    bis_scene *scene;
-} built;
-
-static built build(const char *fmt, ...) BIS_PRINTF(1, 2);
-static built build(const char *fmt, ...)
-{
-    char text[8192];
-    built b = {0};
-    bis_diag diag = {0};
-    va_list args;
-    const int n = snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\" ");
-    va_start(args, fmt);
-    vsnprintf(text + n, sizeof text - (size_t)n, fmt, args);
-    va_end(args);
-    store(scratch("scene.txt"), text, strlen(text));
-    bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &diag);
-    if (!status) status = bis_scene_build(&b.scene, b.desc, &diag);
-    for (size_t i = 0; i < diag.n && status; i++) print_error("%s\n", diag.messages[i].text);
-    bis_diag_clear(&diag);
-    assert_int_equal(status, BIS_OK);
-    return b;
-}
-
-static void clear(built *b)
-{
-    bis_scene_free(b->scene);
-    bis_scene_desc_free(b->desc);
-}
+#define build(...) scene_build("WorldBegin LightSource \"infinite\" " __VA_ARGS__)
 
 /* The shading normal where a ray from `from` towards `to` hits. */
 static bool normal_at(double n[3], const built *b, vec3 from, vec3 to)
@@ -50,7 +22,7 @@ static bool normal_at(double n[3], const built *b, vec3 from, vec3 to)
     bis_own_material own;
     bis_counters counters = {0};
     const ray eye = {from, normalize(sub(to, from)), INFINITY};
-    if (!bis_scene_point(&pt, &own, b->scene, b->desc, eye, &counters, NULL)) return false;
+    if (!bis_scene_point(&pt, &own, b->scene, eye, &counters, NULL)) return false;
     n[0] = (double)pt.n.x;
     n[1] = (double)pt.n.y;
     n[2] = (double)pt.n.z;
@@ -85,7 +57,7 @@ static void a_slope_tilts_a_plane(void **state)
     assert_normal(n, -.1, -.3, 1, 1e-4);
     assert_true(normal_at(n, &b, (vec3){1, 1, -5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, .1, .3, -1, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     /* pbrt-v3's name; (u, v) are mirrored, the corners turn as before: the same slope in x and y needs another texture
      */
     b = build("Texture \"d\" \"float\" \"bilerp\" \"float v00\" 0.4 \"float v01\" 1 \"float v10\" 0 \"float v11\" 0.6 "
@@ -94,12 +66,12 @@ static void a_slope_tilts_a_plane(void **state)
               "\"integer indices\" [0 1 2 0 2 3] \"point2 uv\" [1 0 0 0 0 1 1 1]");
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, -.1, -.3, 1, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     b = build(SLOPE "Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" \"point3 P\" "
               "[0 0 0  4 0 0  4 2 0  0 2 0] \"integer indices\" [0 2 1 0 3 2] \"point2 uv\" [0 0 1 0 1 1 0 1]");
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, .1, .3, 1, 1e-4); /* displaced down */
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s. */
@@ -118,7 +90,7 @@ static void an_images_slope_is_taken_over_a_texel(void **state)
     /* over the border's texel, half of the slope at u = 1/8: from -> u = 0 and 1/4: 0 and 0.125 */
     assert_true(normal_at(n, &b, (vec3){.5f, 1, 5}, (vec3){.5f, 1, 0}));
     assert_normal(n, -.125, 0, 1, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     /* twice as often: uscale; a texel is half as wide */
     b = build(
         "Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" \"float uscale\" 2 "
@@ -126,7 +98,7 @@ static void an_images_slope_is_taken_over_a_texel(void **state)
         name);
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1, 1, 0}));
     assert_normal(n, -.5, 0, 1, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     bytes_clear(&file);
 }
 
@@ -145,7 +117,7 @@ static void normal_of_library(double n[3], const char *statement)
     store(scratch("m.obj"), text, strlen(text));
     built b = build("Shape \"objmesh\" \"string filename\" \"%sm.obj\" \"bool materials\" true", prefix);
     assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2.1f, 1, 0}));
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* The bytes 0 to 153 over 4 texels, of a format that means sRGB where it holds colours: heights are linear, 0.2 a
@@ -213,7 +185,7 @@ static void a_displaced_sphere_has_that_normal(void **state)
         plain[0] = e0[0] / size, plain[1] = e0[1] / size / 1.5, plain[2] = e0[2] / size;
         if (fabs(e0[0] / size) < .5) assert_true(degrees(expected, plain) > 1); /* twin: without the bump it is seen */
     }
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* What depends on the place alone bends the same, whatever the coordinates of the mesh, and without any. */
@@ -234,7 +206,7 @@ static void noise_in_space_does_not_ask_for_coordinates(void **state)
         /* steps of 0.0005 to 0.002 over octaves of size 1/2: their curvature, below 40, times half a step */
         assert_normal(n, first[0], first[1], first[2], .05);
         assert_true(degrees(n, (double[]){0, 0, 1}) > 1);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -260,7 +232,7 @@ static void a_normal_map_turns_with_the_surface(void **state)
     assert_normal(n, .5, .2, .8, 1e-4);
     assert_true(normal_at(n, &b, (vec3){1, 1, -5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, -.5, -.2, -.8, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     /* on a sphere dp/du points along phi: at (1, 0, 0) it is y; n x y = z */
     b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Shape \"sphere\"", name);
     assert_true(normal_at(n, &b, (vec3){5, 0, 0}, (vec3){0, 0, 0}));
@@ -268,18 +240,18 @@ static void a_normal_map_turns_with_the_surface(void **state)
     /* at a pole phi is 0, and dp/du is 0: the normal stays */
     assert_true(normal_at(n, &b, (vec3){0, 0, 5}, (vec3){0, 0, 0}));
     assert_normal(n, 0, 0, 1, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     /* a disk's v falls outwards, its frame is phi, -r, z: at (0, -0.5): phi is x, n x phi is y */
     b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Shape \"disk\"", name);
     assert_true(normal_at(n, &b, (vec3){0, -.5f, 5}, (vec3){0, -.5f, 0}));
     assert_normal(n, .5, .2, .8, 1e-4);
-    clear(&b);
+    scene_clear(&b);
     /* no normal at all: the surface's own; the mesh turned and stretched */
     store_colour(scratch("n.pfm"), .5f, .5f, .5f);
     b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Rotate 90 1 0 0 " PLANE, name);
     assert_true(normal_at(n, &b, (vec3){1, 5, 1}, (vec3){1, 0, 1}));
     assert_normal(n, 0, 1, 0, 1e-4);
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* The tangents of quadrics are the differences of their coordinates: a point that moves by p_u du has u + du. */
@@ -355,7 +327,7 @@ static void a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump(void **sta
 {
     built b = build("Texture \"d\" \"float\" \"constant\" Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
     assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
-    clear(&b);
+    scene_clear(&b);
     static const char *const bad[][2] = {
         {"Texture \"d\" \"spectrum\" \"uv\" Material \"diffuse\" \"texture displacement\" \"d\"", "one of colours"},
         {"Material \"diffuse\" \"texture bumpmap\" \"no\"", "\"no\" is not defined"},

@@ -323,13 +323,13 @@ static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
     const uint32_t index[6] = {0, 2, 1, 0, 3, 2};
     const bis_xform identity = bis_xform_identity();
     bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
-    world w, empty = {0};
+    world w;
     bis_film f;
     bis_render_result result;
 
     make_world(&w, &bis_brdf);
     clear_world(&w);
-    w.scene = empty.scene;
+    w.scene = (bis_scene){.desc = &w.desc};
     w.materials[0] = bis_phong((rgb){0.5f, 0.25f, 0.125f}, (rgb){0, 0, 0}, 1);
     m.p = bis_alloc(4, sizeof *m.p);
     m.n = bis_alloc(4, sizeof *m.n);

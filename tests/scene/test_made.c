@@ -6,34 +6,18 @@
 #include "claim.h"
 #include "image_help.h"
 #include "lack.h"
+#include "scene_help.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-typedef struct built {
-    bis_scene_desc *desc;
-    bis_scene *scene;
-} built;
-
+/* Without a word. */
 static built build(const char *shapes)
 {
-    char text[4000];
-    built b = {0};
-    bis_diag diag = {0};
-    snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\" %s", shapes);
-    store(scratch("scene.txt"), text, strlen(text));
-    bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &diag);
-    if (!status) status = bis_scene_build(&b.scene, b.desc, &diag);
-    for (size_t i = 0; i < diag.n; i++) print_error("%s\n", diag.messages[i].text);
-    assert_true(!status && diag.n == 0); /* without a word */
+    const built b = scene_build("WorldBegin LightSource \"infinite\" %s", shapes);
+    assert_int_equal(b.diag.n, 0);
     return b;
-}
-
-static void clear(built *b)
-{
-    bis_scene_free(b->scene);
-    bis_scene_desc_free(b->desc);
 }
 
 /* How far a ray from o along d goes; infinity: it meets nothing. */
@@ -53,51 +37,51 @@ static void shapes_have_pbrts_defaults(void **state)
     ABOUT(distance(&b, 5, 0, .9, -1, 0, 0), 4);
     MISSES(distance(&b, 5, 0, 1.1, -1, 0, 0));
     MISSES(distance(&b, .5, 0, 9, 0, 0, -1)); /* open at both ends */
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"cone\"");
     ABOUT(distance(&b, 5, .0, .5, -1, 0, 0), 4.5);
     ABOUT(distance(&b, 0, .25, 9, 0, 0, -1), 8.25);
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"paraboloid\"");
     ABOUT(distance(&b, 5, 0, .25, -1, 0, 0), 4.5);
     ABOUT(distance(&b, .5, 0, -9, 0, 0, 1), 9.25);
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"hyperboloid\""); /* (0 0 0) to (1 1 1): the cone of radius sqrt 2 z */
     ABOUT(distance(&b, 5, 0, .5, -1, 0, 0), 5 - .5 * sqrt(2));
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"hyperboloid\" \"point3 p1\" [1 -1 -1] \"point3 p2\" [1 1 1]"); /* x^2 + y^2 = 1 + z^2 */
     ABOUT(distance(&b, 5, 0, 0, -1, 0, 0), 4);
     ABOUT(distance(&b, 5, 0, .5, -1, 0, 0), 5 - sqrt(1.25));
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"sphere\" \"float zmin\" 0 \"float zmax\" 0.5 \"float radius\" 2 \"float phimax\" 180");
     ABOUT(distance(&b, 0, 5, .25, 0, -1, 0), 5 - sqrt(4 - .0625));
     MISSES(distance(&b, 0, -5, .25, 0, 1, -.2)); /* the half that is cut off, and under the rest */
     MISSES(distance(&b, 0, 5, .75, 0, -1, 0));
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"disk\" \"float innerradius\" 0.5 \"float height\" 2 \"float phimax\" 90");
     ABOUT(distance(&b, .6, .3, 5, 0, 0, -1), 3);
     MISSES(distance(&b, .2, .2, 5, 0, 0, -1));
     MISSES(distance(&b, -.6, .3, 5, 0, 0, -1));
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 3 \"float Pz\" [0 0 1 1 0 0]");
     ABOUT(distance(&b, .5, .25, 5, 0, 0, -1), 4.5);
     ABOUT(distance(&b, .5, .5, 5, 0, 0, -1), 4);
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]"); /* z = x y */
     ABOUT(distance(&b, .5, .6, 5, 0, 0, -1), 4.7);
-    clear(&b);
+    scene_clear(&b);
     b = build("Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 3 \"float uknots\" [0 0 0 1 1 1] \"integer nv\" 2 "
               "\"integer vorder\" 2 "
               "\"float vknots\" [0 0 1 1] \"point3 P\" [-1 0 0 0 0 1 1 0 0  -1 1 0 0 1 1 1 1 0]");
     ABOUT(distance(&b, 0, .5, 5, 0, 0, -1), 4.5);       /* 2 (1/2) (1/2) of the middle's height */
     ABOUT(distance(&b, -.5, .5, 5, 0, 0, -1), 5 - .375); /* u = 1/4 */
-    clear(&b);
+    scene_clear(&b);
     /* an octahedron; a vertex of valence 4 has beta 3/32 and 1/(4 + 3/(8 beta)) = 1/8: half of the way to 0 */
     b = build("Shape \"loopsubdiv\" \"point3 P\" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] "
               "\"integer indices\" [0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5]");
     ABOUT(distance(&b, 5, 1e-4, 2e-4, -1, 0, 0), 4.5);
     assert_int_equal(b.scene->geometry.n_triangles, 8 * 64);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void whole_spheres_and_disks_stay_exact(void **state)
@@ -105,7 +89,7 @@ static void whole_spheres_and_disks_stay_exact(void **state)
     built b = build("Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 7 \"float phimax\" 400 "
                     "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360");
     assert_true(b.scene->geometry.n_quadrics == 2 && b.scene->geometry.n_triangles == 0);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void equal_shapes_share_a_mesh_and_names_of_older_versions_are_known(void **state)
@@ -118,7 +102,7 @@ static void equal_shapes_share_a_mesh_and_names_of_older_versions_are_known(void
     assert_int_equal(b.desc->n_meshes, 3);
     assert_int_equal(b.desc->meshes[2].mesh.n_triangles, 4);
     ABOUT(distance(&b, 20, 0, 0, -1, 0, 0), 20 - 12); /* the radius of 3, about 9 */
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* Textures of such shapes have their coordinates without a word; shapes without textures keep none. */
@@ -128,7 +112,7 @@ static void coordinates_are_kept_for_textures_alone(void **state)
                     "Material \"matte\" \"texture Kd\" \"t\" Shape \"cone\"");
     assert_null(b.desc->meshes[0].mesh.uv);
     assert_non_null(b.desc->meshes[1].mesh.uv);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void every_allocation_may_fail(void **state)

@@ -7,6 +7,7 @@
 #include "image_help.h"
 #include "scene/scene_peek.h"
 #include "lack.h"
+#include "scene_help.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,38 +18,18 @@
 
 /* ---- help ---- */
 
-typedef struct built {
-    bis_scene_desc *desc;
-    bis_scene *scene;
-    bis_diag diag;
-} built;
-
 static built describe(const char *before, const char *after)
 {
-    built b = {0};
+    built b;
     char text[4096];
-    int n = snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", before, after);
-    store(scratch("scene.txt"), text, (size_t)n);
-    bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &b.diag);
-    for (size_t i = 0; i < b.diag.n && status; i++) print_error("%s\n", b.diag.messages[i].text);
-    assert_int_equal(status, BIS_OK);
+    snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", before, after);
+    scene_assert(&b, scene_parse(&b, text));
     return b;
 }
 
 static built build(const char *before, const char *after)
 {
-    built b = describe(before, after);
-    bis_status status = bis_scene_build(&b.scene, b.desc, &b.diag);
-    for (size_t i = 0; i < b.diag.n && status; i++) print_error("%s\n", b.diag.messages[i].text);
-    assert_int_equal(status, BIS_OK);
-    return b;
-}
-
-static void clear(built *b)
-{
-    bis_scene_free(b->scene);
-    bis_scene_desc_free(b->desc);
-    bis_diag_clear(&b->diag);
+    return scene_build("%s\nWorldBegin\n%s\n", before, after);
 }
 
 #define TETRAHEDRON "Shape \"plymesh\" \"string filename\" \"" SCENES "tetrahedron.ply\"\n"
@@ -76,7 +57,7 @@ static void every_kind_of_shape_is_built(void **state)
     assert_non_null(b.scene->accel);
     assert_non_null(b.scene->light);
     assert_true(b.scene->seconds.load > 0 && b.scene->seconds.accel > 0 && b.scene->seconds.envmap >= 0);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void instances_share_a_mesh_and_stand_where_they_were_put(void **state)
@@ -94,7 +75,7 @@ static void instances_share_a_mesh_and_stand_where_they_were_put(void **state)
     }
     assert_true(hits(b.scene, 21.5, 0.2, -1, 0, 0, 1, &t)); /* only the doubled one is as wide */
     assert_false(hits(b.scene, 11.5, 0.2, -1, 0, 0, 1, &t));
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void an_object_without_instance_is_not_built(void **state)
@@ -102,7 +83,7 @@ static void an_object_without_instance_is_not_built(void **state)
     built b = build("", MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd Shape \"sphere\"");
     assert_int_equal(b.scene->geometry.n_triangles, 0);
     assert_int_equal(b.scene->geometry.n_quadrics, 1);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void the_description_survives_the_build(void **state)
@@ -114,17 +95,17 @@ static void the_description_survives_the_build(void **state)
     assert_int_equal(bis_scene_build(&again, b.desc, &b.diag), BIS_OK);
     assert_int_equal(again->geometry.n_triangles, 1);
     bis_scene_free(again);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void smooth_makes_normals_only_when_asked(void **state)
 {
     built b = build("", MAP TETRAHEDRON);
     assert_null(b.scene->geometry.n);
-    clear(&b);
+    scene_clear(&b);
     b = build("", MAP "Shape \"plymesh\" \"bool smooth\" true \"string filename\" \"" SCENES "tetrahedron.ply\"");
     assert_non_null(b.scene->geometry.n);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name(void **state)
@@ -141,7 +122,7 @@ static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_
     assert_int_equal(bis_scene_build(&s, b.desc, &b.diag), BIS_IO);
     assert_null(s);
     assert_non_null(strstr(b.diag.messages[b.diag.n - 1].text, "scene.txt:4:17: error: "));
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- only what is required ---- */
@@ -152,7 +133,7 @@ static void without_geometry_there_is_neither_accelerator_nor_table(void **state
     assert_null(b.scene->accel);
     assert_null(bis_light_importance(b.scene->light));
     assert_non_null(bis_light_envmap(b.scene->light)); /* the camera sees it */
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void without_a_light_it_is_black(void **state)
@@ -160,7 +141,7 @@ static void without_a_light_it_is_black(void **state)
     built b = build("", "Shape \"sphere\"");
     assert_true(bis_light_is_black(b.scene->light));
     assert_true(bis_light_is_constant(b.scene->light));
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void a_constant_light_builds_no_table(void **state)
@@ -170,17 +151,17 @@ static void a_constant_light_builds_no_table(void **state)
     assert_null(bis_light_importance(b.scene->light));
     rgb Le = bis_light_Le(b.scene->light, (vec3){0, 0, 1});
     assert_true(Le.r == 2 && Le.g == 4 && Le.b == 6);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void an_integrator_that_never_draws_from_the_map_builds_no_table(void **state)
 {
     built b = build("Integrator \"brdf\"", MAP "Shape \"sphere\"");
     assert_null(bis_light_importance(b.scene->light));
-    clear(&b);
+    scene_clear(&b);
     b = build("Integrator \"em\"", MAP "Shape \"sphere\"");
     assert_non_null(bis_light_importance(b.scene->light));
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- the light's frame ---- */
@@ -196,7 +177,7 @@ static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
     /* phi = 45 degrees of the light's frame, x = 0 of 4, is (1, 0, -1): y of the light becomes -z of the world */
     assert_true(bis_light_Le(l, normalize((vec3){1, 0.1f, -1})).r == 1);
     assert_true(bis_light_Le(l, normalize((vec3){-1, 0.1f, -1})).r == 2);
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- memory ---- */
@@ -214,7 +195,7 @@ static void when_the_kth_allocation_fails_the_build_fails_cleanly(void **state)
         bis_scene_free(s);
         bis_diag_clear(&diag);
     }
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- plan ---- */
@@ -238,7 +219,7 @@ static void assert_plan(const char *before, const char *after, const char *const
         assert_non_null(strstr(text, *lines));
     }
     free(text);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void the_plan_says_what_is_left_out_and_why(void **state)
@@ -318,7 +299,7 @@ static void the_plan_says_what_a_crop_costs_that_learns(void **state)
         assert_true((strstr(text, line) != NULL) == (i == 0));
         assert_true((strstr(text, "\ncrop ") != NULL) == (i == 0));
         free(text);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -338,7 +319,7 @@ static void the_plan_agrees_with_the_build(void **state)
             assert_true(table == (bis_light_importance(b.scene->light) != NULL));
             assert_true((strstr(text, "\nbuild        accelerator") != NULL) == (b.scene->accel != NULL));
             free(text);
-            clear(&b);
+            scene_clear(&b);
         }
 }
 
@@ -559,23 +540,23 @@ static void a_map_is_seen_smooth_if_the_scene_says_so(void **state)
     const rgb Le =
         bis_light_Le(b.scene->light, vec3_from(sin(PI / 4) * cos(PI * .49), sin(PI / 4) * sin(PI * .49), cos(PI / 4)));
     assert_true(Le.r == 1);
-    clear(&b);
+    scene_clear(&b);
     /* twins: as it is otherwise, and not at all */
     snprintf(light, sizeof light,
         "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"point\"\n" SQUARE, eight(4, 2));
     b = build("", light);
     assert_seen(&b, .24, .25, 1);
-    clear(&b);
+    scene_clear(&b);
     snprintf(light, sizeof light,
         "LightSource \"infinite\" \"string filename\" \"%s\" \"string filter\" \"bilinear\" \"bool visible\" "
         "false\n" SQUARE,
         eight(4, 2));
     b = build("", light);
     assert_seen(&b, .24, .25, 0);
-    clear(&b);
+    scene_clear(&b);
     b = build("", "LightSource \"infinite\" \"rgb L\" [3 1 1] \"string filter\" \"bilinear\"\n" SQUARE);
     assert_seen(&b, .24, .25, 3);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given(void **state)
@@ -591,7 +572,7 @@ static void a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given(void
                                                             "map all the same"));
             assert_non_null(strstr(b.diag.messages[0].text, "if that is meant (string mapping)"));
         }
-        clear(&b);
+        scene_clear(&b);
     }
 }
 

@@ -11,6 +11,7 @@
 #include "image_help.h"
 #include "lack.h"
 #include "program.h"
+#include "scene_help.h"
 #include "tools/verify/verify.h"
 
 #include <dirent.h>
@@ -24,44 +25,8 @@
 
 /* ---- help ---- */
 
-typedef struct built {
-    bis_scene_desc *desc;
-    bis_scene *scene;
-    bis_diag diag;
-} built;
-
 /* The last part of a scratch file's name, for a scene beside it. */
 static const char *beside(const char *path) { return strrchr(path, '/') + 1; }
-
-static bis_status try_build(built *b, const char *text)
-{
-    *b = (built){0};
-    store(scratch("scene.txt"), text, strlen(text));
-    bis_status status = bis_scene_parse(&b->desc, scratch("scene.txt"), &b->diag);
-    return status ? status : bis_scene_build(&b->scene, b->desc, &b->diag);
-}
-
-static built build(const char *fmt, ...) BIS_PRINTF(1, 2);
-static built build(const char *fmt, ...)
-{
-    char text[8192];
-    built b;
-    va_list args;
-    va_start(args, fmt);
-    vsnprintf(text, sizeof text, fmt, args);
-    va_end(args);
-    const bis_status status = try_build(&b, text);
-    for (size_t i = 0; i < b.diag.n && status; i++) print_error("%s\n", b.diag.messages[i].text);
-    assert_int_equal(status, BIS_OK);
-    return b;
-}
-
-static void clear(built *b)
-{
-    bis_scene_free(b->scene);
-    bis_scene_desc_free(b->desc);
-    bis_diag_clear(&b->diag);
-}
 
 /* It is refused, and a message has this in it. */
 static void expect_failure(const char *what, const char *fmt, ...) BIS_PRINTF(2, 3);
@@ -73,12 +38,12 @@ static void expect_failure(const char *what, const char *fmt, ...)
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    assert_int_equal(try_build(&b, text), BIS_INPUT);
+    assert_int_equal(scene_try(&b, text), BIS_INPUT);
     bool found = false;
     for (size_t i = 0; i < b.diag.n; i++) found |= strstr(b.diag.messages[i].text, what) != NULL;
     if (!found) fail_msg("%s\nnot: %s\n", b.diag.messages[0].text, what);
     assert_non_null(strstr(b.diag.messages[0].text, "scene.txt:"));
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* 2 x 2, grey: bottom left 0.1, bottom right 0.2, top left 0.4, top right 0.8. A PFM's first row is the bottom. */
@@ -178,20 +143,20 @@ static void a_texture_has_the_values_beside_it(void **state)
     store_png(DIR "/grey.png", 2, 2, PNG_FORMAT_GRAY, grey);
     store_png(DIR "/deep.png", 2, 1, PNG_FORMAT_LINEAR_Y, deep);
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
-        built b = build(LIGHT "%s\nMaterial \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
-                        values[i].texture);
+        built b = scene_build(LIGHT "%s\nMaterial \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+                              values[i].texture);
         for (int k = 0; k < values[i].n; k++) {
             const double *const is = values[i].is[k], found = value_of(&b, is[0], is[1], (double[3]){0});
             if (!(fabs(found - is[2]) < 1e-6)) fail_msg("%s: %.9g, not %.9g", values[i].texture, found, is[2]);
         }
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
 static built of_file(const char *name)
 {
-    return build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
-                       "Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"", name);
+    return scene_build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+                             "Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"", name);
 }
 
 /* bis has a reader of its own for each of these through libpng's conversions: colours, palettes, transparency. */
@@ -203,7 +168,7 @@ static void every_kind_of_png_has_the_same_colours(void **state)
     assert_true(im->pixels[0].r == 1 && im->pixels[0].b == 0);
     assert_near((double)im->pixels[0].g, 0.12477182);
     assert_true(im->pixels[1].r == 0 && im->pixels[1].b == 1);
-    clear(&b);
+    scene_clear(&b);
     /* a palette of two colours, one bit a pixel: written by hand, 8 x 1, 10101010 */
     png_bytep row = (png_byte[]){0xaa};
     FILE *f = fopen(scratch("palette.png"), "wb");
@@ -223,21 +188,21 @@ static void every_kind_of_png_has_the_same_colours(void **state)
     assert_int_equal(im->width, 8);
     for (int i = 0; i < 8; i++) assert_true(im->pixels[i].r == (i % 2) && im->pixels[i].g == (i + 1) % 2);
     assert_near((double)im->pixels[0].b, 0.50288646);
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- textures of textures ---- */
 
 static void a_texture_that_is_the_same_everywhere_is_no_texture(void **state)
 {
-    built b = build(LIGHT "Texture \"c\" \"float\" \"constant\" \"float value\" 0.5\n"
-                    "Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [0.5 0.25 1] \"texture scale\" \"c\"\n"
-                    "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"");
+    built b = scene_build(LIGHT "Texture \"c\" \"float\" \"constant\" \"float value\" 0.5\n"
+                          "Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [0.5 0.25 1] \"texture scale\" \"c\"\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"");
     const bis_scene_desc *d = b.desc;
     assert_null(bis_textures_of(&d->textures, d->shapes[0].material));
     const bis_material *m = &d->materials[d->shapes[0].material];
     assert_true(m->Kd.r == 0.25f && m->Kd.g == 0.125f && m->Kd.b == 0.5f);
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- texture coordinates ---- */
@@ -263,7 +228,7 @@ static void a_sphere_has_pbrts_coordinates(void **state)
     const double s = sqrt(0.5),
                  uv_of[][5] = {{1, 0, 0, 0, 0.5}, {0, 1, 0, 0.25, 0.5}, {-1, 0, 0, 0.5, 0.5}, {0, -1, 0, 0.75, 0.5},
                      {s, s, 0, 0.125, 0.5}, {s, 0, s, 0, 0.75}, {0, s, -s, 0.25, 0.25}, {0.6, -0.8, 0, 0.852416, 0.5}};
-    built b = build(LIGHT "Translate 3 0 0 Rotate 90 0 0 1 Shape \"sphere\" \"float radius\" 2");
+    built b = scene_build(LIGHT "Translate 3 0 0 Rotate 90 0 0 1 Shape \"sphere\" \"float radius\" 2");
     for (size_t i = 0; i < sizeof uv_of / sizeof *uv_of; i++) {
         const double *q = uv_of[i];
         /* turned by 90 degrees about z: (x, y) to (-y, x); with radius 2, and moved */
@@ -273,19 +238,19 @@ static void a_sphere_has_pbrts_coordinates(void **state)
         if (q[3] == 0 && uv[0] > 0.5) uv[0] -= 1; /* the seam */
         assert_uv(uv, q[3], q[4]);
     }
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void a_disk_has_pbrts_coordinates(void **state)
 {
-    built b = build(LIGHT "Shape \"disk\" \"float radius\" 4 \"float height\" 1");
+    built b = scene_build(LIGHT "Shape \"disk\" \"float radius\" 4 \"float height\" 1");
     const double uv_of[][4] = {{1, 0.001, 0.000159, 0.75}, {0, 2, 0.25, 0.5}, {-3, 0, 0.5, 0.25}, {0, -1, 0.75, 0.75}};
     for (size_t i = 0; i < sizeof uv_of / sizeof *uv_of; i++) {
         double uv[2];
         look(uv, &b, (double[]){0, 0, 9}, (double[]){uv_of[i][0], uv_of[i][1], 1});
         assert_uv(uv, uv_of[i][2], uv_of[i][3]);
     }
-    clear(&b);
+    scene_clear(&b);
 }
 
 #define TRIANGLE "Shape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] "
@@ -298,24 +263,24 @@ static void a_triangle_interpolates_its_corners_and_without_any_has_pbrts(void *
         "\"point2 uv\" [1 2  3 5  7 11]", "\"float uv\" [1 2  3 5  7 11]", "\"float st\" [1 2  3 5  7 11]"};
     double uv[2];
     for (int i = 0; i < 3; i++) {
-        built b = build(LIGHT BOARD TRIANGLE "%s", spellings[i]);
+        built b = scene_build(LIGHT BOARD TRIANGLE "%s", spellings[i]);
         look(uv, &b, from, at);
         assert_uv(uv, 0.5 * 1 + 0.2 * 3 + 0.3 * 7, 0.5 * 2 + 0.2 * 5 + 0.3 * 11);
         assert_int_equal(b.diag.n, 0);
-        clear(&b);
+        scene_clear(&b);
     }
-    built b = build(LIGHT BOARD TRIANGLE);
+    built b = scene_build(LIGHT BOARD TRIANGLE);
     look(uv, &b, from, at); /* (0,0), (1,0), (1,1) */
     assert_uv(uv, 0.2 + 0.3, 0.3);
     assert_int_equal(b.diag.n, 1);
     assert_non_null(strstr(b.diag.messages[0].text, "warning: the mesh has no texture coordinates"));
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* Meshes with and without coordinates, before and behind each other. */
 static void each_mesh_of_a_scene_keeps_its_own(void **state)
 {
-    built b = build(
+    built b = scene_build(
         LIGHT TRIANGLE "Translate 10 0 0 " BOARD TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]\nTranslate 10 0 0 " TRIANGLE);
     double uv[2];
     look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
@@ -324,16 +289,16 @@ static void each_mesh_of_a_scene_keeps_its_own(void **state)
     assert_uv(uv, 5.2, 5.3);
     look(uv, &b, (double[]){20.2, 0.3, 5}, (double[]){20.2, 0.3, 0});
     assert_uv(uv, 0.5, 0.3);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void without_textures_no_coordinates_are_kept(void **state)
 {
-    built b = build(LIGHT TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]");
+    built b = scene_build(LIGHT TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]");
     assert_null(b.desc->meshes[0].mesh.uv);
     assert_null(b.scene->geometry.uv);
     assert_int_equal(b.diag.n, 0);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static const char *store_text(const char *name, const char *text)
@@ -349,16 +314,16 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
     const char *obj =
         store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1 9\nvt 5 5\nvt 7\n"
                                  "f 1/1 2/2 3/3\nf 1/1 3/5 -1/-1\n");
-    built b = build(LIGHT BOARD "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
+    built b = scene_build(LIGHT BOARD "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
     assert_int_equal(b.scene->geometry.n_vertices, 5);
     look(uv, &b, (double[]){0.75, 0.25, 5}, (double[]){0.75, 0.25, 0});
     assert_uv(uv, 0.75, 0.25);
     look(uv, &b, (double[]){0.25, 0.5, 5}, (double[]){0.25, 0.5, 0}); /* 1/2 (0,0) + 1/4 (5,5) + 1/4 (7,0) */
     assert_uv(uv, 3, 1.25);
-    clear(&b);
-    b = build(LIGHT "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
+    scene_clear(&b);
+    b = scene_build(LIGHT "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
     assert_int_equal(b.scene->geometry.n_vertices, 4);
-    clear(&b);
+    scene_clear(&b);
 
     static const char *const names[][2] = {
         {"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
@@ -371,11 +336,11 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
             "vertex_indices\nend_header\n"
             "0 1 0 0 9 2\n1 3 0 0 9 5\n0 7 1 0 9 11\n3 0 1 2\n",
             names[i][0], names[i][1]);
-        b = build(LIGHT BOARD "Shape \"plymesh\" \"string filename\" \"%s\"", store_text("uv.ply", text));
+        b = scene_build(LIGHT BOARD "Shape \"plymesh\" \"string filename\" \"%s\"", store_text("uv.ply", text));
         look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
         assert_uv(uv, 0.5 * 1 + 0.2 * 3 + 0.3 * 7, 0.5 * 2 + 0.2 * 5 + 0.3 * 11);
         assert_int_equal(b.diag.n, 0);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -407,7 +372,7 @@ static void assert_three_parts(const char *scene)
     bis_own_material m;
     bis_counters counters = {0};
     bis_point pt;
-    assert_int_equal(try_build(&b, scene), BIS_OK);
+    assert_int_equal(scene_try(&b, scene), BIS_OK);
     assert_int_equal(b.diag.n, 0);
     assert_int_equal(b.desc->n_shapes, 3);
     assert_int_equal(b.scene->geometry.n_triangles, 6);
@@ -416,8 +381,8 @@ static void assert_three_parts(const char *scene)
         const ray r = {{-1.5f + (float)k, 0.25f, 5}, {0, 0, -1}, INFINITY};
         bis_hit hit;
         size_t part;
-        assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, &hit));
-        assert_int_equal(bis_scene_shape_of(b.scene, b.desc, hit.prim, &part), k);
+        assert_true(bis_scene_point(&pt, &m, b.scene, r, &counters, &hit));
+        assert_int_equal(bis_scene_shape_of(b.scene, hit.prim, &part), k);
         const bis_material *at = pt.bsdf.material;
         if (k == 0) assert_true(at->Kd.r == 0.375f);
         if (k == 1) assert_true(at->Kd.r == 0.25f && at->Kd.g == 0.125f && at->Kd.b == 0.5f && at->Ks.r == 0);
@@ -425,7 +390,7 @@ static void assert_three_parts(const char *scene)
     }
     const bis_texture *x = &b.desc->textures.list[0];
     assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void an_obj_plain_or_compressed_brings_its_materials_and_each_part_is_a_shape(void **state)
@@ -436,17 +401,17 @@ static void an_obj_plain_or_compressed_brings_its_materials_and_each_part_is_a_s
     assert_three_parts(LIGHT PLAIN OBJ_SHAPE("o.obj") MATERIALS);
     assert_three_parts(LIGHT PLAIN OBJ_SHAPE("o.obj.gz") MATERIALS);
     /* without the parameter it is one shape as ever */
-    assert_int_equal(try_build(&b, LIGHT PLAIN OBJ_SHAPE("o.obj")), BIS_OK);
+    assert_int_equal(scene_try(&b, LIGHT PLAIN OBJ_SHAPE("o.obj")), BIS_OK);
     assert_int_equal(b.desc->n_shapes, 1);
     assert_int_equal(b.scene->geometry.n_vertices, 8);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void instances_of_an_obj_with_materials_are_alike(void **state)
 {
     built b;
     write_obj();
-    assert_int_equal(try_build(&b, LIGHT "ObjectBegin \"o\" " OBJ_SHAPE("o.obj") MATERIALS " ObjectEnd\n"
+    assert_int_equal(scene_try(&b, LIGHT "ObjectBegin \"o\" " OBJ_SHAPE("o.obj") MATERIALS " ObjectEnd\n"
                                    "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\""), BIS_OK);
     assert_int_equal(b.desc->n_shapes, 6);
     assert_int_equal(b.scene->geometry.n_triangles, 12);
@@ -455,7 +420,7 @@ static void instances_of_an_obj_with_materials_are_alike(void **state)
         look(uv, &b, (double[]){-0.75 + 10 * i, 0.5, 5}, (double[]){-0.75 + 10 * i, 0.5, 0});
         assert_uv(uv, 0.25, 0.75);
     }
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void mistakes_of_a_library_are_found_in_it(void **state)
@@ -478,10 +443,10 @@ static void mistakes_of_a_library_are_found_in_it(void **state)
         snprintf(obj, sizeof obj, "%sv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", cases[i].obj);
         program_write_file(DIR "/o.obj", obj);
         program_write_file(DIR "/lib.mtl", cases[i].mtl);
-        assert_int_equal(try_build(&b, scene), BIS_INPUT);
+        assert_int_equal(scene_try(&b, scene), BIS_INPUT);
         if (!strstr(b.diag.messages[0].text, cases[i].message))
             fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -493,7 +458,7 @@ static bis_status build_library(built *b, const char *statements)
     store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
     program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     program_write_file(DIR "/lib.mtl", mtl);
-    return try_build(b, LIGHT OBJ_SHAPE("o.obj") MATERIALS);
+    return scene_try(b, LIGHT OBJ_SHAPE("o.obj") MATERIALS);
 }
 
 #define OPAQUE(line, word) line ": warning: " word " is ignored: the material is opaque"
@@ -552,7 +517,7 @@ static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
         const size_t n = said ? strlen(said) + !is_error : 0; /* a warning is told to its end */
         if (said && *said && (!text || strncmp(text + strlen("lib.mtl:"), said, n) != 0))
             fail_msg("%s: %s", cases[i].mtl, b.diag.messages[0].text);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -579,7 +544,7 @@ static void a_librarys_values_are_those_of_the_material(void **state)
         assert_memory_equal(&m->Ks, cases[i].Ks, sizeof m->Ks);
         if (m->exponent != cases[i].Ns) fail_msg("%s: Ns is %g", cases[i].mtl, m->exponent);
         assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -610,7 +575,7 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
         assert_memory_equal(x->offset, cases[i].offset, sizeof x->offset);
         assert_true(x->kind == BIS_TEXTURE_IMAGE && x->wrap == cases[i].wrap && x->image == 0 && x->scale == 1 &&
                     !x->invert && !x->is_float && x->steps == 1);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -642,7 +607,7 @@ static void options_that_change_no_value_pass(void **state)
         assert_int_equal(b.desc->textures.n_files, 1);
         if (b.desc->textures.files[0].gamma != cases[i].gamma)
             fail_msg("%s: %g", cases[i].statement, b.desc->textures.files[0].gamma);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -660,10 +625,10 @@ static void an_option_that_is_left_out_leaves_the_map(void **state)
         program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         program_write_file(DIR "/lib.mtl", mtl);
         assert_int_equal(
-            try_build(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
+            scene_try(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
         assert_int_equal(b.desc->n_approximations, 1);
         if (b.desc->textures.n_files != 1) fail_msg("%s: no image", statements[i]);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -678,9 +643,9 @@ static void a_texture_of_256_steps_is_the_dearest(void **state)
             k - 1);
     n += (size_t)snprintf(text + n, sizeof text - n,
         "Texture \"most\" \"float\" \"mix\" \"texture tex1\" \"t5\" \"texture tex2\" \"t5\" \"float amount\" 0.5\n");
-    built b = build("%s Shape \"sphere\"", text);
+    built b = scene_build("%s Shape \"sphere\"", text);
     assert_int_equal(b.desc->textures.list[b.desc->textures.n - 1].steps, 256);
-    clear(&b);
+    scene_clear(&b);
     expect_failure(":8:1: error: a value of texture \"more\" is made of 257 others, must be at most 255",
                    "%sTexture \"more\" \"float\" \"checkerboard\" \"texture tex1\" \"most\"\n", text);
 }
@@ -694,12 +659,12 @@ static void a_bad_part_of_a_texture_is_one_complaint(void **state)
         built b;
         snprintf(
             text, sizeof text, LIGHT "Texture \"x\" \"float\" %s\nMaterial \"diffuse\" Shape \"sphere\"", textures[i]);
-        const bis_status status = try_build(&b, text);
+        const bis_status status = scene_try(&b, text);
         if (status != BIS_INPUT || b.diag.n != 1) {
             for (size_t k = 0; k < b.diag.n; k++) print_error("%s\n", b.diag.messages[k].text);
             fail_msg("%s: %zu messages", textures[i], b.diag.n);
         }
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
@@ -710,7 +675,7 @@ static void a_point_has_the_material_of_its_place(void **state)
     bis_own_material m;
     bis_counters counters = {0};
     bis_point pt;
-    built b = build(LIGHT
+    built b = scene_build(LIGHT
         "Texture \"k\" \"color\" \"checkerboard\" \"rgb tex1\" [0.1 0.2 0.3] \"rgb tex2\" [0.4 0.5 0.6]\n"
         "Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.1\n"
         "Material \"microfacet\" \"texture Ks\" \"k\" \"texture roughness\" \"r\" \"float Kd\" 0.7\n" TRIANGLE
@@ -719,14 +684,14 @@ static void a_point_has_the_material_of_its_place(void **state)
         "Material \"phong\" \"texture Kd\" \"k\" \"texture exponent\" \"n\" \"float Ks\" 0.1 Translate 5 0 0 " TRIANGLE
         "\"point2 uv\" [0 0  2 0  0 2]");
     const ray right = {{0.75f, 0.125f, 5}, {0, 0, -1}, INFINITY}, other = {{5.25f, 0.125f, 5}, {0, 0, -1}, INFINITY};
-    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, right, &counters, NULL));
+    assert_true(bis_scene_point(&pt, &m, b.scene, right, &counters, NULL));
     assert_ptr_equal(pt.bsdf.material, &m.own);
     assert_int_equal(m.index, b.desc->shapes[0].material);
     assert_true(m.own.Ks.r == 0.4f && m.own.Ks.b == 0.6f && m.own.Kd.g == 0.7f);
     assert_near(m.own.alpha, 0.01); /* 0.1^2 */
-    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, other, &counters, NULL));
+    assert_true(bis_scene_point(&pt, &m, b.scene, other, &counters, NULL));
     assert_true(m.own.Kd.g == 0.2f && m.own.Ks.g == 0.1f && m.own.exponent == 30);
-    clear(&b);
+    scene_clear(&b);
 }
 
 #define IMAGEMAP "Texture \"t\" \"%s\" \"imagemap\" \"string filename\" \"%s\" "
@@ -744,16 +709,17 @@ static void values_out_of_range_are_refused_when_the_image_is_known(void **state
         LIGHT IMAGEMAP "\"float scale\" 3 \"bool invert\" true\n"
         "Material \"phong\" \"texture exponent\" \"t\" Shape \"sphere\"", "float", name);
     /* the largest of both: 0.8 + 0.3 */
-    built b = build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
-                          "Material \"phong\" \"texture Kd\" \"t\" \"float Ks\" 0.3 Shape \"sphere\"", name);
+    built b = scene_build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+                                "Material \"phong\" \"texture Kd\" \"t\" \"float Ks\" 0.3 Shape \"sphere\"", name);
     assert_int_equal(b.diag.n, 1);
     assert_non_null(strstr(b.diag.messages[0].text, "warning: Kd + Ks may reach 1.1 in red"));
-    clear(&b);
+    scene_clear(&b);
     /* nothing shows it: nothing is read */
-    b = build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 9\n"
-                    "Material \"diffuse\" \"texture reflectance\" \"t\" Material \"diffuse\" Shape \"sphere\"", name);
+    b = scene_build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 9\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"t\" Material \"diffuse\" Shape \"sphere\"",
+                    name);
     assert_null(b.scene->images[0].image.pixels);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void what_is_no_texture_is_refused(void **state)
@@ -804,15 +770,15 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
     write_obj();
     FOR_LACK(l) {
         built b;
-        LACK(l, try_build(&b, text));
+        LACK(l, scene_try(&b, text));
         assert_true((l.status == BIS_OK) == l.over && (b.scene != NULL) == l.over);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
 static void materials_with_other_textures_have_other_numbers(void **state)
 {
-    built b = build(
+    built b = scene_build(
         LIGHT "Texture \"a\" \"color\" \"checkerboard\" Texture \"b\" \"color\" \"checkerboard\" \"float uscale\" 2\n"
               "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\" Material \"diffuse\" \"texture "
               "reflectance\" \"b\" Shape \"sphere\"\n"
@@ -822,7 +788,7 @@ static void materials_with_other_textures_have_other_numbers(void **state)
     assert_int_equal(n, 2);
     assert_int_equal(number[b.desc->shapes[0].material], number[b.desc->shapes[2].material]);
     bis_free(number);
-    clear(&b);
+    scene_clear(&b);
 }
 
 /* ---- the program ---- */
@@ -1000,7 +966,7 @@ static void verify_finds_a_textured_scene_right(void **state)
         if (v.tests[i].verdict == BIS_VERDICT_FAILED) print_error("%s: %s\n", v.tests[i].name, v.tests[i].note);
     assert_int_equal(v.n_failed, 0); /* by its own level: 1 %, for one seed */
     bis_verify_clear(&v);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static int count_of(const char *text, const char *word)
@@ -1098,7 +1064,7 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
          {{0.5, 2.5, 0}, {0.5, 3.5, 0}, {-0.5, 2.5, 0}, {-0.5, 3.5, 0}}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        built b = build(LIGHT
+        built b = scene_build(LIGHT
             "AttributeBegin %s Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s AttributeEnd\n"
             "Scale 5 5 5 Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
             cases[i].before, four(), cases[i].params);
@@ -1110,20 +1076,20 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
             assert_near(value_at(&b, (double[]){0, 0.8660254037844386, -0.5}), 0.1 + 0.1 * 5 / 6);
             assert_near(value_at(&b, (double[]){1, 0, 1}), 0.25);
         }
-        clear(&b);
+        scene_clear(&b);
     }
 }
 
 /* Squares of the plane; parts have mappings of their own; the shapes that do not ask for (u, v) read none. */
 static void a_checkerboard_lies_in_its_plane(void **state)
 {
-    built b =
-        build(LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
-                    "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] "
-                    "\"texture tex1\" \"x\" \"float tex2\" 0.3\n"
-                    "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 "
-                    "-9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]",
-            four());
+    built b = scene_build(
+        LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
+              "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] "
+              "\"texture tex1\" \"x\" \"float tex2\" 0.3\n"
+              "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 "
+              "-9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]",
+        four());
     assert_int_equal(b.diag.n, 0); /* no warning of missing coordinates */
     assert_near(value_at(&b, (double[]){0.25, 0.25, 0.5}), 0.1);
     assert_near(value_at(&b, (double[]){1.25, 0.25, 0.5}), 0.3);
@@ -1133,9 +1099,9 @@ static void a_checkerboard_lies_in_its_plane(void **state)
     bis_own_material m;
     bis_point pt;
     const ray r = {.o = {0.75f, -4, 0.5f}, .d = {0, 1, 0}, .tmax = INFINITY};
-    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, NULL));
+    assert_true(bis_scene_point(&pt, &m, b.scene, r, &counters, NULL));
     assert_near((double)pt.bsdf.material->Kd.r, 0.2);
-    clear(&b);
+    scene_clear(&b);
 }
 
 static void a_mapping_that_cannot_be_is_refused(void **state)
@@ -1437,9 +1403,9 @@ static void energy_is_warned_of_once(void **state)
         {"\"texture Ks\" \"t\" \"texture Kd\" \"t\"", "Kd + Ks may reach 1.8 in red"},
         {"\"texture exponent\" \"f\" \"float Kd\" 0.75 \"float Ks\" 0.5", "Kd + Ks is 1.25 in red"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        built b = build(LIGHT "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" "
-                              "0.9\nTexture \"f\" \"float\" \"checkerboard\"\n"
-                              "Material \"phong\" %s Shape \"sphere\"",
+        built b = scene_build(LIGHT "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" "
+                                    "0.9\nTexture \"f\" \"float\" \"checkerboard\"\n"
+                                    "Material \"phong\" %s Shape \"sphere\"",
             cases[i].words);
         size_t n = 0;
         for (size_t k = 0; k < b.diag.n; k++)
@@ -1447,7 +1413,7 @@ static void energy_is_warned_of_once(void **state)
         if (n < 1 || !strstr(b.diag.messages[0].text, cases[i].warning))
             fail_msg("%s: %s", cases[i].words, b.diag.n ? b.diag.messages[0].text : "");
         if (i < 3) assert_int_equal(n, 1);
-        clear(&b);
+        scene_clear(&b);
     }
 }
 

@@ -46,6 +46,17 @@ typedef enum lit_map {
     LIT_CONSTANT   /* no map: a constant light (1, 0.5, 0.25) */
 } lit_map;
 
+/* lit_settings returns the defaults of an integrator, but for what its candidates come from, M and N. */
+static inline bis_settings lit_settings(const bis_integrator *integrator, bis_proposal proposal, uint32_t M, uint32_t N)
+{
+    bis_settings s = bis_settings_default(integrator);
+
+    s.proposal = proposal;
+    s.candidates = M;
+    s.shadowrays = N;
+    return s;
+}
+
 static inline rgb grey(double v) { return rgb_from(v, v, v); }
 
 bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate);

@@ -45,6 +45,7 @@ void make_world(world *w, const bis_integrator *integrator)
 {
     *w = (world){0};
     bis_scene_desc *d = &w->desc;
+    w->scene.desc = d;
     w->materials[0] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.2f, 0.2f, 0.2f}, 20);
     w->materials[1] = bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rgb){0.5f, 0.5f, 0.2f}, 100);
     d->materials = w->materials;
@@ -175,3 +176,23 @@ const bis_integrator noise = {.name = "noise", .light_needs = no_light_needs,
 const bis_integrator place = {.name = "place", .light_needs = no_light_needs,
                               .scratch_needs = no_scratch, .Lo = place_Lo};
 const bis_integrator sick = {.name = "sick", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = sick_Lo};
+
+atomic_long world_calls;
+volatile sig_atomic_t world_flag;
+static atomic_long fuse;
+
+void set_fuse(long n)
+{
+    world_calls = 0;
+    world_flag = 0;
+    fuse = n;
+}
+
+static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    if (atomic_fetch_add(&world_calls, 1) + 1 == fuse) __atomic_store_n(&world_flag, 1, __ATOMIC_RELAXED);
+    return noise_Lo(s, pt, stream, scratch);
+}
+
+const bis_integrator fused = {.name = "fused", .light_needs = no_light_needs, .scratch_needs = no_scratch,
+                              .Lo = fuse_Lo};

@@ -6,6 +6,9 @@
 
 #include "bis/render/render.h"
 
+#include <signal.h>
+#include <stdatomic.h>
+
 typedef struct world {
     bis_scene_desc desc;
     bis_scene scene;
@@ -43,5 +46,12 @@ rgb noise_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis
 extern const bis_integrator noise; /* u, 1/2 + u, 1 */
 extern const bis_integrator place; /* where the ray met the surface, plus 10 */
 extern const bis_integrator sick;  /* NaN or infinity for a quarter of the samples */
+
+/* As noise, and a call of it may interrupt. An integrator has no place of its own for state, so a test calls
+ * set_fuse(n) before each render: the n-th call sets world_flag; -1: none does. */
+extern const bis_integrator fused;
+extern atomic_long world_calls; /* since then */
+extern volatile sig_atomic_t world_flag;
+void set_fuse(long n);
 
 #endif

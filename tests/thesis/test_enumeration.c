@@ -4,6 +4,7 @@
  * Family-wise significance 1e-3. */
 #include "thesis/candidates.h"
 #include "claim.h"
+#include "lit.h"
 #include "tiny.h"
 
 #include <math.h>
@@ -17,11 +18,7 @@ static double alpha(void) { return stat_level(1e-3, 24 + 11 + 4 * 54 + 15 + 4 * 
 
 static bis_settings settings_of(const bis_integrator *integrator, bis_proposal proposal, uint32_t M, uint32_t N)
 {
-    bis_settings s = bis_settings_default(integrator);
-
-    s.proposal = proposal;
-    s.candidates = M;
-    s.shadowrays = N;
+    bis_settings s = lit_settings(integrator, proposal, M, N);
     s.stratify = false;
     s.resampling = BIS_RESAMPLING_MULTINOMIAL;
     return s;

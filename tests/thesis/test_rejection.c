@@ -26,11 +26,7 @@ static vec3 tilted(void)
 
 static bis_settings rejection(bis_proposal proposal, uint32_t M, uint32_t N, bis_estimator estimator)
 {
-    bis_settings s = bis_settings_default(&bis_rejection);
-
-    s.proposal = proposal;
-    s.candidates = M;
-    s.shadowrays = N;
+    bis_settings s = lit_settings(&bis_rejection, proposal, M, N);
     s.estimator = estimator;
     return s;
 }

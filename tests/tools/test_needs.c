@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What a scene requires is found once (src/scene/scene_needs.h): what is built, printed by --plan, foretold of memory
- * and looked at before a render follows from it. */
+ * and looked at before a render follows from it. A checkpoint's identity counts what is built. */
 #include "bis/base/mem.h"
 #include "claim.h"
 #include "program.h"
+#include "render/identity.h"
 #include "scene/scene_needs.h"
 #include "tools/memory.h"
 
@@ -39,23 +40,34 @@ typedef struct required {
     bool (*wants)(const bis_scene_needs *n), (*has)(const bis_scene *s);
     double (*bytes)(const bis_memory *m); /* NULL: not told apart */
     const char *build;                     /* the line of --plan */
+    const char *identity;                  /* the parts of a checkpoint's identity that differ */
 } required;
 
 static const required all[] = {
     {"an image", "WorldBegin " MAP IMAGE SHOWN SPHERE, "WorldBegin " MAP IMAGE SPHERE, wants_image, has_image,
-     image_bytes, "build        texture build/test_needs/t.pfm"},
+     image_bytes, "build        texture build/test_needs/t.pfm",
+     "the shapes; the materials, or their textures"}, /* the sphere names another material */
     {"a mesh", "WorldBegin " MAP MESH SPHERE, "WorldBegin " MAP "ObjectBegin \"o\" " MESH "ObjectEnd " SPHERE,
-     wants_mesh, has_mesh, mesh_bytes, "build        mesh of the scene file"},
+     wants_mesh, has_mesh, mesh_bytes, "build        mesh of the scene file", "the shapes"},
     {"texture coordinates", "WorldBegin " MAP IMAGE SHOWN MESH, "WorldBegin " MAP IMAGE MESH, wants_uv, has_uv,
-     mesh_bytes, "build        texture coordinates"},
+     mesh_bytes, "build        texture coordinates", "the shapes; the materials, or their textures"},
     {"a table", "Integrator \"em\" WorldBegin " MAP SPHERE, "Integrator \"brdf\" WorldBegin " MAP SPHERE, wants_table,
-     has_table, map_bytes, "build        light table"},
+     has_table, map_bytes, "build        light table", "the integrator, or its parameters"},
     {"an accelerator", "WorldBegin " MAP SPHERE, "WorldBegin " MAP, wants_accel, has_accel, NULL,
-     "build        accelerator"},
+     "build        accelerator", "the shapes; the accelerator"},
 };
 
-/* Whether each of the readers says that it is required, and how many bytes. */
-static void look(bool found[3], double *bytes, const required *r, const char *text)
+/* What a checkpoint of the scene would be known by. */
+static void identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_scene_desc *desc, const bis_scene *scene)
+{
+    bis_film film = {.full_width = 4, .full_height = 3, .width = 4, .height = 3};
+    const bis_render_options options = {.pass_size = 1};
+    const bis_workspace of = {.scene = scene, .desc = desc, .view = &desc->view, .options = &options, .film = &film};
+    bis_identify(parts, &of);
+}
+
+/* Whether each of the readers says that it is required, how many bytes, and the identity. */
+static void look(bool found[3], double *bytes, uint64_t parts[BIS_IDENTITY_PARTS], const required *r, const char *text)
 {
     bis_scene_desc *desc;
     bis_scene_needs needs;
@@ -75,22 +87,27 @@ static void look(bool found[3], double *bytes, const required *r, const char *te
     found[1] = r->has(scene);
     found[2] = strstr(plan, r->build) != NULL;
     *bytes = r->bytes ? r->bytes(&memory) : 0;
+    identify(parts, desc, scene);
     free(plan);
     bis_scene_free(scene);
     bis_scene_needs_clear(&needs);
     bis_scene_desc_free(desc);
 }
 
-static void what_is_required_is_built_and_planned_and_foreseen(void **state)
+static void what_is_required_is_built_planned_foreseen_and_identified(void **state)
 {
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         bool with[3], without[3];
         double most, least;
-        look(with, &most, &all[i], all[i].with);
-        look(without, &least, &all[i], all[i].without);
+        uint64_t one[BIS_IDENTITY_PARTS], other[BIS_IDENTITY_PARTS];
+        char differs[256];
+        look(with, &most, one, &all[i], all[i].with);
+        look(without, &least, other, &all[i], all[i].without);
         for (int k = 0; k < 3; k++)
             if (!with[k] || without[k]) fail_msg("%s, reader %d: %d, %d", all[i].what, k, with[k], without[k]);
         if (all[i].bytes && !(most > least)) fail_msg("%s: %g bytes with it, %g without", all[i].what, most, least);
+        bis_identity_differs(differs, sizeof differs, one, other);
+        assert_string_equal(differs, all[i].identity);
     }
 }
 
@@ -139,7 +156,7 @@ static void write_image(const char *path, int width, int height)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_required_is_built_and_planned_and_foreseen),
+        cmocka_unit_test(what_is_required_is_built_planned_foreseen_and_identified),
         cmocka_unit_test(only_what_is_required_is_checked),
         cmocka_unit_test(without_memory_nothing_is_required),
     };

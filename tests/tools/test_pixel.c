@@ -381,7 +381,7 @@ static void the_estimate_shown_is_what_renders(void **state)
             bis_own_material m;
             bis_point pt;
             const ray eye = bis_camera_ray(&w.desc.view.camera, WIDTH, HEIGHT, i % WIDTH + 0.5, i / WIDTH + 0.5);
-            if (!bis_scene_point(&pt, &m, &w.scene, &w.desc, eye, &counters, NULL)) continue;
+            if (!bis_scene_point(&pt, &m, &w.scene, eye, &counters, NULL)) continue;
             hit++;
             for (int seed = 0; seed < 2; seed++) {
                 bis_sampler sampler = w.desc.view.sampler;
@@ -783,8 +783,7 @@ static void a_hit_knows_its_shape_and_triangle(void **state)
         bis_counters counters = {0};
         bis_pixel_hit hit;
         bis_point pt;
-        ray eye;
-        assert_true(bis_pixel_find(&hit, &pt, &eye, built.scene, built.desc, cases[i].x, cases[i].y, &counters));
+        assert_true(bis_pixel_find(&hit, &pt, built.scene, cases[i].x, cases[i].y, &counters));
         assert_int_equal(built.desc->shapes[hit.shape].kind, cases[i].kind);
         assert_int_equal(built.desc->shapes[hit.shape].loc.line, cases[i].line);
         if (cases[i].t == 0) continue;

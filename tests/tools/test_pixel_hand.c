@@ -63,8 +63,8 @@ static void forge(forged *f)
     f->scene.light = f->l.light;
     bis_pixel_report *r = &f->r;
     *r = (bis_pixel_report){.desc = &f->desc, .scene = &f->scene, .x = 3, .y = 2, .folder = DIR, .is_hit = true,
-        .eye = {.d = {0, 0, -1}},
-                            .hit = {.t = 2.5, .part = 6, .material = &f->l.material}, .pt = f->l.pt,
+                            .hit = {.eye = {.d = {0, 0, -1}}, .t = 2.5, .part = 6, .material = &f->l.material},
+                            .pt = f->l.pt,
                             .exact = {.by_patches = true, .patches = 100, .rays = 250, .lit = {{1, 2, 3, 6}, {0.1,
                                 0.2, 0.3, 0.5}},
                                       .open = {{2, 4, 6, 12}, {0.4, 0.5, 0.6, 0.25}}}};

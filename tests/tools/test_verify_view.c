@@ -289,13 +289,12 @@ static void seeds_that_were_accused_pass(void **state)
     bis_counters counters = {0};
     bis_pixel_hit hit;
     bis_point pt;
-    ray eye;
     bis_settings s[] = {
         bis_settings_default(&bis_em), bis_settings_default(&bis_mis), bis_settings_default(&bis_exact)};
     verify_write_map();
     verify_write_scene("scene.txt", "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16\n");
     verify_built b = verify_build(VERIFY_DIR "/scene.txt");
-    assert_true(bis_pixel_find(&hit, &pt, &eye, b.scene, b.desc, X, Y, &counters));
+    assert_true(bis_pixel_find(&hit, &pt, b.scene, X, Y, &counters));
     for (uint64_t seed = 1; seed <= N; seed++) {
         bis_verify v = {.seed = seed, .halvings = 4};
         bool tested;

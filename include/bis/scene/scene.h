@@ -172,6 +172,7 @@ typedef struct bis_scene_seconds {
 } bis_scene_seconds;
 
 typedef struct bis_scene {
+    const bis_scene_desc *desc; /* which it was built of; borrowed */
     bis_geometry geometry;
     bis_accel *accel; /* NULL: no geometry */
     bis_light *light; /* a black constant where the scene has none */
@@ -210,21 +211,20 @@ typedef struct bis_own_material {
     bis_material own; /* with the values of its textures there; not set where it has none */
 } bis_own_material;
 
-/* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with desc's material
- * and with wo = -eye.d. *m receives this material; it must live as long as *pt. m may be NULL for a scene without
- * textures. Rays traced from *pt are counted in
- * *counters; this one is not. *hit (may be NULL) receives the distance and the primitive. Returns false if the ray
- * meets nothing. */
-bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
-                     bis_counters *counters, bis_hit *hit);
+/* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with its
+ * material and with wo = -eye.d. *m receives this material; it must live as long as *pt. m may be NULL for a scene
+ * without textures. Rays traced from *pt are counted in *counters; this one is not. *hit (may be NULL) receives the
+ * distance and the primitive. Returns false if the ray meets nothing. */
+bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, ray eye, bis_counters *counters,
+                     bis_hit *hit);
 
 /* bis_scene_point_at does the same where it is known that `eye` meets primitive prim first. */
-void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
-                        uint32_t prim, bis_counters *counters);
+void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, ray eye, uint32_t prim,
+                        bis_counters *counters);
 
 /* bis_scene_shape_of returns the shape (an index into desc->shapes) that primitive `prim` of the geometry belongs to.
  * *part receives the triangle in this shape, from 0; for a sphere or disk it is 0. */
-size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part);
+size_t bis_scene_shape_of(const bis_scene *s, uint32_t prim, size_t *part);
 
 /* bis_scene_plan prints what the scene requires, what will be built for it, what is left out, and why. It loads
  * nothing: where this is cheap, sizes come from the headers of the files. */

@@ -4,9 +4,8 @@
  * One candidate alone costs about 25 ns, most of it in the power of the lobe. Eight or sixteen candidates side by side
  * cost 1 to 2 ns each. This needs structures of float arrays, loops without calls or branches, polynomials for log and
  * exp, and BIS_LANES: it compiles a function for AVX-512, for AVX2 and for any processor, and the program chooses when
- * it starts. There are no intrinsics and no -ffast-math. A material's formulas stand once, in a text that is compiled
- * for lanes in float and for one direction in double (src/thesis/real.h); the second is the reference of the first in
- * the tests.
+ * it starts. There are no intrinsics and no -ffast-math. A material's formulas serve lanes and single directions alike
+ * (src/thesis/real.h).
  *
  * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums
  * have a fixed order. */

@@ -16,16 +16,16 @@
 
 /* ---- the point ---- */
 
-bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc,
-                    int x, int y, bis_counters *counters)
+bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, const bis_scene *scene, int x, int y, bis_counters *counters)
 {
+    const bis_view *view = &scene->desc->view;
     bis_hit h;
 
-    *eye = bis_camera_ray(&desc->view.camera, desc->view.film.width, desc->view.film.height, x + 0.5, y + 0.5);
-    if (!bis_scene_point(pt, &hit->own, scene, desc, *eye, counters, &h)) return false;
+    hit->eye = bis_camera_ray(&view->camera, view->film.width, view->film.height, x + 0.5, y + 0.5);
+    if (!bis_scene_point(pt, &hit->own, scene, hit->eye, counters, &h)) return false;
     hit->t = (double)h.t;
     hit->material = pt->bsdf.material;
-    hit->shape = bis_scene_shape_of(scene, desc, h.prim, &hit->part);
+    hit->shape = bis_scene_shape_of(scene, h.prim, &hit->part);
     return true;
 }
 

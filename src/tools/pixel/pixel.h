@@ -4,7 +4,7 @@
  *
  * Nothing here prints; src/cli/cmd_pixel.c does. Results do not depend on the number of threads.
  *
- *     if (bis_pixel_find(&hit, &pt, &eye, scene, desc, x, y, &counters)) {
+ *     if (bis_pixel_find(&hit, &pt, scene, x, y, &counters)) {
  *         status = bis_pixel_exact_of(&exact, &pt, seed, diag);              // the truth
  *         status = bis_pixel_method_run(&method, &pt, &exact, ..., diag);    // one method against it
  *         status = bis_pixel_candidates_draw(&c, &pt, &settings, &stream, diag);
@@ -18,7 +18,8 @@
 /* ---- src/tools/pixel/pixel.c: the point, the truth, the methods ---- */
 
 typedef struct bis_pixel_hit {
-    double t;                       /* along the ray from the eye, in world units */
+    ray eye;                        /* of the pixel's centre; all else only where it meets a surface */
+    double t;                       /* along it, in world units */
     size_t shape, part;             /* index into desc->shapes; the triangle in it */
     const bis_material *material;   /* of this point */
     bis_own_material own;           /* what the point's bsdf may point to: the hit must outlive the point, unmoved */
@@ -27,8 +28,7 @@ typedef struct bis_pixel_hit {
 /* bis_pixel_find stores the point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. It
  * returns false if the ray meets no surface. The scene must have been built with BIS_VERIFY_LIGHT_NEEDS (verify.h);
  * counters are borrowed by pt. */
-bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc,
-                    int x, int y, bis_counters *counters);
+bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, const bis_scene *scene, int x, int y, bis_counters *counters);
 
 /* bis_pixel_material_name writes "phong, exponent 50", "microfacet, alpha 0.1". Returns buf. */
 const char *bis_pixel_material_name(char buf[64], const bis_material *m);

@@ -39,7 +39,7 @@ static bool is_mesh(const bis_pixel_report *r)
 /* What the camera sees where there is no surface. */
 static rgb background(const bis_pixel_report *r)
 {
-    return bis_light_seen(&r->desc->light, r->scene->light, r->eye.d);
+    return bis_light_seen(&r->desc->light, r->scene->light, r->hit.eye.d);
 }
 
 static bool has_samples(const bis_settings *s)

@@ -16,7 +16,6 @@ typedef struct bis_pixel_report {
     bool html;               /* pixel.html, too */
     const char *why_nothing; /* no surface, no light, no reflection; NULL: all below is filled */
     bool is_hit;
-    ray eye;
     bis_pixel_hit hit;
     bis_point pt;
     bis_pixel_exact exact;

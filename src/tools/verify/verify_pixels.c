@@ -117,7 +117,7 @@ static double mean_of(const bis_verify_eye *e, int x, int y, uint32_t n, bis_rng
         if (!e->view->pixel_jitter) u[X] = u[Y] = 0.5;
         const ray eye = bis_camera_ray(&e->view->camera, f->picture_width, f->picture_height,
                                        x * f->step + f->step / 2 + u[X], y * f->step + f->step / 2 + u[Y]);
-        const bool hit = bis_scene_point(&pt, &m, e->scene, e->desc, eye, &counters, NULL);
+        const bool hit = bis_scene_point(&pt, &m, e->scene, eye, &counters, NULL);
         const double L = hit ? reflected(e, &pt, u, rng)
                              : measure(bis_light_seen(&e->desc->light, e->table->light, eye.d));
         sum += L;

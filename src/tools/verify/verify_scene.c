@@ -148,11 +148,11 @@ static bool is_known(int x, int y, int (*known)[2], int n)
 }
 
 /* False: nothing is hit, or it is black. */
-static bool find_point(bis_point *pt, bis_own_material *m, const bis_scene *scene, const bis_scene_desc *desc, int x,
-                       int y, bis_counters *counters)
+static bool find_point(bis_point *pt, bis_own_material *m, const bis_scene *scene, int x, int y, bis_counters *counters)
 {
-    const ray eye = bis_camera_ray(&desc->view.camera, desc->view.film.width, desc->view.film.height, x + 0.5, y + 0.5);
-    return bis_scene_point(pt, m, scene, desc, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
+    const bis_view *view = &scene->desc->view;
+    const ray eye = bis_camera_ray(&view->camera, view->film.width, view->film.height, x + 0.5, y + 0.5);
+    return bis_scene_point(pt, m, scene, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
 }
 
 static const char *why_no_view(const bis_scene *scene)
@@ -192,7 +192,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         char name[64];
         pixel_of(&x, &y, k, &desc->view.film);
         if (is_known(x, y, known, n_pixels)) continue;
-        if (!find_point(&pt, &m, scene, desc, x, y, &counters)) continue;
+        if (!find_point(&pt, &m, scene, x, y, &counters)) continue;
         snprintf(name, sizeof name, "pixel (%d, %d)", x, y);
         bis_verify_begin(v, name);
         status = bis_verify_point(v, &pt, settings, n, desc->view.sampler.kind, name, &tested, diag);
