@@ -122,15 +122,16 @@ static double truth(double mean, double variance, double around)
     return b * b;
 }
 
-/* Expected (a-b)^2 / (b^2 + m^2/100) of a pixel or a picture; then with the two ends for b^2. */
+/* Expected (a-b)^2 / (b^2 + m^2/100) of a pixel or a picture; then with the two ends for b^2; and the first one by the
+ * scatter of the passes. */
 typedef struct errors {
-    double likely, least, most;
+    double likely, least, most, scatter;
 } errors;
 
 /* Those of a pixel, the means over its channels, by its passes or its halves. */
 static errors errors_of_pixel(const bis_film *f, size_t i, double floor)
 {
-    errors e = {0, 0, 0};
+    errors e = {0, 0, 0, 0};
     double around[3];
 
     means_around(f, i, around);
@@ -139,8 +140,9 @@ static errors errors_of_pixel(const bis_film *f, size_t i, double floor)
         const double mean = f->sum[k] / f->weight, square = mean * mean, scatter = bis_film_variance(f, k);
         const double variance = f->independent ? scatter : variance_of_halves((double)f->half[k], mean, f->half_weight,
                                                                                f->weight);
-        const double larger = fmax(scatter, variance);
-        e.likely += variance / (3 * (truth(mean, larger, around[c]) + floor));
+        const double larger = fmax(scatter, variance), scale = 3 * (truth(mean, larger, around[c]) + floor);
+        e.likely += variance / scale;
+        e.scatter += scatter / scale;
         e.least += variance / (3 * (square + floor));
         e.most += variance / (3 * (fmax(0, square - larger) + floor));
     }
@@ -158,7 +160,7 @@ static total sum_over(const bis_film *f, double floor, double most)
 {
     enum { BLOCK = 1024 };
     const size_t n = (size_t)f->width * (size_t)f->height;
-    errors all = {0, 0, 0};
+    errors all = {0, 0, 0, 0};
     double sum = 0, squares = 0;
 
 #pragma omp parallel for ordered schedule(dynamic)
@@ -172,6 +174,7 @@ static total sum_over(const bis_film *f, double floor, double most)
             all.likely += e[i].likely;
             all.least += e[i].least;
             all.most += e[i].most;
+            all.scatter += e[i].scatter;
             sum += counts;
             squares += counts * counts;
         }
@@ -262,13 +265,13 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.2, doubt_of_bound = 0.4;
     const double dof = f->independent ? f->passes - 1.0 : 1;
 
-    if (f->passes < 2) return (bis_film_error){nan, nan, false, false};
+    if (f->passes < 2) return (bis_film_error){nan, nan, nan, false, false};
     const double floor = floor_of(f);
-    if (floor == 0) return (bis_film_error){0, 0, true, true}; /* black, hence without scatter */
+    if (floor == 0) return (bis_film_error){0, 0, 0, true, true}; /* black, hence without scatter */
     const total all = sum_over(f, floor, HUGE_VAL);
-    if (all.sum.likely == 0) return (bis_film_error){0, 0, true, true};
+    if (all.sum.likely == 0) return (bis_film_error){0, 0, 0, true, true};
     const double most = most_of_mean * all.sum.likely / n, q = sum_over(f, floor, most).q;
-    if (!is_weighable(q)) return (bis_film_error){nan, nan, false, false};
+    if (!is_weighable(q)) return (bis_film_error){nan, nan, nan, false, false};
     verdict ratio = {0, 0}, high = {0, 0};
     if (!f->independent) {
         const verdict twins = of_twins(f, q, floor, most);
@@ -280,6 +283,7 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     const double doubt = sqrt(noise + ratio.doubt + truth_spread * fmax(0, all.q - q) + ends * ends);
     return (bis_film_error){.relative_rmse = rmse,
                             .upper = sqrt(mean * exp(high.log + normal_95 * doubt) * (1 + skew / f->weight)),
+                            .scatter = sqrt(all.sum.scatter / n),
                             .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
                             .is_bounded = doubt <= doubt_of_bound && rmse <= most_rmse};
 }

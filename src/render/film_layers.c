@@ -7,8 +7,11 @@
  * last point.
  *
  * Error bars come from whole passes (docs/errata.md E32). Where passes are independent (bis/render.h) the mean of n of
- * them has the standard error s/sqrt(n), and the truth lies within t(0.975, n-1) of it in 95% of all pixels; it lies
- * nearer where the samples of a pixel are stratified over passes. */
+ * them has the standard error s/sqrt(n), and the truth lies within t(0.975, n-1) of it in 95% of all pixels. Where the
+ * samples of a pixel are spread over passes, it lies nearer: the scatter of n passes of variance V(1) has the
+ * expectation (V(1) - V(n))/(n-1) >= V(n). So the interval is not too short there. What all pixels gain together is
+ * known (film_error.c). It is one factor for the standard errors of all, so that their root mean square, relative as
+ * the figure is, is the figure. No pixel tells its own gain. Where the figure is not known, the factor is 1. */
 #include "bis/render/film.h"
 
 #include "bis/base/stats.h"
@@ -46,6 +49,14 @@ static double student_975(double dof)
     return 0.5 * (lo + hi);
 }
 
+/* What the standard errors of independent passes are multiplied by for one of the two layers. */
+static double factor_of(const bis_film *f, bis_layer layer)
+{
+    if (layer == BIS_LAYER_INTERVAL) return student_975(f->passes - 1.0);
+    const bis_film_error error = bis_film_estimate_error(f);
+    return error.is_known && error.scatter > 0 ? error.relative_rmse / error.scatter : 1;
+}
+
 /* Value k of a layer in pixel i. factor: of the standard error. */
 static double value(const bis_film *f, bis_layer layer, size_t i, size_t k, double factor)
 {
@@ -72,19 +83,20 @@ bis_status bis_film_want(bis_film *f, unsigned layers, bis_diag *diag)
 int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNELS], float *planes)
 {
     const size_t n_pixels = (size_t)f->width * (size_t)f->height;
-    const double t = f->passes > 1 ? student_975(f->passes - 1.0) : 0;
     int n = 0;
 
     for (int layer = 0; layer < BIS_N_LAYERS; layer++) {
         if (!bis_layers_has(&f->layers, (bis_layer)layer)) continue;
-        if (f->passes < 2 && (layer == BIS_LAYER_STDERR || layer == BIS_LAYER_INTERVAL)) continue;
+        const bool is_error = layer == BIS_LAYER_STDERR || layer == BIS_LAYER_INTERVAL;
+        if (is_error && f->passes < 2) continue;
+        const double factor = is_error && planes ? factor_of(f, (bis_layer)layer) : 1;
         for (size_t k = 0; k < shown[layer].n; k++, n++) {
             float *plane = planes ? planes + (size_t)n * n_pixels : NULL;
             channels[n] = (bis_channel){shown[layer].names[k], plane, 1};
             if (!plane) continue;
 #pragma omp parallel for
             for (size_t i = 0; i < n_pixels; i++)
-                plane[i] = (float)value(f, (bis_layer)layer, i, k, layer == BIS_LAYER_INTERVAL ? t : 1);
+                plane[i] = (float)value(f, (bis_layer)layer, i, k, factor);
         }
     }
     return n;

@@ -242,6 +242,7 @@ static void upper_bound_holds_in_95_renders_of_100(void **state)
 enum { SIDE = 60, PIXELS = SIDE * SIDE, MOST = 32 };
 
 static const double amount = 0.05, pi = 3.14159265358979323846;
+static const double t_of_16 = 2.131449546; /* Student's t, 95 % on both sides, 15 degrees of freedom: a table */
 
 static double normal(bis_rng *rng)
 {
@@ -336,6 +337,45 @@ static void the_figure_is_right_however_the_error_falls(void **state)
         if (!(fabs(ratio - 1) < 0.057)) fail_msg("kind %d, %d samples: %g of the truth", kind, W, ratio);
         assert_true(kind == BOTH || fabs(halves - 1) > 0.08);
         assert_true(kind == NOISE || scatter > 1.15);
+    }
+}
+
+/* The squares of the standard errors, over 1.01 as the error of a film of radiance 1 has it, are the squared error in
+ * the mean over pixels: the root of that mean is the figure, within what means off 1 by 1.8 % do to 1.01, 1 %. The
+ * limit is that of the figure (above) and this. The twin is the layer of passes that are taken for independent, as
+ * intervals are; so is the layer if the figure is not known, as with one pixel in place of all that carries it. */
+static void the_standard_errors_make_up_the_figure(void **state)
+{
+    enum { W = 16 };
+    const unsigned both = 1u << BIS_LAYER_STDERR | 1u << BIS_LAYER_INTERVAL;
+    static float planes[6 * PIXELS];
+    bis_channel channels[BIS_FILM_MAX_CHANNELS];
+    for (int kind = 0; kind < KINDS; kind++) {
+        double layer = 0, independent = 0;
+        for (uint64_t seed = 1; seed <= 12; seed++) {
+            double squares = 0, others = 0;
+            bis_film f;
+            const double truth = stratified_film(&f, kind, W, true, seed);
+            f.layers.asked = both; /* they are made of the colours' sums */
+            assert_int_equal(bis_film_layers(&f, channels, planes), 6);
+            for (int i = 0; i < PIXELS; i++) {
+                squares += pow((double)planes[i], 2) / PIXELS / 1.01;
+                others += pow((double)planes[3 * PIXELS + i] / t_of_16, 2) / PIXELS / 1.01;
+            }
+            layer += sqrt(squares) / truth / 12;
+            independent += sqrt(others) / truth / 12;
+            assert_true(bis_film_estimate_error(&f).is_known);
+            if (seed == 1) { /* a pixel that carries all */
+                f.half[0] = 100;
+                assert_false(bis_film_estimate_error(&f).is_known);
+                bis_film_layers(&f, channels, planes);
+                for (int i = 0; i < PIXELS; i++)
+                    assert_true(fabs((double)(planes[3 * PIXELS + i] / planes[i]) - t_of_16) < 1e-5);
+            }
+            bis_film_clear(&f);
+        }
+        if (!(fabs(layer - 1) < 0.067)) fail_msg("kind %d: %g of the truth", kind, layer);
+        assert_true(kind == NOISE ? fabs(independent - 1) < 0.067 : independent > 1.15);
     }
 }
 
@@ -506,6 +546,7 @@ int main(void)
         cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
         cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
         cmocka_unit_test(the_figure_is_right_however_the_error_falls),
+        cmocka_unit_test(the_standard_errors_make_up_the_figure),
         cmocka_unit_test(the_bound_holds_where_the_end_is_not_known),
         cmocka_unit_test(the_figure_is_right_where_few_samples_are_bright),
         cmocka_unit_test(halves_and_twins_are_weighed_by_what_they_know),

@@ -139,6 +139,7 @@ void bis_film_add_twin(bis_film *f, const bis_twin *t, rgb L, double weight);
 typedef struct bis_film_error {
     double relative_rmse; /* sqrt(relMSE), estimated without a reference; NAN: fewer than two passes */
     double upper;         /* a bound that the error of this picture exceeds in one of 20 renders; NAN as above */
+    double scatter;       /* relative_rmse if the passes were independent: what strata gain is not seen; NAN as above */
     /* false: few pixels carry the error, and the figure may be wrong by a fifth or more, with fewer than 8 samples by a
      * third */
     bool is_known;

@@ -15,8 +15,11 @@
  * probability 1/2 is met log 2 times in the mean, and r log 2 times by renders with as many pixels as r pictures. So
  * the worst r log 2 pixels, rounded down, are left out: one of 8 renders of a quarter of the pixels, none if r < 1.45.
  * The scatter says how many passes are right. When these are others by more than `close_enough`, they are rendered in
- * turn. Where two such renders take too long, they get the passes that there is time for, and the rest is the root
- * law's, which is said. Time that one advice does not need is the next one's. With --passes, which asks for no clock,
+ * turn. Where two such renders take too long, they get the passes that there is time for, and the rest is a law's,
+ * which is said: the relMSE of n passes falls as n^-p. Noise falls as 1/n, the error at edges as n^-3/2 (film_error.c),
+ * so p is in [1, 3/2], and two measured numbers of passes tell it. The first one is an eighth, rendered four times, so
+ * that it takes a quarter of the time. (The root law, p = 1, promised 5% where 4% came out: fine checks, from some 10
+ * passes to 33.) Time that one advice does not need is the next one's. With --passes, which asks for no clock,
  * there are eight renders, or so many that all together have at most 64 times the passes of the longest budget, two at
  * least, of that many passes at most, however long they take. */
 #include "trade_advice.h"
@@ -24,24 +27,29 @@
 
 #include "bis/base/mem.h"
 
-enum { LEAST_RENDERS = 2, MOST_RENDERS = 8, MOST_TURNS = 6, MOST_BUDGETS = 64 };
+enum { LEAST_RENDERS = 2, FIRST_RENDERS = 4, MOST_RENDERS = 8, MOST_TURNS = 6, MOST_BUDGETS = 64 };
 
 static const double check_share = 0.03;   /* of the time, for each advice */
 static const double close_enough = 1.15;  /* in passes: 7% in error */
+static const double first_share = 0.125;  /* of the passes that there is time for, if the advice has more */
+static const double noise_falls = 1, edges_fall = 1.5; /* p */
 
 typedef struct check {
-    double end; /* on bis_clock_now's clock */
+    double end, turn_end; /* on bis_clock_now's clock */
     int advice, turn;
+    bool is_short; /* fewer passes than the advice has */
 } check;
 
 static double left(const check *c) { return c->end - bis_clock_now(); }
 
-/* Is there time for one more render after n of them? */
+/* Is there time for one more render after n of them? A turn leaves half of the time to the next ones. */
 static bool goes_on(const bis_trade *t, const check *c, int n, uint32_t passes, double each)
 {
     if (bis_trade_interrupted(t) || n == MOST_RENDERS) return false;
     if (n < LEAST_RENDERS) return true;
-    return t->o.passes ? (n + 1.0) * passes <= MOST_BUDGETS * (double)t->o.passes : left(c) > each;
+    if (c->is_short && n == (c->turn ? LEAST_RENDERS : FIRST_RENDERS)) return false;
+    return t->o.passes ? (n + 1.0) * passes <= MOST_BUDGETS * (double)t->o.passes
+                       : c->turn_end - bis_clock_now() > each;
 }
 
 static double channel(const bis_image *image, size_t i)
@@ -88,9 +96,8 @@ double bis_trade_scatter(const bis_image *images, int n, int spared, const bis_t
     return scatter(images, n, spared, &reference->image, w);
 }
 
-/* *variance: the scatter of renders of `passes`, times passes; NAN: fewer than two were complete. a_pass: its seconds.
- */
-static bis_status measure(double *variance, bis_trade *t, const check *c, bis_trade_job job, double a_pass,
+/* *relmse: the scatter of renders of job.passes; NAN: fewer than two were complete. a_pass: its seconds. */
+static bis_status measure(double *relmse, bis_trade *t, const check *c, bis_trade_job job, double a_pass,
                           bis_diag *diag)
 {
     const double each = job.passes * a_pass;
@@ -108,9 +115,30 @@ static bis_status measure(double *variance, bis_trade *t, const check *c, bis_tr
         n += complete;
     }
     const int spared = (int)(log(2) * n * bis_trade_pixels(t, job.step) / bis_trade_pixels(t, 1));
-    *variance = n < LEAST_RENDERS ? (double)NAN : job.passes * bis_trade_scatter(images, n, spared, &t->both);
+    *relmse = n < LEAST_RENDERS ? (double)NAN : bis_trade_scatter(images, n, spared, &t->both);
     for (int k = 0; k < MOST_RENDERS; k++) bis_image_clear(&images[k]);
     return status;
+}
+
+/* What so many passes leave; 0: none were measured. */
+typedef struct point {
+    uint32_t passes;
+    double relmse;
+} point;
+
+/* p by two points; that of noise if they do not tell. */
+static double exponent(point a, point b)
+{
+    if (!a.passes || a.passes == b.passes) return noise_falls;
+    const double p = log(a.relmse / b.relmse) / log((double)b.passes / a.passes);
+    return fmin(fmax(p, noise_falls), edges_fall);
+}
+
+/* The passes of the next renders: the advice's, or as many as there is time for. */
+static uint32_t passes_of(const bis_trade *t, uint32_t wanted, double most, int turn)
+{
+    if (wanted <= most) return wanted;
+    return bis_trade_square_passes(t, fmax(1, turn ? most / close_enough : most * first_share));
 }
 
 static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_diag *diag)
@@ -118,29 +146,34 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
     const bis_trade_setting *s = &t->plan.settings[a->setting];
     const double a_pass = t->result.curves[a->setting].pass_seconds, full_pass = a->seconds / a->passes;
     bis_status status = BIS_OK;
-    uint32_t too_few = 0, enough = 0; /* passes that left more than the error, and not more; 0: none was measured */
-    double enough_variance = 0;
+    uint32_t too_few = 0; /* passes that left more than the error; 0: none was measured */
+    point first = {0, 0}, now = {0, 0}, enough = {0, 0};
 
-    for (c->turn = 0; c->turn < MOST_TURNS && !status && (c->turn == 0 || t->o.passes || left(c) > 0); c->turn++) {
+    for (c->turn = 0; c->turn < MOST_TURNS && (c->turn == 0 || t->o.passes || left(c) > 0); c->turn++) {
         const double most = t->o.passes ? (double)MOST_BUDGETS * t->o.passes : left(c) / (LEAST_RENDERS * a_pass);
-        const uint32_t fitting = bis_trade_square_passes(t, fmax(1, most / close_enough));
-        const uint32_t measured = a->passes <= most ? a->passes : fitting;
-        double variance;
-        status = measure(&variance, t, c, (bis_trade_job){s, t->plan.step, measured, 0}, a_pass, diag);
-        if (status || !(variance > 0)) break; /* interrupted, or without noise: the curve's word stands */
-        uint32_t needed = bis_trade_square_passes(t, variance / (a->error * a->error));
-        if (needed > measured) too_few = measured;
-        else enough = measured, enough_variance = variance;
-        if (needed <= too_few || (enough && needed > enough)) {
+        const uint32_t passes = passes_of(t, a->passes, most, c->turn);
+        c->is_short = passes < a->passes;
+        c->turn_end = c->end - left(c) / 2;
+        if (c->is_short && passes <= now.passes) break; /* there is no time for more */
+        now.passes = passes;
+        status = measure(&now.relmse, t, c, (bis_trade_job){s, t->plan.step, passes, 0}, a_pass, diag);
+        if (status || !(now.relmse > 0)) break; /* interrupted, or without noise: the curve's word stands */
+        const double p = exponent(first, now);
+        uint32_t needed = bis_trade_square_passes(t, passes * pow(now.relmse / (a->error * a->error), 1 / p));
+        if (c->turn == 0) first = now;
+        if (needed > passes) too_few = passes;
+        else enough = now;
+        point by = now; /* what tells the error of `needed` */
+        if (needed <= too_few || (enough.passes && needed > enough.passes)) {
             /* one measured number says that another, measured before, will do, or will not */
-            needed = enough;
-            variance = enough_variance;
+            needed = enough.passes;
+            by = enough;
         }
         a->passes = needed;
-        a->expected_error = sqrt(variance / needed);
-        a->is_extrapolated = needed != enough && (needed > close_enough * measured || measured > close_enough * needed);
+        a->expected_error = sqrt(by.relmse * pow((double)by.passes / needed, p));
+        a->is_extrapolated =
+            needed != enough.passes && (needed > close_enough * passes || passes > close_enough * needed);
         if (!a->is_extrapolated) break;
-        if (most < measured * close_enough) break; /* there is no time for more */
     }
     a->seconds = a->passes * full_pass;
     return status;
