@@ -165,7 +165,7 @@ static const bis_square *square_around(const bis_visibility *v, size_t place)
 {
     uint32_t k = v->above[place];
 
-    while (k != BIS_NO_SQUARE && !v->squares[k].is_closed) k = v->above[v->n_tiles + k];
+    while (k != BIS_NO_SQUARE && v->squares[k].h[0] == 0) k = v->above[v->n_tiles + k];
     return k == BIS_NO_SQUARE ? NULL : &v->squares[k];
 }
 
@@ -204,7 +204,6 @@ void bis_visibility_close(bis_visibility *v, size_t k, uint32_t n)
     add_cell(&all, &v->known[bis_visibility_first_cell(v, v->n_tiles + k)]);
     expect(square->mean, &all, parts_of(n), around ? around->mean : NULL);
     for (int i = 0; i < PARTS; i++) square->h[i] = best_h(square->mean[i]);
-    square->is_closed = true;
 }
 
 /* ---- what a point makes of it ---- */

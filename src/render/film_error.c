@@ -219,7 +219,8 @@ static verdict of_twins(const bis_film *f, double q, double floor, double most)
         error += of_twin * scale;
         halves += of_halves * scale;
     }
-    return (verdict){log(error / halves), (double)f->width * f->height * q / n}; /* without twins it says nothing */
+    if (!(error > 0 && halves > 0)) return (verdict){0, HUGE_VAL}; /* no twins, or none with an error: it says nothing */
+    return (verdict){log(error / halves), (double)f->width * f->height * q / n};
 }
 
 /* The same, if edges have this share of what the halves differ. For noise and for edges each is scaled so that

@@ -12,7 +12,8 @@
 
 #include <unistd.h>
 
-static bool is_there(const char *path) { return access(path, R_OK) == 0; }
+/* path may be NULL, as of a shape that needs no file. */
+static bool is_there(const char *path) { return path && access(path, R_OK) == 0; }
 
 static void keep_first(bis_status *all, bis_status status)
 {
@@ -38,7 +39,7 @@ static bis_status check_light(const bis_light_desc *light, bis_diag *diag)
     bis_mapping mapping;
     bis_image map;
 
-    if (!light->filename || !is_there(light->filename)) return BIS_OK;
+    if (!is_there(light->filename)) return BIS_OK;
     const bis_status status = bis_image_check_head(light->filename, false, light->loc, diag);
     if (status) return status;
     if (!bis_scene_peek_image(light->filename, &width, &height)) {

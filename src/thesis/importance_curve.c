@@ -94,11 +94,12 @@ static bis_curve_sum sum_tile(const bis_curve *t, uint32_t tile, double *row_wei
     return sum;
 }
 
-/* The share of the importance that this sum is. */
+/* The share of the importance that this sum is; 0 where the map is black, from which nothing is drawn. */
 static double share_of(const bis_curve *t, bis_curve_sum s)
 {
-    const bis_curve_sum *all = &t->before[t->n_tiles];
-    return (s.sum + s.low) / (all->sum + all->low);
+    const bis_curve_sum *end = &t->before[t->n_tiles];
+    const double all = end->sum + end->low;
+    return all > 0 ? (s.sum + s.low) / all : 0;
 }
 
 /* The share of the importance that lies before tile i. */

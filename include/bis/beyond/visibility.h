@@ -31,8 +31,7 @@ typedef struct bis_seen {
 
 /* What is expected in a square of many tiles, of each part: the mean of V, and the best h. */
 typedef struct bis_square {
-    float mean[BIS_VISIBILITY_PARTS], h[BIS_VISIBILITY_PARTS];
-    bool is_closed; /* false: nothing is known of it yet, and a place in it asks the square around it */
+    float mean[BIS_VISIBILITY_PARTS], h[BIS_VISIBILITY_PARTS]; /* h is above 0 once the square is closed */
 } bis_square;
 
 enum { BIS_NO_SQUARE = UINT32_MAX };
