@@ -219,7 +219,7 @@ static verdict of_twins(const bis_film *f, double q, double floor, double most)
         error += of_twin * scale;
         halves += of_halves * scale;
     }
-    if (!(error > 0 && halves > 0)) return (verdict){0, HUGE_VAL}; /* no twins, or none with an error: it says nothing */
+    if (!(error > 0 && halves > 0)) return (verdict){0, HUGE_VAL}; /* they say nothing, or there are none */
     return (verdict){log(error / halves), (double)f->width * f->height * q / n};
 }
 

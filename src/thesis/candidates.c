@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* candidates: from which proposal M candidates come.
+/* candidates: from which proposal M candidates come. Their weights are made in set.c.
  *
  * q is q_L, q_f, or their mixture q = beta q_L + (1 - beta) q_f with beta = M_em/M. A candidate of a mixture has this
  * density, whichever of the two it came from (docs/errata.md E26). No weight then exceeds min(phat/(beta q_L),

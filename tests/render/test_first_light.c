@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* first_light: a glimpse of all the picture before its first pass. A finished render has the bits that it has without;
  * one that must end within its first pass leaves a whole picture, in which each pixel is what it is in a finished pass
- * or like one within 7 rows and columns. */
+ * or like a glimpse within 7 rows and columns. (Where visibility is learned, a glimpse knows less than that pass.) */
 #include "render/first_light.h"
 
 #include "claim.h"

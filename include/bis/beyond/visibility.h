@@ -12,8 +12,8 @@
  * what it found.
  *
  * Nothing is known before the first rays. So the picture is looked around in, coarse to fine: squares of many tiles,
- * squares in these, and at last each tile before its first samples (src/render/survey.c). That costs a 30th of a pass
- * where light arrives, and up to a quarter where it is hard to find. What is known of a part comes from its own rays,
+ * squares in these, and at last each tile before its first samples (src/render/survey.c). That costs a 48th of a pass
+ * where light arrives, and up to a third where it is hard to find. What is known of a part comes from its own rays,
  * from those of the parts around it on the map, from the tile around the cell, and from the squares around the tile.
  *
  * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A cell is a square of 4 x 4 pixels, or, in
