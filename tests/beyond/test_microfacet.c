@@ -656,6 +656,30 @@ static void no_lobe_that_reflects_has_probability_0(void **state)
     assert_true(b.p_specular == 1);
 }
 
+/* Permuted channels, in plastics and in metals, leave the probability of the lobe and the bounds of rejection what they
+ * are, because these are sums or maxima over the channels. Only the order of the sums may differ: 3 roundings each. */
+static void channels_count_alike(void **state)
+{
+    static const float Kd[5] = {0.1f, 0.8f, 0.3f, 0.1f, 0.8f}, Ks[5] = {0.04f, 0.2f, 0.6f, 0.04f, 0.2f},
+                       eta[5] = {1.2f, 0.4f, 2.5f, 1.2f, 0.4f};
+    for (int is_metal = 0; is_metal < 2; is_metal++) {
+        double right[3] = {0, 0, 0};
+        for (int k = 0; k < 3; k++) {
+            const rgb s = {Ks[k], Ks[k + 1], Ks[k + 2]};
+            const bis_material m =
+                is_metal ? bis_microfacet_metal(s, (rgb){eta[k], eta[k + 1], eta[k + 2]}, 0.4)
+                         : bis_plastic((rgb){Kd[k], Kd[k + 1], Kd[k + 2]}, s, 1.5, 0.4);
+            bis_bsdf b;
+            seen_from(&b, &m, 70);
+            const double found[3] = {b.p_specular, bis_bsdf_max_ratio(&b), bis_bsdf_max_f_cos(&b)};
+            for (int i = 0; i < 3; i++) {
+                if (k == 0) right[i] = found[i];
+                assert_true(found[i] > 0 && fabs(found[i] / right[i] - 1) < 1e-14);
+            }
+        }
+    }
+}
+
 static void what_reflects_below_1e_20_is_black(void **state)
 {
     const bis_material m = bis_microfacet((rgb){1e-45f, 0.5f, 0.5f}, (rgb){1e-30f, 1, 1e-19f}, 0.5);
@@ -822,6 +846,7 @@ int main(void)
         cmocka_unit_test(bounds_of_a_base_alone_are_reached_at_the_normal),
         cmocka_unit_test(black_material_and_hidden_surface_draw_nothing),
         cmocka_unit_test(no_lobe_that_reflects_has_probability_0),
+        cmocka_unit_test(channels_count_alike),
         cmocka_unit_test(what_reflects_below_1e_20_is_black),
         cmocka_unit_test(all_stays_finite_and_below_its_bounds_for_any_material_view_and_number),
         cmocka_unit_test(nearer_to_the_horizon_than_floats_can_tell_nothing_is_reflected),

@@ -156,6 +156,7 @@ static void the_overview_names_every_command_and_topic(void **state)
     program_expect(&again, 0, "--help");
     assert_string_equal(r.output, again.output);
     assert_80_columns("help", r.output);
+    assert_ptr_equal(strstr(r.output, "usage: bis [render] [options] SCENE\n"), r.output);
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
         snprintf(term, sizeof term, "\n  %-11s  %s\n", c->name, c->help);
         assert_non_null(strstr(r.output, term));

@@ -370,11 +370,11 @@ static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void *
         char expected[512];
         bis_diag diag = {0};
         int before = scratch_count();
-        image.pixels[4].g = bad[i];
+        image.pixels[5].g = bad[i]; /* column 2 of row 1 */
         assert_int_equal(bis_image_save(&image, scratch("old.hdr"), &diag), BIS_INPUT);
         assert_int_equal(diag.n, 1);
         snprintf(expected, sizeof expected,
-            "%s: error: cannot write \"%s\": pixel (1, 1) is (0, %g, 0), but an .hdr holds values "
+            "%s: error: cannot write \"%s\": pixel (2, 1) is (0, %g, 0), but an .hdr holds values "
             "from 0 to 1.69e38 only (.exr and .pfm hold any)",
             scratch("old.hdr"), scratch("old.hdr"), (double)bad[i]);
         assert_string_equal(diag.messages[0].text, expected);
@@ -382,7 +382,7 @@ static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void *
         assert_int_equal(scratch_count(), before);
         bis_diag_clear(&diag);
     }
-    image.pixels[4].g = 255.4f * 0x1p119f;
+    image.pixels[5].g = 255.4f * 0x1p119f;
     save(&image, scratch("old.hdr"));
     bis_image_clear(&image);
 }

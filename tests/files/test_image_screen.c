@@ -96,7 +96,7 @@ static void a_damaged_tga_is_refused(void **state)
         unsigned char bytes[4];
         const char *message;
     } cases[] = {
-        {0, 12, 4, {255, 255, 255, 255}, "30 bytes cannot hold 65535 x 65535 pixels"},
+        {0, 12, 4, {255, 255, 254, 255}, "30 bytes cannot hold 65535 x 65534 pixels"},
         {4, 30, 1, {9}, "a pixel has a colour that is not in the palette"},
         {4, 30, 1, {4}, "a pixel has a colour that is not in the palette"},
         {3, 22, 1, {3}, "a run goes beyond the last pixel"}, /* the next: no size of a colour, so no TGA */
@@ -276,8 +276,8 @@ static void a_damaged_jpeg_is_refused(void **state)
         }
         unsigned char *sof = memmem(data, n, progressive ? "\xff\xc2" : "\xff\xc0", 2);
         assert_non_null(sof);
-        memset(sof + 5, 0x70, 4); /* height and width: 28784 */
-        refuse("huge.jpg", data, n, "bytes cannot hold 28784 x 28784 pixels");
+        memcpy(sof + 5, "\x70\x71\x70\x70", 4); /* height 28785, width 28784 */
+        refuse("huge.jpg", data, n, "bytes cannot hold 28784 x 28785 pixels");
         free(data);
     }
     unsigned char *data = make_jpeg(&n, 4, false, left, right);

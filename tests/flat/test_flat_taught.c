@@ -6,6 +6,7 @@
 #include "bis/base/vec.h"
 #include "claim.h"
 #include "program.h"
+#include "tools/verify/verify.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -121,6 +122,30 @@ static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
     refuses(bis_flat_alias_few_bits(8, w, 25, printed, right, impossible, SAY), "0 to 24");
 }
 
+/* The library's own generator and its own rows are the other road; the sentinel is where nothing may be written. */
+static void numbers_and_hashes_are_the_librarys(void **state)
+{
+    double u[4] = {0, 0, 0, 7};
+    uint32_t hash[2 * BIS_FLAT_BITS], expected[2 * BIS_FLAT_BITS], n = 0;
+    uint8_t name[64 * BIS_FLAT_BITS];
+    bis_bits rows[BIS_N_BITS];
+    bis_rng rng;
+
+    bis_rng_init(&rng, 5, 6, 0, 0);
+    bis_flat_uniform(5, 6, 3, u);
+    for (int i = 0; i < 3; i++) assert_true(u[i] == bis_rng_double(&rng));
+    assert_true(u[3] == 7);
+    assert_int_equal(bis_verify_bits(rows, NULL), BIS_OK);
+    assert_int_equal(bis_flat_bits(hash, expected, name, &n, SAY), 0);
+    assert_int_equal(n, BIS_N_BITS);
+    for (size_t i = 0; i < BIS_N_BITS; i++) {
+        assert_true(((uint64_t)hash[2 * i + 1] << 32 | hash[2 * i]) == rows[i].hash);
+        assert_true(((uint64_t)expected[2 * i + 1] << 32 | expected[2 * i]) == rows[i].expected);
+        assert_string_equal((const char *)name + 64 * i, rows[i].name);
+    }
+    refuses(bis_flat_bits(hash, expected, name, NULL, SAY), "n is NULL");
+}
+
 static void a_histogram_counts_each_value_once(void **state)
 {
     const double v[8] = {-1, 0, 0.49, 0.5, 0.99, 1, 7, (double)INFINITY};
@@ -221,7 +246,29 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     refuses(
         bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY),
         "give sir");
-    refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "outside 8 x 8");
+    refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "pixel (8, 0) is outside 8 x 8");
+    bis_flat_stage_close(stage);
+}
+
+/* A candidate from the white map is accepted with the probability E w / c, where E w, the mean weight, is the 1.5 that
+ * the floor reflects, and c is the bound. 6 standard deviations of the share of 64 n candidates are allowed. Each
+ * accepted candidate has a ray, because 64 are allowed. The twin: the bound of the other proposal gives another share.
+ */
+static void rejection_accepts_the_mean_weight_over_the_bound(void **state)
+{
+    const char *const rejection[] = {"integrator=rejection", "candidates=64", "shadowrays=64", "proposal=em", NULL};
+    enum { N = 4000 };
+    bis_flat_stage *stage;
+    double found[8], bound[2], count[3];
+
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    assert_int_equal(bis_flat_stage_bounds(stage, bound, SAY), 0);
+    assert_int_equal(bis_flat_stage_accepted(stage, rejection, 1, N, count, SAY), 0);
+    const double p = 1.5 / bound[0], other = 1.5 / bound[1], allowed = 6 * sqrt(p * (1 - p) / (64. * N));
+    assert_true(fabs(count[0] / 64 - p) <= allowed && fabs(other - p) > allowed);
+    assert_true(count[1] == 64 && count[2] == count[0]);
+    refuses(bis_flat_stage_accepted(stage, rejection, 1, 0, count, SAY), "give");
     bis_flat_stage_close(stage);
 }
 
@@ -387,6 +434,21 @@ static void what_lies_below_the_horizon_is_counted(void **state)
     bis_flat_bsdf_close(bsdf);
 }
 
+/* Two pixels of 2 in each channel are the reference, and one channel of 6 is 3 more: the squares' mean is 9/6, the
+ * relative one's (9/(4 + 4/100))/6, the bias 3/6. The fourth channel is not looked at. The twin: equal pictures. */
+static void two_pictures_are_compared_as_the_program_does(void **state)
+{
+    const float a[8] = {2, 5, 2, 1, 2, 2, 2, 1}, b[8] = {2, 2, 2, 9, 2, 2, 2, 9};
+    double sum[3];
+
+    assert_int_equal(bis_flat_compare(2, 1, a, b, sum, SAY), 0);
+    assert_true(fabs(sum[0] - sqrt(1.5)) < 1e-12 && fabs(sum[1] - 1.5 / 4.04) < 1e-12 && fabs(sum[2] - 0.5) < 1e-12);
+    assert_int_equal(bis_flat_compare(1, 2, b, b, sum, SAY), 0);
+    assert_true(sum[0] == 0 && sum[1] == 0 && sum[2] == 0);
+    assert_int_equal(bis_flat_compare(0, 2, a, b, sum, SAY), BIS_INPUT);
+    refuses(bis_flat_compare(2, 1, a, NULL, sum, SAY), "b is NULL");
+}
+
 /* No time is tested, only that there is one: no pass takes longer than all of the call. How many passes 4 samples make
  * is the scheduler's affair, so that a quarter would be too strict: it failed on a machine that loaded fast. */
 static void a_pass_takes_a_part_of_the_time(void **state)
@@ -465,6 +527,9 @@ static void directions_of_the_caller_are_checked(void **state)
     assert_int_equal(at, 5 * 16 + 10);
     for (int i = 1; i < 3; i++) refuses(bis_flat_light_find(light, 1, w[i], &at, SAY), "direction 0 is");
     refuses(bis_flat_stage_find(stage, 16, 8, 1, w[1], &at, SAY), "direction 0 is");
+    refuses(bis_flat_stage_find(stage, 4096, 4097, 1, w[0], &at, SAY), "a field of 4096 x 4097");
+    refuses(bis_flat_stage_find(stage, 0, 1, 1, w[0], &at, SAY), "a field of 0 x 1");
+    assert_int_equal(bis_flat_stage_find(stage, 4096, 4096, 1, w[0], &at, SAY), 0);
     assert_int_equal(bis_flat_stage_find(stage, 16, 8, 1, w[2], &at, SAY), 0); /* no candidate */
     assert_int_equal(at, 0);
     refuses(bis_flat_bsdf_albedo(b, zero, 4, sum, SAY), "normal is (0, 0, 0)");
@@ -483,12 +548,15 @@ int main(void)
         cmocka_unit_test(the_fit_is_pearsons),
         cmocka_unit_test(a_white_map_is_one_light),
         cmocka_unit_test(a_point_of_a_diffuse_floor_is_known),
+        cmocka_unit_test(rejection_accepts_the_mean_weight_over_the_bound),
         cmocka_unit_test(the_two_noises_add_up_E31),
         cmocka_unit_test(a_diffuse_material_loses_nothing),
         cmocka_unit_test(the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle),
         cmocka_unit_test(what_lies_below_the_horizon_is_counted),
+        cmocka_unit_test(two_pictures_are_compared_as_the_program_does),
         cmocka_unit_test(a_pass_takes_a_part_of_the_time),
         cmocka_unit_test(few_bits_draw_what_is_impossible_as_printed_E14),
+        cmocka_unit_test(numbers_and_hashes_are_the_librarys),
         cmocka_unit_test(a_histogram_counts_each_value_once),
         cmocka_unit_test(a_shrunk_map_keeps_its_light),
         cmocka_unit_test(the_best_weights_are_what_they_say),

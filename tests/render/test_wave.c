@@ -4,6 +4,7 @@
  * pixels and samples that calls Lo, and shadow rays that are traced one by one. */
 #include "render/edges.h"
 #include "render/pass.h"
+#include "render/survey.h"
 #include "render/workspace.h"
 #include "claim.h"
 #include "stat.h"
@@ -429,9 +430,25 @@ static void what_passes_share_and_learn_does_not_bias(void **state)
     }
 }
 
+/* Squares of 32 x 32 pixels, of twice that, and so on, to the one that holds all: counted by hand. */
+static void squares_of_a_picture_are_those_that_have_a_pixel(void **state)
+{
+    static const struct { int width, height; size_t n; } cases[] = {
+        {31, 31, 1}, {32, 32, 1}, {1, 1, 1}, {33, 32, 2 + 1}, {32, 33, 2 + 1}, {33, 33, 4 + 1}, {63, 31, 2 + 1},
+        {31, 64, 2 + 1}, {64, 64, 4 + 1}, {65, 64, 6 + 2 + 1}, {64, 65, 6 + 2 + 1}, {96, 1, 3 + 2 + 1},
+        {1, 97, 4 + 2 + 1}, {128, 128, 16 + 4 + 1}, {129, 127, 20 + 6 + 2 + 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bis_film f = {.full_width = cases[i].width, .full_height = cases[i].height};
+        const size_t n = bis_survey_squares(&f);
+        if (n != cases[i].n) fail_msg("%d x %d: %zu squares", cases[i].width, cases[i].height, n);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(squares_of_a_picture_are_those_that_have_a_pixel),
         cmocka_unit_test(waves_have_the_bits_of_single_samples),
         cmocka_unit_test(a_pass_tells_its_progress_after_each_tile),
         cmocka_unit_test(one_ray_that_is_lost_changes_the_bits),

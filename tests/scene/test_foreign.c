@@ -170,6 +170,14 @@ static void errors_of_one_cause_are_one_message_with_their_number(void **state)
     assert_says(said, "main.txt:63:7: error: unknown Shape \"cubb\"" WAY "\n");
 #undef WAY
     assert_null(strstr(said, "stopped"));
+    /* a place in another file than the scene's has the file's name */
+    write_file("part.txt", "Shape \"sphere\" \"float radius\" -2\n\nShape \"sphere\" \"float radius\" -3\n");
+    assert_int_equal(parse(&d, LIT "Shape \"sphere\" \"float radius\" -1\nInclude \"part.txt\"\n"
+                               "Shape \"sphere\" \"float radius\" -4\n", 0, said), BIS_INPUT);
+    char expected[1200];
+    snprintf(expected, sizeof expected, " is -1, must be > 0 (4 like it: also in %s:1, %s:3, line 4)\n",
+             place("part.txt"), place("part.txt"));
+    assert_says(said, expected);
 }
 
 /* ---- what pbrt lets pass ---- */
@@ -325,8 +333,8 @@ static void both_roughnesses_may_be_one_texture(void **state)
                                 *b = bis_textures_of(&d->textures, d->shapes[1].material);
     assert_true(a && b && a->power == b->power);
     const double uv[2] = {.5, .5};
-    assert_true(bis_textures_value(&d->textures, NULL, a->width, uv, (vec3){0, 0, 0}).r ==
-                bis_textures_value(&d->textures, NULL, b->width, uv, (vec3){0, 0, 0}).r);
+    const double width = bis_textures_value(&d->textures, NULL, b->width, uv, (vec3){0, 0, 0}).r;
+    assert_true(bis_textures_value(&d->textures, NULL, a->width, uv, (vec3){0, 0, 0}).r == width);
     bis_scene_desc_free(d);
     assert_int_equal(
         parse(&d, LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"texture vroughness\" \"u\"", 0, said),
@@ -335,6 +343,19 @@ static void both_roughnesses_may_be_one_texture(void **state)
     assert_int_equal(
         parse(&d, LIT T "Material \"substrate\" \"texture uroughness\" \"t\" \"float vroughness\" .3", 0, said),
         BIS_INPUT);
+    /* approximated, the lobe is as wide as the one that is a texture, or uroughness's */
+    static const char *const both[] = {"\"texture uroughness\" \"t\" \"float vroughness\" .3",
+                                       "\"float uroughness\" .3 \"texture vroughness\" \"t\"",
+                                       "\"texture uroughness\" \"t\" \"texture vroughness\" \"u\""};
+    for (size_t i = 0; i < sizeof both / sizeof *both; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, LIT T "Material \"substrate\" %s Shape \"sphere\"", both[i]);
+        d = good(text, BIS_PARSE_APPROXIMATE, said);
+        const bis_material_textures *c = bis_textures_of(&d->textures, d->shapes[0].material);
+        assert_non_null(c);
+        assert_true(bis_textures_value(&d->textures, NULL, c->width, uv, (vec3){0, 0, 0}).r == width);
+        bis_scene_desc_free(d);
+    }
 #undef T
 }
 
@@ -606,6 +627,25 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     assert_says(said, "none.jpg\": No such file or directory; with --approximate: the material without it");
 }
 
+/* 64 libraries are allowed, one more is not. */
+static void a_mesh_has_64_libraries_at_most(void **state)
+{
+    char text[4096], said[8192];
+    bis_scene_desc *d;
+    write_file("red.mtl", "newmtl red\nKd 0.8 0 0\n");
+    for (int n = 64; n <= 65; n++) {
+        text[0] = '\0';
+        for (int i = 0; i < n; i++) strcat(text, "mtllib red.mtl\n");
+        strcat(text, "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+        write_file("m.obj", text);
+        const bis_status status =
+            parse(&d, LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true", 0, said);
+        assert_int_equal(status, n == 64 ? BIS_OK : BIS_INPUT);
+        if (n == 64) bis_scene_desc_free(d);
+        else assert_says(said, "m.obj names 65 libraries of materials, must be at most 64");
+    }
+}
+
 /* ---- light ---- */
 
 static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
@@ -690,6 +730,33 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
     assert_says(said, "\"from\" and \"to\" are one point");
 }
 
+/* A constant light is the sky around the disc: the map holds its radiance everywhere else, and a surface that faces the
+ * disc receives pi L more. */
+static void a_constant_light_is_the_sky_around_a_distant_one(void **state)
+{
+    static const char distant[] = "LightSource \"distant\" \"point from\" [0 0 1] \"point to\" [0 0 0] "
+                                  "\"rgb L\" [3 2 1]",
+                      sky[] = "LightSource \"infinite\" \"rgb L\" [.5 .25 2] \"float scale\" 2";
+    char said[8192], text[1024];
+    for (int i = 0; i < 2; i++) {
+        bis_light *light;
+        rgbd E, outside;
+        snprintf(text, sizeof text, "WorldBegin %s %s Shape \"sphere\"", i ? sky : distant, i ? distant : sky);
+        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
+        assert_int_equal(bis_light_load(&light, &d->light, 0, NULL, NULL), BIS_OK);
+        static const vec3 elsewhere[] = {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {.6f, 0, .8f}};
+        for (size_t k = 0; k < sizeof elsewhere / sizeof *elsewhere; k++) {
+            const rgb L = bis_light_Le(light, elsewhere[k]);
+            assert_true(L.r == 1 && L.g == .5f && L.b == 4);
+        }
+        measure(&E, &outside, light, &d->light, (double[]){0, 0, 1}, .4 * PI / 180);
+        assert_true(fabs(E.r / (3 + PI) - 1) < 1e-4 && fabs(E.g / (2 + PI / 2) - 1) < 1e-4 &&
+                    fabs(E.b / (1 + 4 * PI) - 1) < 1e-4);
+        bis_light_free(light);
+        bis_scene_desc_free(d);
+    }
+}
+
 /* Each of several lights arrives, times the film's scale, in the frame of a map that comes before, between or after. */
 static void distant_lights_are_all_there_in_one_frame(void **state)
 {
@@ -769,8 +836,10 @@ int main(void)
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
+        cmocka_unit_test(a_mesh_has_64_libraries_at_most),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
+        cmocka_unit_test(a_constant_light_is_the_sky_around_a_distant_one),
         cmocka_unit_test(distant_lights_are_all_there_in_one_frame),
         cmocka_unit_test(another_light_takes_the_place_of_all),
     };

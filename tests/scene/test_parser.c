@@ -439,6 +439,16 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
         assert_int_equal(d->view.sampler.ysamples, cases[i].y);
         bis_scene_desc_free(d);
     }
+    /* the product of both has the same limit */
+    bis_scene_desc *d = good_scene("Sampler \"stratified\" \"integer xsamples\" 40000 \"integer ysamples\" 25000", "");
+    assert_true(d->view.sampler.spp == 1000000000 && d->view.sampler.xsamples == 40000);
+    bis_scene_desc_free(d);
+    bis_diag diag;
+    parse_text(&d, &diag, "Sampler \"stratified\" \"integer xsamples\" 25001 \"integer ysamples\" 40000\n");
+    assert_non_null(strstr(diag.messages[0].text, "\"xsamples\" 25001 times \"ysamples\" 40000 is 1000040000, must "
+                                                  "be at most 1000000000"));
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
 }
 
 static void a_directive_given_again_starts_from_the_defaults(void **state)
@@ -769,6 +779,8 @@ static void limits_are_errors_and_not_exhausted_memory(void **state)
     char buf[256];
     assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 100000, ""),
                            "blocks nest deeper than 4096"));
+    assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 4097, ""), "blocks nest deeper than 4096"));
+    assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 4096, ""), "AttributeBegin has no "));
     /* 1000 shapes a thousand times, and that a thousand times */
     char *objects = malloc(200000);
     char *out = objects + sprintf(objects, "WorldBegin ObjectBegin \"o\" ");

@@ -206,7 +206,9 @@ static void marble_is_a_bezier_curve_of_layers(void **state)
 
 /* ---- others ---- */
 
-/* Every cell has no dot or one disc of radius 0.35, that lies in the cell or a little outside. */
+/* Every cell has no dot or one disc of radius 0.35, that lies in the cell or a little outside. Where its middle is
+ * follows from pbrt-v3's formula, which is for a cell (s, t): s + 0.15 noise(s + 1.5, t + 2.8) and t + 0.15 noise(s +
+ * 4.5, t + 9.8), in the plane z = 0.5. */
 static void dots_are_discs_in_two_fifths_of_the_cells(void **state)
 {
     enum { CELLS = 40, N = 60 };
@@ -232,6 +234,9 @@ static void dots_are_discs_in_two_fifths_of_the_cells(void **state)
         if (x > .36 && x < .64 && y > .36 && y < .64) {
             assert_true(fabs(area / (N * N) - PI * .35 * .35) < .02 * PI * .35 * .35);
             assert_true(furthest < .35 + 1.5 / N && furthest > .35 - 2. / N);
+            const double s = cell % CELLS, t = cell / CELLS;
+            assert_true(fabs(x - .5 - .15 * noise(s + 1.5, t + 2.8, .5)) < .5 / N);
+            assert_true(fabs(y - .5 - .15 * noise(s + 4.5, t + 9.8, .5)) < .5 / N);
         }
     }
     /* In the middle of a cell noise is the sum of 16 signs over 16, and > 0 with the probability (1 - C(16,8)/2^16)/2 =

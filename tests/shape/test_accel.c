@@ -568,6 +568,8 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
         assert_int_equal(bis_grid_items(grid) - grid->offsets[grid->n_cells], cases[i].aside);
         for (uint32_t k = 0; k < cases[i].aside; k++)
             assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], k);
+        for (uint32_t k = 0; k < grid->offsets[grid->n_cells]; k++) /* what is set aside is in no cell */
+            assert_true(grid->items[k] >= cases[i].aside);
         bis_accel_free(a);
         bis_geometry_clear(&g);
     }

@@ -307,12 +307,12 @@ static void a_good_map_loads_without_a_word_and_is_multiplied(void **state)
 static void bad_values_are_one_warning_with_counts_and_share(void **state)
 {
     bis_image image = grey(8, 4, 1);
-    image.pixels[9].g = NAN;
-    image.pixels[10] = (rgb){INFINITY, -INFINITY, -2};
+    image.pixels[10].g = NAN;
+    image.pixels[11] = (rgb){INFINITY, -INFINITY, -2};
     bis_light *light = load(image, desc_of(bis_xform_identity()), BIS_OK,
                             "s.txt:7:3: warning: \"%s\": bad channel values set to 0: 1 NaN, 2 infinite, 1 negative; "
                             "the first is G of "
-                            "pixel (1, 1); they cover 8.84%% of the sphere");
+                            "pixel (2, 1); they cover 8.84%% of the sphere");
     assert_non_null(light);
     bis_light_free(light);
 }

@@ -1870,6 +1870,21 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     assert_true(least->level == 0 && least->replicate == 0 && least->seed == 0 && least->seconds == 0 &&
                 least->bias == 1.3e308);
 
+    /* the last line of a file needs no newline */
+    static const char *const files[] = {DIR "/folder/plan.txt", DIR "/folder/runs.csv"};
+    for (int i = 0; i < 2; i++) {
+        char *whole = read_whole(files[i]);
+        assert_true(whole[strlen(whole) - 1] == '\n');
+        whole[strlen(whole) - 1] = '\0';
+        program_write_file(files[i], whole);
+        bis_free(whole);
+    }
+    t.plan = fresh;
+    t.n_runs = 0;
+    assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
+    assert_int_equal(bis_trade_read_runs(&t, NULL), BIS_OK);
+    assert_true(b->is_swept && isnan(b->pass_relmse) && t.n_runs == 2 && t.runs[1].bias == 1.3e308);
+
     for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
         char line[512], expected[1024];
         const char *from = run_at_its_limits, *end;
