@@ -1832,6 +1832,35 @@ static const struct {
     {3, "1.5", "seed"}, {4, "nan", "seconds"}, {7, "", "candidates"}, {11, "1,5", "relmse_both"},
 };
 
+static void cut_last_newline(const char *path)
+{
+    char *whole = read_whole(path);
+    assert_true(whole[strlen(whole) - 1] == '\n');
+    whole[strlen(whole) - 1] = '\0';
+    program_write_file(path, whole);
+    bis_free(whole);
+}
+
+/* A run that has number i of `beyond`, and is otherwise good. */
+static void expect_refused(bis_trade *t, size_t i)
+{
+    char line[512], text[1024], expected[1024];
+    const char *from = run_at_its_limits;
+    for (int k = 0; k < beyond[i].column; k++) from = strchr(from, ',') + 1;
+    const char *end = from + strcspn(from, ",");
+    snprintf(line, sizeof line, "%.*s%s%s", (int)(from - run_at_its_limits), run_at_its_limits, beyond[i].value, end);
+    snprintf(text, sizeof text, RUNS "%s\n", line);
+    program_write_file(DIR "/folder/runs.csv", text);
+    bis_diag diag = {0};
+    assert_int_equal(bis_trade_read_plan(t, NULL), BIS_OK);
+    assert_int_equal(bis_trade_read_runs(t, &diag), BIS_INPUT);
+    snprintf(expected, sizeof expected,
+             DIR "/folder/runs.csv:2:1: error: \"%s\" is no run of plan.txt, by its %s; remove "
+                 "the line and it is measured again", line, beyond[i].name);
+    assert_string_equal(diag.messages[0].text, expected);
+    bis_diag_clear(&diag);
+}
+
 /* What each field may be at most and at least is taken as it stands, and what lies beyond is refused by its name. */
 static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
 {
@@ -1871,14 +1900,8 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
                 least->bias == 1.3e308);
 
     /* the last line of a file needs no newline */
-    static const char *const files[] = {DIR "/folder/plan.txt", DIR "/folder/runs.csv"};
-    for (int i = 0; i < 2; i++) {
-        char *whole = read_whole(files[i]);
-        assert_true(whole[strlen(whole) - 1] == '\n');
-        whole[strlen(whole) - 1] = '\0';
-        program_write_file(files[i], whole);
-        bis_free(whole);
-    }
+    cut_last_newline(DIR "/folder/plan.txt");
+    cut_last_newline(DIR "/folder/runs.csv");
     t.plan = fresh;
     t.n_runs = 0;
     assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
@@ -1886,25 +1909,9 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     assert_true(b->is_swept && isnan(b->pass_relmse) && t.n_runs == 2 && t.runs[1].bias == 1.3e308);
 
     for (size_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
-        char line[512], expected[1024];
-        const char *from = run_at_its_limits, *end;
-        for (int k = 0; k < beyond[i].column; k++) from = strchr(from, ',') + 1;
-        end = from + strcspn(from, ",");
-        snprintf(line, sizeof line, "%.*s%s%s", (int)(from - run_at_its_limits), run_at_its_limits, beyond[i].value,
-                 end);
-        snprintf(text, sizeof text, RUNS "%s\n", line);
-        program_write_file(DIR "/folder/runs.csv", text);
         t.plan = fresh;
         t.n_runs = 0;
-        bis_diag diag = {0};
-        assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
-        assert_int_equal(bis_trade_read_runs(&t, &diag), BIS_INPUT);
-        snprintf(expected, sizeof expected,
-            DIR "/folder/runs.csv:2:1: error: \"%s\" is no run of plan.txt, by its %s; remove "
-                "the line and it is measured again",
-            line, beyond[i].name);
-        assert_string_equal(diag.messages[0].text, expected);
-        bis_diag_clear(&diag);
+        expect_refused(&t, i);
     }
     bis_trade_clear(&t);
 }
