@@ -107,9 +107,9 @@ panel() {
 for picture; do
     case $picture in
     chess) # the command under the picture in README
-        "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 \
+        "$build/bis" scene.txt --quiet --spp 16 --candidates 256 --shadowrays 8 \
             --outfile "$tmp/chess.png"
-        keep "$tmp/chess.png" chess FloydSteinberg
+        keep "$tmp/chess.png" chess None 256
         ;;
     methods) # the commands of the tour in README; the reference has a number of samples in the place of a time
         panel
