@@ -101,10 +101,9 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
                    crop = bis_film_crop(f);
     bis_pixel_sum dropped;
 
-    if (me->scratch.guide) me->scratch.guide->learns = true;
     const bis_counters before = me->counters;
-    if (pass->first == 0 && w->visibility.n_tiles && !is_glimpse) bis_survey_tile(w, me, t);
     if (me->scratch.guide) me->scratch.guide->learns = !is_glimpse;
+    if (pass->first == 0 && w->visibility.n_tiles && !is_glimpse) bis_survey_tile(w, me, t);
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
         int x, y;
         bis_survey_pixel(i, &x, &y);
