@@ -25,7 +25,7 @@ enum { UINT, HALF, FLOAT };
 
 typedef struct channel_spec {
     char name[32];
-    int type, sampling;
+    int type, x_sampling, y_sampling;
 } channel_spec;
 
 /* A part of a file. Its channels stand in alphabetical order, because so the format wants it; each is of halves, ":u"
@@ -43,12 +43,13 @@ typedef struct part_spec {
 static int channels_of(channel_spec channels[8], const char *text)
 {
     int n = 0;
-    for (int used; sscanf(text, " %31[^:/ ]%n", channels[n].name, &used) == 1; n++) {
+    for (int used; sscanf(text, " %31[^:/|- ]%n", channels[n].name, &used) == 1; n++) {
         text += used;
         channels[n].type = *text != ':' ? HALF : text[1] == 'u' ? UINT : FLOAT;
         text += *text == ':' ? 2 : 0;
-        channels[n].sampling = *text == '/' ? 2 : 1;
-        text += *text == '/' ? 2 : 0;
+        channels[n].x_sampling = *text == '/' || *text == '-' ? 2 : 1;
+        channels[n].y_sampling = *text == '/' || *text == '|' ? 2 : 1;
+        text += channels[n].x_sampling * channels[n].y_sampling > 1 ? 2 : 0;
     }
     return n;
 }
@@ -117,8 +118,8 @@ static void put_channels(bytes *b, const part_spec *p)
         put(&value, c->name, strlen(c->name) + 1);
         put_int(&value, (uint64_t)c->type, 4);
         put_int(&value, 0, 4);
-        put_int(&value, (uint64_t)c->sampling, 4);
-        put_int(&value, (uint64_t)c->sampling, 4);
+        put_int(&value, (uint64_t)c->x_sampling, 4);
+        put_int(&value, (uint64_t)c->y_sampling, 4);
     }
     put_int(&value, 0, 1);
     put_attribute(b, "channels", "chlist", &value);
@@ -177,7 +178,7 @@ static void put_pixels(bytes *b, const part_spec *p, int x, int y, int width, in
     for (int j = y; j < y + height; j++)
         for (int c = 0; c < n; c++)
             for (int i = x; i < x + width; i++)
-                if ((i + p->x0) % channels[c].sampling == 0 && (j + p->y0) % channels[c].sampling == 0)
+                if ((i + p->x0) % channels[c].x_sampling == 0 && (j + p->y0) % channels[c].y_sampling == 0)
                     put_value(b, channels[c].type, value_at(c, i, j));
 }
 
@@ -369,7 +370,7 @@ static void colours_of_other_primaries_become_those_of_rec_709(void **state)
         -.9689 * X + 1.8758 + .0415 * Z, .0557 * X - .204 + 1.057 * Z, 3e-4);
     bis_diag_clear(&diag);
     /* twin: of Rec. 709 nothing is changed, and nothing said */
-    assert_colour(one_pixel(NULL, (rgb){.1f, .2f, .3f}, &diag), .1f, .2f, .3f, 0);
+    assert_colour(one_pixel(NULL, (rgb){.1f, .2f, .3f}, &diag), (double).1f, (double).2f, (double).3f, 0);
     assert_int_equal(diag.n, 0);
 }
 
@@ -380,7 +381,7 @@ static void chromaticities_that_span_nothing_are_remarked(void **state)
                                     {NAN, .33f, .3f, .6f, .15f, .06f, .3f, .3f}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         bis_diag diag;
-        assert_colour(one_pixel(bad[i], (rgb){.1f, .2f, .3f}, &diag), .1f, .2f, .3f, 0);
+        assert_colour(one_pixel(bad[i], (rgb){.1f, .2f, .3f}, &diag), (double).1f, (double).2f, (double).3f, 0);
         assert_int_equal(diag.n, 1);
         assert_non_null(
             strstr(diag.messages[0].text, "are no three primaries and a white; the values are taken as they are"));
@@ -457,6 +458,10 @@ static const struct {
     /* subsampled colour is refused */
     {ONE("B G/2 R"), -1, {0},
      "its channel G has a sampling of 2 x 2, must be 1 x 1"},
+    {ONE("B G-2 R"), -1, {0},
+     "its channel G has a sampling of 2 x 1, must be 1 x 1"},
+    {ONE("B G|2 R"), -1, {0},
+     "its channel G has a sampling of 1 x 2, must be 1 x 1"},
     /* what only the older interface reads must be at the top of the first part */
     {ONE("a.BY/2 a.RY/2 a.Y"), -1, {0},
      "luminance with chroma is only read at the top of a file's first part; save it with ZIP compression as R, G, B"},

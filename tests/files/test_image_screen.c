@@ -210,9 +210,11 @@ static void a_damaged_or_rare_bmp_is_refused(void **state)
 
 enum { W = 24, H = 16 };
 
+typedef enum { BASELINE, PROGRESSIVE, WHOLE_SCANS } jpeg_kind; /* the last: progressive, without refinements */
+
 /* Left half one colour, right half another, each whole blocks. The caller frees. */
 static unsigned char *make_jpeg(
-    unsigned long *n, int components, bool progressive, const unsigned char left[3], const unsigned char right[3])
+    unsigned long *n, int components, jpeg_kind kind, const unsigned char left[3], const unsigned char right[3])
 {
     struct jpeg_compress_struct jpeg;
     struct jpeg_error_mgr errors;
@@ -228,7 +230,13 @@ static unsigned char *make_jpeg(
     jpeg_set_defaults(&jpeg);
     jpeg_set_quality(&jpeg, 100, TRUE);
     for (int k = 0; k < components; k++) jpeg.comp_info[k].h_samp_factor = jpeg.comp_info[k].v_samp_factor = 1;
-    if (progressive) jpeg_simple_progression(&jpeg);
+    if (kind != BASELINE) jpeg_simple_progression(&jpeg);
+    static const jpeg_scan_info whole[] = {
+        {3, {0, 1, 2}, 0, 0, 0, 0}, {1, {0}, 1, 63, 0, 0}, {1, {1}, 1, 63, 0, 0}, {1, {2}, 1, 63, 0, 0}};
+    if (kind == WHOLE_SCANS) {
+        jpeg.scan_info = whole;
+        jpeg.num_scans = sizeof whole / sizeof *whole;
+    }
     jpeg_start_compress(&jpeg, TRUE);
     for (int x = 0; x < W; x++)
         for (int k = 0; k < components; k++) row[x * components + k] = (x < 8 ? left : right)[k % 3];
@@ -247,7 +255,7 @@ static void each_kind_of_jpeg_has_its_colours(void **state)
         char said[512];
         unsigned long n;
         bis_image image;
-        unsigned char *data = make_jpeg(&n, kind == 2 ? 1 : 3, kind == 1, left, right);
+        unsigned char *data = make_jpeg(&n, kind == 2 ? 1 : 3, kind == 1 ? PROGRESSIVE : BASELINE, left, right);
         if (read_bytes_as(&image, kind == 1 ? "progressive.jpg" : "a.jpg", data, n, said))
             fail_msg("%d: %s", kind, said);
         assert_true(image.width == W && image.height == H);
@@ -263,13 +271,13 @@ static void each_kind_of_jpeg_has_its_colours(void **state)
     }
 }
 
-/* Cut off, with holes, far too large for its bytes, of another kind, with endless scans: an error, and never grey. */
+/* Cut off, with holes, far too large for its bytes, of another kind: an error, and never grey. */
 static void a_damaged_jpeg_is_refused(void **state)
 {
     char said[512];
     unsigned long n;
     for (int progressive = 0; progressive < 2; progressive++) {
-        unsigned char *data = make_jpeg(&n, 3, progressive, left, right);
+        unsigned char *data = make_jpeg(&n, 3, progressive ? PROGRESSIVE : BASELINE, left, right);
         for (unsigned long cut = 3; cut + 2 < n; cut++) { /* without the last mark nothing is missing */
             bis_image image;
             if (read_bytes_as(&image, "cut.jpg", data, cut, said) != BIS_INPUT) fail_msg("%lu of %lu bytes", cut, n);
@@ -280,28 +288,44 @@ static void a_damaged_jpeg_is_refused(void **state)
         refuse("huge.jpg", data, n, "bytes cannot hold 28784 x 28785 pixels");
         free(data);
     }
-    unsigned char *data = make_jpeg(&n, 4, false, left, right);
+    unsigned char *data = make_jpeg(&n, 4, BASELINE, left, right);
     refuse("cmyk.jpg", data, n, "the JPEG is damaged, or of a kind that is not read: ");
     free(data);
-    /* the last scan again and again */
-    data = make_jpeg(&n, 3, true, left, right);
+}
+
+/* A progressive file of whole scans, each component's own: the last one may come again and again, and says the same. The
+ * file then has n_scans of them. */
+static void read_scans(unsigned n_scans, bis_status expected, const char *message)
+{
+    char said[512];
+    unsigned long n;
+    unsigned char *data = make_jpeg(&n, 3, WHOLE_SCANS, left, right);
     unsigned char *scan = data, *next;
-    while ((next = memmem(scan + 1, n - (size_t)(scan + 1 - data), "\xff\xda", 2)) != NULL) scan = next;
-    const size_t length = n - 2 - (size_t)(scan - data);
-    unsigned char *many = malloc(n + 300 * length);
+    unsigned n_found = 0;
+    while ((next = memmem(scan + 1, n - (size_t)(scan + 1 - data), "\xff\xda", 2)) != NULL) scan = next, n_found++;
+    const size_t length = n - 2 - (size_t)(scan - data), n_more = n_scans - n_found;
+    unsigned char *many = malloc(n + n_more * length);
     memcpy(many, data, n - 2);
-    for (size_t k = 0; k < 300; k++) memcpy(many + n - 2 + k * length, scan, length);
-    memcpy(many + n - 2 + 300 * length, "\xff\xd9", 2);
+    for (size_t k = 0; k < n_more; k++) memcpy(many + n - 2 + k * length, scan, length);
+    memcpy(many + n - 2 + n_more * length, "\xff\xd9", 2);
     bis_image image;
-    assert_int_equal(read_bytes_as(&image, "scans.jpg", many, n + 300 * length, said), BIS_INPUT);
+    assert_int_equal(read_bytes_as(&image, "scans.jpg", many, n + n_more * length, said), expected);
+    if (message != NULL) assert_non_null(strstr(said, message));
+    bis_image_clear(&image);
     free(many);
     free(data);
+}
+
+static void a_jpeg_has_at_most_200_scans(void **state)
+{
+    read_scans(200, BIS_OK, NULL);
+    read_scans(201, BIS_INPUT, "it has more than 200 scans");
 }
 
 static void without_memory_there_is_no_picture(void **state)
 {
     unsigned long n;
-    unsigned char *data = make_jpeg(&n, 3, false, left, right);
+    unsigned char *data = make_jpeg(&n, 3, BASELINE, left, right);
     const struct {
         const char *name;
         const void *data;
@@ -330,6 +354,7 @@ int main(void)
 #ifdef BIS_JPEG
         cmocka_unit_test(each_kind_of_jpeg_has_its_colours),
         cmocka_unit_test(a_damaged_jpeg_is_refused),
+        cmocka_unit_test(a_jpeg_has_at_most_200_scans),
         cmocka_unit_test(without_memory_there_is_no_picture),
 #endif
     };
