@@ -361,7 +361,7 @@ static void cube_pixel_lanes(const vec3 axis[3], int32_t first, int32_t width, i
         const float divisor = bis_lanes_choose(c > 0, c, 1);
         const float a = along(right, x, y, z) / divisor, b = along(up, x, y, z) / divisor;
         const int32_t here = first + column_of(-b, sides, side) * width + column_of(a, sides, side);
-        const int32_t mask = -(int32_t)((c > 0) & (magnitude(a) <= 1) & (magnitude(b) <= 1));
+        const int32_t mask = -((int32_t)(c > 0) & (int32_t)(magnitude(a) <= 1) & (int32_t)(magnitude(b) <= 1));
         s->pixel[i] = (s->pixel[i] & (uint32_t)~mask) | (uint32_t)(here & mask);
     }
 }

@@ -83,14 +83,14 @@ rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double so
     return (rgb){r, g, b};
 }
 
-/* Counts bad pixels, and does not stop at the first one: hardly any map has one, and a loop that may stop does not
+/* Counts good channels, and does not stop at the first one: hardly any map has one, and a loop that may stop does not
  * become vectors. */
 static bool is_row_of_radiance(const rgb *row, int width)
 {
-    int n_bad = 0;
-#pragma omp simd reduction(+ : n_bad)
-    for (int x = 0; x < width; x++) n_bad += !(is_radiance(row[x].r) & is_radiance(row[x].g) & is_radiance(row[x].b));
-    return n_bad == 0;
+    int n_good = 0;
+#pragma omp simd reduction(+ : n_good)
+    for (int x = 0; x < width; x++) n_good += is_radiance(row[x].r) + is_radiance(row[x].g) + is_radiance(row[x].b);
+    return n_good == 3 * width;
 }
 
 bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *diag)

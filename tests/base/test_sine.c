@@ -30,7 +30,7 @@ static int count_wrong(double (*ours)(double), function *f)
     bis_rng_init(&g, 29, 0, 0, 0);
     for (int i = 0; i < N; i++) {
         const double x = fmin(nth(&g, i), PI / 2 - 1e-7);
-        const long double y = f(x), slack = 2 * LDBL_EPSILON * y;
+        const long double y = f((long double)x), slack = 2 * LDBL_EPSILON * y;
         if ((double)(y - slack) != (double)(y + slack)) continue;
         wrong += ours(x) != (double)y;
         judged++;

@@ -309,10 +309,10 @@ static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
             u[k] = (k == 1) + random_between(&random, -.2, .2);
             v[k] = (k == 2) + random_between(&random, -.2, .2);
             m.uv[k] = (bis_uv){(float)u[k], (float)v[k]};
-            m.p[k] = add(o, add(mul(p[0], (float)u[k]), mul(p[1], (float)v[k])));
+            m.p[k] = add(o, add(mul(p[0], u[k]), mul(p[1], v[k])));
             m.index[k] = (uint32_t)k;
         }
-        const vec3 middle = mul(add(m.p[0], add(m.p[1], m.p[2])), 1 / 3.f), side = normalize(cross(p[0], p[1]));
+        const vec3 middle = mul(add(m.p[0], add(m.p[1], m.p[2])), 1 / 3.), side = normalize(cross(p[0], p[1]));
         const ray eye = {add(middle, side), neg(side), INFINITY};
         add_mesh(&g, &m, NULL, 0);
         bis_geometry_tangents(&g, 0, &eye, &t);

@@ -274,13 +274,14 @@ static void uv_bilerp_and_checkers_in_space_by_hand(void **state)
 
 static void ranges_hold_all_values(void **state)
 {
+    static const char marble_dots[] = "Texture \"a\" \"spectrum\" \"marble\" Texture \"t\" \"spectrum\" \"dots\" "
+                                      "\"texture inside\" \"a\" \"float outside\" 2";
     static const char *const all[] = {
         "Texture \"t\" \"spectrum\" \"fbm\" \"float roughness\" 0.9", "Texture \"t\" \"float\" \"wrinkled\"",
         "Texture \"t\" \"float\" \"windy\"", "Texture \"t\" \"spectrum\" \"marble\"",
         "Texture \"t\" \"spectrum\" \"uv\"",
         "Texture \"t\" \"spectrum\" \"bilerp\" \"float v01\" -1 \"float v10\" 0.5",
-        "Texture \"a\" \"spectrum\" \"marble\" Texture \"t\" \"spectrum\" \"dots\" \"texture inside\" \"a\" \"float "
-        "outside\" 2",
+        marble_dots,
     };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         bis_scene_desc *d = read_scene(all[i]);

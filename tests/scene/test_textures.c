@@ -837,9 +837,9 @@ static void in_a_furnace_the_mean_of_the_picture_is_that_of_the_image(void **sta
  * every integrator, because points, directions and materials are the same. */
 static void a_textured_scene_is_the_scene_cut_into_its_colours(void **state)
 {
-    static const char *const methods[] = {"em", "brdf", "mis", "sir", "rejection", "exact", "unoccluded",
-                                          "sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool "
-                                          "learn\" true \"string resampling\" \"systematic"};
+    static const char product[] = "sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool "
+                                  "learn\" true \"string resampling\" \"systematic";
+    static const char *const methods[] = {"em", "brdf", "mis", "sir", "rejection", "exact", "unoccluded", product};
     static const char *const ball =
         "Material \"diffuse\" Translate 0.2 0.1 0.7 Shape \"sphere\" \"float radius\" 0.3\n";
     static const char *const dark = "Material \"phong\" \"float Kd\" 0.125 \"float Ks\" 0.5 \"float exponent\" 20\n",

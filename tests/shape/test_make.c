@@ -348,7 +348,7 @@ static void brute(long double p[MOST][3], double s[MOST][MOST], uint32_t n, int 
         long double q[MOST][3] = {{0}};
         for (uint32_t i = 0; i < n; i++)
             for (uint32_t j = 0; j < n; j++)
-                for (int c = 0; c < 3; c++) q[i][c] += s[i][j] * p[j][c];
+                for (int c = 0; c < 3; c++) q[i][c] += (long double)s[i][j] * p[j][c];
         memcpy(p, q, MOST * sizeof *p);
     }
 }
@@ -363,7 +363,7 @@ static void check_limit(uint32_t k, bool closed, unsigned levels, uint64_t seed)
 
     for (uint32_t i = 0; i < n; i++) {
         d3(at, m.p[i]);
-        for (int c = 0; c < 3; c++) p[i][c] = at[c];
+        for (int c = 0; c < 3; c++) p[i][c] = (long double)at[c];
     }
     step_matrix(s, k, closed);
     memcpy(q, p, sizeof p);

@@ -591,7 +591,8 @@ static void a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable(void **stat
         n_found++;
         begin = beyond;
     }
-    assert_true(n_found <= n_lit && n_found > 0.999 * (double)n_lit); /* some are less probable than a rounding */
+    /* some are less probable than a rounding */
+    assert_true(n_found <= n_lit && (double)n_found > 0.999 * (double)n_lit);
     bis_importance_free(im);
     bis_envmap_clear(&em);
 }
