@@ -120,7 +120,7 @@ static inline BIS_INLINE float best_h(float v) { return sqrtf(v * (1 - 0.8f * v)
  * of the part's own rays, if there are any: where all came through g is 1, where none did it is 0, and there the
  * control leaves no noise. */
 BIS_LANES
-static void foresee(float *restrict g, float *restrict h, const seen_sums *restrict cell,
+static void guess_parts(float *restrict g, float *restrict h, const seen_sums *restrict cell,
                     const seen_sums *restrict tile, const float *restrict mean)
 {
 #pragma omp simd
@@ -183,7 +183,7 @@ void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v
     for (size_t i = first; i < cell; i++) add_cell(&all, &v->counted[i]);
     expect(mean, &all, n_parts, around ? around->mean : NULL);
     if (is_tile) add_cell(&own, &v->known[cell]);
-    foresee(g, h, &own, &all, mean);
+    guess_parts(g, h, &own, &all, mean);
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t part = bis_visibility_part(k, n);
         f->own[k] = h[part];

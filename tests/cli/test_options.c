@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Help, man page and comparison by hand, to the last blank; what commands say of their options beyond
- * tests/data/expect/bis. */
+ * tests/data/expect/bis. It is C and no .expect, because the tables of options are made here, not by the program. */
 #include "base/text.h"
 #include "cli/cli.h"
 #include "cli/help.h"

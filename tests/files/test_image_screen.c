@@ -293,8 +293,8 @@ static void a_damaged_jpeg_is_refused(void **state)
     free(data);
 }
 
-/* A progressive file of whole scans, each component's own: the last one may come again and again, and says the same. The
- * file then has n_scans of them. */
+/* A progressive file of whole scans, each component's own: the last one may come again and again, and says the same.
+ * The file then has n_scans of them. */
 static void read_scans(unsigned n_scans, bis_status expected, const char *message)
 {
     char said[512];

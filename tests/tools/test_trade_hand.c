@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis trade` by hand: a sweep whose runs stand in this file. What follows from them, points, curves, the front,
  * advice, tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a
- * damaged folder. One small measurement is resumed, for its order and its progress. */
+ * damaged folder. One small measurement is resumed, for its order and its progress. Texts and tables are held by
+ * tests/data/expect/trade; what is C here compares figures that they round, or says what a folder is damaged by. */
 #include "base/text.h"
 #include "tools/trade/trade_advice.h"
 #include "tools/trade/trade_files.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What `bis verify` reports, by hand: each field of each test, the counts in the notes, the bounds, the text and the
- * JSON. That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... */
+ * JSON. That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... Most of
+ * it is C and no .expect, because fields are compared that the text rounds. */
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
