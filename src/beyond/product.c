@@ -53,7 +53,8 @@ static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, flo
 enum { TOGETHER = 64 };
 
 /* Directions that were chosen and not yet read. The rays of the last wave have driven the clusters' directions, 256 KiB
- * of them, out of the fast caches: so all are asked for before the first is read, which else is waited for 60 times. */
+ * of them, out of the fast caches: so all are asked for before the first is read, which else is waited for 60 times.
+ * (16 and 128 at once take the same time within 2 %, 4 at once up to 5 % more.) */
 typedef struct chosen_points {
     uint32_t n;
     const bis_cluster_point *y[TOGETHER];

@@ -86,58 +86,48 @@ static inline BIS_INLINE void sums_of_block(double S_i[BLOCK], double S, const f
 
 /* Item i gets the marks below S_i that are not below S_(i-1). They are counted for the 16 of a block at once, and a
  * number is stored whether it is 0 or not and kept if it is not: a branch for each item would be guessed wrong N times,
- * which costs more than the rest of the loop. The sums of a few blocks are made first, because a vector of sums that
- * were just stored one by one would have to wait for them. */
+ * which costs more than the rest of the loop. (Making the sums of several blocks first, so that their vectors need not
+ * wait for what was just stored, saves 1 % of a render at most.) */
 /* [choose] */
 BIS_LANES
 static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict times, const float *restrict w,
                                   const float *restrict sum, uint32_t n_blocks, uint32_t N, double W, double offset)
 {
-    enum { FEW = 8 };
     const double marks_per_weight = N / W;
-    uint32_t n = 0, given = 0, to_give = 0; /* items chosen, marks given away, marks of the blocks found so far */
-    uint32_t block[FEW], end[FEW];          /* blocks that get marks, and the marks below their ends */
-    double S_i[FEW][BLOCK], S = 0;
+    uint32_t n = 0, given = 0; /* items chosen, marks given away */
+    double S_i[BLOCK], S = 0;
 
-    for (uint32_t k = 0; k < n_blocks;) {
-        uint32_t n_found = 0;
-        for (; k < n_blocks && n_found < FEW; k++) {
-            const double end_of_block = S + (double)sum[k];
-            const uint32_t below_end = marks_below(end_of_block * marks_per_weight, offset);
-            end[n_found] = k == n_blocks - 1 || below_end > N ? N : below_end;
-            if (end[n_found] > to_give) {
-                sums_of_block(S_i[n_found], S, w + BLOCK * (size_t)k);
-                to_give = end[n_found];
-                block[n_found++] = BLOCK * k;
-            }
-            S = end_of_block;
-        }
-        for (uint32_t b = 0; b < n_found; b++) {
-            uint32_t below[1 + BLOCK], last = block[b] + BLOCK - 1;
-            below[0] = given;
-            /* not for vectors of 16 bytes, which hold two doubles: gcc knows no vector of two integers */
+    for (uint32_t k = 0; k < n_blocks; k++) {
+        const double S_before = S;
+        S += (double)sum[k];
+        const uint32_t below_end = marks_below(S * marks_per_weight, offset);
+        const uint32_t end = k == n_blocks - 1 || below_end > N ? N : below_end;
+        if (end <= given) continue;
+        uint32_t below[1 + BLOCK], last = BLOCK * k + BLOCK - 1;
+        sums_of_block(S_i, S_before, w + BLOCK * (size_t)k);
+        below[0] = given;
+        /* not for vectors of 16 bytes, which hold two doubles: gcc knows no vector of two integers */
 #pragma omp simd simdlen(16)
-            for (uint32_t i = 0; i < BLOCK; i++) {
-                const uint32_t marks = marks_below(S_i[b][i] * marks_per_weight, offset);
-                const uint32_t most = marks > end[b] ? end[b] : marks;
-                below[1 + i] = most > given ? most : given;
-            }
-#pragma GCC unroll 4
-            for (uint32_t i = 0; i < BLOCK; i++) {
-                item[n] = block[b] + i;
-                times[n] = below[1 + i] - below[i];
-                n += below[1 + i] > below[i];
-            }
-            if (below[BLOCK] < end[b]) { /* what rounding leaves at the end of the block */
-                while (w[last] <= 0) last--;
-                if (n == 0 || item[n - 1] != last) {
-                    item[n] = last;
-                    times[n++] = 0;
-                }
-                times[n - 1] += end[b] - below[BLOCK];
-            }
-            given = end[b];
+        for (uint32_t i = 0; i < BLOCK; i++) {
+            const uint32_t marks = marks_below(S_i[i] * marks_per_weight, offset);
+            const uint32_t most = marks > end ? end : marks;
+            below[1 + i] = most > given ? most : given;
         }
+#pragma GCC unroll 4
+        for (uint32_t i = 0; i < BLOCK; i++) {
+            item[n] = BLOCK * k + i;
+            times[n] = below[1 + i] - below[i];
+            n += below[1 + i] > below[i];
+        }
+        if (below[BLOCK] < end) { /* what rounding leaves at the end of the block */
+            while (w[last] <= 0) last--;
+            if (n == 0 || item[n - 1] != last) {
+                item[n] = last;
+                times[n++] = 0;
+            }
+            times[n - 1] += end - below[BLOCK];
+        }
+        given = end;
     }
     return n;
 }
