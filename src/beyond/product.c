@@ -7,6 +7,8 @@
  * whatever the bound is worth; a bound of 0 only where f cos is 0 makes it positive wherever it must be.
  * Of a lamp, a cluster as small as the sun, four candidates are enough, because the others would be seen or hidden
  * with these. Each stands for marks/4, which is its factor in the weight. So a lamp gets at most four rays.
+ * (Squared error x time under one sun and under three lamps: eight 1.07 and 1.05; two 1.02 and 0.90, but an edge of a
+ * shadow then has three greys.)
  *
  * Unbiased as every proposal: each candidate, seen alone, has density q_P. Cost: a nanosecond a cluster, 10 a
  * candidate. */
