@@ -9,13 +9,13 @@ Needs numpy. Each scene is rendered without its Sampler and Integrator lines: by
 `named` is the scene as it stands. --own adds scenes that are made here: maps of few pixels, a room with a window,
 checkerboards, small spheres under a sun. The truth of a picture is the mean of the default pictures of the other seeds
 with 32 samples, whose own noise is taken off: the square of what parts picture and truth, less the variance of that
-mean, by the scatter of the pictures in it. Columns: the true error at 8 samples; for n = 4, 8, 16 and 32 how many seeds
-print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many print none, and the median
-of printed / true. E is the largest true error that a seed has at 20 samples, so that 20 is about the smallest --spp
-that keeps E for all seeds: how many renders by --error E have a true error of at most E, and how many camera samples
-they take, over 20. At the end how often a line "error at most X" holds; --halves counts the scenes of even and of odd
-places apart. The films are kept in FOLDER as checkpoints. Where they are there already, only the estimate and the
-renders by --error are made anew: remove them when pictures change.
+mean, by the scatter of the pictures in it. Columns: the true error at 8 samples; for n = 4, 8, 16 and 32 the median of
+printed / true, and in brackets, where it is not all seeds, how many print a figure within 35 % (n = 4) or 20 % of the
+true error of their own picture, of how many that print one. E is the largest true error that a seed has at 20 samples,
+so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by --error E have a true error of at
+most E, and how many camera samples they take, over 20. At the end how often a line "error at most X" holds; --halves
+counts the scenes of even and of odd places apart. The films are kept in FOLDER as checkpoints. Where they are there
+already, only the estimate and the renders by --error are made anew: remove them when pictures change.
 """
 import argparse, concurrent.futures as cf, json, os, re, shutil, subprocess, sys, tempfile
 import numpy as np
@@ -183,9 +183,8 @@ def row(scene, method, error):
         ratio = printed[known] / np.maximum(true[known], 1e-12)
         within = int((np.abs(ratio - 1) <= LIMIT[n]).sum())
         counts[n] = np.array([within, known.sum(), len(runs), (bound >= true).sum(), (~np.isnan(bound)).sum()])
-        unknown = ', %d unknown' % (~known).sum() if not known.all() else ''
-        cells.append('%d of %d%s, %s' % (within, known.sum(), unknown,
-                                         '%.2f' % np.median(ratio) if known.any() else '-'))
+        share = ' (%d of %d)' % (within, known.sum()) if within < len(runs) else ''
+        cells.append('%.2f%s' % (np.median(ratio), share) if known.any() else 'unknown')
         if os.environ.get('VERBOSE'):
             print(scene, method, n, np.round(ratio, 2), flush=True)
     samples, kept = [], 0

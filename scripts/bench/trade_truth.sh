@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# trade_truth: the table of docs/command-line.md: does the error that `bis trade` promises come out? Each of its three
+# trade_truth: the figures of docs/command-line.md: does the error that `bis trade` promises come out? Each of its three
 # advices for each of ten scenes is rendered as a whole picture, with eight seeds; the median of their errors
 # (trade_truth.c), relative to a render of twice the final passes, 100 at least, is what comes out. (By a render of 16,
 # it came out a third too large on steel-on-paper.) Two seeds would not do: a candle that one camera ray of 180 meets

@@ -29,16 +29,16 @@ table() {
         if ($4 + 0 < values[key] + 0) values[key] = $4
     }
     END {
-        print "| program | " (claims ? "claim | test" : "test | claims") \
-            " | times | values, at least | finds with 99 % power |"
-        print "| --- | --- | " (claims ? "---" : "---:") " | ---: | ---: | --- |"
+        print "| program | " (claims ? "claim | test | times | values, at least" : "test | claims") \
+            " | finds with 99 % power |"
+        print "| --- | --- | " (claims ? "--- | ---: | ---:" : "---:") " | --- |"
         for (i = 1; i <= rows; i++) {
             key = order[i]
             split(key, part, "\t")
             range = percent(least[key])
             if (percent(most[key]) != range) range = range " to " percent(most[key])
-            printf "| %s | %s | %s | %d | %d | %s |\n", part[1], claims ? part[2] : part[3],
-                claims ? part[3] : n_claims[key], n[key], values[key], range
+            printf "| %s | %s | %s | %s |\n", part[1], claims ? part[2] : part[3],
+                claims ? part[3] " | " n[key] " | " values[key] : n_claims[key], range
         }
     }' build/power.txt
 }

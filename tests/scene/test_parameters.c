@@ -79,7 +79,8 @@ static void every_parameter_is_told_and_read_back(void **state)
     assert_int_equal(n, 21); /* the pairs of integrator and parameter in docs/scene-format.md */
 }
 
-/* The page: `integer NAME` (DEFAULT), `bool NAME` (DEFAULT), `string NAME` `"DEFAULT"`, in the integrator's row. */
+/* The page: `integer NAME` (DEFAULT), `bool NAME` (DEFAULT), `string NAME` `"DEFAULT"`, in the integrator's row or in
+ * one below it that has no name. */
 static void defaults_are_those_of_the_page(void **state)
 {
     static char page[1 << 17];
@@ -90,6 +91,7 @@ static void defaults_are_those_of_the_page(void **state)
         char *row = strstr(strstr(page, "\n### Integrator"), start);
         assert_non_null(row);
         char *end = strchr(row + 1, '\n');
+        while (strncmp(end, "\n| |", 4) == 0) end = strchr(end + 1, '\n');
         *end = '\0';
         for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL;) {
             const char *usual = bis_parameter_text(buf, p, p->usual);
