@@ -150,6 +150,11 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
         said); /* so is a part of the scene */
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
+#define IMAGE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" "
+    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b.png\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
+    assert_true(d->n_missing == 2 && d->textures.n_files == 2); /* the same name is the same image */
+    bis_scene_desc_free(d);
+#undef IMAGE
 }
 
 /* ---- messages ---- */
@@ -238,6 +243,12 @@ static const struct pass {
      "a shape under a singular transformation", "the matrix of ConcatTransform is singular"},
     {LIT "Shape \"sphere\" AttributeBegin Scale 0 0 0 Shape \"disk\" AttributeEnd",
      "a shape under a singular transformation", "Scale by 0 is singular"},
+    {LIT "ObjectBegin \"o\" Shape \"disk\" ObjectEnd AttributeBegin Scale 0 0 0 ObjectInstance \"o\" AttributeEnd "
+     "Shape \"sphere\"", "a shape under a singular transformation", "Scale by 0 is singular"},
+    {LIT "AttributeBegin TransformBegin AttributeEnd TransformEnd Shape \"sphere\"",
+     "AttributeEnd where TransformEnd is due", "it would close the TransformBegin of"},
+    {"WorldBegin LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" Shape \"sphere\"",
+     "the illuminant \"stdillum-D65\"", "\"L\" is of type spectrum"},
     {LIT "CoordinateSystem \"c\" Scale 0 0 0 CoordSysTransform \"c\" Shape \"sphere\"", NULL, "Scale by 0"},
     {LIT "Scale 0 0 0 Identity Shape \"sphere\"", NULL, "Scale by 0"},
     {LIT "Scale 0 0 0 Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1] Shape \"sphere\"", NULL, "Scale by 0"},
@@ -316,6 +327,39 @@ static void what_is_replaced_has_the_values_of_the_scene(void **state)
         BIS_PARSE_APPROXIMATE, said);
     assert_true(fabs((double)d->materials[d->shapes[0].material].Ks.g - .4) < 1e-6);
     bis_scene_desc_free(d);
+    d = good("WorldBegin LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"", BIS_PARSE_APPROXIMATE, said);
+    const rgb L = d->light.L;
+    assert_true(fabs((double)L.r - 1) < 1e-6 && fabs((double)L.g - 1) < 1e-6 && fabs((double)L.b - 1) < 1e-6);
+    bis_scene_desc_free(d);
+}
+
+/* An image is its mean of every channel, times the scale and perhaps inverted; a file that is none is the grey of
+ * half the scale. */
+static void an_image_in_the_place_of_a_colour_is_its_mean(void **state)
+{
+    static const float pixels[6] = {.1f, .2f, .375f, .3f, .4f, .125f}; /* the means: 0.2, 0.3, 0.25 */
+    static const struct { const char *image; double r, g, b; } cases[] = {
+        {"\"mean.pfm\"", .2, .3, .25},
+        {"\"mean.pfm\" \"float scale\" 2", .4, .6, .5},
+        {"\"mean.pfm\" \"float scale\" 2 \"bool invert\" true", .6, .4, .5},
+        {"\"main.txt\" \"float scale\" 0.5", .25, .25, .25},
+    };
+    bytes b = {0};
+    put_text(&b, "PF\n2 1\n-1.0\n");
+    for (int i = 0; i < 6; i++) put_float(&b, pixels[i]);
+    store(place("mean.pfm"), b.data, b.n);
+    bytes_clear(&b);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[400], said[8192];
+        snprintf(text, sizeof text, LIT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" %s "
+                 "Material \"mirror\" \"texture Kr\" \"t\" Shape \"sphere\"", cases[i].image);
+        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
+        const rgb c = d->materials[d->shapes[0].material].Ks;
+        if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 ||
+            fabs((double)c.b - cases[i].b) > 1e-6)
+            fail_msg("%s: %g %g %g", cases[i].image, (double)c.r, (double)c.g, (double)c.b);
+        bis_scene_desc_free(d);
+    }
 }
 
 /* One texture for both widths is as exact as "roughness". */
@@ -625,6 +669,9 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     write_file("m.obj", "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
     assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
     assert_says(said, "none.jpg\": No such file or directory; with --approximate: the material without it");
+    store(place("some.mtl"), "newmtl red\n\0", 12);
+    assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
+    assert_says(said, "some.mtl: error: no library of materials: there is a zero byte in it");
 }
 
 /* 64 libraries are allowed, one more is not. */
@@ -823,6 +870,7 @@ int main(void)
         cmocka_unit_test(names_of_an_included_file_are_looked_for_beside_the_main_scene_first),
         cmocka_unit_test(the_working_directory_is_the_second_place),
         cmocka_unit_test(an_include_may_be_compressed),
+        cmocka_unit_test(an_image_in_the_place_of_a_colour_is_its_mean),
         cmocka_unit_test(a_missing_spectrum_is_one_of_the_missing_files),
         cmocka_unit_test(errors_of_one_cause_are_one_message_with_their_number),
         cmocka_unit_test(what_pbrt_passes_over_in_silence_is_a_warning),

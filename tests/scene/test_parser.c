@@ -786,7 +786,12 @@ static void limits_are_errors_and_not_exhausted_memory(void **state)
     char *out = objects + sprintf(objects, "WorldBegin ObjectBegin \"o\" ");
     for (int i = 0; i < 5000; i++) out += sprintf(out, "Shape \"sphere\" ");
     strcpy(out, "ObjectEnd ");
-    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""), "more than 1048576 shapes"));
+    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""),
+                           "more than 1048576 shapes, instances included"));
+    /* the 5000 of the object and 208 times as many leave 3576 of 2^20 */
+    for (int i = 0; i < 208; i++) strcat(objects, "ObjectInstance \"o\" ");
+    assert_non_null(strstr(repeated(buf, objects, "Shape \"sphere\" ", 3577, ""), ": error: more than 1048576 shapes"));
+    assert_null(strstr(repeated(buf, objects, "Shape \"sphere\" ", 3576, ""), "more than"));
     free(objects);
 }
 
