@@ -674,6 +674,24 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     assert_says(said, "some.mtl: error: no library of materials: there is a zero byte in it");
 }
 
+/* Two materials when the scene is parsed, one when it is built. */
+static void a_mesh_that_changes_while_it_is_read_is_refused(void **state)
+{
+    static const char mesh[] =
+        "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 3 2\n";
+    char said[8192];
+    bis_scene *s;
+    bis_diag diag = {0};
+    write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nnewmtl blue\nKd 0 0 0.8\n");
+    write_file("m.obj", mesh);
+    bis_scene_desc *d = good(LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true", 0, said);
+    store(place("m.obj"), mesh, (size_t)(strstr(mesh, "usemtl blue") - mesh));
+    assert_int_equal(bis_scene_build(&s, d, &diag), BIS_INPUT);
+    assert_says(diag.messages[0].text, "m.obj was changed while the scene was read: try again");
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
+}
+
 /* 64 libraries are allowed, one more is not. */
 static void a_mesh_has_64_libraries_at_most(void **state)
 {
@@ -775,6 +793,19 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
     assert_int_equal(
         parse(&d, "WorldBegin LightSource \"distant\" \"point to\" [0 0 0]", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
     assert_says(said, "\"from\" and \"to\" are one point");
+    /* of 6e-5 sr, so that the disc is 16000 times as bright as its irradiance */
+    bis_light *light;
+    bis_diag diag = {0};
+    d = good("WorldBegin LightSource \"distant\" \"rgb L\" [3e34 1 1]", BIS_PARSE_APPROXIMATE, said);
+    assert_int_equal(bis_light_load(&light, &d->light, 0, NULL, &diag), BIS_INPUT);
+    assert_says(diag.messages[0].text, "a distant light exceeds the largest float as a disc of half a degree: give it "
+                "a smaller \"L\"");
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
+    d = good("WorldBegin LightSource \"distant\" \"rgb L\" [1e34 1 1]", BIS_PARSE_APPROXIMATE, said);
+    assert_int_equal(bis_light_load(&light, &d->light, 0, NULL, NULL), BIS_OK);
+    bis_light_free(light);
+    bis_scene_desc_free(d);
 }
 
 /* A constant light is the sky around the disc: the map holds its radiance everywhere else, and a surface that faces the
@@ -884,6 +915,7 @@ int main(void)
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
+        cmocka_unit_test(a_mesh_that_changes_while_it_is_read_is_refused),
         cmocka_unit_test(a_mesh_has_64_libraries_at_most),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),

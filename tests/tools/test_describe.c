@@ -280,7 +280,8 @@ static void a_file_that_tells_nothing_has_its_bytes(void **state)
     program_write_file(DIR "/strange.obj", text);
     program_write_file(DIR "/scene.txt", "WorldBegin LightSource \"infinite\" \"string filename\" \"strange.hdr\"\n"
                        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"strange.hdr\"\n"
-                       "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"objmesh\" \"string filename\" \"strange.obj\"\n");
+                       "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"objmesh\" "
+                       "\"string filename\" \"strange.obj\"\n");
     assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
     FILE *out = open_memstream(&plan, &n);
     bis_scene_plan(desc, out);
