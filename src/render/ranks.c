@@ -23,16 +23,19 @@ static report report_of(const bis_ranks *ranks)
     return r;
 }
 
-/* Without the head of a message that has no place: the one that it becomes a part of has it, too. */
+/* Without the head of a message that has no place, of the library or of the program: the one that it becomes a part of
+ * has it, too. */
 static const char *first_error(const bis_diag *diag)
 {
-    static const char head[] = "bis: error: ";
+    static const char *const heads[] = {"error: ", "bis: error: "};
+    size_t i = 0;
 
-    for (size_t i = 0; diag && i < diag->n; i++) {
-        const char *text = diag->messages[i].text;
-        if (diag->messages[i].is_error) return strncmp(text, head, sizeof head - 1) ? text : text + sizeof head - 1;
-    }
-    return "no memory for a message";
+    while (diag && i < diag->n && !diag->messages[i].is_error) i++;
+    if (!diag || i == diag->n) return "no memory for a message";
+    const char *text = diag->messages[i].text;
+    for (int k = 0; k < 2; k++)
+        if (strncmp(text, heads[k], strlen(heads[k])) == 0) return text + strlen(heads[k]);
+    return text;
 }
 
 bis_status bis_ranks_agree(bis_ranks *ranks, bis_status status, bis_diag *diag)

@@ -3,6 +3,7 @@
 #include "cli/cli.h"
 #include "cli/progress.h"
 #include "out/json.h"
+#include "render/ranks.h"
 
 #include "claim.h"
 #include "expect.h"
@@ -408,6 +409,20 @@ static void the_json_reader_refuses_what_is_no_json(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(json_is_valid(bad[i]));
 }
 
+static void a_rank_that_is_not_the_first_has_no_standard_input(void **state)
+{
+    bis_ranks second = {.rank = 1, .size = 2};
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    bis_cli_ranks = &second;
+    const bis_status status = bis_cli_parse_scene(&d, "-", 0, &diag);
+    bis_cli_ranks = NULL;
+    assert_int_equal(status, BIS_INPUT);
+    assert_null(d);
+    assert_string_equal(diag.messages[0].text, "bis: error: only the first rank has the standard input: give a file");
+    bis_diag_clear(&diag);
+}
+
 static const expect_word words[] = {{"test", test}, {NULL, NULL}};
 
 int main(void)
@@ -427,6 +442,7 @@ int main(void)
         cmocka_unit_test(no_output_replaces_another_file),
         cmocka_unit_test(exit_statuses_are_those_of_the_contract),
         cmocka_unit_test(json_is_valid_for_any_number_and_any_bytes),
+        cmocka_unit_test(a_rank_that_is_not_the_first_has_no_standard_input),
         cmocka_unit_test(the_json_reader_refuses_what_is_no_json),
     };
     return expect_run("cli", tests, sizeof tests / sizeof *tests, NULL, NULL,

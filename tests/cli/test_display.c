@@ -4,6 +4,7 @@
 #include "bis/files/image_file.h"
 #include "cli/display.h"
 #include "claim.h"
+#include "lack.h"
 #include "program.h"
 
 #include <arpa/inet.h>
@@ -435,6 +436,24 @@ static void a_viewer_that_is_missing_goes_or_never_reads_stops_nothing(void **st
     free(v.data);
 }
 
+static void without_memory_there_is_no_display(void **state)
+{
+    bis_film f;
+    make_film(&f);
+    const long live = bis_mem_live();
+    FOR_LACK(l) {
+        bis_display *d;
+        bis_diag diag = {0};
+        LACK(l, bis_display_open(&d, "127.0.0.1:1", "none", &f, &diag));
+        assert_true((d == NULL) == (l.status != BIS_OK));
+        if (d) bis_display_close(d, &f, &diag);
+        else assert_string_equal(diag.messages[0].text, "bis: error: no memory or no thread for --display 127.0.0.1:1");
+        bis_diag_clear(&diag);
+        assert_int_equal(bis_mem_live(), live);
+    }
+    bis_film_clear(&f);
+}
+
 static void an_address_is_a_host_and_a_port(void **state)
 {
     static const char *const good[] = {"localhost:14158", "127.0.0.1:1", "[::1]:65535", "a.b-c.example:80"};
@@ -471,6 +490,7 @@ int main(void)
         cmocka_unit_test(the_first_picture_waits_for_nothing),
         cmocka_unit_test(nothing_is_sent_to_a_viewer_that_has_gone),
         cmocka_unit_test(a_name_server_that_is_silent_is_not_waited_for),
+        cmocka_unit_test(without_memory_there_is_no_display),
         cmocka_unit_test(an_address_is_a_host_and_a_port),
     };
     return cmocka_run_group_tests(tests, make_scene, NULL);

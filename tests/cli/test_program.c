@@ -214,6 +214,8 @@ static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
     assert_true(program_exists(DIR "/far.exr"));
     program_expect(&r, 0, SCENE " --error 900%% --outfile " DIR "/near.exr");
     program_expect_only_the_result(&r);
+    program_expect(&r, 0, SCENE " --error 10%% --outfile " DIR "/near.exr"); /* after more than the first passes */
+    program_expect_only_the_result(&r);
     program_expect(&r, 0, SCENE " --error 1e-6 --spp 1 --outfile " DIR "/far.exr");
     assert_non_null(
         strstr(r.messages, "was not reached: the error is unknown after 1 pass, because one pass is too few"));
@@ -403,6 +405,10 @@ static void write_every_writes_the_picture_while_it_is_rendered(void **state)
         assert_int_equal(image.width, 24);
         bis_image_clear(&image);
     }
+    program_run_limited(&r, 2000, SCENE " --spp 16 --write-every 1e-6 --outfile " DIR "/too_large.pfm");
+    assert_int_equal(r.exit_status, 1);
+    assert_non_null(strstr(r.messages, "bis: warning: --write-every wrote nothing, the render goes on\n" DIR
+                                       "/too_large.pfm: error: cannot write "));
     program_expect(&r, 0, SCENE " --spp 2 --part 1/2 --write-every 1 --outfile " DIR "/w.bispart");
     assert_non_null(strstr(r.messages, "--write-every has no effect with --part"));
 }

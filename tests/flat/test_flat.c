@@ -5,6 +5,7 @@
 #include "bis/base/clock.h"
 #include "bis/base/image.h"
 #include "bis/base/mem.h"
+#include "bis/base/version.h"
 #include "bis/files/image_file.h"
 #include "bis/flat/flat.h"
 #include "bis/scene/layers.h"
@@ -801,6 +802,8 @@ static void materials_are_taken_up_to_their_limits(void **state)
 
 /* ---- pictures by hand ---- */
 
+static void the_version_is_the_headers(void **state) { assert_string_equal(bis_flat_version(), BIS_VERSION); }
+
 /* A wall that fills the upper half of the picture: there alpha is 1, below it is 0 and the constant light is seen. The
  * middle line lies between two pixels. */
 static void alpha_is_the_share_that_hits_a_surface(void **state)
@@ -978,6 +981,7 @@ int main(void)
         cmocka_unit_test(weights_of_a_table_are_checked_and_summed),
         cmocka_unit_test(each_channel_of_a_material_is_its_own),
         cmocka_unit_test(materials_are_taken_up_to_their_limits),
+        cmocka_unit_test(the_version_is_the_headers),
         cmocka_unit_test(alpha_is_the_share_that_hits_a_surface),
         cmocka_unit_test(settings_have_their_limits),
         cmocka_unit_test(an_integrator_named_again_keeps_what_the_scene_says),

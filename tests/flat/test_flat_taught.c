@@ -122,6 +122,28 @@ static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
     refuses(bis_flat_alias_few_bits(8, w, 25, printed, right, impossible, SAY), "0 to 24");
 }
 
+/* The sum is 8, so that all numbers are exact: each pmf is the weight's own. */
+static void a_table_of_eighths_gives_the_weights_own_probabilities(void **state)
+{
+    const double w[4] = {1, 4, 2, 1}, right[4] = {0.125, 0.5, 0.25, 0.125};
+    double pmf[4], P[4];
+
+    assert_int_equal(bis_flat_alias_pmf(4, w, pmf, P, SAY), 0);
+    assert_memory_equal(pmf, right, sizeof right);
+    assert_memory_equal(P, right, sizeof right);
+    refuses(bis_flat_alias_pmf(2, (double[]){0, 0}, pmf, P, SAY), "nothing to draw");
+}
+
+/* FNV-1a's own test vector for 64 bits. */
+static void a_hash_goes_on_where_it_ended(void **state)
+{
+    uint32_t hash[2] = {0, 0};
+
+    bis_flat_fnv(hash, 3, (const uint8_t *)"foo");
+    bis_flat_fnv(hash, 3, (const uint8_t *)"bar");
+    assert_true(((uint64_t)hash[1] << 32 | hash[0]) == UINT64_C(0x85944171f73967e8));
+}
+
 /* The library's own generator and its own rows are the other road; the sentinel is where nothing may be written. */
 static void numbers_and_hashes_are_the_librarys(void **state)
 {
@@ -183,9 +205,42 @@ static void a_white_map_is_one_light(void **state)
     assert_memory_equal(count, ((uint32_t[8]){2, 1, 0, 0, 0, 0, 0, 1}), sizeof count);
     assert_true(polar[0] == 3 && fabs(polar[1] - 4 * (1 - cos(PI / 8))) < 1e-12);
     refuses(bis_flat_light_rows(light, 1, (uint32_t[]){128}, 30, count, polar, SAY), "not below 128");
+    refuses(bis_flat_light_regions(light, 0, 0.5, label, level, area, factor, &n, SAY), "0 levels and exponent 0.5");
+    bis_flat_light_close(light);
+    /* without the solid angle each row is drawn equally often, so that 1/16 is the middle of row 0, else in row 1 */
+    const char *const printed[] = {"kind=cdf", "as_printed=E3", NULL};
+    float w[3], L[3];
+    assert_int_equal(bis_flat_light_open_as(&light, DIR "/white.pfm", printed, SAY), 0);
+    assert_int_equal(bis_flat_light_sample(light, 1, (double[]){1 / 16., 0, 0, 0}, w, L, pdf, SAY), 0);
+    assert_true(fabs((double)w[2] - (1 + cos(PI / 8)) / 2) < 1e-6);
     bis_flat_light_close(light);
     refuses(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=list", NULL}, SAY),
         "no setting of a map");
+}
+
+/* A pixel of 4 at the zenith of a white map is a component of 2 pi/64 (1 - cos(pi/32)), which is below 0.01 sr: with b
+ * = 1 its density is 4 times that over 0.01 of the others'. */
+static void a_small_light_is_drawn_by_its_area(void **state)
+{
+    enum { W = 64, H = 32 };
+    float *pixels = test_malloc(3 * W * H * sizeof *pixels);
+    double *pdf = test_malloc(W * H * sizeof *pdf), peak, share[H];
+    const double factor = 2 * PI / W * (1 - cos(PI / H)) / 0.01;
+    bis_light *light;
+
+    for (int i = 0; i < 3 * W * H; i++) pixels[i] = i / 3 == (H - 1) * W ? 4 : 1; /* from the bottom row */
+    FILE *out = fopen(DIR "/small.pfm", "wb");
+    assert_non_null(out);
+    fprintf(out, "PF\n%d %d\n-1.0\n", W, H);
+    fwrite(pixels, 3 * sizeof *pixels, W * H, out);
+    assert_int_equal(fclose(out), 0);
+    assert_int_equal(
+        bis_flat_light_open_as(&light, DIR "/small.pfm", (const char *[]){"area_exponent=1", NULL}, SAY), 0);
+    assert_int_equal(bis_flat_light_density(light, pdf, &peak, share, SAY), 0);
+    assert_true(fabs(pdf[0] / pdf[1] - 4 * factor) < 1e-6); /* the factor is stored as a float */
+    bis_flat_light_close(light);
+    test_free(pixels);
+    test_free(pdf);
 }
 
 /* The mean over four white pixels is white; a map is not made larger. */
@@ -291,8 +346,12 @@ static void the_two_noises_add_up_E31(void **state)
         const double all = sum[1] * sum[1], a = sum[2], b = sum[3], allowed = 12 * a * b / sqrt(4000);
         if (k == 0) assert_true(b < 1e-5 * sum[0]);
         else assert_true(fabs(all - a * a - b * b) <= allowed && fabs(all - a * a) > allowed && fabs(all - b * b) > 0);
+        refuses(bis_flat_stage_noises(stage, sir, 7, 1, sum, SAY), "1 estimates: give 2 to 100000");
         bis_flat_stage_close(stage);
     }
+    const char *const constant[] = {"text=WorldBegin LightSource \"infinite\" Shape \"sphere\"", NULL};
+    refuses(bis_flat_stage_open(&stage, "scene", constant, SAY), "the light is a constant: give a map");
+    assert_null(stage);
 }
 
 /* A white sky with a lamp: 4 in two pixels of row 2. */
@@ -556,6 +615,9 @@ int main(void)
         cmocka_unit_test(two_pictures_are_compared_as_the_program_does),
         cmocka_unit_test(a_pass_takes_a_part_of_the_time),
         cmocka_unit_test(few_bits_draw_what_is_impossible_as_printed_E14),
+        cmocka_unit_test(a_table_of_eighths_gives_the_weights_own_probabilities),
+        cmocka_unit_test(a_hash_goes_on_where_it_ended),
+        cmocka_unit_test(a_small_light_is_drawn_by_its_area),
         cmocka_unit_test(numbers_and_hashes_are_the_librarys),
         cmocka_unit_test(a_histogram_counts_each_value_once),
         cmocka_unit_test(a_shrunk_map_keeps_its_light),

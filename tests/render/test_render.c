@@ -765,6 +765,11 @@ static void estimates_that_are_not_finite_are_counted_and_kept_out(void **state)
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}});
     assert_true(result.counters.nonfinite > 100);
     for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) assert_true(isfinite(film.sum[i]));
+    const uint64_t n = result.counters.nonfinite;
+    bis_film_clear(&film);
+    /* a layer that asks the integrator again counts each again, and keeps it out, too */
+    render_layers(&film, &result, &w, whole, 1u << BIS_LAYER_UNOCCLUDED, &(bis_render_options){.budget = {.spp = 4}});
+    assert_true(result.counters.nonfinite == 2 * n);
     bis_film_clear(&film);
     clear_world(&w);
 }

@@ -923,6 +923,110 @@ static void every_tile_is_rendered_once(void **state)
     }
 }
 
+static void without_memory_there_is_no_scheduler(void **state)
+{
+    fake_ranks d;
+    bis_sched *sched = NULL;
+    long k = 0;
+    open_fake_ranks(&d, 3, NULL, 3, 2, false);
+    const long live = bis_mem_live();
+    while (!sched) {
+        bis_mem_fail_at(++k);
+        sched = bis_sched_new(&d.ranks, &d.w);
+        bis_mem_fail_at(0);
+        if (!sched) assert_int_equal(bis_mem_live(), live);
+    }
+    assert_true(k > 2);
+    bis_sched_free(sched);
+    close_fake_ranks(&d);
+}
+
+/* ---- before they begin ---- */
+
+/* Ranks one after the other: the others' reports are kept until rank 0, the last one, asks for them. */
+typedef struct reports {
+    bis_ranks ranks;
+    unsigned char data[2][4096];
+    size_t n;
+} reports;
+
+static void keep_report(bis_ranks *ranks, int to, const void *data, size_t n)
+{
+    reports *r = (reports *)ranks;
+    assert_true(to == 0 && n <= sizeof r->data[0]);
+    memcpy(r->data[ranks->rank - 1], data, n);
+    r->n = n;
+}
+
+/* Rank 2's comes first. */
+static unsigned char *give_report(bis_ranks *ranks, int *from, size_t *n, bool wait)
+{
+    reports *r = (reports *)ranks;
+    static int last = 1;
+    *from = last = 3 - last;
+    *n = r->n;
+    return r->data[*from - 1];
+}
+
+static void keep_own(bis_ranks *ranks, void *data, size_t n) {}
+
+static reports three_ranks(void)
+{
+    return (reports){.ranks = {.size = 3, .host = "here", .broadcast = keep_own, .send = keep_report,
+                               .receive = give_report}};
+}
+
+/* Of two that fail the lower one is named, by its first error, whose head is said once. */
+static void ranks_end_together_where_one_cannot_go_on(void **state)
+{
+    static const struct { const char *file, *message; } cases[] = {
+        {"a.txt", "error: rank 1 on \"here\" cannot go on: a.txt:3: error: gone"},
+        {NULL, "error: rank 1 on \"here\" cannot go on: gone"},
+        {"bis", "error: rank 1 on \"here\" cannot go on: gone"},
+        {NULL, "error: rank 1 on \"here\" cannot go on: no memory for a message"},
+    };
+    for (size_t i = 0; i < 4; i++) {
+        reports r = three_ranks();
+        bis_diag theirs = {0}, own = {0};
+        r.ranks.rank = 2;
+        assert_int_equal(bis_ranks_agree(&r.ranks, BIS_NOMEM, NULL), BIS_NOMEM);
+        r.ranks.rank = 1;
+        bis_warn(&theirs, (bis_loc){0}, "no error");
+        if (i < 3) bis_error(&theirs, BIS_INPUT, (bis_loc){cases[i].file, i ? 0 : 3, 0}, "gone");
+        assert_int_equal(bis_ranks_agree(&r.ranks, BIS_INPUT, &theirs), BIS_INPUT);
+        r.ranks.rank = 0;
+        assert_int_equal(bis_ranks_agree(&r.ranks, BIS_OK, &own), BIS_INPUT);
+        assert_int_equal(own.n, 1);
+        assert_string_equal(own.messages[0].text, cases[i].message);
+        bis_diag_clear(&theirs);
+        bis_diag_clear(&own);
+    }
+    reports r = three_ranks(); /* the twin: nobody fails */
+    for (int rank = 2; rank >= 0; rank--) {
+        r.ranks.rank = rank;
+        assert_int_equal(bis_ranks_agree(&r.ranks, BIS_OK, NULL), BIS_OK);
+    }
+}
+
+static void ranks_with_another_scene_are_named(void **state)
+{
+    const uint64_t same[BIS_IDENTITY_PARTS] = {1, 2, 3}, other[BIS_IDENTITY_PARTS] = {1, 0, 4};
+    reports r = three_ranks();
+    int threads[3];
+    bis_diag diag = {0};
+    for (int rank = 2; rank >= 1; rank--) {
+        r.ranks.rank = rank;
+        assert_int_equal(bis_ranks_compare(&r.ranks, rank == 2 ? other : same, 4 + rank, threads, NULL), BIS_OK);
+    }
+    r.ranks.rank = 0;
+    assert_int_equal(bis_ranks_compare(&r.ranks, same, 4, threads, &diag), BIS_INPUT);
+    assert_true(threads[0] == 4 && threads[1] == 5 && threads[2] == 6);
+    assert_int_equal(diag.n, 1);
+    assert_string_equal(diag.messages[0].text, "error: rank 2 on \"here\" has read another scene than rank 0 on "
+                        "\"here\". These differ: the layers; the camera. Give all machines the same files");
+    bis_diag_clear(&diag);
+}
+
 static int setup(void **state)
 {
     if (system("rm -rf " DIR_NAME)) return -1;
@@ -946,6 +1050,9 @@ int main(void)
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
+        cmocka_unit_test(without_memory_there_is_no_scheduler),
+        cmocka_unit_test(ranks_end_together_where_one_cannot_go_on),
+        cmocka_unit_test(ranks_with_another_scene_are_named),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

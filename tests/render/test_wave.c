@@ -445,6 +445,23 @@ static void squares_of_a_picture_are_those_that_have_a_pixel(void **state)
     }
 }
 
+static void without_memory_for_materials_there_is_no_wave(void **state)
+{
+    const bis_scene_desc textured = {.textures.n_of_material = 1};
+    const bis_wave_task task = {.desc = &textured};
+    const long live = bis_mem_live();
+    bis_wave *w = NULL;
+    long k = 0;
+    while (!w) {
+        bis_mem_fail_at(++k);
+        w = bis_wave_new(&task, NULL, NULL, NULL);
+        bis_mem_fail_at(0);
+        if (!w) assert_int_equal(bis_mem_live(), live);
+    }
+    assert_int_equal(k, 3);
+    bis_wave_free(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -455,6 +472,7 @@ int main(void)
         cmocka_unit_test(many_samples_of_one_pixel_fill_several_waves),
         cmocka_unit_test(an_integrator_may_trace_its_rays_at_once),
         cmocka_unit_test(what_passes_share_and_learn_does_not_bias),
+        cmocka_unit_test(without_memory_for_materials_there_is_no_wave),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -382,11 +382,16 @@ static void what_is_unknown_to_pbrt_too_stays_an_error(void **state)
     static const char *const scenes[] = {
         "WorldBegin Shap \"sphere\"", "WorldBegin Shape \"sphere\" \"float radius\" -1",
         "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\"", "Camera \"perspective\" \"float fov\" 200 WorldBegin",
+        "WorldBegin LightSource \"distant\" \"rgb L\" [1e30 1 1] \"float scale\" 1e30",
     };
+    bis_diag diag = {0};
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         bis_scene_desc *d;
-        assert_int_equal(parse(&d, scenes[i], BIS_PARSE_APPROXIMATE, NULL), BIS_INPUT);
+        bis_diag_clear(&diag);
+        assert_int_equal(parse(&d, scenes[i], BIS_PARSE_APPROXIMATE, &diag), BIS_INPUT);
     }
+    assert_non_null(strstr(diag.messages[0].text, ": error: \"L\" times \"scale\" is not finite"));
+    bis_diag_clear(&diag);
 }
 
 static void an_import_is_read_as_an_include(void **state)
@@ -429,7 +434,10 @@ static void every_allocation_may_fail(void **state)
     FOR_LACK(l) {
         bis_scene_desc *d;
         LACK(l, parse(&d,
-            "WorldBegin Shape \"plymesh\" \"string filename\" \"no.ply\" Material \"mix\" \"string materials\" "
+            "WorldBegin ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\" "
+            "Texture \"t\" \"float\" \"constant\" Material \"uber\" \"texture opacity\" \"t\" "
+            "Material \"diffuse\" Material \"diffuse\" Material \"diffuse\" Material \"diffuse\" "
+            "Shape \"plymesh\" \"string filename\" \"no.ply\" Material \"mix\" \"string materials\" "
             "[\"red\" \"gloss\"] AreaLightSource \"x\" Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 "
             "0] " RED GLOSS,
             BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL));

@@ -150,6 +150,11 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
         said); /* so is a part of the scene */
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
+#define IMAGE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" "
+    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b.png\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
+    assert_true(d->n_missing == 2 && d->textures.n_files == 2); /* the same name is the same image */
+    bis_scene_desc_free(d);
+#undef IMAGE
 }
 
 /* ---- messages ---- */
@@ -238,6 +243,12 @@ static const struct pass {
      "a shape under a singular transformation", "the matrix of ConcatTransform is singular"},
     {LIT "Shape \"sphere\" AttributeBegin Scale 0 0 0 Shape \"disk\" AttributeEnd",
      "a shape under a singular transformation", "Scale by 0 is singular"},
+    {LIT "ObjectBegin \"o\" Shape \"disk\" ObjectEnd AttributeBegin Scale 0 0 0 ObjectInstance \"o\" AttributeEnd "
+     "Shape \"sphere\"", "a shape under a singular transformation", "Scale by 0 is singular"},
+    {LIT "AttributeBegin TransformBegin AttributeEnd TransformEnd Shape \"sphere\"",
+     "AttributeEnd where TransformEnd is due", "it would close the TransformBegin of"},
+    {"WorldBegin LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" Shape \"sphere\"",
+     "the illuminant \"stdillum-D65\"", "\"L\" is of type spectrum"},
     {LIT "CoordinateSystem \"c\" Scale 0 0 0 CoordSysTransform \"c\" Shape \"sphere\"", NULL, "Scale by 0"},
     {LIT "Scale 0 0 0 Identity Shape \"sphere\"", NULL, "Scale by 0"},
     {LIT "Scale 0 0 0 Transform [1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1] Shape \"sphere\"", NULL, "Scale by 0"},
@@ -316,6 +327,39 @@ static void what_is_replaced_has_the_values_of_the_scene(void **state)
         BIS_PARSE_APPROXIMATE, said);
     assert_true(fabs((double)d->materials[d->shapes[0].material].Ks.g - .4) < 1e-6);
     bis_scene_desc_free(d);
+    d = good("WorldBegin LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"", BIS_PARSE_APPROXIMATE, said);
+    const rgb L = d->light.L;
+    assert_true(fabs((double)L.r - 1) < 1e-6 && fabs((double)L.g - 1) < 1e-6 && fabs((double)L.b - 1) < 1e-6);
+    bis_scene_desc_free(d);
+}
+
+/* An image is its mean of every channel, times the scale and perhaps inverted; a file that is none is the grey of
+ * half the scale. */
+static void an_image_in_the_place_of_a_colour_is_its_mean(void **state)
+{
+    static const float pixels[6] = {.1f, .2f, .375f, .3f, .4f, .125f}; /* the means: 0.2, 0.3, 0.25 */
+    static const struct { const char *image; double r, g, b; } cases[] = {
+        {"\"mean.pfm\"", .2, .3, .25},
+        {"\"mean.pfm\" \"float scale\" 2", .4, .6, .5},
+        {"\"mean.pfm\" \"float scale\" 2 \"bool invert\" true", .6, .4, .5},
+        {"\"main.txt\" \"float scale\" 0.5", .25, .25, .25},
+    };
+    bytes b = {0};
+    put_text(&b, "PF\n2 1\n-1.0\n");
+    for (int i = 0; i < 6; i++) put_float(&b, pixels[i]);
+    store(place("mean.pfm"), b.data, b.n);
+    bytes_clear(&b);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[400], said[8192];
+        snprintf(text, sizeof text, LIT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" %s "
+                 "Material \"mirror\" \"texture Kr\" \"t\" Shape \"sphere\"", cases[i].image);
+        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
+        const rgb c = d->materials[d->shapes[0].material].Ks;
+        if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 ||
+            fabs((double)c.b - cases[i].b) > 1e-6)
+            fail_msg("%s: %g %g %g", cases[i].image, (double)c.r, (double)c.g, (double)c.b);
+        bis_scene_desc_free(d);
+    }
 }
 
 /* One texture for both widths is as exact as "roughness". */
@@ -625,6 +669,27 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     write_file("m.obj", "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
     assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
     assert_says(said, "none.jpg\": No such file or directory; with --approximate: the material without it");
+    store(place("some.mtl"), "newmtl red\n\0", 12);
+    assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
+    assert_says(said, "some.mtl: error: no library of materials: there is a zero byte in it");
+}
+
+/* Two materials when the scene is parsed, one when it is built. */
+static void a_mesh_that_changes_while_it_is_read_is_refused(void **state)
+{
+    static const char mesh[] =
+        "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 3 2\n";
+    char said[8192];
+    bis_scene *s;
+    bis_diag diag = {0};
+    write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nnewmtl blue\nKd 0 0 0.8\n");
+    write_file("m.obj", mesh);
+    bis_scene_desc *d = good(LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true", 0, said);
+    store(place("m.obj"), mesh, (size_t)(strstr(mesh, "usemtl blue") - mesh));
+    assert_int_equal(bis_scene_build(&s, d, &diag), BIS_INPUT);
+    assert_says(diag.messages[0].text, "m.obj was changed while the scene was read: try again");
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
 }
 
 /* 64 libraries are allowed, one more is not. */
@@ -728,6 +793,19 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
     assert_int_equal(
         parse(&d, "WorldBegin LightSource \"distant\" \"point to\" [0 0 0]", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
     assert_says(said, "\"from\" and \"to\" are one point");
+    /* of 6e-5 sr, so that the disc is 16000 times as bright as its irradiance */
+    bis_light *light;
+    bis_diag diag = {0};
+    d = good("WorldBegin LightSource \"distant\" \"rgb L\" [3e34 1 1]", BIS_PARSE_APPROXIMATE, said);
+    assert_int_equal(bis_light_load(&light, &d->light, 0, NULL, &diag), BIS_INPUT);
+    assert_says(diag.messages[0].text, "a distant light exceeds the largest float as a disc of half a degree: give it "
+                "a smaller \"L\"");
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
+    d = good("WorldBegin LightSource \"distant\" \"rgb L\" [1e34 1 1]", BIS_PARSE_APPROXIMATE, said);
+    assert_int_equal(bis_light_load(&light, &d->light, 0, NULL, NULL), BIS_OK);
+    bis_light_free(light);
+    bis_scene_desc_free(d);
 }
 
 /* A constant light is the sky around the disc: the map holds its radiance everywhere else, and a surface that faces the
@@ -823,6 +901,7 @@ int main(void)
         cmocka_unit_test(names_of_an_included_file_are_looked_for_beside_the_main_scene_first),
         cmocka_unit_test(the_working_directory_is_the_second_place),
         cmocka_unit_test(an_include_may_be_compressed),
+        cmocka_unit_test(an_image_in_the_place_of_a_colour_is_its_mean),
         cmocka_unit_test(a_missing_spectrum_is_one_of_the_missing_files),
         cmocka_unit_test(errors_of_one_cause_are_one_message_with_their_number),
         cmocka_unit_test(what_pbrt_passes_over_in_silence_is_a_warning),
@@ -836,6 +915,7 @@ int main(void)
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
+        cmocka_unit_test(a_mesh_that_changes_while_it_is_read_is_refused),
         cmocka_unit_test(a_mesh_has_64_libraries_at_most),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),

@@ -15,6 +15,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define BAD "tests/data/bad/"
 
@@ -689,6 +691,25 @@ static void what_nobody_names_has_the_file_for_its_place(void **state)
     bis_scene_desc_free(d);
 }
 
+/* What the real user may not read, as the superuser (root) may read anything. */
+static void a_file_that_may_not_be_read_is_no_missing_one(void **state)
+{
+    static const char text[] = "WorldBegin\nLightSource \"infinite\" \"string filename\" \"%s\"";
+    char scene[200];
+    bis_scene_desc *d;
+    bis_diag diag;
+    const bool root = getuid() == 0;
+    snprintf(scene, sizeof scene, text, strrchr(scratch("locked.hdr"), '/') + 1);
+    store(scratch("locked.hdr"), "#?", 2);
+    assert_int_equal(chmod(scratch("locked.hdr"), 0), 0);
+    if (root) assert_int_equal(setreuid(65534, (uid_t)-1), 0);
+    const bis_status status = parse_text(&d, &diag, scene);
+    if (root) assert_int_equal(setreuid(0, (uid_t)-1), 0);
+    assert_int_equal(status, BIS_IO);
+    assert_non_null(strstr(diag.messages[0].text, "locked.hdr\": Permission denied"));
+    bis_diag_clear(&diag);
+}
+
 static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
 {
     static const char *const scenes[] = {"tests/data/scenes/pbrt-v3.txt", "tests/data/scenes/pbrt-v4.txt",
@@ -786,7 +807,12 @@ static void limits_are_errors_and_not_exhausted_memory(void **state)
     char *out = objects + sprintf(objects, "WorldBegin ObjectBegin \"o\" ");
     for (int i = 0; i < 5000; i++) out += sprintf(out, "Shape \"sphere\" ");
     strcpy(out, "ObjectEnd ");
-    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""), "more than 1048576 shapes"));
+    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""),
+                           "more than 1048576 shapes, instances included"));
+    /* the 5000 of the object and 208 times as many leave 3576 of 2^20 */
+    for (int i = 0; i < 208; i++) strcat(objects, "ObjectInstance \"o\" ");
+    assert_non_null(strstr(repeated(buf, objects, "Shape \"sphere\" ", 3577, ""), ": error: more than 1048576 shapes"));
+    assert_null(strstr(repeated(buf, objects, "Shape \"sphere\" ", 3576, ""), "more than"));
     free(objects);
 }
 
@@ -929,6 +955,7 @@ int main(void)
         cmocka_unit_test(a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no_message),
         cmocka_unit_test(a_transformation_with_one_infinite_number_is_not_usable),
         cmocka_unit_test(what_nobody_names_has_the_file_for_its_place),
+        cmocka_unit_test(a_file_that_may_not_be_read_is_no_missing_one),
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
         cmocka_unit_test(damaged_scenes_are_survived),

@@ -170,7 +170,8 @@ static void light_may_be_a_black_body_or_xyz(void **state)
     parsed p = {0};
     static const char a[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" 2856 \"float scale\" 2",
                       b[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0.95047 1 1.08883]",
-                      c[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" [2856 2]";
+                      c[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" [2856 2]",
+                      d[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0 0.1 0.1]";
     store(scratch("a.txt"), a, sizeof a - 1);
     assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_OK);
     const rgb L = p.desc->light.L;
@@ -185,6 +186,12 @@ static void light_may_be_a_black_body_or_xyz(void **state)
     clear(&p);
     store(scratch("a.txt"), c, sizeof c - 1);
     assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_INPUT);
+    clear(&p);
+    store(scratch("a.txt"), d, sizeof d - 1);
+    assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_OK);
+    assert_non_null(strstr(p.diag.messages[0].text, "\"L\" is the colour (-0.2036, 0.1918, 0.08532) of RGB; what is "
+                           "negative becomes 0"));
+    assert_rgb(p.desc->light.L, 0, 0.1918, 0.08532, 1e-4);
     clear(&p);
 }
 

@@ -722,6 +722,24 @@ static void values_out_of_range_are_refused_when_the_image_is_known(void **state
     scene_clear(&b);
 }
 
+/* A header of 20000 x 20000 pixels and 4 bytes for them; the name of the file. */
+static const char *empty_png(const char *path)
+{
+    png_struct *png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_info *info = png_create_info_struct(png);
+    FILE *out = fopen(path, "wb");
+    assert_true(png && info && out);
+    png_init_io(png, out);
+    png_set_IHDR(png, info, 20000, 20000, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    png_write_chunk(png, (const png_byte *)"IDAT", (const png_byte *)"none", 4);
+    png_write_chunk(png, (const png_byte *)"IEND", NULL, 0);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(out), 0);
+    return beside(path);
+}
+
 static void what_is_no_texture_is_refused(void **state)
 {
 #define SHOWN LIGHT IMAGEMAP "\nMaterial \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\""
@@ -739,6 +757,8 @@ static void what_is_no_texture_is_refused(void **state)
     static const char message[] = "it is a JPEG, and this bis is built without libjpeg";
 #endif
     expect_failure(message, SHOWN, "color", store_text("a.jpg", "\xff\xd8\xff\xe0 and so on"));
+    /* 8 of the mark, 25 of the header, 16 and 12 of the other chunks; one deflated byte becomes at most 1032 */
+    expect_failure(": 61 bytes cannot hold 20000 x 20000 pixels", SHOWN, "color", empty_png(scratch("empty.png")));
 }
 
 /* 300 scales of each other: 2^300 values, if nobody counted. */

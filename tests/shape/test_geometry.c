@@ -163,6 +163,11 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     assert_int_equal(bis_geometry_primitives(&g), 0);
     assert_int_equal(g.n_vertices, 0);
     bis_mesh_clear(&m);
+    q.to_world = identity;
+    g.n_triangles = UINT32_MAX - 1; /* as if there were so many */
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_INPUT);
+    assert_string_equal(diag.messages[4].text, "error: a scene may have at most 2^32 - 2 primitives");
+    g.n_triangles = 0;
     bis_geometry_clear(&g);
     bis_diag_clear(&diag);
 }

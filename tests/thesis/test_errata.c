@@ -13,6 +13,7 @@
 #include "file_help.h"
 #include "lit.h"
 #include "program.h"
+#include "thesis/as_printed.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -342,6 +343,16 @@ static void E34_redrawing_below_the_horizon_adds_64_percent_at_85_degrees(void *
 
 /* ---- E27 ---- */
 
+/* L_max over the power, times L_ns: white light has the intensity 3 and the power 12 pi. */
+static void E27_the_bound_as_printed_of_the_brdfs_proposal_is_L_max_over_the_power(void **state)
+{
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    lit l;
+    lit_init(&l, light, white_diffuse(), up, 30, LIT_OPEN);
+    assert_true(fabs(bis_as_printed_bound(&l.pt, BIS_PROPOSAL_BRDF, 2) - 2 / (4 * PI)) < 1e-7);
+    bis_light_free(light);
+}
+
 static bool is_low(const bis_accel *a, const ray *r)
 {
     return r->d.z < 0.5f;
@@ -585,6 +596,7 @@ int main(void)
         cmocka_unit_test(E21_L_ns_from_other_candidates_is_biased_at_small_M),
         cmocka_unit_test(E22_drawing_until_N_are_accepted_is_too_bright),
         cmocka_unit_test(E23_weights_f_and_L_reflect_more_than_arrives),
+        cmocka_unit_test(E27_the_bound_as_printed_of_the_brdfs_proposal_is_L_max_over_the_power),
         cmocka_unit_test(E27_accepting_against_f_max_does_not_accept_by_the_product),
         cmocka_unit_test(E29_the_unshadowed_fallback_lights_a_fully_hidden_point),
         cmocka_unit_test(E34_redrawing_below_the_horizon_adds_64_percent_at_85_degrees),

@@ -437,6 +437,17 @@ static bool pair_is_weighted_by_area(const double *weights, const double area[2]
     return fabs(ratio - expected) <= 2e-7;
 }
 
+static void a_black_map_draws_no_pixel(void **state)
+{
+    bis_envmap em = map_new(4, 2);
+    bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
+    double pmf[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    assert_int_equal(bis_importance_implied_pmf(im, pmf, NULL), BIS_OK);
+    for (int i = 0; i < 8; i++) assert_true(pmf[i] == 0);
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
 static void small_lights_lose_importance_by_the_ratio_of_areas_to_the_b_E17(void **state)
 {
     for (int k = 0; k < N_PAIRS; k++) {
@@ -680,6 +691,7 @@ int main(void)
         cmocka_unit_test(the_density_of_a_direction_is_that_of_its_pixel),
         cmocka_unit_test(equal_steps_along_the_curve_are_equal_shares_in_order),
         cmocka_unit_test(cdfs_keep_even_points_even_and_alias_tables_do_not_E12),
+        cmocka_unit_test(a_black_map_draws_no_pixel),
         cmocka_unit_test(small_lights_lose_importance_by_the_ratio_of_areas_to_the_b_E17),
         cmocka_unit_test(other_readings_of_the_area_formula_are_rejected_E17),
         cmocka_unit_test(no_ratio_of_intensity_to_density_exceeds_its_bound),

@@ -435,6 +435,12 @@ static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
         assert_true(width == cases[i].width && height == cases[i].height && mapping == cases[i].mapping);
         bis_scene_desc_free(d);
     }
+    /* a square is no cross of 4 x 3 faces, of which none can be made */
+    const bis_light_desc cross = {.filename = (char[]){DIR "/probe.pfm"}, .has_mapping = true,
+                                  .mapping = BIS_MAPPING_HORIZONTAL_CROSS};
+    long width = 0, height = 0;
+    bis_mapping mapping;
+    assert_false(bis_memory_map_size(&cross, &width, &height, &mapping));
 }
 
 #define HUGE "Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 32768 "

@@ -141,6 +141,13 @@ static void without_memory_nothing_is_required(void **state)
         bis_scene_needs_clear(&needs);
         assert_null(needs.uses);
     }
+    bis_diag diag = {0};
+    bis_mem_fail_at(1);
+    const bis_status status = bis_scene_check_files(desc, &diag);
+    bis_mem_fail_at(0);
+    assert_int_equal(status, BIS_NOMEM);
+    assert_non_null(strstr(diag.messages[0].text, "error: no memory to look at the scene's files"));
+    bis_diag_clear(&diag);
     bis_scene_desc_free(desc);
 }
 

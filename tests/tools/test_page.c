@@ -11,6 +11,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define TEXT "<pre id=\"text\">"
 #define DATA "<script type=\"application/json\" id=\"data\">"
@@ -47,6 +48,18 @@ static void a_page_without_a_place_is_refused(void **state)
         bis_diag_clear(&diag);
         free(text);
     }
+}
+
+static void a_page_without_a_place_leaves_no_file(void **state)
+{
+    static const char path[] = "build/test_page.html";
+    bis_page p;
+    bis_diag diag = {0};
+    unlink(path);
+    assert_int_equal(bis_page_begin(&p, "a page", &diag), BIS_OK);
+    assert_int_equal(bis_page_end(&p, BIS_OK, path, TEXT "</pre>", "a page", &diag), BIS_INPUT);
+    assert_int_equal(access(path, F_OK), -1);
+    bis_diag_clear(&diag);
 }
 
 /* Each of the 255 bytes that a text may hold alone; UTF-8 of one to four bytes stays. */
@@ -238,6 +251,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_page_gets_its_data_and_its_text),
         cmocka_unit_test(a_page_without_a_place_is_refused),
+        cmocka_unit_test(a_page_without_a_place_leaves_no_file),
         cmocka_unit_test(each_byte_of_a_text_is_itself_an_entity_or_replaced),
         cmocka_unit_test(json_is_written_as_by_hand),
         cmocka_unit_test(texts_are_utf8),

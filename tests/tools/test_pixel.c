@@ -826,12 +826,15 @@ static void wrong_places_and_options_are_refused(void **state)
     start();
     write_scene(SCENE, map_light, "");
     program_write_file(DIR "/file", "");
+    char longest[4200] = SCENE " 1 1 --repeats 2 --output " DIR; /* a folder with a name whose files have none */
+    memset(longest + strlen(longest), '/', 4090 - strlen(DIR));
     const struct { int status; const char *arguments, *message; } cases[] = {
         {2, SCENE " 8 0", "X is \"8\", must be an integer in [0, 7]: the film of the scene has 8 x 4 pixels"},
         {2, SCENE " 0 4", "Y is \"4\", must be an integer in [0, 3]"},
         {2, SCENE " 0 -1", "unknown option \"-1\""},
         {1, SCENE " 1 1 --repeats 2 --output " DIR "/file", "is no folder"},
         {1, SCENE " 1 1 --repeats 2 --output " DIR "/no/such", "cannot be made"},
+        {1, longest, "the name is too long"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_expect(&r, cases[i].status, "pixel %s", cases[i].arguments);

@@ -1036,6 +1036,10 @@ static void a_folder_with_other_things_is_left_alone(void **state)
     program_expect(&r, 2, "trade " SCENE " --resume --seeds 3 --output " DIR "/own");
     program_expect(&r, 2, SMALL SCENE); /* a file */
     program_expect(&r, 1, SMALL DIR "/no/such/place");
+    char longest[3802] = DIR;
+    memset(longest + strlen(DIR), '/', sizeof longest - 1 - strlen(DIR));
+    program_expect(&r, 2, SMALL "%s", longest);
+    assert_string_equal(r.messages, "bis: error: --output has a name of 3801 bytes; take a shorter one\n");
 }
 
 /* Of plan.txt, the line that is named where a field is outside its range. Whole messages are in

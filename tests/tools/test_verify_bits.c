@@ -2,13 +2,16 @@
 /* `bis verify --bits`: this build has the bits of every build, for any number of threads; a build that rounds otherwise
  * is told so, by the first row that it reaches and by how much. */
 #include "claim.h"
+#include "cli/cli.h"
 #include "program.h"
 #include "threads.h"
 #include "tools/verify/verify.h"
 
 #include <fenv.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #define DIR "build/test_verify_bits"
 
@@ -57,6 +60,34 @@ static void a_build_that_rounds_otherwise_is_found(void **state)
     }
 }
 
+/* The command in this process, its results rounded up. */
+static void the_command_names_the_rows_that_differ(void **state)
+{
+    char text[4096] = "", bits[] = "--bits", *argv[] = {bits, NULL};
+    program_folder(DIR);
+    fflush(stdout);
+    const int saved = dup(STDOUT_FILENO);
+    assert_non_null(freopen(DIR "/bits.txt", "w", stdout));
+    const int rounding = fesetround(FE_UPWARD), exit_status = bis_cmd_verify(1, argv);
+    fesetround(FE_TONEAREST);
+    fflush(stdout);
+    dup2(saved, STDOUT_FILENO);
+    close(saved);
+    assert_int_equal(rounding, 0);
+    assert_int_equal(exit_status, BIS_EXIT_FAILED);
+    FILE *in = fopen(DIR "/bits.txt", "r");
+    assert_non_null(in);
+    text[fread(text, 1, sizeof text - 1, in)] = '\0';
+    fclose(in);
+    int n = 0, said = 0;
+    for (const char *at = text; (at = strstr(at, " DIFFERS: sum ")) != NULL; at++, n++)
+        assert_non_null(strstr(at, " of it\n"));
+    assert_true(n >= 2);
+    const char *last = strstr(text, "\n\n");
+    assert_true(last && sscanf(last, "\n\n%d of 12 differ. Each row rests on those above it: look at the first.\n",
+                               &said) == 1 && said == n);
+}
+
 static void the_command_says_it(void **state)
 {
     program_run r;
@@ -76,6 +107,7 @@ int main(void)
         cmocka_unit_test(this_build_has_the_bits_of_every_build),
         cmocka_unit_test(the_pictures_agree),
         cmocka_unit_test(a_build_that_rounds_otherwise_is_found),
+        cmocka_unit_test(the_command_names_the_rows_that_differ),
         cmocka_unit_test(the_command_says_it),
     };
 

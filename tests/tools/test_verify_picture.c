@@ -179,6 +179,34 @@ static bis_status render_three_percent_more(bis_render_result *result, bis_film 
     return status;
 }
 
+static bis_status render_a_sum_that_is_none(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    f->sum[0] = (double)NAN;
+    return status;
+}
+
+/* No difference is larger than one that is no number, and none is smaller. */
+static void a_mean_that_is_not_a_number_fails(void **state)
+{
+    verify_built b = build_full();
+    bis_verify v = {.seed = 1, .halvings = 2};
+    bool tested;
+    assert_int_equal(bis_verify_picture(&v, render_a_sum_that_is_none, b.scene, b.desc, &b.desc->view.settings, &tested,
+                                        NULL), BIS_OK);
+    size_t n = 0;
+    for (size_t i = 0; i < v.n; i++) {
+        if (strncmp(v.tests[i].name, "all pixels", strlen("all pixels")) != 0) continue;
+        n++;
+        assert_true(v.tests[i].p == 0);
+        assert_string_equal(v.tests[i].note, "not a number");
+    }
+    assert_true(tested && n > 0);
+    bis_verify_clear(&v);
+    verify_clear(&b);
+}
+
 static void wrong_pictures_are_rejected(void **state)
 {
     static const struct { const char *what; bis_verify_render *render; const char *by; } wrong[] = {
@@ -510,6 +538,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_right_picture_passes),
         cmocka_unit_test(what_is_skipped_by_chance_counts_among_the_p_values),
+        cmocka_unit_test(a_mean_that_is_not_a_number_fails),
         cmocka_unit_test(wrong_pictures_are_rejected),
         cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
         cmocka_unit_test(renders_pixels_and_passes_are_those_worked_out),

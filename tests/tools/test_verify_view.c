@@ -103,6 +103,28 @@ static void a_point_in_the_dark_is_not_tested(void **state)
     bis_light_free(light);
 }
 
+/* Two halvings leave half of the reference's 2^15 rays: by 2^11 it is known to 2 %, by 2^9 to more than the 5 % with
+ * which it judges. */
+static void what_is_known_too_badly_is_not_judged(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0), grey(1), 100), (vec3){0, 0, 1}, 40, LIT_HALF);
+    for (unsigned halvings = 8; halvings <= 12; halvings += 4) {
+        bis_verify v = {.seed = 1, .halvings = halvings};
+        bool tested;
+        assert_int_equal(
+            bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "few", &tested, NULL), BIS_OK);
+        assert_true(tested);
+        assert_int_equal(v.n, halvings == 8 ? 7 : 1);
+        assert_int_equal(v.tests[0].verdict == BIS_VERDICT_SKIPPED, halvings == 12);
+        if (halvings == 12)
+            assert_string_equal(v.tests[0].note, "the sum over patches is known too badly: the lobe is too narrow");
+        bis_verify_clear(&v);
+    }
+    bis_light_free(light);
+}
+
 /* One small lamp, seen at 84 degrees: a few of brdf's samples outweigh all others, so that p is bounded by Bernstein's
  * inequality. The right one passes; the one that draws again below the horizon, hence too often above it, does not. */
 static void what_is_rare_and_bright_is_judged_too(void **state)
@@ -312,6 +334,7 @@ int main(void)
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(the_error_of_the_reference_is_told_as_a_share),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
+        cmocka_unit_test(what_is_known_too_badly_is_not_judged),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
         cmocka_unit_test(a_stranger_is_held_to_what_uniform_directions_do),
         cmocka_unit_test(what_is_not_a_number_fails),
