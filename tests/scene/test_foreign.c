@@ -4,6 +4,7 @@
 #include "bis/scene/scene.h"
 #include "claim.h"
 #include "image_help.h"
+#include "scene/distant.h"
 
 #include <ftw.h>
 #include <math.h>
@@ -730,6 +731,28 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
     assert_says(said, "\"from\" and \"to\" are one point");
 }
 
+/* All pixels that the disc covers are equally bright, and the others less. Its radius is 1.42 rows here, next to the
+ * equator, where a column is as wide as a row. The axis stands in the middle of a column and 0.3 rows above the end of
+ * row 511. So the disc covers this row's pixel and the next row's in this column, and no third pixel. */
+static void the_pixels_that_a_disc_covers_are_equally_bright(void **state)
+{
+    enum { W = BIS_DISTANT_WIDTH, H = W / 2, COLUMN = 700 };
+    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels)};
+    bis_envmap em;
+    bis_distant sun = {.irradiance = {1, 1, 1}};
+    assert_int_equal(bis_envmap_from_latlong(&em, &black, NULL), BIS_OK);
+    const vec3 towards = bis_envmap_direction(&em, COLUMN, 511, 0.5, 0.7);
+    sun.towards[0] = (double)towards.x, sun.towards[1] = (double)towards.y, sun.towards[2] = (double)towards.z;
+    assert_true(bis_distant_add(&em, &sun));
+    const float L = em.pixels[511 * W + COLUMN].r;
+    assert_true(L > 0);
+    for (size_t i = 0; i < (size_t)W * H; i++) {
+        const bool is_covered = i == 511 * W + COLUMN || i == 512 * W + COLUMN;
+        assert_true(is_covered ? em.pixels[i].r == L : em.pixels[i].r < L);
+    }
+    bis_envmap_clear(&em);
+}
+
 /* A constant light is the sky around the disc: the map holds its radiance everywhere else, and a surface that faces the
  * disc receives pi L more. */
 static void a_constant_light_is_the_sky_around_a_distant_one(void **state)
@@ -839,6 +862,7 @@ int main(void)
         cmocka_unit_test(a_mesh_has_64_libraries_at_most),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
+        cmocka_unit_test(the_pixels_that_a_disc_covers_are_equally_bright),
         cmocka_unit_test(a_constant_light_is_the_sky_around_a_distant_one),
         cmocka_unit_test(distant_lights_are_all_there_in_one_frame),
         cmocka_unit_test(another_light_takes_the_place_of_all),
