@@ -233,14 +233,18 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     assert_int_equal(bis_flat_stage_bounds(stage, bound, SAY), 0);
     for (int i = 0; i < 64; i++) assert_true(w[i] <= fmax(bound[0], bound[1]) * (1 + 1e-5));
     /* u times the bound of 1 over w itself: every other candidate lies just below its weight, the others just above */
-    for (int i = 0; i < 64; i++) u[i] = w[i] / bound[0] * (i % 2 ? 1.001 : 0.999);
-    assert_int_equal(bis_flat_stage_accept(stage, "em", 64, w, u, height, taken, &accepted, SAY), 0);
-    n = 0;
-    for (int i = 0; i < 64; i++) {
-        assert_true(taken[i] == (w[i] > 0 && i % 2 == 0) && fabs(height[i] - u[i] * bound[0]) <= 1e-12 * bound[0]);
-        n += taken[i];
+    for (int k = 0; k < 2; k++) {
+        const double B = bound[k];
+        for (int i = 0; i < 64; i++) u[i] = w[i] / B * (i % 2 ? 1.001 : 0.999);
+        assert_int_equal(
+            bis_flat_stage_accept(stage, k ? "brdf" : "em", 64, w, u, height, taken, &accepted, SAY), 0);
+        n = 0;
+        for (int i = 0; i < 64; i++) {
+            assert_true(taken[i] == (w[i] > 0 && i % 2 == 0) && fabs(height[i] - u[i] * B) <= 1e-12 * B);
+            n += taken[i];
+        }
+        assert_true(accepted == n && n > 0);
     }
-    assert_true(accepted == n && n > 0);
     refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY), "give em or brdf");
     refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY), "do not fit");
     refuses(
