@@ -171,8 +171,8 @@ static void a_ring_is_flat_and_a_whole_turn_closes(void **state)
     bis_mesh_clear(&m);
 }
 
-/* All vertices of a tip are one point. Each has the normal of the line that ends there, so that the shading is smooth up
- * to the tip, at any height: of the radius 1.5 (1 - z/3), and of the radius z + 1 from its tip on. */
+/* All vertices of a tip are one point. Each has the normal of the line that ends there, so that the shading is smooth
+ * up to the tip, at any height: of the radius 1.5 (1 - z/3), and of the radius z + 1 from its tip on. */
 static void a_tip_has_the_normals_of_the_lines_that_meet_there(void **state)
 {
     static const struct {

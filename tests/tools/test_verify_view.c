@@ -125,8 +125,8 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
     bis_light_free(light);
 }
 
-/* Bernstein's bound is never below the tail bound of a normal law, 2 exp(-z^2/2), since what may be rare and bright only
- * widens it. Few runs of the wrong one, so that neither is next to 0: z is between 2 and 6. */
+/* Bernstein's bound is never below the tail bound of a normal law, 2 exp(-z^2/2), since what may be rare and bright
+ * only widens it. Few runs of the wrong one, so that neither is next to 0: z is between 2 and 6. */
 static void what_is_rare_is_less_certain_than_a_normal_law_says(void **state)
 {
     bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
