@@ -576,10 +576,10 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
 }
 
 /* How many cells hold the only triangle, by hand: those that it meets, or whose corner or edge it touches. In 8 x 8
- * cells the half of a square: column i has the rows 0 to 8 - i, 7 at most, 8 + 8 + 7 + 6 + 5 + 4 + 3 + 2. In 4 x 4 x 4: the
- * plane x + y + z = 4 has the cells with i + j + k from 1 to 4, 3 + 6 + 10 + 12. The triangle z <= x = y has k <= i + 1
- * where i = j, 2 + 3 + 4 + 4, and k <= the smaller of i and j, and 1, where these are neighbours, twice 2 + 3 + 4. Each
- * also with its axes exchanged, and from its other side. */
+ * cells the half of a square: column i has the rows 0 to 8 - i, 7 at most, 8 + 8 + 7 + 6 + 5 + 4 + 3 + 2. In 4 x 4 x 4:
+ * the plane x + y + z = 4 has the cells with i + j + k from 1 to 4, 3 + 6 + 10 + 12. The triangle z <= x = y has k up
+ * to i + 1 where i = j, 2 + 3 + 4 + 4, and up to the larger of i and j where these are neighbours, twice 2 + 3 + 4.
+ * Each also with its axes exchanged, and from its other side. */
 static void a_triangle_is_in_the_cells_that_it_meets(void **state)
 {
     static const struct {
