@@ -458,7 +458,8 @@ static void an_address_is_a_host_and_a_port(void **state)
 {
     static const char *const good[] = {"localhost:14158", "127.0.0.1:1", "[::1]:65535", "a.b-c.example:80"};
     static const char *const bad[] = {"", "localhost", ":80", "localhost:", "localhost:0", "localhost:65536",
-        "localhost:80x", "localhost:-1", "::1:80", "localhost:0000080"};
+        "localhost:80x", "localhost:-1", "::1:80", "localhost:0000080",
+        "localhost:014158"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_true(bis_display_is_address(good[i]));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(bis_display_is_address(bad[i]));
     char longest[258]; /* 255 characters and no more */

@@ -107,6 +107,22 @@ static void the_command_in_the_message_makes_the_missing_part(void **state)
     assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
 }
 
+/* Each output is compared with each part: the last picture, and the figures. */
+static void no_output_replaces_a_part(void **state)
+{
+    static const char *const outputs[] = {"--outfile " DIR "/b.exr --outfile " DIR "/link.pfm",
+                                          "--outfile " DIR "/b.exr --stats " DIR "/p2.bispart"};
+    program_run r;
+    write_parts("--resolution 40x16 --spp 3");
+    unlink(DIR "/link.pfm");
+    assert_int_equal(symlink("p2.bispart", DIR "/link.pfm"), 0);
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++) {
+        program_expect(&r, 2, "merge " PARTS " %s", outputs[i]);
+        assert_non_null(strstr(r.messages, "would replace \"" DIR "/p2.bispart\", which is read"));
+    }
+    unlink(DIR "/link.pfm");
+}
+
 /* A full disk leaves the older file; a signal leaves a checkpoint, with which the part goes on. */
 static void a_part_that_cannot_be_finished_is_not_written(void **state)
 {
@@ -139,6 +155,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_outputs_are_those_of_one_run),
         cmocka_unit_test(the_command_in_the_message_makes_the_missing_part),
+        cmocka_unit_test(no_output_replaces_a_part),
         cmocka_unit_test(a_part_that_cannot_be_finished_is_not_written),
     };
     static const expect_text texts[] = {{"scene", SCENE}, {"folder", DIR}, {NULL, NULL}};

@@ -99,6 +99,27 @@ static void render_says_so(void **state)
                                   "--stats " DIR "/r.json --outfile " DIR "/r.exr --outfile " DIR "/r.pfm", 1000);
 }
 
+/* The options that have files of their own. */
+static void a_light_of_its_own_says_so(void **state)
+{
+    each_may_fail(bis_cmd_render, DIR "/scene.txt --quiet --spp 1 --nthreads 1 --accelerator grid --light " DIR
+                                  "/b.pfm --outfile " DIR "/r.pfm", 1000);
+}
+
+static void merge_says_so(void **state)
+{
+    static answer part;
+    for (int k = 1; k <= 2; k++) {
+        char arguments[256];
+        snprintf(arguments, sizeof arguments, DIR "/scene.txt --quiet --spp 1 --part %d/2 --outfile " DIR
+                 "/p%d.bispart", k, k);
+        run(&part, bis_cmd_render, arguments, 0);
+        if (part.exit_status != 0) fail_msg("%s", part.messages);
+    }
+    each_may_fail(bis_cmd_merge, DIR "/p1.bispart " DIR "/p2.bispart --quiet --stats " DIR "/r.json --outfile " DIR
+                                 "/r.pfm", 1000);
+}
+
 static void pixel_says_so(void **state)
 {
     each_may_fail(bis_cmd_pixel, DIR "/scene.txt 12 8 --repeats 2 --candidates 4 --shadowrays 2 --samples 2 "
@@ -148,6 +169,8 @@ int main(void)
         cmocka_unit_test(compare_says_so),
         cmocka_unit_test(envmap_says_so),
         cmocka_unit_test(render_says_so),
+        cmocka_unit_test(a_light_of_its_own_says_so),
+        cmocka_unit_test(merge_says_so),
         cmocka_unit_test(pixel_says_so),
         cmocka_unit_test(merge_says_so),
         cmocka_unit_test(verify_says_so),

@@ -409,6 +409,21 @@ static void tiles_of_any_side_fill_the_map(void **state)
     }
 }
 
+/* Larger than any map. */
+static void too_large_tiles_are_refused(void **state)
+{
+    for (int more = 0; more < 2; more++) {
+        const part_spec part = {.channels = "B G R", .width = 8, .height = 5, .tile = BIS_IMAGE_MAX_SIDE + more};
+        bytes file = {0};
+        bis_image image;
+        put_file(&file, &part, 1);
+        store(scratch("tiles.exr"), file.data, file.n);
+        assert_int_equal(bis_image_read(&image, scratch("tiles.exr"), (bis_loc){0}, NULL), more ? BIS_INPUT : BIS_OK);
+        bis_image_clear(&image);
+        bytes_clear(&file);
+    }
+}
+
 #define LAYER(name) "it has no R, G, B at the top; layer \"" name "\" is read"
 #define NO_COLOUR(names) "its channels are " names ", must be R, G and B, or Y, perhaps in a layer"
 #define LINES .type = "scanlineimage"
@@ -997,6 +1012,7 @@ int main(void)
         cmocka_unit_test(chromaticities_that_span_nothing_are_remarked),
         cmocka_unit_test(the_data_window_is_the_whole_map_wherever_it_lies),
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
+        cmocka_unit_test(too_large_tiles_are_refused),
         cmocka_unit_test(each_file_gives_the_channels_or_the_message_beside_it),
         cmocka_unit_test(one_channel_of_any_type_among_any_others_is_read),
         cmocka_unit_test(every_compression_that_core_knows_is_read_in_scanlines_and_tiles),

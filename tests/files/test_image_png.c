@@ -168,6 +168,42 @@ static void the_file_says_that_it_is_srgb(void **state)
     bis_free(data);
 }
 
+/* A file of one pixel, code 128, whose gAMA chunk says so many 1/100000. */
+static void write_gamma(png_fixed_point encoded)
+{
+    FILE *out = fopen(scratch("gamma.png"), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, out);
+    png_set_IHDR(png, info, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_gAMA_fixed(png, info, encoded);
+    png_write_info(png, info);
+    png_write_row(png, (png_byte[]){128});
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(out);
+}
+
+/* Of a file without sRGB the chunk counts, from 0.1 to 10: 128/255 to the power of 1 over it; what lies beyond is a
+ * slip, and the file is sRGB, whose code 128 is 0.215861. */
+static void the_gamma_of_a_file_counts_where_it_can_be_meant(void **state)
+{
+    static const struct {
+        png_fixed_point encoded;
+        double value;
+    } cases[] = {{9000, 0.215861}, {10000, 0.00101554}, {100000, 0.501961}, {1000000, 0.933398}, {1050000, 0.215861}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_image image;
+        write_gamma(cases[i].encoded);
+        assert_int_equal(
+            bis_image_read_colours(&image, scratch("gamma.png"), BIS_GAMMA_FILE, (bis_loc){0}, NULL), BIS_OK);
+        if (fabs((double)image.pixels[0].g / cases[i].value - 1) > 1e-5)
+            fail_msg("gAMA %d: %.8g", (int)cases[i].encoded, (double)image.pixels[0].g);
+        bis_image_clear(&image);
+    }
+}
+
 static void a_png_is_no_source_of_light(void **state)
 {
     size_t n;
@@ -244,6 +280,7 @@ int main(void)
         cmocka_unit_test(the_exposure_is_metered_on_the_subject),
         cmocka_unit_test(channels_may_be_planes_of_their_own),
         cmocka_unit_test(the_file_says_that_it_is_srgb),
+        cmocka_unit_test(the_gamma_of_a_file_counts_where_it_can_be_meant),
         cmocka_unit_test(a_png_is_no_source_of_light),
         cmocka_unit_test(what_was_written_is_read_back_as_colours),
         cmocka_unit_test(damaged_pictures_are_survived),

@@ -285,23 +285,54 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     assert_int_equal(bis_flat_stage_candidates(stage, sir, 1, 64, wi, w, chosen, kind, sum, SAY), 0);
     for (int i = 0; i < 64; i++) n += chosen[i];
     assert_int_equal(n, 8);
+    /* M, N, and nothing is hidden: the estimate with V is the one without, and each that was chosen has a ray */
+    n = 0;
+    for (int i = 0; i < 64; i++) n += chosen[i] > 0;
+assert_true(sum[0] == 64 && sum[1] == 8 && sum[2] > 1 && sum[2] <= 64 && sum[5] == n);
+    assert_true(fabs(sum[3] - sum[4]) < 1e-6); /* floats */
+    n = 0;
     assert_int_equal(bis_flat_stage_bounds(stage, bound, SAY), 0);
     for (int i = 0; i < 64; i++) assert_true(w[i] <= fmax(bound[0], bound[1]) * (1 + 1e-5));
     /* u times the bound of 1 over w itself: every other candidate lies just below its weight, the others just above */
-    for (int i = 0; i < 64; i++) u[i] = w[i] / bound[0] * (i % 2 ? 1.001 : 0.999);
-    assert_int_equal(bis_flat_stage_accept(stage, "em", 64, w, u, height, taken, &accepted, SAY), 0);
-    n = 0;
-    for (int i = 0; i < 64; i++) {
-        assert_true(taken[i] == (w[i] > 0 && i % 2 == 0) && fabs(height[i] - u[i] * bound[0]) <= 1e-12 * bound[0]);
-        n += taken[i];
+    for (int k = 0; k < 2; k++) {
+        const double B = bound[k];
+        for (int i = 0; i < 64; i++) u[i] = w[i] / B * (i % 2 ? 1.001 : 0.999);
+        assert_int_equal(
+            bis_flat_stage_accept(stage, k ? "brdf" : "em", 64, w, u, height, taken, &accepted, SAY), 0);
+        n = 0;
+        for (int i = 0; i < 64; i++) {
+            assert_true(taken[i] == (w[i] > 0 && i % 2 == 0) && fabs(height[i] - u[i] * B) <= 1e-12 * B);
+            n += taken[i];
+        }
+        assert_true(accepted == n && n > 0);
     }
-    assert_true(accepted == n && n > 0);
     refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY), "give em or brdf");
     refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY), "do not fit");
     refuses(
         bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY),
         "give sir");
     refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "pixel (8, 0) is outside 8 x 8");
+    bis_flat_stage_close(stage);
+}
+
+/* A grid of 4 columns and 3 rows over the map: directions by phi and theta. The lower pole belongs to the last row, and
+ * a phi that rounds to a whole turn to the last column. */
+static void a_direction_is_found_in_its_cell(void **state)
+{
+    const float wi[8 * 3] = {0, 0, 1,      1, 0.1f, 0, 0.1f, 1, 0, -1, 0.1f, 0, 0.1f, -1, 0, 0, 0.1f, -1,
+                             0, 0, -1, 1, -1e-30f, 0};
+    static const uint32_t wanted[8] = {0, 4, 4, 5, 7, 9, 8, 7};
+    bis_flat_stage *stage;
+    uint32_t cell[8];
+    float unit[8 * 3];
+    for (int i = 0; i < 8; i++) {
+        const vec3 w = normalize((vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]});
+        unit[3 * i] = w.x, unit[3 * i + 1] = w.y, unit[3 * i + 2] = w.z;
+    }
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_find(stage, 4, 3, 8, unit, cell, SAY), 0);
+    for (int i = 0; i < 8; i++)
+        if (cell[i] != wanted[i]) fail_msg("direction %d: cell %u", i, (unsigned)cell[i]);
     bis_flat_stage_close(stage);
 }
 
@@ -607,6 +638,7 @@ int main(void)
         cmocka_unit_test(the_fit_is_pearsons),
         cmocka_unit_test(a_white_map_is_one_light),
         cmocka_unit_test(a_point_of_a_diffuse_floor_is_known),
+        cmocka_unit_test(a_direction_is_found_in_its_cell),
         cmocka_unit_test(rejection_accepts_the_mean_weight_over_the_bound),
         cmocka_unit_test(the_two_noises_add_up_E31),
         cmocka_unit_test(a_diffuse_material_loses_nothing),

@@ -851,6 +851,19 @@ static void messages_stand_alone(void **state)
     clear_world(&w);
 }
 
+/* A text is as long as the file says, whatever stood in its place before. */
+static void a_text_ends_where_it_was_read_to(void **state)
+{
+    static const unsigned char file[6] = {2, 0, 0, 0, 'a', 'b'};
+    bis_walk *w = bis_alloc(1, sizeof *w);
+    char text[8] = "1234567";
+    w->in = file, w->end = file + sizeof file;
+    bis_walk_text(w, text, sizeof text);
+    assert_false(w->bad);
+    assert_string_equal(text, "ab");
+    bis_free(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -867,6 +880,7 @@ int main(void)
         cmocka_unit_test(of_unlike_parts_the_larger_figures_stand),
         cmocka_unit_test(numbers_that_make_no_sense_are_refused),
         cmocka_unit_test(a_head_is_read_up_to_its_limits),
+        cmocka_unit_test(a_text_ends_where_it_was_read_to),
         cmocka_unit_test(messages_stand_alone),
     };
     return cmocka_run_group_tests(tests, setup, NULL);

@@ -273,6 +273,8 @@ static void textures_of_pbrts_have_the_mean_of_their_parts(void **state)
         if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 ||
             fabs((double)c.b - cases[i].b) > 1e-6)
             fail_msg("%s: %g %g %g", cases[i].texture, (double)c.r, (double)c.g, (double)c.b);
+        for (size_t k = 0; k < d->textures.n; k++) /* one value asks no other texture */
+            assert_true(d->textures.list[k].kind == BIS_TEXTURE_CONSTANT && d->textures.list[k].steps == 1);
         assert_int_equal(d->n_approximations, strstr(cases[i].texture, "tex1\" 1") ? 2 : 1);
         bis_scene_desc_free(d);
     }
@@ -375,6 +377,30 @@ static void what_moves_stands_where_it_is_at_first(void **state)
     assert_true(d->shapes[0].to_world.m[0][0] == 1);
     assert_true(d->shapes[1].to_world.m[1][3] == 7); /* AttributeEnd ends the choice, too */
     bis_scene_desc_free(d);
+}
+
+/* The end of a motion neither flattens what stands at its start nor restores what is flat there. */
+static void what_is_flat_at_the_end_alone_is_shown(void **state)
+{
+#define FLAT "[1 0 0 0  0 1 0 0  0 0 0 0  0 0 0 1] "
+#define WHOLE "[1 0 0 0  0 1 0 0  0 0 1 0  0 0 0 1] "
+    static const struct { const char *transforms; size_t shapes; } cases[] = {
+        {"ActiveTransform EndTime Scale 1 1 0 ", 1},
+        {"ActiveTransform EndTime ConcatTransform " FLAT, 1},
+        {"ActiveTransform EndTime Transform " FLAT, 1},
+        {"CoordinateSystem \"c\" Scale 1 1 0 ActiveTransform EndTime Transform " WHOLE, 0},
+        {"CoordinateSystem \"c\" Scale 1 1 0 ActiveTransform EndTime Identity ", 0},
+        {"CoordinateSystem \"c\" Scale 1 1 0 ActiveTransform EndTime CoordSysTransform \"c\" ", 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[400];
+        snprintf(text, sizeof text, "WorldBegin %sActiveTransform All Shape \"sphere\"", cases[i].transforms);
+        bis_scene_desc *d = approximated(text);
+        if (d->n_shapes != cases[i].shapes) fail_msg("%s: %zu shapes", cases[i].transforms, d->n_shapes);
+        bis_scene_desc_free(d);
+    }
+#undef FLAT
+#undef WHOLE
 }
 
 static void what_is_unknown_to_pbrt_too_stays_an_error(void **state)
@@ -657,6 +683,7 @@ int main(void)
         cmocka_unit_test(a_mix_of_itself_or_of_nothing_is_an_error),
         cmocka_unit_test(shapes_of_an_interface_are_left_out_also_as_instances),
         cmocka_unit_test(what_moves_stands_where_it_is_at_first),
+        cmocka_unit_test(what_is_flat_at_the_end_alone_is_shown),
         cmocka_unit_test(what_is_unknown_to_pbrt_too_stays_an_error),
         cmocka_unit_test(an_import_is_read_as_an_include),
         cmocka_unit_test(a_plan_lists_what_is_missing_each_once),

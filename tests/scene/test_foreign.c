@@ -4,6 +4,7 @@
 #include "bis/scene/scene.h"
 #include "claim.h"
 #include "image_help.h"
+#include "scene/distant.h"
 
 #include <ftw.h>
 #include <math.h>
@@ -358,6 +359,33 @@ static void an_image_in_the_place_of_a_colour_is_its_mean(void **state)
         if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 ||
             fabs((double)c.b - cases[i].b) > 1e-6)
             fail_msg("%s: %g %g %g", cases[i].image, (double)c.r, (double)c.g, (double)c.b);
+        bis_scene_desc_free(d);
+    }
+}
+
+/* Of two pixels (.1, .3, .6) and (.3, .5, .8) the mean is (.2, .4, .7), half of it (.1, .2, .35), and of 1 it leaves
+ * (.9, .8, .65). */
+static void the_mean_of_an_image_is_scaled_then_inverted(void **state)
+{
+    static const struct { const char *parameters; double r, g, b; } cases[] = {
+        {"", .2, .4, .7},
+        {"\"float scale\" .5", .1, .2, .35},
+        {"\"bool invert\" true", .8, .6, .3},
+        {"\"float scale\" .5 \"bool invert\" true", .9, .8, .65},
+    };
+    static const float pixels[6] = {.1f, .3f, .6f, .3f, .5f, .8f};
+    char pfm[64] = "PF\n2 1\n-1.0\n", said[8192], text[1024];
+    const size_t head = strlen(pfm);
+    memcpy(pfm + head, pixels, sizeof pixels);
+    store(place("two.pfm"), pfm, head + sizeof pixels);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, LIT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"two.pfm\" %s "
+                 "Material \"mirror\" \"texture Kr\" \"t\" Shape \"sphere\"", cases[i].parameters);
+        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
+        const rgb Ks = d->materials[d->shapes[0].material].Ks;
+        if (fabs((double)Ks.r - cases[i].r) > 1e-6 || fabs((double)Ks.g - cases[i].g) > 1e-6 ||
+            fabs((double)Ks.b - cases[i].b) > 1e-6)
+            fail_msg("%s: %g %g %g", cases[i].parameters, (double)Ks.r, (double)Ks.g, (double)Ks.b);
         bis_scene_desc_free(d);
     }
 }
@@ -808,6 +836,28 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
     bis_scene_desc_free(d);
 }
 
+/* All pixels that the disc covers are equally bright, and the others less. Its radius is 1.42 rows here, next to the
+ * equator, where a column is as wide as a row. The axis stands in the middle of a column and 0.3 rows above the end of
+ * row 511. So the disc covers this row's pixel and the next row's in this column, and no third pixel. */
+static void the_pixels_that_a_disc_covers_are_equally_bright(void **state)
+{
+    enum { W = BIS_DISTANT_WIDTH, H = W / 2, COLUMN = 700 };
+    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels)};
+    bis_envmap em;
+    bis_distant sun = {.irradiance = {1, 1, 1}};
+    assert_int_equal(bis_envmap_from_latlong(&em, &black, NULL), BIS_OK);
+    const vec3 towards = bis_envmap_direction(&em, COLUMN, 511, 0.5, 0.7);
+    sun.towards[0] = (double)towards.x, sun.towards[1] = (double)towards.y, sun.towards[2] = (double)towards.z;
+    assert_true(bis_distant_add(&em, &sun));
+    const float L = em.pixels[511 * W + COLUMN].r;
+    assert_true(L > 0);
+    for (size_t i = 0; i < (size_t)W * H; i++) {
+        const bool is_covered = i == 511 * W + COLUMN || i == 512 * W + COLUMN;
+        assert_true(is_covered ? em.pixels[i].r == L : em.pixels[i].r < L);
+    }
+    bis_envmap_clear(&em);
+}
+
 /* A constant light is the sky around the disc: the map holds its radiance everywhere else, and a surface that faces the
  * disc receives pi L more. */
 static void a_constant_light_is_the_sky_around_a_distant_one(void **state)
@@ -907,6 +957,7 @@ int main(void)
         cmocka_unit_test(what_pbrt_passes_over_in_silence_is_a_warning),
         cmocka_unit_test(what_pbrt_goes_on_after_is_approximated),
         cmocka_unit_test(what_is_replaced_has_the_values_of_the_scene),
+        cmocka_unit_test(the_mean_of_an_image_is_scaled_then_inverted),
         cmocka_unit_test(both_roughnesses_may_be_one_texture),
         cmocka_unit_test(a_bad_part_of_a_texture_counts_where_it_is_shown),
         cmocka_unit_test(the_images_of_pbrt_v2_stand_on_their_head),
@@ -919,6 +970,7 @@ int main(void)
         cmocka_unit_test(a_mesh_has_64_libraries_at_most),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
+        cmocka_unit_test(the_pixels_that_a_disc_covers_are_equally_bright),
         cmocka_unit_test(a_constant_light_is_the_sky_around_a_distant_one),
         cmocka_unit_test(distant_lights_are_all_there_in_one_frame),
         cmocka_unit_test(another_light_takes_the_place_of_all),

@@ -575,6 +575,39 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
     }
 }
 
+/* How many cells hold the only triangle, by hand: those that it meets, or whose corner or edge it touches. In 8 x 8
+ * cells the half of a square: column i has the rows 0 to 8 - i, 7 at most, 8 + 8 + 7 + 6 + 5 + 4 + 3 + 2. In 4 x 4 x 4:
+ * the plane x + y + z = 4 has the cells with i + j + k from 1 to 4, 3 + 6 + 10 + 12. The triangle z <= x = y has k up
+ * to i + 1 where i = j, 2 + 3 + 4 + 4, and up to the larger of i and j where these are neighbours, twice 2 + 3 + 4.
+ * Each also with its axes exchanged, and from its other side. */
+static void a_triangle_is_in_the_cells_that_it_meets(void **state)
+{
+    static const struct {
+        float p[3][3];
+        uint32_t items;
+    } cases[] = {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 43},
+                 {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 31},
+                 {{{0, 0, 0}, {1, 1, 0}, {1, 1, 1}}, 31}};
+    for (int n = 0; n < 3 * 3 * 2; n++) {
+        const int i = n % 3, turn = n / 3 % 3, back = n / 9;
+        bis_mesh m = new_mesh(3, 1);
+        bis_geometry g = {0};
+        bis_accel *a;
+        for (int k = 0; k < 3; k++) {
+            const float *p = cases[i].p[back ? 2 - k : k];
+            m.p[k] = (vec3){p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]};
+            m.index[k] = (uint32_t)k;
+        }
+        add_mesh(&g, &m, NULL, 0);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 64, 1, NULL}, NULL), BIS_OK);
+        const bis_grid *grid = (const bis_grid *)a;
+        assert_int_equal(grid->n_cells, 64);
+        if (bis_grid_items(grid) != cases[i].items) fail_msg("case %d: %u", n, (unsigned)bis_grid_items(grid));
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+}
+
 static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)
 {
     static const struct {
@@ -867,6 +900,7 @@ int main(void)
         cmocka_unit_test(a_sphere_around_everything_costs_no_hit),
         cmocka_unit_test(the_grid_answers_as_a_loop_over_all_primitives_bit_by_bit),
         cmocka_unit_test(few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small),
+        cmocka_unit_test(a_triangle_is_in_the_cells_that_it_meets),
         cmocka_unit_test(a_grid_of_two_axes_or_one_cell_or_very_many_is_built),
         cmocka_unit_test(a_soup_of_large_triangles_stays_within_its_items),
         cmocka_unit_test(the_number_of_threads_changes_no_bit_of_the_grid),

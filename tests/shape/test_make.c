@@ -171,6 +171,34 @@ static void a_ring_is_flat_and_a_whole_turn_closes(void **state)
     bis_mesh_clear(&m);
 }
 
+/* All vertices of a tip are one point. Each has the normal of the line that ends there, so that the shading is smooth
+ * up to the tip, at any height: of the radius 1.5 (1 - z/3), and of the radius z + 1 from its tip on. */
+static void a_tip_has_the_normals_of_the_lines_that_meet_there(void **state)
+{
+    static const struct {
+        bis_revolved r;
+        double tip, n[2]; /* the height, the normal's parts away from the axis and along it */
+    } cones[] = {{{.p = {{1.5, 0, 0}, {0, 0, 3}}, .phi_max_deg = 360}, 3, {2, 1}},
+                 {{.p = {{0, 0, -1}, {2, 0, 1}}, .phi_max_deg = 360}, -1, {1, -1}}};
+    for (size_t k = 0; k < 2; k++) {
+        const double *n = cones[k].n, size = hypot(n[0], n[1]);
+        size_t found = 0;
+        bis_mesh m;
+        assert_int_equal(bis_make_revolved(&m, &cones[k].r, (bis_loc){0}, NULL), BIS_OK);
+        for (size_t i = 0; i < m.n_vertices; i++) {
+            const double phi = 2 * PI * (double)m.uv[i].u;
+            if (m.p[i].x != 0 || m.p[i].y != 0) continue;
+            assert_true((double)m.p[i].z == cones[k].tip);
+            assert_true(fabs((double)m.n[i].x - n[0] / size * cos(phi)) < 1e-6);
+            assert_true(fabs((double)m.n[i].y - n[0] / size * sin(phi)) < 1e-6);
+            assert_true(fabs((double)m.n[i].z - n[1] / size) < 1e-6);
+            found++;
+        }
+        assert_int_equal(found, BIS_MAKE_TURN + 1);
+        bis_mesh_clear(&m);
+    }
+}
+
 /* ---- patches, height fields, NURBS ---- */
 
 static void patches_lie_on_the_hyperbolic_paraboloid(void **state)
@@ -514,6 +542,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(revolved_meshes_lie_on_the_implicit_surfaces),
         cmocka_unit_test(a_ring_is_flat_and_a_whole_turn_closes),
+        cmocka_unit_test(a_tip_has_the_normals_of_the_lines_that_meet_there),
         cmocka_unit_test(patches_lie_on_the_hyperbolic_paraboloid),
         cmocka_unit_test(patches_interpolate_normals_and_coordinates),
         cmocka_unit_test(a_height_field_spans_the_unit_square),

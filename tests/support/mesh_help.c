@@ -151,9 +151,10 @@ void try_mesh_damage(mesh_reader *read, const bytes *b, const char *name, int n,
     free(changed);
 }
 
-void try_mesh_memory(mesh_reader *read, const bytes *b, const char *name)
+size_t try_mesh_memory(mesh_reader *read, const bytes *b, const char *name)
 {
     const char *path = scratch(name);
+    size_t n_located = 0;
 
     store(path, b->data, b->n);
     FOR_LACK(l) {
@@ -165,10 +166,13 @@ void try_mesh_memory(mesh_reader *read, const bytes *b, const char *name)
             assert_int_equal(diag.n_errors, 1);
             assert_null(m.p);
             assert_null(m.index);
+            for (size_t i = 0; i < diag.n; i++)
+                n_located += strncmp(diag.messages[i].text + strlen(path), ": error: ", strlen(": error: ")) != 0;
         }
         bis_mesh_clear(&m);
         bis_diag_clear(&diag);
     }
+    return n_located;
 }
 
 void assert_sound(const bis_mesh *m)

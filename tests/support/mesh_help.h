@@ -37,8 +37,9 @@ void expect_mesh_refusal_of(mesh_reader *read, const bytes *b, const char *name,
 /* Every prefix of b, and n copies with up to four bytes changed: any status, but no crash, and only sound meshes. */
 void try_mesh_damage(mesh_reader *read, const bytes *b, const char *name, int n, uint32_t seed);
 
-/* Fail the k-th allocation for k = 1, 2, ... until reading b works; no mesh and one error before. */
-void try_mesh_memory(mesh_reader *read, const bytes *b, const char *name);
+/* Fail the k-th allocation for k = 1, 2, ... until reading b works; no mesh and one error before. Returns how many
+ * of these errors name a line. */
+size_t try_mesh_memory(mesh_reader *read, const bytes *b, const char *name);
 
 /* Indices in range, coordinates finite. */
 void assert_sound(const bis_mesh *m);

@@ -608,6 +608,34 @@ static void a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable(void **stat
     bis_envmap_clear(&em);
 }
 
+/* The tiles of 66 rows of 1000 pixels, of which the last two make tiles of their own. A tile of rows y to y + n spans
+ * 4 columns of 1000 and cos(theta) from pi y/66 to pi (y + n)/66. Its end on the curve, less the one before, is the sum
+ * of its pixels' probabilities. */
+static void a_tile_has_the_solid_angle_and_the_share_of_its_pixels(void **state)
+{
+    bis_envmap em = map_random(1000, 66, 8, 0.3, 5);
+    bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
+    uint32_t side;
+    double before = 0;
+    assert_int_equal(bis_importance_n_tiles(im, &side), 250 * 17);
+    assert_int_equal(side, 4);
+    for (size_t i = 0; i < 250 * 17; i++) {
+        const bis_curve_tile t = bis_importance_tile(im, i);
+        const uint32_t y = t.tile / 250 * 4, x = t.tile % 250 * 4, rows = y == 64 ? 2 : 4;
+        double share = 0;
+        for (uint32_t k = 0; k < 4 * rows; k++) {
+            const size_t pixel = (size_t)(y + k / 4) * 1000 + x + k % 4;
+            share += bis_importance_pdf_pixel(im, pixel) * map_solid_angle(&em, pixel);
+        }
+        assert_near(t.solid_angle, 2 * PI * 4 / 1000 * (cos(PI * y / 66) - cos(PI * (y + rows) / 66)), 1e-12);
+        assert_near(t.end - before, share, 4 * DBL_EPSILON);
+        before = t.end;
+    }
+    assert_true(before == 1);
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
 static void any_number_of_threads_builds_the_same_bits(void **state)
 {
 #ifdef _OPENMP
@@ -699,6 +727,7 @@ int main(void)
         cmocka_unit_test(sixteen_bytes_a_pixel_are_enough),
         cmocka_unit_test(only_what_is_asked_for_is_built),
         cmocka_unit_test(a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable),
+        cmocka_unit_test(a_tile_has_the_solid_angle_and_the_share_of_its_pixels),
         cmocka_unit_test(any_number_of_threads_builds_the_same_bits),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(real_maps_are_drawn_as_told),

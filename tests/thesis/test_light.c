@@ -222,6 +222,24 @@ static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(voi
     bis_light_free(light);
 }
 
+/* By u[0] the height and by u[1] the azimuth: z = 1 - 2/4, phi = 60 degrees. The curve begins in the corner of both
+ * numbers' zeros, where z is 1, and ends in that of (1, 0), as Hilbert's does. */
+static void a_constant_is_drawn_from_by_its_two_numbers(void **state)
+{
+    const double u[4] = {0.25, 1 / 6.0, 0.9, 0.8};
+    bis_light *light;
+    bis_light_point s;
+    assert_int_equal(bis_light_constant(&light, (rgb){1, 1, 1}, NULL), BIS_OK);
+    assert_true(bis_light_sample(light, u, &s));
+    assert_near((double)s.wi.x, sqrt(0.75) / 2, 1e-7);
+    assert_near((double)s.wi.y, 0.75, 1e-7);
+    assert_near((double)s.wi.z, 0.5, 1e-7);
+    assert_true(bis_light_sample_curve(light, 0, (double[]){0, 0}, &s) && s.wi.z == 1);
+    assert_true(bis_light_sample_curve(light, 1 - 0x1p-53, (double[]){0.5, 0.5}, &s));
+    assert_near((double)s.wi.z, -1, 1e-7);
+    bis_light_free(light);
+}
+
 static void lights_without_light_draw_nothing(void **state)
 {
     const double u[4] = {0.1, 0.2, 0.3, 0.4};
@@ -435,6 +453,7 @@ int main(void)
         cmocka_unit_test(power_is_the_same_by_every_road),
         cmocka_unit_test(patches_of_a_map_are_its_pixels),
         cmocka_unit_test(a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing),
+        cmocka_unit_test(a_constant_is_drawn_from_by_its_two_numbers),
         cmocka_unit_test(lights_without_light_draw_nothing),
         cmocka_unit_test(a_good_map_loads_without_a_word_and_is_multiplied),
         cmocka_unit_test(bad_values_are_one_warning_with_counts_and_share),

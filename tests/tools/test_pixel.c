@@ -93,6 +93,10 @@ static void a_long_mis_stands_in_for_huge_maps(void **state)
     assert_agrees(&e.lit, lit_truth(&l, true));
     assert_agrees(&e.open, lit_truth(&l, false));
     assert_true(e.lit.se[3] < 0.01 * e.lit.mean[3]);
+    /* by the balance heuristic n samples scatter less than n of the mixture, whose variance a sum over patches has */
+    bis_pixel_exact sum;
+    assert_int_equal(bis_pixel_exact_of(&sum, &l.pt, BIS_PIXEL_MAX_PATCHES, 2, NULL), BIS_OK);
+    assert_true(pow(e.lit.se[3], 2) * BIS_PIXEL_MIS_RUNS * BIS_PIXEL_MIS_SAMPLES < sum.variance[2]);
     bis_light_free(light);
 }
 

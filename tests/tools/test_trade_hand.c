@@ -536,6 +536,26 @@ static void the_data_have_pictures_and_what_was_left_out(void **state)
 }
 
 /* The place of a point of the plot, by the words that a browser shows at it. */
+/* The parts that are enlarged are those of make_strip, whatever the unit of radiance: the first where both methods err,
+ * the second, by rows, that holds the firefly. */
+static void the_enlarged_parts_do_not_depend_on_the_unit(void **state)
+{
+    static const double units[] = {1, 0x1p-20, 0x1p20};
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        bis_trade t;
+        forge_page(&t);
+        for (int k = 0; k < 3; k++) {
+            rgb *pixels = k == 2 ? t.both.image.pixels : t.strip[k].image.pixels;
+            for (int p = 0; p < 16 * 8; p++) pixels[p] = rgb_scale(pixels[p], units[i]);
+        }
+        char *text = data_of(&t);
+        assert_true(json_number(text, "crops.0.x") == 12 && json_number(text, "crops.0.y") == 6);
+        assert_true(json_number(text, "crops.1.x") == 2 && json_number(text, "crops.1.y") == 2);
+        free(text);
+        clear(&t);
+    }
+}
+
 static void assert_point(const char *page, const char *title, double x, double y)
 {
     const char *axis = strstr(page, "class=\"p-axis\" d=\"M"), *at = strstr(page, title);
@@ -2117,6 +2137,7 @@ int main(void)
         cmocka_unit_test(the_best_counts_its_standard_error_and_no_bias),
         cmocka_unit_test(no_more_heads_than_the_strip_has_places),
         cmocka_unit_test(columns_are_halves_of_the_longest_run_and_round_errors),
+        cmocka_unit_test(the_enlarged_parts_do_not_depend_on_the_unit),
         cmocka_unit_test(points_stand_where_the_axes_have_them),
         cmocka_unit_test(the_page_of_one_names_no_reference_that_is_not_ready),
         cmocka_unit_test(the_data_have_pictures_and_what_was_left_out),

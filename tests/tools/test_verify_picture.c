@@ -171,6 +171,14 @@ static bis_status render_not_a_number(bis_render_result *result, bis_film *f, co
     return status;
 }
 
+static bis_status render_a_pixel_without_number(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    f->sum[4] = (double)NAN;
+    return status;
+}
+
 static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene,
     const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
@@ -216,6 +224,7 @@ static void wrong_pictures_are_rejected(void **state)
         {"channels exchanged", render_exchanged, "all pixels"},
         {"no shadows", render_without_shadows, "all pixels"},
         {"a number that is none", render_not_a_number, "not a number"},
+        {"a pixel that is no number", render_a_pixel_without_number, "all pixels"},
         {"3 % too bright", render_three_percent_more, "all pixels"}};
     verify_built b = build_full();
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {

@@ -232,6 +232,40 @@ static void a_failure_is_told_in_table_and_json(void **state)
     assert_string_equal(json_value(value, sizeof value, json, path), ""); /* no more tests than lines */
 }
 
+static void assert_same_tests(const bis_verify *a, const bis_verify *b)
+{
+    assert_int_equal(a->n, b->n);
+    for (size_t i = 0; i < a->n; i++) {
+        const bis_verify_test *x = &a->tests[i], *y = &b->tests[i];
+        assert_string_equal(x->name, y->name);
+        if (x->verdict != y->verdict || memcmp(&x->p, &y->p, sizeof x->p) != 0 ||
+            memcmp(&x->statistic, &y->statistic, sizeof x->statistic) != 0)
+            fail_msg("%s: %g, p %g, %s, and %g, p %g, %s", x->name, x->statistic, x->p, x->note, y->statistic, y->p,
+                     y->note);
+    }
+}
+
+/* Radiance has no natural unit: a light a million times as dim or as bright is judged in the same way. Times a power of
+ * two each number keeps its digits, so that each statistic and each p is the same. */
+static void the_unit_of_radiance_does_not_matter(void **state)
+{
+    static const char *const scales[] = {"1", "9.5367431640625e-07", "1048576"}; /* 1, 2^-20, 2^20 */
+    static const char film[] = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 6 Integrator \"mis\"";
+    bis_verify v[3];
+    verify_write_map();
+    for (int i = 0; i < 3; i++) {
+        char world[512];
+        snprintf(world, sizeof world, MAP_LIGHT "\"float scale\" %s Translate 0 0 4 " PHONG("0.5", "0.25", "7")
+                 "Shape \"sphere\" Material \"diffuse\" Translate 0.5 0 2 Shape \"sphere\"", scales[i]);
+        v[i] = (bis_verify){.seed = 4, .halvings = 5};
+        run_text(&v[i], film, world);
+        assert_int_equal(bis_verify_judge(&v[i], NULL), BIS_OK);
+    }
+    assert_true(count(v, "picture", "") > 1 && count(v, "view", "") > 1);
+    for (int i = 1; i < 3; i++) assert_same_tests(&v[0], &v[i]);
+    for (int i = 0; i < 3; i++) bis_verify_clear(&v[i]);
+}
+
 /* Points k of R2: u = frac(1/2 + k 0.754877666), w = frac(1/2 + k 0.569840291): (0.5, 0.5), (0.25488, 0.06984),
  * (0.00976, 0.63968). They fall into columns 10 to 29 and rows 10 to 19 of the crop. */
 static void pixels_of_the_lattice_lie_in_the_crop(void **state)
@@ -293,6 +327,7 @@ int main(void)
         cmocka_unit_test(every_material_is_looked_at_once),
         cmocka_unit_test(metals_that_differ_in_one_number_are_others),
         cmocka_unit_test(a_failure_is_told_in_table_and_json),
+        cmocka_unit_test(the_unit_of_radiance_does_not_matter),
         cmocka_unit_test(pixels_of_the_lattice_lie_in_the_crop),
         cmocka_unit_test(a_large_map_has_fewer_pixels_looked_at),
         cmocka_unit_test(our_own_files_pass),

@@ -147,6 +147,28 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
     bis_light_free(light);
 }
 
+/* Bernstein's bound is never below the tail bound of a normal law, 2 exp(-z^2/2), since what may be rare and bright
+ * only widens it. Few runs of the wrong one, so that neither is next to 0: z is between 2 and 6. */
+static void what_is_rare_is_less_certain_than_a_normal_law_says(void **state)
+{
+    bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
+    const bis_material m = bis_phong((rgb){0.05f, 0.05f, 0.05f}, (rgb){0.9f, 0.9f, 0.9f}, 10);
+    bis_settings s = bis_settings_default(&bis_brdf);
+    lit l;
+    bool tested;
+    s.as_printed = BIS_E34;
+    lit_init(&l, light, m, normalize(vec3_from(0.2, -0.3, 0.8)), 84, LIT_OPEN);
+    for (uint64_t seed = 3; seed < 8; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 4};
+        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "lamp", &tested, NULL), BIS_OK);
+        assert_true(tested && v.n == 1 && strstr(v.tests[0].note, "Bernstein"));
+        const double z = v.tests[0].statistic, p = v.tests[0].p;
+        assert_true(z > 1.2 && p > 2 * exp(-z * z / 2) && p < 0.9);
+        bis_verify_clear(&v);
+    }
+    bis_light_free(light);
+}
+
 /* An integrator that verify does not know: directions uniform over the sphere, times a factor, blind to bright light.
  */
 static double factor;
@@ -336,6 +358,7 @@ int main(void)
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_known_too_badly_is_not_judged),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
+        cmocka_unit_test(what_is_rare_is_less_certain_than_a_normal_law_says),
         cmocka_unit_test(a_stranger_is_held_to_what_uniform_directions_do),
         cmocka_unit_test(what_is_not_a_number_fails),
         cmocka_unit_test(runs_are_those_of_their_streams),

@@ -70,14 +70,14 @@ static void draw(bis_light_point *y, const bis_verify_table *t, double u, bis_rn
 /* F V/(q_L + q_f) of a direction; 0 where nothing comes from there. */
 static double share_of(const bis_verify_eye *e, const bis_point *pt, vec3 wi, rgb Le)
 {
-    const double cos_theta = bis_bsdf_cos(&pt->bsdf, wi), I = measure(Le);
+    const double cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
     double q_f;
 
-    if (cos_theta <= 0 || I <= 0) return 0;
+    if (cos_theta <= 0) return 0;
     const rgb f = bis_bsdf_f_pdf(&pt->bsdf, wi, &q_f);
     const double F = measure(rgb_mul(f, Le)) * cos_theta;
     if (F <= 0 || !(e->without_shadows || bis_point_sees(pt, wi))) return 0;
-    return F / (I / all_of(e->table) + q_f);
+    return F / (measure(Le) / all_of(e->table) + q_f);
 }
 
 static double reflected(const bis_verify_eye *e, const bis_point *pt, const double u[DIMENSIONS], bis_rng *rng)
