@@ -127,13 +127,6 @@ static void pixel_says_so(void **state)
     each_may_fail(bis_cmd_pixel, DIR "/scene.txt 0 0 --json --output " DIR "/pixel", 1000);
 }
 
-static void merge_says_so(void **state)
-{
-    program_run r;
-    program_expect(&r, 0, DIR "/scene.txt --spp 2 --part 1/1 --outfile " DIR "/whole.bispart");
-    each_may_fail(bis_cmd_merge, DIR "/whole.bispart --outfile " DIR "/merged.pfm", 1000);
-}
-
 static void verify_says_so(void **state)
 {
     each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 16);
@@ -172,7 +165,6 @@ int main(void)
         cmocka_unit_test(a_light_of_its_own_says_so),
         cmocka_unit_test(merge_says_so),
         cmocka_unit_test(pixel_says_so),
-        cmocka_unit_test(merge_says_so),
         cmocka_unit_test(verify_says_so),
         cmocka_unit_test(trade_says_so),
     };
