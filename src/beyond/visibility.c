@@ -12,13 +12,13 @@
 
 #include <math.h>
 
-/* LARGE: in pixels. Cells of 4 x 4 pixels take 64 bytes for each pixel, so 512 MiB there. */
-enum { PARTS = BIS_VISIBILITY_PARTS, LARGE = 1 << 23 };
+enum { PARTS = BIS_VISIBILITY_PARTS };
 
 bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, size_t n_squares, uint64_t n_pixels, bis_diag *diag)
 {
     *v = (bis_visibility){
-        .n_tiles = n_tiles, .n_squares = n_squares, .cells = n_pixels > LARGE ? 1 : BIS_VISIBILITY_CELLS};
+        .n_tiles = n_tiles, .n_squares = n_squares,
+        .cells = n_pixels > BIS_VISIBILITY_LARGE ? 1 : BIS_VISIBILITY_CELLS};
     v->known = bis_alloc(n_tiles * v->cells + n_squares, sizeof *v->known);
     v->counted = bis_alloc(n_tiles * v->cells + n_squares, sizeof *v->counted);
     v->above = bis_alloc(n_tiles + n_squares, sizeof *v->above);

@@ -2,6 +2,7 @@
 /* scene_needs: one walk over the shapes, and what the settings ask of the light. */
 #include "scene_needs.h"
 
+#include "beyond/guide.h"
 #include "bis/base/mem.h"
 
 static void add_shape(bis_scene_needs *needs, const bis_scene_desc *d, const bis_shape_desc *s)
@@ -54,6 +55,12 @@ bis_status bis_scene_needs_of(bis_scene_needs *needs, const bis_scene_desc *desc
     needs->embree = desc->accel.kind == BIS_ACCEL_EMBREE ||
                     (desc->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version());
     return BIS_OK;
+}
+
+bool bis_scene_learns(const bis_scene_desc *desc)
+{
+    return desc->n_shapes && bis_light_desc_has_map(&desc->light) &&
+           bis_beyond_needs_of(&desc->view.settings).visibility;
 }
 
 void bis_scene_needs_clear(bis_scene_needs *needs)

@@ -7,8 +7,8 @@
 
 #include "base/text.h"
 
-#include "beyond/guide.h"
 #include "bis/base/mem.h"
+#include "bis/beyond/visibility.h"
 #include "bis/render/render.h"
 #include "scene/distant.h"
 #include "scene/scene_needs.h"
@@ -93,14 +93,12 @@ static double add_film(bis_memory *m, const bis_scene_desc *d)
 {
     const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
     const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
-    const bis_settings *s = &d->view.settings;
-    const bool learns = bis_light_desc_has_map(&d->light) && d->n_shapes &&
-                        bis_beyond_needs_of(s).visibility;
     int n = 0;
 
     for (int i = 0; i < BIS_N_LAYERS; i++)
         if (d->view.film.layers >> i & 1) n += bis_layer_values((bis_layer)i);
-    const double learned = learns ? pixels * (all > 1 << 23 ? tiles : cells) + all * squares : 0;
+    const double learned =
+        bis_scene_learns(d) ? pixels * (all > BIS_VISIBILITY_LARGE ? tiles : cells) + all * squares : 0;
     m->film = pixels * (film_sums + pass + n * (layer_sum + layer_pass)) + learned;
 
     const double pixel = (double)sizeof(float) * (4 + n); /* R, G, B, A and the layers */

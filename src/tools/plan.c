@@ -3,7 +3,6 @@
  *
  * It reads what scene.c reads (src/scene/scene_needs.h), and decides nothing by itself. Each line starts with what it
  * is about, so that a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
-#include "beyond/guide.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "scene/distant.h"
@@ -67,19 +66,12 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     fprintf(out, ", seed %" PRIu64 "%s\n", s->seed, d->view.pixel_jitter ? "" : ", all through the pixel's centre");
 }
 
-/* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
-static bool learns(const bis_scene_desc *d)
-{
-    if (!d->n_shapes || !bis_light_desc_has_map(&d->light)) return false;
-    return bis_beyond_needs_of(&d->view.settings).visibility;
-}
-
 static void print_tiles(const bis_scene_desc *d, FILE *out)
 {
     const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
     int across;
 
-    if (f.width <= 0 || f.height <= 0 || !learns(d)) return;
+    if (f.width <= 0 || f.height <= 0 || !bis_scene_learns(d)) return;
     const int n = bis_film_tiles(&f, BIS_RENDER_TILE, &across);
     const bis_rect first = bis_film_tile(&f, BIS_RENDER_TILE, 0), last = bis_film_tile(&f, BIS_RENDER_TILE, n - 1);
     const int width = last.x1 - first.x0, height = last.y1 - first.y0;

@@ -22,7 +22,12 @@
 
 #include "bis/beyond/clusters.h"
 
-enum { BIS_VISIBILITY_PARTS = 128, BIS_VISIBILITY_CELLS = 16 /* of a tile, at most */ };
+enum {
+    BIS_VISIBILITY_PARTS = 128,
+    BIS_VISIBILITY_CELLS = 16,     /* of a tile, at most */
+    /* pixels: in a larger picture a cell is a tile, because cells of 4 x 4 take 64 bytes a pixel, 512 MiB there */
+    BIS_VISIBILITY_LARGE = 1 << 23
+};
 
 /* The rays of a cell towards each part, and those of them that came through. */
 typedef struct bis_seen {

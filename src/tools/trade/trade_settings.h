@@ -11,7 +11,7 @@ void bis_trade_list_settings(bis_trade *t, bool small_map);
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
 /* bis_trade_is_rival returns whether an integrator is compared. `exact` and `unoccluded` are not, because one is a
- * reference and the other leaves the shadows out; nor is `auto`. */
+ * reference and the other leaves the shadows out. */
 bool bis_trade_is_rival(const bis_integrator *i);
 
 /* bis_trade_judge_of returns which reference judges this setting: 0, by mis, or 1, by sir. It is never one of its own
