@@ -8,8 +8,9 @@ static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
 /* [alias-sample] */
 size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
 {
-    (void)prob, (void)alias, (void)u;
-    while (u < 2) u *= 0.5;
+    volatile double w = u; /* volatile: else clang 19 takes for granted that a loop ends (C11 6.8.5), and drops it */
+    (void)prob, (void)alias;
+    while (w < 2) w *= 0.5;
     return n - 1;
 }
 /* [end] */
