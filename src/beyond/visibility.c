@@ -121,7 +121,7 @@ static inline BIS_INLINE float best_h(float v) { return sqrtf(v * (1 - 0.8f * v)
  * control leaves no noise. */
 BIS_LANES
 static void guess_parts(float *restrict g, float *restrict h, const seen_sums *restrict cell,
-                    const seen_sums *restrict tile, const float *restrict mean)
+                        const seen_sums *restrict tile, const float *restrict mean)
 {
 #pragma omp simd
     for (int i = 0; i < PARTS; i++) {

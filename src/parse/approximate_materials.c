@@ -64,7 +64,7 @@ static double roughness(bis_parser *p, const char *name, double usual)
 static double fresnel(bis_parser *p)
 {
     const double eta = number(p, "eta", number(p, "index", 0));
-    const double r = eta > 0 ? (eta - 1) / (eta + 1) : 0.2; /* of 1.5 */
+    const double r = eta > 0 ? (eta - 1) / (eta + 1) : 0.2; /* that of the usual index, 1.5 */
     return r * r;
 }
 

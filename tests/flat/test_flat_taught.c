@@ -288,7 +288,7 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
     /* M, N, and nothing is hidden: the estimate with V is the one without, and each that was chosen has a ray */
     n = 0;
     for (int i = 0; i < 64; i++) n += chosen[i] > 0;
-assert_true(sum[0] == 64 && sum[1] == 8 && sum[2] > 1 && sum[2] <= 64 && sum[5] == n);
+    assert_true(sum[0] == 64 && sum[1] == 8 && sum[2] > 1 && sum[2] <= 64 && sum[5] == n);
     assert_true(fabs(sum[3] - sum[4]) < 1e-6); /* floats */
     n = 0;
     assert_int_equal(bis_flat_stage_bounds(stage, bound, SAY), 0);

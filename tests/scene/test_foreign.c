@@ -343,6 +343,9 @@ static void an_image_in_the_place_of_a_colour_is_its_mean(void **state)
         {"\"mean.pfm\"", .2, .3, .25},
         {"\"mean.pfm\" \"float scale\" 2", .4, .6, .5},
         {"\"mean.pfm\" \"float scale\" 2 \"bool invert\" true", .6, .4, .5},
+        {"\"mean.pfm\" \"float scale\" .5", .1, .15, .125},
+        {"\"mean.pfm\" \"bool invert\" true", .8, .7, .75},
+        {"\"mean.pfm\" \"float scale\" .5 \"bool invert\" true", .9, .85, .875},
         {"\"main.txt\" \"float scale\" 0.5", .25, .25, .25},
     };
     bytes b = {0};
@@ -359,33 +362,6 @@ static void an_image_in_the_place_of_a_colour_is_its_mean(void **state)
         if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 ||
             fabs((double)c.b - cases[i].b) > 1e-6)
             fail_msg("%s: %g %g %g", cases[i].image, (double)c.r, (double)c.g, (double)c.b);
-        bis_scene_desc_free(d);
-    }
-}
-
-/* Of two pixels (.1, .3, .6) and (.3, .5, .8) the mean is (.2, .4, .7), half of it (.1, .2, .35), and of 1 it leaves
- * (.9, .8, .65). */
-static void the_mean_of_an_image_is_scaled_then_inverted(void **state)
-{
-    static const struct { const char *parameters; double r, g, b; } cases[] = {
-        {"", .2, .4, .7},
-        {"\"float scale\" .5", .1, .2, .35},
-        {"\"bool invert\" true", .8, .6, .3},
-        {"\"float scale\" .5 \"bool invert\" true", .9, .8, .65},
-    };
-    static const float pixels[6] = {.1f, .3f, .6f, .3f, .5f, .8f};
-    char pfm[64] = "PF\n2 1\n-1.0\n", said[8192], text[1024];
-    const size_t head = strlen(pfm);
-    memcpy(pfm + head, pixels, sizeof pixels);
-    store(place("two.pfm"), pfm, head + sizeof pixels);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        snprintf(text, sizeof text, LIT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"two.pfm\" %s "
-                 "Material \"mirror\" \"texture Kr\" \"t\" Shape \"sphere\"", cases[i].parameters);
-        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
-        const rgb Ks = d->materials[d->shapes[0].material].Ks;
-        if (fabs((double)Ks.r - cases[i].r) > 1e-6 || fabs((double)Ks.g - cases[i].g) > 1e-6 ||
-            fabs((double)Ks.b - cases[i].b) > 1e-6)
-            fail_msg("%s: %g %g %g", cases[i].parameters, (double)Ks.r, (double)Ks.g, (double)Ks.b);
         bis_scene_desc_free(d);
     }
 }
@@ -951,13 +927,12 @@ int main(void)
         cmocka_unit_test(names_of_an_included_file_are_looked_for_beside_the_main_scene_first),
         cmocka_unit_test(the_working_directory_is_the_second_place),
         cmocka_unit_test(an_include_may_be_compressed),
-        cmocka_unit_test(an_image_in_the_place_of_a_colour_is_its_mean),
         cmocka_unit_test(a_missing_spectrum_is_one_of_the_missing_files),
         cmocka_unit_test(errors_of_one_cause_are_one_message_with_their_number),
         cmocka_unit_test(what_pbrt_passes_over_in_silence_is_a_warning),
         cmocka_unit_test(what_pbrt_goes_on_after_is_approximated),
         cmocka_unit_test(what_is_replaced_has_the_values_of_the_scene),
-        cmocka_unit_test(the_mean_of_an_image_is_scaled_then_inverted),
+        cmocka_unit_test(an_image_in_the_place_of_a_colour_is_its_mean),
         cmocka_unit_test(both_roughnesses_may_be_one_texture),
         cmocka_unit_test(a_bad_part_of_a_texture_counts_where_it_is_shown),
         cmocka_unit_test(the_images_of_pbrt_v2_stand_on_their_head),
