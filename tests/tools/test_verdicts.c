@@ -18,6 +18,7 @@
 #include "map_help.h"
 #include "mesh_help.h"
 #include "program.h"
+#include "tiny.h"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -575,9 +576,9 @@ static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *
 }
 
 /* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map
- * has 128 x 64 patches, a constant light fewer. A copy that counts reads no parameter of the table, because the table
- * knows integrators by their address: it is taken for one with samples. The product, whose runs are dear, has 2^8, at
- * least 64. */
+ * has 128 x 64 patches; of one with 8 patches 2^18 would be 2^15 runs. A copy that counts reads no parameter of the
+ * table, because the table knows integrators by their address: it is taken for one with samples. The product, whose
+ * runs are dear, has 2^8, at least 64. */
 static void the_number_of_runs_follows_the_cost(void **state)
 {
     static const struct { const bis_integrator *of; uint32_t samples, M, N; unsigned halvings, runs; } cases[] = {
@@ -617,6 +618,13 @@ static void the_number_of_runs_follows_the_cost(void **state)
     assert_int_equal(runs_that_find_no_room(&l.pt, &product, 1), 128);
     assert_int_equal(runs_that_find_no_room(&l.pt, &product, 9), 64);
     bis_light_free(light);
+    const bis_settings exact = bis_settings_default(&bis_exact);
+    tiny few;
+    tiny_init(&few);
+    lit_init(&l, few.light, bis_phong(grey(0.5), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &exact, 0), 1 << 12);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &exact, 4), 1 << 11);
+    tiny_clear(&few);
 }
 
 /* One sample in a run, or two: a test's figures are its own, alone and in a list, because what is known of a sample
@@ -981,7 +989,7 @@ static void a_distance_may_err_by_what_was_worked_out(void **state)
  * distance to 2^-22 of it. */
 static void a_quadrics_edge_is_in_doubt_by_what_was_worked_out(void **state)
 {
-    const double none = (double)INFINITY, small = 0x1p-40, tiny = 0x1p-50;
+    const double none = (double)INFINITY, small = 0x1p-40, smaller = 0x1p-50;
     static const double beyond[4] = {-1.02, -0.98, 0.98, 1.02}; /* of the doubt: met, in doubt, in doubt, missed */
     for (int ball = 0; ball < 2; ball++) {
         const bis_quadric q = {.kind = ball ? BIS_SPHERE : BIS_DISK, .radius = 1, .to_world = bis_xform_identity()};
@@ -1000,7 +1008,7 @@ static void a_quadrics_edge_is_in_doubt_by_what_was_worked_out(void **state)
             assert_false(is_right(&g, &r, t * (1 + sign * 1.01 * 0x1p-22)));
         }
         for (int i = 0; i < 2 && !ball; i++) {
-            const ray away = {{0, 0, (float)(i ? 1.02 * tiny : 0.98 * tiny)}, {0, 0, 1}, INFINITY};
+            const ray away = {{0, 0, (float)(i ? 1.02 * smaller : 0.98 * smaller)}, {0, 0, 1}, INFINITY};
             bool right;
             bis_verify_search(&right, &g, &away, BIS_NO_PRIM, &(bis_verify_answer){none, true}, 1);
             assert_int_equal(right, i == 0); /* occluded: where it may be met */
