@@ -1077,6 +1077,33 @@ static void verify_text(bis_verify *v, const char *text)
     bis_scene_desc_free(desc);
 }
 
+/* The one that is built for the comparison alone has a message of its own. */
+static void without_memory_there_is_no_second_accelerator(void **state)
+{
+    bis_scene_desc *desc = NULL;
+    bis_scene *scene = NULL;
+    int refused = 0;
+    if (!bis_accel_embree_version()) skip();
+    program_write_file(DIR "/scene.txt", "Accelerator \"grid\" WorldBegin LightSource \"infinite\" \"rgb L\" [0 0 0] "
+                       "Material \"diffuse\" \"float reflectance\" 0 Shape \"sphere\"");
+    assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&scene, desc, NULL), BIS_OK);
+    FOR_LACK(l) {
+        bis_verify v = {.seed = 1, .halvings = 8};
+        bis_diag diag = {0};
+        LACK(l, bis_verify_scene(&v, scene, desc, &desc->view.settings, &diag) ?: bis_verify_judge(&v, &diag));
+        assert_int_equal(l.status == BIS_OK, l.over);
+        assert_int_equal(diag.n_errors, !l.over);
+        if (diag.n) refused += strcmp(diag.messages[0].text, "error: no memory for a second accelerator") == 0;
+        bis_diag_clear(&diag);
+        bis_verify_clear(&v);
+    }
+    assert_true(refused > 0);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+}
+
 /* The scene's accelerator and the other one, where there are two. */
 static void the_second_accelerator_is_the_other_one(void **state)
 {
@@ -1254,6 +1281,7 @@ int main(void)
         cmocka_unit_test(a_quadrics_edge_is_in_doubt_by_what_was_worked_out),
         cmocka_unit_test(a_tolerance_depends_on_no_order),
         cmocka_unit_test(the_second_accelerator_is_the_other_one),
+        cmocka_unit_test(without_memory_there_is_no_second_accelerator),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
         cmocka_unit_test(the_pixels_of_a_view_are_those_of_the_lattice),
         cmocka_unit_test(text_and_json_of_a_map_tell_the_same),
