@@ -114,10 +114,10 @@ static void store_colour(const char *path, float r, float g, float b)
     bytes_clear(&file);
 }
 
-/* Only what is looked up by (u, v) has texels in (u, v): s = x/4 of the plane is no image's there, and its slope at
- * s = 0.15, which is right of the first texel's centre, is that of the ramp; over a texel it would be 0.6 of that, as it
- * is by (u, v). And u^3 has the slope 3/4 at u = 1/2 though another texture of the scene is an image of one texel:
- * over that it would be (1 - 0)/1. */
+/* A texel is the step for an image by (u, v) alone. The ramp has its first centre at s = 1/8. At s = 0.15 its slope is
+ * 1; over a texel, from 0.025 to 0.275, it is 0.6, because it is flat left of the centre. An image by the plane s = x/4
+ * shows the slope there, because the step is short. And u^3 has the slope 3/4 at u = 1/2; over a whole texel of the
+ * other image in the scene it would be 1. */
 static void a_texel_counts_where_its_image_is_looked_up_by_uv(void **state)
 {
     static const struct { const char *mapping; double slope; } images[] = {
@@ -257,7 +257,7 @@ static void noise_in_space_does_not_ask_for_coordinates(void **state)
     }
 }
 
-/* (2c - 1) in the frame of dp/du, n x dp/du, n. */
+/* An image of one colour c: 2c - 1 in the frame of dp/du, n x dp/du, n. */
 static void a_normal_map_turns_with_the_surface(void **state)
 {
     double n[3];

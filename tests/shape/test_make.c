@@ -73,7 +73,7 @@ typedef struct shape {
     double (*radius)(double z);
     double (*v)(double z, double radius);
     double height;
-    size_t pieces[2]; /* around, of 256 for a whole turn; along: a straight line one, half a turn 128, a skew line 256 */
+    size_t pieces[2]; /* around, of 256 for a whole turn; along: a line 1, a skew one 256, a curve 128 */
 } shape;
 
 static double radius_cylinder(double z) { (void)z; return 2; }
