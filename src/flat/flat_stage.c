@@ -198,9 +198,10 @@ static bis_status check_sir(const bis_flat_stage *stage, size_t room, bis_diag *
 
 static bis_status draw(bis_pixel_candidates *c, bis_flat_stage *stage, uint32_t seed, uint64_t run, bis_diag *diag)
 {
-    const bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1};
+    bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = seed};
     bis_stream stream;
 
+    bis_sampler_set_spp(&sampler, 1);
     bis_stream_init(&stream, &sampler, run, 0);
     return bis_pixel_candidates_draw(c, &stage->pt, &stage->desc->view.settings, &stream, diag);
 }

@@ -312,7 +312,6 @@ static void read_filter(bis_parser *p)
     if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) || word_before_v4(p)))
         note_filter(p, "imagemap");
     if (!is_ours && !p->approximate) bis_params_ignore(p, filter, 1);
-    bis_params_skip(p, filter, 1);
     bis_params_skip(p, earlier, BIS_COUNT(earlier));
 }
 

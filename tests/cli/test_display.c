@@ -211,6 +211,23 @@ int getaddrinfo(const char *restrict host, const char *restrict port, const stru
     return answer;
 }
 
+/* This program's own clock, which the library reads: once it is set, it stands where it was put, and goes on by `step`
+ * seconds whenever somebody reads it. A thread has used `used` seconds of a processor. */
+static struct {
+    atomic_bool is_set;
+    atomic_int now, step, used, readings; /* of what a thread has used */
+} watch;
+
+int clock_gettime(clockid_t of, struct timespec *t)
+{
+    static int (*real)(clockid_t, struct timespec *);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
+    if (!watch.is_set || (of != CLOCK_MONOTONIC && of != CLOCK_THREAD_CPUTIME_ID)) return real(of, t);
+    *t = (struct timespec){of == CLOCK_MONOTONIC ? atomic_fetch_add(&watch.now, watch.step) : watch.used, 0};
+    watch.readings += of == CLOCK_THREAD_CPUTIME_ID;
+    return 0;
+}
+
 /* A film of one pass, each value another. */
 static void make_film(bis_film *f)
 {
@@ -299,6 +316,56 @@ static void the_first_picture_waits_for_nothing(void **state)
     free(rgba);
     free(v.data);
     bis_film_clear(&f);
+}
+
+/* Offers pictures so many seconds after the display was opened, and returns how many it has sent. The copy of one takes
+ * `copying` seconds; the thread has used `used` seconds by the time it has sent it, which it says then. */
+typedef struct offer {
+    int now, copying, used;
+} offer;
+
+static int pictures_sent(const offer *offers, int n)
+{
+    viewer v;
+    bis_film f;
+    bis_display *d;
+    char where[64];
+    float *shown, rgba[24 * 20 * 4] = {0};
+    int width = 0, height = 0;
+    make_film(&f);
+    open_viewer(&v, READS);
+    snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
+    watch.now = 1000;
+    watch.step = watch.used = watch.readings = 0;
+    watch.is_set = true;
+    const bis_status status = bis_display_open(&d, where, "share", &f, NULL);
+    for (int i = 0; i < n; i++) {
+        watch.now = 1000 + offers[i].now;
+        watch.step = offers[i].copying;
+        watch.used = offers[i].used;
+        bis_display_offer_pixels(d, rgba);
+        for (int k = 0; k < 5000 && i + 1 < n && watch.readings == i; k++) usleep(1000);
+    }
+    watch.is_set = false;
+    bis_display_close(d, NULL, NULL);
+    close_viewer(&v);
+    assert_int_equal(status, BIS_OK);
+    const int updates = read_messages(&v, &shown, &width, &height, "share");
+    free(shown);
+    free(v.data);
+    bis_film_clear(&f);
+    return updates / 6; /* 16 rows and 4, of 3 channels */
+}
+
+/* All copying and sending, and once more as much as the last picture took, may take 2 % of the time. The first one
+ * takes 1 s and 3 s: 1 + 3 + 1 + 3 s are 2 % of 400. The second takes 2 s and 1 s: 3 + 4 + 2 + 1 s are 2 % of 500. */
+static void pictures_wait_for_their_share_of_the_time(void **state)
+{
+    const offer first = {5, 1, 3}, second = {401, 2, 4};
+    assert_int_equal(pictures_sent((offer[]){first, {399, 0, 4}}, 2), 1);
+    assert_int_equal(pictures_sent((offer[]){first, {401, 0, 4}}, 2), 2);
+    assert_int_equal(pictures_sent((offer[]){first, second, {499, 0, 5}}, 3), 2);
+    assert_int_equal(pictures_sent((offer[]){first, second, {501, 0, 5}}, 3), 3);
 }
 
 /* Once a connection has broken nothing is sent any more, and the first reason is the one that is told. */
@@ -489,6 +556,7 @@ int main(void)
         cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
         cmocka_unit_test(a_slow_viewer_has_a_second_for_each_piece_at_the_end),
         cmocka_unit_test(the_first_picture_waits_for_nothing),
+        cmocka_unit_test(pictures_wait_for_their_share_of_the_time),
         cmocka_unit_test(nothing_is_sent_to_a_viewer_that_has_gone),
         cmocka_unit_test(a_name_server_that_is_silent_is_not_waited_for),
         cmocka_unit_test(without_memory_there_is_no_display),

@@ -129,7 +129,7 @@ static void pixel_says_so(void **state)
 
 static void verify_says_so(void **state)
 {
-    each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 16);
+    each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 1000);
     each_may_fail(bis_cmd_verify, DIR "/dark.txt", 16);
 }
 

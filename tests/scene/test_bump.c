@@ -102,6 +102,53 @@ static void an_images_slope_is_taken_over_a_texel(void **state)
     bytes_clear(&file);
 }
 
+/* An image of one colour all over. */
+static void store_colour(const char *path, float r, float g, float b)
+{
+    bytes file = {0};
+    put_text(&file, "PF\n1 1\n-1.0\n");
+    put_float(&file, r);
+    put_float(&file, g);
+    put_float(&file, b);
+    store(path, file.data, file.n);
+    bytes_clear(&file);
+}
+
+/* A texel is the step for an image by (u, v) alone. The ramp has its first centre at s = 1/8. At s = 0.15 its slope is
+ * 1; over a texel, from 0.025 to 0.275, it is 0.6, because it is flat left of the centre. An image by the plane s = x/4
+ * shows the slope there, because the step is short. And u^3 has the slope 3/4 at u = 1/2; over a whole texel of the
+ * other image in the scene it would be 1. */
+static void a_texel_counts_where_its_image_is_looked_up_by_uv(void **state)
+{
+    static const struct { const char *mapping; double slope; } images[] = {
+        {"", .6}, {"\"string mapping\" \"planar\" \"vector3 v1\" [0.25 0 0] \"vector3 v2\" [0 0.5 0]", 1}};
+    bytes file = {0};
+    double n[3];
+    put_text(&file, "PF\n4 1\n-1.0\n");
+    for (int i = 0; i < 12; i++) put_float(&file, (float)(i / 3) / 4);
+    store(scratch("ramp.pfm"), file.data, file.n);
+    store_colour(scratch("one.pfm"), .5f, .5f, .5f);
+    for (size_t i = 0; i < 2; i++) {
+        built b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" "
+                        "\"clamp\" %s Material \"diffuse\" \"texture displacement\" \"d\" " PLANE,
+                        strrchr(scratch("ramp.pfm"), '/') + 1, images[i].mapping);
+        assert_true(normal_at(n, &b, (vec3){.6f, 1, 5}, (vec3){.6f, 1, 0}));
+        assert_normal(n, -.25 * images[i].slope, 0, 1, .01);
+        scene_clear(&b);
+    }
+    built b = build("Texture \"one\" \"float\" \"imagemap\" \"string filename\" \"%s\" "
+                    "Texture \"u\" \"float\" \"bilerp\" \"float v10\" 1 \"float v11\" 1 \"float v01\" 0 "
+                    "Texture \"uu\" \"float\" \"scale\" \"texture tex\" \"u\" \"texture scale\" \"u\" "
+                    "Texture \"uuu\" \"float\" \"scale\" \"texture tex\" \"uu\" \"texture scale\" \"u\" "
+                    "Material \"diffuse\" \"texture reflectance\" \"one\" Shape \"sphere\" \"float radius\" 0.1 "
+                    "Material \"diffuse\" \"texture displacement\" \"uuu\" " PLANE,
+                    strrchr(scratch("one.pfm"), '/') + 1);
+    assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2, 1, 0}));
+    assert_normal(n, -.25 * .75, 0, 1, .01);
+    scene_clear(&b);
+    bytes_clear(&file);
+}
+
 /* The normal in the middle of PLANE as an OBJ, whose library says this. The plane has one material with `Kd`. */
 static void normal_of_library(double n[3], const char *statement)
 {
@@ -210,18 +257,7 @@ static void noise_in_space_does_not_ask_for_coordinates(void **state)
     }
 }
 
-/* One colour all over: (2c - 1) in the frame of dp/du, n x dp/du, n. */
-static void store_colour(const char *path, float r, float g, float b)
-{
-    bytes file = {0};
-    put_text(&file, "PF\n1 1\n-1.0\n");
-    put_float(&file, r);
-    put_float(&file, g);
-    put_float(&file, b);
-    store(path, file.data, file.n);
-    bytes_clear(&file);
-}
-
+/* An image of one colour c: 2c - 1 in the frame of dp/du, n x dp/du, n. */
 static void a_normal_map_turns_with_the_surface(void **state)
 {
     double n[3];
@@ -350,6 +386,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_slope_tilts_a_plane),
         cmocka_unit_test(an_images_slope_is_taken_over_a_texel),
+        cmocka_unit_test(a_texel_counts_where_its_image_is_looked_up_by_uv),
         cmocka_unit_test(a_library_bends_normals),
         cmocka_unit_test(a_displaced_sphere_has_that_normal),
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),

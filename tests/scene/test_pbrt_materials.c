@@ -171,7 +171,8 @@ static void light_may_be_a_black_body_or_xyz(void **state)
     static const char a[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" 2856 \"float scale\" 2",
                       b[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0.95047 1 1.08883]",
                       c[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" [2856 2]",
-                      d[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0 0.1 0.1]";
+                      d[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0 0.1 0.1]",
+                      e[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" [2856 2 1]";
     store(scratch("a.txt"), a, sizeof a - 1);
     assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_OK);
     const rgb L = p.desc->light.L;
@@ -186,6 +187,14 @@ static void light_may_be_a_black_body_or_xyz(void **state)
     clear(&p);
     store(scratch("a.txt"), c, sizeof c - 1);
     assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_INPUT);
+    assert_non_null(strstr(p.diag.messages[0].text, "\"blackbody L\" has 2 values, must have one"));
+    clear(&p);
+    assert_int_equal(bis_scene_parse_as(&p.desc, scratch("a.txt"), BIS_PARSE_APPROXIMATE, &p.diag), BIS_OK);
+    assert_rgb(p.desc->light.L, 2 * (double)L.r, 2 * (double)L.g, 2 * (double)L.b, 1e-6);
+    clear(&p);
+    store(scratch("a.txt"), e, sizeof e - 1); /* pbrt has two at most: nobody knows what three would mean */
+    assert_int_equal(bis_scene_parse_as(&p.desc, scratch("a.txt"), BIS_PARSE_APPROXIMATE, &p.diag), BIS_INPUT);
+    assert_non_null(strstr(p.diag.messages[0].text, "\"blackbody L\" has 3 values, must have one"));
     clear(&p);
     store(scratch("a.txt"), d, sizeof d - 1);
     assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_OK);

@@ -118,6 +118,9 @@ static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
             dot(m.n[i], sub(m.p[i], (vec3){0.5f, 0.5f, 0.5f})) > 0.8660 - 1e-4); /* sqrt(3)/2: along the diagonal */
     }
     assert_true(m.n[8].x == 0 && m.n[8].y == 0 && m.n[8].z == 0);
+    const long live = bis_mem_live();
+    assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK); /* once more: they replace those that were there */
+    assert_int_equal(bis_mem_live(), live);
     bis_mesh_clear(&m);
 }
 

@@ -73,6 +73,7 @@ typedef struct shape {
     double (*radius)(double z);
     double (*v)(double z, double radius);
     double height;
+    size_t pieces[2]; /* around, of 256 for a whole turn; along: a line 1, a skew one 256, a curve 128 */
 } shape;
 
 static double radius_cylinder(double z) { (void)z; return 2; }
@@ -92,15 +93,15 @@ static double radius_skew(double z)
 static double v_skew(double z, double r) { (void)r; return (z + 1) / 2; }
 
 static const shape shapes[] = {
-    {"cylinder", {.p = {{2, 0, -1}, {2, 0, 3}}, .phi_max_deg = 360}, radius_cylinder, v_cylinder, 4},
-    {"part of a cylinder", {.p = {{2, 0, -1}, {2, 0, 3}}, .phi_max_deg = 100}, radius_cylinder, v_cylinder, 4},
-    {"cone", {.p = {{1.5, 0, 0}, {0, 0, 3}}, .phi_max_deg = 360}, radius_cone, v_cone, 3},
+    {"cylinder", {.p = {{2, 0, -1}, {2, 0, 3}}, .phi_max_deg = 360}, radius_cylinder, v_cylinder, 4, {256, 1}},
+    {"part of a cylinder", {.p = {{2, 0, -1}, {2, 0, 3}}, .phi_max_deg = 100}, radius_cylinder, v_cylinder, 4,
+     {72, 1}}, /* 71.1 pieces */
+    {"cone", {.p = {{1.5, 0, 0}, {0, 0, 3}}, .phi_max_deg = 360}, radius_cone, v_cone, 3, {256, 1}},
     {"paraboloid", {.profile = BIS_PROFILE_PARABOLA, .radius = 2, .z = {.5, 3}, .phi_max_deg = 360}, radius_parabola,
-     v_parabola, 3},
+     v_parabola, 3, {256, 128}},
     {"sphere", {.profile = BIS_PROFILE_CIRCLE, .radius = 2, .z = {-1, 1.5}, .phi_max_deg = 270}, radius_sphere,
-     v_sphere,
-     2},
-    {"hyperboloid", {.p = {{1, .5, -1}, {-.5, 1, 1}}, .phi_max_deg = 360}, radius_skew, v_skew, 2},
+     v_sphere, 2, {192, 128}},
+    {"hyperboloid", {.p = {{1, .5, -1}, {-.5, 1, 1}}, .phi_max_deg = 360}, radius_skew, v_skew, 2, {256, 256}},
 };
 
 /* The angle by which the profile's point at height z is turned to p, over phi_max. */
@@ -140,6 +141,8 @@ static void revolved_meshes_lie_on_the_implicit_surfaces(void **state)
         sample at;
         assert_int_equal(bis_make_revolved(&m, &s->r, (bis_loc){0}, NULL), BIS_OK);
         assert_sound(&m);
+        assert_int_equal(m.n_triangles, 2 * s->pieces[0] * s->pieces[1]);
+        assert_int_equal(m.n_vertices, (s->pieces[0] + 1) * (s->pieces[1] + 1));
         for (size_t k = 0; k < m.n_vertices; k++) size = fmax(size, hypot((double)m.p[k].x, (double)m.p[k].y));
         for (int k = 0; k < N_POINTS; k++)
             if (draw(&at, &m, &random) && hypot(at.p[0], at.p[1]) > 1e-3) check_point(s, &at, &furthest, &tilted);

@@ -554,10 +554,10 @@ static void every_allocation_may_fail(void **state)
     bis_pixel_exact exact;
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
-    bis_settings sir = bis_settings_default(&bis_sir);
+    bis_settings sir = bis_settings_default(&bis_sir), by_mis = bis_settings_default(&bis_mis);
     assert_true(bis_pixel_methods(methods, &sir) > 0);
     assert_int_equal(bis_pixel_exact_of(&exact, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
-    for (int what = 0; what < 6; what++) {
+    for (int what = 0; what < 7; what++) {
         sir.proposal = what < 4 ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_PRODUCT;
         FOR_LACK(turn) {
             bis_stream stream;
@@ -565,16 +565,24 @@ static void every_allocation_may_fail(void **state)
             bis_pixel_rays r = {0};
             bis_pixel_exact e;
             bis_pixel_method m = methods[0];
+            bis_pixel_mis mis;
+            bis_diag diag = {0};
             bis_stream_init(&stream, &sampler, 0, 0);
-            LACK(turn, what == 0   ? bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL)
-                       : what == 1 ? bis_pixel_method_run(&m, &l.pt, &exact, BIS_SAMPLER_RANDOM, 4, 1, NULL)
-                       : what % 2  ? bis_pixel_candidates_draw(&c, &l.pt, &sir, &stream, NULL)
-                                   : bis_pixel_rays_record(&r, &l.pt, &sir, &sampler, 0, 20, NULL));
+            LACK(turn, what == 0   ? bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, &diag)
+                       : what == 1 ? bis_pixel_method_run(&m, &l.pt, &exact, BIS_SAMPLER_RANDOM, 4, 1, &diag)
+                       : what == 6 ? bis_pixel_mis_of(&mis, &l.pt, &by_mis, 4, 1, &diag)
+                       : what % 2  ? bis_pixel_candidates_draw(&c, &l.pt, &sir, &stream, &diag)
+                                   : bis_pixel_rays_record(&r, &l.pt, &sir, &sampler, 0, 20, &diag));
             assert_int_equal(turn.status == BIS_OK, turn.over);
+            assert_int_equal(diag.n_errors, !turn.over);
+            if (!turn.over) assert_non_null(strstr(diag.messages[0].text, "no memory for "));
+            bis_diag_clear(&diag);
             bis_pixel_candidates_clear(&c);
             bis_pixel_rays_clear(&r);
         }
     }
+    bis_pixel_mis none; /* as many samples as would be 2 N, if numbers had no end */
+    assert_int_equal(bis_pixel_mis_of(&none, &l.pt, &by_mis, SIZE_MAX / by_mis.samples + 2, 1, NULL), BIS_NOMEM);
     bis_light_free(light);
 }
 

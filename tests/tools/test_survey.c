@@ -7,6 +7,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "bis/scene/light_load.h"
 #include "out/palette.h"
 #include "claim.h"
 #include "expect.h"
@@ -657,6 +658,32 @@ static void every_allocation_may_fail(void **state)
     bis_envmap_clear(&em);
 }
 
+static void every_allocation_of_a_page_may_fail(void **state)
+{
+    const bis_light_desc desc = {
+        .L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .to_world = bis_xform_identity()};
+    bis_envmap em = map_random(16, 8, 4, 0.1, 1);
+    const bis_survey s = survey_of(&em, 8);
+    FILE *out = fopen("/dev/null", "w");
+    bis_light *light;
+    bis_regions r;
+    assert_non_null(out);
+    assert_int_equal(bis_regions_init(&r, &em, 8, NULL), BIS_OK);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE, NULL), BIS_OK); /* em is the light's */
+    FOR_LACK(l) {
+        bis_json j = {.out = out};
+        bis_diag diag = {0};
+        bis_json_open(&j, NULL, '{');
+        LACK(l, bis_survey_put_page(&j, &s, light, &r, 5, &diag));
+        assert_int_equal(l.status == BIS_OK, l.over);
+        assert_int_equal(diag.n_errors, !l.over);
+        bis_diag_clear(&diag);
+    }
+    fclose(out);
+    bis_regions_clear(&r);
+    bis_light_free(light);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -677,6 +704,7 @@ int main(void)
         cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
         cmocka_unit_test(a_map_is_converted_and_comes_back),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(every_allocation_of_a_page_may_fail),
     };
     static const expect_text texts[] = {{"folder", DIR}, {NULL, NULL}};
     return expect_run("survey", tests, sizeof tests / sizeof *tests, setup, NULL,

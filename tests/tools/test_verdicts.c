@@ -18,6 +18,7 @@
 #include "map_help.h"
 #include "mesh_help.h"
 #include "program.h"
+#include "tiny.h"
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -575,9 +576,9 @@ static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *
 }
 
 /* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map
- * has 128 x 64 patches, a constant light fewer. A copy that counts reads no parameter of the table, because the table
- * knows integrators by their address: it is taken for one with samples. The product, whose runs are dear, has 2^8, at
- * least 64. */
+ * has 128 x 64 patches; of one with 8 patches 2^18 would be 2^15 runs. A copy that counts reads no parameter of the
+ * table, because the table knows integrators by their address: it is taken for one with samples. The product, whose
+ * runs are dear, has 2^8, at least 64. */
 static void the_number_of_runs_follows_the_cost(void **state)
 {
     static const struct { const bis_integrator *of; uint32_t samples, M, N; unsigned halvings, runs; } cases[] = {
@@ -617,6 +618,13 @@ static void the_number_of_runs_follows_the_cost(void **state)
     assert_int_equal(runs_that_find_no_room(&l.pt, &product, 1), 128);
     assert_int_equal(runs_that_find_no_room(&l.pt, &product, 9), 64);
     bis_light_free(light);
+    const bis_settings exact = bis_settings_default(&bis_exact);
+    tiny few;
+    tiny_init(&few);
+    lit_init(&l, few.light, bis_phong(grey(0.5), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &exact, 0), 1 << 12);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &exact, 4), 1 << 11);
+    tiny_clear(&few);
 }
 
 /* One sample in a run, or two: a test's figures are its own, alone and in a list, because what is known of a sample
@@ -981,7 +989,7 @@ static void a_distance_may_err_by_what_was_worked_out(void **state)
  * distance to 2^-22 of it. */
 static void a_quadrics_edge_is_in_doubt_by_what_was_worked_out(void **state)
 {
-    const double none = (double)INFINITY, small = 0x1p-40, tiny = 0x1p-50;
+    const double none = (double)INFINITY, small = 0x1p-40, smaller = 0x1p-50;
     static const double beyond[4] = {-1.02, -0.98, 0.98, 1.02}; /* of the doubt: met, in doubt, in doubt, missed */
     for (int ball = 0; ball < 2; ball++) {
         const bis_quadric q = {.kind = ball ? BIS_SPHERE : BIS_DISK, .radius = 1, .to_world = bis_xform_identity()};
@@ -1000,7 +1008,7 @@ static void a_quadrics_edge_is_in_doubt_by_what_was_worked_out(void **state)
             assert_false(is_right(&g, &r, t * (1 + sign * 1.01 * 0x1p-22)));
         }
         for (int i = 0; i < 2 && !ball; i++) {
-            const ray away = {{0, 0, (float)(i ? 1.02 * tiny : 0.98 * tiny)}, {0, 0, 1}, INFINITY};
+            const ray away = {{0, 0, (float)(i ? 1.02 * smaller : 0.98 * smaller)}, {0, 0, 1}, INFINITY};
             bool right;
             bis_verify_search(&right, &g, &away, BIS_NO_PRIM, &(bis_verify_answer){none, true}, 1);
             assert_int_equal(right, i == 0); /* occluded: where it may be met */
@@ -1065,6 +1073,33 @@ static void verify_text(bis_verify *v, const char *text)
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     assert_int_equal(bis_scene_build(&scene, desc, NULL), BIS_OK);
     assert_int_equal(bis_verify_scene(v, scene, desc, &desc->view.settings, NULL), BIS_OK);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+}
+
+/* The one that is built for the comparison alone has a message of its own. */
+static void without_memory_there_is_no_second_accelerator(void **state)
+{
+    bis_scene_desc *desc = NULL;
+    bis_scene *scene = NULL;
+    int refused = 0;
+    if (!bis_accel_embree_version()) skip();
+    program_write_file(DIR "/scene.txt", "Accelerator \"grid\" WorldBegin LightSource \"infinite\" \"rgb L\" [0 0 0] "
+                       "Material \"diffuse\" \"float reflectance\" 0 Shape \"sphere\"");
+    assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&scene, desc, NULL), BIS_OK);
+    FOR_LACK(l) {
+        bis_verify v = {.seed = 1, .halvings = 8};
+        bis_diag diag = {0};
+        LACK(l, bis_verify_scene(&v, scene, desc, &desc->view.settings, &diag) ?: bis_verify_judge(&v, &diag));
+        assert_int_equal(l.status == BIS_OK, l.over);
+        assert_int_equal(diag.n_errors, !l.over);
+        if (diag.n) refused += strcmp(diag.messages[0].text, "error: no memory for a second accelerator") == 0;
+        bis_diag_clear(&diag);
+        bis_verify_clear(&v);
+    }
+    assert_true(refused > 0);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
 }
@@ -1246,6 +1281,7 @@ int main(void)
         cmocka_unit_test(a_quadrics_edge_is_in_doubt_by_what_was_worked_out),
         cmocka_unit_test(a_tolerance_depends_on_no_order),
         cmocka_unit_test(the_second_accelerator_is_the_other_one),
+        cmocka_unit_test(without_memory_there_is_no_second_accelerator),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
         cmocka_unit_test(the_pixels_of_a_view_are_those_of_the_lattice),
         cmocka_unit_test(text_and_json_of_a_map_tell_the_same),

@@ -522,13 +522,17 @@ static void every_allocation_of_a_picture_may_fail(void **state)
     b.desc->view.edge_samples = 1;
     for (long k = 1; status; k += 1 + k / 32) {
         bis_verify v = {.seed = 1, .halvings = 12};
+        bis_diag diag = {0};
         bool tested;
         bis_mem_fail_at(k);
-        status = bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL);
+        status = bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, &diag);
+        if (!status) status = bis_verify_judge(&v, &diag);
+        const bool failed = bis_mem_count() >= k;
         bis_mem_fail_at(0);
-        if (!status) status = bis_verify_judge(&v, NULL);
-        assert_true(status == BIS_OK || status == BIS_NOMEM);
-        assert_true(k < 5000);
+        assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
+        assert_int_equal(diag.n_errors, failed);
+        if (failed && diag.n > 0) assert_non_null(strstr(diag.messages[0].text, "memory"));
+        bis_diag_clear(&diag);
         bis_verify_clear(&v);
     }
     verify_clear(&b);

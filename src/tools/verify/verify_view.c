@@ -41,11 +41,11 @@ bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counter
 {
     const bis_settings *s = job->settings;
     const bis_point *pt = job->pt;
-    const bis_sampler sampler = {
-        .kind = job->kind, .seed = job->seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    bis_sampler sampler = {.kind = job->kind, .seed = job->seed};
     atomic_bool failed = false;
     uint64_t accepted = 0, fallbacks = 0, rays = 0;
 
+    bis_sampler_set_spp(&sampler, 1);
 #pragma omp parallel reduction(+ : accepted, fallbacks, rays)
     {
         bis_counters own = {0};
