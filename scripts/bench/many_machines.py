@@ -100,90 +100,94 @@ class Lists:
         return out
 
 
-def simulate(seconds, owner, known, ranks, threads, link, learned):
-    """One pass: its length, how long rank 0's link was busy with messages, how many tiles moved. seconds[]: of the
-    tiles. owner[]: the ranks that had them in the pass before, `ranks`: nobody; receives the new ones. learned: bytes
-    of a tile."""
-    lists, n = Lists(seconds, owner, ranks, known), len(seconds)
-    each = max(TAKE, BYTES / link)
-    server = busy = end = 0.0
-    moved = 0
-    leader_renders = ranks <= 16
-    held, work = [0] * ranks, [0.0] * ranks     # tiles, and their seconds
-    queue = [[] for _ in range(ranks)]          # of (time of arrival, tile)
-    idle = [threads] * ranks
-    if not leader_renders:
-        idle[0] -= 1
-    working = [[] for _ in range(ranks)]        # when the tiles at work will be done
-    unsent, unsent_work = [0] * ranks, [0.0] * ranks
-    events = []                                 # (time a tile is done, rank, tile)
+class Pass:
+    """One pass: its end, how long rank 0's link was busy with messages, how many tiles moved. seconds[]: of the tiles.
+    owner[]: the ranks that had them in the pass before, `ranks`: nobody; receives the new ones. learned: bytes of a
+    tile."""
 
-    def begin(w, now):
-        while idle[w] and (queue[w] or (w == 0 and lists.find(0, False) is not None)):
-            if queue[w]:
-                there, t = queue[w].pop()
+    def __init__(self, seconds, owner, known, ranks, threads, link, learned):
+        self.lists, self.seconds, self.owner = Lists(seconds, owner, ranks, known), seconds, owner
+        self.ranks, self.threads, self.link, self.learned = ranks, threads, link, learned
+        self.server = self.busy = self.end = 0.0
+        self.moved = 0
+        self.held, self.work = [0] * ranks, [0.0] * ranks     # tiles, and their seconds
+        self.queue = [[] for _ in range(ranks)]               # of (time of arrival, tile)
+        self.idle = [threads] * ranks
+        self.leader_renders = ranks <= 16
+        if not self.leader_renders:
+            self.idle[0] -= 1
+        self.working = [[] for _ in range(ranks)]             # when the tiles at work will be done
+        self.unsent, self.unsent_work = [0] * ranks, [0.0] * ranks
+        self.events = []                                      # (time a tile is done, rank, tile)
+        for w in list(range(1, ranks)) * 2:
+            self.deal(w, 0.0)
+        for w in range(ranks):
+            self.begin(w, 0.0)
+        while self.events:
+            now, w, tile = heapq.heappop(self.events)
+            self.finish(now, w, tile)
+            self.end = max(self.end, self.server, now)
+
+    def begin(self, w, now):
+        queue, lists = self.queue[w], self.lists
+        while self.idle[w] and (queue or (w == 0 and lists.find(0, False) is not None)):
+            if queue:
+                there, t = queue.pop()
                 if there > now:
                     there += NAP / 2
             else:
                 there, t = now, lists.take(lists.find(0, False), 1)[0]
-                owner[t] = 0
-            idle[w] -= 1
-            done = max(now, there) + seconds[t]
-            working[w].append(done)
-            heapq.heappush(events, (done, w, t))
+                self.owner[t] = 0
+            self.idle[w] -= 1
+            done = max(now, there) + self.seconds[t]
+            self.working[w].append(done)
+            heapq.heappush(self.events, (done, w, t))
 
-    def deal(w, now):
-        nonlocal server, moved
+    def deal(self, w, now):
+        lists, held = self.lists, self.held[w]
         i = lists.find(w)
         if i is None:
             return
-        k = lists.batch(i, threads)
-        if held[w] > k if leader_renders else held[w] >= threads and work[w] > lists.total / (PIECES * ranks):
+        k = lists.batch(i, self.threads)
+        if held > k if self.leader_renders else (
+                held >= self.threads and self.work[w] > lists.total / (PIECES * self.ranks)):
             return
         tiles = lists.take(i, k)
-        server = max(server, now) + MESSAGE
-        there = server + LATENCY
-        if i not in (w, ranks):                 # they move, when the owner has time
+        self.server = max(self.server, now) + MESSAGE
+        there = self.server + LATENCY
+        if i not in (w, self.ranks):            # they move, when the owner has time
             if i > 0:
-                there = max(there, min(working[i], default=there) if not idle[i] else there)
-            there += MESSAGE + LATENCY + k * learned / link
-            moved += k
-        queue[w] = [(there, t) for t in reversed(tiles)] + queue[w]
+                there = max(there, min(self.working[i], default=there) if not self.idle[i] else there)
+            there += MESSAGE + LATENCY + k * self.learned / self.link
+            self.moved += k
+        self.queue[w] = [(there, t) for t in reversed(tiles)] + self.queue[w]
         for t in tiles:
-            owner[t] = w
-        held[w] += k
-        work[w] += sum(lists.cost[t] for t in tiles)
+            self.owner[t] = w
+        self.held[w] += k
+        self.work[w] += sum(lists.cost[t] for t in tiles)
 
-    for _ in range(2):
-        for w in range(1, ranks):
-            deal(w, 0.0)
-    for w in range(ranks):
-        begin(w, 0.0)
-    while events:
-        now, w, tile = heapq.heappop(events)
-        idle[w] += 1
-        working[w].remove(now)
+    def finish(self, now, w, tile):
+        self.idle[w] += 1
+        self.working[w].remove(now)
+        start = now
         if w > 0:
-            unsent[w] += 1
-            unsent_work[w] += lists.cost[tile]
-            if unsent[w] >= min(TOGETHER, len(queue[w])):
-                busy += MESSAGE + unsent[w] * each
-                server = max(server, now + LATENCY) + MESSAGE + unsent[w] * each
-                held[w] -= unsent[w]
-                work[w] -= unsent_work[w]
-                unsent[w], unsent_work[w] = 0, 0.0
-                had_none = not queue[w]
-                deal(w, server)
-                begin(w, now if not had_none else max(now, server))
-            else:
-                begin(w, now)
-        else:
-            if lists.find(0, False) is None and len(queue[0]) < threads:
-                held[0], work[0] = 0, 0.0
-                deal(0, now)
-            begin(0, now)
-        end = max(end, server, now)
-    return end, busy, moved
+            self.unsent[w] += 1
+            self.unsent_work[w] += self.lists.cost[tile]
+            if self.unsent[w] >= min(TOGETHER, len(self.queue[w])):
+                taken = self.unsent[w] * max(TAKE, BYTES / self.link)
+                self.busy += MESSAGE + taken
+                self.server = max(self.server, now + LATENCY) + MESSAGE + taken
+                self.held[w] -= self.unsent[w]
+                self.work[w] -= self.unsent_work[w]
+                self.unsent[w], self.unsent_work[w] = 0, 0.0
+                had_none = not self.queue[w]
+                self.deal(w, self.server)
+                if had_none:
+                    start = max(now, self.server)
+        elif self.lists.find(0, False) is None and len(self.queue[0]) < self.threads:
+            self.held[0], self.work[0] = 0, 0.0
+            self.deal(0, now)
+        self.begin(w, start)
 
 
 def third_pass(pixels, tiles, ranks, threads, link, cache={}):
@@ -195,8 +199,8 @@ def third_pass(pixels, tiles, ranks, threads, link, cache={}):
         learned = CELL * (16 if pixels <= 1 << 23 else 1)
         for number in range(3):
             noisy = [s * rng.uniform(0.95, 1.05) for s in seconds]
-            length, busy, moved = simulate(noisy, owner, number > 0, ranks, threads, link, learned)
-        cache[key] = length, busy, moved, sum(seconds)
+            done = Pass(noisy, owner, number > 0, ranks, threads, link, learned)
+        cache[key] = done.end, done.busy, done.moved, sum(seconds)
     return cache[key]
 
 

@@ -465,31 +465,47 @@ class State:
         return s
 
 
+# What a directive makes of the transformation.
+MOVES = {
+    'Identity': lambda ctm, w: np.eye(4),
+    'Translate': lambda ctm, w: ctm @ translate(*w.numbers(3)),
+    'Scale': lambda ctm, w: ctm @ np.diag(w.numbers(3) + [1]),
+    'Rotate': lambda ctm, w: ctm @ rotate(*w.numbers(4)),
+    'LookAt': lambda ctm, w: ctm @ look_at(w.numbers(9)),
+    'Transform': lambda ctm, w: np.array(w.numbers(16)).reshape(4, 4).T,
+    'ConcatTransform': lambda ctm, w: ctm @ np.array(w.numbers(16)).reshape(4, 4).T,
+}
+
+
+def surface_of(d, w, named, textures, by_page):
+    """What a directive of materials speaks of; kept in named[] if it has a name."""
+    name = w.name()
+    if d == 'NamedMaterial':
+        return named[name]
+    p = w.parameters()
+    if d == 'Material':
+        return material(name, p, textures, by_page)
+    named[name] = material(p['type'][1][0], p, textures, by_page)
+
+
+def scene_of(shapes, lamp, seen, view, film):
+    sensor, finish = camera(*view[:2], film, view[2])
+    parts = {f'shape{i}': s for i, s in enumerate(shapes)}
+    integrator = {'type': 'direct', 'emitter_samples': 2, 'bsdf_samples': 2, 'hide_emitters': not seen}
+    return mi.load_dict({'type': 'scene', 'integrator': integrator, 'sensor': sensor, 'light': lamp, **parts},
+                        parallel=False), finish
+
+
 def read_scene(path, out, by_page=True):
     """Mitsuba's scene, and what to do with its picture."""
     w, now, stack, systems = Words(path), State(), [], {}
     named, textures, objects, present = {}, {}, {}, None
     film, view, lamp, shapes, seen = {}, ('perspective', {}, np.eye(4)), None, [], True
 
-    def add(kind, p, ctm, surface):
-        shapes.extend(shapes_of(kind, p, ctm, surface, out))
-
     while w.more():
         d = w.next()
-        if d == 'Identity':
-            now.ctm = np.eye(4)
-        elif d == 'Translate':
-            now.ctm = now.ctm @ translate(*w.numbers(3))
-        elif d == 'Scale':
-            now.ctm = now.ctm @ np.diag(w.numbers(3) + [1])
-        elif d == 'Rotate':
-            now.ctm = now.ctm @ rotate(*w.numbers(4))
-        elif d == 'LookAt':
-            now.ctm = now.ctm @ look_at(w.numbers(9))
-        elif d == 'Transform':
-            now.ctm = np.array(w.numbers(16)).reshape(4, 4).T
-        elif d == 'ConcatTransform':
-            now.ctm = now.ctm @ np.array(w.numbers(16)).reshape(4, 4).T
+        if d in MOVES:
+            now.ctm = MOVES[d](now.ctm, w)
         elif d == 'CoordinateSystem':
             systems[w.name()] = now.ctm
         elif d == 'CoordSysTransform':
@@ -508,7 +524,7 @@ def read_scene(path, out, by_page=True):
             present = objects[w.name()] = []
         elif d == 'ObjectInstance':
             for kind, p, ctm, surface in objects[w.name()]:
-                add(kind, p, now.ctm @ ctm, surface)
+                shapes.extend(shapes_of(kind, p, now.ctm @ ctm, surface, out))
         elif d == 'WorldBegin':
             now.ctm = systems['world'] = np.eye(4)
         elif d == 'Camera':
@@ -524,17 +540,12 @@ def read_scene(path, out, by_page=True):
         elif d == 'Texture':
             name, _, kind = w.name(), w.name(), w.name()
             textures[name] = texture(kind, w.parameters(), textures, out)
-        elif d == 'Material':
-            now.surface = material(w.name(), w.parameters(), textures, by_page)
-        elif d == 'MakeNamedMaterial':
-            name, p = w.name(), w.parameters()
-            named[name] = material(p['type'][1][0], p, textures, by_page)
-        elif d == 'NamedMaterial':
-            now.surface = named[w.name()]
+        elif d in ('Material', 'NamedMaterial', 'MakeNamedMaterial'):
+            now.surface = surface_of(d, w, named, textures, by_page) or now.surface
         elif d == 'Shape':
             kind, p = w.name(), w.parameters()
             if present is None:
-                add(kind, p, now.ctm, now.surface)
+                shapes.extend(shapes_of(kind, p, now.ctm, now.surface, out))
             else:
                 present.append((kind, p, now.ctm, now.surface))
         elif d in ('Sampler', 'Integrator', 'PixelFilter', 'Accelerator', 'ColorSpace'):
@@ -542,11 +553,7 @@ def read_scene(path, out, by_page=True):
             w.parameters()
         elif d not in ('WorldEnd', 'ReverseOrientation'):
             raise NotImplementedError(d)
-    sensor, finish = camera(*view[:2], film, view[2])
-    parts = {f'shape{i}': s for i, s in enumerate(shapes)}
-    integrator = {'type': 'direct', 'emitter_samples': 2, 'bsdf_samples': 2, 'hide_emitters': not seen}
-    return mi.load_dict({'type': 'scene', 'integrator': integrator, 'sensor': sensor, 'light': lamp, **parts},
-                        parallel=False), finish
+    return scene_of(shapes, lamp, seen, view, film)
 
 
 # ---- both pictures ----

@@ -9,7 +9,7 @@
 #   - No line of C, shell, awk, Python, JavaScript or make has more than 120 columns: the Makefile, .ci, src, include,
 #     tests, scripts, data/generate and docs/live.
 #   - No function of C has more than 60 lines, from its { to its }. Tables are not counted: from a line that ends in
-#     "= {" to its "};". That of src, include, tests, scripts and data/generate.
+#     "= {" to its "};". That of src, include, tests, scripts and data/generate. No function of Python has more.
 #     scripts/check/check_docstrings.sh [ROOT]          ROOT holds include, src, tests and scripts; default: here
 cd "${1:-.}" || exit 1
 bad=0
@@ -89,4 +89,18 @@ awk '
         begin = 0
     }
     END { exit bad }' $(find src include tests scripts data/generate -type f -name '*.[ch]' 2>/dev/null | sort) || bad=1
+
+# shellcheck disable=SC2046
+awk '
+    function judge() {
+        if (begin && last - begin >= 60) {
+            printf "%s:%d: %s has %d lines, at most 60 are allowed\n", file, begin, name, last - begin + 1
+            bad = 1
+        }
+        begin = 0
+    }
+    FNR == 1 || (/^ *[^ )]/ && match($0, /[^ ]/) <= column) { judge() }
+    !begin && /^ *def / { file = FILENAME; begin = FNR; column = match($0, /d/); name = $2; sub(/\(.*/, "", name) }
+    /[^ ]/ { last = FNR }
+    END { judge(); exit bad }' $(find tests scripts -type f -name '*.py' 2>/dev/null | sort) /dev/null || bad=1
 exit $bad

@@ -19,24 +19,23 @@ static int format_head(char *text, size_t room, bis_loc at, const char *kind)
     return snprintf(text, room, "%s:%d:%d: %s: ", at.file, at.line, at.column, kind);
 }
 
-static char *format_message(bis_loc at, const char *kind, const char *fmt, va_list args) BIS_PRINTF(3, 0);
+static bis_message make_message(bis_loc at, bool is_error, const char *fmt, va_list args) BIS_PRINTF(3, 0);
 
-/* Head and message in a block of their own; NULL without memory. */
-static char *format_message(bis_loc at, const char *kind, const char *fmt, va_list args)
+/* Head and body in a block of their own; text is NULL without memory. */
+static bis_message make_message(bis_loc at, bool is_error, const char *fmt, va_list args)
 {
+    const char *kind = is_error ? "error" : "warning";
     va_list again;
     va_copy(again, args);
     int head = format_head(NULL, 0, at, kind);
     int body = vsnprintf(NULL, 0, fmt, again);
     va_end(again);
-    if (head < 0 || body < 0) return NULL;
-
     size_t room = (size_t)head + (size_t)body + 1;
-    char *text = bis_alloc(room, 1);
-    if (!text) return NULL;
+    char *text = head < 0 || body < 0 ? NULL : bis_alloc(room, 1);
+    if (!text) return (bis_message){0};
     format_head(text, room, at, kind);
     vsnprintf(text + head, room - (size_t)head, fmt, args);
-    return text;
+    return (bis_message){is_error, text, text + head};
 }
 
 static void append(bis_diag *diag, bool is_error, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(4, 0);
@@ -46,8 +45,8 @@ static void append(bis_diag *diag, bool is_error, bis_loc at, const char *fmt, v
     if (!diag) return;
     if (is_error) diag->n_errors++;
     const bool fits = BIS_ROOM(diag->messages, diag->capacity, diag->n);
-    char *text = fits ? format_message(at, is_error ? "error" : "warning", fmt, args) : NULL;
-    if (text) diag->messages[diag->n++] = (bis_message){is_error, text};
+    const bis_message made = fits ? make_message(at, is_error, fmt, args) : (bis_message){0};
+    if (made.text) diag->messages[diag->n++] = made;
     else diag->n_lost++;
 }
 

@@ -351,7 +351,7 @@ static bis_status resample(const bis_raster *to, const bis_raster *from, double 
     power[1] = after[0] + after[1] + after[2];
     if (isfinite(power[1])) return BIS_OK;
     return bis_error(diag, BIS_INPUT, (bis_loc){0}, "a map of mapping \"%s\" would get a radiance of more than %g, "
-                     "which no float holds; divide the map by 1000", model_of(to)->name, (double)FLT_MAX);
+                     "which no float holds; divide the map by 1000", bis_mapping_names[to->mapping], (double)FLT_MAX);
 }
 
 bis_status bis_envmap_from_mapping(bis_envmap *em, bis_image *image, bis_mapping mapping, int width, bis_diag *diag)
@@ -364,9 +364,7 @@ bis_status bis_envmap_from_mapping(bis_envmap *em, bis_image *image, bis_mapping
                          "it a \"latlong\" map?", bis_mapping_names[mapping], bis_mapping_shape(mapping), image->width,
                          image->height);
     }
-    assert(width >= 0);
-    if (width == 0) width = bis_mapping_width(mapping, image->width, image->height);
-    width += width % 2;
+    width = bis_mapping_width(mapping, image->width, image->height, width);
     const int height = width / 2;
     const size_t n = (size_t)width * (size_t)height;
     bis_raster from = raster_of(mapping, image->width, image->height,
@@ -402,11 +400,11 @@ static bis_status find_size(bis_raster *to, const bis_envmap *em, int width, bis
     to->height = to->mapping == BIS_MAPPING_LATLONG ? (width + 1) / 2 : width / m->columns * m->rows;
     if (to->mapping != BIS_MAPPING_LATLONG && width % m->columns)
         return bis_error(diag, BIS_INPUT, (bis_loc){0}, "a map of mapping \"%s\" must be %s: its width, %d, must be a "
-                         "multiple of %d", m->name, m->shape, width, m->columns);
+                         "multiple of %d", bis_mapping_names[to->mapping], m->shape, width, m->columns);
     if (to->width > BIS_IMAGE_MAX_SIDE || to->height > BIS_IMAGE_MAX_SIDE)
         return bis_error(diag, BIS_INPUT, (bis_loc){0}, "an image of mapping \"%s\" would have %d x %d pixels, a side "
-                         "must be at most %d: give a smaller width", m->name, to->width, to->height,
-                         BIS_IMAGE_MAX_SIDE);
+                         "must be at most %d: give a smaller width", bis_mapping_names[to->mapping], to->width,
+                         to->height, BIS_IMAGE_MAX_SIDE);
     return BIS_OK;
 }
 

@@ -392,13 +392,13 @@ static double cube_solid_angle(const bis_raster *r, int x, int y)
 
 /* turn: of an equal-area pixel, of solid angle 4 pi / n^2, the side is 2 sqrt(pi) / n; of a mirror ball's it is 4/n. */
 const bis_mapping_model bis_mapping_models[BIS_N_MAPPINGS] = {
-    {"latlong", "twice as wide as high", 2, 1, 2, 2, latlong_directions, latlong_pixels, latlong_solid_angle},
-    {"angular", "square", 1, 1, 1, 2, angular_directions, angular_pixels, angular_solid_angle},
-    {"equalarea", "square", 1, 1, 1.7724538509055161, 2, equalarea_directions, equalarea_pixels, equalarea_solid_angle},
-    {"mirrorball", "square", 1, 1, PI / 2, 2, ball_directions, ball_pixels, ball_solid_angle},
-    {"verticalcross", "of 3 x 4 square faces", 3, 4, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
-    {"horizontalcross", "of 4 x 3 square faces", 4, 3, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
-    {"cubestrip", "a row or column of 6 square faces", 6, 1, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
+    {"twice as wide as high", 2, 1, 2, 2, latlong_directions, latlong_pixels, latlong_solid_angle},
+    {"square", 1, 1, 1, 2, angular_directions, angular_pixels, angular_solid_angle},
+    {"square", 1, 1, 1.7724538509055161, 2, equalarea_directions, equalarea_pixels, equalarea_solid_angle},
+    {"square", 1, 1, PI / 2, 2, ball_directions, ball_pixels, ball_solid_angle},
+    {"of 3 x 4 square faces", 3, 4, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
+    {"of 4 x 3 square faces", 4, 3, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
+    {"a row or column of 6 square faces", 6, 1, 4, 4, cube_directions, cube_pixels, cube_solid_angle},
 };
 
 const char *const bis_mapping_names[BIS_N_MAPPINGS + 1] = {
@@ -423,10 +423,12 @@ bool bis_mapping_fits(bis_mapping mapping, int width, int height)
     return width > 0 && width % columns == 0 && (int64_t)height * columns == (int64_t)width * rows;
 }
 
-int bis_mapping_width(bis_mapping mapping, int width, int height)
+int bis_mapping_width(bis_mapping mapping, int width, int height, int wanted)
 {
     const bis_mapping_model *m = &bis_mapping_models[mapping];
-    assert(bis_mapping_fits(mapping, width, height));
+    const int cell = height > width ? height / (m->rows > m->columns ? m->rows : m->columns) : width / m->columns;
+    assert(bis_mapping_fits(mapping, width, height) && wanted >= 0);
     if (mapping == BIS_MAPPING_LATLONG) return width;
-    return m->detail * (height > width ? height / (m->rows > m->columns ? m->rows : m->columns) : width / m->columns);
+    if (wanted == 0) wanted = m->detail * cell;
+    return wanted + wanted % 2;
 }

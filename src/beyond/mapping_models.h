@@ -29,7 +29,7 @@ typedef struct bis_places {
 } bis_places;
 
 typedef struct bis_mapping_model {
-    const char *name, *shape;
+    const char *shape;
     int columns, rows; /* the picture consists of square cells: faces of a cube, or 1 x 1; lat-long: 2 x 1 */
     /* Pixels around the sphere where they are densest, in widths of a cell; of a cube the middle of its faces counts
      * with the corners: four faces make a turn. */

@@ -98,9 +98,8 @@ static void print_forecast(const bis_forecast *f, void *user)
 
 static void warn_of_checkpoint(const char *message)
 {
-    const char *text = strstr(message, "error: ");
     fprintf(stderr, "%sbis: warning: no checkpoint was written, the render goes on: %s\n",
-            isatty(STDERR_FILENO) ? "\r\033[K" : "", text ? text + strlen("error: ") : message);
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", message);
 }
 
 /* What --checkpoint and --resume ask for; of the file, if there is one, all but the state is read. */

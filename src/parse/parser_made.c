@@ -160,14 +160,11 @@ static bool subdivide(bis_parser *p, bis_mesh *m, unsigned levels, bis_loc at)
     const bis_status status = bis_make_subdivided(m, levels, at, &own);
     bool ok = !status;
 
-    if (status == BIS_INPUT && own.n) { /* without its place, which is at */
-        const char *text = strstr(own.messages[0].text, "error: ");
+    if (status == BIS_INPUT && own.n) /* without its place, which is at */
         ok = bis_approximate_or_refuse(p, at, "Shape \"loopsubdiv\" whose triangles do not form surfaces",
                                        "its control mesh: coarser, and a little too large", "%s",
-                                       text ? text + strlen("error: ") : own.messages[0].text);
-    } else if (status) {
-        bis_parser_nomem(p, at);
-    }
+                                       own.messages[0].body);
+    else if (status) bis_parser_nomem(p, at);
     bis_diag_clear(&own);
     return ok;
 }

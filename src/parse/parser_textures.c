@@ -494,16 +494,6 @@ static bool read_mean(bis_parser *p, bis_texture *x, const char *name, bool of_f
 
 /* ---- Texture ---- */
 
-static const bis_choice kinds[] = {
-    {"constant", BIS_TEXTURE_CONSTANT}, {"imagemap", BIS_TEXTURE_IMAGE},
-    {"scale", BIS_TEXTURE_SCALE},       {"mix", BIS_TEXTURE_MIX},
-    {"checkerboard", BIS_TEXTURE_CHECKERBOARD}, {"bilerp", BIS_TEXTURE_BILERP},
-    {"dots", BIS_TEXTURE_DOTS},         {"fbm", BIS_TEXTURE_FBM},
-    {"marble", BIS_TEXTURE_MARBLE},     {"uv", BIS_TEXTURE_UV_COLOUR},
-    {"windy", BIS_TEXTURE_WINDY},       {"wrinkled", BIS_TEXTURE_WRINKLED},
-    {"directionmix", BIS_FOREIGN},      {"ptex", BIS_FOREIGN},
-};
-
 static bool read_kind(bis_parser *p, bis_texture *x, const bis_choice *chosen, bool of_floats)
 {
     switch (chosen->value) {
@@ -579,6 +569,8 @@ void bis_directive_texture(bis_parser *p, bis_loc at)
         return;
     if (!read_type(p, bis_parser_text(p, type), type_at, &of_floats)) return;
     bis_texture x = {.value = {0.5, 0.5, 0.5}, .factor = {1, 1}, .scale = 1, .steps = 1, .is_float = of_floats};
+    bis_choice kinds[] = {[BIS_TEXTURE_PBRTS] = {"directionmix", BIS_FOREIGN}, {"ptex", BIS_FOREIGN}};
+    for (int i = 0; i < BIS_TEXTURE_PBRTS; i++) kinds[i] = (bis_choice){bis_texture_names[i], i};
     const bis_choice *chosen = bis_parser_choose(p, "Texture", bis_parser_text(p, kind), kind_at, kinds,
                                                  BIS_COUNT(kinds));
     if (chosen) {

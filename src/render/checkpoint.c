@@ -108,6 +108,6 @@ void bis_checkpoint_save(bis_checkpoint *c, bis_workspace *w, bis_done *done)
         bis_state_end(&out);
         c->failed = bis_outfile_commit(file, &diag) != BIS_OK;
     }
-    if (c->failed && !failed_before && c->warn) c->warn(diag.n ? diag.messages[0].text : "no memory");
+    if (c->failed && !failed_before && c->warn) c->warn(diag.n ? diag.messages[0].body : "no memory");
     bis_diag_clear(&diag);
 }

@@ -28,42 +28,36 @@ static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_
         filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
 }
 
-bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
-                                bis_diag *diag)
+bis_status bis_light_check_size(const bis_light_desc *desc, int width, int height, bis_diag *diag)
 {
-    *mapping = desc->mapping;
-    if (!bis_mapping_fits(*mapping, width, height)) {
+    const bis_mapping mapping = bis_light_mapping(desc, width, height);
+    if (!bis_mapping_fits(mapping, width, height))
         return bis_error(diag, BIS_INPUT, desc->loc,
                          "\"%s\" is %d x %d; a map of mapping \"%s\" must be %s (\"latlong\" maps are 2:1)",
-                         desc->filename, width, height, bis_mapping_names[*mapping], bis_mapping_shape(*mapping));
-    }
-    if (width == height && !desc->has_mapping) {
-        if (!desc->is_v4) {
-            return bis_error(diag, BIS_INPUT, desc->loc,
-                             "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, "
-                             "\"equalarea\" for a map of pbrt-v4, \"mirrorball\", or \"latlong\" if that is meant",
-                             desc->filename, width, height);
-        }
+                         desc->filename, width, height, bis_mapping_names[mapping], bis_mapping_shape(mapping));
+    if (mapping != desc->mapping)
         bis_warn(diag, desc->loc,
                  "\"%s\" is square, %d x %d, and named by \"filename\": it is taken for an equal-area map, as in "
                  "pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe), or bis envmap "
                  "--mapping angular --to latlong makes a map that needs no word",
                  desc->filename, width, height);
-        *mapping = BIS_MAPPING_EQUALAREA;
-    }
-    if (height > width && !desc->has_mapping) {
+    else if (width == height && !desc->has_mapping)
+        return bis_error(diag, BIS_INPUT, desc->loc,
+                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, \"equalarea\" "
+                         "for a map of pbrt-v4, \"mirrorball\", or \"latlong\" if that is meant",
+                         desc->filename, width, height);
+    if (height > width && !desc->has_mapping)
         bis_warn(diag, desc->loc,
                  "\"%s\" is %d x %d, higher than wide, and is taken for a lat-long map all the same: each of its rows "
                  "goes all the way round. Give its mapping, as \"verticalcross\", or \"latlong\" if that is meant (%s)",
                  desc->filename, width, height, desc->loc.line ? "string mapping" : "--light-mapping");
-    }
     return BIS_OK;
 }
 
 static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
 {
-    bis_mapping mapping;
-    const bis_status status = bis_light_check_size(&mapping, desc, image->width, image->height, diag);
+    const bis_mapping mapping = bis_light_mapping(desc, image->width, image->height);
+    const bis_status status = bis_light_check_size(desc, image->width, image->height, diag);
     return status ? status : bis_envmap_from_mapping(em, image, mapping, desc->width, diag);
 }
 

@@ -36,7 +36,6 @@ static bis_status check_image(const bis_texture_file *file, bis_diag *diag)
 static bis_status check_light(const bis_light_desc *light, bis_diag *diag)
 {
     long width, height;
-    bis_mapping mapping;
     bis_image map;
 
     if (!is_there(light->filename)) return BIS_OK;
@@ -49,7 +48,7 @@ static bis_status check_light(const bis_light_desc *light, bis_diag *diag)
         bis_image_clear(&map);
         if (loaded) return loaded;
     }
-    return bis_light_check_size(&mapping, light, (int)width, (int)height, diag);
+    return bis_light_check_size(light, (int)width, (int)height, diag);
 }
 
 static bis_status check_mesh(const bis_mesh_desc *m, bis_diag *diag)

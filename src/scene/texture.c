@@ -18,6 +18,10 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *const bis_texture_names[] = {
+    "constant", "imagemap", "scale", "mix", "checkerboard", "bilerp", "dots", "fbm", "marble", "uv", "windy",
+    "wrinkled", "checkerboard in space", "coated", "remapped"};
+
 void bis_textures_clear(bis_textures *t)
 {
     for (size_t i = 0; i < t->n_files; i++) bis_free(t->files[i].filename);

@@ -116,13 +116,12 @@ bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height,
         return true;
     }
     if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
-    if (*width == *height && !light->has_mapping && light->is_v4) *mapping = BIS_MAPPING_EQUALAREA;
+    *mapping = bis_light_mapping(light, *width, *height);
     if (*mapping == BIS_MAPPING_LATLONG) return true;
     if (*width > BIS_IMAGE_MAX_SIDE || *height > BIS_IMAGE_MAX_SIDE ||
         !bis_mapping_fits(*mapping, (int)*width, (int)*height))
         return false;
-    const int wanted = light->width ? light->width : bis_mapping_width(*mapping, (int)*width, (int)*height);
-    *width = wanted + wanted % 2;
+    *width = bis_mapping_width(*mapping, (int)*width, (int)*height, light->width);
     *height = *width / 2;
     return true;
 }

@@ -201,12 +201,9 @@ static const char *last_name(const bis_textures *t, uint32_t image)
 
 static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
 {
-    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated", "remapped",
-                                        "dots", "bilerp", "uv", "checkerboard in space", "fbm", "wrinkled", "windy",
-                                        "marble"}; /* bis_texture_kind */
     const bis_texture *x = &t->list[texture];
     const bool is_image = x->kind == BIS_TEXTURE_IMAGE;
-    fprintf(out, ", %s texture (%s)", name, is_image ? last_name(t, x->image) : kinds[x->kind]);
+    fprintf(out, ", %s texture (%s)", name, is_image ? last_name(t, x->image) : bis_texture_names[x->kind]);
 }
 
 /* Every image, and the texture coordinates. */

@@ -20,6 +20,8 @@ static void a_message_names_as_much_of_its_place_as_is_known(void **state)
     assert_string_equal(d.messages[1].text, "s.txt:7: warning: w");
     assert_string_equal(d.messages[2].text, "s.txt: error: gone");
     assert_string_equal(d.messages[3].text, "error: no memory");
+    assert_string_equal(d.messages[0].body, "\"exponent\" is -3");
+    assert_string_equal(d.messages[1].body, "w");
     assert_true(d.messages[0].is_error);
     assert_false(d.messages[1].is_error);
     bis_diag_clear(&d);

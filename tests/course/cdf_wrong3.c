@@ -4,31 +4,21 @@
 /* loses: the_remainder_tells_where_u_lies_in_the_interval */
 /* loses: many_small_items_after_a_large_one_do_not_vanish */
 /* [cdf-sum] */
-static double accumulate(double *c, const double *f, size_t n, weight_scale s)
-{
-    float sum = 0;
-    c[0] = 0;
-    for (size_t i = 0; i < n; i++) {
-        sum += (float)weight_scaled(s, f[i]);
-        c[i + 1] = (double)sum;
-    }
-    return c[n];
-}
+-    double sum = 0, low = 0;
++    float sum = 0;
+-        double p = weight_scaled(s, f[i]), next = sum + p, added = next - sum;
+-        low += (sum - (next - added)) + (p - added);
+-        sum = next;
+-        c[i + 1] = sum + low;
++        sum += (float)weight_scaled(s, f[i]);
++        c[i + 1] = (double)sum;
 /* [end] */
 /* [cdf-search] */
-size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder)
-{
-    assert(c->total > 0 && u >= 0 && u < 1);
-    size_t g = (size_t)(u * (double)c->n_guide); /* exact: n_guide is a power of two */
-    size_t i = c->guide[g], last = c->guide[g + 1];
-    while (i < last) {
-        size_t middle = i + (last - i + 1) / 2;
-        if (c->c[middle] <= u)
-            i = middle;
-        else
-            last = middle - 1;
-    }
-    if (remainder) *remainder = (u - c->c[i]) / (c->c[i + 1] - c->c[i]);
-    return i;
-}
+-    size_t g = bis_cdf_part(c, u);
++    size_t g = (size_t)(u * (double)c->n_guide); /* exact: n_guide is a power of two */
+-    if (remainder) {
+-        double r = (u - c->c[i]) / (c->c[i + 1] - c->c[i]);
+-        *remainder = fmin(r, 1 - DBL_EPSILON / 2); /* the two differences may round to the same number */
+-    }
++    if (remainder) *remainder = (u - c->c[i]) / (c->c[i + 1] - c->c[i]);
 /* [end] */

@@ -4,18 +4,15 @@
 /* loses: directions_are_drawn_from_alias_tables */
 /* loses: directions_are_drawn_from_cdfs */
 /* [patch] */
-void bis_envmap_circle(const bis_envmap *em, int y, double u2, double *sin_theta, double *cos_theta)
-{
-    const double theta = PI * (y + u2) / em->height;
-    *sin_theta = sin(theta);
-    *cos_theta = cos(theta);
-}
-
-vec3 bis_envmap_direction(const bis_envmap *em, int x, int y, double u1, double u2)
-{
-    double sin_theta, cos_theta;
-    bis_envmap_circle(em, y, u2, &sin_theta, &cos_theta);
-    const double phi = 2 * PI * (x + u1) / em->width;
-    return vec3_from(sin_theta * cos(phi), sin_theta * sin(phi), cos_theta);
-}
+-    /* From the nearer pole: the cosines of its side's edges, 1 at the pole. Where 1 - near is small, it is exact
+-     * (Sterbenz). */
+-    const bool north = 2 * y < em->height;
+-    const double near = north ? em->cos_edge[y] : -em->cos_edge[y + 1];
+-    const double far = north ? em->cos_edge[y + 1] : -em->cos_edge[y];
+-    const double h = (1 - near) + (north ? u2 : 1 - u2) * (near - far);
+-    *sin_theta = sqrt(h * (2 - h));
+-    *cos_theta = north ? 1 - h : h - 1;
++    const double theta = PI * (y + u2) / em->height;
++    *sin_theta = sin(theta);
++    *cos_theta = cos(theta);
 /* [end] */

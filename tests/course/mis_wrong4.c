@@ -10,25 +10,9 @@ static double weight(bis_heuristic heuristic, double own, double other)
 }
 /* [end] */
 /* [mis-brdf] */
-static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2],
-    uint32_t n_em, uint32_t n_brdf)
-{
-    const bis_bsdf *bsdf = &pt->bsdf;
-
-    bis_stream_points(stream, BIS_DIM_BRDF, n_brdf, u);
-    for (uint32_t j = 0; j < n_brdf; j++) {
-        vec3 wi;
-        if (!bis_bsdf_draw(bsdf, u[j], &wi)) break;
-
-        double q_brdf, cos_theta = bis_bsdf_cos(bsdf, wi);
-        if (cos_theta <= 0) continue;
-        rgb f = bis_bsdf_f_pdf(bsdf, wi, &q_brdf);
-        if (q_brdf <= 0) continue; /* where the lobe underflows: f = 0 there, too */
-        double q_em;
-        rgb Le = bis_light_Le_pdf(pt->light, wi, &q_em);
-        rgbd C = bis_estimate(f, Le, cos_theta, (double)n_brdf * q_brdf);
-        if (!bis_point_sees(pt, wi)) continue;
-        *sum = rgbd_add(*sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
-    }
-}
+-        if (rgbd_sum(C) <= 0) continue;
+-        C = rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em));
+-        bis_point_add(sum, pt, wi, C, NULL);
++        if (!bis_point_sees(pt, wi)) continue;
++        *sum = rgbd_add(*sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
 /* [end] */

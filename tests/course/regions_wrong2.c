@@ -7,12 +7,9 @@
 /* loses: solid_angles_are_summed */
 /* loses: a_large_map_needs_no_deep_recursion */
 /* [level] */
-uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
-{
-    if (intensity == 0) return BIS_LEVEL_NONE;
-    if (l->log_range == 0) return 0;
-    return (uint8_t)(l->n * log(intensity / l->least) / l->log_range);
-}
+-    const double bin = l->n * log(intensity / l->least) / l->log_range;
+-    return (uint8_t)fmin(bin, l->n - 1); /* the brightest pixel stands on the last bin's upper edge */
++    return (uint8_t)(l->n * log(intensity / l->least) / l->log_range);
 /* [end] */
 /* [bfs] */
 static void flood(search *s, uint32_t start, uint32_t label)

@@ -4,14 +4,9 @@
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */
 /* loses: the_ratio_estimator_is_right_to_two_percent */
 /* [accept] */
-static uint32_t accept(bis_set *x, double B, bis_stream *stream)
-{
-    const double u = bis_stream_random(stream);
-    uint32_t A = 0;
-
-    for (uint32_t i = 0; i < x->choice.n; i++) {
-        if (u * B < bis_set_weight(x, i)) x->choice.item[A++] = i;
-    }
-    return A;
-}
+ {
++    const double u = bis_stream_random(stream);
+-        const double w = bis_set_weight(x, i);
+-        if (w > 0 && bis_stream_random(stream) * B < w) x->choice.item[A++] = i;
++        if (u * B < bis_set_weight(x, i)) x->choice.item[A++] = i;
 /* [end] */

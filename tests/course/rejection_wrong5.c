@@ -7,14 +7,6 @@
 /* loses: many_rays_are_right */
 /* loses: fewer_rays_than_accepted_are_right */
 /* [accept] */
-static uint32_t accept(bis_set *x, double B, bis_stream *stream)
-{
-    uint32_t A = 0;
-
-    for (uint32_t i = 0; i < x->choice.n; i++) {
-        const double w = (double)x->choice.w[i];
-        if (w > 0 && bis_stream_random(stream) * B < w) x->choice.item[A++] = i;
-    }
-    return A;
-}
+-        const double w = bis_set_weight(x, i);
++        const double w = (double)x->choice.w[i];
 /* [end] */

@@ -340,47 +340,71 @@ class Objects(unittest.TestCase):
 
 
 class Mistakes(unittest.TestCase):
-    def test_each_is_an_exception_with_its_message(self):
-        em = bis.Envmap(MAP)
+    def assert_refused(self, cases):
+        for what, text in cases:
+            with self.subTest(text), warnings.catch_warnings(), self.assertRaises(bis.Error) as e:
+                warnings.simplefilter("ignore")
+                what()
+            self.assertIn(text, str(e.exception))
+
+    def test_each_of_a_map_material_or_mesh_has_its_message(self):
+        em, nan = bis.Envmap(MAP), float("nan")
+        self.assert_refused([
+            (lambda: bis.Envmap("nothing.hdr"), 'cannot open "nothing.hdr"'),
+            (lambda: bis.Envmap(MAP, table="walker"), 'no table "walker"'),
+            (lambda: bis.Envmap(MAP, area_exponent=nan), "area_exponent is nan"),
+            (lambda: em.sample(u=[[0, 0, 0, 1]]), "u of sample 0 is 1"),
+            (lambda: em.sample(u=[[0, 0, 0]]), "give (n, 4)"),
+            (lambda: em.sample(-1), "n is -1"),
+            (lambda: em.sample(2.7), "n is 2.7"),
+            (lambda: em.sample(), "give n (how many) or u"),
+            (lambda: em.sample(1, u=[[0, 0, 0, 0]]), "one of both"),
+            (lambda: em.sample(1, seed=0.5), "seed is 0.5"),
+            (lambda: em.sample(1, seed=None), "seed is None"),
+            (lambda: em.sample(1, seed=2**53), "seed is 9007199254740992"),
+            (lambda: bis.Envmap(MAP + "\0.txt"), "map holds a NUL"),
+            (lambda: bis.Envmap(MAP, table="cdf\0x"), "table holds a NUL"),
+            (lambda: bis.Envmap(None), "map is None"),
+            (lambda: table(prob=[1, nan]).sample(1), "prob of bin 1 is nan"),
+            (lambda: table(alias=[0, 2]).sample(1), "alias of bin 1 is 2"),
+            (lambda: table(alias=[0, -1]).sample(1), "no item"),
+            (lambda: table(alias=[0, 0.5]).sample(1), "no item"),
+            (lambda: em.look([[0, 0, 0]]), "direction 0 is (0, 0, 0)"),
+            (lambda: em.look([[0, 0, 1], [0, nan, 0]]), "direction 1 is (0, nan, 0)"),
+            (lambda: bis.AliasTable([1, -1]), "weight 1 is -1"),
+            (lambda: bis.AliasTable([0, 0]), "all weights are 0"),
+            (lambda: bis.AliasTable([]), "0 weights"),
+            (lambda: bis.Material(2, 0, exponent=1), "Kd is (2, 2, 2)"),
+            (lambda: bis.Material(0, 0, roughness=0), "the roughness is 0"),
+            (lambda: bis.Material(0, 0, exponent=1).sample(1), "black"),
+            (lambda: bis.Material(0, 0), "one of both"),
+            (lambda: bis.Envmap(MAP, mapping="cube"), 'no mapping "cube"'),
+            (lambda: bis.Material(eta=0, k=1, roughness=1), "eta and k of channel 0 are 0 and 1"),
+            (lambda: bis.Material(eta=1, k=nan, roughness=1), "eta and k of channel 0 are 1 and nan"),
+            (lambda: bis.Material(eta=1, roughness=1), "of a metal eta and k"),
+            (lambda: bis.Material(0, 0, eta=1, k=1, roughness=1), "of a metal eta and k"),
+            (lambda: bis.Material(eta=1, k=1, exponent=1), "one of both"),
+            (lambda: bis.Material(0.5, roughness=1), "give Kd and Ks"),
+            (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 1]]), "of vertices 0 to 0"),
+            (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, -1]]), "of vertices 0 to 0"),
+            (lambda: bis.Mesh([[0, 0, 0]], np.empty((0, 3), int)), "faces has 0 rows"),
+            (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 0.5]]), "faces holds values of the type float64"),
+            (lambda: bis.Mesh([[0, 0, nan]], [[0, 0, 0]]), "vertices holds a value that is not finite"),
+            (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 0]], uv=[[0, 0], [1, 1]]), "uv has 2 rows, and vertices has 1"),
+        ])
+
+    def test_each_of_a_render_has_its_message(self):
         nan = float("nan")
         with tempfile.TemporaryDirectory() as folder:
             scene = os.path.join(folder, "scene.txt")
             with open(scene, "w") as f:
                 f.write(SCENE)
-            for what, text in [
-                (lambda: bis.Envmap("nothing.hdr"), 'cannot open "nothing.hdr"'),
-                (lambda: bis.Envmap(MAP, table="walker"), 'no table "walker"'),
-                (lambda: bis.Envmap(MAP, area_exponent=nan), "area_exponent is nan"),
-                (lambda: em.sample(u=[[0, 0, 0, 1]]), "u of sample 0 is 1"),
-                (lambda: em.sample(u=[[0, 0, 0]]), "give (n, 4)"),
-                (lambda: em.sample(-1), "n is -1"),
-                (lambda: em.sample(2.7), "n is 2.7"),
-                (lambda: em.sample(), "give n (how many) or u"),
-                (lambda: em.sample(1, u=[[0, 0, 0, 0]]), "one of both"),
-                (lambda: em.sample(1, seed=0.5), "seed is 0.5"),
-                (lambda: em.sample(1, seed=None), "seed is None"),
-                (lambda: em.sample(1, seed=2**53), "seed is 9007199254740992"),
-                (lambda: bis.Envmap(MAP + "\0.txt"), "map holds a NUL"),
-                (lambda: bis.Envmap(MAP, table="cdf\0x"), "table holds a NUL"),
-                (lambda: bis.Envmap(None), "map is None"),
+            self.assert_refused([
                 (lambda: bis.render(None), "scene is None"),
                 (lambda: bis.render(scene + "\0"), "scene holds a NUL"),
                 (lambda: bis.render(scene, integrator="em\0x"), "a setting holds a NUL"),
                 (lambda: bis.render(scene, error=0), 'error is "0"'),
                 (lambda: bis.render(scene, seconds=0), 'seconds is "0"'),
-                (lambda: table(prob=[1, nan]).sample(1), "prob of bin 1 is nan"),
-                (lambda: table(alias=[0, 2]).sample(1), "alias of bin 1 is 2"),
-                (lambda: table(alias=[0, -1]).sample(1), "no item"),
-                (lambda: table(alias=[0, 0.5]).sample(1), "no item"),
-                (lambda: em.look([[0, 0, 0]]), "direction 0 is (0, 0, 0)"),
-                (lambda: em.look([[0, 0, 1], [0, nan, 0]]), "direction 1 is (0, nan, 0)"),
-                (lambda: bis.AliasTable([1, -1]), "weight 1 is -1"),
-                (lambda: bis.AliasTable([0, 0]), "all weights are 0"),
-                (lambda: bis.AliasTable([]), "0 weights"),
-                (lambda: bis.Material(2, 0, exponent=1), "Kd is (2, 2, 2)"),
-                (lambda: bis.Material(0, 0, roughness=0), "the roughness is 0"),
-                (lambda: bis.Material(0, 0, exponent=1).sample(1), "black"),
-                (lambda: bis.Material(0, 0), "one of both"),
                 (lambda: bis.render(scene + "x"), "cannot open"),
                 (lambda: bis.render(scene, integrator="si"), 'no integrator "si"'),
                 (lambda: bis.render(scene, samples=3), 'integrator "sir" has no parameter "samples"'),
@@ -389,13 +413,6 @@ class Mistakes(unittest.TestCase):
                 (lambda: bis.render(scene, seed=2**53), "seed is"),
                 (lambda: bis.render(scene, seed=2**53 + 1), "seed is"),
                 (lambda: bis.render(scene, integrator="mis", samples=1), "needs at least 2"),
-                (lambda: bis.Envmap(MAP, mapping="cube"), 'no mapping "cube"'),
-                (lambda: bis.Material(eta=0, k=1, roughness=1), "eta and k of channel 0 are 0 and 1"),
-                (lambda: bis.Material(eta=1, k=nan, roughness=1), "eta and k of channel 0 are 1 and nan"),
-                (lambda: bis.Material(eta=1, roughness=1), "of a metal eta and k"),
-                (lambda: bis.Material(0, 0, eta=1, k=1, roughness=1), "of a metal eta and k"),
-                (lambda: bis.Material(eta=1, k=1, exponent=1), "one of both"),
-                (lambda: bis.Material(0.5, roughness=1), "give Kd and Ks"),
                 (lambda: bis.render(scene, layers="deth"), 'did you mean "depth"'),
                 (lambda: bis.render(scene, layers=["albedo", "x"]), 'no layer "x"'),
                 (lambda: bis.render(scene, crop=(0, 1)), 'crop is "0.0,1.0"'),
@@ -406,17 +423,7 @@ class Mistakes(unittest.TestCase):
                 (lambda: bis.render(scene, approximate=1), 'approximate is "1"'),
                 (lambda: bis.render(scene, light=np.ones((2, 2))), "give (h, w, 3)"),
                 (lambda: bis.render(SCENE + "\0"), "scene holds a NUL"),
-                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 1]]), "of vertices 0 to 0"),
-                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, -1]]), "of vertices 0 to 0"),
-                (lambda: bis.Mesh([[0, 0, 0]], np.empty((0, 3), int)), "faces has 0 rows"),
-                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 0.5]]), "faces holds values of the type float64"),
-                (lambda: bis.Mesh([[0, 0, nan]], [[0, 0, 0]]), "vertices holds a value that is not finite"),
-                (lambda: bis.Mesh([[0, 0, 0]], [[0, 0, 0]], uv=[[0, 0], [1, 1]]), "uv has 2 rows, and vertices has 1"),
-            ]:
-                with self.subTest(text), warnings.catch_warnings(), self.assertRaises(bis.Error) as e:
-                    warnings.simplefilter("ignore")
-                    what()
-                self.assertIn(text, str(e.exception))
+            ])
 
 
 def run_notebook(path):

@@ -58,6 +58,7 @@ static inline bis_settings lit_settings(const bis_integrator *integrator, bis_pr
 }
 
 static inline rgb grey(double v) { return rgb_from(v, v, v); }
+static inline vec3 lit_tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
 
 bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate);
 

@@ -4,12 +4,31 @@
 #include "mesh_help.h"
 
 #include "bis/base/mem.h"
+#include "shape/triangle.h"
 #include "claim.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return bis_accel_intersect(((const accel_twin *)a)->right, r, hit);
+}
+
+bool sheared_occluded(const bis_accel *a, const ray *r)
+{
+    const bis_geometry *g = a->geometry;
+    const sheared_ray sheared = shear_ray(r);
+    for (size_t i = 0; i < g->n_triangles; i++) {
+        float v[9];
+        double e[3], det, z;
+        for (size_t k = 0; k < 3; k++) memcpy(v + 3 * k, &g->p[g->index[3 * i + k]], 3 * sizeof *v);
+        if (shear_test(&sheared, v, e, &det, &z) && z / det > 0) return true;
+    }
+    return false;
+}
 
 const char *shared_file(const char *name)
 {

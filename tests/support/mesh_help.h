@@ -4,8 +4,19 @@
 #ifndef TESTS_MESH_HELP_H
 #define TESTS_MESH_HELP_H
 
+#include "bis/shape/accel.h"
 #include "bis/shape/geometry.h"
 #include "image_help.h"
+
+/* An accelerator that goes another way than the right one in some of its operations. */
+typedef struct accel_twin {
+    bis_accel accel;
+    const bis_accel *right;
+} accel_twin;
+bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
+
+/* The grid's triangle test as it once was: the sign of t by sheared coordinates alone. */
+bool sheared_occluded(const bis_accel *a, const ray *r);
 
 typedef bis_status mesh_reader(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
 

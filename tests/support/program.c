@@ -154,21 +154,22 @@ static void write_map(const char *path)
     bis_image_clear(&image);
 }
 
+const char program_world[] =
+    "Camera \"perspective\" \"float fov\" 60\n"
+    "WorldBegin\n"
+    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
+    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
+    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+
 void program_write_scene(const char *folder, const char *options)
 {
     static const char format[] =
         "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" \"%s/film.exr\"\n"
-        "%s"
-        "Integrator \"sir\" \"integer candidates\" 20 \"integer shadowrays\" 2\n"
-        "Camera \"perspective\" \"float fov\" 60\n"
-        "WorldBegin\n"
-        "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
-        "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
-        "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
-        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+        "%sIntegrator \"sir\" \"integer candidates\" 20 \"integer shadowrays\" 2\n%s";
     char text[2048], path[512];
 
-    snprintf(text, sizeof text, format, folder, options);
+    snprintf(text, sizeof text, format, folder, options, program_world);
     snprintf(path, sizeof path, "%s/scene.txt", folder);
     program_write_file(path, text);
     snprintf(path, sizeof path, "%s/map.pfm", folder);

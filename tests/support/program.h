@@ -36,6 +36,8 @@ void program_finish(program_run *run, pid_t pid);
 
 void program_write_file(const char *path, const char *text);
 
+extern const char program_world[]; /* a camera, map.pfm beside the scene, a ball and a floor */
+
 /* FOLDER/scene.txt and its map.pfm: a ball on a floor, 24 x 16 pixels into FOLDER/film.exr, by sir, under a map of 8 x
  * 4 pixels with one bright lamp. `options` are lines before the camera. */
 void program_write_scene(const char *folder, const char *options);

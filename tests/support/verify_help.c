@@ -55,13 +55,6 @@ bis_material verify_glossy(const bis_bsdf_model *model, double exponent)
 }
 
 const char verify_one_pixel[] = "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\n";
-const char verify_scene_text[] =
-    "Camera \"perspective\" \"float fov\" 60\n"
-    "WorldBegin\n"
-    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
-    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
-    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
-    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
 
 void verify_write_map(void)
 {
@@ -76,7 +69,7 @@ void verify_write_scene(const char *name, const char *options)
 {
     char path[64], text[2048];
     snprintf(path, sizeof path, VERIFY_DIR "/%s", name);
-    snprintf(text, sizeof text, "%s%s", options, verify_scene_text);
+    snprintf(text, sizeof text, "%s%s", options, program_world);
     program_write_file(path, text);
 }
 

@@ -30,12 +30,11 @@ bis_material verify_glossy(const bis_bsdf_model *model, double exponent);
 #define VERIFY_DIR "build/test_verify"
 
 extern const char verify_one_pixel[]; /* a film; the command's own runs look at one pixel alone */
-extern const char verify_scene_text[]; /* a camera, VERIFY_DIR/map.pfm, a ball and a floor */
 
 /* verify_write_map empties VERIFY_DIR and writes its map.pfm, 32 x 16 pixels. */
 void verify_write_map(void);
 
-/* verify_write_scene writes VERIFY_DIR/NAME: the options, then verify_scene_text. */
+/* verify_write_scene writes VERIFY_DIR/NAME: the options, then program_world. */
 void verify_write_scene(const char *name, const char *options);
 
 /* verify_run_file verifies a scene in this program, with as many draws as v says. */

@@ -26,8 +26,6 @@
 /* 24 of candidates, 32 of narrow lobes, 6 accepted, 6 + 1 from probes, 3 of p-values. */
 static double alpha(void) { return stat_level(1e-3, 72); }
 
-static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
-
 /* ---- candidates, by block of the map ---- */
 
 /* Blocks of 8 x 4 pixels, and a last cell for what the harness cannot see: candidates below the horizon. */
@@ -209,7 +207,7 @@ static void candidates_of_each_proposal_have_its_density(void **state)
         const way *w = &ways[i % N_WAYS];
         double observed[CELLS], share[CELLS];
         lit l;
-        lit_init(&l, light, materials[i / N_WAYS], tilted(), 50, LIT_OPEN);
+        lit_init(&l, light, materials[i / N_WAYS], lit_tilted(), 50, LIT_OPEN);
         const double beta = find_beta(&l, w);
         integrate(share, &l, density_of(w), beta);
         count_candidates(observed, &l, w, RIGHT);
@@ -231,7 +229,7 @@ static void first_of_a_set_and_redrawing_below_the_horizon_are_rejected_E1_E34(v
         const way *w = &ways[i];
         double observed[CELLS], share[CELLS];
         lit l;
-        lit_init(&l, light, bis_phong(grey(0.1), grey(0.9), 2.5), tilted(), 70, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0.1), grey(0.9), 2.5), lit_tilted(), 70, LIT_OPEN);
         integrate(share, &l, density_of(w), find_beta(&l, w));
         if (share[BELOW] > 0.01) {
             count_candidates(observed, &l, w, REDRAWN);
@@ -278,7 +276,7 @@ static void candidates_of_lobes_from_0_to_1e6_have_their_density(void **state)
         const double n = exponents[i % 8];
         double observed[LOBE_CELLS], expected[LOBE_CELLS];
         lit l;
-        lit_init(&l, light, bis_phong(grey(0), grey(1), n), tilted(), 0, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0), grey(1), n), lit_tilted(), 0, LIT_OPEN);
         for (int k = 0; k < LOBE_CELLS; k++) expected[k] = (double)SETS / LOBE_CELLS;
         count_lobe(observed, &l, n, i / 8 % 2, i / 16 ? M_DRAWN : 1);
         stat_assert_fit("candidates_lobe", SEED, observed, expected, LOBE_CELLS, alpha());
@@ -321,7 +319,7 @@ static void accepted_directions_of_glossy_surfaces_have_the_product_density_eq_4
         s.proposal = proposals[i % 3];
         s.candidates = s.shadowrays = 16;
         s.estimator = BIS_ESTIMATOR_PLAIN;
-        lit_init(&l, light, materials[i / 3], tilted(), 50, LIT_OPEN);
+        lit_init(&l, light, materials[i / 3], lit_tilted(), 50, LIT_OPEN);
         l.pt.accel = &rec.accel;
         lit_run(m, &l, &s, 40000, SEED);
         for (int k = 1; k >= 0; k--) {

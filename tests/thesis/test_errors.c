@@ -13,8 +13,6 @@
 /* The furnace: 9 integrators at 4 angles; when to stop: 1. */
 static double alpha(void) { return stat_level(1e-3, 37); }
 
-static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
-
 enum { N_INTEGRATORS = 9 };
 
 /* Every unbiased integrator, its parts in the proportion 4 candidates to 1 ray. */
@@ -51,7 +49,7 @@ static void error_falls_with_the_square_root_of_the_cost_for_every_integrator_E9
             const uint32_t runs = 6000u >> k;
             stat_moments m[4];
             lit l;
-            lit_init(&l, light, bis_phong(grey(0.5), grey(0.4), 5), tilted(), 40, LIT_HALF);
+            lit_init(&l, light, bis_phong(grey(0.5), grey(0.4), 5), lit_tilted(), 40, LIT_HALF);
             l.kind = BIS_SAMPLER_RANDOM;
             const double truth = rgbd_sum(lit_truth(&l, true));
             lit_run(m, &l, &s, runs, SEED);
@@ -85,7 +83,7 @@ static void intervals_from_16_replicates_cover_95_percent_of_10000_runs_E32(void
         uint32_t covered = 0;
         bis_scratch scratch;
         lit l;
-        lit_init(&l, light, bis_phong(grey(0.6), grey(0.3), 5), tilted(), 40, LIT_HALF);
+        lit_init(&l, light, bis_phong(grey(0.6), grey(0.3), 5), lit_tilted(), 40, LIT_HALF);
         const double truth = rgbd_sum(lit_truth(&l, true));
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         for (uint64_t run = 0; run < RUNS; run++) {
@@ -116,7 +114,7 @@ static void intervals_from_the_rays_of_one_set_do_not_cover_E32(void **state)
 
     s.candidates = M;
     s.shadowrays = N;
-    lit_init(&l, light, bis_phong(grey(0.6), grey(0.3), 5), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.6), grey(0.3), 5), lit_tilted(), 40, LIT_HALF);
     const double truth = rgbd_sum(lit_truth(&l, true));
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     const bis_choice *chosen = &scratch.set->choice;
@@ -166,7 +164,7 @@ static void stopping_by_the_kept_estimates_own_error_is_biased_and_by_that_of_ot
     lit l;
 
     s.samples = 1;
-    lit_init(&l, light, bis_phong(grey(0.5), grey(0.4), 5), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.4), 5), lit_tilted(), 40, LIT_HALF);
     l.kind = BIS_SAMPLER_RANDOM;
     const double truth = rgbd_sum(lit_truth(&l, true));
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
@@ -197,7 +195,7 @@ static void white_furnace_agrees_with_quadrature_from_0_to_89_9_degrees_for_ever
 
     for (int d = 0; d < 4; d++) {
         lit l;
-        lit_init(&l, light, bis_phong(grey(0), grey(1), 50), tilted(), degrees[d], LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0), grey(1), 50), lit_tilted(), degrees[d], LIT_OPEN);
         const double truth = lit_truth(&l, true).r;
         if (d == 0) assert_true(fabs(truth - 51.0 / 52) < 1e-4);
         for (int i = 0; i < N_INTEGRATORS; i++) {

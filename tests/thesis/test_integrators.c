@@ -23,11 +23,6 @@ static double alpha(void)
     return stat_level(1e-3, 3 * 12 * n + 947);
 }
 
-static vec3 tilted(void)
-{
-    return normalize(vec3_from(0.2, -0.3, 0.8));
-}
-
 static bis_material glossy(void)
 {
     return bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.8f, 0.7f}, 10);
@@ -53,7 +48,7 @@ static void setting_init(setting *c)
     for (int i = 0; i < 4; i++)
         c->lights[i] = lit_new_light(i / 2 ? LIT_SMOOTH : LIT_SPOTTY, 1, i % 2 ? 0.15 : 0, false);
     for (int i = 0; i < 24; i++) {
-        lit_init(&c->points[i], c->lights[i % 4], materials[i % 3], tilted(), 40, i / 12 ? LIT_HALF : LIT_OPEN);
+        lit_init(&c->points[i], c->lights[i % 4], materials[i % 3], lit_tilted(), 40, i / 12 ? LIT_HALF : LIT_OPEN);
         c->truth[i] = lit_truth(&c->points[i], true);
         c->unshadowed[i] = lit_truth(&c->points[i], false);
     }
@@ -126,7 +121,7 @@ static void compensated_mis_is_unbiased(void **state)
         s.compensate = true;
         s.samples = 4;
         s.heuristic = i / 2 % 2 ? BIS_HEURISTIC_POWER : BIS_HEURISTIC_BALANCE;
-        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 20), tilted(), 40, LIT_HALF);
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 20), lit_tilted(), 40, LIT_HALF);
         lit_run(m, &l, &s, 30000, SEED);
         check("mis_compensated", m, lit_truth(&l, true));
         bis_light_free(light);
@@ -144,7 +139,7 @@ static void every_integrator_is_unbiased_for_microfacets_too(void **state)
 
     for (int i = 0; i < 12; i++) {
         lit l;
-        lit_init(&l, lights[i % 2], materials[i / 2 % 3], tilted(), i / 6 ? 75 : 40, i / 6 ? LIT_OPEN : LIT_HALF);
+        lit_init(&l, lights[i % 2], materials[i / 2 % 3], lit_tilted(), i / 6 ? 75 : 40, i / 6 ? LIT_OPEN : LIT_HALF);
         const rgbd truth = lit_truth(&l, true), unshadowed = lit_truth(&l, false);
         for (int k = 0; bis_integrators[k]; k++) {
             bis_settings s = bis_settings_default(bis_integrators[k]);
@@ -170,7 +165,7 @@ static void balance_heuristic_needs_the_counts(void **state)
     bis_rng r;
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), lit_tilted(), 40, LIT_OPEN);
     double truth = lit_truth(&l, true).g;
     bis_rng_init(&r, SEED, 0, 0, 0);
     for (int run = 0; run < 40000; run++) {
@@ -318,7 +313,7 @@ static void fully_hidden_point_is_exactly_black_E29(void **state)
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
 
-    lit_init(&l, light, glossy(), tilted(), 40, LIT_ALL);
+    lit_init(&l, light, glossy(), lit_tilted(), 40, LIT_ALL);
     assert_true(assert_black(&l) > 0);
     bis_light_free(light);
 }
@@ -328,11 +323,11 @@ static void black_map_black_surface_and_hidden_eye_cast_no_ray(void **state)
     bis_light *black = lit_new_light(LIT_BLACK, 1, 0.15, false), *spotty = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
 
-    lit_init(&l, black, glossy(), tilted(), 40, LIT_OPEN);
+    lit_init(&l, black, glossy(), lit_tilted(), 40, LIT_OPEN);
     assert_int_equal(assert_black(&l), 0);
-    lit_init(&l, spotty, bis_phong(grey(0), grey(0), 10), tilted(), 40, LIT_OPEN);
+    lit_init(&l, spotty, bis_phong(grey(0), grey(0), 10), lit_tilted(), 40, LIT_OPEN);
     assert_int_equal(assert_black(&l), 0);
-    lit_init(&l, spotty, glossy(), tilted(), 95, LIT_OPEN);
+    lit_init(&l, spotty, glossy(), lit_tilted(), 95, LIT_OPEN);
     assert_int_equal(assert_black(&l), 0);
     bis_light_free(black);
     bis_light_free(spotty);
@@ -374,7 +369,7 @@ static void constant_light_on_open_diffuse_plane_is_exact_from_the_brdf_and_righ
     bis_settings s[N_ALL];
     lit l;
 
-    lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.8f}, grey(0), 1), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.8f}, grey(0), 1), lit_tilted(), 40, LIT_OPEN);
     all_settings(s);
     for (int i = 0; i < N_ALL; i++) {
         const bool from_brdf =
@@ -407,7 +402,7 @@ static void directions_below_the_horizon_count_E1(void **state)
     bis_rng r;
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(1), grey(0), 1), tilted(), 0, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(1), grey(0), 1), lit_tilted(), 0, LIT_OPEN);
     lit_run(m, &l, &s, 20000, SEED);
     check("E1", m, (rgbd){1, 0.5, 0.25});
 
@@ -429,7 +424,7 @@ static void each_channel_is_right_under_coloured_light_E5(void **state)
     bis_settings s[N_ALL];
     lit l;
 
-    lit_init(&l, light, bis_phong((rgb){0.9f, 0.5f, 0.3f}, grey(0), 1), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong((rgb){0.9f, 0.5f, 0.3f}, grey(0), 1), lit_tilted(), 40, LIT_OPEN);
     rgbd truth = lit_truth(&l, true);
     all_settings(s);
     for (int i = 0; i < N_ALL; i++) {
@@ -460,7 +455,7 @@ static void one_lit_window_is_found_by_all_E4(void **state)
     bis_settings s[N_ALL];
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.8), grey(0.2), 5), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0.2), 5), lit_tilted(), 40, LIT_HALF);
     rgbd truth = lit_truth(&l, true);
     all_settings(s);
     for (int i = 0; i < N_ALL; i++) {
@@ -493,7 +488,8 @@ static void first_and_last_random_numbers_are_survived(void **state)
             lit l;
             bis_stream stream;
             lit_init(
-                &l, lights[k / 2 % 2], bis_phong(grey(0.3), grey(0.6), k / 4 % 2 ? 0.0 : 50), tilted(), 85, LIT_HALF);
+                &l, lights[k / 2 % 2], bis_phong(grey(0.3), grey(0.6), k / 4 % 2 ? 0.0 : 50), lit_tilted(), 85,
+                LIT_HALF);
             bis_stream_init(&stream, &sampler, 7, 0);
             stream.rng = forced(k % 2 ? 1 - 0x1p-53 : 0, (uint64_t)k / 8);
             rgb L = s[i].integrator->Lo(&s[i], &l.pt, &stream, &scratch);
@@ -542,12 +538,12 @@ static void counters_equal_hand_counts_E30(void **state)
 
     s.candidates = 40;
     s.shadowrays = 7;
-    lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), lit_tilted(), 40, LIT_OPEN);
     lit_run(m, &l, &s, 100, SEED);
     assert_int_equal(l.counters.candidates, 100 * 40);
     assert_true(l.counters.shadow_rays <= 100 * 7 && l.counters.shadow_rays > 100 * 2);
 
-    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 5), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 5), lit_tilted(), 40, LIT_OPEN);
     s = bis_settings_default(&bis_exact);
     s.perpatch = 3;
     lit_run(m, &l, &s, 1, SEED);
@@ -679,7 +675,7 @@ static void mis_scatters_as_the_weights_of_its_heuristic_say(void **state)
         lit l;
         s.samples = 2;
         s.heuristic = heuristics[h];
-        lit_init(&l, light, bis_phong(grey(1), grey(0), 1), tilted(), 40, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(1), grey(0), 1), lit_tilted(), 40, LIT_OPEN);
         l.kind = BIS_SAMPLER_RANDOM;
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         for (uint64_t run = 0; run < 40000; run++) {

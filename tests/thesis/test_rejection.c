@@ -19,11 +19,6 @@ static double alpha(void)
     return stat_level(1e-3, 14);
 }
 
-static vec3 tilted(void)
-{
-    return normalize(vec3_from(0.2, -0.3, 0.8));
-}
-
 static bis_settings rejection(bis_proposal proposal, uint32_t M, uint32_t N, bis_estimator estimator)
 {
     bis_settings s = lit_settings(&bis_rejection, proposal, M, N);
@@ -88,7 +83,7 @@ static void accepted_directions_have_the_product_density_eq_4_4(void **state)
         stat_moments m[4];
         lit l;
 
-        lit_init(&l, light, bis_phong((rgb){0.9f, 0.5f, 0.2f}, grey(0), 1), tilted(), 40, LIT_OPEN);
+        lit_init(&l, light, bis_phong((rgb){0.9f, 0.5f, 0.2f}, grey(0), 1), lit_tilted(), 40, LIT_OPEN);
         l.pt.accel = &rec.accel;
         lit_run(m, &l, &s, 20000, SEED);
         expect_product(expected, &l, (double)l.counters.shadow_rays);
@@ -115,7 +110,7 @@ static void mean_acceptance_is_L_ns_over_B_E27(void **state)
         bis_scratch scratch;
         lit l;
 
-        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), lit_tilted(), 40, LIT_OPEN);
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         for (uint64_t run = 0; run < 30000; run++) {
             uint64_t before = l.counters.accepted;
@@ -144,7 +139,7 @@ static void choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out(vo
     bis_scratch scratch;
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 20), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 20), lit_tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (uint64_t run = 0; run < 30000; run++) {
         const uint64_t before = l.counters.accepted;
@@ -238,7 +233,7 @@ static void no_weight_exceeds_the_bound_by_more_than_2_to_the_minus_16_E27(void 
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (int k = 0; k < 60 * 4 * 3 * 2; k++) {
         lit l;
-        lit_init(&l, lights[k / 240 % 3], extreme(k % 60), tilted(), degrees[k / 60 % 4], LIT_OPEN);
+        lit_init(&l, lights[k / 240 % 3], extreme(k % 60), lit_tilted(), degrees[k / 60 % 4], LIT_OPEN);
         worst = fmax(worst, excess(scratch.set, &l, k / 720 ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM, (uint64_t)k));
     }
     print_message("w is at most B (1 %+.2f 2^-16)\n", worst * 0x1p16);
@@ -306,7 +301,7 @@ static void at_most_N_of_the_accepted_are_traced_each_once(void **state)
     bis_scratch scratch;
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), lit_tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (uint64_t run = 0; run < 2000; run++) {
         l.counters = (bis_counters){0};
@@ -330,7 +325,7 @@ static void stopping_at_the_Nth_acceptance_is_biased_E22(void **state)
     stat_moments m[4], twin = {0};
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), lit_tilted(), 40, LIT_HALF);
     double truth = rgbd_sum(lit_truth(&l, true)), B = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM);
     lit_run(m, &l, &fixed, 40000, SEED);
     stat_assert_mean("E22", SEED, &m[3], truth, alpha());
@@ -364,7 +359,7 @@ static void ratio_estimator_is_right_to_a_percent_at_M_800(void **state)
         const bis_settings s = rejection(proposals[i], 800, 15, BIS_ESTIMATOR_RATIO);
         stat_moments m[4];
         lit l;
-        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_HALF);
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), lit_tilted(), 40, LIT_HALF);
         lit_run(m, &l, &s, 1500, SEED);
         assert_true(fabs(m[3].mean / rgbd_sum(lit_truth(&l, true)) - 1) < 0.015);
     }
@@ -381,7 +376,7 @@ static void fallback_unoccluded_brightens_shadows_and_resample_does_not_E29(void
         bis_settings s = rejection(BIS_PROPOSAL_EM, 32, 4, BIS_ESTIMATOR_RATIO);
         lit l;
         s.fallback = (bis_fallback[]){BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED}[k];
-        lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), tilted(), 40, LIT_ALL);
+        lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), lit_tilted(), 40, LIT_ALL);
         lit_run(m[k], &l, &s, 2000, SEED);
         assert_true(l.counters.fallbacks > 1000);
     }
@@ -416,7 +411,7 @@ static void plain_returns_0_when_nothing_is_accepted_and_counts_no_fallback(void
     int none = 0;
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), lit_tilted(), 40, LIT_OPEN);
     assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
     for (uint64_t run = 0; run < 500; run++) {
         l.counters = (bis_counters){0};

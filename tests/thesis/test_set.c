@@ -16,8 +16,6 @@
 
 enum { SEED = 60221 };
 
-static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
-
 /* ---- many sets ---- */
 
 enum { N_MATERIALS = 12, N_WAYS = 7, N_SETS = N_MATERIALS * N_WAYS * 3 };
@@ -79,7 +77,7 @@ static void new_example(example *e, int k)
     const int way = k / N_MATERIALS % N_WAYS;
 
     *e = (example){.light = lights[k / N_MATERIALS / N_WAYS], .s = bis_settings_default(&bis_sir)};
-    lit_init(&e->l, e->light, material(k % N_MATERIALS), tilted(), k % 4 == 3 ? 89 : 40, LIT_HALF);
+    lit_init(&e->l, e->light, material(k % N_MATERIALS), lit_tilted(), k % 4 == 3 ? 89 : 40, LIT_HALF);
     e->s.proposal = ways[way].proposal;
     e->s.stratify = ways[way].stratify;
     e->s.candidates = ways[way].M;

@@ -17,11 +17,6 @@ static double alpha(void)
     return stat_level(1e-3, 21);
 }
 
-static vec3 tilted(void)
-{
-    return normalize(vec3_from(0.2, -0.3, 0.8));
-}
-
 static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool stratify)
 {
     bis_settings s = lit_settings(&bis_sir, proposal, M, N);
@@ -65,7 +60,7 @@ static rgb once_along(vec3 *wi, lit *l, bis_light *light, way_E24 *w, uint64_t r
 {
     const recorder rec = {{.ops = &recording}, wi};
 
-    lit_init(l, light, w->material, tilted(), 50, LIT_OPEN);
+    lit_init(l, light, w->material, lit_tilted(), 50, LIT_OPEN);
     l->pt.accel = &rec.accel;
     l->kind = w->kind;
     *wi = (vec3){0, 0, 0};
@@ -136,7 +131,7 @@ static void unshadowed_grey_point_has_only_the_candidates_variance_E31(void **st
 
     /* diffuse: f cos is smooth over the map's patches, so that the variance has no heavy tail and can be tested
      * itself */
-    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), lit_tilted(), 40, LIT_OPEN);
     double truth = rgbd_sum(lit_truth(&l, false)), variance = lit_variance_em(&l);
     for (int k = 0; k < 2; k++) {
         stat_moments square = {0};
@@ -162,7 +157,7 @@ static void stratified_candidates_with_systematic_resampling_are_less_noisy(void
     lit l;
 
     thesis.resampling = BIS_RESAMPLING_MULTINOMIAL;
-    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), lit_tilted(), 40, LIT_HALF);
     lit_run(m, &l, &thesis, 4000, SEED);
     lit_run(n, &l, &ours, 4000, SEED);
     assert_true(stat_variance(&n[3]) < 0.2 * stat_variance(&m[3])); /* measured: 0.07 */
@@ -187,7 +182,7 @@ static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
             const bis_settings s = sir((bis_proposal)p, 256, 15, false);
             stat_moments m[4];
             lit l;
-            lit_init(&l, light, materials[i / 4], tilted(), 40, LIT_OPEN);
+            lit_init(&l, light, materials[i / 4], lit_tilted(), 40, LIT_OPEN);
             truth = rgbd_sum(lit_truth(&l, true));
             lit_run(m, &l, &s, 1000, SEED);
             rmse[p] = sqrt(stat_variance(&m[3]) + (m[3].mean - truth) * (m[3].mean - truth));
@@ -325,7 +320,7 @@ static void area_weighting_does_not_change_the_picture_E20(void **state)
         stat_moments m[4];
         lit l;
 
-        lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), lit_tilted(), 40, LIT_OPEN);
         rgbd truth = lit_truth(&l, true);
         lit_run(m, &l, &s, 20000, SEED);
         stat_assert_mean("E20", SEED, &m[3], rgbd_sum(truth), alpha());
@@ -379,7 +374,7 @@ static void eq_4_9_holds_for_F_over_phat_alone_E24(void **state)
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), lit_tilted(), 40, LIT_HALF);
     const double truth = lit_truth(&l, true).r;
     for (int i = 0; i < 2; i++) {
         stat_moments m = run_printed(&l, BIS_PROPOSAL_EM, sizes[i], 1, 20000, ours);
@@ -433,7 +428,7 @@ static void L_ns_must_come_from_the_same_candidates_E21(void **state)
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     lit l;
 
-    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), lit_tilted(), 40, LIT_HALF);
     exact_L_ns = lit_truth(&l, false);
     for (uint32_t M = 1; M <= 8; M *= 2) {
         rgbd truth = lit_truth(&l, true);
@@ -465,7 +460,7 @@ static void furnace_returns_the_albedo_at_grazing_E23(void **state)
 
     for (int i = 0; i < 2; i++) {
         lit l;
-        lit_init(&l, light, bis_phong(grey(0), grey(1), 50), tilted(), degrees[i], LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0), grey(1), 50), lit_tilted(), degrees[i], LIT_OPEN);
         double truth = lit_truth(&l, true).r;
         assert_true(fabs(truth - albedo[i]) < 1e-3);
         stat_moments m = run_printed(&l, BIS_PROPOSAL_BRDF, 16, 4, 10000, ours),
@@ -515,7 +510,7 @@ static void product_without_a_guide_is_mix(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
-    lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), 50), tilted(), 40, LIT_HALF);
+    lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), 50), lit_tilted(), 40, LIT_HALF);
     for (int stratify = 0; stratify < 2; stratify++)
         for (uint64_t run = 0; run < 20; run++) {
             rgb L[2];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of the accelerators: backends that lose rays are rejected, rays that graze an edge may go either way. */
-#include "shape/triangle.h"
 #include "tools/verify/verify.h"
 #include "bis/base/mem.h"
 #include "claim.h"
@@ -8,11 +7,6 @@
 #include "verify_help.h"
 
 #include <string.h>
-
-typedef struct forgetful {
-    bis_accel accel;
-    const bis_accel *right;
-} forgetful;
 
 /* One ray in a thousand, by its bits, goes through. */
 static bool is_lost(const ray *r)
@@ -24,21 +18,17 @@ static bool is_lost(const ray *r)
 
 static bool forgetful_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 {
-    return !is_lost(r) && bis_accel_intersect(((const forgetful *)a)->right, r, hit);
+    return !is_lost(r) && bis_accel_intersect(((const accel_twin *)a)->right, r, hit);
 }
 
 static bool forgetful_occluded(const bis_accel *a, const ray *r)
 {
-    return bis_accel_occluded(((const forgetful *)a)->right, r);
-}
-static bool blind(const bis_accel *a, const ray *r)
-{
-    return !is_lost(r) && bis_accel_occluded(((const forgetful *)a)->right, r);
+    return bis_accel_occluded(((const accel_twin *)a)->right, r);
 }
 
-static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+static bool blind(const bis_accel *a, const ray *r)
 {
-    return bis_accel_intersect(((const forgetful *)a)->right, r, hit);
+    return !is_lost(r) && bis_accel_occluded(((const accel_twin *)a)->right, r);
 }
 
 static void a_backend_that_loses_rays_is_rejected(void **state)
@@ -56,7 +46,7 @@ static void a_backend_that_loses_rays_is_rejected(void **state)
     assert_int_equal(bis_accel_new(&grid, &g, &options, NULL), BIS_OK);
     const bis_accel_ops *const ops[] = {&is_right, &loses, &is_blind};
     for (int i = 0; i < 3; i++) {
-        const forgetful f = {{ops[i], &g}, grid};
+        const accel_twin f = {{ops[i], &g}, grid};
         bis_verify v = {.seed = 4};
         bis_verify_backends(&v, grid, &f.accel, 50000);
         /* of some 75000 rays one in a thousand, half of which miss the ball anyway */
@@ -65,20 +55,6 @@ static void a_backend_that_loses_rays_is_rejected(void **state)
     }
     bis_accel_free(grid);
     bis_geometry_clear(&g);
-}
-
-/* The grid's triangle test as it once was: the sign of t by sheared coordinates alone. */
-static bool sheared_occluded(const bis_accel *a, const ray *r)
-{
-    const bis_geometry *g = a->geometry;
-    const sheared_ray sheared = shear_ray(r);
-    for (size_t i = 0; i < g->n_triangles; i++) {
-        float v[9];
-        double e[3], det, z;
-        for (size_t k = 0; k < 3; k++) memcpy(v + 3 * k, &g->p[g->index[3 * i + k]], 3 * sizeof *v);
-        if (shear_test(&sheared, v, e, &det, &z) && z / det > 0) return true;
-    }
-    return false;
 }
 
 /* A floor at z = 0 alone, and one backend: only rays that start on it can tell. The right grid passes, alone and beside
@@ -98,7 +74,7 @@ static void a_floor_that_shadows_itself_is_found_with_one_backend(void **state)
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
     bis_mesh_clear(&m);
     assert_int_equal(bis_accel_new(&grid, &g, &(bis_accel_options){.kind = BIS_ACCEL_GRID}, NULL), BIS_OK);
-    const forgetful wrong = {{&once, &g}, grid};
+    const accel_twin wrong = {{&once, &g}, grid};
     bis_verify right_alone = {.seed = 5}, wrong_alone = {.seed = 5};
     bis_verify_backends(&right_alone, grid, NULL, 5000);
     bis_verify_backends(&wrong_alone, &wrong.accel, NULL, 5000);

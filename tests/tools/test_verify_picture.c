@@ -28,7 +28,7 @@ static verify_built build_full(void)
 {
     verify_write_map();
     char text[2048];
-    snprintf(text, sizeof text, "%s%s%s", full, verify_scene_text, roof);
+    snprintf(text, sizeof text, "%s%s%s", full, program_world, roof);
     program_write_file(VERIFY_DIR "/full.txt", text);
     return verify_build(VERIFY_DIR "/full.txt");
 }

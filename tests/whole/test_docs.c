@@ -360,13 +360,14 @@ static void a_long_line_is_found_in_every_kind_of_file(void **state)
     }
 }
 
-/* 60 lines from { to }, and one more; 40 lines of a table beside them are none. */
+/* 60 lines from { to }, and one more; 40 lines of a table beside them are none. Python's from def to its last. */
 static void a_function_of_more_than_60_lines_is_found(void **state)
 {
-    static const char *const files[] = {"src/base/x.c", "tests/base/test_x.c", "scripts/x.c"};
+    static const char *const files[] = {"src/base/x.c", "tests/base/test_x.c", "scripts/x.c", "scripts/x.py"};
     char path[128], said[1024], expected[256];
 
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        const bool is_python = i == 3;
         assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
                                "mkdir -p include/bis/base src/base tests/base scripts"), 0);
         program_write_file("build/docstrings/include/bis/base/x.h", "/* f does it. */\nint f(int x);\n");
@@ -374,11 +375,11 @@ static void a_function_of_more_than_60_lines_is_found(void **state)
         for (int over = 0; over < 2; over++) {
             FILE *f = fopen(path, "w");
             assert_non_null(f);
-            fputs("int f(int x)\n{\n    static const int of[] = {\n", f);
-            for (int k = 0; k < 38; k++) fputs("        1,\n", f);
-            fputs("    };\n", f);
-            for (int k = 0; k < 58 + over; k++) fputs("    x += of[x];\n", f);
-            fputs("}\n", f);
+            fputs(is_python ? "class c:\n    def f(x):\n" : "int f(int x)\n{\n    static const int of[] = {\n", f);
+            for (int k = 0; k < 38 && !is_python; k++) fputs("        1,\n", f);
+            fputs(is_python ? "        def h(): pass\n" : "    };\n", f);
+            for (int k = 0; k < 58 + over; k++) fputs(is_python ? "        x += 1\n" : "    x += of[x];\n", f);
+            fputs(is_python ? "\n    def g(x):\n        return x\n" : "}\n", f);
             fclose(f);
             assert_int_equal(over,
                              shell("sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out"));

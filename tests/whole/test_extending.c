@@ -30,11 +30,6 @@ static double alpha(void)
     return stat_level(1e-3, 36 + 12);
 }
 
-static vec3 tilted(void)
-{
-    return normalize(vec3_from(0.2, -0.3, 0.8));
-}
-
 /* ---- a BRDF ---- */
 
 #include "beyond/moon.c"
@@ -166,7 +161,7 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
         s.proposal = examples[i % 3].proposal;
         s.samples = s.shadowrays = 4;
         s.candidates = 16;
-        lit_init(&l, light, materials[i / 3 % 2], tilted(), 50, i / 6 ? LIT_OPEN : LIT_HALF);
+        lit_init(&l, light, materials[i / 3 % 2], lit_tilted(), 50, i / 6 ? LIT_OPEN : LIT_HALF);
         judge(s.integrator->name, &l, &s, lit_truth(&l, true), true);
         if (i / 3 == 1) judge("unoccluded", &l, &s, lit_truth(&l, false), false); /* twin: no shadows */
         if (i % 3 < 2) continue;
@@ -188,7 +183,7 @@ static void dust_has_the_albedo_of_lommel_and_seeliger_by_every_integrator(void 
     for (int i = 0; i < 4; i++) {
         bis_settings s = bis_settings_default(integrators[i]);
         lit l;
-        lit_init(&l, light, m, tilted(), 50, LIT_OPEN);
+        lit_init(&l, light, m, lit_tilted(), 50, LIT_OPEN);
         const rgbd truth = {(double)0.8f * share, (double)0.4f / 2 * share, (double)0.1f / 4 * share};
         judge(integrators[i]->name, &l, &s, truth, true);
         if (i == 3) judge("diffuse", &l, &s, (rgbd){0.8, 0.2, 0.025}, false);
@@ -206,7 +201,7 @@ static void dust_is_the_same_in_vectors(void **state)
     const bis_reflected f = {at, at + N, at + 2 * N, at + 3 * N, at + 4 * N};
     bis_bsdf b;
 
-    bis_bsdf_init(&b, &m, tilted(), normalize(vec3_from(0.1, 0.5, 0.8)));
+    bis_bsdf_init(&b, &m, lit_tilted(), normalize(vec3_from(0.1, 0.5, 0.8)));
     bis_curve_points(u1, u2, N, SEED);
     bis_bsdf_sample_many(&y, &b, u1, u2, N);
     const double unit = bis_bsdf_f_many(&f, &b, &y, N);

@@ -6,10 +6,10 @@
  * and must be rejected. Without Embree the plain grid takes its place. */
 #include "bis/base/stats.h"
 #include "claim.h"
+#include "mesh_help.h"
 #include "stat.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
-#include "shape/triangle.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -116,30 +116,6 @@ static void every_scene_has_one_picture(void **state)
 
 /* ---- the twin ---- */
 
-typedef struct sheared {
-    bis_accel accel;
-    const bis_accel *right;
-} sheared;
-
-static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
-{
-    return bis_accel_intersect(((const sheared *)a)->right, r, hit);
-}
-
-static bool sheared_occluded(const bis_accel *a, const ray *r)
-{
-    const bis_geometry *g = a->geometry;
-    const sheared_ray ray_in_z = shear_ray(r);
-
-    for (size_t i = 0; i < g->n_triangles; i++) {
-        float v[9];
-        double e[3], det, z;
-        for (size_t k = 0; k < 3; k++) memcpy(v + 3 * k, &g->p[g->index[3 * i + k]], 3 * sizeof *v);
-        if (shear_test(&ray_in_z, v, e, &det, &z) && z / det > 0) return true;
-    }
-    return false;
-}
-
 static void floors_that_shadow_themselves_are_rejected(void **state)
 {
     static const bis_accel_ops ops = {.name = "sheared", .intersect = right_intersect, .occluded = sheared_occluded};
@@ -150,7 +126,7 @@ static void floors_that_shadow_themselves_are_rejected(void **state)
     load(&d, &s, "data/scenes/trianglemesh.txt");
     render(one, s, d);
     bis_accel *right = s->accel;
-    sheared wrong = {{&ops, &s->geometry}, right};
+    accel_twin wrong = {{&ops, &s->geometry}, right};
     s->accel = &wrong.accel;
     render(other, s, d);
     s->accel = right;

@@ -27,6 +27,7 @@ typedef struct bis_loc {
 typedef struct bis_message {
     bool is_error; /* false: a warning */
     char *text;    /* "FILE:LINE:COLUMN: error: ..." without a newline; owned by the list */
+    const char *body; /* what of text follows "error: " or "warning: " */
 } bis_message;
 
 /* A list of messages. Initialise it with {0} and release it with bis_diag_clear. */

@@ -35,14 +35,14 @@ bool bis_mapping_fits(bis_mapping mapping, int width, int height);
 const char *bis_mapping_shape(bis_mapping mapping);
 
 /* bis_mapping_width returns the width of the lat-long map that shows all detail of a picture of width x height pixels:
- * twice the side of a square, four times the side of a cube's face. The shape must fit. */
-int bis_mapping_width(bis_mapping mapping, int width, int height);
+ * twice the side of a square, four times the side of a cube's face, or `wanted` if that is not 0; made even. A
+ * lat-long map keeps its width. The shape must fit. */
+int bis_mapping_width(bis_mapping mapping, int width, int height, int wanted);
 
-/* bis_envmap_from_mapping makes a lat-long map of width x width/2 pixels of the image; width 0 means
- * bis_mapping_width, and an odd width is rounded up to the next even one. Each patch is the mean over its solid angle;
- * em->power_before and em->power_after are the integrals of r+g+b over the sphere. A lat-long image is taken as it is
- * (bis_envmap_from_latlong), and width is not read. Bad values inside the map are set to 0 and counted; what lies
- * outside a disc or a cross is not read. The image is borrowed, but of a lat-long image the pixels are taken over.
+/* bis_envmap_from_mapping makes a lat-long map of the image; bis_mapping_width takes width as `wanted`. Each patch
+ * is the mean over its solid angle; em->power_before and em->power_after are the integrals of r+g+b over the sphere. A
+ * lat-long image is taken as it is (bis_envmap_from_latlong). Bad values inside the map are set to 0 and counted; what
+ * lies outside a disc or a cross is not read. The image is borrowed, but of a lat-long image the pixels are taken over.
  * Errors: BIS_INPUT (the shape does not fit, a radiance that no float holds), BIS_NOMEM. */
 bis_status bis_envmap_from_mapping(bis_envmap *em, bis_image *image, bis_mapping mapping, int width, bis_diag *diag);
 

@@ -52,10 +52,15 @@ bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, 
 /* bis_light_desc_has_map returns whether the light is more than a constant. */
 static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
 
-/* bis_light_check_size tells whether a map of width x height pixels fits the description, and with which mapping. It
- * warns of a square map that is taken for pbrt-v4's, and of one that is higher than wide. Errors: BIS_INPUT. */
-bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
-                                bis_diag *diag);
+/* bis_light_mapping returns the mapping of a map of width x height pixels: pbrt-v4's square ones are equal-area. */
+static inline bis_mapping bis_light_mapping(const bis_light_desc *desc, long width, long height)
+{
+    return width == height && desc->is_v4 && !desc->has_mapping ? BIS_MAPPING_EQUALAREA : desc->mapping;
+}
+
+/* bis_light_check_size tells whether a map of width x height pixels fits the description. It warns of a square map that
+ * is taken for pbrt-v4's, and of one that is higher than wide. Errors: BIS_INPUT. */
+bis_status bis_light_check_size(const bis_light_desc *desc, int width, int height, bis_diag *diag);
 
 /* bis_light_seen returns the radiance that a camera ray of direction d sees which meets no surface: that of the pixel
  * there, or with is_smooth bilinear between the centres of pixels; black if the light is not visible. */

@@ -9,28 +9,26 @@
 
 #include <stdint.h>
 
+/* First pbrt's, in the order in which messages list them. */
 typedef enum bis_texture_kind {
     BIS_TEXTURE_CONSTANT,
     BIS_TEXTURE_IMAGE,
     BIS_TEXTURE_SCALE,       /* of[0] times of[1] */
     BIS_TEXTURE_MIX,         /* (1 - of[2]) of[0] + of[2] of[1] */
     BIS_TEXTURE_CHECKERBOARD, /* of[0] where floor(s) + floor(t) is even, else of[1] */
-    /* (1 - scale) x / (1 - scale x) of x = of[0] <= 1: what leaves a base below a coat */
-    BIS_TEXTURE_COAT,
-    BIS_TEXTURE_ALPHA, /* pbrt-v3's alpha of a roughness of[0] (bis_texture_alpha), and 1 at most, as bis has it */
     /* pbrt's patterns. DOTS: of[0] inside of discs, else of[1]. BILERP: of[0], of[1], of[2], of[3] at (s, t) = (0,0),
      * (0,1), (1,0), (1,1), and bilinear in s and t, also beyond. UV_COLOUR: (s, t, 0) less their whole parts. The
      * others are functions of the point in the space of the texture; CHECKERBOARD_3D takes floor(x) + floor(y) +
      * floor(z). */
-    BIS_TEXTURE_DOTS,
-    BIS_TEXTURE_BILERP,
-    BIS_TEXTURE_UV_COLOUR,
-    BIS_TEXTURE_CHECKERBOARD_3D,
-    BIS_TEXTURE_FBM,
-    BIS_TEXTURE_WRINKLED,
-    BIS_TEXTURE_WINDY,
-    BIS_TEXTURE_MARBLE
+    BIS_TEXTURE_BILERP, BIS_TEXTURE_DOTS, BIS_TEXTURE_FBM, BIS_TEXTURE_MARBLE, BIS_TEXTURE_UV_COLOUR,
+    BIS_TEXTURE_WINDY, BIS_TEXTURE_WRINKLED,
+    BIS_TEXTURE_PBRTS, /* the number of those before, which a scene names */
+    BIS_TEXTURE_CHECKERBOARD_3D = BIS_TEXTURE_PBRTS,
+    /* (1 - scale) x / (1 - scale x) of x = of[0] <= 1: what leaves a base below a coat */
+    BIS_TEXTURE_COAT,
+    BIS_TEXTURE_ALPHA, /* pbrt-v3's alpha of a roughness of[0] (bis_texture_alpha), and 1 at most, as bis has it */
 } bis_texture_kind;
+extern const char *const bis_texture_names[];
 
 /* What an image is outside [0,1]: it goes on, its border goes on, or it is 0. */
 typedef enum bis_wrap { BIS_WRAP_REPEAT, BIS_WRAP_CLAMP, BIS_WRAP_BLACK } bis_wrap;
