@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_docstrings: what a reader may expect of a source file.
 #   - Each function of a header, public (include/bis) or private (src), has a comment above it that begins with the
-#     function's name. One comment may serve several functions that follow one another without an empty line, if it
-#     names the first of them.
+#     function's name and a verb ("returns"). One comment may serve several functions that follow one another without an
+#     empty line, if it names the first of them.
 #   - No line of src, include, tests and scripts refers to the SPEC: it is not in the repository. Name the page and the
 #     heading.
 #   - No line of C, shell, awk, Python, JavaScript or make has more than 120 columns: the Makefile, .ci, src, include,
@@ -34,6 +34,8 @@ awk '
         if (!match(line, /[A-Za-z_0-9]+\(/)) return ""
         return RSTART > 1 ? substr(line, RSTART, RLENGTH - 1) : ""
     }
+    # Whether a verb follows the name, an adverb, or the number of an erratum; behind several names it is a plural.
+    function says(rest) { return rest ~ /^(,| and | \(E[0-9]+\) [a-z]+s | ([a-z]+ly )?[a-z]+s[ ,:])/ }
     FNR == 1 { comment = ""; open = served = 0 }
     open { comment = comment " " $0; if (/\*\//) open = 0; next }
     /^\/\* \[[a-z-]+\] \*\/$/ { next } # a mark of scripts/check/fragments.sh
@@ -48,6 +50,9 @@ awk '
         gsub(/^\/\*+ */, "", text)
         if (text !~ "^" name "[ ,(]") {
             printf "%s:%d: the comment above %s does not begin with its name\n", FILENAME, FNR, name
+            bad = 1
+        } else if (!says(substr(text, length(name) + 1))) {
+            printf "%s:%d: no verb (\"returns\") follows the name in the comment above %s\n", FILENAME, FNR, name
             bad = 1
         }
         served = 1

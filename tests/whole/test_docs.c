@@ -290,7 +290,7 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
 
 /* ---- docstrings ---- */
 
-static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name(void **state)
+static void each_function_of_a_header_has_a_docstring_that_begins_with_its_name_and_a_verb(void **state)
 {
     assert_int_equal(shell("sh scripts/check/check_docstrings.sh > build/test_docs.out"), 0);
 }
@@ -306,6 +306,9 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
          "f(1);\n}\n", "\n", NULL, NULL},
         {"/* g does it. */\nint f(int x);\n", "\n",
          "include/bis/base/x.h:2: the comment above f does not begin with its name", NULL},
+        {"/* f quietly does it. */\nint f(int x);\n", "\n", NULL, NULL},
+        {"/* f is_mine(x) or not. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: no verb", NULL},
+        {"/* f the answer to x. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: no verb", NULL},
         {"/* Does it. */\nint *f(int x,\n       int y);\n", "\n", "include/bis/base/x.h:2: the comment above f", NULL},
         {"/* f2 does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f", NULL},
         {"/* f does it. */\nint f(int x);\n\nint g(int x);\n", "\n",
@@ -677,7 +680,7 @@ int main(void)
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
         cmocka_unit_test(a_place_that_is_not_where_the_map_of_src_says_is_found),
-        cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name),
+        cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name_and_a_verb),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),
         cmocka_unit_test(a_function_of_more_than_60_lines_is_found),
