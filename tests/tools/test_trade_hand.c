@@ -1261,9 +1261,8 @@ static int damage(const expect_command *c)
     return bis_cli_exit_status(status);
 }
 
-/* A plan measures at least a pixel and at most 360000: 600 x 600, one row more is refused; of 24 x 16 every fourth, 2,
- * 6, 10,
- * ..., a crop of row 8 alone, or of column 12, has none. */
+/* A plan measures at least a pixel and at most 360000: 600 x 600, one row more is refused. Of 24 x 16 it measures every
+ * fourth, 2, 6, 10, ...: a crop of row 8 alone, or of column 12, has none. */
 static void a_plan_has_pixels_and_not_too_many(void **state)
 {
     static const struct {
@@ -1290,7 +1289,7 @@ static void a_plan_has_pixels_and_not_too_many(void **state)
         snprintf(expected, sizeof expected,
             DIR "/plan.txt: error: by \"full\" and \"step\" %s pixels are to be measured, must "
                 "be at least 1 and at most 360000; the file is damaged, measure into a new folder",
-            cases[i].pixels);
+            cases[i].pixels ? cases[i].pixels : "no");
         assert_int_equal(diag.n, cases[i].pixels ? 1 : 0);
         if (diag.n) assert_string_equal(diag.messages[0].text, expected);
         bis_diag_clear(&diag);
