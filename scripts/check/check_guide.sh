@@ -5,6 +5,7 @@
 # 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with
 # "*Do:*", and behind it the answer, hidden in <details>.
 # The tables of src/README.md tell the truth, too: where a row says "`NAME` in `FILE`", FILE has NAME.
+# No empty line cuts a table of any page: the rows behind it would be shown as text, because they have no head.
 #     scripts/check/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1
@@ -81,4 +82,13 @@ grep -no '`[a-z_]*` in `[a-z_/]*\.[ch]`' src/README.md 2>/dev/null | tr -d '`' |
     done
     exit $bad
 } || bad=1
+# shellcheck disable=SC2046
+awk '
+    FNR == 1 { last = above = "" }
+    above == "" && last ~ /^\|/ && !/^\| ?:?--/ {
+        printf "%s:%d: an empty line cuts this table\n", FILENAME, FNR - 1
+        bad = 1
+    }
+    { above = last; last = $0 }
+    END { exit bad }' $(find . -path ./build -prune -o -name '*.md' -print | sort | cut -c 3-) || bad=1
 exit $bad

@@ -263,6 +263,20 @@ static void a_place_that_is_not_where_the_map_of_src_says_is_found(void **state)
                            "grep -qx 'src/README.md:[0-9]*: src/thesis/set.c has no no_such_name'"), 0);
 }
 
+static void an_empty_line_in_a_table_is_found(void **state)
+{
+    static const char page[] = "build/cut_check/docs/x.md", head[] = "| a |\n| --- |\n| b |\n";
+    char text[64];
+    assert_int_equal(shell("rm -rf build/cut_check && mkdir -p build/cut_check/docs build/cut_check/src && "
+                           "cp docs/guide.md build/cut_check/docs && cp -R src include build/cut_check"), 0);
+    snprintf(text, sizeof text, "%s\n%s| c |\n", head, head);
+    program_write_file(page, text);
+    assert_check("check_guide", "build/cut_check", NULL, false);
+    snprintf(text, sizeof text, "%s\n%s\n| c |\n| d |\n", head, head);
+    program_write_file(page, text);
+    assert_check("check_guide", "build/cut_check", "docs/x.md:9: an empty line cuts this table", false);
+}
+
 /* The twin of "every section of chapters 3 and 4 has something to do", which the check of equations above does, too. */
 static void a_section_without_a_task_or_its_answer_is_found(void **state)
 {
@@ -680,6 +694,7 @@ int main(void)
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
         cmocka_unit_test(a_place_that_is_not_where_the_map_of_src_says_is_found),
+        cmocka_unit_test(an_empty_line_in_a_table_is_found),
         cmocka_unit_test(each_function_of_a_header_has_a_docstring_that_begins_with_its_name_and_a_verb),
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),
