@@ -85,7 +85,7 @@ grep -no '`[a-z_]*` in `[a-z_/]*\.[ch]`' src/README.md 2>/dev/null | tr -d '`' |
 # shellcheck disable=SC2046
 awk '
     FNR == 1 { last = above = "" }
-    above == "" && last ~ /^\|/ && !/^\| ?:?--/ {
+    FNR > 2 && above == "" && last ~ /^\|/ && !/^\| ?:?--/ {
         printf "%s:%d: an empty line cuts this table\n", FILENAME, FNR - 1
         bad = 1
     }
