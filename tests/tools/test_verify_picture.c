@@ -69,12 +69,12 @@ static void a_right_picture_passes(void **state)
 static void what_is_skipped_by_chance_counts_among_the_p_values(void **state)
 {
     bis_verify v = {.seed = 1};
-    bis_verify_p(&v, "picture", 1, 0.3, "z", "one");
-    bis_verify_bound(&v, "picture", 0, 0, "estimates that are no numbers", "two");
+    bis_verify_p(bis_verify_new(&v, "picture", "one"), 1, 0.3, "z");
+    bis_verify_bound(bis_verify_new(&v, "picture", "two"), 0, 0, "estimates that are no numbers");
     assert_int_equal(verify_judged(&v), 1);
-    bis_verify_skip(&v, "picture", "a few renders outweigh all others here: too few to judge", "three");
+    bis_verify_skip(bis_verify_new(&v, "picture", "three"), "a few renders outweigh all others here: too few to judge");
     assert_int_equal(verify_judged(&v), 2);
-    bis_verify_skip(&v, "picture", "next to no light reaches the eye", "four");
+    bis_verify_skip(bis_verify_new(&v, "picture", "four"), "next to no light reaches the eye");
     assert_int_equal(verify_judged(&v), 2);
     bis_verify_clear(&v);
 }

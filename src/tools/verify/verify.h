@@ -47,6 +47,7 @@ typedef struct bis_verify {
     size_t n_statistical, n_failed, n_skipped; /* by bis_verify_judge */
     double threshold;                          /* of every p */
     bool no_memory;                            /* a test was lost: then bis_verify_judge returns BIS_NOMEM */
+    bis_verify_test lost;                      /* what stands for that test, so that no caller has to ask */
 } bis_verify;
 
 /* bis_verify_judge sets thresholds and verdicts. Errors: BIS_NOMEM. */
@@ -59,16 +60,18 @@ void bis_verify_clear(bis_verify *v);
  * it. All tests of all runs see different numbers. */
 uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...) BIS_PRINTF(2, 3);
 
-/* ---- one test each, with the name as by printf ---- */
+/* ---- one test each: bis_verify_bound(bis_verify_new(v, "map", "row %d", y), error, limit, "relative error") ---- */
+
+/* bis_verify_new adds a test to v, whose name is made as by printf, and returns it, never NULL. It may move until the
+ * next one is added, so let one of the functions below fill it in at once. */
+bis_verify_test *bis_verify_new(bis_verify *v, const char *group, const char *name, ...) BIS_PRINTF(3, 4);
 
 /* bis_verify_bound tests that 0 <= value <= limit. */
-void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name,
-                      ...) BIS_PRINTF(6, 7);
+void bis_verify_bound(bis_verify_test *t, double value, double limit, const char *note);
 
 /* bis_verify_fit tests counts by Pearson's chi-square: cells that expect fewer than 5 are pooled in order, the rest
  * joins the last pool; a hit in a cell that expects 0 rejects. */
-void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n,
-                    const char *name, ...) BIS_PRINTF(6, 7);
+void bis_verify_fit(bis_verify_test *t, const double *observed, const double *expected, size_t n);
 
 /* Runs of an estimator. */
 typedef struct bis_verify_moments {
@@ -93,15 +96,13 @@ double bis_verify_t(double z, double dof, double skewness);
 
 /* bis_verify_mean tests by bis_verify_t that the mean of these runs is `expected`, but for `slack` that rounding or
  * quadrature may have. */
-void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack,
-                     const char *name, ...) BIS_PRINTF(6, 7);
+void bis_verify_mean(bis_verify_test *t, const bis_verify_moments *runs, double expected, double slack);
 
 /* bis_verify_p tests any p, or a bound of it. */
-void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...)
-    BIS_PRINTF(6, 7);
+void bis_verify_p(bis_verify_test *t, double statistic, double p, const char *note);
 
-/* bis_verify_skip adds a test that was skipped, and why. */
-void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...) BIS_PRINTF(4, 5);
+/* bis_verify_skip says that the test was skipped, and why. */
+void bis_verify_skip(bis_verify_test *t, const char *why);
 
 /* bis_verify_begin tells the caller's progress that a new part begins. */
 void bis_verify_begin(const bis_verify *v, const char *what);

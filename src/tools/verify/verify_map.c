@@ -39,11 +39,11 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em)
     }
     /* H additions, a few roundings in each term; the difference of cosines loses what the first row's is smaller than
      * 1. */
-    bis_verify_bound(v, "map", fabs(sum / (4 * PI) - 1), (H + 8) * DBL_EPSILON, "relative error of their sum",
-                     "solid angles sum to 4 pi");
+    bis_verify_bound(bis_verify_new(v, "map", "solid angles sum to 4 pi"), fabs(sum / (4 * PI) - 1),
+                     (H + 8) * DBL_EPSILON, "relative error of their sum");
     const double cancelled = (double)(4 * LDBL_EPSILON / (1 - cosl(pi / H)));
-    bis_verify_bound(v, "map", worst, 8 * DBL_EPSILON + cancelled, "largest relative error of a row",
-                     "solid angles are differences of cosines");
+    bis_verify_bound(bis_verify_new(v, "map", "solid angles are differences of cosines"), worst,
+                     8 * DBL_EPSILON + cancelled, "largest relative error of a row");
 }
 
 /* ---- 2. the density ---- */
@@ -91,10 +91,10 @@ static void check_density(bis_verify *v, const char *name, const bis_importance 
         worst = fmax(worst, pmf[i] < 1e-290 ? (q > 0) != (pmf[i] > 0) : relative(q * solid_angle(em, i), pmf[i]));
     }
     const double rounding = (em->width + em->height + 16) * DBL_EPSILON; /* of the library's sum, row by row */
-    bis_verify_bound(v, "map", worst, rounding, "largest relative error of q dO against w dO / sum",
-                     "%s: density as defined", name);
-    bis_verify_bound(v, "map", fabs((double)integral - 1), rounding, "error of the integral",
-                     "%s: density integrates to 1", name);
+    bis_verify_bound(bis_verify_new(v, "map", "%s: density as defined", name), worst, rounding,
+                     "largest relative error of q dO against w dO / sum");
+    bis_verify_bound(bis_verify_new(v, "map", "%s: density integrates to 1", name), fabs((double)integral - 1),
+                     rounding, "error of the integral");
 }
 
 /* ---- 3. the table ---- */
@@ -127,8 +127,8 @@ static void check_table(bis_verify *v, const char *name, bis_table_kind kind, co
             }
         }
     }
-    bis_verify_bound(v, "map", worst, 1e-8, "largest relative error of a pixel's probability against q dO",
-                     "%s: table gives that density", name);
+    bis_verify_bound(bis_verify_new(v, "map", "%s: table gives that density", name), worst, 1e-8,
+                     "largest relative error of a pixel's probability against q dO");
 }
 
 bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
@@ -271,12 +271,13 @@ static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, b
     }
     observed[n] = (double)t->outside + (double)t->none;
     expected[n] = 0;
-    bis_verify_fit(v, "map", observed, expected, n + 1, "%s: draws by pixel", name);
+    bis_verify_fit(bis_verify_new(v, "map", "%s: draws by pixel", name), observed, expected, n + 1);
     for (size_t i = 0; i < n_places; i++) {
         observed[i] = t->place[i / CELLS2][i % CELLS2];
         expected[i] = t->n_draws * t->group_pmf[i / CELLS2] / CELLS2;
     }
-    bis_verify_fit(v, "map", observed, expected, n_places, "%s: draws in 4 x 4 cells inside pixels", name);
+    bis_verify_fit(bis_verify_new(v, "map", "%s: draws in 4 x 4 cells inside pixels", name), observed,
+                   expected, n_places);
 done:
     bis_free(observed);
     bis_free(expected);
@@ -347,7 +348,8 @@ bis_status bis_verify_map(bis_verify *v, const bis_envmap *em, double area_expon
     bis_verify_solid_angles(v, em);
     bis_status status = bis_verify_definition(pmf, &lit, em, area_exponent, levels, diag);
     if (!status && !lit)
-        bis_verify_skip(v, "map", "the map gives no light, nothing can be drawn from it", "alias, cdf, curve");
+        bis_verify_skip(bis_verify_new(v, "map", "alias, cdf, curve"),
+                        "the map gives no light, nothing can be drawn from it");
     for (size_t i = 0; !status && lit && i < sizeof ways / sizeof *ways; i++) {
         const bis_importance_options options = {.table = !ways[i].curve,
                                                 .curve = ways[i].curve,

@@ -72,12 +72,12 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
     furnace[1].candidates = 64;
     furnace[1].shadowrays = 4;
     if (rgb_is_black(m->Kd) && rgb_is_black(m->Ks)) {
-        bis_verify_skip(v, "materials", "it is black: nothing is drawn", "%zu", number);
+        bis_verify_skip(bis_verify_new(v, "materials", "%zu", number), "it is black: nothing is drawn");
         return BIS_OK;
     }
     if (m->exponent > 1e8) {
-        bis_verify_skip(v, "materials", "unit vectors in float cannot resolve exponents beyond 1e8", "%zu, n %g",
-                        number, m->exponent);
+        bis_verify_skip(bis_verify_new(v, "materials", "%zu, n %g", number, m->exponent),
+                        "unit vectors in float cannot resolve exponents beyond 1e8");
         return BIS_OK;
     }
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees && !status; i++) {
@@ -99,7 +99,8 @@ static bis_status check_materials(bis_verify *v, const bis_scene *scene, const b
     for (size_t i = 0; i < n && i < MAX_MATERIALS && !status; i++)
         status = check_material(v, &materials[i], i + 1, diag);
     if (n > MAX_MATERIALS)
-        bis_verify_skip(v, "materials", "too many: only the first are looked at", "%d and on", MAX_MATERIALS + 1);
+        bis_verify_skip(bis_verify_new(v, "materials", "%d and on", MAX_MATERIALS + 1),
+                        "too many: only the first are looked at");
     return status;
 }
 
@@ -177,7 +178,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
     int n_pixels = 0, known[MAX_PIXELS][2];
 
     if (why) {
-        bis_verify_skip(v, "view", why, "all integrators");
+        bis_verify_skip(bis_verify_new(v, "view", "all integrators"), why);
         return BIS_OK;
     }
     bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &is_rendered, diag);
@@ -202,7 +203,8 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         n_pixels += tested;
     }
     if (!status && n_pixels == 0)
-        bis_verify_skip(v, "view", "no pixel was found that sees a surface in the light", "all integrators");
+        bis_verify_skip(bis_verify_new(v, "view", "all integrators"),
+                        "no pixel was found that sees a surface in the light");
     return status;
 }
 
@@ -211,7 +213,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
 static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, bis_diag *diag)
 {
     if (!scene->accel) {
-        bis_verify_skip(v, "accelerators", "there is no geometry", "grid and embree");
+        bis_verify_skip(bis_verify_new(v, "accelerators", "grid and embree"), "there is no geometry");
         return BIS_OK;
     }
     bis_verify_begin(v, "accelerators");
@@ -235,7 +237,7 @@ bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_sce
     bis_status status = BIS_OK;
     v->as_printed = settings->as_printed;
     if (bis_light_is_constant(scene->light)) {
-        bis_verify_skip(v, "map", "the light is a constant, there is no map", "alias, cdf, curve");
+        bis_verify_skip(bis_verify_new(v, "map", "alias, cdf, curve"), "the light is a constant, there is no map");
     } else {
         status = bis_verify_map(v, bis_light_envmap(scene->light), desc->light.area_exponent, desc->light.levels, diag);
     }

@@ -121,12 +121,12 @@ static double excess_of(const comparison *c)
                     difference);
 }
 
-static void put(bis_verify *v, const comparison *c, double z, double p, const char *what)
+static void put(bis_verify_test *t, const comparison *c, double z, double p, const char *what)
 {
     char note[120];
     snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%", what,
              100 * bis_truth_bound(c->truth, chance) / c->truth->mean[3]);
-    bis_verify_p(v, "view", z, p + chance, note, "%s: %s", c->name, c->integrator->name);
+    bis_verify_p(t, z, p + chance, note);
 }
 
 /* Places inside patches are random: the largest F/q may be missed by some, the sum of squares by little. */
@@ -142,48 +142,44 @@ static double p_by_bernstein(const comparison *c)
     return 2 * exp(-n * e * e / (2 * second_of(c) + 2 * B * fabs(e) / 3));
 }
 
-static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
+static void judge_by_t(bis_verify_test *t, const comparison *c, double skewness)
 {
     const double n = c->runs->n, e = excess_of(c), known = c->deviation;
     const double se = isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n);
     const double z = e == 0 ? 0 : se > 0 ? e / se : copysign((double)INFINITY, e); /* runs that are all alike */
     const double p = z == 0 ? 1 : bis_verify_t(z, isnan(known) ? n - 1 : (double)INFINITY, skewness);
     const double least = c->is_guess && z < 0 ? fmin(1, p_by_bernstein(c)) : 0;
-    put(v, c, z, fmax(p, least), least > p ? "p is that of uniform directions, which may miss what is bright; " : "");
+    put(t, c, z, fmax(p, least), least > p ? "p is that of uniform directions, which may miss what is bright; " : "");
 }
 
-static void judge_by_bernstein(bis_verify *v, const comparison *c)
+static void judge_by_bernstein(bis_verify_test *t, const comparison *c)
 {
-    put(v, c, excess_of(c) / sqrt(second_of(c) / (c->n * c->runs->n)), p_by_bernstein(c),
+    put(t, c, excess_of(c) / sqrt(second_of(c) / (c->n * c->runs->n)), p_by_bernstein(c),
         "rare and bright: p bounded by Bernstein's inequality; ");
-}
-
-static void skip(bis_verify *v, const comparison *c, const char *why)
-{
-    bis_verify_skip(v, "view", why, "%s: %s", c->name, c->integrator->name);
 }
 
 static void judge(bis_verify *v, const comparison *c)
 {
+    bis_verify_test *t = bis_verify_new(v, "view", "%s: %s", c->name, c->integrator->name);
     const bool is_known = c->sample && !c->is_guess && c->sample->variance > 0;
     const double given = is_known ? c->sample->third / pow(c->sample->variance, 1.5) / sqrt(c->n * c->runs->n) : 0;
     const double skewness = fmax(fabs(given), isnan(c->deviation) ? fabs(bis_verify_skewness(c->runs)) : 0);
 
     if (isnan(c->runs->mean)) {
-        bis_verify_p(v, "view", c->runs->mean, 0, "not a number", "%s: %s", c->name, c->integrator->name);
+        bis_verify_p(t, c->runs->mean, 0, "not a number");
     } else if (bis_parameter_of(c->integrator, "estimator") && c->accepted < LEAST_ACCEPTED) {
         char why[120];
         snprintf(why, sizeof why, "only %llu of its candidates were accepted: too few to judge",
                  (unsigned long long)c->accepted);
-        skip(v, c, why);
+        bis_verify_skip(t, why);
     } else if (skewness <= (is_known ? most_skewness : BIS_VERIFY_MOST_SKEWNESS)) {
-        judge_by_t(v, c, skewness);
+        judge_by_t(t, c, skewness);
     } else if (bis_parameter_of(c->integrator, "resampling")) {
-        skip(v, c, "a few candidates outweigh all others here: too few runs to judge");
+        bis_verify_skip(t, "a few candidates outweigh all others here: too few runs to judge");
     } else if (!is_known) {
-        skip(v, c, "a few runs outweigh all others here: too few to judge");
+        bis_verify_skip(t, "a few runs outweigh all others here: too few to judge");
     } else {
-        judge_by_bernstein(v, c);
+        judge_by_bernstein(t, c);
     }
 }
 
@@ -272,8 +268,8 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
     *tested = true;
     const double unknown = bis_truth_bound(&truth.lit, chance) / truth.lit.mean[3];
     if (!(unknown <= most_unknown)) {
-        bis_verify_skip(v, "view", "the sum over patches is known too badly: the lobe is too narrow",
-                        "%s: all integrators", name);
+        bis_verify_skip(bis_verify_new(v, "view", "%s: all integrators", name),
+                        "the sum over patches is known too badly: the lobe is too narrow");
         return BIS_OK;
     }
     for (size_t i = 0, known = 0; i < n && !status; i++) {
