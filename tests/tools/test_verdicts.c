@@ -488,7 +488,7 @@ static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
         static const double off[] = {4e-5, 6e-5, -4e-5, -6e-5};
         bis_verify v = {.seed = 1, .halvings = 2};
         radiance_of_furnace = 2.4375 / 4 * (1 + off[k]);
-        assert_int_equal(bis_verify_material(&v, &m, 45, &s, 1, "m", NULL), BIS_OK);
+        assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"m", &m, 45}, &s, 1, NULL), BIS_OK);
         assert_int_equal(v.n, 3);
         assert_string_equal(v.tests[0].name, "m: density integrates to 1");
         assert_string_equal(v.tests[0].note, "error of the integral");
@@ -508,7 +508,7 @@ static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
          5e-5 + 1e-6}};
     for (int i = 0; i < 2; i++) {
         bis_verify v = {.seed = 1, .halvings = 4};
-        assert_int_equal(bis_verify_material(&v, &limits[i].m, 45, &s, 0, "m", NULL), BIS_OK);
+        assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"m", &limits[i].m, 45}, &s, 0, NULL), BIS_OK);
         assert_int_equal(v.n, 2);
         assert_figure(v.tests[0].threshold, limits[i].limit, "the limit of a lobe");
         bis_verify_clear(&v);
@@ -532,7 +532,8 @@ static void too_few_accepted_candidates_are_counted(void **state)
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.2), 5), (vec3){0, 0, 1}, 40, LIT_OPEN);
     s.candidates = 8;
     s.shadowrays = 1;
-    assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL),
+        BIS_OK);
     assert_int_equal(bis_verify_runs(estimate,
                          &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")},
                          &counters, NULL),
@@ -565,7 +566,8 @@ static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *
         bool tested;
         unsigned n = 0;
         bis_mem_fail_at(k);
-        const bis_status status = bis_verify_point(&v, pt, s, 1, BIS_SAMPLER_RANDOM, "p", &tested, &diag);
+        const bis_status status = bis_verify_point(&v, &(bis_verify_place){"p", pt, BIS_SAMPLER_RANDOM},
+            s, 1, &tested, &diag);
         bis_mem_fail_at(0);
         assert_int_equal(status, BIS_NOMEM); /* so k comes to the runs before all has room */
         if (diag.n_errors) sscanf(diag.messages[0].text, "error: no memory for %u runs", &n);
@@ -605,7 +607,8 @@ static void the_number_of_runs_follows_the_cost(void **state)
         counted.Lo = Lo_counted;
         s.integrator = &counted;
         n_estimates = 0;
-        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL), BIS_OK);
         assert_true(tested);
         if (n_estimates != cases[i].runs) fail_msg("%s, case %zu: %u runs", counted.name, i, (unsigned)n_estimates);
         bis_verify_clear(&v);
@@ -644,11 +647,14 @@ static void a_sample_is_judged_by_its_own_density(void **state)
         list[i].samples = list[i].candidates = i == 0 ? 1 : 2;
         list[i].shadowrays = 1;
     }
-    assert_int_equal(bis_verify_point(&all, &l.pt, list, 3, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(
+        bis_verify_point(&all, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, list, 3, &tested, NULL), BIS_OK);
     assert_int_equal(all.n, 3);
     for (int i = 0; i < 3; i++) {
         bis_verify one = {.seed = 1};
-        assert_int_equal(bis_verify_point(&one, &l.pt, &list[i], 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&one, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &list[i], 1, &tested, NULL),
+            BIS_OK);
         const bis_verify_test *const a = &all.tests[i], *const b = &one.tests[0];
         assert_string_equal(a->name, b->name);
         assert_string_equal(a->note, b->note);

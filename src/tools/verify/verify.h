@@ -127,10 +127,17 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em);
 bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels,
                                  bis_diag *diag);
 
+/* An importance with a table. */
+typedef struct bis_verify_drawing {
+    const char *name; /* "alias", "cdf" */
+    bis_table_kind kind;
+    const bis_importance *im;
+} bis_verify_drawing;
+
 /* bis_verify_importance tests that the density of an importance is the definition's and integrates to 1, and that its
- * table (name: "alias", "cdf") gives each pixel the probability that the density claims. */
-bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
-                                 const bis_envmap *em, const double *pmf, bis_diag *diag);
+ * table gives each pixel the probability that the density claims. */
+bis_status bis_verify_importance(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *pmf,
+                                 bis_diag *diag);
 
 /* bis_verify_draws tests drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf,
@@ -138,20 +145,34 @@ bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, co
 
 /* ---- src/tools/verify/verify_bsdf.c ---- */
 
-/* bis_verify_material tests one material seen at an angle to the normal: its density integrates to 1, its sampler draws
- * by it; under a constant light the integrators (n of them) give what quadrature gives. */
-bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
-                               size_t n, const char *name, bis_diag *diag);
+/* A material seen at an angle to the normal. */
+typedef struct bis_verify_lobe {
+    const char *name;
+    const bis_material *material;
+    double degrees;
+} bis_verify_lobe;
+
+/* bis_verify_material tests that the density of a lobe integrates to 1 and that its sampler draws by it; under a
+ * constant light the integrators (n of them) give what quadrature gives. */
+bis_status bis_verify_material(bis_verify *v, const bis_verify_lobe *lobe, const bis_settings *settings, size_t n,
+                               bis_diag *diag);
 
 /* ---- src/tools/verify/verify_view.c ---- */
 
 #define BIS_VERIFY_MAX_INTEGRATORS 16 /* BIS_TRUTH_MAX_DENSITIES */
 
-/* bis_verify_point tests one shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all
- * patches of the light, which must have table and curve. *tested: false where too little of the light is seen from
- * there for a fair test; nothing is added then. */
-bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
-                            bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag);
+/* A shading point where integrators are compared, by samples of that kind. */
+typedef struct bis_verify_place {
+    const char *name;
+    const bis_point *pt;
+    bis_sampler_kind kind;
+} bis_verify_place;
+
+/* bis_verify_point tests n <= BIS_VERIFY_MAX_INTEGRATORS integrators at one point against a sum over all patches of the
+ * light, which must have table and curve. *tested: false where too little of the light is seen from there for a fair
+ * test; nothing is added then. */
+bis_status bis_verify_point(bis_verify *v, const bis_verify_place *at, const bis_settings *settings, size_t n,
+                            bool *tested, bis_diag *diag);
 
 /* Estimates of reflected radiance at a point: n of them, the r-th from the stream of (seed, pixel = r). */
 typedef struct bis_verify_job {

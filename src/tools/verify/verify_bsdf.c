@@ -221,14 +221,14 @@ done:
     return status;
 }
 
-bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
-                               size_t n, const char *name, bis_diag *diag)
+bis_status bis_verify_material(bis_verify *v, const bis_verify_lobe *lobe, const bis_settings *settings, size_t n,
+                               bis_diag *diag)
 {
     bis_bsdf b;
     cells c;
 
-    bis_bsdf_init(&b, m, (vec3){0, 0, 1}, wo_at(degrees));
+    bis_bsdf_init(&b, lobe->material, (vec3){0, 0, 1}, wo_at(lobe->degrees));
     integrate(&c, &b);
-    check_lobes(v, &c, name);
-    return check_furnace(v, &c, settings, n, name, diag);
+    check_lobes(v, &c, lobe->name);
+    return check_furnace(v, &c, settings, n, lobe->name, diag);
 }

@@ -78,22 +78,21 @@ bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, d
 /* |a/b - 1|; 0 where both are 0. */
 static double relative(double a, double b) { return a == b ? 0 : fabs(a - b) / b; }
 
-static void check_density(bis_verify *v, const char *name, const bis_importance *im, const bis_envmap *em,
-                          const double *pmf)
+static void check_density(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *pmf)
 {
     const size_t width = (size_t)em->width;
     long double integral = 0;
     double worst = 0;
     for (size_t i = 0; i < n_pixels(em); i++) {
         const vec3 centre = bis_envmap_direction(em, (int)(i % width), (int)(i / width), 0.5, 0.5);
-        const double q = bis_importance_pdf(im, centre);
+        const double q = bis_importance_pdf(d->im, centre);
         integral += (long double)(q * solid_angle(em, i));
         worst = fmax(worst, pmf[i] < 1e-290 ? (q > 0) != (pmf[i] > 0) : relative(q * solid_angle(em, i), pmf[i]));
     }
     const double rounding = (em->width + em->height + 16) * DBL_EPSILON; /* of the library's sum, row by row */
-    bis_verify_bound(bis_verify_new(v, "map", "%s: density as defined", name), worst, rounding,
+    bis_verify_bound(bis_verify_new(v, "map", "%s: density as defined", d->name), worst, rounding,
                      "largest relative error of q dO against w dO / sum");
-    bis_verify_bound(bis_verify_new(v, "map", "%s: density integrates to 1", name), fabs((double)integral - 1),
+    bis_verify_bound(bis_verify_new(v, "map", "%s: density integrates to 1", d->name), fabs((double)integral - 1),
                      rounding, "error of the integral");
 }
 
@@ -108,16 +107,15 @@ static double sum_of(const double *row, size_t width)
 
 /* A step of a CDF is good to 2^-52 only, however small it is, and the steps of a row and of a column in it are
  * multiplied. */
-static void check_table(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
-                        const bis_envmap *em, const double *implied)
+static void check_table(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *implied)
 {
     const size_t width = (size_t)em->width;
     double worst = 0;
     for (size_t y = 0; y < (size_t)em->height; y++) {
         const double *row = implied + y * width;
-        const double p_row = kind == BIS_TABLE_CDF ? sum_of(row, width) : 0;
+        const double p_row = d->kind == BIS_TABLE_CDF ? sum_of(row, width) : 0;
         for (size_t x = 0; x < width; x++) {
-            const double claimed = bis_importance_pdf_pixel(im, y * width + x) * em->row_solid_angle[y];
+            const double claimed = bis_importance_pdf_pixel(d->im, y * width + x) * em->row_solid_angle[y];
             const double slack = p_row > 0 ? 4 * DBL_EPSILON * (p_row + claimed / p_row) : 0;
             const double excess = fmax(0, fabs(row[x] - claimed) - slack);
             if (claimed == 0) {
@@ -127,22 +125,22 @@ static void check_table(bis_verify *v, const char *name, bis_table_kind kind, co
             }
         }
     }
-    bis_verify_bound(bis_verify_new(v, "map", "%s: table gives that density", name), worst, 1e-8,
+    bis_verify_bound(bis_verify_new(v, "map", "%s: table gives that density", d->name), worst, 1e-8,
                      "largest relative error of a pixel's probability against q dO");
 }
 
-bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
-                                 const bis_envmap *em, const double *pmf, bis_diag *diag)
+bis_status bis_verify_importance(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *pmf,
+                                 bis_diag *diag)
 {
     double *implied = bis_alloc(n_pixels(em), sizeof *implied);
     bis_status status;
     if (!implied)
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to verify the table of a %d x %d map", em->width,
                          em->height);
-    status = bis_importance_implied_pmf(im, implied, diag);
+    status = bis_importance_implied_pmf(d->im, implied, diag);
     if (!status) {
-        check_density(v, name, im, em, pmf);
-        check_table(v, name, kind, im, em, implied);
+        check_density(v, d, em, pmf);
+        check_table(v, d, em, implied);
     }
     bis_free(implied);
     return status;
@@ -329,7 +327,8 @@ static bis_status check_way(bis_verify *v, const char *name, const bis_importanc
     bis_status status = bis_importance_new(&im, em, options, diag);
     if (status) return status;
     const bis_verify_sampler sampler = {name, options->table ? draw_table : draw_curve, im};
-    if (options->table) status = bis_verify_importance(v, name, options->table_kind, im, em, pmf, diag);
+    const bis_verify_drawing drawing = {name, options->table_kind, im};
+    if (options->table) status = bis_verify_importance(v, &drawing, em, pmf, diag);
     if (!status) status = bis_verify_draws(v, &sampler, em, pmf, diag);
     bis_importance_free(im);
     return status;

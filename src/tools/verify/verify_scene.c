@@ -84,7 +84,8 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
         const bis_bsdf_width w = m->model->width(m); /* the exponent is n, as in the thesis; the name is a seed, too */
         snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, strcmp(w.name, "exponent") == 0 ? "n" : w.name,
                  w.value, degrees[i]);
-        status = bis_verify_material(v, m, degrees[i], furnace, sizeof furnace / sizeof *furnace, name, diag);
+        const bis_verify_lobe lobe = {name, m, degrees[i]};
+        status = bis_verify_material(v, &lobe, furnace, sizeof furnace / sizeof *furnace, diag);
     }
     return status;
 }
@@ -196,7 +197,8 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         if (!find_point(&pt, &m, scene, x, y, &counters)) continue;
         snprintf(name, sizeof name, "pixel (%d, %d)", x, y);
         bis_verify_begin(v, name);
-        status = bis_verify_point(v, &pt, settings, n, desc->view.sampler.kind, name, &tested, diag);
+        const bis_verify_place at = {name, &pt, desc->view.sampler.kind};
+        status = bis_verify_point(v, &at, settings, n, &tested, diag);
         visits += VISITS_OF_A_PIXEL * patches;
         known[n_pixels][0] = x;
         known[n_pixels][1] = y;
