@@ -91,11 +91,7 @@ static bis_status set_integrator(bis_scene_desc *d, const char *name, bis_diag *
     if (!integrator)
         return bis_error(diag, BIS_INPUT, nowhere,
                          "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
-    /* as `bis --integrator`: a scene that names the same one keeps its parameters */
-    if (d->names_integrator && d->view.settings.integrator == integrator) return BIS_OK;
-    const unsigned as_printed = d->view.settings.as_printed;
-    d->view.settings = bis_settings_default(integrator);
-    d->view.settings.as_printed = as_printed;
+    bis_scene_name_integrator(d, integrator, nowhere);
     return BIS_OK;
 }
 
