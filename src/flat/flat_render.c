@@ -318,7 +318,7 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
     if (!status) status = bis_film_want(&film, size->layers, diag);
     if (!status) status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
-    status = bis_render(&result, &film, scene, desc, &desc->view, &options, diag);
+    status = bis_render(&result, &film, scene, &desc->view, &options, diag);
     if (!status && result.passes == 0)
         status = bis_error(diag, BIS_INPUT, nowhere, "the render was stopped before its first pass was complete");
     if (status) goto done;

@@ -234,14 +234,13 @@ void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_e
 
 /* src/tools/verify/verify_picture.c. What renders: bis_render, or what a test hands in. */
 typedef bis_status bis_verify_render(bis_render_result *result, bis_film *film, const bis_scene *scene,
-                                     const bis_scene_desc *desc, const bis_view *view,
-                                     const bis_render_options *options, bis_diag *diag);
+                                     const bis_view *view, const bis_render_options *options, bis_diag *diag);
 
-/* bis_verify_picture compares many small pictures by `render`, of desc's view with these settings, with
+/* bis_verify_picture compares many small pictures by `render`, of scene->desc's view with these settings, with
  * bis_verify_means. *tested: false where the integrator is too dear for that, or nothing is lit; a skipped test says
  * so. Errors: BIS_NOMEM. */
 bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
-                              const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag);
+                              const bis_settings *settings, bool *tested, bis_diag *diag);
 
 /* ---- src/tools/verify/verify_oracle.c ---- */
 

@@ -232,7 +232,7 @@ static bis_status render_one(picture *p, double *pixel, bis_verify_render *rende
     p->view.sampler.seed = seed;
     bis_status status = bis_film_init_thin(&film, f->width, f->height, f->crop, p->step, (bis_loc){0}, diag);
     if (status) return status;
-    status = render(&result, &film, p->scene, p->desc, &p->view, &options, diag);
+    status = render(&result, &film, p->scene, &p->view, &options, diag);
     for (size_t i = 0; i < p->n && !status; i++) {
         const double *sum = film.sum + 3 * i, scale = 1 / film.weight;
         pixel[i] = bis_verify_measure((rgbd){sum[0] * scale, sum[1] * scale, sum[2] * scale});
@@ -293,9 +293,9 @@ static void skip(bis_verify *v, const picture *p, const char *why)
 }
 
 bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
-                              const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag)
+                              const bis_settings *settings, bool *tested, bis_diag *diag)
 {
-    picture p = {.scene = scene, .desc = desc, .view = desc->view};
+    picture p = {.scene = scene, .desc = scene->desc, .view = scene->desc->view};
 
     *tested = false;
     p.view.settings = *settings;

@@ -182,7 +182,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         bis_verify_skip(bis_verify_new(v, "view", "all integrators"), why);
         return BIS_OK;
     }
-    bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &is_rendered, diag);
+    bis_status status = bis_verify_picture(v, bis_render, scene, &rendered, &is_rendered, diag);
     const size_t n = make_settings(settings, own);
     const double patches = (double)bis_light_patches(scene->light);
     for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
