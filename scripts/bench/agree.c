@@ -151,7 +151,7 @@ static bis_status measure(estimate *e, bis_scene_desc *desc, const candidate *c,
         bis_film_clear(&film);
         status = bis_film_init(
             &film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
-        if (!status) status = bis_render(&result, &film, scene, desc, &desc->view, &ro, diag);
+        if (!status) status = bis_render(&result, &film, scene, &desc->view, &ro, diag);
         if (status) goto done;
         cell_means(&film, value);
         for (int i = 0; i < VALUES; i++) {

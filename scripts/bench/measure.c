@@ -132,7 +132,7 @@ double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *de
         bis_film_init(film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, &diag),
         &diag);
     double start = measure_clock();
-    measure_check(bis_render(result, film, scene, desc, &desc->view, &options, &diag), &diag);
+    measure_check(bis_render(result, film, scene, &desc->view, &options, &diag), &diag);
     double cpu = measure_clock() - start;
     bis_diag_clear(&diag);
     return cpu;

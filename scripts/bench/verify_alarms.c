@@ -77,7 +77,7 @@ static bis_status verify(
     bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bool picture)
 {
     bool tested;
-    return picture ? bis_verify_picture(v, bis_render, scene, desc, settings, &tested, NULL)
+    return picture ? bis_verify_picture(v, bis_render, scene, settings, &tested, NULL)
                    : bis_verify_scene(v, scene, desc, settings, NULL);
 }
 

@@ -10,6 +10,7 @@
 #     tests, scripts, data/generate and docs/live.
 #   - No function of C has more than 60 lines, from its { to its }. Tables are not counted: from a line that ends in
 #     "= {" to its "};". That of src, include, tests, scripts and data/generate. No function of Python has more.
+#   - No function of src and include has more than six parameters, but for those of flat and of the list below.
 #     scripts/check/check_docstrings.sh [ROOT]          ROOT holds include, src, tests and scripts; default: here
 cd "${1:-.}" || exit 1
 bad=0
@@ -108,4 +109,55 @@ awk '
     !begin && /^ *def / { file = FILENAME; begin = FNR; column = match($0, /d/); name = $2; sub(/\(.*/, "", name) }
     /[^ ]/ { last = FNR }
     END { judge(); exit bad }' $(find tests scripts -type f -name '*.py' 2>/dev/null | sort) /dev/null || bad=1
+
+# shellcheck disable=SC2046
+awk -v whole=$(($# == 0)) '
+    # Those that may have more, and why.
+    BEGIN {
+        list = "choose_systematic mix weigh" # lanes: restrict belongs to a parameter
+        list = list " add_em add_brdf" # taught: answers of the course have these heads
+        list = list " bis_film_init_thin bis_page_numbers" # a place or a name for messages beside what is made
+        # one caller, for which alone a struct would be filled in
+        list = list " add_samples gather bis_pixel_method_run bis_pixel_rays_record bis_product_draw"
+        list = list " bis_render_part_write"
+        n = split(list, names, " ")
+        for (i = 1; i <= n; i++) stays[names[i]]
+    }
+    # The number of parameters in the head of a function.
+    function parameters(head,    n, depth, i, c) {
+        n = 1
+        for (i = index(head, "(") + 1; depth >= 0; i++) {
+            c = substr(head, i, 1)
+            if (c == "," && !depth) n++
+            depth += (c == "(") - (c == ")" || c == "")
+        }
+        return n
+    }
+    FNR == 1 { head = "" }
+    /^[A-Za-z_][^=]*\(/ && !/^(typedef|enum|struct|union) / { head = ""; line = FNR; begin = 1 }
+    begin || head != "" {
+        head = head $0
+        begin = 0
+        text = head
+        if (gsub(/\(/, "", text) > gsub(/\)/, "", text)) next
+        while (match(head, /(OF|NAMED)\([a-z_]+\)/)) { # thesis/real.h, model.h: one text for several types
+            name = substr(head, RSTART, RLENGTH - 1)
+            sub(/.*\(/, "", name)
+            head = substr(head, 1, RSTART - 1) name substr(head, RSTART + RLENGTH)
+        }
+        name = head
+        sub(/\(.*/, "", name)
+        sub(/.*[ *]/, "", name)
+        n = parameters(head)
+        head = ""
+        if (n <= 6) next
+        if (name in stays) { found[name]; next }
+        printf "%s:%d: %s has %d parameters, at most 6 are allowed\n", FILENAME, line, name, n
+        bad = 1
+    }
+    END {
+        for (name in stays)
+            if (whole && !(name in found)) { print "no function " name " has more than 6 parameters"; bad = 1 }
+        exit bad
+    }' $(find src include -type f -name '*.[ch]' ! -path '*/flat/*' 2>/dev/null | sort) /dev/null || bad=1
 exit $bad

@@ -150,7 +150,7 @@ static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, 
         if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);
         status = bis_ranks_agree(bis_cli_ranks, status, diag);
     }
-    if (!status) status = bis_render(result, film, o->scene, desc, &desc->view, &options, diag);
+    if (!status) status = bis_render(result, film, o->scene, &desc->view, &options, diag);
     bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
     char text[BIS_PERCENT];

@@ -38,12 +38,7 @@ static bis_status override_settings(bis_scene_desc *d, const bis_override *o, bi
 {
     bis_settings *s = &d->view.settings;
 
-    if (o->integrator && (!d->names_integrator || strcmp(o->integrator, s->integrator->name) != 0)) {
-        const unsigned as_printed = s->as_printed;
-        *s = bis_settings_default(bis_integrator_find(o->integrator));
-        s->as_printed = as_printed;
-        d->integrator_loc = bis_cli_loc;
-    }
+    if (o->integrator) bis_scene_name_integrator(d, bis_integrator_find(o->integrator), bis_cli_loc);
     bis_parameter_override(s, o->parameters, diag);
     if (bis_parameter_given(o->parameters, "learn") && s->learn && s->proposal != BIS_PROPOSAL_PRODUCT &&
         bis_parameter_of(s->integrator, "learn"))

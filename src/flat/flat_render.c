@@ -91,11 +91,7 @@ static bis_status set_integrator(bis_scene_desc *d, const char *name, bis_diag *
     if (!integrator)
         return bis_error(diag, BIS_INPUT, nowhere,
                          "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
-    /* as `bis --integrator`: a scene that names the same one keeps its parameters */
-    if (d->names_integrator && d->view.settings.integrator == integrator) return BIS_OK;
-    const unsigned as_printed = d->view.settings.as_printed;
-    d->view.settings = bis_settings_default(integrator);
-    d->view.settings.as_printed = as_printed;
+    bis_scene_name_integrator(d, integrator, nowhere);
     return BIS_OK;
 }
 
@@ -322,7 +318,7 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
     if (!status) status = bis_film_want(&film, size->layers, diag);
     if (!status) status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
-    status = bis_render(&result, &film, scene, desc, &desc->view, &options, diag);
+    status = bis_render(&result, &film, scene, &desc->view, &options, diag);
     if (!status && result.passes == 0)
         status = bis_error(diag, BIS_INPUT, nowhere, "the render was stopped before its first pass was complete");
     if (status) goto done;

@@ -251,7 +251,7 @@ int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, doub
         if (item[i] < n) observed[item[i]]++;
         else status = bis_error(&diag, BIS_INPUT, nowhere, "item %zu is %" PRIu32 ", not below %zu", i, item[i], n);
     }
-    if (!status) bis_verify_fit(&v, "figure", observed, expected, n, "draws");
+    if (!status) bis_verify_fit(bis_verify_new(&v, "figure", "draws"), observed, expected, n);
     if (!status && v.n != 1) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a test");
     if (!status) memcpy(fit, (double[]){v.tests[0].statistic, v.tests[0].dof, v.tests[0].p}, 3 * sizeof *fit);
     bis_verify_clear(&v);

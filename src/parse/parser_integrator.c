@@ -59,7 +59,6 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
 {
     bis_settings s = bis_settings_default(integrator);
 
-    s.as_printed = p->desc->view.settings.as_printed; /* an Option's, not an integrator's */
     for (const bis_parameter *q = NULL; (q = bis_parameter_next(integrator, q)) != NULL;) read_parameter(p, q, &s);
     return s;
 }
@@ -98,12 +97,10 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
                  "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\", one bounce; its parameters are "
                  "ignored",
                  chosen->name, bis_sir.name);
-        const unsigned as_printed = p->desc->view.settings.as_printed;
-        p->desc->view.settings = bis_settings_unnamed();
-        p->desc->view.settings.as_printed = as_printed;
+        bis_settings_replace(&p->desc->view.settings, bis_settings_unnamed());
         return;
     }
-    p->desc->view.settings = read_settings(p, integrator);
+    bis_settings_replace(&p->desc->view.settings, read_settings(p, integrator));
     if (integrator == &bis_sir) bis_params_ignore(p, older, BIS_COUNT(older));
     bis_params_end(p, "Integrator", chosen->name);
 }

@@ -23,21 +23,22 @@ static float *place(float *values, const bis_layers *l, bis_layer layer)
     return l->first[layer] < 0 ? NULL : values + l->first[layer];
 }
 
-static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_stream *stream,
-                      bis_scratch *scratch)
+static rgb unoccluded(const bis_gathered *of)
 {
     bis_counters ignored = {0};
-    bis_point open = *pt;
+    bis_point open = *of->pt;
+    bis_stream stream = of->stream;
+    bis_guide *guide = of->scratch->guide;
 
-    if (bis_bsdf_is_black(&pt->bsdf)) return (rgb){0};
+    if (bis_bsdf_is_black(&open.bsdf)) return (rgb){0};
     open.accel = NULL;
     open.ng = open.n;
     open.counters = &ignored;
     open.ray_sink = NULL;
-    const bool learns = scratch->guide && scratch->guide->learns;
-    if (scratch->guide) scratch->guide->learns = false; /* V = 1 is not to be learned from */
-    const rgb L_ns = settings->integrator->Lo(settings, &open, stream, scratch);
-    if (scratch->guide) scratch->guide->learns = learns;
+    const bool learns = guide && guide->learns;
+    if (guide) guide->learns = false; /* V = 1 is not to be learned from */
+    const rgb L_ns = of->settings->integrator->Lo(of->settings, &open, &stream, of->scratch);
+    if (guide) guide->learns = learns;
     return L_ns;
 }
 
@@ -53,9 +54,9 @@ static bool gather_light(float *L_ns, float *visibility, rgb open, rgb L)
     return true;
 }
 
-bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings,
-                        const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch, rgb L)
+bool bis_gather_surface(float *values, const bis_layers *layers, const bis_xform *to_camera, const bis_gathered *of)
 {
+    const bis_point *pt = of->pt;
     float *albedo = place(values, layers, BIS_LAYER_ALBEDO), *normal = place(values, layers, BIS_LAYER_NORMAL),
           *depth = place(values, layers, BIS_LAYER_DEPTH), *L_ns = place(values, layers, BIS_LAYER_UNOCCLUDED),
           *visibility = place(values, layers, BIS_LAYER_VISIBILITY);
@@ -67,7 +68,7 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
     }
     if (depth) *depth += bis_xform_point(to_camera, pt->p).z;
     if (!L_ns && !visibility) return true;
-    return gather_light(L_ns, visibility, unoccluded(settings, pt, &stream, scratch), L);
+    return gather_light(L_ns, visibility, unoccluded(of), of->L);
 }
 
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after)

@@ -326,11 +326,11 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
     return status;
 }
 
-bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_view *view,
+                      const bis_render_options *options, bis_diag *diag)
 {
     const bool leads = bis_rank_leads(options->ranks);
-    render r = {.work = {.scene = scene, .desc = desc, .view = view, .options = options, .film = film},
+    render r = {.work = {.scene = scene, .desc = scene->desc, .view = view, .options = options, .film = film},
                 .budget = options->budget,
                 .done = {.next_check = MIN_ERROR_PASSES, .rmse_upper = (double)NAN}};
 

@@ -129,9 +129,8 @@ static void finish(bis_wave *w, sample *s, bool hit)
         L = (rgb){0};
         w->counters->nonfinite++;
     }
-    if (hit && pixel->values &&
-        !bis_gather_surface(pixel->values, &w->task.film->layers, s->settings, w->task.to_camera, &s->pt, s->stream,
-                            w->scratch, L))
+    const bis_gathered of = {s->settings, &s->pt, s->stream, w->scratch, L};
+    if (hit && pixel->values && !bis_gather_surface(pixel->values, &w->task.film->layers, w->task.to_camera, &of))
         w->counters->nonfinite++;
     pixel->L = rgbd_add(pixel->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
     pixel->hits += hit;

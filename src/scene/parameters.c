@@ -160,6 +160,12 @@ bis_settings bis_settings_unnamed(void)
     return s;
 }
 
+void bis_settings_replace(bis_settings *s, bis_settings by)
+{
+    by.as_printed = s->as_printed;
+    *s = by;
+}
+
 static uint32_t share_of(uint32_t n, double share, uint32_t least)
 {
     const uint32_t part = (uint32_t)ceil(n * share);

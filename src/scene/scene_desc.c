@@ -52,6 +52,13 @@ bis_scene_desc *bis_scene_desc_new(const char *path)
     return d;
 }
 
+void bis_scene_name_integrator(bis_scene_desc *d, const bis_integrator *integrator, bis_loc at)
+{
+    if (d->names_integrator && d->view.settings.integrator == integrator) return;
+    bis_settings_replace(&d->view.settings, bis_settings_default(integrator));
+    d->integrator_loc = at;
+}
+
 void bis_scene_desc_free(bis_scene_desc *d)
 {
     if (!d) return;

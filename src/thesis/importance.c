@@ -227,7 +227,8 @@ double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio
 
 size_t bis_importance_bytes(const bis_importance *im)
 {
-    const size_t area = im->area ? n_pixels(im->weights.em) * sizeof *im->area : 0;
+    _Static_assert(sizeof *im->area == BIS_AREA_BYTES, "importance.h promises it");
+    const size_t area = im->area ? n_pixels(im->weights.em) * BIS_AREA_BYTES : 0;
     return sizeof *im + area + bis_table_bytes(&im->table) + bis_curve_bytes(&im->curve);
 }
 

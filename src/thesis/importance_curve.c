@@ -206,6 +206,8 @@ size_t bis_curve_draw(const bis_curve *t, double s)
 
 size_t bis_curve_bytes(const bis_curve *t)
 {
+    _Static_assert(sizeof *t->tile + sizeof *t->before + sizeof *t->guide == BIS_CURVE_BYTES &&
+                   sizeof *t->before == BIS_CURVE_SUM_BYTES, "importance.h promises it");
     return t->n_tiles * (sizeof *t->tile + sizeof *t->before) + t->n_guide * sizeof *t->guide;
 }
 

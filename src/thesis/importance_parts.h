@@ -39,7 +39,7 @@ typedef struct bis_drawn {
     double u[2];
 } bis_drawn;
 
-/* The two passes of the thesis. Alias tables take 10 bytes a pixel, CDFs 8 and their guides. */
+/* The two passes of the thesis. Alias tables take BIS_TABLE_BYTES a pixel. */
 typedef struct bis_table {
     bis_table_kind kind;
     size_t width, height;
@@ -73,7 +73,7 @@ typedef struct bis_curve_sum {
     double sum, low;
 } bis_curve_sum;
 
-/* One CDF along a space-filling curve. It takes 1.5 bytes a pixel with its guide, 24 in maps below 2^16 pixels. */
+/* One CDF along a space-filling curve. It takes BIS_CURVE_BYTES a tile. */
 typedef struct bis_curve {
     bis_weights weights; /* em and area are borrowed */
 

@@ -143,10 +143,9 @@ bis_drawn bis_table_draw(const bis_table *t, const double u[4])
 
 size_t bis_table_bytes(const bis_table *t)
 {
+    _Static_assert(sizeof *t->prob + sizeof *t->alias == BIS_TABLE_BYTES, "importance.h promises it");
     const size_t n = t->width * t->height;
-    if (t->kind == BIS_TABLE_ALIAS) {
-        return t->prob ? n * (sizeof *t->prob + sizeof *t->alias) + bis_alias_bytes(&t->row_alias) : 0;
-    }
+    if (t->kind == BIS_TABLE_ALIAS) return t->prob ? n * BIS_TABLE_BYTES + bis_alias_bytes(&t->row_alias) : 0;
     if (!t->columns) return 0;
     size_t bytes = t->height * sizeof *t->columns + bis_cdf_bytes(&t->row_cdf);
     for (size_t y = 0; y < t->height; y++) bytes += bis_cdf_bytes(&t->columns[y]);

@@ -10,6 +10,7 @@
 #include "bis/base/mem.h"
 #include "bis/beyond/visibility.h"
 #include "bis/render/render.h"
+#include "bis/thesis/regions.h"
 #include "scene/distant.h"
 #include "scene/scene_needs.h"
 #include "scene/scene_peek.h"
@@ -27,11 +28,9 @@ static const double tiles = 2.0 * sizeof(bis_seen) / (BIS_RENDER_TILE * BIS_REND
 static const double cells = 2.0 * sizeof(bis_seen) * BIS_VISIBILITY_CELLS / (BIS_RENDER_TILE * BIS_RENDER_TILE);
 /* and of the full picture's, in squares of tiles (src/render/survey.c), a third as many as tiles */
 static const double squares = (2.0 * sizeof(bis_seen) + sizeof(bis_square)) / 3 / (BIS_RENDER_TILE * BIS_RENDER_TILE);
-/* a texel of the map: radiance; table: a probability, an alias, and 0.4 more (--stats); curve: of each 4 x 4 texels
- * their place, the sum before them and a guide; area: a float; regions: a label and a level; curve_beside: of each
- * 4 x 4 texels their sum (src/thesis/importance_parts.h) */
-static const double texel = sizeof(rgb), table = 8 + 2 + 0.4, curve = (4 + 16 + 4) / 16.0, area = 4, regions = 4 + 1,
-                    curve_beside = 16 / 16.0;
+/* a texel of the map: radiance; table: 0.4 more than its arrays (--stats); curve: its tiles are 4 x 4 texels */
+static const double texel = sizeof(rgb), table = BIS_TABLE_BYTES + 0.4, curve = BIS_CURVE_BYTES / 16.0,
+                    curve_beside = BIS_CURVE_SUM_BYTES / 16.0, area = BIS_AREA_BYTES, regions = BIS_REGIONS_BYTES;
 static const double vertex = sizeof(vec3), uv = sizeof(bis_uv), triangle = 3 * sizeof(uint32_t);
 /* a triangle, by `make bench-scale`: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps
  * less of many (BIS_EMBREE_COMPACT) */

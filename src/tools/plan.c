@@ -15,9 +15,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* The upper bound that importance.h promises. */
-enum { DRAWING_BYTES = 16 };
-
 static const char *megabytes(char buf[32], double bytes)
 {
     snprintf(buf, 32, "%.1f MB", bytes / 1e6);
@@ -170,7 +167,7 @@ static void print_drawing(const bis_scene_desc *d, const bis_scene_needs *needs,
         return;
     }
     if (bis_memory_map_size(light, &w, &h, &mapping))
-        snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * DRAWING_BYTES));
+        snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * BIS_DRAWING_BYTES));
     if (needs->light & BIS_NEED_TABLE)
         fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
                 needs->light & BIS_NEED_COMPENSATED ? ", compensated for mis" : "", bound);

@@ -241,26 +241,26 @@ static void centre(bis_truth_moments *m, double mean)
     m->variance -= mean * mean;
 }
 
-bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells,
-                        const bis_truth_density *q, size_t n, uint64_t seed, bis_diag *diag)
+bis_status bis_truth_of(bis_truth *t, const bis_truth_question *asked, bis_diag *diag)
 {
-    question k = {pt, weight, q, n, bis_bsdf_max_f_cos(&pt->bsdf), (double)INFINITY};
+    const bis_point *pt = asked->pt;
+    question k = {pt, asked->weight, asked->q, asked->n, bis_bsdf_max_f_cos(&pt->bsdf), (double)INFINITY};
     block *blocks = bis_alloc(MOST_BLOCKS, sizeof *blocks);
 
-    assert(n <= BIS_TRUTH_MAX_DENSITIES);
+    assert(asked->n <= BIS_TRUTH_MAX_DENSITIES);
     *t = (bis_truth){.patches = bis_light_patches(pt->light)};
     if (!blocks) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sum over %zu patches", t->patches);
     /* B from the bounds of whole patches; where these are far too large, for a lobe narrower than a patch, say, from
      * those of the cells that it made, and so on. */
     double bounds = visit_all(t, blocks, &k, false, 0), before = (double)INFINITY;
     for (int pass = 0; pass < MAX_PASSES && bounds < before / 2; pass++) {
-        k.B = bounds / cells;
+        k.B = bounds / asked->cells;
         before = bounds;
         bounds = visit_all(t, blocks, &k, false, 0);
     }
-    visit_all(t, blocks, &k, true, seed);
+    visit_all(t, blocks, &k, true, asked->seed);
     bis_free(blocks);
-    for (size_t i = 0; i < n; i++) centre(&t->sample[i], t->lit.mean[3]);
+    for (size_t i = 0; i < asked->n; i++) centre(&t->sample[i], t->lit.mean[3]);
     return BIS_OK;
 }
 

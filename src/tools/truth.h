@@ -4,7 +4,7 @@
  * code, because `exact` is one of the tested.
  *
  *     bis_truth t;
- *     status = bis_truth_of(&t, &pt, (double[]){1, 1, 1}, 1 << 15, q, 2, seed, diag);
+ *     status = bis_truth_of(&t, &(bis_truth_question){&pt, {1, 1, 1}, 1 << 15, seed, q, 2}, diag);
  *     t.lit.mean[3] +- bis_truth_bound(&t.lit, 1e-7)          // eq. 4.1, r+g+b
  *     t.open.mean[3] +- bis_truth_bound(&t.open, 1e-7)        // eq. 4.5, without V */
 #pragma once
@@ -38,12 +38,20 @@ typedef struct bis_truth {
     size_t patches, rays;
 } bis_truth;
 
-/* bis_truth_of sums over all patches. weight: of red, green, blue, >= 0. cells: no ray adds more than about a
- * (cells)-th of what were there without shadows; there are so many cells to four times as many, and all patches. q[n]:
- * n <= BIS_TRUTH_MAX_DENSITIES; the light must have its table where from_map is not 0. The result does not depend on
- * the number of threads. Cost: 15 values of F and 2 rays for each of these. Errors: BIS_NOMEM. */
-bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells,
-                        const bis_truth_density *q, size_t n, uint64_t seed, bis_diag *diag);
+typedef struct bis_truth_question {
+    const bis_point *pt;
+    double weight[3]; /* of red, green, blue, >= 0 */
+    /* no ray adds more than about a (cells)-th of what were there without shadows; there are so many cells to four
+     * times as many, and all patches */
+    uint32_t cells;
+    uint64_t seed;
+    const bis_truth_density *q; /* q[n]; the light must have its table where from_map is not 0 */
+    size_t n;                   /* <= BIS_TRUTH_MAX_DENSITIES */
+} bis_truth_question;
+
+/* bis_truth_of sums over all patches. The result does not depend on the number of threads. Cost: 15 values of F and 2
+ * rays for each cell. Errors: BIS_NOMEM. */
+bis_status bis_truth_of(bis_truth *t, const bis_truth_question *asked, bis_diag *diag);
 
 /* bis_truth_bound returns e such that |mean[3] - what it should be| > e has at most that chance, 0 < chance < 1, over
  * the seeds. */

@@ -770,7 +770,7 @@ static size_t verified_failures(const bis_material *m, double degrees)
     bis_verify v = {.seed = SEED};
     size_t n;
 
-    assert_int_equal(bis_verify_material(&v, m, degrees, s, 1, "microfacet", NULL), BIS_OK);
+    assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"microfacet", m, degrees}, s, 1, NULL), BIS_OK);
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     n = v.n_failed;
     bis_verify_clear(&v);

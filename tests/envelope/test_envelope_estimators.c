@@ -358,7 +358,7 @@ static void count_on_a_floor(envelope *film)
     const double crop[4] = {0, 1, 0, 1};
     assert_int_equal(bis_film_init(&picture, 8, 8, crop, (bis_loc){0}, &diag), BIS_OK);
     const bis_render_options options = {.budget = {.spp = 4}, .n_threads = 1};
-    assert_int_equal(bis_render(&result, &picture, scene, desc, &desc->view, &options, &diag), BIS_OK);
+    assert_int_equal(bis_render(&result, &picture, scene, &desc->view, &options, &diag), BIS_OK);
     bis_film_resolve(&picture, pixels);
     for (int i = 0; i < 8 * 8 * 4; i++) envelope_expect(film, isfinite(pixels[i]) && pixels[i] >= 0, "value %d", i);
     envelope_expect(film, result.counters.nonfinite > 0 && result.counters.nonfinite < 256, "%llu counted",

@@ -20,7 +20,7 @@ static bis_status render(bis_film *film, bis_render_result *result, bis_checkpoi
     const bis_render_options options = {.budget.spp = 12, .n_threads = 1, .checkpoint = c};
 
     fuzz_require(!bis_film_init(film, f->width, f->height, f->crop, (bis_loc){0}, NULL), "a film");
-    return bis_render(result, film, scene, desc, &desc->view, &options, diag);
+    return bis_render(result, film, scene, &desc->view, &options, diag);
 }
 
 static void prepare(void)

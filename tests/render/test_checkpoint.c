@@ -594,7 +594,7 @@ static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
         options.checkpoint = &c;
         assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
         bis_mem_fail_at(i);
-        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc, &w.desc.view, &options, NULL);
+        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc.view, &options, NULL);
         const bool over = bis_mem_count() < i;
         bis_mem_fail_at(0);
         bis_film_clear(&f);
@@ -631,7 +631,7 @@ static void what_was_read_is_freed_when_the_render_begins(void **state)
         options.checkpoint = &c;
         w.desc.view.camera.fov_deg += refused;
         assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
-        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc, &w.desc.view, &options, NULL);
+        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc.view, &options, NULL);
         assert_int_equal(status, refused ? BIS_INPUT : BIS_OK);
         assert_null(c.data);
         bis_film_clear(&f);

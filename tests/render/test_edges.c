@@ -245,7 +245,7 @@ static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
         bis_sampler_set_spp(&w.desc.view.sampler, spps[i]);
         w.desc.view.edge_samples = 8;
         assert_int_equal(bis_film_init(&film, 8, 6, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view,
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc.view,
                              &(bis_render_options){.budget = {.spp = 2}}, NULL),
             BIS_OK);
         assert_int_equal(result.passes, 2);

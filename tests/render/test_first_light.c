@@ -97,7 +97,7 @@ static void a_late_render_has_looked_around_coarsely(void **state)
         bis_render_result result;
         bis_film film;
         assert_int_equal(bis_film_init(&film, 256, 256, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc.view, &options, NULL), BIS_OK);
         assert_true(k == 0 ? result.missing > 0.98 : result.missing == 0);
         rays[k] = result.counters.camera_rays;
         bis_film_clear(&film);

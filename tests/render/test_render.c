@@ -203,7 +203,7 @@ static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state
         w.desc.view.edge_samples = i < 6 ? 1 : 4;
         render(&all, &result, &w, crops[i % 2], &options);
         assert_int_equal(bis_film_init_thin(&some, WIDTH, HEIGHT, crops[i % 2], k, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &some, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &some, &w.scene, &w.desc.view, &options, NULL), BIS_OK);
         for (int y = 0; y < all.height; y++) {
             for (int x = 0; x < all.width; x++) {
                 if ((all.x0 + x) % k != k / 2 || (all.y0 + y) % k != k / 2) continue;
@@ -683,7 +683,7 @@ static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_r
     bis_render_result result;
     assert_int_equal(bis_film_init(&film, W, H, whole, (bis_loc){0}, NULL), BIS_OK);
     const bis_render_options options = {.budget = {.spp = PASSES}};
-    assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc.view, &options, NULL), BIS_OK);
     assert_int_equal(result.counters.camera_rays, PASSES * W * H);
     assert_int_equal(result.counters.candidates, 800 * HITS);
     assert_int_equal(result.counters.shadow_rays, 15 * HITS);
@@ -786,7 +786,7 @@ static void rendering_allocates_nothing(void **state)
         bis_render_result result;
         assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
         bis_mem_fail_at(0); /* starts the count */
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view,
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc.view,
                              &(bis_render_options){.budget = {.spp = i ? 6 : 1}, .n_threads = 2}, NULL),
             BIS_OK);
         counts[i] = bis_mem_count();
@@ -863,7 +863,7 @@ static void means_of_picture(double mean[N_DENORMAL_SEEDS], world *w, float firs
         bis_render_result result;
         w->desc.view.sampler.seed = 100 + (uint64_t)seed;
         assert_int_equal(bis_film_init(&film, 12, 8, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view,
+        assert_int_equal(bis_render(&result, &film, &w->scene, &w->desc.view,
                              &(bis_render_options){.budget = {.spp = 2}}, NULL),
             BIS_OK);
         if (result.counters.nonfinite)

@@ -157,7 +157,7 @@ static bis_status render_one(bis_film *f, bis_render_result *result, const job *
     if (!bis_rank_leads(ranks)) options.checkpoint = NULL, options.interrupted = NULL;
     bis_status status = bis_film_init(f, SIDE, SIDE, all, (bis_loc){0}, NULL);
     if (!status) status = bis_film_want(f, BIS_LAYERS_ALL, NULL);
-    if (!status) status = bis_render(result, f, &j->w->scene, &j->w->desc, &j->w->desc.view, &options, NULL);
+    if (!status) status = bis_render(result, f, &j->w->scene, &j->w->desc.view, &options, NULL);
     if (options.checkpoint) bis_checkpoint_clear(options.checkpoint);
     return status;
 }

@@ -547,8 +547,8 @@ static void a_sample_adds_to_each_value_by_hand(void **state)
         const float with[N] = {1, 5, 7, 4, 5, 6, 6, 15, 0.625f, 0.5f, 0.625f, 0, 0, 1, 2};
         for (int i = 0; i < N; i++) values[i] = (float)(i + 1);
         open_red = bad ? INFINITY : 4;
-        assert_int_equal(bis_gather_surface(values, &layers, &s, &to_camera, &pt, stream, &scratch,
-                                            (rgb){1, 2, 3}), !bad);
+        const bis_gathered of = {&s, &pt, stream, &scratch, {1, 2, 3}};
+        assert_int_equal(bis_gather_surface(values, &layers, &to_camera, &of), !bad);
         bis_gather_counts(values, &layers, &before, &after);
         assert_true(guide.learns);
         assert_int_equal(counters.shadow_rays, 0);
@@ -566,11 +566,11 @@ static void a_sample_adds_to_each_value_by_hand(void **state)
     const bis_material black = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 20);
     bis_bsdf_init(&pt.bsdf, &black, pt.n, pt.wo);
     for (int i = 0; i < N; i++) values[i] = 0;
-    assert_true(bis_gather_surface(values, &layers, &s, &to_camera, &pt, stream, &scratch, (rgb){0, 0, 0}));
+    assert_true(bis_gather_surface(values, &layers, &to_camera, &(bis_gathered){&s, &pt, stream, &scratch, {0, 0, 0}}));
     for (int i = 0; i < N; i++) assert_true(values[i] == (i == NORMAL + 2 ? 1 : i == DEPTH ? values[DEPTH] : 0));
     const bis_layers few = {.n_values = 1, .first = {-1, -1, -1, -1, -1, -1, -1, -1, -1, 0}};
     values[0] = 1;
-    assert_true(bis_gather_surface(values, &few, &s, &to_camera, &pt, stream, NULL, (rgb){1, 2, 3}));
+    assert_true(bis_gather_surface(values, &few, &to_camera, &(bis_gathered){&s, &pt, stream, NULL, {1, 2, 3}}));
     assert_true(fabs((double)values[0] - 3) < 1e-5 && values[1] == 0);
 }
 

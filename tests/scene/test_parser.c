@@ -691,6 +691,30 @@ static void what_nobody_names_has_the_file_for_its_place(void **state)
     bis_scene_desc_free(d);
 }
 
+/* As `bis --integrator NAME`: a scene that has it all written out says the same. */
+static void another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_settings(void **state)
+{
+    static const struct { const char *scene, *name, *written_out; bool keeps; } cases[] = {
+        {"Integrator \"em\" \"integer samples\" 7", "em", "Integrator \"em\" \"integer samples\" 7", true},
+        {"Integrator \"em\" \"integer samples\" 7", "brdf", "Integrator \"brdf\" \"integer samples\" 16", false},
+        {"", "sir", "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15 \"bool learn\" false "
+         "\"string proposal\" \"mix\"", false},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "Option \"string asprinted\" \"E6\" %s", cases[i].scene);
+        bis_scene_desc *d = good_scene(text, ""), *written_out = good_scene(cases[i].written_out, "");
+        assert_int_equal(d->view.settings.as_printed, BIS_E6);
+        bis_scene_name_integrator(d, bis_integrator_find(cases[i].name), (bis_loc){"here", 77, 5});
+        assert_true(bis_settings_equal(&d->view.settings, &written_out->view.settings));
+        assert_int_equal(d->view.settings.as_printed, BIS_E6);
+        assert_int_equal(d->integrator_loc.line == 77, !cases[i].keeps);
+        bis_scene_desc_free(d);
+        bis_scene_desc_free(written_out);
+    }
+}
+
 /* What the real user may not read, as the superuser (root) may read anything. */
 static void a_file_that_may_not_be_read_is_no_missing_one(void **state)
 {
@@ -955,6 +979,7 @@ int main(void)
         cmocka_unit_test(a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no_message),
         cmocka_unit_test(a_transformation_with_one_infinite_number_is_not_usable),
         cmocka_unit_test(what_nobody_names_has_the_file_for_its_place),
+        cmocka_unit_test(another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_settings),
         cmocka_unit_test(a_file_that_may_not_be_read_is_no_missing_one),
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),

@@ -21,7 +21,7 @@ bis_status try_render(bis_film *f, bis_render_result *result, const world *w, co
     options.checkpoint = c;
     assert_int_equal(bis_film_init(f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want(f, k->layers, NULL), BIS_OK);
-    const bis_status status = bis_render(result, f, &w->scene, &w->desc, &w->desc.view, &options, diag);
+    const bis_status status = bis_render(result, f, &w->scene, &w->desc.view, &options, diag);
     if (c) bis_checkpoint_clear(c);
     return status;
 }

@@ -92,7 +92,7 @@ void render(
     bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options)
 {
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, &w->desc.view, options, NULL), BIS_OK);
+    assert_int_equal(bis_render(result, film, &w->scene, &w->desc.view, options, NULL), BIS_OK);
 }
 
 void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers,
@@ -100,7 +100,7 @@ void render_layers(bis_film *film, bis_render_result *result, const world *w, co
 {
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want(film, layers, NULL), BIS_OK);
-    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, &w->desc.view, options, NULL), BIS_OK);
+    assert_int_equal(bis_render(result, film, &w->scene, &w->desc.view, options, NULL), BIS_OK);
 }
 
 long first_k_without_failure(const world *w, unsigned layers)
@@ -113,7 +113,7 @@ long first_k_without_failure(const world *w, unsigned layers)
         bis_status status = bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, &diag);
         if (!status && layers) status = bis_film_want(&film, layers, &diag);
         if (!status)
-            status = bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view,
+            status = bis_render(&result, &film, &w->scene, &w->desc.view,
                 &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
         bis_mem_fail_at(0);
         bis_film_clear(&film);

@@ -478,7 +478,7 @@ static double render_small(const char *path, unsigned as_printed, rgb pixels[20 
     desc->view.film.height = 15;
     assert_int_equal(bis_film_init(&film, 20, 15, desc->view.film.crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
-    assert_int_equal(bis_render(&result, &film, scene, desc, &desc->view, &options, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, scene, &desc->view, &options, NULL), BIS_OK);
     assert_int_equal(result.counters.nonfinite, 0);
     bis_film_resolve(&film, rgba);
     for (int i = 0; i < 20 * 15; i++) {

@@ -245,7 +245,7 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 24, 16, whole, (bis_loc){0}, NULL), BIS_OK);
     bis_sampler_set_spp(&t.desc->view.sampler, 16);
-    assert_int_equal(bis_render(&result, &film, t.scene, t.desc, &t.desc->view, &options, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, t.scene, &t.desc->view, &options, NULL), BIS_OK);
     bis_film_resolve(&film, rgba);
     assert_int_equal(bis_image_init(&t.both.image, 24, 16, NULL), BIS_OK);
     for (int i = 0; i < N; i++) t.both.image.pixels[i] = (rgb){rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]};

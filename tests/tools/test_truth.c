@@ -18,13 +18,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double weight[3] = {4, 2, 1}, chance = 1e-7;
+static const double chance = 1e-7;
 enum { CELLS = 1 << 13 };
 
 static bis_truth truth_of(const bis_point *pt, uint64_t seed)
 {
     bis_truth t;
-    assert_int_equal(bis_truth_of(&t, pt, weight, CELLS, NULL, 0, seed, NULL), BIS_OK);
+    assert_int_equal(bis_truth_of(&t, &(bis_truth_question){pt, {4, 2, 1}, CELLS, seed, NULL, 0}, NULL), BIS_OK);
     return t;
 }
 
@@ -179,7 +179,7 @@ static void moments_are_those_of_draws(void **state)
     lit l;
     lit_init(&l, light, bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20), normalize((vec3){0.3f, -0.4f, 0.8f}), 40,
         LIT_HALF);
-    assert_int_equal(bis_truth_of(&t, &l.pt, weight, CELLS, q, 3, 1, NULL), BIS_OK);
+    assert_int_equal(bis_truth_of(&t, &(bis_truth_question){&l.pt, {4, 2, 1}, CELLS, 1, q, 3}, NULL), BIS_OK);
     for (int k = 0; k < 3; k++) {
         double sum = 0, square = 0;
         bis_rng rng;
@@ -236,7 +236,7 @@ static void the_same_bits_for_any_number_of_threads_and_every_allocation_may_fai
     b = truth_of(&l.pt, 5);
     assert_memory_equal(&a, &b, sizeof a);
     bis_mem_fail_at(1);
-    assert_int_equal(bis_truth_of(&a, &l.pt, weight, CELLS, NULL, 0, 5, NULL), BIS_NOMEM);
+    assert_int_equal(bis_truth_of(&a, &(bis_truth_question){&l.pt, {4, 2, 1}, CELLS, 5, NULL, 0}, NULL), BIS_NOMEM);
     bis_mem_fail_at(0);
     bis_light_free(light);
 }

@@ -78,17 +78,17 @@ static void a_test_has_the_fields_that_were_handed_in(void **state)
         {"p no number", "n10", 7, 0, 0, limit, BIS_VERDICT_FAILED},
     };
     bis_verify v = {.seed = 1};
-    bis_verify_bound(&v, "g", 0.5, 0.5, "n1", "at its %s", "limit");
-    bis_verify_bound(&v, "g", 0.5000001, 0.5, "n2", "above");
-    bis_verify_bound(&v, "g", 0, 0, "n3", "nothing");
-    bis_verify_bound(&v, "g", -1e-300, 0.5, "n4", "negative");
-    bis_verify_bound(&v, "g", no, 0.5, "n5", "no number");
-    bis_verify_skip(&v, "g", "why", "left out %d", 7);
-    bis_verify_p(&v, "g", 3, 1, "n6", "p 1");
-    bis_verify_p(&v, "g", 4, bis_stats_sidak(0.01, 5), "n7", "p at its limit");
-    bis_verify_p(&v, "g", 5, 0.0019, "n8", "p below");
-    bis_verify_p(&v, "g", 6, 1 + 1e-7, "n9", "p above 1");
-    bis_verify_p(&v, "g", 7, no, "n10", "p no number");
+    bis_verify_bound(bis_verify_new(&v, "g", "at its %s", "limit"), 0.5, 0.5, "n1");
+    bis_verify_bound(bis_verify_new(&v, "g", "above"), 0.5000001, 0.5, "n2");
+    bis_verify_bound(bis_verify_new(&v, "g", "nothing"), 0, 0, "n3");
+    bis_verify_bound(bis_verify_new(&v, "g", "negative"), -1e-300, 0.5, "n4");
+    bis_verify_bound(bis_verify_new(&v, "g", "no number"), no, 0.5, "n5");
+    bis_verify_skip(bis_verify_new(&v, "g", "left out %d", 7), "why");
+    bis_verify_p(bis_verify_new(&v, "g", "p 1"), 3, 1, "n6");
+    bis_verify_p(bis_verify_new(&v, "g", "p at its limit"), 4, bis_stats_sidak(0.01, 5), "n7");
+    bis_verify_p(bis_verify_new(&v, "g", "p below"), 5, 0.0019, "n8");
+    bis_verify_p(bis_verify_new(&v, "g", "p above 1"), 6, 1 + 1e-7, "n9");
+    bis_verify_p(bis_verify_new(&v, "g", "p no number"), 7, no, "n10");
     for (int turn = 0; turn < 2; turn++) { /* judged twice, the counts are the same */
         assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
         assert_int_equal(v.n, 11);
@@ -99,7 +99,7 @@ static void a_test_has_the_fields_that_were_handed_in(void **state)
         assert_figure(v.threshold, limit, "threshold");
     }
     for (int i = 0; i < 200; i++)
-        bis_verify_bound(&v, "h", i, 200, "", "%d", i); /* the list grows and keeps what it has */
+        bis_verify_bound(bis_verify_new(&v, "h", "%d", i), i, 200, ""); /* the list grows and keeps what it has */
     assert_test(&v.tests[0], "g", &expected[0]);
     assert_int_equal(v.n, 211);
     for (int i = 0; i < 200; i++) assert_true(atoi(v.tests[11 + i].name) == i && v.tests[11 + i].statistic == i);
@@ -151,12 +151,12 @@ static void cells_are_pooled_in_order_and_the_rest_joins_the_last(void **state)
     const double zero[] = {0, 6, 6}, hits[] = {2, 5, 5}, one_more[] = {2, 6, 4};
     const double no_number[] = {6, (double)NAN, 6}, three[] = {6, 6, 6}, few[] = {1, 2};
     bis_verify v = {.seed = 1};
-    bis_verify_fit(&v, "g", observed, expected, 7, "pools");
-    bis_verify_fit(&v, "g", none, expected, 7, "nothing drawn");
-    bis_verify_fit(&v, "g", hits, zero, 3, "impossible");
-    bis_verify_fit(&v, "g", one_more, three, 3, "three");
-    bis_verify_fit(&v, "g", three, no_number, 3, "no number");
-    bis_verify_fit(&v, "g", few, few, 2, "one pool");
+    bis_verify_fit(bis_verify_new(&v, "g", "pools"), observed, expected, 7);
+    bis_verify_fit(bis_verify_new(&v, "g", "nothing drawn"), none, expected, 7);
+    bis_verify_fit(bis_verify_new(&v, "g", "impossible"), hits, zero, 3);
+    bis_verify_fit(bis_verify_new(&v, "g", "three"), one_more, three, 3);
+    bis_verify_fit(bis_verify_new(&v, "g", "no number"), three, no_number, 3);
+    bis_verify_fit(bis_verify_new(&v, "g", "one pool"), few, few, 2);
     assert_string_equal(v.tests[0].note, "chi-square, 2 degrees of freedom");
     assert_figure(v.tests[0].statistic, 9 / 6.0 + 0 + 9 / 6.0, "pools");
     assert_true(v.tests[0].dof == 2);
@@ -193,8 +193,8 @@ static void p_is_the_tail_of_a_shifted_gamma_distribution(void **state)
     const double two[] = {5, 5}, off[] = {9, 1}, four[] = {6, 10, 20, 50}, off_four[] = {10, 8, 27, 41};
     double sum = 0;
     bis_verify v = {.seed = 1};
-    bis_verify_fit(&v, "g", off, two, 2, "two");
-    bis_verify_fit(&v, "g", off_four, four, 4, "four");
+    bis_verify_fit(bis_verify_new(&v, "g", "two"), off, two, 2);
+    bis_verify_fit(bis_verify_new(&v, "g", "four"), off_four, four, 4);
     assert_near(
         v.tests[0].p / tail_of_gamma(32 / 5.0, 1, 2 + 2 / 5.0 - 6 / 10.0, 8 + 2 * (22 / 5.0 + 1 / 25.0)), 1, 1e-6);
     double k2 = 6, k3 = 24;
@@ -272,14 +272,14 @@ static void a_mean_is_judged_by_what_is_beyond_its_slack(void **state)
         bis_verify_add(&sick, i == 2 ? no : i);
     }
     bis_verify_add(&one, 1);
-    bis_verify_mean(&v, "g", &m, 1, 0.25, "above");
-    bis_verify_mean(&v, "g", &m, 3, 0.25, "below");
-    bis_verify_mean(&v, "g", &m, 1, 1, "within");
-    bis_verify_mean(&v, "g", &still, 1, 0.25, "no scatter");
-    bis_verify_mean(&v, "g", &still, 2, 0, "no scatter and right");
-    bis_verify_mean(&v, "g", &sick, 2, 0, "not a number");
-    bis_verify_mean(&v, "g", &m, no, 0, "not a number expected");
-    bis_verify_mean(&v, "g", &one, 3, 0, "without an error"); /* one run has no scatter */
+    bis_verify_mean(bis_verify_new(&v, "g", "above"), &m, 1, 0.25);
+    bis_verify_mean(bis_verify_new(&v, "g", "below"), &m, 3, 0.25);
+    bis_verify_mean(bis_verify_new(&v, "g", "within"), &m, 1, 1);
+    bis_verify_mean(bis_verify_new(&v, "g", "no scatter"), &still, 1, 0.25);
+    bis_verify_mean(bis_verify_new(&v, "g", "no scatter and right"), &still, 2, 0);
+    bis_verify_mean(bis_verify_new(&v, "g", "not a number"), &sick, 2, 0);
+    bis_verify_mean(bis_verify_new(&v, "g", "not a number expected"), &m, no, 0);
+    bis_verify_mean(bis_verify_new(&v, "g", "without an error"), &one, 3, 0); /* one run has no scatter */
     for (int i = 0; i < 8; i++) assert_test(&v.tests[i], "g", &expected[i]);
     bis_verify_clear(&v);
 }
@@ -488,7 +488,7 @@ static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
         static const double off[] = {4e-5, 6e-5, -4e-5, -6e-5};
         bis_verify v = {.seed = 1, .halvings = 2};
         radiance_of_furnace = 2.4375 / 4 * (1 + off[k]);
-        assert_int_equal(bis_verify_material(&v, &m, 45, &s, 1, "m", NULL), BIS_OK);
+        assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"m", &m, 45}, &s, 1, NULL), BIS_OK);
         assert_int_equal(v.n, 3);
         assert_string_equal(v.tests[0].name, "m: density integrates to 1");
         assert_string_equal(v.tests[0].note, "error of the integral");
@@ -508,7 +508,7 @@ static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
          5e-5 + 1e-6}};
     for (int i = 0; i < 2; i++) {
         bis_verify v = {.seed = 1, .halvings = 4};
-        assert_int_equal(bis_verify_material(&v, &limits[i].m, 45, &s, 0, "m", NULL), BIS_OK);
+        assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"m", &limits[i].m, 45}, &s, 0, NULL), BIS_OK);
         assert_int_equal(v.n, 2);
         assert_figure(v.tests[0].threshold, limits[i].limit, "the limit of a lobe");
         bis_verify_clear(&v);
@@ -532,7 +532,8 @@ static void too_few_accepted_candidates_are_counted(void **state)
     lit_init(&l, light, bis_phong(grey(0.5), grey(0.2), 5), (vec3){0, 0, 1}, 40, LIT_OPEN);
     s.candidates = 8;
     s.shadowrays = 1;
-    assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL),
+        BIS_OK);
     assert_int_equal(bis_verify_runs(estimate,
                          &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")},
                          &counters, NULL),
@@ -565,7 +566,8 @@ static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *
         bool tested;
         unsigned n = 0;
         bis_mem_fail_at(k);
-        const bis_status status = bis_verify_point(&v, pt, s, 1, BIS_SAMPLER_RANDOM, "p", &tested, &diag);
+        const bis_status status = bis_verify_point(&v, &(bis_verify_place){"p", pt, BIS_SAMPLER_RANDOM},
+            s, 1, &tested, &diag);
         bis_mem_fail_at(0);
         assert_int_equal(status, BIS_NOMEM); /* so k comes to the runs before all has room */
         if (diag.n_errors) sscanf(diag.messages[0].text, "error: no memory for %u runs", &n);
@@ -605,7 +607,8 @@ static void the_number_of_runs_follows_the_cost(void **state)
         counted.Lo = Lo_counted;
         s.integrator = &counted;
         n_estimates = 0;
-        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL), BIS_OK);
         assert_true(tested);
         if (n_estimates != cases[i].runs) fail_msg("%s, case %zu: %u runs", counted.name, i, (unsigned)n_estimates);
         bis_verify_clear(&v);
@@ -644,11 +647,14 @@ static void a_sample_is_judged_by_its_own_density(void **state)
         list[i].samples = list[i].candidates = i == 0 ? 1 : 2;
         list[i].shadowrays = 1;
     }
-    assert_int_equal(bis_verify_point(&all, &l.pt, list, 3, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(
+        bis_verify_point(&all, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, list, 3, &tested, NULL), BIS_OK);
     assert_int_equal(all.n, 3);
     for (int i = 0; i < 3; i++) {
         bis_verify one = {.seed = 1};
-        assert_int_equal(bis_verify_point(&one, &l.pt, &list[i], 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&one, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &list[i], 1, &tested, NULL),
+            BIS_OK);
         const bis_verify_test *const a = &all.tests[i], *const b = &one.tests[0];
         assert_string_equal(a->name, b->name);
         assert_string_equal(a->note, b->note);

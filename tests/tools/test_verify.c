@@ -16,17 +16,17 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
     bis_verify v = {.seed = 1};
     const double expected[] = {100, 100, 3, 3, 3, 0}, observed[] = {90, 110, 2, 4, 3, 0},
                  impossible[] = {90, 110, 2, 4, 2, 1};
-    bis_verify_fit(&v, "g", observed, expected, 6, "cells of 100, 100, 9");
-    bis_verify_fit(&v, "g", impossible, expected, 6, "a hit where nothing is expected");
+    bis_verify_fit(bis_verify_new(&v, "g", "cells of 100, 100, 9"), observed, expected, 6);
+    bis_verify_fit(bis_verify_new(&v, "g", "a hit where nothing is expected"), impossible, expected, 6);
     /* a standard error of 1, no skewness: m2 = n (n - 1) */
     const bis_verify_moments off = {.n = 1e9, .mean = 8, .m2 = 1e9 * (1e9 - 1)}, still = {.n = 11, .mean = 2},
                              none = {.n = 11, .mean = (double)NAN};
-    bis_verify_mean(&v, "g", &off, 5, 0, "three sigma");
-    bis_verify_mean(&v, "g", &still, 5, 3, "within rounding");
-    bis_verify_mean(&v, "g", &none, 5, 0, "not a number");
-    bis_verify_bound(&v, "g", (double)NAN, 1, "", "not a number");
-    bis_verify_bound(&v, "g", 1, 1, "", "at its limit");
-    bis_verify_skip(&v, "g", "because", "skipped %d", 1);
+    bis_verify_mean(bis_verify_new(&v, "g", "three sigma"), &off, 5, 0);
+    bis_verify_mean(bis_verify_new(&v, "g", "within rounding"), &still, 5, 3);
+    bis_verify_mean(bis_verify_new(&v, "g", "not a number"), &none, 5, 0);
+    bis_verify_bound(bis_verify_new(&v, "g", "not a number"), (double)NAN, 1, "");
+    bis_verify_bound(bis_verify_new(&v, "g", "at its limit"), 1, 1, "");
+    bis_verify_skip(bis_verify_new(&v, "g", "skipped %d", 1), "because");
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     assert_int_equal(v.n_statistical, 5);
     assert_near(v.threshold, 1 - pow(0.99, 0.2), 1e-12);
@@ -92,7 +92,7 @@ static void skewed_means_do_not_accuse(void **state)
         bis_verify_moments m = {0};
         bis_verify v = {.seed = 1};
         for (int i = 0; i < RUNS; i++) bis_verify_add(&m, -log1p(-bis_rng_double(&rng)));
-        bis_verify_mean(&v, "g", &m, 1, 0, "exponential");
+        bis_verify_mean(bis_verify_new(&v, "g", "exponential"), &m, 1, 0);
         below += v.tests[0].p < 0.001;
         below_t += bis_stats_student_p(v.tests[0].statistic, RUNS - 1) < 0.001;
         bis_verify_clear(&v);
@@ -126,7 +126,7 @@ static void small_cells_do_not_accuse(void **state)
         bis_verify v = {.seed = 1};
         observed[CELLS] = REST + CELLS * EACH;
         for (int i = 0; i < CELLS; i++) observed[CELLS] -= observed[i] = poisson(&rng, EACH);
-        bis_verify_fit(&v, "g", observed, expected, CELLS + 1, "small");
+        bis_verify_fit(bis_verify_new(&v, "g", "small"), observed, expected, CELLS + 1);
         below += v.tests[0].p < 0.01;
         below_plain += bis_stats_chi_square_p(v.tests[0].statistic, CELLS) < 0.01;
         bis_verify_clear(&v);

@@ -18,7 +18,7 @@ static void right_materials_pass(void **state)
         bis_verify v = {.seed = i};
         for (int k = 0; k < 3; k++) {
             const double degrees[] = {0, 60, 89.5};
-            assert_int_equal(bis_verify_material(&v, &m, degrees[k], s, 2, "right", NULL), BIS_OK);
+            assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"right", &m, degrees[k]}, s, 2, NULL), BIS_OK);
         }
         assert_int_equal(v.n, 12);
         verify_assert_accepted(&v);
@@ -38,7 +38,8 @@ static void right_microfacets_pass(void **state)
         const double degrees[] = {0, 50, 80};
         bis_verify v = {.seed = i};
         for (int k = 0; k < 3; k++)
-            assert_int_equal(bis_verify_material(&v, &m[i], degrees[k], &s, 1, "right", NULL), BIS_OK);
+            assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"right", &m[i], degrees[k]}, &s, 1, NULL),
+                BIS_OK);
         assert_int_equal(v.n, 9);
         verify_assert_accepted(&v);
     }
@@ -99,7 +100,7 @@ static void forged_materials_are_rejected(void **state)
         const bis_settings s = bis_settings_default(&bis_brdf);
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
             bis_verify v = {.seed = seed};
-            assert_int_equal(bis_verify_material(&v, &m, 75, &s, 1, "forged", NULL), BIS_OK);
+            assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"forged", &m, 75}, &s, 1, NULL), BIS_OK);
             assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
             assert_int_equal(v.n, 3);
             /* the last one is so wrong that its furnace tells it, too */

@@ -25,7 +25,9 @@ static void exact_that_is_one_percent_off_is_rejected(void **state)
     s.integrator = &forged;
     for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
         bis_verify v = {.seed = seed, .halvings = 1};
-        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"wrong", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
+            BIS_OK);
         assert_true(verify_failures(&v) > 0);
     }
     bis_light_free(light);

@@ -87,7 +87,7 @@ static size_t failures_against(const bis_envmap *em, const bis_envmap *forged, b
     bis_verify v = {.seed = 3};
     assert_int_equal(bis_verify_definition(pmf, &is_lit, em, 0, 8, NULL), BIS_OK);
     assert_int_equal(bis_importance_new(&im, forged, &options, NULL), BIS_OK);
-    assert_int_equal(bis_verify_importance(&v, "forged", kind, im, em, pmf, NULL), BIS_OK);
+    assert_int_equal(bis_verify_importance(&v, &(bis_verify_drawing){"forged", kind, im}, em, pmf, NULL), BIS_OK);
     bis_importance_free(im);
     bis_free(pmf);
     return verify_failures(&v);
@@ -128,7 +128,7 @@ static void tell_importance(bis_verify *v, const bis_envmap *em, bis_table_kind 
     said.row_solid_angle = bis_alloc((size_t)em->height, sizeof *sizes);
     memcpy(said.row_solid_angle, sizes, (size_t)em->height * sizeof *sizes);
     *v = (bis_verify){.seed = 1};
-    assert_int_equal(bis_verify_importance(v, "t", kind, im, &said, pmf, NULL), BIS_OK);
+    assert_int_equal(bis_verify_importance(v, &(bis_verify_drawing){"t", kind, im}, &said, pmf, NULL), BIS_OK);
     assert_int_equal(bis_verify_judge(v, NULL), BIS_OK);
     bis_free(said.row_solid_angle);
     bis_importance_free(im);
@@ -207,7 +207,7 @@ static void an_error_of_any_pixel_of_a_table_is_told_by_its_size(void **state)
                 bis_verify v = {.seed = 1};
                 const rgb right = em.pixels[i];
                 em.pixels[i] = rgb_scale(right, 2);
-                assert_int_equal(bis_verify_importance(&v, "t", of, im, &em, pmf, NULL), BIS_OK);
+                assert_int_equal(bis_verify_importance(&v, &(bis_verify_drawing){"t", of, im}, &em, pmf, NULL), BIS_OK);
                 em.pixels[i] = right;
                 assert_near(test_named(&v, "t: table gives that density")->statistic, 0.5, 1e-9);
                 assert_near(test_named(&v, "t: density as defined")->statistic, 1, 1e-9);

@@ -40,7 +40,7 @@ static size_t failed_of_picture(
     bis_verify v = {.seed = seed, .halvings = 2};
     bool tested;
     size_t n = 0;
-    assert_int_equal(bis_verify_picture(&v, render, b->scene, b->desc, s, &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_picture(&v, render, b->scene, s, &tested, NULL), BIS_OK);
     assert_true(tested);
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     for (size_t i = 0; i < v.n; i++)
@@ -56,7 +56,7 @@ static void a_right_picture_passes(void **state)
         bis_verify v = {.seed = seed, .halvings = 2};
         bool tested;
         assert_int_equal(
-            bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+            bis_verify_picture(&v, bis_render, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
         assert_true(tested);
         assert_int_equal(v.n, SUMS + 1); /* and no number that is none */
         assert_int_equal(verify_judged(&v), SUMS);
@@ -69,12 +69,12 @@ static void a_right_picture_passes(void **state)
 static void what_is_skipped_by_chance_counts_among_the_p_values(void **state)
 {
     bis_verify v = {.seed = 1};
-    bis_verify_p(&v, "picture", 1, 0.3, "z", "one");
-    bis_verify_bound(&v, "picture", 0, 0, "estimates that are no numbers", "two");
+    bis_verify_p(bis_verify_new(&v, "picture", "one"), 1, 0.3, "z");
+    bis_verify_bound(bis_verify_new(&v, "picture", "two"), 0, 0, "estimates that are no numbers");
     assert_int_equal(verify_judged(&v), 1);
-    bis_verify_skip(&v, "picture", "a few renders outweigh all others here: too few to judge", "three");
+    bis_verify_skip(bis_verify_new(&v, "picture", "three"), "a few renders outweigh all others here: too few to judge");
     assert_int_equal(verify_judged(&v), 2);
-    bis_verify_skip(&v, "picture", "next to no light reaches the eye", "four");
+    bis_verify_skip(bis_verify_new(&v, "picture", "four"), "next to no light reaches the eye");
     assert_int_equal(verify_judged(&v), 2);
     bis_verify_clear(&v);
 }
@@ -83,12 +83,11 @@ static void what_is_skipped_by_chance_counts_among_the_p_values(void **state)
 static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f->height; }
 
 /* A byte a pixel. */
-static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
-                               const bis_view *view)
+static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_view *view)
 {
     const bis_rect all = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
     unsigned char *bits = bis_alloc(bis_edges_bytes(all), 1), *edge = bis_alloc(pixels_of(f), 1);
-    double *turns = bis_edges_turns(desc);
+    double *turns = bis_edges_turns(scene->desc);
     assert_true(bis_edges_find(bits, all, all, &(bis_edge_eye){f, scene, view, turns}, 1));
     bis_free(turns);
     for (size_t i = 0; i < pixels_of(f); i++)
@@ -99,10 +98,10 @@ static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const 
 }
 
 static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
-    unsigned char *edge = edges_of(f, scene, desc, view);
+    const bis_status status = bis_render(result, f, scene, view, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
     for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= edge[i / 3] ? 1.5 : 1;
     bis_free(edge);
     return status;
@@ -110,20 +109,21 @@ static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, con
 
 /* Camera samples of edge pixels lie a quarter of a pixel to the right, or below. */
 static bis_status render_shifted(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
 {
     const double h = f->picture_height, aspect = f->picture_width / h, dx = down ? 0 : 0.5 / h, dy = down ? 0.5 / h : 0;
     bis_view shifted = *view;
     bis_film other;
     bis_render_result ignored;
-    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, desc->view.film.crop, f->step,
+    const double *crop = scene->desc->view.film.crop;
+    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, crop, f->step,
                          (bis_loc){0}, diag),
         BIS_OK);
     shifted.camera.has_screen = true;
     memcpy(shifted.camera.screen, (double[]){dx - aspect, dx + aspect, -1 - dy, 1 - dy}, sizeof shifted.camera.screen);
-    bis_status status = bis_render(result, f, scene, desc, view, options, diag);
-    if (!status) status = bis_render(&ignored, &other, scene, desc, &shifted, options, diag);
-    unsigned char *edge = edges_of(f, scene, desc, view);
+    bis_status status = bis_render(result, f, scene, view, options, diag);
+    if (!status) status = bis_render(&ignored, &other, scene, &shifted, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
     for (size_t i = 0; i < 3 * pixels_of(f); i++)
         if (edge[i / 3]) f->sum[i] = other.sum[i];
     bis_free(edge);
@@ -132,21 +132,21 @@ static bis_status render_shifted(bis_render_result *result, bis_film *f, const b
 }
 
 static bis_status render_to_the_right(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    return render_shifted(result, f, scene, desc, view, options, diag, false);
+    return render_shifted(result, f, scene, view, options, diag, false);
 }
 
 static bis_status render_below(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    return render_shifted(result, f, scene, desc, view, options, diag, true);
+    return render_shifted(result, f, scene, view, options, diag, true);
 }
 
 static bis_status render_exchanged(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    const bis_status status = bis_render(result, f, scene, view, options, diag);
     for (size_t i = 0; i < pixels_of(f); i++) {
         const double r = f->sum[3 * i];
         f->sum[3 * i] = f->sum[3 * i + 2];
@@ -156,33 +156,33 @@ static bis_status render_exchanged(bis_render_result *result, bis_film *f, const
 }
 
 static bis_status render_without_shadows(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     bis_view open = *view;
     open.settings = bis_settings_default(&bis_unoccluded);
-    return bis_render(result, f, scene, desc, &open, options, diag);
+    return bis_render(result, f, scene, &open, options, diag);
 }
 
 static bis_status render_not_a_number(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    const bis_status status = bis_render(result, f, scene, view, options, diag);
     result->counters.nonfinite += view->sampler.seed % 8 == 0; /* left out of the film, in a few renders */
     return status;
 }
 
 static bis_status render_a_pixel_without_number(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    const bis_status status = bis_render(result, f, scene, view, options, diag);
     f->sum[4] = (double)NAN;
     return status;
 }
 
 static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    const bis_status status = bis_render(result, f, scene, view, options, diag);
     for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= 1.03;
     return status;
 }
@@ -193,7 +193,7 @@ static void a_mean_that_is_not_a_number_fails(void **state)
     verify_built b = build_full();
     bis_verify v = {.seed = 1, .halvings = 2};
     bool tested;
-    assert_int_equal(bis_verify_picture(&v, render_a_pixel_without_number, b.scene, b.desc, &b.desc->view.settings,
+    assert_int_equal(bis_verify_picture(&v, render_a_pixel_without_number, b.scene, &b.desc->view.settings,
                                         &tested, NULL), BIS_OK);
     size_t n = 0;
     for (size_t i = 0; i < v.n; i++) {
@@ -232,7 +232,7 @@ static void wrong_pictures_are_rejected(void **state)
 static double factor[2];
 
 static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     *result = (bis_render_result){.counters = {0}};
     for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] = 2 * 0.75 * factor[i / 3];
@@ -291,7 +291,7 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
             bis_verify v = {.seed = seed, .halvings = 3};
             bool tested;
             assert_int_equal(
-                bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+                bis_verify_picture(&v, render_factors, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
             assert_true(tested);
             assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
             assert_int_equal(v.n, floors[i].floors == 2 ? 5 : 3);
@@ -320,7 +320,7 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
 static struct { uint64_t spp; unsigned calls, wrong; } asked;
 
 static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_scene_desc *desc, const bis_view *view, const bis_render_options *options, bis_diag *diag)
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     *result = (bis_render_result){.counters = {0}};
     asked.calls++;
@@ -363,7 +363,7 @@ static void renders_pixels_and_passes_are_those_worked_out(void **state)
         bool tested;
         asked.calls = asked.wrong = 0, asked.spp = cases[i].spp;
         assert_int_equal(
-            bis_verify_picture(&v, render_nothing, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+            bis_verify_picture(&v, render_nothing, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
         assert_true(tested && v.n > 0);
         if (!strstr(v.tests[0].note, cases[i].note)) fail_msg("case %zu: %s", i, v.tests[0].note);
         assert_int_equal(asked.calls, cases[i].renders);
@@ -503,7 +503,7 @@ static void what_is_too_dear_is_said(void **state)
     bis_verify v = {.seed = 1};
     bool tested;
     s.perpatch = 256; /* of 512 patches */
-    assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, &s, &tested, NULL), BIS_OK);
     assert_false(tested);
     assert_int_equal(v.n, 1);
     assert_string_equal(v.tests[0].name, "all pixels: exact");
@@ -525,7 +525,7 @@ static void every_allocation_of_a_picture_may_fail(void **state)
         bis_diag diag = {0};
         bool tested;
         bis_mem_fail_at(k);
-        status = bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, &diag);
+        status = bis_verify_picture(&v, bis_render, b.scene, &s, &tested, &diag);
         if (!status) status = bis_verify_judge(&v, &diag);
         const bool failed = bis_mem_count() >= k;
         bis_mem_fail_at(0);

@@ -146,7 +146,8 @@ static void the_thesis_as_printed_is_rejected(void **state)
         s.proposal = BIS_PROPOSAL_EM;
         s.stratify = false;
         s.estimator = BIS_ESTIMATOR_PLAIN;
-        assert_int_equal(bis_truth_of(&reference, &l.pt, (double[]){4, 2, 1}, 1 << 15, NULL, 0, 1, NULL), BIS_OK);
+        assert_int_equal(bis_truth_of(&reference, &(bis_truth_question){&l.pt, {4, 2, 1}, 1 << 15, 1, NULL, 0}, NULL),
+            BIS_OK);
         assert_true(fabs(bias_of(&least_found, &l, &s, &reference, truth)) < least_found); /* ours is right */
         s.as_printed = printed[i].flag;
         const double f_max = bis_bsdf_max_f_cos(&l.pt.bsdf) / 0.8;
@@ -160,7 +161,9 @@ static void the_thesis_as_printed_is_rejected(void **state)
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
             bis_verify v = {.seed = seed};
             bool tested;
-            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "printed", &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_point(&v, &(bis_verify_place){"printed", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL),
+                BIS_OK);
             if (verify_failures(&v) == 0) fail_msg("%s was accepted, seed %u", printed[i].name, (unsigned)seed);
         }
         bis_free(x);

@@ -38,7 +38,9 @@ static void right_integrators_pass(void **state)
             bis_settings list[8];
             memcpy(list, all_settings(), 7 * sizeof *list);
             list[7] = bis_settings_unnamed();
-            assert_int_equal(bis_verify_point(&v, &l.pt, list, 8, BIS_SAMPLER_SOBOL, "right", &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_point(&v, &(bis_verify_place){"right", &l.pt, BIS_SAMPLER_SOBOL}, list, 8, &tested, NULL),
+                BIS_OK);
             assert_true(tested);
             assert_int_equal(v.n, 8);
             verify_assert_accepted(&v);
@@ -55,9 +57,12 @@ static void a_test_does_not_depend_on_those_before_it(void **state)
     bool tested;
     lit l;
     lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
-    assert_int_equal(bis_verify_point(&all, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
     assert_int_equal(
-        bis_verify_point(&one, &l.pt, all_settings() + 4, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        bis_verify_point(&all, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, all_settings(), 7, &tested, NULL),
+        BIS_OK);
+    assert_int_equal(
+        bis_verify_point(&one, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, all_settings() + 4, 1, &tested,
+            NULL), BIS_OK);
     assert_string_equal(one.tests[0].name, all.tests[4].name);
     assert_true(one.tests[0].statistic == all.tests[4].statistic && one.tests[0].p == all.tests[4].p);
     bis_verify_clear(&all);
@@ -76,7 +81,8 @@ static void the_error_of_the_reference_is_told_as_a_share(void **state)
         bool tested;
         bis_verify v = {.seed = 1, .halvings = 1};
         lit_init(&l, light, verify_glossy(&bis_phong_model, 50), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
-        assert_int_equal(bis_verify_point(&v, &l.pt, s, 1, BIS_SAMPLER_RANDOM, "share", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"share", &l.pt, BIS_SAMPLER_RANDOM}, s, 1, &tested, NULL), BIS_OK);
         const char *found = strstr(v.tests[0].note, "sum over patches +- ");
         assert_non_null(found);
         snprintf(note[k], sizeof note[k], "%s", found);
@@ -97,7 +103,9 @@ static void a_point_in_the_dark_is_not_tested(void **state)
     bool tested;
     bis_verify v = {.seed = 1};
     lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_ALL);
-    assert_int_equal(bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "dark", &tested, NULL), BIS_OK);
+    assert_int_equal(
+        bis_verify_point(&v, &(bis_verify_place){"dark", &l.pt, BIS_SAMPLER_RANDOM}, all_settings(), 7, &tested, NULL),
+        BIS_OK);
     assert_false(tested);
     assert_int_equal(v.n, 0);
     bis_light_free(light);
@@ -114,7 +122,8 @@ static void what_is_known_too_badly_is_not_judged(void **state)
         bis_verify v = {.seed = 1, .halvings = halvings};
         bool tested;
         assert_int_equal(
-            bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "few", &tested, NULL), BIS_OK);
+            bis_verify_point(&v, &(bis_verify_place){"few", &l.pt, BIS_SAMPLER_RANDOM}, all_settings(), 7, &tested,
+                NULL), BIS_OK);
         assert_true(tested);
         assert_int_equal(v.n, halvings == 8 ? 7 : 1);
         assert_int_equal(v.tests[0].verdict == BIS_VERDICT_SKIPPED, halvings == 12);
@@ -139,7 +148,9 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
             bis_settings s = bis_settings_default(&bis_brdf);
             bis_verify v = {.seed = seed, .halvings = 1};
             if (wrong) s.as_printed = BIS_E34;
-            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "lamp", &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_point(&v, &(bis_verify_place){"lamp", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
+                BIS_OK);
             assert_true(tested && v.n == 1 && strstr(v.tests[0].note, "Bernstein"));
             assert_int_equal(wrong, v.tests[0].p < 1e-5);
             bis_verify_clear(&v);
@@ -160,7 +171,9 @@ static void what_is_rare_is_less_certain_than_a_normal_law_says(void **state)
     lit_init(&l, light, m, normalize(vec3_from(0.2, -0.3, 0.8)), 84, LIT_OPEN);
     for (uint64_t seed = 3; seed < 8; seed++) {
         bis_verify v = {.seed = seed, .halvings = 4};
-        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "lamp", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"lamp", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
+            BIS_OK);
         assert_true(tested && v.n == 1 && strstr(v.tests[0].note, "Bernstein"));
         const double z = v.tests[0].statistic, p = v.tests[0].p;
         assert_true(z > 1.2 && p > 2 * exp(-z * z / 2) && p < 0.9);
@@ -210,7 +223,8 @@ static void a_stranger_is_held_to_what_uniform_directions_do(void **state)
         s.samples = 16;
         factor = rows[i].factor;
         brightest = rows[i].brightest;
-        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL), BIS_OK);
         assert_true(tested && v.n == 1);
         if (rows[i].passes != (v.tests[0].p > 1e-4)) fail_msg("row %zu: p %g; %s", i, v.tests[0].p, v.tests[0].note);
         bis_verify_clear(&v);
@@ -237,7 +251,8 @@ static void what_is_not_a_number_fails(void **state)
     lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
     forged.Lo = Lo_not_a_number_at_times;
     s.integrator = &forged;
-    assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL),
+        BIS_OK);
     assert_true(tested && v.n == 1);
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     assert_string_equal(v.tests[0].group, "view");
@@ -317,7 +332,9 @@ static void the_density_of_its_samples_decides_how_an_integrator_is_judged(void 
             bool tested;
             if (k >= 3) s.proposal = proposals[k - 3];
             s.candidates = 16; /* runs of all have about as many samples */
-            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "p", &tested, NULL), BIS_OK);
+            assert_int_equal(
+                bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
+                BIS_OK);
             assert_true(tested && v.n == 1);
             assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
             const bis_verify_test *t = v.tests;
@@ -347,7 +364,9 @@ static void seeds_that_were_accused_pass(void **state)
     for (uint64_t seed = 1; seed <= N; seed++) {
         bis_verify v = {.seed = seed, .halvings = 4};
         bool tested;
-        assert_int_equal(bis_verify_point(&v, &pt, s, 3, BIS_SAMPLER_SOBOL, "pixel (12, 8)", &tested, NULL), BIS_OK);
+        assert_int_equal(
+            bis_verify_point(&v, &(bis_verify_place){"pixel (12, 8)", &pt, BIS_SAMPLER_SOBOL}, s, 3, &tested, NULL),
+            BIS_OK);
         assert_true(tested && v.n == 3);
         verify_assert_accepted(&v);
     }

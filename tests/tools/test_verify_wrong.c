@@ -87,7 +87,8 @@ static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
             bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(
-                bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+                bis_verify_point(&v, &(bis_verify_place){"wrong", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
+                BIS_OK);
             if (verify_failures(&v) == 0) fail_msg("proposal %s was accepted", bis_proposal_name(s.proposal));
         }
     }
@@ -113,7 +114,8 @@ static void wrong_integrators_are_rejected(void **state)
         for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
             bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(
-                bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+                bis_verify_point(&v, &(bis_verify_place){"wrong", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
+                BIS_OK);
             if (verify_failures(&v) == 0) fail_msg("wrong integrator %zu was accepted", i);
         }
     }

@@ -90,7 +90,7 @@ static bis_status from_text_to_picture(void *path, rgb *result, bis_diag *diag)
     if (status) goto done;
     status = bis_film_init(&film, d->view.film.width, d->view.film.height, d->view.film.crop, (bis_loc){0}, diag);
     if (status) goto done;
-    status = bis_render(&what, &film, s, d, &d->view, &(bis_render_options){.n_threads = 1}, diag);
+    status = bis_render(&what, &film, s, &d->view, &(bis_render_options){.n_threads = 1}, diag);
     if (status) goto done;
     assert_int_equal(what.counters.nonfinite, 0);
     status = write_film(&film, result, diag);

@@ -407,6 +407,35 @@ static void a_function_of_more_than_60_lines_is_found(void **state)
     }
 }
 
+#define FIVE "int a, int b, int c, int d, int e"
+
+/* Six parameters and seven, one of them a function of two. A call has none; nor is flat counted, or what the script
+ * lists. */
+static void a_function_of_more_than_six_parameters_is_found(void **state)
+{
+    const struct { const char *file, *text, *message; } cases[] = {
+        {"include/bis/base/x.h", "/* f does it. */\nint f(" FIVE ", int (*g)(int, int));\n", NULL},
+        {"include/bis/base/x.h", "/* f does it. */\nint f(" FIVE ",\n int (*g)(int, int), int h) BIS_PRINTF(1, 2);\n",
+         "include/bis/base/x.h:2: f has 7 parameters, at most 6 are allowed\n"},
+        {"src/base/x.c", "static const int *f(" FIVE ", int g)\n{\n    h(a, b, c, d, e, g, 1);\n}\n", NULL},
+        {"src/base/x.c", "int y;\nstatic const int *f(" FIVE ",\n                    int g, int h)\n{\n}\n",
+         "src/base/x.c:2: f has 7 parameters, at most 6 are allowed\n"},
+        {"src/base/y.h", "/* f does it. */\nFORMULA REAL OF(f)(" FIVE ", OF(g) g, REAL h);\n",
+         "src/base/y.h:2: f has 7 parameters, at most 6 are allowed\n"},
+        {"src/base/x.c", "static int mix(" FIVE ", int g, int h)\n{\n}\n", NULL},
+        {"src/flat/x.c", "int f(" FIVE ", int g, int h)\n{\n}\n", NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[64];
+        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings && cd docstrings && "
+                               "mkdir -p include/bis/base src/base src/flat"), 0);
+        program_write_file("build/docstrings/include/bis/base/x.h", "/* f does it. */\nint f(int x);\n");
+        snprintf(path, sizeof path, "build/docstrings/%s", cases[i].file);
+        program_write_file(path, cases[i].text);
+        assert_check("check_docstrings", "build/docstrings", cases[i].message, true);
+    }
+}
+
 /* ---- layers ---- */
 
 static void arrows_only_go_down(void **state)
@@ -699,6 +728,7 @@ int main(void)
         cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(a_long_line_is_found_in_every_kind_of_file),
         cmocka_unit_test(a_function_of_more_than_60_lines_is_found),
+        cmocka_unit_test(a_function_of_more_than_six_parameters_is_found),
         cmocka_unit_test(each_job_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),

@@ -153,7 +153,7 @@ static series pictures_of(const version *v, size_t n_seeds, uint64_t first)
         bis_view view = p.desc->view;
         assert_int_equal(bis_film_init(&film, view.film.width, view.film.height, whole, (bis_loc){0}, NULL), BIS_OK);
         view.sampler.seed = first + seed;
-        assert_int_equal(bis_render(&result, &film, p.scene, p.desc, &view, &(bis_render_options){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, p.scene, &view, &(bis_render_options){0}, NULL), BIS_OK);
         s.n = 3 * (size_t)film.width * (size_t)film.height;
         if (!s.value) s.value = bis_alloc(n_seeds * s.n, sizeof *s.value);
         for (size_t i = 0; i < s.n; i++) s.value[seed * s.n + i] = film.sum[i] / film.weight;

@@ -44,7 +44,7 @@ static void render(double sum[WIDTH * HEIGHT], const bis_scene *s, const bis_sce
 
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(
-        bis_render(&result, &film, s, d, &d->view, &(bis_render_options){.budget = {.spp = SPP}}, NULL), BIS_OK);
+        bis_render(&result, &film, s, &d->view, &(bis_render_options){.budget = {.spp = SPP}}, NULL), BIS_OK);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         sum[i] = (film.sum[3 * i] + film.sum[3 * i + 1] + film.sum[3 * i + 2]) / SPP;
     bis_film_clear(&film);

@@ -85,11 +85,10 @@ typedef struct bis_render_options {
 /* bis_render_threads returns the number of threads that these options use. */
 int bis_render_threads(const bis_render_options *options);
 
-/* bis_render renders into film, which the caller has initialised. view says what is seen and how; it may
- * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on
- * desc, view and the number of passes, never on threads, time, or checkpoints. *result receives what was done. Errors:
- * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for;
- * there are fewer tiles than parts; a rank renders another scene). With ranks only rank 0 has the
- * result. */
-bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                      const bis_view *view, const bis_render_options *options, bis_diag *diag);
+/* bis_render renders into film, which the caller has initialised. view says what is seen and how; it may differ from
+ * scene->desc->view, but scene must have been built for what its settings need. The bits of the film depend on
+ * scene->desc, view and the number of passes, never on threads, time, or checkpoints. *result receives what was done.
+ * Errors: BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked
+ * for; there are fewer tiles than parts; a rank renders another scene). With ranks only rank 0 has the result. */
+bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_view *view,
+                      const bis_render_options *options, bis_diag *diag);

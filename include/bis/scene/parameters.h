@@ -68,6 +68,9 @@ bis_settings bis_settings_default(const bis_integrator *integrator);
  * candidates, 24 shadow rays, learn true (docs/integrators.md, "A scene without an Integrator"). */
 bis_settings bis_settings_unnamed(void);
 
+/* bis_settings_replace puts `by` in the place of *s, but for as_printed, because an Option sets that, no integrator. */
+void bis_settings_replace(bis_settings *s, bis_settings by);
+
 /* bis_settings_thin returns the settings of a camera sample that has only a share of the light samples, share in (0,1]:
  * so much of samples and shadowrays, and of the candidates that proposal product draws for each point alone, rounded
  * up. As many candidates as fill a vector stay, because fewer take as long. Stratified samples, and the candidates of

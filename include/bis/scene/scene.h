@@ -151,6 +151,10 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
 bis_status bis_scene_parse_text(bis_scene_desc **out, const char *path, const char *text, unsigned how,
                                 bis_diag *diag);
 
+/* bis_scene_name_integrator takes another integrator, with its default settings, for the scene's. One that the scene
+ * names itself keeps the scene's settings. as_printed stays, because an Option sets it. at: for messages. */
+void bis_scene_name_integrator(bis_scene_desc *d, const bis_integrator *integrator, bis_loc at);
+
 /* bis_scene_check_files looks at the head of each map, mesh and image that a render of the scene would read, and at the
  * textures that need no image. diag receives all that would stop the render, as far as it can be known without reading
  * the files whole. Files that are not there are left to the parser. It returns the status of the first error. */

@@ -40,9 +40,19 @@ typedef struct bis_importance_options {
 
 typedef struct bis_importance bis_importance;
 
+/* Bytes that drawing takes, as bis_importance_new promises and `bis --plan` foretells. A tile of the curve is 4 x 4
+ * pixels, in maps below 2^16 pixels one. */
+enum {
+    BIS_DRAWING_BYTES = 16,       /* a pixel, with one way of drawing, at most, also while it is built */
+    BIS_TABLE_BYTES = 8 + 2,      /* a pixel, alias tables: a probability and an alias; CDFs: 8 and their guides */
+    BIS_CURVE_BYTES = 4 + 16 + 4, /* a tile: its place, the sum before it and a guide */
+    BIS_CURVE_SUM_BYTES = 16,     /* a tile while the curve is made: its own sum */
+    BIS_AREA_BYTES = 4            /* a pixel, if b > 0: its area factor */
+};
+
 /* bis_importance_new builds what options ask for. em is borrowed for the life of the result. A map without light is
- * legal: nothing can then be drawn. With one way of drawing, the result takes at most 16 bytes a pixel, also while it
- * is built; the curve of a map below 2^16 pixels takes 28, and 44 while it is built. Errors: BIS_NOMEM. */
+ * legal: nothing can then be drawn. With one way of drawing, the result takes at most BIS_DRAWING_BYTES a pixel; the
+ * curve of a map below 2^16 pixels takes more, because there each pixel is a tile. Errors: BIS_NOMEM. */
 bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const bis_importance_options *options,
                               bis_diag *diag);
 

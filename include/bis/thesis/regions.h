@@ -41,8 +41,10 @@ bis_levels bis_levels_of(const bis_envmap *em, int levels);
 /* bis_level_of_intensity returns the level of an intensity, and BIS_LEVEL_NONE for 0. */
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity);
 
-/* bis_regions_init finds the components of a map. `levels` is in [1, 254]. Memory: 5 bytes a pixel at the peak
- * (label, level), 4 bytes a pixel afterwards, and 64 bytes a column for each thread. Errors: BIS_NOMEM. */
+enum { BIS_REGIONS_BYTES = 4 + 1 }; /* a pixel while components are found: a label, which stays, and a level */
+
+/* bis_regions_init finds the components of a map. `levels` is in [1, 254]. Memory: BIS_REGIONS_BYTES a pixel, 4 of them
+ * afterwards, and 64 bytes a column for each thread. Errors: BIS_NOMEM. */
 bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bis_diag *diag);
 
 /* bis_regions_clear frees the components. *r is empty afterwards. */

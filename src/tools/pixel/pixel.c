@@ -52,7 +52,7 @@ static bis_status sum_patches(bis_pixel_exact *e, const bis_point *pt, uint64_t 
 {
     static const bis_truth_density q[3] = {{1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
     bis_truth t;
-    const bis_status status = bis_truth_of(&t, pt, (double[]){1, 1, 1}, BIS_PIXEL_CELLS, q, 3, seed, diag);
+    const bis_status status = bis_truth_of(&t, &(bis_truth_question){pt, {1, 1, 1}, BIS_PIXEL_CELLS, seed, q, 3}, diag);
 
     if (status) return status;
     e->rays = t.rays;

@@ -160,7 +160,7 @@ bis_status bis_trade_render(bis_trade *t, const bis_trade_job *job, bis_image *i
     bis_sampler_set_spp(&t->desc->view.sampler, job->passes);
     bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height,
                                            job->step ? t->desc->view.film.crop : whole, place.step, (bis_loc){0}, diag);
-    if (!status) status = bis_render(result, &film, &view, t->desc, &t->desc->view, &options, diag);
+    if (!status) status = bis_render(result, &film, &view, &t->desc->view, &options, diag);
     if (!status && image) status = image_of(image, &film, diag);
     t->n_threads = result->n_threads;
     t->nonfinite += result->counters.nonfinite;

@@ -19,61 +19,43 @@ static const double least_expected = 5;
 
 /* ---- the list ---- */
 
-/* Room for one more, or NULL, which bis_verify_judge reports. */
-BIS_PRINTF(3, 0)
-static bis_verify_test *append(bis_verify *v, const char *group, const char *name, va_list arguments)
+bis_verify_test *bis_verify_new(bis_verify *v, const char *group, const char *name, ...)
 {
-    bis_verify_test *tests = bis_grow(v->tests, &v->capacity, v->n + 1, sizeof *tests);
-    if (!tests) {
+    bis_verify_test *tests = bis_grow(v->tests, &v->capacity, v->n + 1, sizeof *tests), *t = &v->lost;
+    va_list arguments;
+
+    if (tests) {
+        v->tests = tests;
+        t = &v->tests[v->n++];
+    } else {
         v->no_memory = true;
-        return NULL;
     }
-    v->tests = tests;
-    bis_verify_test *t = &v->tests[v->n++];
     *t = (bis_verify_test){.group = group, .statistic = (double)NAN, .p = (double)NAN, .threshold = (double)NAN};
+    va_start(arguments, name);
     vsnprintf(t->name, sizeof t->name, name, arguments);
+    va_end(arguments);
     return t;
 }
 
 static void set_note(bis_verify_test *t, const char *note) { snprintf(t->note, sizeof t->note, "%s", note); }
 
-void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name,
-                      ...)
+void bis_verify_bound(bis_verify_test *t, double value, double limit, const char *note)
 {
-    va_list arguments;
-    va_start(arguments, name);
-    bis_verify_test *t = append(v, group, name, arguments);
-    va_end(arguments);
-    if (!t) return;
     t->statistic = value;
     t->threshold = limit;
     set_note(t, note);
     t->verdict = value >= 0 && value <= limit ? BIS_VERDICT_PASSED : BIS_VERDICT_FAILED; /* a NaN fails */
 }
 
-static void set_p(bis_verify_test *t, double statistic, double p, const char *note)
+void bis_verify_p(bis_verify_test *t, double statistic, double p, const char *note)
 {
     t->statistic = statistic;
     t->p = p >= 0 ? fmin(p, 1) : 0; /* a NaN is no defence */
     set_note(t, note);
 }
 
-void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...)
+void bis_verify_skip(bis_verify_test *t, const char *why)
 {
-    va_list arguments;
-    va_start(arguments, name);
-    bis_verify_test *t = append(v, group, name, arguments);
-    va_end(arguments);
-    if (t) set_p(t, statistic, p, note);
-}
-
-void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...)
-{
-    va_list arguments;
-    va_start(arguments, name);
-    bis_verify_test *t = append(v, group, name, arguments);
-    va_end(arguments);
-    if (!t) return;
     t->verdict = BIS_VERDICT_SKIPPED;
     set_note(t, why);
 }
@@ -143,15 +125,8 @@ static void close_pools(pools *p)
     count_last(p);
 }
 
-void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n,
-                    const char *name, ...)
+void bis_verify_fit(bis_verify_test *t, const double *observed, const double *expected, size_t n)
 {
-    va_list arguments;
-    va_start(arguments, name);
-    bis_verify_test *t = append(v, group, name, arguments);
-    va_end(arguments);
-    if (!t) return;
-
     pools p = {0};
     double impossible = 0;
     for (size_t i = 0; i < n; i++) {
@@ -161,15 +136,15 @@ void bis_verify_fit(bis_verify *v, const char *group, const double *observed, co
     close_pools(&p);
     t->dof = p.n - 1;
     if (impossible > 0) {
-        set_p(t, p.statistic, 0, "");
+        bis_verify_p(t, p.statistic, 0, "");
         snprintf(t->note, sizeof t->note, "chi-square; %.0f draws fell where nothing can be drawn", impossible);
         return;
     }
     if (isnan(p.statistic)) {
-        set_p(t, p.statistic, 0, "chi-square; an expected count is not a number");
+        bis_verify_p(t, p.statistic, 0, "chi-square; an expected count is not a number");
         return;
     }
-    set_p(t, p.statistic, t->dof > 0 ? p_of(&p) : 1, "");
+    bis_verify_p(t, p.statistic, t->dof > 0 ? p_of(&p) : 1, "");
     snprintf(t->note, sizeof t->note, "chi-square, %.0f degrees of freedom", t->dof);
 }
 
@@ -216,26 +191,19 @@ double bis_verify_t(double z, double dof, double skewness)
     return p > 0 ? fmin(1, p * exp(s * x * x * x / 3)) : 0;
 }
 
-void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack,
-                     const char *name, ...)
+void bis_verify_mean(bis_verify_test *t, const bis_verify_moments *runs, double expected, double slack)
 {
-    va_list arguments;
-    va_start(arguments, name);
-    bis_verify_test *t = append(v, group, name, arguments);
-    va_end(arguments);
-    if (!t) return;
-
     const double dof = runs->n - 1, se = dof > 0 ? sqrt(runs->m2 / dof / runs->n) : (double)NAN;
     const double difference = runs->mean - expected;
     const double excess = copysign(fmax(0, fabs(difference) - slack), difference), skewness = bis_verify_skewness(runs);
     if (isnan(difference) || isnan(se)) {
-        set_p(t, difference, 0, "not a number");
+        bis_verify_p(t, difference, 0, "not a number");
     } else if (excess == 0) {
-        set_p(t, 0, 1, "z; equal up to rounding and quadrature");
+        bis_verify_p(t, 0, 1, "z; equal up to rounding and quadrature");
     } else {
         const double z = se > 0 ? excess / se : copysign((double)INFINITY, excess);
         t->dof = dof;
-        set_p(t, z, se > 0 ? bis_verify_t(z, dof, skewness) : 0, "z");
+        bis_verify_p(t, z, se > 0 ? bis_verify_t(z, dof, skewness) : 0, "z");
     }
 }
 

@@ -47,6 +47,7 @@ typedef struct bis_verify {
     size_t n_statistical, n_failed, n_skipped; /* by bis_verify_judge */
     double threshold;                          /* of every p */
     bool no_memory;                            /* a test was lost: then bis_verify_judge returns BIS_NOMEM */
+    bis_verify_test lost;                      /* what stands for that test, so that no caller has to ask */
 } bis_verify;
 
 /* bis_verify_judge sets thresholds and verdicts. Errors: BIS_NOMEM. */
@@ -59,16 +60,18 @@ void bis_verify_clear(bis_verify *v);
  * it. All tests of all runs see different numbers. */
 uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...) BIS_PRINTF(2, 3);
 
-/* ---- one test each, with the name as by printf ---- */
+/* ---- one test each: bis_verify_bound(bis_verify_new(v, "map", "row %d", y), error, limit, "relative error") ---- */
+
+/* bis_verify_new adds a test to v, whose name is made as by printf, and returns it, never NULL. It may move until the
+ * next one is added, so let one of the functions below fill it in at once. */
+bis_verify_test *bis_verify_new(bis_verify *v, const char *group, const char *name, ...) BIS_PRINTF(3, 4);
 
 /* bis_verify_bound tests that 0 <= value <= limit. */
-void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name,
-                      ...) BIS_PRINTF(6, 7);
+void bis_verify_bound(bis_verify_test *t, double value, double limit, const char *note);
 
 /* bis_verify_fit tests counts by Pearson's chi-square: cells that expect fewer than 5 are pooled in order, the rest
  * joins the last pool; a hit in a cell that expects 0 rejects. */
-void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n,
-                    const char *name, ...) BIS_PRINTF(6, 7);
+void bis_verify_fit(bis_verify_test *t, const double *observed, const double *expected, size_t n);
 
 /* Runs of an estimator. */
 typedef struct bis_verify_moments {
@@ -93,15 +96,13 @@ double bis_verify_t(double z, double dof, double skewness);
 
 /* bis_verify_mean tests by bis_verify_t that the mean of these runs is `expected`, but for `slack` that rounding or
  * quadrature may have. */
-void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack,
-                     const char *name, ...) BIS_PRINTF(6, 7);
+void bis_verify_mean(bis_verify_test *t, const bis_verify_moments *runs, double expected, double slack);
 
 /* bis_verify_p tests any p, or a bound of it. */
-void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...)
-    BIS_PRINTF(6, 7);
+void bis_verify_p(bis_verify_test *t, double statistic, double p, const char *note);
 
-/* bis_verify_skip adds a test that was skipped, and why. */
-void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...) BIS_PRINTF(4, 5);
+/* bis_verify_skip says that the test was skipped, and why. */
+void bis_verify_skip(bis_verify_test *t, const char *why);
 
 /* bis_verify_begin tells the caller's progress that a new part begins. */
 void bis_verify_begin(const bis_verify *v, const char *what);
@@ -126,10 +127,17 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em);
 bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels,
                                  bis_diag *diag);
 
+/* An importance with a table. */
+typedef struct bis_verify_drawing {
+    const char *name; /* "alias", "cdf" */
+    bis_table_kind kind;
+    const bis_importance *im;
+} bis_verify_drawing;
+
 /* bis_verify_importance tests that the density of an importance is the definition's and integrates to 1, and that its
- * table (name: "alias", "cdf") gives each pixel the probability that the density claims. */
-bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
-                                 const bis_envmap *em, const double *pmf, bis_diag *diag);
+ * table gives each pixel the probability that the density claims. */
+bis_status bis_verify_importance(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *pmf,
+                                 bis_diag *diag);
 
 /* bis_verify_draws tests drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf,
@@ -137,20 +145,34 @@ bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, co
 
 /* ---- src/tools/verify/verify_bsdf.c ---- */
 
-/* bis_verify_material tests one material seen at an angle to the normal: its density integrates to 1, its sampler draws
- * by it; under a constant light the integrators (n of them) give what quadrature gives. */
-bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
-                               size_t n, const char *name, bis_diag *diag);
+/* A material seen at an angle to the normal. */
+typedef struct bis_verify_lobe {
+    const char *name;
+    const bis_material *material;
+    double degrees;
+} bis_verify_lobe;
+
+/* bis_verify_material tests that the density of a lobe integrates to 1 and that its sampler draws by it; under a
+ * constant light the integrators (n of them) give what quadrature gives. */
+bis_status bis_verify_material(bis_verify *v, const bis_verify_lobe *lobe, const bis_settings *settings, size_t n,
+                               bis_diag *diag);
 
 /* ---- src/tools/verify/verify_view.c ---- */
 
 #define BIS_VERIFY_MAX_INTEGRATORS 16 /* BIS_TRUTH_MAX_DENSITIES */
 
-/* bis_verify_point tests one shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all
- * patches of the light, which must have table and curve. *tested: false where too little of the light is seen from
- * there for a fair test; nothing is added then. */
-bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
-                            bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag);
+/* A shading point where integrators are compared, by samples of that kind. */
+typedef struct bis_verify_place {
+    const char *name;
+    const bis_point *pt;
+    bis_sampler_kind kind;
+} bis_verify_place;
+
+/* bis_verify_point tests n <= BIS_VERIFY_MAX_INTEGRATORS integrators at one point against a sum over all patches of the
+ * light, which must have table and curve. *tested: false where too little of the light is seen from there for a fair
+ * test; nothing is added then. */
+bis_status bis_verify_point(bis_verify *v, const bis_verify_place *at, const bis_settings *settings, size_t n,
+                            bool *tested, bis_diag *diag);
 
 /* Estimates of reflected radiance at a point: n of them, the r-th from the stream of (seed, pixel = r). */
 typedef struct bis_verify_job {
@@ -212,14 +234,13 @@ void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_e
 
 /* src/tools/verify/verify_picture.c. What renders: bis_render, or what a test hands in. */
 typedef bis_status bis_verify_render(bis_render_result *result, bis_film *film, const bis_scene *scene,
-                                     const bis_scene_desc *desc, const bis_view *view,
-                                     const bis_render_options *options, bis_diag *diag);
+                                     const bis_view *view, const bis_render_options *options, bis_diag *diag);
 
-/* bis_verify_picture compares many small pictures by `render`, of desc's view with these settings, with
+/* bis_verify_picture compares many small pictures by `render`, of scene->desc's view with these settings, with
  * bis_verify_means. *tested: false where the integrator is too dear for that, or nothing is lit; a skipped test says
  * so. Errors: BIS_NOMEM. */
 bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
-                              const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag);
+                              const bis_settings *settings, bool *tested, bis_diag *diag);
 
 /* ---- src/tools/verify/verify_oracle.c ---- */
 

@@ -119,6 +119,7 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
     const int n_accels = b ? 2 : 1;
     const size_t searches = searches_of(v, bis_geometry_primitives(a->geometry), n_accels);
     size_t wrong = 0, explained = 0, searched = 0, on_surfaces = 0;
+    bis_verify_test *t;
     char note[120];
 
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : wrong, explained, searched, on_surfaces)
@@ -134,10 +135,7 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
     }
     snprintf(note, sizeof note, "wrong of %zu rays and %zu from surfaces, %zu of them searched; %zu more graze an edge",
              n, on_surfaces, searched, explained);
-    if (b) {
-        bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s and %s see the same", bis_accel_name(a),
-                         bis_accel_name(b));
-    } else {
-        bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s sees what a search sees", bis_accel_name(a));
-    }
+    if (b) t = bis_verify_new(v, "accelerators", "%s and %s see the same", bis_accel_name(a), bis_accel_name(b));
+    else t = bis_verify_new(v, "accelerators", "%s sees what a search sees", bis_accel_name(a));
+    bis_verify_bound(t, (double)wrong, 0, note);
 }

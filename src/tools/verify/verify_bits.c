@@ -250,7 +250,7 @@ static bis_status picture(bis_bits *row, const bis_settings *settings, bis_diag 
     make_stage(&s, settings);
     bis_status status = build(&scene, &s.desc, diag);
     if (!status) status = bis_film_init(&film, WIDTH, HEIGHT, s.desc.view.film.crop, (bis_loc){0}, diag);
-    if (!status) status = bis_render(&result, &film, scene, &s.desc, &s.desc.view, &options, diag);
+    if (!status) status = bis_render(&result, &film, scene, &s.desc.view, &options, diag);
     for (int i = 0; i < 3 * WIDTH * HEIGHT && !status; i++) add_real(row, film.sum[i] / film.weight);
     bis_film_clear(&film);
     bis_scene_free(scene);

@@ -167,8 +167,8 @@ static void check_lobes(bis_verify *v, const cells *c, const char *name)
     bis_rng rng;
 
     for (int i = 0; i < c->n; i++) sum += c->cell[i].pdf;
-    bis_verify_bound(v, "materials", fabs(sum - 1), quadrature_error(b->material), "error of the integral",
-                     "%s: density integrates to 1", name);
+    bis_verify_bound(bis_verify_new(v, "materials", "%s: density integrates to 1", name), fabs(sum - 1),
+                     quadrature_error(b->material), "error of the integral");
     const int n_draws = MOST_DRAWS >> v->halvings;
     /* DBL_MIN: nodes below the horizon cannot tell a cell that just touches it from one where nothing is drawn. */
     for (int i = 0; i < c->n; i++) expected[i] = fmax(c->cell[i].pdf * (n_draws / sum), DBL_MIN);
@@ -178,7 +178,7 @@ static void check_lobes(bis_verify *v, const cells *c, const char *name)
         const double u0 = bis_rng_double(&rng), u1 = bis_rng_double(&rng), u2 = bis_rng_double(&rng);
         if (bis_bsdf_sample(b, u0, u1, u2, &wi)) observed[cell_of(&c->r, b, wi)]++;
     }
-    bis_verify_fit(v, "materials", observed, expected, (size_t)c->n, "%s: draws by its density", name);
+    bis_verify_fit(bis_verify_new(v, "materials", "%s: draws by its density", name), observed, expected, (size_t)c->n);
 }
 
 /* ---- the furnace ---- */
@@ -212,8 +212,8 @@ static bis_status check_furnace(bis_verify *v, const cells *c, const bis_setting
                                                             (double)estimate[run].b}));
         }
         if (!status)
-            bis_verify_mean(v, "materials", &runs, expected, quadrature_error(b->material) * expected,
-                            "%s: furnace, %s", name, integrator);
+            bis_verify_mean(bis_verify_new(v, "materials", "%s: furnace, %s", name, integrator), &runs, expected,
+                            quadrature_error(b->material) * expected);
     }
 done:
     bis_light_free(light);
@@ -221,14 +221,14 @@ done:
     return status;
 }
 
-bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
-                               size_t n, const char *name, bis_diag *diag)
+bis_status bis_verify_material(bis_verify *v, const bis_verify_lobe *lobe, const bis_settings *settings, size_t n,
+                               bis_diag *diag)
 {
     bis_bsdf b;
     cells c;
 
-    bis_bsdf_init(&b, m, (vec3){0, 0, 1}, wo_at(degrees));
+    bis_bsdf_init(&b, lobe->material, (vec3){0, 0, 1}, wo_at(lobe->degrees));
     integrate(&c, &b);
-    check_lobes(v, &c, name);
-    return check_furnace(v, &c, settings, n, name, diag);
+    check_lobes(v, &c, lobe->name);
+    return check_furnace(v, &c, settings, n, lobe->name, diag);
 }

@@ -39,11 +39,11 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em)
     }
     /* H additions, a few roundings in each term; the difference of cosines loses what the first row's is smaller than
      * 1. */
-    bis_verify_bound(v, "map", fabs(sum / (4 * PI) - 1), (H + 8) * DBL_EPSILON, "relative error of their sum",
-                     "solid angles sum to 4 pi");
+    bis_verify_bound(bis_verify_new(v, "map", "solid angles sum to 4 pi"), fabs(sum / (4 * PI) - 1),
+                     (H + 8) * DBL_EPSILON, "relative error of their sum");
     const double cancelled = (double)(4 * LDBL_EPSILON / (1 - cosl(pi / H)));
-    bis_verify_bound(v, "map", worst, 8 * DBL_EPSILON + cancelled, "largest relative error of a row",
-                     "solid angles are differences of cosines");
+    bis_verify_bound(bis_verify_new(v, "map", "solid angles are differences of cosines"), worst,
+                     8 * DBL_EPSILON + cancelled, "largest relative error of a row");
 }
 
 /* ---- 2. the density ---- */
@@ -78,23 +78,22 @@ bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, d
 /* |a/b - 1|; 0 where both are 0. */
 static double relative(double a, double b) { return a == b ? 0 : fabs(a - b) / b; }
 
-static void check_density(bis_verify *v, const char *name, const bis_importance *im, const bis_envmap *em,
-                          const double *pmf)
+static void check_density(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *pmf)
 {
     const size_t width = (size_t)em->width;
     long double integral = 0;
     double worst = 0;
     for (size_t i = 0; i < n_pixels(em); i++) {
         const vec3 centre = bis_envmap_direction(em, (int)(i % width), (int)(i / width), 0.5, 0.5);
-        const double q = bis_importance_pdf(im, centre);
+        const double q = bis_importance_pdf(d->im, centre);
         integral += (long double)(q * solid_angle(em, i));
         worst = fmax(worst, pmf[i] < 1e-290 ? (q > 0) != (pmf[i] > 0) : relative(q * solid_angle(em, i), pmf[i]));
     }
     const double rounding = (em->width + em->height + 16) * DBL_EPSILON; /* of the library's sum, row by row */
-    bis_verify_bound(v, "map", worst, rounding, "largest relative error of q dO against w dO / sum",
-                     "%s: density as defined", name);
-    bis_verify_bound(v, "map", fabs((double)integral - 1), rounding, "error of the integral",
-                     "%s: density integrates to 1", name);
+    bis_verify_bound(bis_verify_new(v, "map", "%s: density as defined", d->name), worst, rounding,
+                     "largest relative error of q dO against w dO / sum");
+    bis_verify_bound(bis_verify_new(v, "map", "%s: density integrates to 1", d->name), fabs((double)integral - 1),
+                     rounding, "error of the integral");
 }
 
 /* ---- 3. the table ---- */
@@ -108,16 +107,15 @@ static double sum_of(const double *row, size_t width)
 
 /* A step of a CDF is good to 2^-52 only, however small it is, and the steps of a row and of a column in it are
  * multiplied. */
-static void check_table(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
-                        const bis_envmap *em, const double *implied)
+static void check_table(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *implied)
 {
     const size_t width = (size_t)em->width;
     double worst = 0;
     for (size_t y = 0; y < (size_t)em->height; y++) {
         const double *row = implied + y * width;
-        const double p_row = kind == BIS_TABLE_CDF ? sum_of(row, width) : 0;
+        const double p_row = d->kind == BIS_TABLE_CDF ? sum_of(row, width) : 0;
         for (size_t x = 0; x < width; x++) {
-            const double claimed = bis_importance_pdf_pixel(im, y * width + x) * em->row_solid_angle[y];
+            const double claimed = bis_importance_pdf_pixel(d->im, y * width + x) * em->row_solid_angle[y];
             const double slack = p_row > 0 ? 4 * DBL_EPSILON * (p_row + claimed / p_row) : 0;
             const double excess = fmax(0, fabs(row[x] - claimed) - slack);
             if (claimed == 0) {
@@ -127,22 +125,22 @@ static void check_table(bis_verify *v, const char *name, bis_table_kind kind, co
             }
         }
     }
-    bis_verify_bound(v, "map", worst, 1e-8, "largest relative error of a pixel's probability against q dO",
-                     "%s: table gives that density", name);
+    bis_verify_bound(bis_verify_new(v, "map", "%s: table gives that density", d->name), worst, 1e-8,
+                     "largest relative error of a pixel's probability against q dO");
 }
 
-bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
-                                 const bis_envmap *em, const double *pmf, bis_diag *diag)
+bis_status bis_verify_importance(bis_verify *v, const bis_verify_drawing *d, const bis_envmap *em, const double *pmf,
+                                 bis_diag *diag)
 {
     double *implied = bis_alloc(n_pixels(em), sizeof *implied);
     bis_status status;
     if (!implied)
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to verify the table of a %d x %d map", em->width,
                          em->height);
-    status = bis_importance_implied_pmf(im, implied, diag);
+    status = bis_importance_implied_pmf(d->im, implied, diag);
     if (!status) {
-        check_density(v, name, im, em, pmf);
-        check_table(v, name, kind, im, em, implied);
+        check_density(v, d, em, pmf);
+        check_table(v, d, em, implied);
     }
     bis_free(implied);
     return status;
@@ -271,12 +269,13 @@ static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, b
     }
     observed[n] = (double)t->outside + (double)t->none;
     expected[n] = 0;
-    bis_verify_fit(v, "map", observed, expected, n + 1, "%s: draws by pixel", name);
+    bis_verify_fit(bis_verify_new(v, "map", "%s: draws by pixel", name), observed, expected, n + 1);
     for (size_t i = 0; i < n_places; i++) {
         observed[i] = t->place[i / CELLS2][i % CELLS2];
         expected[i] = t->n_draws * t->group_pmf[i / CELLS2] / CELLS2;
     }
-    bis_verify_fit(v, "map", observed, expected, n_places, "%s: draws in 4 x 4 cells inside pixels", name);
+    bis_verify_fit(bis_verify_new(v, "map", "%s: draws in 4 x 4 cells inside pixels", name), observed,
+                   expected, n_places);
 done:
     bis_free(observed);
     bis_free(expected);
@@ -328,7 +327,8 @@ static bis_status check_way(bis_verify *v, const char *name, const bis_importanc
     bis_status status = bis_importance_new(&im, em, options, diag);
     if (status) return status;
     const bis_verify_sampler sampler = {name, options->table ? draw_table : draw_curve, im};
-    if (options->table) status = bis_verify_importance(v, name, options->table_kind, im, em, pmf, diag);
+    const bis_verify_drawing drawing = {name, options->table_kind, im};
+    if (options->table) status = bis_verify_importance(v, &drawing, em, pmf, diag);
     if (!status) status = bis_verify_draws(v, &sampler, em, pmf, diag);
     bis_importance_free(im);
     return status;
@@ -347,7 +347,8 @@ bis_status bis_verify_map(bis_verify *v, const bis_envmap *em, double area_expon
     bis_verify_solid_angles(v, em);
     bis_status status = bis_verify_definition(pmf, &lit, em, area_exponent, levels, diag);
     if (!status && !lit)
-        bis_verify_skip(v, "map", "the map gives no light, nothing can be drawn from it", "alias, cdf, curve");
+        bis_verify_skip(bis_verify_new(v, "map", "alias, cdf, curve"),
+                        "the map gives no light, nothing can be drawn from it");
     for (size_t i = 0; !status && lit && i < sizeof ways / sizeof *ways; i++) {
         const bis_importance_options options = {.table = !ways[i].curve,
                                                 .curve = ways[i].curve,

@@ -232,7 +232,7 @@ static bis_status render_one(picture *p, double *pixel, bis_verify_render *rende
     p->view.sampler.seed = seed;
     bis_status status = bis_film_init_thin(&film, f->width, f->height, f->crop, p->step, (bis_loc){0}, diag);
     if (status) return status;
-    status = render(&result, &film, p->scene, p->desc, &p->view, &options, diag);
+    status = render(&result, &film, p->scene, &p->view, &options, diag);
     for (size_t i = 0; i < p->n && !status; i++) {
         const double *sum = film.sum + 3 * i, scale = 1 / film.weight;
         pixel[i] = bis_verify_measure((rgbd){sum[0] * scale, sum[1] * scale, sum[2] * scale});
@@ -270,33 +270,32 @@ static void judge(bis_verify *v, const picture *p, int k)
     const double dof = 1 / (of_a * of_a / (a->n - 1) + of_b * of_b / (b->n - 1)); /* Welch and Satterthwaite */
     const double skewness = bis_verify_skewness_beside(a, b, of_a);
     const double percent = p->size[k] > 0 ? 100 / p->size[k] : 0; /* of a black picture */
-    const char *name = p->name[k], *integrator = p->view.settings.integrator->name;
+    bis_verify_test *t = bis_verify_new(v, "picture", "%s: %s", p->name[k], p->view.settings.integrator->name);
     char note[120];
 
     snprintf(note, sizeof note, "z; %+.2g %% +- %.2g %%; %u renders of %zu pixels, %u passes", percent * d,
              percent * se, (unsigned)p->n_renders, p->n, (unsigned)p->passes);
     if (isnan(d)) {
-        bis_verify_p(v, "picture", d, 0, "not a number", "%s: %s", name, integrator);
+        bis_verify_p(t, d, 0, "not a number");
     } else if (excess == 0) {
-        bis_verify_p(v, "picture", 0, 1, note, "%s: %s", name, integrator);
+        bis_verify_p(t, 0, 1, note);
     } else if (skewness > BIS_VERIFY_MOST_SKEWNESS) {
-        bis_verify_skip(v, "picture", "a few renders outweigh all others here: too few to judge", "%s: %s", name,
-                        integrator);
+        bis_verify_skip(t, "a few renders outweigh all others here: too few to judge");
     } else {
         const double z = copysign(se > 0 ? excess / se : (double)INFINITY, d);
-        bis_verify_p(v, "picture", z, se > 0 ? bis_verify_t(z, dof, skewness) : 0, note, "%s: %s", name, integrator);
+        bis_verify_p(t, z, se > 0 ? bis_verify_t(z, dof, skewness) : 0, note);
     }
 }
 
 static void skip(bis_verify *v, const picture *p, const char *why)
 {
-    bis_verify_skip(v, "picture", why, "all pixels: %s", p->view.settings.integrator->name);
+    bis_verify_skip(bis_verify_new(v, "picture", "all pixels: %s", p->view.settings.integrator->name), why);
 }
 
 bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
-                              const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag)
+                              const bis_settings *settings, bool *tested, bis_diag *diag)
 {
-    picture p = {.scene = scene, .desc = desc, .view = desc->view};
+    picture p = {.scene = scene, .desc = scene->desc, .view = scene->desc->view};
 
     *tested = false;
     p.view.settings = *settings;
@@ -317,8 +316,8 @@ bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bi
     if (*tested && !status) {
         for (int k = 0; k < MAX_SUMS; k++)
             if (p.size[k] > 0) judge(v, &p, k);
-        bis_verify_bound(v, "picture", (double)p.nonfinite, 0, "estimates that are no numbers", "not a number: %s",
-                         settings->integrator->name);
+        bis_verify_bound(bis_verify_new(v, "picture", "not a number: %s", settings->integrator->name),
+                         (double)p.nonfinite, 0, "estimates that are no numbers");
     }
     bis_free(p.weight);
     return status;

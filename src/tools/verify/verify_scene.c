@@ -72,19 +72,20 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
     furnace[1].candidates = 64;
     furnace[1].shadowrays = 4;
     if (rgb_is_black(m->Kd) && rgb_is_black(m->Ks)) {
-        bis_verify_skip(v, "materials", "it is black: nothing is drawn", "%zu", number);
+        bis_verify_skip(bis_verify_new(v, "materials", "%zu", number), "it is black: nothing is drawn");
         return BIS_OK;
     }
     if (m->exponent > 1e8) {
-        bis_verify_skip(v, "materials", "unit vectors in float cannot resolve exponents beyond 1e8", "%zu, n %g",
-                        number, m->exponent);
+        bis_verify_skip(bis_verify_new(v, "materials", "%zu, n %g", number, m->exponent),
+                        "unit vectors in float cannot resolve exponents beyond 1e8");
         return BIS_OK;
     }
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees && !status; i++) {
         const bis_bsdf_width w = m->model->width(m); /* the exponent is n, as in the thesis; the name is a seed, too */
         snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, strcmp(w.name, "exponent") == 0 ? "n" : w.name,
                  w.value, degrees[i]);
-        status = bis_verify_material(v, m, degrees[i], furnace, sizeof furnace / sizeof *furnace, name, diag);
+        const bis_verify_lobe lobe = {name, m, degrees[i]};
+        status = bis_verify_material(v, &lobe, furnace, sizeof furnace / sizeof *furnace, diag);
     }
     return status;
 }
@@ -99,7 +100,8 @@ static bis_status check_materials(bis_verify *v, const bis_scene *scene, const b
     for (size_t i = 0; i < n && i < MAX_MATERIALS && !status; i++)
         status = check_material(v, &materials[i], i + 1, diag);
     if (n > MAX_MATERIALS)
-        bis_verify_skip(v, "materials", "too many: only the first are looked at", "%d and on", MAX_MATERIALS + 1);
+        bis_verify_skip(bis_verify_new(v, "materials", "%d and on", MAX_MATERIALS + 1),
+                        "too many: only the first are looked at");
     return status;
 }
 
@@ -177,10 +179,10 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
     int n_pixels = 0, known[MAX_PIXELS][2];
 
     if (why) {
-        bis_verify_skip(v, "view", why, "all integrators");
+        bis_verify_skip(bis_verify_new(v, "view", "all integrators"), why);
         return BIS_OK;
     }
-    bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &is_rendered, diag);
+    bis_status status = bis_verify_picture(v, bis_render, scene, &rendered, &is_rendered, diag);
     const size_t n = make_settings(settings, own);
     const double patches = (double)bis_light_patches(scene->light);
     for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
@@ -195,14 +197,16 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         if (!find_point(&pt, &m, scene, x, y, &counters)) continue;
         snprintf(name, sizeof name, "pixel (%d, %d)", x, y);
         bis_verify_begin(v, name);
-        status = bis_verify_point(v, &pt, settings, n, desc->view.sampler.kind, name, &tested, diag);
+        const bis_verify_place at = {name, &pt, desc->view.sampler.kind};
+        status = bis_verify_point(v, &at, settings, n, &tested, diag);
         visits += VISITS_OF_A_PIXEL * patches;
         known[n_pixels][0] = x;
         known[n_pixels][1] = y;
         n_pixels += tested;
     }
     if (!status && n_pixels == 0)
-        bis_verify_skip(v, "view", "no pixel was found that sees a surface in the light", "all integrators");
+        bis_verify_skip(bis_verify_new(v, "view", "all integrators"),
+                        "no pixel was found that sees a surface in the light");
     return status;
 }
 
@@ -211,7 +215,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
 static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, bis_diag *diag)
 {
     if (!scene->accel) {
-        bis_verify_skip(v, "accelerators", "there is no geometry", "grid and embree");
+        bis_verify_skip(bis_verify_new(v, "accelerators", "grid and embree"), "there is no geometry");
         return BIS_OK;
     }
     bis_verify_begin(v, "accelerators");
@@ -235,7 +239,7 @@ bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_sce
     bis_status status = BIS_OK;
     v->as_printed = settings->as_printed;
     if (bis_light_is_constant(scene->light)) {
-        bis_verify_skip(v, "map", "the light is a constant, there is no map", "alias, cdf, curve");
+        bis_verify_skip(bis_verify_new(v, "map", "alias, cdf, curve"), "the light is a constant, there is no map");
     } else {
         status = bis_verify_map(v, bis_light_envmap(scene->light), desc->light.area_exponent, desc->light.levels, diag);
     }

@@ -33,7 +33,6 @@ static const double most_skewness = 0.05; /* where Bernstein's inequality can ta
 static const double least_seen = 0.03;  /* of the light: below, a handful of rays decides, and no test is fair */
 static const double most_unknown = 0.05; /* of the reference: beyond, it judges nobody */
 static const double chance = 1e-7;      /* that a reference is farther off than it says */
-static const double weight[3] = {4, 2, 1}; /* bis_verify_measure */
 
 /* ---- many runs ---- */
 
@@ -76,25 +75,25 @@ bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counter
 /* ---- the reference ---- */
 
 /* The density of an estimator's single samples, n of them in a run. n = 0: not known. is_guess: the integrator is none
- * of ours, and n will be its shadow rays. */
+ * of ours, and n will be its shadow rays. sample: what the reference says of one of them; NULL: not known. */
 typedef struct sampling {
     bis_truth_density q;
     double n;
     bool is_guess;
+    const bis_truth_moments *sample;
 } sampling;
 
 static sampling sampling_of(const bis_settings *s, bool constant)
 {
     const bis_integrator *i = s->integrator;
-    if (i == &bis_em) return (sampling){{.from_map = 1}, s->samples, false};
-    if (i == &bis_brdf) return (sampling){{.from_bsdf = 1}, s->samples, false};
-    if (i == &bis_mis) return (sampling){{.from_map = s->split, .from_bsdf = 1 - s->split}, s->samples, false};
+    if (i == &bis_em) return (sampling){.q = {.from_map = 1}, .n = s->samples};
+    if (i == &bis_brdf) return (sampling){.q = {.from_bsdf = 1}, .n = s->samples};
+    if (i == &bis_mis) return (sampling){.q = {.from_map = s->split, .from_bsdf = 1 - s->split}, .n = s->samples};
     if (i == &bis_rejection || i == &bis_exact || bis_beyond_needs_of(s).clusters) return (sampling){.n = 0};
-    if (i != &bis_sir && i != &bis_unoccluded)
-        return (sampling){{.uniform = 1}, 1, true};
-    if (s->proposal == BIS_PROPOSAL_EM) return (sampling){{.from_map = 1}, s->candidates, false};
-    if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){{.from_bsdf = 1}, s->candidates, false};
-    return (sampling){{.from_map = 0.5, .from_bsdf = 0.5}, s->candidates, false};
+    if (i != &bis_sir && i != &bis_unoccluded) return (sampling){.q = {.uniform = 1}, .n = 1, .is_guess = true};
+    if (s->proposal == BIS_PROPOSAL_EM) return (sampling){.q = {.from_map = 1}, .n = s->candidates};
+    if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){.q = {.from_bsdf = 1}, .n = s->candidates};
+    return (sampling){.q = {.from_map = 0.5, .from_bsdf = 0.5}, .n = s->candidates};
 }
 
 /* ---- one integrator ---- */
@@ -121,12 +120,12 @@ static double excess_of(const comparison *c)
                     difference);
 }
 
-static void put(bis_verify *v, const comparison *c, double z, double p, const char *what)
+static void put(bis_verify_test *t, const comparison *c, double z, double p, const char *what)
 {
     char note[120];
     snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%", what,
              100 * bis_truth_bound(c->truth, chance) / c->truth->mean[3]);
-    bis_verify_p(v, "view", z, p + chance, note, "%s: %s", c->name, c->integrator->name);
+    bis_verify_p(t, z, p + chance, note);
 }
 
 /* Places inside patches are random: the largest F/q may be missed by some, the sum of squares by little. */
@@ -142,48 +141,44 @@ static double p_by_bernstein(const comparison *c)
     return 2 * exp(-n * e * e / (2 * second_of(c) + 2 * B * fabs(e) / 3));
 }
 
-static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
+static void judge_by_t(bis_verify_test *t, const comparison *c, double skewness)
 {
     const double n = c->runs->n, e = excess_of(c), known = c->deviation;
     const double se = isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n);
     const double z = e == 0 ? 0 : se > 0 ? e / se : copysign((double)INFINITY, e); /* runs that are all alike */
     const double p = z == 0 ? 1 : bis_verify_t(z, isnan(known) ? n - 1 : (double)INFINITY, skewness);
     const double least = c->is_guess && z < 0 ? fmin(1, p_by_bernstein(c)) : 0;
-    put(v, c, z, fmax(p, least), least > p ? "p is that of uniform directions, which may miss what is bright; " : "");
+    put(t, c, z, fmax(p, least), least > p ? "p is that of uniform directions, which may miss what is bright; " : "");
 }
 
-static void judge_by_bernstein(bis_verify *v, const comparison *c)
+static void judge_by_bernstein(bis_verify_test *t, const comparison *c)
 {
-    put(v, c, excess_of(c) / sqrt(second_of(c) / (c->n * c->runs->n)), p_by_bernstein(c),
+    put(t, c, excess_of(c) / sqrt(second_of(c) / (c->n * c->runs->n)), p_by_bernstein(c),
         "rare and bright: p bounded by Bernstein's inequality; ");
-}
-
-static void skip(bis_verify *v, const comparison *c, const char *why)
-{
-    bis_verify_skip(v, "view", why, "%s: %s", c->name, c->integrator->name);
 }
 
 static void judge(bis_verify *v, const comparison *c)
 {
+    bis_verify_test *t = bis_verify_new(v, "view", "%s: %s", c->name, c->integrator->name);
     const bool is_known = c->sample && !c->is_guess && c->sample->variance > 0;
     const double given = is_known ? c->sample->third / pow(c->sample->variance, 1.5) / sqrt(c->n * c->runs->n) : 0;
     const double skewness = fmax(fabs(given), isnan(c->deviation) ? fabs(bis_verify_skewness(c->runs)) : 0);
 
     if (isnan(c->runs->mean)) {
-        bis_verify_p(v, "view", c->runs->mean, 0, "not a number", "%s: %s", c->name, c->integrator->name);
+        bis_verify_p(t, c->runs->mean, 0, "not a number");
     } else if (bis_parameter_of(c->integrator, "estimator") && c->accepted < LEAST_ACCEPTED) {
         char why[120];
         snprintf(why, sizeof why, "only %llu of its candidates were accepted: too few to judge",
                  (unsigned long long)c->accepted);
-        skip(v, c, why);
+        bis_verify_skip(t, why);
     } else if (skewness <= (is_known ? most_skewness : BIS_VERIFY_MOST_SKEWNESS)) {
-        judge_by_t(v, c, skewness);
+        judge_by_t(t, c, skewness);
     } else if (bis_parameter_of(c->integrator, "resampling")) {
-        skip(v, c, "a few candidates outweigh all others here: too few runs to judge");
+        bis_verify_skip(t, "a few candidates outweigh all others here: too few runs to judge");
     } else if (!is_known) {
-        skip(v, c, "a few runs outweigh all others here: too few to judge");
+        bis_verify_skip(t, "a few runs outweigh all others here: too few to judge");
     } else {
-        judge_by_bernstein(v, c);
+        judge_by_bernstein(t, c);
     }
 }
 
@@ -204,18 +199,9 @@ static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halving
     return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / bis_verify_cost(s, patches)), 64), 1 << 14);
 }
 
-/* Where all integrators are compared, and with what. */
-typedef struct place {
-    const bis_point *pt;
-    const bis_truth *truth;
-    bis_sampler_kind kind;
-    const char *name;
-} place;
-
-static bis_status compare(bis_verify *v, const place *at, const bis_settings *s, const bis_truth_moments *sample,
+static bis_status compare(bis_verify *v, const bis_verify_place *at, const bis_truth *truth, const bis_settings *s,
                           const sampling *how, bis_diag *diag)
 {
-    const bis_truth *truth = at->truth;
     const bool is_exact = bis_parameter_of(s->integrator, "perpatch") != NULL;
     const uint32_t n = runs_for(s, truth->patches, v->halvings);
     rgb *estimate = bis_alloc(n, sizeof *estimate);
@@ -241,7 +227,7 @@ static bis_status compare(bis_verify *v, const place *at, const bis_settings *s,
         .integrator = s->integrator,
         .runs = &runs,
         .truth = s->integrator->without_shadows ? &truth->open : &truth->lit,
-        .sample = is_exact ? &truth->one_ray : sample,
+        .sample = is_exact ? &truth->one_ray : how->sample,
         .n = is_exact ? 1 : how->is_guess ? fmax(1, (double)counters.shadow_rays / n) : how->n,
         .is_guess = how->is_guess,
         .deviation = is_exact ? bis_truth_deviation(&one_ray, chance) : (double)NAN,
@@ -252,33 +238,32 @@ static bis_status compare(bis_verify *v, const place *at, const bis_settings *s,
     return BIS_OK;
 }
 
-bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
-                            bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag)
+bis_status bis_verify_point(bis_verify *v, const bis_verify_place *at, const bis_settings *settings, size_t n,
+                            bool *tested, bis_diag *diag)
 {
     bis_truth_density q[BIS_TRUTH_MAX_DENSITIES];
     sampling how[BIS_TRUTH_MAX_DENSITIES];
-    size_t n_known = 0;
+    bis_truth_question asked = {at->pt, {4, 2, 1}, CELLS >> v->halvings / 2, /* the weights of bis_verify_measure */
+                                bis_verify_seed(v, "%s: reference", at->name), q, 0};
     bis_truth truth;
 
     *tested = false;
     for (size_t i = 0; i < n; i++) {
-        how[i] = sampling_of(&settings[i], bis_light_is_constant(pt->light));
-        assert(n_known < BIS_TRUTH_MAX_DENSITIES || how[i].n == 0);
-        if (how[i].n > 0) q[n_known++] = how[i].q;
+        how[i] = sampling_of(&settings[i], bis_light_is_constant(at->pt->light));
+        if (how[i].n <= 0) continue;
+        assert(asked.n < BIS_TRUTH_MAX_DENSITIES);
+        how[i].sample = &truth.sample[asked.n];
+        q[asked.n++] = how[i].q;
     }
-    bis_status status = bis_truth_of(&truth, pt, weight, CELLS >> v->halvings / 2, q, n_known,
-                                     bis_verify_seed(v, "%s: reference", name), diag);
+    bis_status status = bis_truth_of(&truth, &asked, diag);
     if (status || !(truth.lit.mean[3] > least_seen * truth.open.mean[3])) return status;
     *tested = true;
     const double unknown = bis_truth_bound(&truth.lit, chance) / truth.lit.mean[3];
     if (!(unknown <= most_unknown)) {
-        bis_verify_skip(v, "view", "the sum over patches is known too badly: the lobe is too narrow",
-                        "%s: all integrators", name);
+        bis_verify_skip(bis_verify_new(v, "view", "%s: all integrators", at->name),
+                        "the sum over patches is known too badly: the lobe is too narrow");
         return BIS_OK;
     }
-    for (size_t i = 0, known = 0; i < n && !status; i++) {
-        const bis_truth_moments *sample = how[i].n > 0 ? &truth.sample[known++] : NULL;
-        status = compare(v, &(place){pt, &truth, kind, name}, &settings[i], sample, &how[i], diag);
-    }
+    for (size_t i = 0; i < n && !status; i++) status = compare(v, at, &truth, &settings[i], &how[i], diag);
     return status;
 }
