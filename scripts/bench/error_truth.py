@@ -13,8 +13,7 @@ mean, by the scatter of the pictures in it. Columns: the true error at 8 samples
 printed / true, and in brackets, where it is not all seeds, how many print a figure within 35 % (n = 4) or 20 % of the
 true error of their own picture, of how many that print one. E is the largest true error that a seed has at 20 samples,
 so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by --error E have a true error of at
-most E, and how many camera samples they take, over 20. At the end how often a line "error at most X" holds; --halves
-counts the scenes of even and of odd places apart. The films are kept in FOLDER as checkpoints. Where they are there
+most E, and how many camera samples they take, over 20. --halves counts the scenes of even and of odd places apart. The films are kept in FOLDER as checkpoints. Where they are there
 already, only the estimate and the renders by --error are made anew: remove them when pictures change.
 """
 import argparse, concurrent.futures as cf, json, os, re, shutil, subprocess, sys, tempfile
@@ -49,8 +48,7 @@ def pixels(path):
 
 
 def render(scene, seed, *options):
-    """Returns the picture, its statistics and what the last line says that its error is at most (NaN: it does not say
-    so); None if the scene is refused."""
+    """Returns the picture and its statistics; None if the scene is refused."""
     out = os.path.join(a.out, 'p%d-%s' % (os.getpid(), abs(hash((scene, seed, options)))))
     command = [a.bis, scene, '--nthreads', '1', '--resolution', a.size, '--seed', str(seed), '--outfile', out + '.pfm',
                '--stats', out + '.json', *options]
@@ -61,8 +59,7 @@ def render(scene, seed, *options):
     picture, stats = pixels(out + '.pfm'), json.load(open(out + '.json'))
     os.remove(out + '.pfm')
     os.remove(out + '.json')
-    bound = re.search(r'error at most ([0-9.]+)%', r.stderr)
-    return picture, stats, float(bound.group(1)) / 100 if bound else np.nan
+    return picture, stats
 
 
 def film(scene, method, seed, n):
@@ -168,8 +165,8 @@ def truths(scene):
 
 
 def row(scene, method, error):
-    """Prints a row and returns its counts: for each n (within, known, runs, held, bounded), renders by --error that
-    kept E, all of them, their samples over 20."""
+    """Prints a row and returns its counts: for each n (within, known, runs), renders by --error that kept E, all of
+    them, their samples over 20."""
     path = variant(scene, method)
     cells, curve, counts = [], {}, {}
     for n in SPP:
@@ -178,11 +175,10 @@ def row(scene, method, error):
         curve[n] = np.sqrt((true ** 2).mean())
         printed = np.array([np.nan if r[1]['estimated_relative_rmse'] is None else r[1]['estimated_relative_rmse']
                             for r in runs])
-        bound = np.array([r[2] for r in runs])
         known = ~np.isnan(printed)
         ratio = printed[known] / np.maximum(true[known], 1e-12)
         within = int((np.abs(ratio - 1) <= LIMIT[n]).sum())
-        counts[n] = np.array([within, known.sum(), len(runs), (bound >= true).sum(), (~np.isnan(bound)).sum()])
+        counts[n] = np.array([within, known.sum(), len(runs)])
         share = ' (%d of %d)' % (within, known.sum()) if within < len(runs) else ''
         cells.append('%.2f%s' % (np.median(ratio), share) if known.any() else 'unknown')
         if os.environ.get('VERBOSE'):
@@ -191,7 +187,7 @@ def row(scene, method, error):
     for seed in list(error)[:a.error_seeds]:
         if not samples:
             E = max(error[seed](film(path, method, seed, 20)[0]) for seed in error)
-        p, s, _ = render(path, seed, '--error', '%.6g' % E, *METHODS[method])
+        p, s = render(path, seed, '--error', '%.6g' % E, *METHODS[method])
         kept += error[seed](p) <= E
         samples.append(s['spp'] / 20)
     title = os.path.basename(scene).rsplit('.', 1)[0] + (', ' + method if a.only != 'default' else '')
@@ -208,10 +204,9 @@ def rows_of(scene):
 
 def tell(what, rows):
     for n in SPP:
-        within, known, runs, held, bounded = sum(r[0][n] for r in rows)
-        print('%s%d samples: %d of %d figures within %d %% (%.1f %%), %d of %d unknown; "at most" holds in %d of %d' %
-              (what, n, within, known, round(100 * LIMIT[n]), 100 * within / max(known, 1), runs - known, runs, held,
-               bounded))
+        within, known, runs = sum(r[0][n] for r in rows)
+        print('%s%d samples: %d of %d figures within %d %% (%.1f %%), %d of %d unknown' %
+              (what, n, within, known, round(100 * LIMIT[n]), 100 * within / max(known, 1), runs - known, runs))
     rows = [r for r in rows if r[2]]
     if rows:
         over = np.array([np.mean(r[2]) for r in rows])

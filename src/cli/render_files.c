@@ -128,7 +128,6 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
                 r->passes == 1 ? "" : "es");
     fprintf(stderr, "%s, ", bis_duration(seconds, r->seconds));
     if (r->error.is_known) fprintf(stderr, "error about %s\n", bis_percent(error, r->error.relative_rmse));
-    else if (r->error.is_bounded) fprintf(stderr, "error at most %s\n", bis_percent(error, r->error.upper));
     else fprintf(stderr, "error unknown: %s\n", bis_render_files_why_unknown(&r->error));
 }
 

@@ -2,8 +2,9 @@
 /* first_light: something of all the picture, long before its first pass is complete.
  *
  * The thread that renders a tile writes w->fine[t] after the tile's pixels, and a reader reads it before them: so a
- * pixel that counts as there is whole. One that a thread is just overwriting belongs to a tile with a glimpse: it is
- * its own glimpse or the pixel itself, and both are right. */
+ * pixel that counts as there is whole. One that a thread is just overwriting belongs to a tile with a glimpse: each of
+ * its values is that of the glimpse or of the pixel itself. Both are estimates of the same, so a mixture is one, too,
+ * and it lasts until the next look. */
 #include "first_light.h"
 
 #include <math.h>
@@ -36,6 +37,14 @@ static bool has_glimpse(const bis_workspace *w)
     return true;
 }
 
+/* One value of a pixel that another thread may be storing. */
+static float look(const float *value)
+{
+    float v;
+    __atomic_load(value, &v, __ATOMIC_RELAXED);
+    return v;
+}
+
 bool bis_first_light_show(const bis_workspace *w, float *rgba)
 {
     const bis_film *f = w->film;
@@ -44,10 +53,10 @@ bool bis_first_light_show(const bis_workspace *w, float *rgba)
     for (int y = 0; y < f->height; y++) {
         for (int x = 0; x < f->width; x++, rgba += 4) {
             const bis_pixel_mean *from = &w->pass[shown(w, x, y)];
-            rgba[0] = fmaxf(0, from->L.r); /* as bis_film_resolve */
-            rgba[1] = fmaxf(0, from->L.g);
-            rgba[2] = fmaxf(0, from->L.b);
-            rgba[3] = from->hit;
+            rgba[0] = fmaxf(0, look(&from->L.r)); /* as bis_film_resolve */
+            rgba[1] = fmaxf(0, look(&from->L.g));
+            rgba[2] = fmaxf(0, look(&from->L.b));
+            rgba[3] = look(&from->hit);
         }
     }
     return true;

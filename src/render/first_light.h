@@ -15,6 +15,16 @@ enum { BIS_TILE_MISSING, BIS_TILE_GLIMPSED, BIS_TILE_WHOLE };
 /* bis_first_light_glimpses returns whether a glimpse has the pixel at column x and row y of the picture. */
 bool bis_first_light_glimpses(const bis_film *f, int x, int y);
 
+/* bis_first_light_put stores what a pass has made of a pixel. A viewer may read it at the same time, so each value is
+ * stored whole, and read whole by bis_first_light_show. */
+static inline void bis_first_light_put(bis_pixel_mean *to, bis_pixel_mean mean)
+{
+    __atomic_store(&to->L.r, &mean.L.r, __ATOMIC_RELAXED);
+    __atomic_store(&to->L.g, &mean.L.g, __ATOMIC_RELAXED);
+    __atomic_store(&to->L.b, &mean.L.b, __ATOMIC_RELAXED);
+    __atomic_store(&to->hit, &mean.hit, __ATOMIC_RELAXED);
+}
+
 /* bis_first_light_show writes the first pass as far as it is: rgba[height][width][4]. Other threads may be rendering.
  * It returns false, and writes nothing, before the glimpse is complete. */
 bool bis_first_light_show(const bis_workspace *w, float *rgba);

@@ -123,8 +123,8 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         for (int x = kept.x0; x < kept.x1; x++) {
             if (is_glimpse && !bis_first_light_glimpses(f, x, y)) continue;
             const bis_pixel_sum *sum = &me->pixels[index_in(kept, x, y)];
-            w->pass[index_in(crop, x, y)] =
-                (bis_pixel_mean){mean_of(sum), (float)sum->hits / (float)sum->n};
+            bis_first_light_put(&w->pass[index_in(crop, x, y)],
+                                (bis_pixel_mean){mean_of(sum), (float)sum->hits / (float)sum->n});
             if (sum->values) bis_gather_mean(sum->values, &f->layers, sum->n / pass->weight);
         }
     }

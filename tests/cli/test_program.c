@@ -837,7 +837,7 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
         const double percent = 100 * strtod(value, NULL);
         if (strstr(cases[i].passes, "in 1 pass,"))
             snprintf(error, sizeof error, "s, error unknown: one pass is too few\n");
-        else if (i == 1) snprintf(error, sizeof error, "s, error at most "); /* few pixels */
+        else if (i == 1) snprintf(error, sizeof error, "s, error unknown: a few pixels carry most of it\n");
         else
             snprintf(
                 error, sizeof error, percent < 9.95 ? "s, error about %.2g%%\n" : "s, error about %.0f%%\n", percent);
