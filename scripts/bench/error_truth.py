@@ -13,8 +13,9 @@ mean, by the scatter of the pictures in it. Columns: the true error at 8 samples
 printed / true, and in brackets, where it is not all seeds, how many print a figure within 35 % (n = 4) or 20 % of the
 true error of their own picture, of how many that print one. E is the largest true error that a seed has at 20 samples,
 so that 20 is about the smallest --spp that keeps E for all seeds: how many renders by --error E have a true error of at
-most E, and how many camera samples they take, over 20. --halves counts the scenes of even and of odd places apart. The films are kept in FOLDER as checkpoints. Where they are there
-already, only the estimate and the renders by --error are made anew: remove them when pictures change.
+most E, and how many camera samples they take, over 20. --halves counts the scenes of even and of odd places apart. The
+films are kept in FOLDER as checkpoints. Where they are there already, only the estimate and the renders by --error are
+made anew: remove them when pictures change.
 """
 import argparse, concurrent.futures as cf, json, os, re, shutil, subprocess, sys, tempfile
 import numpy as np
