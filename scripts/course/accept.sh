@@ -32,12 +32,13 @@ small() {
 
 # The hand-in's files that may be looked at, in $work/list, with a 0 byte behind each: few, small, and not deep.
 MOST_FILES=2000
+MOST_LEVELS=12
 list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
-    (ulimit -t 10 && find "$given/" -maxdepth 12 -path '*/tests/given' -prune -o -type f \
+    (ulimit -t 10 && find "$given/" -maxdepth $MOST_LEVELS -path '*/tests/given' -prune -o -type f \
         \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' \
-        -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+        -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
     [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
         remark "there are more than $MOST_FILES files; only so many are looked at"
@@ -81,14 +82,14 @@ collect() {
     n=$(wc -l <"$work/found")
     [ "$n" -lt 2 ] || remark "there are $n files $base; the last one found is marked"
     [ "$n" -gt 0 ] && return
-    remark "$base is missing (or a link, or of more than a million bytes)"
+    remark "$base is missing (or a link, of more than a million bytes, or deeper than $MOST_LEVELS levels)"
     name_archives
     cp "$shop/blank/$file" "$to"
 }
-# What is packed (zip, gzip, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
+# What is packed (zip, gzip, bzip2, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
 is_archive() {
     case $(head -c 6 "$1" | od -A n -t x1 | tr -d ' \n') in
-    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
+    504b0304* | 1f8b* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
     esac
     return 1
 }

@@ -355,7 +355,8 @@ class Mistakes(unittest.TestCase):
             (lambda: bis.Envmap(MAP, area_exponent=nan), "area_exponent is nan"),
             (lambda: em.sample(u=[[0, 0, 0, 1]]), "u of sample 0 is 1"),
             (lambda: em.sample(u=[[0, 0, 0]]), "give (n, 4)"),
-            (lambda: em.sample(-1), "n is -1"),
+            (lambda: em.sample(-1), "n is -1: give a count in [0, 1099511627775]"),
+            (lambda: em.sample(2**40), "n is 1099511627776: give a count in [0, 1099511627775]"),
             (lambda: em.sample(2.7), "n is 2.7"),
             (lambda: em.sample(), "give n (how many) or u"),
             (lambda: em.sample(1, u=[[0, 0, 0, 0]]), "one of both"),
@@ -424,6 +425,35 @@ class Mistakes(unittest.TestCase):
                 (lambda: bis.render(scene, light=np.ones((2, 2))), "give (h, w, 3)"),
                 (lambda: bis.render(SCENE + "\0"), "scene holds a NUL"),
             ])
+
+
+    def test_a_wrong_type_is_a_type_error_and_a_wrong_value_is_none(self):
+        for values, text in (
+            (dict(spp=None), "spp is None: give a number, a text, True or False"),
+            (dict(seed=1.5), 'seed is "1.5": give an integer'),
+            (dict(candidates=2.7), 'candidates is "2.7": give an integer'),
+            (dict(spp=True), 'spp is "true": give an integer'),
+            (dict(error=np.bool_(True)), 'error is "true": give a number'),
+            (dict(stratify=1), 'stratify is "1": give true or false'),
+            (dict(proposal=3), 'proposal is "3": integrator "sir" takes'),
+            (dict(integrator=3), "integrator is 3: give a text"),
+            (dict(accelerator=True), "accelerator is True: give a text"),
+            (dict(layers=3), "layers is 3: give a list of names"),
+            (dict(layers=[3]), "layers is [3]: give a list of names"),
+            (dict(progress=3), "progress is 3: give a function"),
+            (dict(crop=3), "crop is 3: give four numbers"),
+            (dict(crop=(0, "1", 0, 1)), "crop is '1': give a number"),
+        ):
+            with self.subTest(text), self.assertRaises(bis.WrongType) as e:
+                bis.render(SCENE, **values)
+            self.assertIn(text, str(e.exception))
+        for values in (dict(spp=0), dict(seed=-1), dict(error=0), dict(error=11.5), dict(spp="x"), dict(proposal="x"),
+                       dict(layers="x"), dict(crop=(0, 0, 0, 0))):  # twins
+            with self.subTest(values), self.assertRaises(bis.Error) as e:
+                bis.render(SCENE, **values)
+            self.assertNotIsInstance(e.exception, TypeError)
+        self.assertEqual(bis.render(SCENE, spp=np.int64(1), seed=2.0, error=np.float32(5), stratify=np.bool_(True),
+                                    layers=("albedo",), crop=(0, 1, 0, 1)).rgb.shape, (16, 24, 3))
 
 
 def run_notebook(path):

@@ -32,11 +32,14 @@
 /* ---- a feature, and the same without it ---- */
 
 /* What is left out of the guide of learned visibility. */
-typedef enum missing { NOTHING, STEERED_CLUSTERS, STEERING, CONTROL } missing;
+typedef enum missing { NOTHING, STEERED_CLUSTERS, STEERING, CONTROL, MORE_RAYS, CAP_OF_LAMP } missing;
 
 typedef struct version {
     const char *options, *world; /* of pictures */
-    missing lack;                /* of points */
+    missing lack;                /* of points, as the next four */
+    uint32_t shadowrays, candidates;
+    double edge;                 /* light from smaller x is hidden */
+    bool lamp;                   /* there is one, and the squared error counts times the rays */
     bool even;                   /* of places in the unit square */
 } version;
 
@@ -165,8 +168,10 @@ static series pictures_of(const version *v, size_t n_seeds, uint64_t first)
 
 /* ---- points whose light is hidden by chance ---- */
 
-/* Half of the light is hidden, x < 0. Near the border V of a direction is a coin of its own, as in a cell of a picture
- * that a shadow's edge crosses. */
+/* Light from x < edge is hidden: with 0 a half. Near the border V of a direction is a coin of its own, as in a cell of
+ * a picture that a shadow's edge crosses. */
+static double edge_of_light;
+
 static bool hidden_by_chance(const bis_accel *a, const ray *r)
 {
     uint32_t x, y;
@@ -174,7 +179,7 @@ static bool hidden_by_chance(const bis_accel *a, const ray *r)
     memcpy(&x, &r->d.x, sizeof x);
     memcpy(&y, &r->d.y, sizeof y);
     const double coin = (double)(bis_hash((uint64_t)x << 32 | y) >> 11) * 0x1p-53;
-    return coin > 4 * (double)r->d.x + 0.5;
+    return coin > 4 * ((double)r->d.x - edge_of_light) + 0.5;
 }
 
 static const bis_accel_ops coins = {.name = "coins", .occluded = hidden_by_chance};
@@ -204,13 +209,44 @@ static bool has_none(const bis_guide *guide, const bis_set *x, const bis_point *
     return false;
 }
 
+/* A candidate stands for itself alone. */
+static bool draw_all_of_lamps(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    void (*const weigh)(bis_guide *, bis_set *) = guide->weigh;
+
+    guide->weigh = NULL;
+    const bool drawn = honest_draw(guide, x, n, pt, stream);
+    guide->weigh = weigh;
+    for (uint32_t i = 0; i < n; i++) x->stands_for[i] = 1;
+    return drawn;
+}
+
 static void take_away(bis_product_guide *g, missing lack)
 {
     honest_draw = g->steps.draw;
     for (size_t k = 0; k < sizeof even / sizeof *even; k++) even[k] = 1;
     if (lack == STEERED_CLUSTERS) g->steps.draw = draw_unsteered;
+    if (lack == CAP_OF_LAMP) g->steps.draw = draw_all_of_lamps;
     if (lack == CONTROL) g->steps.has_control = has_none;
+    if (lack == MORE_RAYS) g->steps.rays = NULL;
     for (uint32_t k = 0; lack == STEERING && k < g->clusters->n; k++) g->guess.own[k] = g->guess.of_square[k] = 1;
+}
+
+/* An even sky, and at x = 0.6, where no point has it hidden, a pixel of 0.35 degrees that sends 2.7 times as much. */
+static bis_light *new_lamp(void)
+{
+    enum { WIDTH = 1024, HEIGHT = 512 };
+    const bis_light_desc desc = {
+        .L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .to_world = bis_xform_identity()};
+    bis_image image;
+    bis_envmap em;
+    bis_light *light;
+
+    assert_int_equal(bis_image_init(&image, WIDTH, HEIGHT, NULL), BIS_OK);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) image.pixels[i] = grey(i == 105 * WIDTH ? 1.5e6 : 1);
+    assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL), BIS_OK);
+    return light;
 }
 
 enum { POINTS = 40, LESSONS = 200, OF_A_FILL = 16 };
@@ -220,7 +256,8 @@ enum { POINTS = 40, LESSONS = 200, OF_A_FILL = 16 };
 static series points_of(const version *v, size_t n_seeds, uint64_t first)
 {
     bis_settings s = bis_settings_default(&bis_sir);
-    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    bis_light *light = v->lamp ? new_lamp() : lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    uint64_t rays = 0;
     series all = {.value = bis_alloc(n_seeds * POINTS, sizeof *all.value), .n_seeds = n_seeds, .n = POINTS};
     bis_clusters c;
     bis_visibility seen;
@@ -228,9 +265,10 @@ static series points_of(const version *v, size_t n_seeds, uint64_t first)
     bis_scratch scratch;
 
     s.proposal = BIS_PROPOSAL_PRODUCT;
-    s.candidates = 8;
-    s.shadowrays = 4;
+    s.candidates = v->candidates;
+    s.shadowrays = v->shadowrays;
     s.learn = true;
+    edge_of_light = v->edge;
     assert_int_equal(bis_clusters_init(&c, light, s.candidates, NULL), BIS_OK);
     for (size_t i = 0; i < POINTS; i++) {
         const vec3 n = normalize(vec3_from(cos(2.4 * (double)i), sin(2.4 * (double)i), 2));
@@ -252,16 +290,20 @@ static series points_of(const version *v, size_t n_seeds, uint64_t first)
         bis_product_guide_look(&guide, 0);
         guide.steps.learns = false;
         take_away(&guide, v->lack);
+        l.counters.shadow_rays = 0;
         for (uint64_t seed = 0; seed < n_seeds; seed++) {
             if (seed % OF_A_FILL == 0) bis_clusters_fill(&c, light, first, 1 + (uint32_t)seed, 1);
             all.value[seed * POINTS + i] = rgb_sum(lit_once(&l, &s, &scratch, 2, first + seed));
         }
+        rays += l.counters.shadow_rays;
         bis_scratch_clear(&scratch);
         bis_product_guide_clear(&guide);
         bis_visibility_clear(&seen);
     }
     bis_clusters_clear(&c);
     bis_light_free(light);
+    /* both renders of a pair have one scale, so the ratio is that of squared error times rays */
+    for (size_t i = 0; v->lamp && i < n_seeds * POINTS; i++) all.value[i] *= sqrt((double)rays);
     return all;
 }
 
@@ -326,6 +368,7 @@ static series bands_of(const version *v, size_t n_seeds, uint64_t first)
 #define SHINY(n) PHONG("0", "0.9", n)
 #define HALF_SHINY(n) PHONG("0.5", "0.5", n)
 #define PICTURE(o, w) {.options = o, .world = w}
+#define COUNTS(N, M) .shadowrays = N, .candidates = M
 
 typedef struct claim {
     const char *name; /* the feature, as docs/proof.md has it */
@@ -357,9 +400,14 @@ static const claim claims[] = {
     {"`sir` 24/64 with the product, dull, 8 passes: `learn`", 12, pictures_of, PICTURE(EIGHT LEARN, HALL(DULL)),
      PICTURE(EIGHT PRODUCT("64", "24"), HALL(DULL))},
     {"points, half of the light hidden, 4/8: h in the choice of clusters", 400, points_of,
-     {.lack = NOTHING}, {.lack = STEERED_CLUSTERS}},
-    {"points, half of the light hidden, 4/8: h", 400, points_of, {.lack = NOTHING}, {.lack = STEERING}},
-    {"points, half of the light hidden, 4/8: control variate", 4000, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
+     {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = STEERED_CLUSTERS}},
+    {"points, half of the light hidden, 4/8: h", 400, points_of, {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = STEERING}},
+    {"points, half of the light hidden, 4/8: control variate", 4000, points_of,
+     {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = CONTROL}},
+    {"points, most of the light hidden, 4/64: more rays in dark ones", 800, points_of,
+     {COUNTS(4, 64), .edge = 0.3}, {COUNTS(4, 64), .edge = 0.3, .lack = MORE_RAYS}},
+    {"points under a lamp, 24/64, squared error times rays: 4 rays to a lamp", 100, points_of,
+     {COUNTS(24, 64), .lamp = true}, {COUNTS(24, 64), .lamp = true, .lack = CAP_OF_LAMP}},
     {"2 passes, dull: 8 samples of a quarter on outlines", 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
      PICTURE(TWO LEARN, HALL(DULL))},
     {"2 passes, n = 50: 8 samples on outlines, 4 where the lobe turns", 24, pictures_of,

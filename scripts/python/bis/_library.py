@@ -162,7 +162,7 @@ def numbers(n: Optional[int], columns: int, seed: int, u: Optional[ArrayLike]) -
         return array(u, columns, np.float64, "u")
     count, seed = whole("n", n), whole("seed", seed)
     if not 0 <= count < 1 << 40:
-        raise Error("n is %s: give a count >= 0" % n)
+        raise Error("n is %s: give a count in [0, 1099511627775]" % n)
     if not 0 <= seed < 1 << 53:
         raise Error("seed is %s: give an integer in [0, 9007199254740991]" % seed)
     return np.random.default_rng(seed).random((count, columns) if columns else count)

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
+from numbers import Integral, Real
 from typing import Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
@@ -78,24 +79,58 @@ def _text(value: Any) -> str:
     return str(value).lower() if isinstance(value, (bool, np.bool_)) else str(value)
 
 
-def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any,
-              settings: dict[str, Any]) -> tuple[bytes, list[bytes]]:
-    """The name of the scene, and what is said of it."""
-    said = dict(settings)
+def _listed(name: str, values: Any, what: str, word: Callable[[Any], str]) -> str:
+    """Values as the library reads a list of them."""
+    try:
+        return ",".join([word(x) for x in values])
+    except TypeError as e:
+        raise e if isinstance(e, WrongType) else WrongType("%s is %r: give %s" % (name, values, what)) from None
+
+
+def _texts(scene: Any, said: dict[str, Any]) -> tuple[bytes, list[bytes]]:
+    """The name of the scene, and what is said of it, for the library."""
     if isinstance(scene, str) and "WorldBegin" in scene:
-        said["text"], scene = scene, "scene"
+        said, scene = {**said, "text": scene}, "scene"
+    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
+                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
+
+
+def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any, progress: Any,
+              settings: dict[str, Any]) -> tuple[bytes, list[bytes], dict[str, Any]]:
+    """As _texts, and what is said as Python has it."""
+    if progress is not None and not callable(progress):
+        raise WrongType("progress is %r: give a function" % (progress,))
+    said = dict(settings)
     if approximate is not False:
         said["approximate"] = approximate
+    for name, value in said.items():
+        if name in ("integrator", "accelerator") and not isinstance(value, str):
+            raise WrongType("%s is %r: give a text" % (name, value))
+        if not isinstance(value, (str, Real, np.bool_)):
+            raise WrongType("%s is %r: give a number, a text, True or False" % (name, value))
     if layers is not None:
-        said["layers"] = layers if isinstance(layers, str) else ",".join(layers)
+        said["layers"] = (layers if isinstance(layers, str) else
+                          _listed("layers", layers, "a list of names", lambda x: x))
     if crop is not None:
-        said["crop"] = ",".join(repr(real("crop", x)) for x in crop)
+        said["crop"] = _listed("crop", crop, "four numbers", lambda x: repr(real("crop", x)))
     if camera is not None:
         if not isinstance(camera, (str, Camera)):
             raise WrongType("camera is %r: give a bis.Camera, or the text of one" % (camera,))
-        said["camera"] = camera
-    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
-                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
+        said["camera"] = str(camera)
+    return (*_texts(scene, said), said)
+
+
+def _judge(status: int, text: str, said: dict[str, Any]) -> None:
+    """As judge. Only the library knows of what kind each setting is, so its message tells a wrong kind."""
+    for name, value in said.items():
+        begin = '%s is "%s": ' % (name, _text(value))
+        if isinstance(value, str) or not status or begin not in text:
+            continue
+        fit = (("give true or false",) if isinstance(value, (bool, np.bool_)) else
+               ("give a number", "give an integer") if isinstance(value, Integral) else ("give a number",))
+        if not text.split(begin)[1].startswith(fit):
+            raise WrongType(text)
+    judge(status, text)
 
 
 def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
@@ -167,7 +202,7 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
     Error
         A mistake in the scene or in a setting; the message names file, line and column.
     """
-    path, texts = _settings(scene, layers, approximate, crop, camera, settings)
+    path, texts, given = _settings(scene, layers, approximate, crop, camera, progress, settings)
     if light is not None and not isinstance(light, Envmap):
         light = Envmap(light)
     wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
@@ -181,7 +216,7 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
         _wait(threading.Thread(target=lambda: said.append(run(
             _render, ctypes.byref(handle), path, wanted, light._handle if light is not None else None, watcher, None,
             ctypes.byref(stop)))), stop, seen, progress)
-        judge(*said[0])
+        _judge(*said[0], given)
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
         _picture_pixels(handle, rgba.ctypes.data)

@@ -154,14 +154,25 @@ static bis_status keep_reference(const bis_trade *t, const bis_image *full, bis_
     return status;
 }
 
+/* Only what is unbiased is advised. That is known before the first pass, so nobody waits for a page without advice. */
+static bis_status check_unbiased(const bis_trade *t, bis_diag *diag)
+{
+    for (int i = 0; i < t->plan.n_settings; i++)
+        if (t->plan.settings[i].is_swept && !t->plan.settings[i].is_biased) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                     "all settings to be measured are biased (the ratio estimator of rejection), so there would be no "
+                     "advice; name another integrator, too, by --integrator%s",
+                     t->o.quick ? ", or leave out --quick" : "");
+}
+
 static bis_status make_plan(bis_trade *t, bis_diag *diag)
 {
     bis_image given = {0};
-    bis_status status = BIS_OK;
+    bis_status status = check_unbiased(t, diag);
 
     t->plan.full_width = t->desc->view.film.width;
     t->plan.full_height = t->desc->view.film.height;
-    if (t->o.reference) status = read_reference(&given, t, diag);
+    if (!status && t->o.reference) status = read_reference(&given, t, diag);
     if (!status) status = bis_trade_make_plan(t, diag);
     if (!status && t->o.reference && !bis_trade_interrupted(t)) status = keep_reference(t, &given, diag);
     if (!status && !bis_trade_interrupted(t)) status = bis_trade_write_plan(t, diag);
