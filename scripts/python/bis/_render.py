@@ -9,7 +9,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
-from numbers import Integral, Real
+from numbers import Real
 from typing import Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
@@ -87,17 +87,9 @@ def _listed(name: str, values: Any, what: str, word: Callable[[Any], str]) -> st
         raise e if isinstance(e, WrongType) else WrongType("%s is %r: give %s" % (name, values, what)) from None
 
 
-def _texts(scene: Any, said: dict[str, Any]) -> tuple[bytes, list[bytes]]:
-    """The name of the scene, and what is said of it, for the library."""
-    if isinstance(scene, str) and "WorldBegin" in scene:
-        said, scene = {**said, "text": scene}, "scene"
-    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
-                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
-
-
 def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any, progress: Any,
-              settings: dict[str, Any]) -> tuple[bytes, list[bytes], dict[str, Any]]:
-    """As _texts, and what is said as Python has it."""
+              settings: dict[str, Any]) -> tuple[bytes, list[bytes]]:
+    """The name of the scene, and what is said of it, for the library."""
     if progress is not None and not callable(progress):
         raise WrongType("progress is %r: give a function" % (progress,))
     said = dict(settings)
@@ -116,21 +108,11 @@ def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any
     if camera is not None:
         if not isinstance(camera, (str, Camera)):
             raise WrongType("camera is %r: give a bis.Camera, or the text of one" % (camera,))
-        said["camera"] = str(camera)
-    return (*_texts(scene, said), said)
-
-
-def _judge(status: int, text: str, said: dict[str, Any]) -> None:
-    """As judge. Only the library knows of what kind each setting is, so its message tells a wrong kind."""
-    for name, value in said.items():
-        begin = '%s is "%s": ' % (name, _text(value))
-        if isinstance(value, str) or not status or begin not in text:
-            continue
-        fit = (("give true or false",) if isinstance(value, (bool, np.bool_)) else
-               ("give a number", "give an integer") if isinstance(value, Integral) else ("give a number",))
-        if not text.split(begin)[1].startswith(fit):
-            raise WrongType(text)
-    judge(status, text)
+        said["camera"] = camera
+    if isinstance(scene, str) and "WorldBegin" in scene:
+        said["text"], scene = scene, "scene"
+    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
+                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
 
 
 def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
@@ -202,7 +184,7 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
     Error
         A mistake in the scene or in a setting; the message names file, line and column.
     """
-    path, texts, given = _settings(scene, layers, approximate, crop, camera, progress, settings)
+    path, texts = _settings(scene, layers, approximate, crop, camera, progress, settings)
     if light is not None and not isinstance(light, Envmap):
         light = Envmap(light)
     wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
@@ -216,7 +198,7 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
         _wait(threading.Thread(target=lambda: said.append(run(
             _render, ctypes.byref(handle), path, wanted, light._handle if light is not None else None, watcher, None,
             ctypes.byref(stop)))), stop, seen, progress)
-        _judge(*said[0], given)
+        judge(*said[0])
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
         _picture_pixels(handle, rgba.ctypes.data)
