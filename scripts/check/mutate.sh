@@ -30,6 +30,7 @@ if [ "$1" = -a ]; then
     exit
 fi
 
+case $1 in -*) sed -n '3,11s/^# //p' "$0"; exit 2 ;; esac
 copy=build/mutants
 word=$1
 log=$copy/log
