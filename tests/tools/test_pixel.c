@@ -219,14 +219,22 @@ static void figures_of_a_method_are_those_of_its_estimates(void **state)
     bis_light_free(light);
 }
 
-/* Of a black map nothing is drawn. A lobe that is narrower than floats tell draws directions without a density, and
- * then c is 0. */
+static rgb f_without_density(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    *pdf = 0;
+    return (rgb){0, 0, 0};
+}
+
+/* Of a black map nothing is drawn, nor by a black material. A density that underflows is 0, and then so is c. */
 static void mis_gets_nothing_where_nothing_is_drawn(void **state)
 {
     const bis_settings settings = bis_settings_default(&bis_mis);
-    const bis_material materials[] = {glossy(), bis_phong((rgb){0, 0, 0}, (rgb){0.5f, 0.5f, 0.5f}, 1e12)};
+    bis_material materials[] = {glossy(), bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1), glossy()};
+    bis_bsdf_model underflows = bis_phong_model;
+    underflows.f_pdf = f_without_density;
+    materials[2].model = &underflows;
     bis_light *light = lit_new_light(LIT_BLACK, 1, 0.15, false);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         lit l;
         bis_pixel_mis mis;
         lit_init(&l, light, materials[i], slanted(), 40, LIT_OPEN);
