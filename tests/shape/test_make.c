@@ -233,8 +233,8 @@ static void patches_lie_on_the_hyperbolic_paraboloid(void **state)
     bis_mesh_clear(&m);
 }
 
-/* z = x y, and a parallelogram from the origin to (1/2, 1/2, 60), which is as large by any of its corners. A box of 1 x 1
- * x 60: n = ceil(sqrt(1/(4e-4 sqrt 3602))) = 7; without the far corner it would be 10. */
+/* z = x y, and a parallelogram from the origin to (1/2, 1/2, 60), the far corner, which is each of the four in turn. A
+ * box of 1 x 1 x 60: n = ceil(sqrt(1/(4e-4 sqrt 3602))) = 7; without the far corner it would be 10. */
 static void the_size_of_patches_is_that_of_all_corners(void **state)
 {
     static const vec3 points[8] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1},
