@@ -131,7 +131,6 @@ static void take_in(bis_sched *sched, int from, unsigned char *m)
     sched->held[holder] -= h.n_tiles;
     sched->n_held -= h.n_tiles;
     if (h.kind == BIS_SCHED_WORK) {
-        sched->work[0] = 0;
         bis_sched_queue(sched, &h, m);
         return;
     }

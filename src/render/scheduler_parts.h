@@ -56,7 +56,7 @@ struct bis_sched {
     double left;   /* seconds of the tiles in all lists */
     int *threads;  /* threads[size] of the ranks */
     int *held;     /* held[size]: tiles that were dealt to a rank and did not come back, or to rank 0, did not arrive */
-    double *work;  /* work[size]: the seconds of these tiles */
+    double *work;  /* work[size]: the seconds of these tiles, but of rank 0 */
     int n_held, n_received, n_all_threads;
     bool knows;    /* seconds */
 };

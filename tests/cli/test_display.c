@@ -540,7 +540,14 @@ static void an_address_is_a_host_and_a_port(void **state)
     program_expect(&r, 2, SCENE " --display nowhere");
     assert_string_equal(r.messages,
         "bis: error: --display is \"nowhere\", must be HOST:PORT with a port in [1, 65535], as in localhost:14158\n");
+    int input[2]; /* nothing is sent to standard input in place of the host */
+    char sent;
+    const int own = dup(STDIN_FILENO);
+    assert_true(own >= 0 && socketpair(AF_UNIX, SOCK_STREAM, 0, input) == 0 && dup2(input[0], STDIN_FILENO) == 0);
     program_expect(&r, 0, SCENE " --outfile " DIR "/b.pfm --display no-such-host.invalid:80");
+    assert_true(dup2(own, STDIN_FILENO) == 0 && close(own) == 0 && close(input[0]) == 0);
+    assert_int_equal(read(input[1], &sent, 1), 0);
+    close(input[1]);
     assert_non_null(strstr(r.messages, "bis: warning: --display no-such-host.invalid:80: "));
     /* nobody listens at port 1; the brackets of an address are not part of it */
     program_expect(&r, 0, SCENE " --outfile " DIR "/b.pfm --display [::1]:1");

@@ -417,6 +417,7 @@ typedef struct fake_ranks {
     unsigned char answer[sizeof(bis_sched_head) + MOST_DEALT * (sizeof(bis_sched_tile) + LEARNED)];
     size_t n_answer;
     bool stops;              /* once nothing else is left */
+    bool ends;               /* once no message is left for rank 0, no rank holds a tile */
     bool answers_all, gives; /* each message is answered in its turn; or only where tiles are to go to rank 0 */
     int n_answered;
     bis_sched_step step; /* the last that was broadcast */
@@ -511,6 +512,7 @@ static unsigned char *answer(bis_ranks *ranks, int *from, size_t *n, bool wait)
         d->n_answer = (size_t)(bis_sched_put(d->answer, &stop, sizeof stop) - d->answer);
     }
     assert_true(d->n_answer || !wait);
+    if (!d->n_answer && d->ends) d->sched->n_held = 0;
     if (!d->n_answer) return NULL;
     *from = d->answer_from;
     *n = d->n_answer;
@@ -750,6 +752,15 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(12 + i));
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
     assert_int_equal(d.n_sent, at);
+    /* one of two comes back: the other one is worth less than 128/68 = 1.9, so one goes; then one less than 127/68 */
+    d.ends = true;
+    for (int t = 0; t < 2; t++) {
+        leave_done(&d, 1, 1, LIST(t));
+        assert_int_equal(bis_sched_deal_next(d.sched), -1);
+        expect_work(&d, &at, 1, LIST(32 + t));
+        for (int i = 1; i < 17; i++) expect_message(&d, &at, i, BIS_SCHED_STOP, 0, false, NULL, 0);
+        assert_int_equal(d.n_sent, at);
+    }
     close_fake_ranks(&d);
 
     /* up to 16 ranks each gets a second one, though 49/64 is less than a tile, and rank 0 renders */
@@ -761,6 +772,30 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
         for (int i = 1; i < ranks && ranks == 16; i++) expect_work(&d, &at, i, LIST(14 + i));
         assert_int_equal(d.n_sent, at);
         if (ranks == 16) assert_int_equal(bis_sched_deal_next(d.sched), 30);
+        close_fake_ranks(&d);
+    }
+}
+
+/* 17 ranks: the thread of rank 0 that deals renders no tiles, and asks for none unless there is another thread. All
+ * tiles are rank 1's, and each rank gets one; two threads then need two. */
+static void among_many_ranks_the_first_asks_for_its_other_threads(void **state)
+{
+    for (int threads = 1; threads <= 2; threads++) {
+        static fake_ranks d;
+        int at = 0, of[17];
+
+        for (int i = 0; i < 17; i++) of[i] = i ? 1 : threads;
+        open_fake_ranks(&d, 17, of, 7, 7, true);
+        for (int t = 0; t < 49; t++) d.sched->owner[t] = 1;
+        bis_sched_begin(d.sched, note_progress, &d);
+        expect_work(&d, &at, 1, LIST(0));
+        for (int i = 2; i <= 16; i++) expect_message(&d, &at, 1, BIS_SCHED_GIVE, i, false, LIST(i - 1));
+        assert_int_equal(d.n_sent, at);
+        d.gives = d.ends = true;
+        assert_int_equal(bis_sched_deal_next(d.sched), -1);
+        if (threads == 2) expect_message(&d, &at, 1, BIS_SCHED_GIVE, 0, false, LIST(16, 17));
+        for (int i = 1; i < 17; i++) expect_message(&d, &at, i, BIS_SCHED_STOP, 0, false, NULL, 0);
+        assert_int_equal(d.n_sent, at);
         close_fake_ranks(&d);
     }
 }
@@ -1045,6 +1080,7 @@ int main(void)
         cmocka_unit_test(tiles_go_to_their_owners_first),
         cmocka_unit_test(who_has_no_tiles_gets_those_of_who_has_most),
         cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
+        cmocka_unit_test(among_many_ranks_the_first_asks_for_its_other_threads),
         cmocka_unit_test(what_is_done_goes_before_the_queue_is_empty),
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),

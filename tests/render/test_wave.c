@@ -445,6 +445,33 @@ static void squares_of_a_picture_are_those_that_have_a_pixel(void **state)
     }
 }
 
+/* A film in a corner: what is learned is that of the whole picture, of which 2^23 pixels have cells, and more have
+ * none. Squares of 32, 64, ..., 4096 pixels, by hand. */
+static void what_is_learned_is_of_the_size_of_the_picture(void **state)
+{
+    static const struct { int height; size_t n_squares; uint32_t cells; } cases[] = {
+        {2048, 128 * 64 + 64 * 32 + 32 * 16 + 16 * 8 + 8 * 4 + 4 * 2 + 2 + 1, 16},
+        {2049, 128 * 65 + 64 * 33 + 32 * 17 + 16 * 9 + 8 * 5 + 4 * 3 + 2 * 2 + 1, 1},
+    };
+    const bis_render_options options = {.n_threads = 1};
+    world w;
+    make_world(&w, &bis_sir);
+    choose(&w, &(setting){&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, true, true});
+    for (size_t i = 0; i < 2; i++) {
+        bis_film film;
+        bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
+                              .film = &film};
+        assert_int_equal(bis_film_init(&film, 4096, cases[i].height, (const double[]){0, 0.01, 0, 0.01}, (bis_loc){0},
+                                       NULL), BIS_OK);
+        assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
+        assert_int_equal(work.visibility.n_squares, cases[i].n_squares);
+        assert_int_equal(work.visibility.cells, cases[i].cells);
+        bis_workspace_clear(&work);
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
 static void without_memory_for_materials_there_is_no_wave(void **state)
 {
     const bis_scene_desc textured = {.textures.n_of_material = 1};
@@ -465,6 +492,7 @@ static void without_memory_for_materials_there_is_no_wave(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_learned_is_of_the_size_of_the_picture),
         cmocka_unit_test(squares_of_a_picture_are_those_that_have_a_pixel),
         cmocka_unit_test(waves_have_the_bits_of_single_samples),
         cmocka_unit_test(a_pass_tells_its_progress_after_each_tile),

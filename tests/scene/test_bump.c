@@ -359,6 +359,35 @@ static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
     }
 }
 
+/* Corners that are all at one (u, v) tell no direction: then u, v and the normal are right-handed, all of length 1. The
+ * first three triangles face along an axis, where a choice of parts that are 0 would divide by 0. */
+static void a_triangle_without_directions_has_some(void **state)
+{
+    uint64_t random = 11;
+    for (int i = 0; i < 50; i++) {
+        const vec3 n = i < 3 ? (vec3){i == 0, i == 1, i == 2} : random_direction(&random);
+        const frame about = frame_about(n);
+        bis_geometry g = {0};
+        bis_mesh m = new_mesh(3, 1);
+        bis_tangents t;
+        m.uv = bis_alloc(3, sizeof *m.uv);
+        assert_non_null(m.uv);
+        for (int k = 0; k < 3; k++) {
+            m.uv[k] = (bis_uv){.25f, .75f};
+            m.p[k] = to_world(&about, (vec3){(float)(k == 1), (float)(k == 2), 1});
+            m.index[k] = (uint32_t)k;
+        }
+        const ray eye = {to_world(&about, (vec3){.25f, .25f, 3}), neg(n), INFINITY};
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_tangents(&g, 0, &eye, &t);
+        const vec3 u = vec3_from(t.u[0], t.u[1], t.u[2]), v = vec3_from(t.v[0], t.v[1], t.v[2]);
+        const vec3 outside = vec3_from(t.outside[0], t.outside[1], t.outside[2]);
+        assert_true((double)length(sub(outside, n)) < 1e-6 && (double)length(sub(cross(u, v), n)) < 1e-6);
+        assert_true(fabs((double)length(u) - 1) < 1e-6 && fabs((double)length(v) - 1) < 1e-6);
+        bis_geometry_clear(&g);
+    }
+}
+
 static void a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump(void **state)
 {
     built b = build("Texture \"d\" \"float\" \"constant\" Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
@@ -393,6 +422,7 @@ int main(void)
         cmocka_unit_test(a_normal_map_turns_with_the_surface),
         cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
         cmocka_unit_test(a_triangles_tangents_are_those_that_it_was_made_of),
+        cmocka_unit_test(a_triangle_without_directions_has_some),
         cmocka_unit_test(a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1132,8 +1132,10 @@ static void a_mapping_that_cannot_be_is_refused(void **state)
         {LIGHT, "\"string mapping\" \"planar\" \"float v1\" 1", "is of type float, must be vector3"},
         {LIGHT, "\"string mapping\" \"spherical\" \"float uscale\" 2", "unknown parameter \"uscale\""},
         {LIGHT, "\"vector v1\" [1 0 0]", "unknown parameter \"v1\""},
-        {LIGHT "Scale 1e-20 1e-20 1e-20 Scale 1e-20 1e-20 1e-20 ", "\"string mapping\" \"spherical\"",
-         "by more than 1e30"},
+        {LIGHT "Scale 1e-20 1 1 Scale 1e-20 1 1 ", "\"string mapping\" \"spherical\"", "by more than 1e30"},
+        {LIGHT "Scale 1 1e-20 1 Scale 1 1e-20 1 ", "\"string mapping\" \"spherical\"", "by more than 1e30"},
+        {LIGHT "Scale 1 1 1e-20 Scale 1 1 1e-20 ", "\"string mapping\" \"spherical\"", "by more than 1e30"},
+        {LIGHT "Translate 0 0 2e30 ", "\"string mapping\" \"spherical\"", "by more than 1e30"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         expect_failure(cases[i][2], MAPPED, cases[i][0], cases[i][1]);

@@ -233,6 +233,22 @@ static void patches_lie_on_the_hyperbolic_paraboloid(void **state)
     bis_mesh_clear(&m);
 }
 
+/* z = x y, and a parallelogram from the origin to (1/2, 1/2, 60), the far corner, which is each of the four in turn. A
+ * box of 1 x 1 x 60: n = ceil(sqrt(1/(4e-4 sqrt 3602))) = 7; without the far corner it would be 10. */
+static void the_size_of_patches_is_that_of_all_corners(void **state)
+{
+    static const vec3 points[8] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1},
+                                   {0, 0, 0}, {.5f, 0, 30}, {0, .5f, 30}, {.5f, .5f, 60}};
+    for (uint32_t far = 0; far < 4; far++) { /* bits: which end of s and t */
+        const uint32_t corner[2][4] = {{0, 1, 2, 3}, {4 + (3 ^ far), 4 + (2 ^ far), 4 + (1 ^ far), 4 + far}};
+        bis_mesh m = new_mesh(8, 0);
+        memcpy(m.p, points, sizeof points);
+        assert_int_equal(bis_make_patches(&m, corner, 2, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(m.n_triangles, 2 * 7 * 7 + 2);
+        bis_mesh_clear(&m);
+    }
+}
+
 static void patches_interpolate_normals_and_coordinates(void **state)
 {
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
@@ -547,6 +563,7 @@ int main(void)
         cmocka_unit_test(a_ring_is_flat_and_a_whole_turn_closes),
         cmocka_unit_test(a_tip_has_the_normals_of_the_lines_that_meet_there),
         cmocka_unit_test(patches_lie_on_the_hyperbolic_paraboloid),
+        cmocka_unit_test(the_size_of_patches_is_that_of_all_corners),
         cmocka_unit_test(patches_interpolate_normals_and_coordinates),
         cmocka_unit_test(a_height_field_spans_the_unit_square),
         cmocka_unit_test(a_rational_patch_is_a_sphere),

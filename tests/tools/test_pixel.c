@@ -219,6 +219,31 @@ static void figures_of_a_method_are_those_of_its_estimates(void **state)
     bis_light_free(light);
 }
 
+static rgb f_without_density(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    *pdf = 0;
+    return (rgb){0, 0, 0};
+}
+
+/* Of a black map nothing is drawn, nor by a black material. A density that underflows is 0, and then so is c. */
+static void mis_gets_nothing_where_nothing_is_drawn(void **state)
+{
+    const bis_settings settings = bis_settings_default(&bis_mis);
+    bis_material materials[] = {glossy(), bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1), glossy()};
+    bis_bsdf_model underflows = bis_phong_model;
+    underflows.f_pdf = f_without_density;
+    materials[2].model = &underflows;
+    bis_light *light = lit_new_light(LIT_BLACK, 1, 0.15, false);
+    for (int i = 0; i < 3; i++) {
+        lit l;
+        bis_pixel_mis mis;
+        lit_init(&l, light, materials[i], slanted(), 40, LIT_OPEN);
+        assert_int_equal(bis_pixel_mis_of(&mis, &l.pt, &settings, 10, 1, NULL), BIS_OK);
+        assert_true(mis.mean == 0 && mis.variance[0] == 0 && mis.variance[1] == 0 && mis.beta == 0);
+    }
+    bis_light_free(light);
+}
+
 /* ---- candidates ---- */
 
 static bis_sampler one_sample(uint64_t seed)
@@ -961,6 +986,7 @@ int main(void)
         cmocka_unit_test(methods_agree_with_exact_and_a_wrong_one_does_not),
         cmocka_unit_test(skewness_is_known_even_of_what_was_not_hit),
         cmocka_unit_test(figures_of_a_method_are_those_of_its_estimates),
+        cmocka_unit_test(mis_gets_nothing_where_nothing_is_drawn),
         cmocka_unit_test(candidates_are_those_of_sir_and_their_figures_those_of_the_definitions),
         cmocka_unit_test(candidates_of_the_product_are_as_dense_as_their_q_says),
         cmocka_unit_test(the_estimate_shown_is_what_renders),
