@@ -34,10 +34,10 @@ case $1 in -*) sed -n '3,11s/^# //p' "$0"; exit 2 ;; esac
 copy=build/mutants
 word=$1
 log=$copy/log
-rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data $copy/build   # an ended run leaves a mutated object
+# An ended run leaves a mutated object.
+rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data $copy/docs $copy/build
 mkdir -p $copy
-make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy &&
-    mkdir -p $copy/docs && cp -Rp docs/live docs/scene-format.md $copy/docs || exit 1
+make -s data && cp -Rp include src tests scripts data docs scene.txt Makefile $copy || exit 1
 
 # make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {
