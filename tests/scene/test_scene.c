@@ -125,6 +125,19 @@ static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_
     scene_clear(&b);
 }
 
+/* By the file and no line: what places the camera may stand in several. */
+static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **state)
+{
+    built b;
+    char text[256];
+    assert_int_equal(scene_try(&b, "LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n"),
+                     BIS_INPUT);
+    snprintf(text, sizeof text, "%s: error: the camera stands at y = 1e+39, beyond the largest float, 3.40282e+38: "
+             "scale the scene", scratch("scene.txt"));
+    assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
+    scene_clear(&b);
+}
+
 /* ---- only what is required ---- */
 
 static void without_geometry_there_is_neither_accelerator_nor_table(void **state)
@@ -607,6 +620,7 @@ int main(void)
         cmocka_unit_test(the_description_survives_the_build),
         cmocka_unit_test(smooth_makes_normals_only_when_asked),
         cmocka_unit_test(a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name),
+        cmocka_unit_test(a_camera_beyond_the_largest_float_is_an_error_of_its_file),
         cmocka_unit_test(without_geometry_there_is_neither_accelerator_nor_table),
         cmocka_unit_test(without_a_light_it_is_black),
         cmocka_unit_test(a_constant_light_builds_no_table),
