@@ -130,8 +130,8 @@ static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **sta
 {
     built b;
     char text[256];
-    assert_int_equal(scene_try(&b, "LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n"),
-                     BIS_INPUT);
+    const char *scene = "LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n";
+    assert_int_equal(scene_try(&b, scene), BIS_INPUT);
     snprintf(text, sizeof text, "%s: error: the camera stands at y = 1e+39, beyond the largest float, 3.40282e+38: "
              "scale the scene", scratch("scene.txt"));
     assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
@@ -195,8 +195,8 @@ static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
 
 /* ---- memory ---- */
 
-/* Each message of the build itself names the scene's file and no line, but for a mesh, which has one. Two instances of a
- * mesh each have a copy. */
+/* Each message of the build itself names the scene's file and no line, but for a mesh, which has one. Each of two
+ * instances of a mesh has a copy. */
 static void when_the_kth_allocation_fails_the_build_fails_cleanly(void **state)
 {
     static const char *const texts[] = {
