@@ -636,6 +636,7 @@ static void progress_grows_to_the_whole_budget(void **state)
         &film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .progress = log_progress, .user = &log});
     assert_true(log.n >= 1 && log.in_order && log.last_share == 1);
     assert_true(log.n <= 1 + (bis_clock_now() - log.began) / 0.2); /* the last, and five a second */
+    assert_true(result.seconds > 0 && result.seconds <= bis_clock_now() - log.began);
     bis_film_clear(&film);
     clear_world(&w);
 }
