@@ -18,7 +18,6 @@ bis_status bis_checkpoint_read(bis_checkpoint *c, const char *path, bis_diag *di
 {
     bis_walk w;
 
-    c->head.settings = bis_settings_default(&bis_sir);
     c->source = path;
     bis_status status = bis_file_read(&c->data, &c->size, path, (bis_loc){path, 0, 0}, diag);
     if (status) return status;

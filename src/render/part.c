@@ -154,7 +154,6 @@ static bis_status read_head(part *p, bis_diag *diag)
     if (!status) status = bis_state_open(&p->walk, BIS_STATE_PART, p->data, size, p->path, diag);
     if (status) return status;
     p->film.step = 1;
-    p->head.settings = bis_settings_default(&bis_sir);
     bis_state_walk_head(&p->walk, &p->head);
     walk_about(&p->walk, &p->about);
     walk_film(&p->walk, &p->film);

@@ -8,7 +8,7 @@
  * measures it. */
 #include "make_grid.h"
 
-/* q, its derivative d, at t; the profile starts in the plane y = 0, but for a skew line. */
+/* q, and its derivative d, at t; a circle needs none. The profile starts in the plane y = 0, but for a skew line. */
 static void profile_at(double q[3], double d[3], const bis_revolved *r, double t)
 {
     q[1] = d[1] = 0;
@@ -27,8 +27,6 @@ static void profile_at(double q[3], double d[3], const bis_revolved *r, double t
         const double from = acos(r->z[0] / r->radius), theta = from + t * (acos(r->z[1] / r->radius) - from);
         q[0] = r->radius * sin(theta);
         q[2] = r->radius * cos(theta);
-        d[0] = -cos(theta); /* theta falls as t rises */
-        d[2] = sin(theta);
     }
 }
 
@@ -53,13 +51,15 @@ static void revolved_at(bis_grid_point *out, const void *surface, double s, doub
     profile_at(out->p, d, r, t);
     out->uv = (bis_uv){(float)s, (float)v_of(r, out->p[2], t)};
     turn(out->p, cos(phi), sin(phi));
+    if (r->profile == BIS_PROFILE_CIRCLE) { /* at the poles a derivative would be no help */
+        for (int i = 0; i < 3; i++) out->n[i] = out->p[i];
+        return;
+    }
     turn(d, cos(phi), sin(phi));
     /* the direction in which p turns; on the axis, in which the points before or behind it turn */
     const double side = t < 1 ? 1 : -1, axis[3] = {side * d[0], side * d[1], 0};
     const double *arm = out->p[0] != 0 || out->p[1] != 0 ? out->p : axis, round[3] = {-arm[1], arm[0], 0};
     bis_grid_cross(out->n, round, d);
-    if (r->profile == BIS_PROFILE_CIRCLE)
-        for (int i = 0; i < 3; i++) out->n[i] = out->p[i]; /* at the poles d is no help */
 }
 
 /* Does the profile stay on one side of the axis, in a plane with it? */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The
  * full experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
+#include "bis/base/clock.h"
 #include "bis/base/mem.h"
 
 #include "claim.h"
@@ -152,6 +153,7 @@ static void the_figure_sees_what_strata_gain(void **state)
 typedef struct forecasts {
     int n;
     double share; /* of the last report of progress */
+    double began, taken; /* before the render; from then to the forecast */
     bis_forecast last;
 } forecasts;
 
@@ -159,6 +161,7 @@ static void keep_forecast(const bis_forecast *f, void *user)
 {
     forecasts *k = user;
     k->n++;
+    k->taken = bis_clock_now() - k->began;
     k->last = *f;
 }
 
@@ -170,11 +173,14 @@ static void the_first_passes_forecast_what_an_error_will_take(void **state)
     forecasts k = {0};
     make_dull_world(&w, &bis_em);
     bis_render_options options = {.budget = {.error = 0.05}, .forecast = keep_forecast, .user = &k};
+    k.began = bis_clock_now();
     render(&f, &result, &w, part, &options);
     assert_int_equal(k.n, 1);
     /* From the first passes, with their own correction for being few: within a factor of 3. */
     assert_true(k.last.spp > (double)result.spp / 3 && k.last.spp < 3 * (double)result.spp);
+    /* The square of the errors times what was taken, which is not longer than what this program saw. */
     assert_true(k.last.error > 0.05 && k.last.seconds > 0);
+    assert_true(k.last.seconds <= k.last.error * k.last.error / (0.05 * 0.05) * k.taken);
     bis_film_clear(&f);
 
     options.budget = (bis_budget){.error = 1e-9, .spp = 20}; /* out of reach: said, and the other budget ends it */

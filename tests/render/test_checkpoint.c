@@ -308,7 +308,8 @@ static void another_number_in_the_state_makes_another_picture(void **state)
     clear_world(&w);
 }
 
-/* The second field of the state: 1000 s are spent, so a budget of 500 s allows no pass, and one of 2000 s does. */
+/* The second field of the state: 1000 s are spent, so a budget of 500 s allows no pass, and one of 2000 s does. What is
+ * kept then is no longer than what the render took with them. */
 static void seconds_that_were_spent_before_count(void **state)
 {
     static const double spent = 1000;
@@ -330,6 +331,14 @@ static void seconds_that_were_spent_before_count(void **state)
         render_kind(&f, &result, &w, &tiny, (bis_render_options){.budget = b, .n_threads = 1}, &c);
         assert_int_equal(result.spp, i ? 16 : 12);
         assert_true(result.seconds >= spent && result.seconds < 1500);
+        size_t n;
+        unsigned char *kept = read_bytes(PATH, &n);
+        double seconds;
+        assert_int_equal(n, size);
+        for (int k = 8; k-- > 0;) bits = bits << 8 | kept[at + 8 + (size_t)k];
+        memcpy(&seconds, &bits, 8);
+        assert_true(seconds >= spent && seconds <= result.seconds);
+        bis_free(kept);
         bis_film_clear(&f);
     }
     bis_free(data);

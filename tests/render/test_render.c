@@ -2,6 +2,7 @@
 /* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays
  * see. The integrators of the library take part in the first test, elsewhere one of our own that does exactly what the
  * test needs. */
+#include "bis/base/clock.h"
 #include "bis/base/hash.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/pool.h"
@@ -608,16 +609,19 @@ static void an_error_budget_takes_three_passes_at_least_and_spp_at_most(void **s
 
 typedef struct progress_log {
     int n;
-    double last_share;
+    double last_share, began, last_seconds;
     bool in_order;
 } progress_log;
 
+/* The render has begun after this program looked at the clock, so it has taken no longer than from then to now. */
 static void log_progress(const bis_progress *p, void *user)
 {
     progress_log *log = user;
     log->in_order = (log->n == 0 || log->in_order) && p->share >= log->last_share && p->share <= 1 &&
-                    p->passes_done <= p->passes_total;
+                    p->passes_done <= p->passes_total && p->seconds > log->last_seconds &&
+                    p->seconds <= bis_clock_now() - log->began;
     log->last_share = p->share;
+    log->last_seconds = p->seconds;
     log->n++;
 }
 
@@ -627,10 +631,12 @@ static void progress_grows_to_the_whole_budget(void **state)
     make_world(&w, &bis_exact);
     bis_film film;
     bis_render_result result;
-    progress_log log = {0};
+    progress_log log = {.began = bis_clock_now()};
     render(
         &film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .progress = log_progress, .user = &log});
     assert_true(log.n >= 1 && log.in_order && log.last_share == 1);
+    assert_true(log.n <= 1 + (bis_clock_now() - log.began) / 0.2); /* the last, and five a second */
+    assert_true(result.seconds > 0 && result.seconds <= bis_clock_now() - log.began);
     bis_film_clear(&film);
     clear_world(&w);
 }

@@ -328,6 +328,27 @@ static void tangents_are_the_derivatives_of_the_point(void **state)
     }
 }
 
+/* At a sphere's poles and in a disc's middle phi is 0, so p_v lies along x. The radius is 2. A v of 1 is half a great
+ * circle, 2 pi long: v rises at the top against x, at the bottom along x. A disc's v of 1 is its radius, and falls
+ * outwards. */
+static void at_a_pole_and_in_a_discs_middle_phi_is_0(void **state)
+{
+    static const struct { bis_quadric_kind kind; double side, v; } cases[] = {
+        {BIS_SPHERE, 1, -2 * PI}, {BIS_SPHERE, -1, 2 * PI}, {BIS_DISK, 1, -2}};
+    for (size_t i = 0; i < 3; i++) {
+        bis_geometry g = {0};
+        const bis_quadric q = {.kind = cases[i].kind, .radius = 2, .to_world = bis_xform_identity()};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        const ray eye = {vec3_from(0, 0, 5 * cases[i].side), vec3_from(0, 0, -cases[i].side), INFINITY};
+        bis_tangents t;
+        bis_geometry_tangents(&g, 0, &eye, &t);
+        assert_true(t.u[0] == 0 && t.u[1] == 0 && t.u[2] == 0);
+        assert_true(fabs(t.v[0] - cases[i].v) <= 1e-14 && t.v[1] == 0 && t.v[2] == 0);
+        assert_true(t.outside[0] == 0 && t.outside[1] == 0 && t.outside[2] == cases[i].side);
+        bis_geometry_clear(&g);
+    }
+}
+
 /* A triangle of p = o + u p_u + v p_v, anywhere in space: its tangents are p_u and p_v. */
 static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
 {
@@ -421,6 +442,7 @@ int main(void)
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
         cmocka_unit_test(a_normal_map_turns_with_the_surface),
         cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
+        cmocka_unit_test(at_a_pole_and_in_a_discs_middle_phi_is_0),
         cmocka_unit_test(a_triangles_tangents_are_those_that_it_was_made_of),
         cmocka_unit_test(a_triangle_without_directions_has_some),
         cmocka_unit_test(a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump),

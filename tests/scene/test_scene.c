@@ -125,6 +125,19 @@ static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_
     scene_clear(&b);
 }
 
+/* By the file and no line: what places the camera may stand in several. */
+static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **state)
+{
+    built b;
+    char text[256];
+    const char *scene = "LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n";
+    assert_int_equal(scene_try(&b, scene), BIS_INPUT);
+    snprintf(text, sizeof text, "%s: error: the camera stands at y = 1e+39, beyond the largest float, 3.40282e+38: "
+             "scale the scene", scratch("scene.txt"));
+    assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
+    scene_clear(&b);
+}
+
 /* ---- only what is required ---- */
 
 static void without_geometry_there_is_neither_accelerator_nor_table(void **state)
@@ -182,19 +195,38 @@ static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
 
 /* ---- memory ---- */
 
+/* Each message of the build itself names the scene's file and no line, but for a mesh, which has one. Each of two
+ * instances of a mesh has a copy. */
 static void when_the_kth_allocation_fails_the_build_fails_cleanly(void **state)
 {
+    static const char *const texts[] = {
+        ": error: no memory for a scene", ": error: no memory for 3 meshes, 2 materials and 1 images",
+        ": error: no memory for 2 threads", ": error: no memory for 3 meshes",
+        ":5:33: error: no memory for a mesh of 4 triangles", ":9:1: error: no memory for a mesh of 1 triangles",
+        ": error: no memory for 1 textures"};
+    enum { N = sizeof texts / sizeof *texts };
+    bool is_said[N] = {false};
     built b = describe("Accelerator \"grid\"\nIntegrator \"sir\" \"string proposal\" \"em\"",
         MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " SQUARE
+            "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" SCENES "map.pfm\" \"float scale\" .2\n"
+            "Material \"diffuse\" \"texture reflectance\" \"t\"\n"
             "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"");
+    b.desc->accel.n_threads = 2;
     FOR_LACK(l) {
         bis_scene *s;
         bis_diag diag = {0};
         LACK(l, bis_scene_build(&s, b.desc, &diag));
         assert_true((s == NULL) == (l.status != BIS_OK) && (!l.status || diag.n_errors > 0));
+        for (int i = 0; i < N; i++) {
+            char text[256];
+            snprintf(text, sizeof text, "%s%s", scratch("scene.txt"), texts[i]);
+            if (diag.n && strcmp(diag.messages[diag.n - 1].text, text) == 0) is_said[i] = true;
+        }
         bis_scene_free(s);
         bis_diag_clear(&diag);
     }
+    for (int i = 0; i < N; i++)
+        if (!is_said[i]) fail_msg("nothing said \"%s\"", texts[i]);
     scene_clear(&b);
 }
 
@@ -591,6 +623,7 @@ int main(void)
         cmocka_unit_test(the_description_survives_the_build),
         cmocka_unit_test(smooth_makes_normals_only_when_asked),
         cmocka_unit_test(a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name),
+        cmocka_unit_test(a_camera_beyond_the_largest_float_is_an_error_of_its_file),
         cmocka_unit_test(without_geometry_there_is_neither_accelerator_nor_table),
         cmocka_unit_test(without_a_light_it_is_black),
         cmocka_unit_test(a_constant_light_builds_no_table),

@@ -81,6 +81,72 @@ static void a_lobe_far_narrower_than_a_patch_is_found(void **state)
     bis_light_free(light);
 }
 
+/* Nothing is reflected: no ray is above its bound, which is 0 (make asan divides by no 0). */
+static void what_is_black_has_a_sum_of_0(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    const bis_truth t = truth_of(&l.pt, 1);
+    for (int i = 0; i < 4; i++) assert_true(t.lit.mean[i] == 0 && t.open.mean[i] == 0);
+    assert_true(t.worst == 0 && t.rays == 0 && bis_truth_bound(&t.open, chance) == 0);
+    bis_light_free(light);
+}
+
+/* A map of 16 x 8 pixels, of which the first `n` of row 2 are lit; *middle is the direction of the first of them. */
+static bis_light *light_of_patches(int n, vec3 *middle)
+{
+    bis_envmap em = map_new(16, 8);
+    bis_light *light;
+    bis_light_point y;
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = grey(i >= 32 && i < 32 + (size_t)n ? 1 : 0);
+    const bis_light_desc desc = {.to_world = bis_xform_identity()};
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, NULL), BIS_OK);
+    bis_light_patch(light, 32, (double[]){0.5, 0.5}, &y);
+    *middle = y.wi;
+    return light;
+}
+
+/* f cos of a diffuse surface is at most Kd/pi, and a ray has its cosine of that. All of a patch is within 16 degrees of
+ * its middle, cos 16 = 0.961, where the normal points. In a cell for each patch a ray may have what all patches have:
+ * of two patches, twice as much. Of 64 cells those in the middle, within 4 degrees, come nearest: cos 4 = 0.997. */
+static void the_worst_ray_is_that_of_the_largest_cosine(void **state)
+{
+    static const struct { int patches; uint32_t cells; double least, most; } cases[] = {
+        {1, 1, 0.961, 1}, {2, 1, 0.961 / 2, 0.5}, {1, 64, 0.997, 1}};
+    for (size_t i = 0; i < 3; i++) {
+        vec3 n;
+        bis_truth t;
+        lit l;
+        bis_light *light = light_of_patches(cases[i].patches, &n);
+        lit_init(&l, light, bis_phong(grey(0.7), grey(0), 1), n, 20, LIT_OPEN);
+        assert_int_equal(
+            bis_truth_of(&t, &(bis_truth_question){&l.pt, {4, 2, 1}, cases[i].cells, 1, NULL, 0}, NULL), BIS_OK);
+        assert_int_equal(t.rays, 2 * cases[i].cells * (uint32_t)cases[i].patches);
+        if (!(t.worst >= cases[i].least && t.worst <= cases[i].most)) fail_msg("case %zu: %g", i, t.worst);
+        bis_light_free(light);
+    }
+}
+
+/* The horizon cuts the patch in two equal parts: both rays of its cell are below it once in four runs, the first of
+ * them once in two. */
+static void either_ray_of_a_cell_may_be_the_worst(void **state)
+{
+    enum { SEEDS = 256 };
+    vec3 middle;
+    lit l;
+    bis_light *light = light_of_patches(1, &middle);
+    int none = 0;
+    lit_init(&l, light, bis_phong(grey(0.7), grey(0), 1), normalize(cross((vec3){0, 0, 1}, middle)), 20, LIT_OPEN);
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        bis_truth t;
+        assert_int_equal(bis_truth_of(&t, &(bis_truth_question){&l.pt, {4, 2, 1}, 1, seed, NULL, 0}, NULL), BIS_OK);
+        none += t.worst == 0;
+    }
+    if (abs(none - SEEDS / 4) > SEEDS / 8) fail_msg("%d of %d", none, SEEDS);
+    bis_light_free(light);
+}
+
 /* All light comes from one patch, of which a share is hidden. */
 typedef struct curtain {
     bis_accel accel;
@@ -246,6 +312,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_brute_force_within_its_bound),
         cmocka_unit_test(a_lobe_far_narrower_than_a_patch_is_found),
+        cmocka_unit_test(what_is_black_has_a_sum_of_0),
+        cmocka_unit_test(the_worst_ray_is_that_of_the_largest_cosine),
+        cmocka_unit_test(either_ray_of_a_cell_may_be_the_worst),
         cmocka_unit_test(a_patch_hidden_by_a_tenth_does_not_look_exact),
         cmocka_unit_test(a_scatter_of_0_promises_no_error_of_0),
         cmocka_unit_test(moments_are_those_of_draws),
