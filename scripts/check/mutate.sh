@@ -7,7 +7,7 @@
 # A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/; .c is understood), "- the text as
 # it stands", "+ the text instead", an empty one. The first place where the text stands is changed. The copy is
 # build/mutants; objects are made once and only what a mutation touches is made anew.
-# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of
+# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some forty minutes: no part of
 # make test.
 mutations() {
     sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
@@ -319,7 +319,7 @@ exit
 # - 10 * m * r->wrong + 8
 # + 8
 #
-# * grid_block.h test_accel : the filter in float without its own rounding
+# * grid_block.h test_grid_block : the filter in float without its own rounding
 # - 8 * m * m * (9 * 0x1p-24f)
 # + 0 * m
 #
