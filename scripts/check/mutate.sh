@@ -7,8 +7,8 @@
 # A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/; .c is understood), "- the text as
 # it stands", "+ the text instead", an empty one. The first place where the text stands is changed. The copy is
 # build/mutants; objects are made once and only what a mutation touches is made anew.
-# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some forty minutes: no part of
-# make test.
+# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some forty minutes: no part
+# of make test.
 mutations() {
     sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
 }
