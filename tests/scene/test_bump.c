@@ -74,15 +74,22 @@ static void a_slope_tilts_a_plane(void **state)
     scene_clear(&b);
 }
 
-/* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s. */
-static void an_images_slope_is_taken_over_a_texel(void **state)
+/* 4 x 1 pixels of 0, 1/4, 1/2, 3/4. Returns the file's name. */
+static const char *store_ramp(void)
 {
     bytes file = {0};
-    double n[3];
     put_text(&file, "PF\n4 1\n-1.0\n");
     for (int i = 0; i < 12; i++) put_float(&file, (float)(i / 3) / 4);
     store(scratch("ramp.pfm"), file.data, file.n);
-    const char *name = strrchr(scratch("ramp.pfm"), '/') + 1;
+    bytes_clear(&file);
+    return strrchr(scratch("ramp.pfm"), '/') + 1;
+}
+
+/* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s. */
+static void an_images_slope_is_taken_over_a_texel(void **state)
+{
+    const char *name = store_ramp();
+    double n[3];
     built b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" "
                     "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE, name);
     assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2, 1, 0}));
@@ -99,7 +106,6 @@ static void an_images_slope_is_taken_over_a_texel(void **state)
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1, 1, 0}));
     assert_normal(n, -.5, 0, 1, 1e-4);
     scene_clear(&b);
-    bytes_clear(&file);
 }
 
 /* An image of one colour all over. */
@@ -122,16 +128,13 @@ static void a_texel_counts_where_its_image_is_looked_up_by_uv(void **state)
 {
     static const struct { const char *mapping; double slope; } images[] = {
         {"", .6}, {"\"string mapping\" \"planar\" \"vector3 v1\" [0.25 0 0] \"vector3 v2\" [0 0.5 0]", 1}};
-    bytes file = {0};
+    const char *name = store_ramp();
     double n[3];
-    put_text(&file, "PF\n4 1\n-1.0\n");
-    for (int i = 0; i < 12; i++) put_float(&file, (float)(i / 3) / 4);
-    store(scratch("ramp.pfm"), file.data, file.n);
     store_colour(scratch("one.pfm"), .5f, .5f, .5f);
     for (size_t i = 0; i < 2; i++) {
         built b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" "
                         "\"clamp\" %s Material \"diffuse\" \"texture displacement\" \"d\" " PLANE,
-                        strrchr(scratch("ramp.pfm"), '/') + 1, images[i].mapping);
+                        name, images[i].mapping);
         assert_true(normal_at(n, &b, (vec3){.6f, 1, 5}, (vec3){.6f, 1, 0}));
         assert_normal(n, -.25 * images[i].slope, 0, 1, .01);
         scene_clear(&b);
@@ -146,7 +149,6 @@ static void a_texel_counts_where_its_image_is_looked_up_by_uv(void **state)
     assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2, 1, 0}));
     assert_normal(n, -.25 * .75, 0, 1, .01);
     scene_clear(&b);
-    bytes_clear(&file);
 }
 
 /* The normal in the middle of PLANE as an OBJ, whose library says this. The plane has one material with `Kd`. */
