@@ -4,9 +4,9 @@
 # mutation below.
 #     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
 #     scripts/check/mutate.sh -a              tells which no longer apply; changes and runs nothing
-# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/; .c is understood), "- the text as
-# it stands", "+ the text instead", an empty one. The first place where the text stands is changed. The copy is
-# build/mutants; objects are made once and only what a mutation touches is made anew.
+# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/, with its folder where two have the
+# name; .c is understood), "- the text as it stands", "+ the text instead", an empty one. The first place where the text
+# stands is changed. The copy is build/mutants; objects are made once and only what a mutation touches is made anew.
 # Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some forty minutes: no part
 # of make test.
 mutations() {
@@ -17,7 +17,7 @@ if [ "$1" = -a ]; then
     mutations | awk '
         /^\* / { file = $2; head = $0 }
         /^- / {
-            place = "find src include -name " file (file ~ /\.h$/ ? "" : ".c")
+            place = "find src include -path \\*/" file (file ~ /\.h$/ ? "" : ".c")
             place | getline path
             close(place)
             found = 0
@@ -71,7 +71,7 @@ while IFS= read -r head; do
     # shellcheck disable=SC2086
     set -- ${head#??}
     case $1 in *.h) file=$1 ;; *) file=$1.c ;; esac
-    file=$(find src include -name "$file")
+    file=$(find src include -path "*/$file")
     shift
     case "$file $what" in *"$word"*) ;; *) continue ;; esac
     n=$((n + 1))
@@ -683,7 +683,7 @@ exit
 # - above && first == leaves
 # + false && above && first == leaves
 #
-# * survey test_wave : looks of all sizes share random numbers
+# * render/survey test_wave : looks of all sizes share random numbers
 # - bis_rng_init(&rng, s.seed, LOOK, (uint64_t)(side / TILE - 1), PURPOSE_SEED);
 # + bis_rng_init(&rng, s.seed, LOOK, 0, PURPOSE_SEED);
 #

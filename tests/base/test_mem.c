@@ -39,6 +39,7 @@ static void a_size_that_overflows_is_refused(void **state)
     assert_null(bis_alloc(SIZE_MAX / 2 + 1, SIZE_MAX / 2 + 1));
     assert_null(bis_alloc(SIZE_MAX, 1));
     assert_null(bis_alloc(1, PTRDIFF_MAX));
+    assert_null(bis_alloc(SIZE_MAX / 4 + 1, 4)); /* each is small enough, and the product wraps to 0 */
     char *p = bis_alloc(3, 1);
     p[2] = 'x';
     assert_null(bis_realloc(p, SIZE_MAX / 2, 4));
