@@ -596,6 +596,48 @@ static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
     assert_false(error_of_pixels(300, 0.9, 1).is_bounded);
 }
 
+/* 300 pixels of 1 in independent passes of weight w: one differs by 0.5 from pass to pass, 99 by 0.1. The error of a
+ * pixel is its variance over 1.01, and counts for at most 20 times the mean in what noise does to the sum: the one
+ * counts for less, and by how much more it carries the truth is in doubt. The two ends of what stands for the truth are
+ * its square and its square less the variance. */
+static void the_bound_is_as_by_hand(void **state)
+{
+    for (int passes = 2; passes <= 8; passes += 2)
+        for (int w = 1; w <= 3; w++) {
+            bis_film f;
+            const double dof = passes - 1, v[] = {0.25 / dof, 0.01 / dof};
+            const int n[] = {1, 99};
+            double sum = 0, most_sum = 0, capped = 0, squares = 0, all_squares = 0;
+            init(&f, 300, 1);
+            for (int pass = 0; pass < passes; pass++) {
+                for (int x = 0; x < 300; x++) {
+                    const double L = 1 + (pass % 2 ? 1 : -1) * (x == 150 ? 0.5 : x % 3 == 0 ? 0.1 : 0);
+                    bis_film_add(&f, x, 0, rgb_from(L, L, L), 1, w);
+                }
+                bis_film_end_pass(&f, w);
+            }
+            for (int k = 0; k < 2; k++) sum += n[k] * v[k] / 1.01;
+            for (int k = 0; k < 2; k++) {
+                const double X = v[k] / 1.01, counts = fmin(X, 20 * sum / 300);
+                assert_true((counts < X) == (k == 0));
+                most_sum += n[k] * v[k] / (1 - v[k] + 0.01);
+                capped += n[k] * counts;
+                squares += n[k] * counts * counts;
+                all_squares += n[k] * X * X;
+            }
+            const double q = squares / (capped * capped), all_q = all_squares / (sum * sum),
+                         ends = log(most_sum / sum) / 10,
+                         doubt = sqrt(q * (2 + 2 / dof) / (1 + 2 / dof) + 0.4 * (all_q - q) + ends * ends);
+            const bis_film_error e = bis_film_estimate_error(&f);
+            assert_true(fabs(e.relative_rmse / sqrt(sum / 300) - 1) < 3e-6);
+            assert_true(fabs(e.scatter / sqrt(sum / 300) - 1) < 3e-6);
+            assert_true(fabs(e.upper / sqrt(sum / 300 * exp(1.645 * doubt) * (1 + 0.5 / (w * passes))) - 1) < 3e-6);
+            assert_true(all_q > 2 * q && e.is_bounded == (doubt <= 0.4));
+            assert_true(e.is_known == (doubt <= (w * passes < 8 ? 0.3 : 0.2)));
+            bis_film_clear(&f);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -613,6 +655,7 @@ int main(void)
         cmocka_unit_test(the_figure_is_right_where_few_samples_are_bright),
         cmocka_unit_test(halves_and_twins_are_weighed_by_what_they_know),
         cmocka_unit_test(an_error_of_few_pixels_or_above_a_half_is_unknown),
+        cmocka_unit_test(the_bound_is_as_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

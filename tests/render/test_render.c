@@ -11,6 +11,7 @@
 #include "render/checkpoint.h"
 
 #include "claim.h"
+#include "lack.h"
 #include "program.h"
 #include "stat.h"
 #include "world.h"
@@ -1060,6 +1061,152 @@ static void who_interrupts_a_finished_render_comes_too_late(void **state)
     }
 }
 
+/* What decides when the error is looked at, as the checkpoint before each pass has it: behind the samples and seconds
+ * the number of the next such pass, and the bound that was found last. */
+typedef struct looks {
+    const bis_film *film;
+    int n;
+    double upper; /* of the film, when it was looked at last */
+} looks;
+
+static void note_look(const bis_render_result *result, void *user)
+{
+    /* those at which it is looked at next, after 0, 1, 2, ... passes */
+    static const uint32_t next[52] = {3,  3,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18,
+                                      19, 20, 22, 22, 24, 24, 26, 26, 28, 28, 30, 30, 32, 32, 34, 34, 36, 36,
+                                      38, 38, 40, 40, 43, 43, 43, 46, 46, 46, 49, 49, 49, 52, 52, 52};
+    looks *l = user;
+    bis_checkpoint c = {0};
+    uint32_t passes = result->passes - 1, found;
+    double upper;
+
+    if (passes > 0) {
+        assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+        memcpy(&found, c.data + c.at + 16, sizeof found);
+        memcpy(&upper, c.data + c.at + 20, sizeof upper);
+        assert_int_equal(found, next[passes]);
+        assert_true(passes < 3 ? isnan(upper) : upper == l->upper);
+        bis_checkpoint_clear(&c);
+    }
+    if (next[result->passes] != next[passes]) l->upper = bis_film_estimate_error(l->film).upper;
+    l->n++;
+}
+
+/* Each pass from the third on, and from the 20th on each time their number has grown by a twentieth. */
+static void the_error_is_looked_at_by_the_number_of_passes(void **state)
+{
+    bis_checkpoint c = {.path = STATE};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    looks l = {.film = &film};
+    program_folder(DIR_NAME);
+    make_world(&w, &noise);
+    w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+    render_part(&film, &result, &w, one_row,
+                &(bis_render_options){.budget = {.spp = 51, .error = 1e-9}, .n_threads = 1, .pass_size = 1,
+                                      .so_far = note_look, .user = &l, .checkpoint = &c});
+    assert_int_equal(l.n, 51);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* A pixel's error is no error of a picture, however small: the samples end the render, and nothing is forecast. */
+static void an_error_that_is_not_known_ends_nothing(void **state)
+{
+    world w;
+    bis_film film;
+    bis_render_result result;
+    telling t = {.film = &film};
+    make_ticking(&w, 1, FOR_EVER);
+    render_part(&film, &result, &w, one_pixel,
+                &(bis_render_options){.budget = {.error = 10, .spp = 20}, .n_threads = 1, .forecast = note_forecast,
+                                      .user = &t});
+    assert_true(result.error.upper < 10 && !result.error.is_bounded);
+    assert_int_equal(result.spp, 20);
+    assert_int_equal(t.n_forecasts, 0);
+    bis_film_clear(&film);
+    clear_ticking(&w);
+}
+
+/* The first error that is known is forecast with. The same error is enough for who asks for it; who asks for a bit less
+ * goes on. A later process, which finds the figure in the checkpoint, tells nothing again. */
+static void an_error_that_is_just_reached_is_enough(void **state)
+{
+    world w;
+    bis_film film;
+    bis_render_result result;
+    telling first = {.film = &film};
+    program_folder(DIR_NAME);
+    make_ticking(&w, 1, FOR_EVER);
+    bis_render_options options = {.budget = {.error = 1e-9, .spp = 20}, .n_threads = 1, .forecast = note_forecast,
+                                  .user = &first};
+    render_part(&film, &result, &w, one_row, &options);
+    assert_int_equal(first.n_forecasts, 1);
+    bis_film_clear(&film);
+    for (int less = 0; less < 2; less++) {
+        telling again = {.film = &film};
+        bis_checkpoint c = {.path = STATE, .every = 1e9};
+        options.budget = (bis_budget){.error = less ? nextafter(first.forecast.error, 0) : first.forecast.error};
+        options.user = &again;
+        options.checkpoint = &c;
+        render_part(&film, &result, &w, one_row, &options);
+        assert_int_equal(again.n_forecasts, less);
+        assert_true(less ? result.spp > first.spp[0] : result.spp == first.spp[0]);
+        bis_film_clear(&film);
+    }
+    for (uint32_t spp = (uint32_t)result.spp - 1; spp <= result.spp + 4; spp++) {
+        telling later = {.film = &film};
+        bis_checkpoint c = {0};
+        bis_diag diag = {0};
+        bis_render_result end;
+        assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+        options.budget = (bis_budget){.error = 1e-9, .spp = spp};
+        options.user = &later;
+        options.checkpoint = &c;
+        assert_int_equal(
+            bis_film_init(&film, WIDTH, HEIGHT, (double[]){0, 1, 19.5 / 21, 1}, (bis_loc){0}, NULL), BIS_OK);
+        const bis_status status = bis_render(&end, &film, &w.scene, &w.desc.view, &options, &diag);
+        assert_int_equal(status, spp < result.spp ? BIS_INPUT : BIS_OK);
+        assert_true(status || end.spp == spp);
+        assert_int_equal(later.n_forecasts, 0);
+        bis_diag_clear(&diag);
+        bis_film_clear(&film);
+    }
+    clear_ticking(&w);
+}
+
+static void forget_glimpse(const float *rgba, void *user) {}
+
+/* Of what a render with a glimpse and edges takes, each piece that is missing is told once, and nothing stays. */
+static void without_memory_there_is_no_first_light(void **state)
+{
+    world w;
+    bool named = false;
+    make_world(&w, &bis_sir);
+    w.desc.view.edge_samples = 2;
+    FOR_LACK(l) {
+        const bis_render_options options = {.budget = {.spp = 1}, .n_threads = 1, .first_light = true,
+                                            .glimpse = forget_glimpse};
+        bis_film film;
+        bis_render_result result;
+        bis_diag diag = {0};
+        assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+        const long live = bis_mem_live();
+        film.independent = true;
+        w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+        LACK(l, bis_render(&result, &film, &w.scene, &w.desc.view, &options, &diag));
+        assert_int_equal(l.status == BIS_OK, l.over);
+        for (size_t i = 0; i < diag.n; i++)
+            named |= strstr(diag.messages[i].text, "no memory for the picture's first light") != NULL;
+        bis_diag_clear(&diag);
+        assert_int_equal(bis_mem_live(), live);
+        bis_film_clear(&film);
+    }
+    assert_true(named);
+    clear_world(&w);
+}
+
 /* ---- counters ---- */
 
 /* Two triangles seen head on from z = -2 by a camera of 90 degrees: they fill the middle 18 x 10 of 36 x 20 pixels.
@@ -1368,6 +1515,10 @@ int main(void)
         cmocka_unit_test(the_first_pass_ends_with_the_time),
         cmocka_unit_test(a_forecast_is_the_square_of_the_errors_times_what_was_taken),
         cmocka_unit_test(who_interrupts_a_finished_render_comes_too_late),
+        cmocka_unit_test(the_error_is_looked_at_by_the_number_of_passes),
+        cmocka_unit_test(an_error_that_is_not_known_ends_nothing),
+        cmocka_unit_test(an_error_that_is_just_reached_is_enough),
+        cmocka_unit_test(without_memory_there_is_no_first_light),
         cmocka_unit_test(counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_rejected_E30),
         cmocka_unit_test(escaped_rays_see_the_map_where_it_is_visible),
         cmocka_unit_test(without_jitter_rays_pass_through_pixel_centres),
