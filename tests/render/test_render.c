@@ -1178,31 +1178,34 @@ static void an_error_that_is_just_reached_is_enough(void **state)
 
 static void forget_glimpse(const float *rgba, void *user) {}
 
-/* Of what a render with a glimpse and edges takes, each piece that is missing is told once, and nothing stays. */
-static void without_memory_there_is_no_first_light(void **state)
+/* Of what a render with edges and with a glimpse, or of a part, takes, each piece that is missing is told, and nothing
+ * stays. */
+static void without_memory_there_is_no_first_light_and_no_part(void **state)
 {
     world w;
     bool named = false;
     make_world(&w, &bis_sir);
     w.desc.view.edge_samples = 2;
-    FOR_LACK(l) {
-        const bis_render_options options = {.budget = {.spp = 1}, .n_threads = 1, .first_light = true,
-                                            .glimpse = forget_glimpse};
-        bis_film film;
-        bis_render_result result;
-        bis_diag diag = {0};
-        assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-        const long live = bis_mem_live();
-        film.independent = true;
-        w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
-        LACK(l, bis_render(&result, &film, &w.scene, &w.desc.view, &options, &diag));
-        assert_int_equal(l.status == BIS_OK, l.over);
-        for (size_t i = 0; i < diag.n; i++)
-            named |= strstr(diag.messages[i].text, "no memory for the picture's first light") != NULL;
-        bis_diag_clear(&diag);
-        assert_int_equal(bis_mem_live(), live);
-        bis_film_clear(&film);
-    }
+    for (int part = 0; part < 2; part++)
+        FOR_LACK(l) {
+            const bis_render_options options = {.budget = {.spp = 1}, .n_threads = 1, .first_light = !part,
+                                                .glimpse = forget_glimpse, .part = {(uint32_t)part, part ? 2 : 0}};
+            bis_film film;
+            bis_render_result result;
+            bis_diag diag = {0};
+            assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+            const long live = bis_mem_live();
+            film.independent = true;
+            w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+            LACK(l, bis_render(&result, &film, &w.scene, &w.desc.view, &options, &diag));
+            assert_int_equal(l.status == BIS_OK, l.over);
+            assert_int_equal(diag.n_errors, !l.over);
+            for (size_t i = 0; i < diag.n; i++)
+                named |= strstr(diag.messages[i].text, "no memory for the picture's first light") != NULL;
+            bis_diag_clear(&diag);
+            assert_int_equal(bis_mem_live(), live);
+            bis_film_clear(&film);
+        }
     assert_true(named);
     clear_world(&w);
 }
@@ -1518,7 +1521,7 @@ int main(void)
         cmocka_unit_test(the_error_is_looked_at_by_the_number_of_passes),
         cmocka_unit_test(an_error_that_is_not_known_ends_nothing),
         cmocka_unit_test(an_error_that_is_just_reached_is_enough),
-        cmocka_unit_test(without_memory_there_is_no_first_light),
+        cmocka_unit_test(without_memory_there_is_no_first_light_and_no_part),
         cmocka_unit_test(counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_rejected_E30),
         cmocka_unit_test(escaped_rays_see_the_map_where_it_is_visible),
         cmocka_unit_test(without_jitter_rays_pass_through_pixel_centres),

@@ -3,8 +3,10 @@
  * be counted, and a rank can be made slow. The expected pictures are those of one process. What a tile has learned is
  * worth more than its pixels, in bytes: a rank that sends to another one than rank 0, or rank 0 more than numbers of
  * tiles, moves what was learned. */
+#include "bis/base/clock.h"
 #include "bis/base/mem.h"
 #include "render/checkpoint.h"
+#include "render/pass.h"
 #include "render/ranks.h"
 #include "render/scheduler_parts.h"
 
@@ -959,6 +961,27 @@ static void every_tile_is_rendered_once(void **state)
     }
 }
 
+/* Rank 0 alone: each of its tiles takes some of the time that passes, and no more than all of it together. */
+static void what_tiles_took_is_less_than_the_time_that_passed(void **state)
+{
+    static fake_ranks d;
+    const bis_pass pass = {.number = 0, .n = 1, .first = 0, .weight = 1};
+    double sum = 0;
+
+    open_fake_ranks(&d, 1, NULL, 7, 7, false);
+    d.w.sched = d.sched;
+    const double began = bis_clock_now();
+    assert_true(bis_pass_render(&d.w, &pass, note_progress, &d));
+    const double passed = bis_clock_now() - began;
+    for (int t = 0; t < 49; t++) {
+        assert_true(d.sched->seconds[t] > 0);
+        sum += d.sched->seconds[t];
+    }
+    assert_true(sum <= passed && d.sched->knows && d.progress == 1);
+    assert_int_equal(d.w.workers[0].counters.camera_rays, d.film.width * d.film.height);
+    close_fake_ranks(&d);
+}
+
 static void without_memory_there_is_no_scheduler(void **state)
 {
     fake_ranks d;
@@ -1085,6 +1108,7 @@ int main(void)
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
+        cmocka_unit_test(what_tiles_took_is_less_than_the_time_that_passed),
         cmocka_unit_test(without_memory_there_is_no_scheduler),
         cmocka_unit_test(ranks_end_together_where_one_cannot_go_on),
         cmocka_unit_test(ranks_with_another_scene_are_named),
