@@ -500,7 +500,8 @@ static void assert_halves_and_twins_are_weighed(int P, int W, double most, bool 
 {
     enum { ONE = 1, OTHER = 34 };
     const double more[] = {differ ? 0.3 : 0, differ ? 0.1 : 0, 0, 0},
-                 apart[] = {have_halves ? 0.125 : 0, have_halves ? 0.0625 : 0, 0, 0}, other = (double)P / (W - P);
+                 apart[] = {have_halves ? 0.125 : 0, have_halves ? 0.0625 : 0, 0, 0}, other = (double)P / (W - P),
+                 exposure = P; /* it changes nothing */
     const bool they_tell = differ && have_halves;
     bis_film f;
     bis_twin t = {0};
@@ -511,11 +512,11 @@ static void assert_halves_and_twins_are_weighed(int P, int W, double most, bool 
     for (int pass = 0; pass < W; pass++) {
         const double side = pass < P ? -1 : other;
         for (int i = 0; i < 36; i++) {
-            const double L = i == ONE || i == OTHER ? 1 + 0.1 * side : 1;
+            const double L = exposure * (i == ONE || i == OTHER ? 1 + 0.1 * side : 1);
             bis_film_add(&f, i % 6, i / 6, rgb_from(L, L, L), 1, 1);
         }
         for (t = (bis_twin){0}; bis_film_next_twin(&f, bis_film_crop(&f), &t);) {
-            const double L = 1 + more[t.at] + side * apart[t.at];
+            const double L = exposure * (1 + more[t.at] + side * apart[t.at]);
             assert_true(t.x + 6 * t.y != ONE && t.x + 6 * t.y != OTHER);
             bis_film_add_twin(&f, &t, rgb_from(L, L, L), 1);
         }
@@ -612,7 +613,7 @@ static void the_bound_is_as_by_hand(void **state)
             for (int pass = 0; pass < passes; pass++) {
                 for (int x = 0; x < 300; x++) {
                     const double L = 1 + (pass % 2 ? 1 : -1) * (x == 150 ? 0.5 : x % 3 == 0 ? 0.1 : 0);
-                    bis_film_add(&f, x, 0, rgb_from(L, L, L), 1, w);
+                    bis_film_add(&f, x, 0, rgb_from(w * L, w * L, w * L), 1, w); /* the exposure changes nothing */
                 }
                 bis_film_end_pass(&f, w);
             }

@@ -20,6 +20,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -945,7 +946,8 @@ static void what_there_is_is_shown_every_half_second_of_the_first_pass(void **st
         double tick;
         int n;
         double at[3];
-    } cases[] = {{0.05, 2, {1.05, 1.85}}, {1, 4, {5, 21, 37}}, {0.02, 1, {0.74}}, {0.01, 0, {0}}};
+    } cases[] = {{0.05, 2, {1.05, 1.85}}, {1, 4, {5, 21, 37}}, {0.1, 4, {0.5, 2.1, 3.7}}, {0.02, 1, {0.74}},
+                 {0.01, 0, {0}}};
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         telling t = {0};
@@ -1169,6 +1171,12 @@ static void an_error_that_is_just_reached_is_enough(void **state)
         const bis_status status = bis_render(&end, &film, &w.scene, &w.desc.view, &options, &diag);
         assert_int_equal(status, spp < result.spp ? BIS_INPUT : BIS_OK);
         assert_true(status || end.spp == spp);
+        if (status) {
+            char text[256];
+            snprintf(text, sizeof text, "%s: error: this checkpoint has %d camera samples a pixel already: ask for as "
+                     "many or more, not for %d", STATE, (int)result.spp, (int)spp);
+            assert_string_equal(diag.messages[0].text, text);
+        }
         assert_int_equal(later.n_forecasts, 0);
         bis_diag_clear(&diag);
         bis_film_clear(&film);
