@@ -99,6 +99,24 @@ static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
     assert_true(upper > expected);
 }
 
+/* The same passes in one pixel alone, which has none around it, and in the last of 1025 pixels, whose means are all 2. */
+static void a_lone_or_last_pixel_counts_as_all_others(void **state)
+{
+    for (int width = 1; width <= 1025; width += 1024) {
+        bis_film f;
+        init(&f, width, 1);
+        for (int pass = 0; pass < 2; pass++) {
+            for (int x = 0; x < width; x++) {
+                const float v = x < width - 1 ? 2 : pass ? 3 : 1;
+                bis_film_add(&f, x, 0, (rgb){v, v, v}, 1, 1);
+            }
+            bis_film_end_pass(&f, 1);
+        }
+        assert_true(fabs(bis_film_estimate_error(&f).relative_rmse / sqrt(1 / 4.04 / width) - 1) < 1e-12);
+        bis_film_clear(&f);
+    }
+}
+
 /* Passes {0, 0, 0, 32}: mean 8, of variance 256/4 = 64, beside a pixel of 4; m = 6. The twin, 64/(8^2 + m^2/100), calls
  * it an error of 70%, however bright the sample. */
 static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
@@ -644,6 +662,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_error_of_passes_is_the_mean_over_pixels),
         cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
+        cmocka_unit_test(a_lone_or_last_pixel_counts_as_all_others),
         cmocka_unit_test(a_lone_bright_sample_does_not_hide_behind_its_own_brightness),
         cmocka_unit_test(relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter),
         cmocka_unit_test(an_error_too_small_to_be_weighed_is_unknown),
