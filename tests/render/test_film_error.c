@@ -99,7 +99,7 @@ static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
     assert_true(upper > expected);
 }
 
-/* The same passes in one pixel alone, which has none around it, and in the last of 1025 pixels, whose means are all 2. */
+/* The same passes in one pixel alone, which has none around it, and in the last of 1025, whose means are all 2. */
 static void a_lone_or_last_pixel_counts_as_all_others(void **state)
 {
     for (int width = 1; width <= 1025; width += 1024) {
