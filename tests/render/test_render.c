@@ -715,6 +715,7 @@ typedef struct telling {
     const char *path;       /* of a checkpoint */
     uint64_t kept[16];      /* camera samples in it */
     double seconds;         /* in it */
+    uint32_t interrupts;    /* after this pass; 0: never */
 } telling;
 
 static void note_report(const bis_progress *p, void *user)
@@ -1038,7 +1039,7 @@ static void a_forecast_is_the_square_of_the_errors_times_what_was_taken(void **s
 
 static void interrupt_after(const bis_render_result *result, void *user)
 {
-    if (result->passes == *(const uint32_t *)user) world_flag = 1;
+    if (result->passes == ((const telling *)user)->interrupts) world_flag = 1;
 }
 
 /* Passes of 1, 1 and 2 samples: what comes after the last of them comes too late. A time is no number of samples. */
@@ -1047,6 +1048,7 @@ static void who_interrupts_a_finished_render_comes_too_late(void **state)
     for (uint32_t passes = 1; passes <= 4; passes++) {
         const bool by_time = passes == 4;
         const uint32_t after = by_time ? 3 : passes;
+        telling t = {.interrupts = after};
         world w;
         bis_film film;
         bis_render_result result;
@@ -1055,8 +1057,9 @@ static void who_interrupts_a_finished_render_comes_too_late(void **state)
         render_part(&film, &result, &w, one_pixel,
                     &(bis_render_options){.budget = {.spp = by_time ? 0 : 4, .seconds = 1e6}, .n_threads = 1,
                                           .interrupted = &world_flag, .so_far = interrupt_after,
-                                          .user = (void *)&after});
+                                          .progress = note_report, .user = &t});
         assert_int_equal(result.passes, after);
+        assert_true(fabs(t.reports[t.n - 1].share - (by_time ? 40 / 1e6 : (double)result.spp / 4)) < 1e-9);
         assert_int_equal(result.interrupted, passes != 3);
         bis_film_clear(&film);
         clear_ticking(&w);
