@@ -960,8 +960,13 @@ static void what_there_is_is_shown_every_half_second_of_the_first_pass(void **st
         set_watch(cases[i].tick, FOR_EVER);
         render_part(&film, &result, &w, one_row,
                     &(bis_render_options){.budget = {.spp = 2}, .n_threads = 1, .first_light = true,
-                                          .glimpse = note_glimpse, .user = &t});
+                                          .glimpse = note_glimpse, .progress = note_report, .user = &t});
         assert_int_equal(t.n_glimpses, cases[i].n);
+        for (int k = 0; k < 10 && cases[i].tick == 1; k++) { /* the three tiles of a glimpse are no part of a pass */
+            assert_int_equal(t.n, 10);
+            assert_true(fabs(t.reports[k].share - (k < 3 ? 0 : k < 9 ? (k - 2) / 6.0 : 1)) < 1e-9);
+            assert_true((k < 3) == isnan(t.reports[k].seconds_left));
+        }
         for (int k = 0; k < t.n_glimpses && k < 3; k++) assert_true(fabs(t.glimpses[k] - cases[i].at[k]) < 1e-6);
         for (int x = 0; x < WIDTH && i == 0; x++) { /* of two tiles every 8th pixel is there */
             const int from = x < 16 ? x : x / 8 * 8;
