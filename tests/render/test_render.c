@@ -156,6 +156,34 @@ static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
     }
 }
 
+/* A picture of 81 whole tiles: twins in their first and last pixels, too. */
+static void a_twin_may_be_any_pixel_of_a_tile(void **state)
+{
+    enum { SIDE = 144 };
+    const uint64_t seeds[] = {7, bis_hash(7 ^ 0x7477696e)};
+    const bis_render_options options = {.budget = {.spp = 2}, .n_threads = 1};
+    int first = 0, last = 0;
+    world w;
+    bis_film films[2];
+    bis_render_result result;
+    make_world(&w, &noise);
+    for (int k = 0; k < 2; k++) {
+        w.desc.view.sampler.seed = seeds[k];
+        assert_int_equal(bis_film_init(&films[k], SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &films[k], &w.scene, &w.desc.view, &options, NULL), BIS_OK);
+    }
+    for (bis_twin t = {0}; bis_film_next_twin(&films[0], bis_film_crop(&films[0]), &t);) {
+        const size_t i = (size_t)t.y * SIDE + (size_t)t.x;
+        assert_memory_equal(films[0].twin + BIS_TWIN_VALUES * t.at, films[1].sum + 3 * i, 3 * sizeof *films[1].sum);
+        if (films[1].hits[i] < 2) continue;
+        first += t.x % 16 == 0 && t.y % 16 == 0;
+        last += t.x % 16 == 15 && t.y % 16 == 15;
+    }
+    assert_true(first > 0 && last > 0);
+    for (int k = 0; k < 2; k++) bis_film_clear(&films[k]);
+    clear_world(&w);
+}
+
 /* What a tile has learned comes from all its pixels, those beside the crop as well. Twin: without `learn` other bits.
  */
 static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
@@ -1510,6 +1538,7 @@ int main(void)
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits_and_counts),
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
         cmocka_unit_test(a_twin_is_its_pixel_in_a_render_with_another_seed),
+        cmocka_unit_test(a_twin_may_be_any_pixel_of_a_tile),
         cmocka_unit_test(a_crop_of_a_picture_that_learns_holds_its_bits),
         cmocka_unit_test(what_learns_renders_whole_tiles_and_says_so),
         cmocka_unit_test(a_thin_film_holds_the_bits_of_its_pixels_in_the_picture),

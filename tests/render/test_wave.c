@@ -652,6 +652,38 @@ static void a_survey_counts_once_and_may_end(void **state)
     }
 }
 
+/* An outline takes 5 camera samples where another pixel takes one, a turn 3: their sampler divides as many. */
+static void edge_pixels_have_samplers_of_all_their_samples(void **state)
+{
+    static const bis_sampler_kind kinds[] = {
+        BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
+    static const uint64_t times[] = {[BIS_EDGE_NONE] = 1, [BIS_EDGE_TURN] = 3, [BIS_EDGE_OUTLINE] = 5};
+    const bis_render_options options = {.n_threads = 1};
+    world w;
+    make_world(&w, &bis_em);
+    w.desc.view.edge_samples = 5;
+    for (int i = 0; i < 4; i++) {
+        bis_film film;
+        bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
+                              .film = &film};
+        w.desc.view.sampler.kind = kinds[i];
+        bis_sampler_set_spp(&w.desc.view.sampler, 16);
+        assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
+        assert_int_equal(bis_workspace_find_edges(&work, NULL), BIS_OK);
+        for (int k = 0; k < BIS_EDGE_KINDS; k++) {
+            bis_sampler wanted = w.desc.view.sampler;
+            const bis_sampler *found = &work.edge_samplers[k];
+            bis_sampler_set_spp(&wanted, 16 * times[k]);
+            assert_true(found->kind == kinds[i] && found->seed == wanted.seed && found->jitter == wanted.jitter);
+            assert_true(found->spp == wanted.spp && found->spp >= 16 * times[k]);
+        }
+        bis_workspace_clear(&work);
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
 /* A film in a corner: what is learned is that of the whole picture, of which 2^23 pixels have cells, and more have
  * none. Squares of 32, 64, ..., 4096 pixels, by hand. */
 static void what_is_learned_is_of_the_size_of_the_picture(void **state)
@@ -700,6 +732,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_learned_is_of_the_size_of_the_picture),
+        cmocka_unit_test(edge_pixels_have_samplers_of_all_their_samples),
         cmocka_unit_test(squares_of_a_picture_are_those_that_have_a_pixel),
         cmocka_unit_test(each_place_is_in_the_square_around_it),
         cmocka_unit_test(squares_are_looked_at_coarse_to_fine),
