@@ -961,6 +961,81 @@ static void every_tile_is_rendered_once(void **state)
     }
 }
 
+/* Other threads than the first take tiles from the queue, rank 0's from its lists as well, and tell no progress. */
+static void other_threads_take_tiles_and_tell_nothing(void **state)
+{
+    static fake_ranks d;
+
+    open_fake_ranks(&d, 1, NULL, 7, 7, false);
+    d.progress = -1;
+    bis_sched_begin(d.sched, note_progress, &d);
+    for (int t = 0; t < 49; t++) {
+        assert_int_equal(bis_sched_next(d.sched, t % 2), t);
+        bis_sched_finish(d.sched, 1, t, 0.5 + t);
+        assert_true(d.progress == -1 && d.sched->seconds[t] == 0.5 + t);
+        assert_true(d.sched->n_finished == t + 1 && d.sched->finished[t] == t);
+    }
+    assert_int_equal(bis_sched_next(d.sched, 0), -1);
+    assert_int_equal(bis_sched_next(d.sched, 1), -1);
+    close_fake_ranks(&d);
+
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    d.ranks.rank = 1;
+    d.progress = -1;
+    bis_sched_begin(d.sched, note_progress, &d);
+    leave_work(&d, 0, LIST(5, 0, 7));
+    assert_int_equal(bis_sched_next(d.sched, 0), 5);
+    assert_int_equal(bis_sched_next(d.sched, 1), 0);
+    assert_int_equal(bis_sched_next(d.sched, 1), 7);
+    for (int t = 5; t <= 7; t++) bis_sched_finish(d.sched, t % 2, t, 1);
+    assert_true(d.progress == -1);
+    close_fake_ranks(&d);
+}
+
+static bis_counters counters_sent;
+
+static void keep_counters(bis_ranks *ranks, int to, const void *data, size_t n)
+{
+    assert_true(to == 0 && n == sizeof counters_sent);
+    memcpy(&counters_sent, data, n);
+}
+
+static unsigned char *give_counters(bis_ranks *ranks, int *from, size_t *n, bool wait)
+{
+    assert_true(wait);
+    return (unsigned char *)&counters_sent;
+}
+
+/* Two threads: rank 1 sends the sum of what they have counted, and rank 0 adds that of two others to its own. */
+static void at_the_end_of_a_pass_counters_are_added_up(void **state)
+{
+    static fake_ranks d;
+
+    for (int rank = 1; rank >= 0; rank--) {
+        open_fake_ranks(&d, 3, NULL, 7, 7, false);
+        bis_workspace_clear(&d.w);
+        d.options.n_threads = 2;
+        d.w = (bis_workspace){.scene = &d.world.scene, .desc = &d.world.desc, .view = &d.world.desc.view,
+                              .options = &d.options, .film = &d.film};
+        assert_int_equal(bis_workspace_init(&d.w, NULL), BIS_OK);
+        d.ranks.rank = rank;
+        d.ranks.send = keep_counters;
+        d.ranks.receive = give_counters;
+        d.w.workers[0].counters = (bis_counters){1, 2, 3, 4, 5, 6};
+        d.w.workers[1].counters = (bis_counters){10, 20, 30, 40, 50, 60};
+        bis_sched_end(d.sched);
+        assert_true(d.sched->knows == (rank == 0));
+        if (rank == 1) {
+            assert_memory_equal(&counters_sent, &((bis_counters){11, 22, 33, 44, 55, 66}), sizeof counters_sent);
+        } else {
+            const bis_counters *c = &d.w.workers[0].counters;
+            assert_memory_equal(c, &((bis_counters){23, 46, 69, 92, 115, 138}), sizeof *c);
+            assert_int_equal(d.w.workers[1].counters.camera_rays, 10);
+        }
+        close_fake_ranks(&d);
+    }
+}
+
 /* Rank 0 alone: each of its tiles takes some of the time that passes, and no more than all of it together. */
 static void what_tiles_took_is_less_than_the_time_that_passed(void **state)
 {
@@ -1108,6 +1183,8 @@ int main(void)
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
+        cmocka_unit_test(other_threads_take_tiles_and_tell_nothing),
+        cmocka_unit_test(at_the_end_of_a_pass_counters_are_added_up),
         cmocka_unit_test(what_tiles_took_is_less_than_the_time_that_passed),
         cmocka_unit_test(without_memory_there_is_no_scheduler),
         cmocka_unit_test(ranks_end_together_where_one_cannot_go_on),
