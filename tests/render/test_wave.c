@@ -652,6 +652,64 @@ static void a_survey_counts_once_and_may_end(void **state)
     }
 }
 
+/* An accelerator in which one shadow ray of `each` comes through; 0: nothing is hit. */
+typedef struct dim {
+    bis_accel accel;
+    const bis_accel *inner;
+    uint32_t each, *n;
+} dim;
+
+static bool dim_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    const dim *d = (const dim *)a;
+    return d->each > 0 && bis_accel_intersect(d->inner, r, hit);
+}
+
+static bool dim_occluded(const bis_accel *a, const ray *r)
+{
+    const dim *d = (const dim *)a;
+    return (*d->n)++ % d->each > 0;
+}
+
+/* The ball fills the picture of 256 x 256 pixels, so that all samples meet it. A look ends after its first round, of 4
+ * samples, if a quarter of the rays came through; after 16 rounds it has seen enough of the dark, or of the sky. There
+ * are 5 squares of 128 pixels and more, and 80 others. The same goes for tiles. */
+static void a_look_ends_where_a_quarter_comes_through(void **state)
+{
+    static const struct { uint32_t each, rays; } cases[] = {{0, 64}, {1, 4}, {2, 4}, {3, 4}, {5, 64}, {1u << 30, 64}};
+    static const bis_accel_ops ops = {.name = "dim", .intersect = dim_intersect, .occluded = dim_occluded};
+    const bis_render_options options = {.n_threads = 1};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        uint32_t n = 0;
+        int told = 0;
+        world w;
+        bis_film film;
+        make_world(&w, &bis_sir);
+        choose(&w, &(setting){&bis_sir, 64, 64, BIS_PROPOSAL_PRODUCT, true, true});
+        w.desc.view.camera.fov_deg = 5;
+        bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
+                              .film = &film};
+        assert_int_equal(bis_film_init(&film, 256, 256, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
+        bis_clusters_fill(&work.clusters, w.scene.light, 1, 0, 1);
+        dim d = {{&ops, &w.scene.geometry}, w.scene.accel, cases[i].each, &n};
+        w.scene.accel = &d.accel;
+        bis_survey(&work, false, true, count_telling, &told);
+        assert_int_equal(counted_rays(&work), 5 * cases[i].rays);
+        bis_survey(&work, true, true, count_telling, &told);
+        assert_int_equal(counted_rays(&work), 85 * cases[i].rays);
+        if (cases[i].each != 5) { /* a tile knows so much of it that its rays are few, and a fifth is a matter of luck */
+            bis_survey_tile(&work, &work.workers[0], 3);
+            assert_int_equal(counted_rays(&work), 86 * cases[i].rays);
+        }
+        w.scene.accel = (bis_accel *)(uintptr_t)d.inner;
+        bis_workspace_clear(&work);
+        bis_film_clear(&film);
+        clear_world(&w);
+    }
+}
+
 /* An outline takes 5 camera samples where another pixel takes one, a turn 3: their sampler divides as many. */
 static void edge_pixels_have_samplers_of_all_their_samples(void **state)
 {
@@ -732,6 +790,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_learned_is_of_the_size_of_the_picture),
+        cmocka_unit_test(a_look_ends_where_a_quarter_comes_through),
         cmocka_unit_test(edge_pixels_have_samplers_of_all_their_samples),
         cmocka_unit_test(squares_of_a_picture_are_those_that_have_a_pixel),
         cmocka_unit_test(each_place_is_in_the_square_around_it),
