@@ -961,6 +961,50 @@ static void every_tile_is_rendered_once(void **state)
     }
 }
 
+/* What a pass has made of a crop, tile by tile into a message and out of it: all of its pixels, layers and twins, and
+ * no other bytes. */
+static void pixels_of_a_crop_travel(void **state)
+{
+    static const double crop[4] = {0.3, 0.95, 0.2, 0.7};
+    bis_film f;
+    bis_workspace w[2];
+    size_t travelled = 0;
+    int across;
+
+    assert_int_equal(bis_film_init(&f, SIDE, SIDE, crop, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(&f, BIS_LAYERS_ALL, NULL), BIS_OK);
+    assert_int_equal(bis_film_want_twins(&f, NULL), BIS_OK);
+    const size_t n = (size_t)f.width * (size_t)f.height, n_values = n * (size_t)f.layers.n_values,
+                 n_twins = bis_film_twins(&f);
+    for (int k = 0; k < 2; k++)
+        w[k] = (bis_workspace){.film = &f, .pass = bis_alloc(n, sizeof *w->pass),
+                               .pass_layers = bis_alloc(n_values, sizeof *w->pass_layers),
+                               .pass_twins = bis_alloc(n_twins, sizeof *w->pass_twins)};
+    for (size_t i = 0; i < n; i++) w->pass[i] = (bis_pixel_mean){{(float)i, 1, 2}, 0.5f};
+    for (size_t i = 0; i < n_values; i++) w->pass_layers[i] = (float)i;
+    size_t n_here = 0; /* twins in the crop */
+    for (bis_twin t = {0}; bis_film_next_twin(&f, bis_film_crop(&f), &t); n_here++)
+        w->pass_twins[t.at] = (rgb){(float)t.x, (float)t.y, 3};
+    unsigned char *buffer = bis_alloc(1, bis_sched_tile_bytes(w));
+    for (int t = 0; t < bis_film_tiles(&f, BIS_RENDER_TILE, &across); t++) {
+        const unsigned char *end = bis_sched_put_pixels(buffer, &w[0], t);
+        assert_true((size_t)(end - buffer) <= bis_sched_tile_bytes(w));
+        assert_ptr_equal(bis_sched_get_pixels(buffer, &w[1], t), end);
+        travelled += (size_t)(end - buffer);
+    }
+    assert_memory_equal(w[1].pass, w[0].pass, n * sizeof *w->pass);
+    assert_memory_equal(w[1].pass_layers, w[0].pass_layers, n_values * sizeof *w->pass_layers);
+    assert_memory_equal(w[1].pass_twins, w[0].pass_twins, n_twins * sizeof *w->pass_twins);
+    assert_int_equal(travelled, 16 * n + 4 * n_values + 12 * n_here);
+    for (int k = 0; k < 2; k++) {
+        bis_free(w[k].pass);
+        bis_free(w[k].pass_layers);
+        bis_free(w[k].pass_twins);
+    }
+    bis_free(buffer);
+    bis_film_clear(&f);
+}
+
 /* Other threads than the first take tiles from the queue, rank 0's from its lists as well, and tell no progress. */
 static void other_threads_take_tiles_and_tell_nothing(void **state)
 {
@@ -1183,6 +1227,7 @@ int main(void)
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
+        cmocka_unit_test(pixels_of_a_crop_travel),
         cmocka_unit_test(other_threads_take_tiles_and_tell_nothing),
         cmocka_unit_test(at_the_end_of_a_pass_counters_are_added_up),
         cmocka_unit_test(what_tiles_took_is_less_than_the_time_that_passed),

@@ -699,7 +699,7 @@ static void a_look_ends_where_a_quarter_comes_through(void **state)
         assert_int_equal(counted_rays(&work), 5 * cases[i].rays);
         bis_survey(&work, true, true, count_telling, &told);
         assert_int_equal(counted_rays(&work), 85 * cases[i].rays);
-        if (cases[i].each != 5) { /* a tile knows so much of it that its rays are few, and a fifth is a matter of luck */
+        if (cases[i].each != 5) { /* a tile knows so much that its rays are few, and a fifth of them is luck */
             bis_survey_tile(&work, &work.workers[0], 3);
             assert_int_equal(counted_rays(&work), 86 * cases[i].rays);
         }
