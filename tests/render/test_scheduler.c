@@ -1036,6 +1036,27 @@ static void other_threads_take_tiles_and_tell_nothing(void **state)
     close_fake_ranks(&d);
 }
 
+/* What a rank's own tiles have counted is learned, once. */
+static void a_rank_learns_from_the_tiles_that_it_has_done(void **state)
+{
+    static fake_ranks d;
+
+    open_fake_ranks(&d, 3, NULL, 7, 7, true);
+    const bis_visibility *v = &d.w.visibility;
+    for (int t = 0; t < 49; t++) v->counted[(size_t)t * v->cells].rays[1] = (uint16_t)(t + 1);
+    bis_sched_begin(d.sched, note_progress, &d);
+    bis_sched_finish(d.sched, 1, 5, 1);
+    bis_sched_finish(d.sched, 1, 3, 1);
+    for (int k = 0; k < 2; k++) {
+        bis_sched_learn(d.sched);
+        assert_int_equal(d.sched->n_finished, 0);
+        for (int t = 0; t < 49; t++)
+            assert_int_equal(v->known[(size_t)t * v->cells].rays[1], t == 3 || t == 5 ? t + 1 : 0);
+        v->counted[5 * v->cells].rays[1] = 9;
+    }
+    close_fake_ranks(&d);
+}
+
 static bis_counters counters_sent;
 
 static void keep_counters(bis_ranks *ranks, int to, const void *data, size_t n)
@@ -1228,6 +1249,7 @@ int main(void)
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
         cmocka_unit_test(pixels_of_a_crop_travel),
+        cmocka_unit_test(a_rank_learns_from_the_tiles_that_it_has_done),
         cmocka_unit_test(other_threads_take_tiles_and_tell_nothing),
         cmocka_unit_test(at_the_end_of_a_pass_counters_are_added_up),
         cmocka_unit_test(what_tiles_took_is_less_than_the_time_that_passed),
