@@ -246,6 +246,20 @@ static void what_a_render_works_with(void **state)
         }
 }
 
+/* Without textures, and with them. */
+static void what_a_wave_of_camera_samples_has(void **state)
+{
+    for (uint32_t k = 0; k < 2; k++) {
+        const bis_scene_desc desc = {.textures.n_of_material = k};
+        const bis_wave_task task = {.desc = &desc};
+        const account before = begin();
+        bis_wave *wave = bis_wave_new(&task, NULL, NULL, NULL);
+        assert_non_null(wave);
+        expect(before, bis_wave_bytes(&desc));
+        bis_wave_free(wave);
+    }
+}
+
 /* A colour of each twin, beside all else. */
 static void what_a_render_with_twins_works_with(void **state)
 {
@@ -318,6 +332,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_a_thread_knows_beyond_the_thesis),
         cmocka_unit_test(a_film_its_layers_and_its_twins),
         cmocka_unit_test(what_a_render_works_with),
+        cmocka_unit_test(what_a_wave_of_camera_samples_has),
         cmocka_unit_test(what_a_render_with_twins_works_with),
         cmocka_unit_test(what_a_scheduler_has_for_tiles_and_ranks),
     };
