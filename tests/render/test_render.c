@@ -447,6 +447,8 @@ static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39
     clear_world(&w);
 }
 
+static void tell_nothing(const bis_render_result *result, void *user) { fail_msg("%d passes", (int)result->passes); }
+
 static void an_interrupted_first_pass_leaves_nothing(void **state)
 {
     world w;
@@ -458,7 +460,8 @@ static void an_interrupted_first_pass_leaves_nothing(void **state)
     set_fuse(100);
     render(
         &film, &result, &w, whole,
-        &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &world_flag, .checkpoint = &c});
+        &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &world_flag, .checkpoint = &c,
+                              .so_far = tell_nothing});
     assert_false(program_exists(STATE));
     assert_true(result.interrupted);
     assert_int_equal(result.passes, 0);
