@@ -869,7 +869,7 @@ static void the_film_is_told_how_many_samples_are_expected(void **state)
         {{.spp = 12}, 5, {12, 12, 12, 12, 12}},      {{.spp = 3}, 3, {3, 3, 3}},
         {{.seconds = 100}, 5, {0, 10, 10, 10, 10}},  {{.seconds = 75}, 4, {0, 7.5, 7.5, 7.5}},
         {{.spp = 6, .seconds = 100}, 4, {6, 6, 6, 6}}, {{.spp = 20, .seconds = 70}, 4, {20, 7, 7, 7}},
-        {{.spp = 4, .error = 1e-9}, 3, {0, 0, 0}},
+        {{.spp = 4, .error = 1e-9}, 3, {0, 0, 0}},   {{.seconds = 0.75}, 4, {0, 7.5, 7.5, 7.5}},
     };
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -877,7 +877,7 @@ static void the_film_is_told_how_many_samples_are_expected(void **state)
         bis_film film;
         bis_render_result result;
         telling t = {.film = &film};
-        make_ticking(&w, 10, FOR_EVER);
+        make_ticking(&w, cases[i].budget.seconds == 0.75 ? 0.1 : 10, FOR_EVER);
         render_part(&film, &result, &w, one_pixel,
                     &(bis_render_options){.budget = cases[i].budget, .n_threads = 1, .so_far = note_result,
                                           .user = &t});
