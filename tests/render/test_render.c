@@ -857,8 +857,8 @@ static void the_result_so_far_is_told_once_in_an_interval(void **state)
     }
 }
 
-/* The same pixel: how many samples are expected in all, as the film is told before each pass. An
- * error to reach says nothing; the time says what it has room for, once there is a speed. */
+/* The same pixel, the last time with 0.1 s a sample: how many samples are expected in all, as the film is told before
+ * each pass. An error to reach says nothing; the time says what it has room for, once there is a speed. */
 static void the_film_is_told_how_many_samples_are_expected(void **state)
 {
     static const struct {
