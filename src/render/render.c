@@ -256,7 +256,6 @@ static void render_passes(render *r, bis_render_result *result)
     }
     if (!is_cut) keep(r);
     fill_result(result, r);
-    r->size = 0;
     /* where all passes are done, it came too late */
     const bool is_done = r->most && r->done.spp >= r->most && r->missing == 0;
     result->interrupted = bis_workspace_interrupted(&r->work) && !is_done;

@@ -256,6 +256,102 @@ static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
     clear_world(&w);
 }
 
+/* ---- every corner ---- */
+
+/* An accelerator that counts its rays. */
+typedef struct counting {
+    bis_accel accel;
+    const bis_accel *inner;
+    uint64_t *n;
+} counting;
+
+static bool counting_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    const counting *c = (const counting *)a;
+    ++*c->n;
+    return bis_accel_intersect(c->inner, r, hit);
+}
+
+static bool counting_occluded(const bis_accel *a, const ray *r) { return false; }
+
+/* What the four corners of the film's pixel (x, y) say: of all pairs of them, the most. */
+static int kind_by_corners(const world *w, const bis_film *f, const double *turns, int x, int y)
+{
+    bis_surface s[4];
+    bool hit[4];
+    int kind = BIS_EDGE_NONE;
+
+    for (int k = 0; k < 4; k++) {
+        bis_hit h;
+        const ray eye = bis_camera_ray(&w->desc.view.camera, f->picture_width, f->picture_height,
+                                       x * f->step + f->step / 2 + k % 2, y * f->step + f->step / 2 + k / 2);
+        hit[k] = bis_accel_intersect(w->scene.accel, &eye, &h);
+        if (hit[k]) bis_geometry_surface(&w->scene.geometry, h.prim, &eye, &s[k]);
+    }
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++) {
+            if (!hit[i] && !hit[k]) continue;
+            if (hit[i] != hit[k] || s[i].material != s[k].material) return BIS_EDGE_OUTLINE;
+            const double cosine = dot(s[i].n, s[k].n);
+            if (cosine < 0.5) return BIS_EDGE_OUTLINE;
+            if (cosine < turns[s[i].material]) kind = BIS_EDGE_TURN;
+        }
+    return kind;
+}
+
+/* Pictures and thin films, whole and cropped, looked at whole and tile by tile. Each corner takes a ray; of a thin film
+ * each pixel has four of its own. Tiles of an area trace those between them twice, and count them once. */
+static void a_pixel_is_what_its_four_corners_say(void **state)
+{
+    static const bis_accel_ops ops = {
+        .name = "counting", .intersect = counting_intersect, .occluded = counting_occluded};
+    static const double crops[][4] = {{0, 1, 0, 1}, {0.3, 0.9, 0.2, 0.7}};
+    int met[3] = {0, 0, 0};
+
+    for (int i = 0; i < 6; i++) {
+        const int step = 1 + i / 2, size = step > 1 ? 3 * step : 2; /* of the picture, in units of the world's */
+        world w;
+        bis_film f;
+        uint64_t traced = 0, told = 0;
+        int across;
+        make_world(&w, &place);
+        w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 1000); /* each small turn counts */
+        assert_int_equal(bis_film_init_thin(&f, size * WIDTH, size * HEIGHT, crops[i % 2], step, (bis_loc){0}, NULL),
+                         BIS_OK);
+        const bis_rect area = bis_film_crop(&f);
+        const uint64_t n = step > 1 ? 4 * (uint64_t)f.width * (uint64_t)f.height
+                                    : (uint64_t)(f.width + 1) * (uint64_t)(f.height + 1);
+        unsigned char *edge = bis_alloc(bis_edges_bytes(area), 1), *by_tile = bis_alloc(bis_edges_bytes(area), 1);
+        double *turns = bis_edges_turns(&w.desc);
+        counting c = {{&ops, &w.scene.geometry}, w.scene.accel, &traced};
+        bis_scene seen = w.scene;
+        seen.accel = &c.accel;
+        const bis_edge_eye from = {&f, &seen, &w.desc.view, turns};
+        assert_true(bis_edges_find(edge, area, area, &from, 1));
+        assert_true(traced == n && bis_edges_rays(&f, area, area) == n);
+        for (int t = 0; t < bis_film_tiles(&f, BIS_RENDER_TILE, &across); t++) {
+            const bis_rect tile = bis_film_tile_of_crop(&f, BIS_RENDER_TILE, t);
+            assert_true(bis_edges_find(by_tile, area, tile, &from, 1));
+            told += bis_edges_rays(&f, area, tile);
+        }
+        assert_true(told == n && across > 1);
+        assert_memory_equal(edge, by_tile, bis_edges_bytes(area));
+        for (int y = area.y0; y < area.y1; y++)
+            for (int x = area.x0; x < area.x1; x++) {
+                const int kind = bis_edges_kind(edge, area, x, y);
+                assert_int_equal(kind, kind_by_corners(&w, &f, turns, x, y));
+                met[kind]++;
+            }
+        bis_free(turns);
+        bis_free(edge);
+        bis_free(by_tile);
+        bis_film_clear(&f);
+        clear_world(&w);
+    }
+    if (!(met[BIS_EDGE_OUTLINE] > 100 && met[BIS_EDGE_TURN] > 100 && met[BIS_EDGE_NONE] > 1000))
+        fail_msg("%d, %d and %d pixels", met[0], met[1], met[2]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -266,6 +362,7 @@ int main(void)
         cmocka_unit_test(the_turn_that_counts_is_that_of_the_lobe),
         cmocka_unit_test(mean_is_the_same_and_its_scatter_less),
         cmocka_unit_test(bits_do_not_depend_on_threads_and_one_is_none),
+        cmocka_unit_test(a_pixel_is_what_its_four_corners_say),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

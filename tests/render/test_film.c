@@ -36,6 +36,30 @@ static void neighbouring_crops_share_no_pixel_and_leave_no_gap(void **state)
     }
 }
 
+/* Four numbers in [0,1], x0 < x1 and y0 < y1, and nothing else. What is refused leaves the crop as it was. */
+static void a_crop_is_read_from_four_numbers(void **state)
+{
+    static const struct {
+        const char *text;
+        bool is_right;
+        double crop[4];
+    } cases[] = {
+        {"0.25,0.75,0,1", true, {0.25, 0.75, 0, 1}}, {"0,1,0.5,0.625", true, {0, 1, 0.5, 0.625}},
+        {"0,0.5,0.5,1", true, {0, 0.5, 0.5, 1}}, {"", false, {0}}, {"0,1,0", false, {0}}, {"0,1,0,", false, {0}},
+        {"0,1,0,1,", false, {0}}, {"0,1,0,1,1", false, {0}}, {"0,1,0,1 ", false, {0}}, {"0;1,0,1", false, {0}},
+        {"0,1;0,1", false, {0}}, {"0,1,0;1", false, {0}}, {"x,1,0,1", false, {0}}, {"0,1,0,x", false, {0}},
+        {",1,0,1", false, {0}}, {"-0.1,1,0,1", false, {0}}, {"0,1.1,0,1", false, {0}}, {"0,1,-0.1,1", false, {0}},
+        {"0,1,0,1.1", false, {0}}, {"nan,1,0,1", false, {0}}, {"0.5,0.5,0,1", false, {0}}, {"0,1,0.5,0.5", false, {0}},
+        {"0.6,0.5,0,1", false, {0}}, {"0,1,0.6,0.5", false, {0}},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double crop[4] = {7, 7, 7, 7};
+        if (bis_film_read_crop(crop, cases[i].text) != cases[i].is_right) fail_msg("\"%s\"", cases[i].text);
+        for (int k = 0; k < 4; k++) assert_true(crop[k] == (cases[i].is_right ? cases[i].crop[k] : 7));
+    }
+}
+
 /* pbrt-v4, film.cpp: pixelBounds = (ceil(full * x0), ceil(full * x1)). */
 static void crop_is_rounded_as_pbrt_does(void **state)
 {
@@ -295,6 +319,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(neighbouring_crops_share_no_pixel_and_leave_no_gap),
+        cmocka_unit_test(a_crop_is_read_from_four_numbers),
         cmocka_unit_test(crop_is_rounded_as_pbrt_does),
         cmocka_unit_test(the_tiles_of_a_crop_are_those_of_its_picture),
         cmocka_unit_test(crops_and_tiles_have_the_twins_of_their_picture),

@@ -99,6 +99,24 @@ static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
     assert_true(upper > expected);
 }
 
+/* The same passes in one pixel alone, which has none around it, and in the last of 1025, whose means are all 2. */
+static void a_lone_or_last_pixel_counts_as_all_others(void **state)
+{
+    for (int width = 1; width <= 1025; width += 1024) {
+        bis_film f;
+        init(&f, width, 1);
+        for (int pass = 0; pass < 2; pass++) {
+            for (int x = 0; x < width; x++) {
+                const float v = x < width - 1 ? 2 : pass ? 3 : 1;
+                bis_film_add(&f, x, 0, (rgb){v, v, v}, 1, 1);
+            }
+            bis_film_end_pass(&f, 1);
+        }
+        assert_true(fabs(bis_film_estimate_error(&f).relative_rmse / sqrt(1 / 4.04 / width) - 1) < 1e-12);
+        bis_film_clear(&f);
+    }
+}
+
 /* Passes {0, 0, 0, 32}: mean 8, of variance 256/4 = 64, beside a pixel of 4; m = 6. The twin, 64/(8^2 + m^2/100), calls
  * it an error of 70%, however bright the sample. */
 static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
@@ -119,7 +137,8 @@ static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(
         for (int pass = 0; pass < 7; pass++) {
             const bis_film_error e = bis_film_estimate_error(&f);
             assert_true(pass < 2 ? isnan(e.relative_rmse) && isnan(e.upper) : e.relative_rmse < 1e-7 && e.upper < 1e-7);
-            assert_true(pass >= 2 || !e.is_known);
+            assert_true(pass < 2 ? isnan(e.scatter) : e.scatter < 1e-7);
+            assert_true(e.is_known == (pass >= 2) && e.is_bounded == (pass >= 2));
             bis_film_add(&f, 0, 0, (rgb){value, value, value}, true, 1);
             bis_film_end_pass(&f, 1);
         }
@@ -156,6 +175,24 @@ static void any_number_of_threads_finds_the_same_errors(void **state)
     }
     use_threads(before);
     bis_film_clear(&f);
+}
+
+/* Of two passes the pixels' means differ by 10^-83 of themselves, which only a forged file can say: the error's square
+ * is 10^-166, and the square of that is no number of double. Twin: 10^-60, of which the square is one. */
+static void an_error_too_small_to_be_weighed_is_unknown(void **state)
+{
+    for (int k = 0; k < 2; k++) {
+        bis_film f;
+        init(&f, 4, 1);
+        for (int i = 0; i < 8; i++) bis_film_add(&f, i / 2, 0, (rgb){1, 1, 1}, 1, 1);
+        f.passes = 2;
+        f.weight = 2;
+        for (int i = 0; i < 12; i++) f.sum[i] = 2e38, f.deviation[i] = k ? 1e-22f : 1e-45f;
+        const bis_film_error e = bis_film_estimate_error(&f);
+        assert_true(k ? fabs(e.relative_rmse / 1e-60 - 1) < 0.01 : isnan(e.relative_rmse) && isnan(e.upper));
+        assert_true(k || (isnan(e.scatter) && !e.is_known && !e.is_bounded));
+        bis_film_clear(&f);
+    }
 }
 
 static void exposure_does_not_change_the_relative_rmse(void **state)
@@ -453,51 +490,94 @@ static void the_figure_is_right_where_few_samples_are_bright(void **state)
     }
 }
 
-/* 6 x 6 pixels of 1 and four twins, by hand: the halves of two pixels differ by 0.2, the others' by nothing. Two twins
- * are more than their pixels, by 0.3 and 0.1, and their own halves differ by 0.2 and 0.1. Both errors count for at most
- * 20 times the mean of the pixels, which cuts the first. The sum of squares of two equal errors is 1/2 of the square of
- * their sum: noise makes 4/3 of that, and four twins of 36 pixels 36/4 of it. The bound takes the halves for noise. */
-static void halves_and_twins_are_weighed_by_what_they_know(void **state)
+/* What the mean of W samples has of the variance by the halves, P samples and those that follow, if edges have this
+ * share of what the halves of W differ. A block of n samples has the variance n^-p, 1 for noise and 3/2 for edges, so
+ * two halves of n have the covariance 2 V(n) - V(n/2): such are the first P samples to each of the next P, and those 2P
+ * to each of the next. */
+static double whole_over_halves(double P, double W, double share)
+{
+    const double m = W - P;
+    double whole_of = 0, halves = 0;
+    for (int k = 0; k < 2; k++) {
+        const double p = k ? 1.5 : 1, V = pow(P, -p), V_of_2P = pow(2 * P, -p), V_of_4P = pow(4 * P, -p);
+        const double scale = (k ? share : 1 - share) / (pow(W / 2, -p) - pow(W, -p));
+        double cov = 0;
+        for (int j = 0; j < m; j++) cov += (j < P ? 2 * V_of_2P - V : 2 * V_of_4P - V_of_2P) / m;
+        whole_of += scale * (P * P * V + 2 * P * m * cov + m * m * pow(m, -p)) / (W * W);
+        halves += scale * (V + pow(m, -p) - 2 * cov) * P * m / (W * W);
+    }
+    return whole_of / halves;
+}
+
+/* 6 x 6 pixels of 1 and four twins, by hand: the first P of W samples of two pixels are 0.1 less, the others' are all
+ * alike. Two twins are more than their pixels, by 0.3 and 0.1, and their own first samples 1/8 and 1/16 less. Both
+ * errors count for at most 20 times the mean of the pixels, which cuts the first. The sum of squares of two equal
+ * errors is 1/2 of the square of their sum: noise makes 4/3 of that, and four twins of 36 pixels 36/4 of it. The bound
+ * takes the halves for noise. Twins that are as their pixels, or that have equal halves, say nothing. */
+static void assert_halves_and_twins_are_weighed(int P, int W, double most, bool differ, bool have_halves)
 {
     enum { ONE = 1, OTHER = 34 };
-    const double more[] = {0.3, 0.1, 0, 0}, apart[] = {0.1, 0.05, 0, 0};
+    const double more[] = {differ ? 0.3 : 0, differ ? 0.1 : 0, 0, 0},
+                 apart[] = {have_halves ? 0.125 : 0, have_halves ? 0.0625 : 0, 0, 0}, other = (double)P / (W - P),
+                 exposure = P; /* it changes nothing */
+    const bool they_tell = differ && have_halves;
     bis_film f;
     bis_twin t = {0};
     assert_int_equal(bis_film_init(&f, 6, 6, whole, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want_twins(&f, NULL), BIS_OK);
     assert_int_equal(bis_film_twins(&f), 4);
-    for (int pass = 0; pass < 2; pass++) {
+    f.most = most;
+    for (int pass = 0; pass < W; pass++) {
+        const double side = pass < P ? -1 : other;
         for (int i = 0; i < 36; i++) {
-            const float L = i == ONE || i == OTHER ? (pass ? 1.1f : 0.9f) : 1;
-            bis_film_add(&f, i % 6, i / 6, (rgb){L, L, L}, 1, 1);
+            const double L = exposure * (i == ONE || i == OTHER ? 1 + 0.1 * side : 1);
+            bis_film_add(&f, i % 6, i / 6, rgb_from(L, L, L), 1, 1);
         }
         for (t = (bis_twin){0}; bis_film_next_twin(&f, bis_film_crop(&f), &t);) {
-            const double L = 1 + more[t.at] + (pass ? apart[t.at] : -apart[t.at]);
+            const double L = exposure * (1 + more[t.at] + side * apart[t.at]);
             assert_true(t.x + 6 * t.y != ONE && t.x + 6 * t.y != OTHER);
             bis_film_add_twin(&f, &t, rgb_from(L, L, L), 1);
         }
         bis_film_end_pass(&f, 1);
     }
+    assert_true(f.half_weight == P && f.weight == W);
     /* the floor is 0.01; the mean of pixel and twin lies as far from those around as its variance says, so 1 stands */
-    const double seen = 2 * 0.01 / 1.01, mean = seen / 36;
+    const double variance = 0.01 * other, mean = 2 * variance / 1.01 / 36;
     double error = 0, halves = 0;
     for (int k = 0; k < 2; k++) {
-        const double of_twin = more[k] * more[k] / 2 / 1.01, of_halves = apart[k] * apart[k] / 2 / 1.01,
+        const double of_twin = more[k] * more[k] / 2 / 1.01, of_halves = apart[k] * apart[k] * other / 2 / 1.01,
                      both = of_twin + of_halves;
-        assert_true((both > 20 * mean) == (k == 0));
+        assert_true(!they_tell || (both > 20 * mean) == (k == 0));
         error += of_twin * fmin(1, 20 * mean / both);
         halves += of_halves * fmin(1, 20 * mean / both);
     }
-    const double of_usual = 0.25 * 0.25, of_twins = 36 / 4.0 / 2, weight = of_twins / (of_usual + of_twins);
-    const double usual = 0.3 + 0.7 / (2 * sqrt(2) - 1), ends = log(1.01 / (0.99 + 0.01)) / 10;
-    const double figure = mean * exp(weight * log(usual) + (1 - weight) * log(error / halves)),
-                 high = mean * exp((1 - weight) * log(error / halves)),
+    const double of_usual = 0.25 * 0.25, of_twins = 36 / 4.0 / 2,
+                 weight = they_tell ? of_twins / (of_usual + of_twins) : 1;
+    const double usual = whole_over_halves(P, W, 0.7), ends = log(1.01 / (1 - variance + 0.01)) / 10;
+    const double told = they_tell ? log(error / halves) : 0;
+    const double figure = mean * exp(weight * log(usual) + (1 - weight) * told),
+                 high = mean * exp((1 - weight) * told),
                  doubt = sqrt(4 / 3.0 / 2 + weight * of_usual + ends * ends);
     const bis_film_error e = bis_film_estimate_error(&f);
-    assert_true(fabs(e.relative_rmse / sqrt(figure) - 1) < 1e-6);
-    assert_true(fabs(e.upper / sqrt(high * (1 + 0.5 / 2) * exp(1.645 * doubt)) - 1) < 1e-6);
-    assert_true(fabs(e.relative_rmse / sqrt(mean * usual) - 1) > 0.005); /* twin: by the halves alone */
+    assert_true(fabs(e.relative_rmse / sqrt(figure) - 1) < 3e-6);
+    assert_true(fabs(e.upper / sqrt(high * (1 + 0.5 / W) * exp(1.645 * doubt)) - 1) < 3e-6);
+    assert_true(fabs(e.scatter / sqrt(mean / (W - 1)) - 1) < 3e-6); /* of W passes, as if they were independent */
+    /* twin: by the halves alone */
+    assert_true((fabs(e.relative_rmse / sqrt(mean * usual) - 1) > 0.005) == they_tell);
+    assert_false(e.is_known || e.is_bounded);
     bis_film_clear(&f);
+}
+
+static void halves_and_twins_are_weighed_by_what_they_know(void **state)
+{
+    assert_true(fabs(whole_over_halves(1, 2, 0.7) / (0.3 + 0.7 / (2 * sqrt(2) - 1)) - 1) < 1e-12);
+    assert_true(fabs(whole_over_halves(4, 11, 0) - 1) < 1e-12);
+    assert_halves_and_twins_are_weighed(1, 2, 0, true, true);
+    assert_halves_and_twins_are_weighed(2, 3, 0, true, true);
+    assert_halves_and_twins_are_weighed(4, 11, 11, true, true);
+    assert_halves_and_twins_are_weighed(8, 12, 12, true, true);
+    assert_halves_and_twins_are_weighed(8, 12, 12, false, true); /* all of its values are exact */
+    assert_halves_and_twins_are_weighed(4, 11, 11, true, false);
 }
 
 /* 300 pixels of 1, whose passes differ in `noisy` of them by as much as their mean, in both directions. */
@@ -535,13 +615,57 @@ static void an_error_of_few_pixels_or_above_a_half_is_unknown(void **state)
     assert_false(error_of_pixels(300, 0.9, 1).is_bounded);
 }
 
+/* 300 pixels of 1 in independent passes of weight w: one differs by 0.5 from pass to pass, 99 by 0.1. The error of a
+ * pixel is its variance over 1.01, and counts for at most 20 times the mean in what noise does to the sum: the one
+ * counts for less, and by how much more it carries the truth is in doubt. The two ends of what stands for the truth are
+ * its square and its square less the variance. */
+static void the_bound_is_as_by_hand(void **state)
+{
+    for (int passes = 2; passes <= 8; passes += 2)
+        for (int w = 1; w <= 3; w++) {
+            bis_film f;
+            const double dof = passes - 1, v[] = {0.25 / dof, 0.01 / dof};
+            const int n[] = {1, 99};
+            double sum = 0, most_sum = 0, capped = 0, squares = 0, all_squares = 0;
+            init(&f, 300, 1);
+            for (int pass = 0; pass < passes; pass++) {
+                for (int x = 0; x < 300; x++) {
+                    const double L = 1 + (pass % 2 ? 1 : -1) * (x == 150 ? 0.5 : x % 3 == 0 ? 0.1 : 0);
+                    bis_film_add(&f, x, 0, rgb_from(w * L, w * L, w * L), 1, w); /* the exposure changes nothing */
+                }
+                bis_film_end_pass(&f, w);
+            }
+            for (int k = 0; k < 2; k++) sum += n[k] * v[k] / 1.01;
+            for (int k = 0; k < 2; k++) {
+                const double X = v[k] / 1.01, counts = fmin(X, 20 * sum / 300);
+                assert_true((counts < X) == (k == 0));
+                most_sum += n[k] * v[k] / (1 - v[k] + 0.01);
+                capped += n[k] * counts;
+                squares += n[k] * counts * counts;
+                all_squares += n[k] * X * X;
+            }
+            const double q = squares / (capped * capped), all_q = all_squares / (sum * sum),
+                         ends = log(most_sum / sum) / 10,
+                         doubt = sqrt(q * (2 + 2 / dof) / (1 + 2 / dof) + 0.4 * (all_q - q) + ends * ends);
+            const bis_film_error e = bis_film_estimate_error(&f);
+            assert_true(fabs(e.relative_rmse / sqrt(sum / 300) - 1) < 3e-6);
+            assert_true(fabs(e.scatter / sqrt(sum / 300) - 1) < 3e-6);
+            assert_true(fabs(e.upper / sqrt(sum / 300 * exp(1.645 * doubt) * (1 + 0.5 / (w * passes))) - 1) < 3e-6);
+            assert_true(all_q > 2 * q && e.is_bounded == (doubt <= 0.4));
+            assert_true(e.is_known == (doubt <= (w * passes < 8 ? 0.3 : 0.2)));
+            bis_film_clear(&f);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_error_of_passes_is_the_mean_over_pixels),
         cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
+        cmocka_unit_test(a_lone_or_last_pixel_counts_as_all_others),
         cmocka_unit_test(a_lone_bright_sample_does_not_hide_behind_its_own_brightness),
         cmocka_unit_test(relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter),
+        cmocka_unit_test(an_error_too_small_to_be_weighed_is_unknown),
         cmocka_unit_test(any_number_of_threads_finds_the_same_errors),
         cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
         cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
@@ -551,6 +675,7 @@ int main(void)
         cmocka_unit_test(the_figure_is_right_where_few_samples_are_bright),
         cmocka_unit_test(halves_and_twins_are_weighed_by_what_they_know),
         cmocka_unit_test(an_error_of_few_pixels_or_above_a_half_is_unknown),
+        cmocka_unit_test(the_bound_is_as_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -168,6 +168,7 @@ static void the_layer_of_samples_tells_which_pixels_are_missing(void **state)
         &(bis_render_options){.budget = {.seconds = 1e-9}, .first_light = true});
     assert_int_equal(bis_film_layers(&film, channels, NULL), 1);
     bis_film_layers(&film, channels, samples);
+    assert_true(channels[0].data == samples && channels[0].stride == 1 && strcmp(channels[0].name, "samples.Y") == 0);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         assert_true(samples[i] == (i % WIDTH % SIDE == 0 && i / WIDTH % SIDE == 0 ? 1 : 0));
     bis_film_clear(&film);

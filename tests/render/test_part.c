@@ -851,6 +851,37 @@ static void messages_stand_alone(void **state)
     clear_world(&w);
 }
 
+/* A hundred thousand parts of a picture of as many tiles are the most that there may be. No memory is taken for it, and
+ * of what is missing ten are named. */
+static void a_picture_has_at_most_a_hundred_thousand_parts(void **state)
+{
+    static const uint32_t small_sides[6] = {32, 0, 32, 16, 0, 16};
+    static const char *const path[] = {BAD};
+    size_t size, sizes = 0, at = 8 + 4 + 16 + 16 + 4; /* of K: behind magic, format, version, settings */
+    unsigned char wanted[24];
+    char text[4096];
+
+    write_empty(FIRST, 1, 2);
+    unsigned char *data = read_bytes(FIRST, &size);
+    for (int i = 0; i < 6; i++) put_bytes(wanted + 4 * i, small_sides[i], 4);
+    while (sizes + 24 < size && memcmp(data + sizes, wanted, 24) != 0) sizes++;
+    for (const bis_parameter *p = bis_parameters; p->name; p++) at += 8;
+    assert_true(sizes + 24 < size && data[at] == 1 && data[at + 4] == 2);
+    for (uint32_t n = 100000; n <= 100001; n++) {
+        const uint32_t width = n > 100000 ? 6416 : 6400, sides[6] = {width, 0, width, 4000, 0, 4000}; /* x 250 tiles */
+        put_bytes(data + at + 4, n, 4);
+        for (int i = 0; i < 6; i++) put_bytes(data + sizes + 4 * (size_t)i, sides[i], 4);
+        seal(data, size);
+        store(BAD, data, size);
+        told(text, path, 1);
+        if (n > 100000) assert_string_equal(text, DAMAGED);
+        else assert_non_null(strstr(text, MISSING("11", "100000") "error: and 99989 more parts are missing\n"));
+    }
+    bis_free(data);
+    told(text, (const char *[]){DIR_NAME "/none"}, 1);
+    assert_true(strncmp(text, DIR_NAME "/none: error: ", strlen(DIR_NAME "/none: error: ")) == 0);
+}
+
 /* A text is as long as the file says, whatever stood in its place before. */
 static void a_text_ends_where_it_was_read_to(void **state)
 {
@@ -882,6 +913,7 @@ int main(void)
         cmocka_unit_test(a_head_is_read_up_to_its_limits),
         cmocka_unit_test(a_text_ends_where_it_was_read_to),
         cmocka_unit_test(messages_stand_alone),
+        cmocka_unit_test(a_picture_has_at_most_a_hundred_thousand_parts),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

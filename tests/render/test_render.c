@@ -8,14 +8,25 @@
 #include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
+#include "render/checkpoint.h"
 
 #include "claim.h"
+#include "lack.h"
+#include "program.h"
 #include "stat.h"
 #include "world.h"
 
+#include <dlfcn.h>
+#include <limits.h>
 #include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
+
+#define DIR_NAME "build/test_render"
+#define STATE DIR_NAME "/state"
 
 /* ---- same bits ---- */
 
@@ -143,6 +154,34 @@ static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
         bis_film_clear(&film);
         clear_world(&w);
     }
+}
+
+/* A picture of 81 whole tiles: twins in their first and last pixels, too. */
+static void a_twin_may_be_any_pixel_of_a_tile(void **state)
+{
+    enum { SIDE = 144 };
+    const uint64_t seeds[] = {7, bis_hash(7 ^ 0x7477696e)};
+    const bis_render_options options = {.budget = {.spp = 2}, .n_threads = 1};
+    int first = 0, last = 0;
+    world w;
+    bis_film films[2];
+    bis_render_result result;
+    make_world(&w, &noise);
+    for (int k = 0; k < 2; k++) {
+        w.desc.view.sampler.seed = seeds[k];
+        assert_int_equal(bis_film_init(&films[k], SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &films[k], &w.scene, &w.desc.view, &options, NULL), BIS_OK);
+    }
+    for (bis_twin t = {0}; bis_film_next_twin(&films[0], bis_film_crop(&films[0]), &t);) {
+        const size_t i = (size_t)t.y * SIDE + (size_t)t.x;
+        assert_memory_equal(films[0].twin + BIS_TWIN_VALUES * t.at, films[1].sum + 3 * i, 3 * sizeof *films[1].sum);
+        if (films[1].hits[i] < 2) continue;
+        first += t.x % 16 == 0 && t.y % 16 == 0;
+        last += t.x % 16 == 15 && t.y % 16 == 15;
+    }
+    assert_true(first > 0 && last > 0);
+    for (int k = 0; k < 2; k++) bis_film_clear(&films[k]);
+    clear_world(&w);
 }
 
 /* What a tile has learned comes from all its pixels, those beside the crop as well. Twin: without `learn` other bits.
@@ -408,16 +447,22 @@ static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39
     clear_world(&w);
 }
 
+static void tell_nothing(const bis_render_result *result, void *user) { fail_msg("%d passes", (int)result->passes); }
+
 static void an_interrupted_first_pass_leaves_nothing(void **state)
 {
     world w;
+    bis_checkpoint c = {.path = STATE};
+    program_folder(DIR_NAME);
     make_world(&w, &fused);
     bis_film film;
     bis_render_result result;
     set_fuse(100);
     render(
         &film, &result, &w, whole,
-        &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &world_flag});
+        &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &world_flag, .checkpoint = &c,
+                              .so_far = tell_nothing});
+    assert_false(program_exists(STATE));
     assert_true(result.interrupted);
     assert_int_equal(result.passes, 0);
     assert_int_equal(film.passes, 0);
@@ -429,6 +474,8 @@ static void an_interrupted_first_pass_leaves_nothing(void **state)
 
 /* ---- budgets ---- */
 
+static void note_total(const bis_progress *p, void *user) { *(uint32_t *)user = p->passes_total; }
+
 /* 1, 1, 2, then 4, and the last pass takes what is left. */
 static void spp_is_the_number_of_camera_rays_in_growing_passes(void **state)
 {
@@ -437,17 +484,21 @@ static void spp_is_the_number_of_camera_rays_in_growing_passes(void **state)
         int passes;
         double half; /* samples up to the last doubling, after which half as many still come */
     } cases[] = {{1, 0, 1, 0}, {2, 0, 2, 1}, {3, 0, 3, 2},  {4, 0, 3, 2}, {5, 0, 4, 2}, {7, 0, 4, 4},
-                 {8, 0, 4, 4}, {9, 0, 5, 4}, {16, 0, 6, 8}, {7, 1, 7, 4}, {7, 3, 3, 3}, {0, 0, 6, 8}};
+                 {8, 0, 4, 4}, {9, 0, 5, 4}, {16, 0, 6, 8}, {7, 1, 7, 4}, {7, 3, 3, 3}, {0, 0, 6, 8},
+                 {13, 5, 3, 5}, {10, 5, 2, 5}};
     world w;
     make_world(&w, &noise);
     bis_sampler_set_spp(&w.desc.view.sampler, 16); /* no budget at all: the scene's */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_film film;
         bis_render_result result;
-        const bis_render_options options = {.budget = {.spp = cases[i].asked}, .pass_size = cases[i].pass_size};
+        uint32_t total = 0;
+        const bis_render_options options = {.budget = {.spp = cases[i].asked}, .pass_size = cases[i].pass_size,
+                                            .progress = note_total, .user = &total};
         const uint32_t spp = cases[i].asked ? cases[i].asked : 16;
         render(&film, &result, &w, whole, &options);
         assert_int_equal(film.passes, cases[i].passes);
+        assert_int_equal(total, cases[i].passes);
         assert_int_equal(result.passes, cases[i].passes);
         assert_int_equal(result.spp, spp);
         assert_true(film.weight == spp && film.half_weight == cases[i].half);
@@ -467,101 +518,6 @@ static void the_shortest_time_still_completes_one_pass_E39(void **state)
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.seconds = 1e-9}});
     assert_int_equal(result.passes, 1);
     assert_false(result.interrupted);
-    bis_film_clear(&film);
-    clear_world(&w);
-}
-
-/* As noise, after a rest. */
-static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    nanosleep(&(struct timespec){.tv_nsec = 60000000}, NULL);
-    return noise_Lo(s, pt, stream, scratch);
-}
-
-/* One pixel, which rests for 60 ms in each pass: of 100 ms one pass is left when the first is done, and 40 are too
- * few. A slow machine changes nothing: passes never take less than they rest. */
-static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
-{
-    const bis_integrator slow = {
-        .name = "slow", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = slow_Lo};
-    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
-    world w;
-    bis_film film;
-    bis_render_result result;
-    make_world(&w, &slow);
-    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.1}, .n_threads = 1});
-    assert_true(film.width == 1 && film.height == 1 && film.hits[0] == 1);
-    assert_int_equal(result.passes, 1);
-    assert_true(result.seconds >= 0.06 && !result.interrupted);
-    bis_film_clear(&film);
-    clear_world(&w);
-}
-
-/* An accelerator that rests at its first ray. */
-typedef struct tired {
-    bis_accel accel;
-    const bis_accel *right;
-    bool has_rested;
-} tired;
-
-static bool tired_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
-{
-    tired *t = (tired *)a;
-
-    if (!t->has_rested) nanosleep(&(struct timespec){.tv_nsec = 400000000}, NULL);
-    t->has_rested = true;
-    return bis_accel_intersect(t->right, r, hit);
-}
-
-static bool tired_occluded(const bis_accel *a, const ray *r)
-{
-    return bis_accel_occluded(((const tired *)a)->right, r);
-}
-
-/* The search for outlines takes 400 ms of 800, and a pass of one pixel next to nothing. If the search counted as a part
- * of the first pass, no second one would fit. */
-static void what_is_done_once_does_not_make_passes_dearer(void **state)
-{
-    static const bis_accel_ops ops = {.name = "tired", .intersect = tired_intersect, .occluded = tired_occluded};
-    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
-    world w;
-    bis_film film;
-    bis_render_result result;
-    make_world(&w, &noise);
-    w.desc.view.edge_samples = 2;
-    tired slow = {{&ops, &w.scene.geometry}, w.scene.accel, false};
-    w.scene.accel = &slow.accel;
-    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.8}, .n_threads = 1});
-    assert_true(slow.has_rested && result.passes >= 2);
-    w.scene.accel = (bis_accel *)slow.right;
-    bis_film_clear(&film);
-    clear_world(&w);
-}
-
-/* Rests in the first two camera samples only. */
-static int rests;
-
-static rgb hastening_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    return rests-- > 0 ? slow_Lo(s, pt, stream, scratch) : noise_Lo(s, pt, stream, scratch);
-}
-
-/* Of 200 ms two passes of one sample leave 80, which is enough for one sample of 60 ms, not for the two that are due.
- * So the third pass takes one and is the last, although it turns out to be fast: passes of 1, 1, 1 and 2 would be no
- * render of 5 samples. A slow machine ends earlier. */
-static void a_pass_that_is_cut_to_fit_is_the_last(void **state)
-{
-    const bis_integrator hastening = {
-        .name = "hastening", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = hastening_Lo};
-    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
-    world w;
-    bis_film film;
-    bis_render_result result;
-    make_world(&w, &hastening);
-    rests = 2;
-    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.2}, .n_threads = 1});
-    assert_in_range(result.spp, 1, 3);
-    assert_int_equal(result.passes, result.spp);
     bis_film_clear(&film);
     clear_world(&w);
 }
@@ -638,6 +594,669 @@ static void progress_grows_to_the_whole_budget(void **state)
     assert_true(log.n <= 1 + (bis_clock_now() - log.began) / 0.2); /* the last, and five a second */
     assert_true(result.seconds > 0 && result.seconds <= bis_clock_now() - log.began);
     bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* ---- time ---- */
+
+/* This program's own clock, which the library reads: while it is set, it stands, and goes on where something takes its
+ * time. In nanoseconds. */
+static struct {
+    atomic_bool is_set;
+    atomic_llong now;
+} watch;
+
+int clock_gettime(clockid_t of, struct timespec *t)
+{
+    static int (*real)(clockid_t, struct timespec *);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
+    if (!watch.is_set || of != CLOCK_MONOTONIC) return real(of, t);
+    const long long now = watch.now;
+    *t = (struct timespec){now / 1000000000, now % 1000000000};
+    return 0;
+}
+
+static void pass_time(double seconds) { watch.now += llround(1e9 * seconds); }
+
+/* Seconds since the clock was set. */
+static double elapsed(void) { return (double)(watch.now - 1000000000000) / 1e9; }
+
+/* As noise, but the next n_ticks camera samples that meet a surface take `tick` seconds each. */
+static double tick;
+static int n_ticks;
+
+static rgb ticking_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    if (n_ticks-- > 0) pass_time(tick);
+    return noise_Lo(s, pt, stream, scratch);
+}
+
+static const bis_integrator ticking = {
+    .name = "ticking", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = ticking_Lo};
+
+enum { FOR_EVER = INT_MAX };
+
+static void set_watch(double seconds, int n)
+{
+    tick = seconds;
+    n_ticks = n;
+    watch.now = 1000000000000; /* 1000 s */
+    watch.is_set = true;
+}
+
+/* Independent samples, so that no pixel is rendered twice. */
+static void make_ticking(world *w, double seconds, int n)
+{
+    make_world(w, &ticking);
+    w->desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+    set_watch(seconds, n);
+}
+
+static void clear_ticking(world *w)
+{
+    watch.is_set = false;
+    clear_world(w);
+}
+
+/* A pixel of the ball; and the lowest row, which sees the floor everywhere: tiles of 16, 16 and 5 pixels. */
+static const int one_pixel[4] = {18, 19, 10, 11}, one_row[4] = {0, 37, 20, 21};
+
+/* An accelerator whose first ray takes its time. */
+typedef struct tired {
+    bis_accel accel;
+    const bis_accel *right;
+    double rest; /* seconds */
+} tired;
+
+static bool tired_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    tired *t = (tired *)a;
+
+    pass_time(t->rest);
+    t->rest = 0;
+    return bis_accel_intersect(t->right, r, hit);
+}
+
+static bool tired_occluded(const bis_accel *a, const ray *r)
+{
+    return bis_accel_occluded(((const tired *)a)->right, r);
+}
+
+/* One pixel, 10 s a sample. Passes of 1, 1, 2, 4, 4 samples; one pass always comes; of what is left when it begins
+ * there must be room for one sample at least of the mean speed, and a pass that is cut to fit is the last, also where
+ * the next samples turn out to be fast: passes of 1, 1, 1 and 2 would be no render of 5 samples. The search for
+ * outlines is done once: it takes its time, but does not make passes dearer. */
+static void time_is_used_up_as_by_hand(void **state)
+{
+    static const struct {
+        double seconds;
+        uint32_t most;  /* camera samples; 0: any number */
+        double search;  /* seconds */
+        int slow;       /* samples that take 10 s */
+        uint32_t spp;
+        int passes;
+    } cases[] = {
+        {5, 0, 0, FOR_EVER, 1, 1},    {19, 0, 0, FOR_EVER, 1, 1},   {20, 0, 0, FOR_EVER, 2, 2},
+        {39, 0, 0, FOR_EVER, 3, 3},   {40, 0, 0, FOR_EVER, 4, 3},   {49, 0, 0, FOR_EVER, 4, 3},
+        {50, 0, 0, FOR_EVER, 5, 4},   {75, 0, 0, FOR_EVER, 7, 4},   {80, 0, 0, FOR_EVER, 8, 4},
+        {89, 0, 0, FOR_EVER, 8, 4},   {119, 0, 0, FOR_EVER, 11, 5}, {120, 0, 0, FOR_EVER, 12, 5},
+        {120, 7, 0, FOR_EVER, 7, 4},  {65, 7, 0, FOR_EVER, 6, 4},   {1e9, 9, 0, FOR_EVER, 9, 5},
+        {120, 0, 100, FOR_EVER, 2, 2}, {100, 0, 100, FOR_EVER, 1, 1}, {150, 0, 100, FOR_EVER, 5, 4},
+        {35, 0, 0, 2, 3, 3},          {80, 12, 0, 4, 12, 5},
+    };
+    static const bis_accel_ops ops = {.name = "tired", .intersect = tired_intersect, .occluded = tired_occluded};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bis_render_options options = {
+            .budget = {.spp = cases[i].most, .seconds = cases[i].seconds}, .n_threads = 1};
+        world w;
+        bis_film film;
+        bis_render_result result;
+        make_ticking(&w, 10, cases[i].slow);
+        tired slow = {{&ops, &w.scene.geometry}, w.scene.accel, cases[i].search};
+        w.scene.accel = &slow.accel;
+        w.desc.view.edge_samples = cases[i].search > 0 ? 2 : 1;
+        render_part(&film, &result, &w, one_pixel, &options);
+        assert_true(film.hits[0] == (float)result.spp);
+        if (result.spp != cases[i].spp || result.passes != (uint32_t)cases[i].passes)
+            fail_msg("case %d: %d samples, %d passes", (int)i, (int)result.spp, (int)result.passes);
+        assert_true(fabs(result.seconds - cases[i].search - 10 * fmin(cases[i].spp, cases[i].slow)) < 1e-6);
+        assert_true(!result.interrupted && slow.rest == 0);
+        w.scene.accel = (bis_accel *)slow.right;
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+/* What was told, in its order. */
+typedef struct telling {
+    const bis_film *film;
+    int n;
+    bis_progress reports[16];
+    double at[16];          /* seconds, of what was told n times */
+    uint64_t spp[16];
+    double most[16];        /* of the film */
+    int n_glimpses;
+    double glimpses[16];    /* seconds */
+    const float *rgba;
+    float first[4 * WIDTH]; /* glimpse, of one row */
+    int n_forecasts;
+    bis_forecast forecast;
+    double share;           /* of the first report after it */
+    const char *path;       /* of a checkpoint */
+    uint64_t kept[16];      /* camera samples in it */
+    double seconds;         /* in it */
+    uint32_t interrupts;    /* after this pass; 0: never */
+} telling;
+
+static void note_report(const bis_progress *p, void *user)
+{
+    telling *t = user;
+    assert_true(t->n < 16);
+    t->at[t->n] = elapsed();
+    t->reports[t->n++] = *p;
+}
+
+/* One row of three tiles, in three passes of one sample. A report comes with each tile, or 0.2 s after the one before,
+ * and at the end. The share is that of the samples, of which a pass under way has as many as its tiles, or that of the
+ * seconds, whichever is larger, and at most 1. */
+static void reports_say_what_is_done_and_what_is_left(void **state)
+{
+    static const struct {
+        uint32_t spp;
+        double seconds, tick;
+        int n, at[10]; /* the reports: with which tile, counted through the passes */
+    } cases[] = {
+        {3, 0, 1, 10, {1, 2, 3, 4, 5, 6, 7, 8, 9, 9}},
+        {3, 130, 1, 10, {1, 2, 3, 4, 5, 6, 7, 8, 9, 9}},
+        {0, 20, 1, 4, {1, 2, 3, 3}},
+        {3, 0, 0.01, 5, {2, 4, 6, 8, 9}}, /* tiles end after 0.16, 0.32, 0.37, 0.53, 0.69, 0.74, 0.90, 1.06, 1.11 s */
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        telling t = {0};
+        const bis_render_options options = {.budget = {.spp = cases[i].spp, .seconds = cases[i].seconds},
+                                            .n_threads = 1, .progress = note_report, .user = &t};
+        world w;
+        bis_film film;
+        bis_render_result result;
+        make_ticking(&w, cases[i].tick, FOR_EVER);
+        render_part(&film, &result, &w, one_row, &options);
+        assert_int_equal(t.n, cases[i].n);
+        for (int k = 0; k < t.n; k++) {
+            const bis_progress *p = &t.reports[k];
+            const int tile = cases[i].at[k], done = k == t.n - 1 ? tile / 3 : (tile - 1) / 3;
+            const double seconds = cases[i].tick * (tile / 3 * 37 + tile % 3 * 16),
+                         by_spp = cases[i].spp ? tile / 9.0 : 0,
+                         by_time = cases[i].seconds > 0 ? seconds / cases[i].seconds : 0,
+                         share = fmin(1, by_spp > by_time ? by_spp : by_time);
+            assert_int_equal(p->passes_done, done);
+            assert_int_equal(p->passes_total, cases[i].spp);
+            assert_true(fabs(t.at[k] - seconds) < 1e-6 && fabs(p->seconds - seconds) < 1e-6);
+            assert_true(fabs(p->share - share) < 1e-9);
+            assert_true(fabs(p->seconds_left - seconds * (1 - share) / share) < 1e-5);
+        }
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+static uint64_t kept_samples(const char *path, double *seconds)
+{
+    bis_checkpoint c = {0};
+    uint64_t spp;
+    if (access(path, F_OK)) return 0;
+    assert_int_equal(bis_checkpoint_read(&c, path, NULL), BIS_OK);
+    memcpy(&spp, c.data + c.at, sizeof spp); /* the state begins with camera samples and seconds */
+    memcpy(seconds, c.data + c.at + sizeof spp, sizeof *seconds);
+    bis_checkpoint_clear(&c);
+    return spp;
+}
+
+static void note_result(const bis_render_result *result, void *user)
+{
+    telling *t = user;
+    assert_true(t->n < 16);
+    assert_true(fabs(result->seconds - elapsed()) < 1e-6 && result->passes == t->film->passes);
+    assert_int_equal(result->n_threads, 1);
+    assert_true(result->bytes > 0 && !result->interrupted);
+    t->at[t->n] = elapsed();
+    t->most[t->n] = t->film->most;
+    if (t->path) t->kept[t->n] = kept_samples(t->path, &t->seconds);
+    t->spp[t->n++] = result->spp;
+}
+
+/* One pixel, 10 s a sample: passes end after 10, 20, 40, 80 and 120 s. */
+static void the_result_so_far_is_told_once_in_an_interval(void **state)
+{
+    static const struct {
+        double every;
+        int n;
+        uint64_t spp[5];
+    } cases[] = {
+        {0, 5, {1, 2, 4, 8, 12}}, {10, 5, {1, 2, 4, 8, 12}}, {20, 4, {2, 4, 8, 12}}, {21, 3, {4, 8, 12}},
+        {40, 3, {4, 8, 12}},      {41, 1, {8}},              {80, 1, {8}},           {121, 0, {0}},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        world w;
+        bis_film film;
+        bis_render_result result;
+        telling t = {.film = &film};
+        make_ticking(&w, 10, FOR_EVER);
+        render_part(&film, &result, &w, one_pixel,
+                    &(bis_render_options){.budget = {.spp = 12}, .n_threads = 1, .so_far = note_result,
+                                          .every = cases[i].every, .user = &t});
+        assert_int_equal(t.n, cases[i].n);
+        for (int k = 0; k < t.n; k++) {
+            assert_int_equal(t.spp[k], cases[i].spp[k]);
+            assert_true(t.at[k] == 10 * (double)t.spp[k]);
+        }
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+/* The same pixel, the last time with 0.1 s a sample: how many samples are expected in all, as the film is told before
+ * each pass. An error to reach says nothing; the time says what it has room for, once there is a speed. */
+static void the_film_is_told_how_many_samples_are_expected(void **state)
+{
+    static const struct {
+        bis_budget budget;
+        int n;
+        double most[5];
+    } cases[] = {
+        {{.spp = 12}, 5, {12, 12, 12, 12, 12}},      {{.spp = 3}, 3, {3, 3, 3}},
+        {{.seconds = 100}, 5, {0, 10, 10, 10, 10}},  {{.seconds = 75}, 4, {0, 7.5, 7.5, 7.5}},
+        {{.spp = 6, .seconds = 100}, 4, {6, 6, 6, 6}}, {{.spp = 20, .seconds = 70}, 4, {20, 7, 7, 7}},
+        {{.spp = 4, .error = 1e-9}, 3, {0, 0, 0}},   {{.seconds = 0.75}, 4, {0, 7.5, 7.5, 7.5}},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        world w;
+        bis_film film;
+        bis_render_result result;
+        telling t = {.film = &film};
+        make_ticking(&w, cases[i].budget.seconds == 0.75 ? 0.1 : 10, FOR_EVER);
+        render_part(&film, &result, &w, one_pixel,
+                    &(bis_render_options){.budget = cases[i].budget, .n_threads = 1, .so_far = note_result,
+                                          .user = &t});
+        assert_int_equal(t.n, cases[i].n);
+        for (int k = 0; k < t.n; k++) assert_true(fabs(t.most[k] - cases[i].most[k]) < 1e-9);
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+/* The same pixel, and the checkpoint as it is after each pass: one is written before a pass if the interval has passed
+ * since the last one, or if the pass is smaller than its place demands, and after a whole last pass. */
+static void a_checkpoint_is_kept_once_in_an_interval(void **state)
+{
+    static const struct {
+        uint32_t spp;
+        double every;
+        uint64_t kept[6]; /* the last one: at the end */
+    } cases[] = {
+        {12, 0, {0, 1, 2, 4, 8, 12}},  {12, 10, {0, 1, 2, 4, 8, 12}}, {12, 20, {0, 0, 2, 4, 8, 12}},
+        {12, 21, {0, 0, 0, 4, 8, 12}}, {12, 40, {0, 0, 0, 4, 8, 12}}, {12, 41, {0, 0, 0, 0, 8, 12}},
+        {12, 80, {0, 0, 0, 0, 8, 12}}, {12, 81, {0, 0, 0, 0, 0, 12}}, {11, 1e9, {0, 0, 0, 0, 8, 8}},
+    };
+
+    program_folder(DIR_NAME);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_checkpoint c = {.path = STATE, .every = cases[i].every};
+        world w;
+        bis_film film;
+        bis_render_result result;
+        telling t = {.film = &film, .path = STATE};
+        unlink(STATE);
+        make_ticking(&w, 10, FOR_EVER);
+        render_part(&film, &result, &w, one_pixel,
+                    &(bis_render_options){.budget = {.spp = cases[i].spp}, .n_threads = 1, .so_far = note_result,
+                                          .user = &t, .checkpoint = &c});
+        assert_int_equal(t.n, 5);
+        for (int k = 0; k < 5; k++) assert_int_equal(t.kept[k], cases[i].kept[k]);
+        assert_int_equal(kept_samples(STATE, &t.seconds), cases[i].kept[5]);
+        assert_true(t.seconds == 10 * (double)(cases[i].spp == 11 ? 8 : 12)); /* the others ended when it was kept */
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+/* 4 samples of 10 s, then 20 s a sample of 165 s in all: a pass has room in 125 s at 10 s, 4 samples; then 45 s are
+ * left, which are two samples at the 20 s of this process, and would be three at the mean of both. */
+static void a_later_process_knows_the_seconds_and_finds_its_own_speed(void **state)
+{
+    world w;
+    bis_film film;
+    bis_render_result result;
+    bis_checkpoint c = {.path = STATE, .every = 1e9};
+    program_folder(DIR_NAME);
+    make_ticking(&w, 10, FOR_EVER);
+    render_part(&film, &result, &w, one_pixel,
+                &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1, .checkpoint = &c});
+    bis_film_clear(&film);
+    telling t = {.film = &film};
+    c = (bis_checkpoint){.every = 1e9};
+    assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+    set_watch(20, FOR_EVER);
+    render_part(&film, &result, &w, one_pixel,
+                &(bis_render_options){.budget = {.seconds = 165}, .n_threads = 1, .checkpoint = &c,
+                                      .progress = note_report, .user = &t});
+    assert_int_equal(result.spp, 10);
+    assert_int_equal(result.passes, 5);
+    assert_true(fabs(result.seconds - 160) < 1e-6);
+    assert_int_equal(t.n, 3); /* two passes of a tile, and the end */
+    for (int k = 0; k < 3; k++) assert_true(fabs(t.reports[k].seconds - (k == 0 ? 120 : 160)) < 1e-6);
+    bis_film_clear(&film);
+
+    /* a time that is over allows none */
+    assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+    set_watch(20, FOR_EVER);
+    render_part(&film, &result, &w, one_pixel,
+                &(bis_render_options){.budget = {.seconds = 49}, .n_threads = 1, .checkpoint = &c});
+    assert_int_equal(result.spp, 4);
+    assert_true(fabs(result.seconds - 40) < 1e-6);
+    bis_film_clear(&film);
+    clear_ticking(&w);
+}
+
+static void note_glimpse(const float *rgba, void *user)
+{
+    telling *t = user;
+    assert_true(t->n_glimpses < 16);
+    if (t->n_glimpses == 0) memcpy(t->first, rgba, sizeof t->first);
+    t->glimpses[t->n_glimpses++] = elapsed();
+}
+
+/* One row, 0.05 s a sample: the glimpse of pixels 0, 8, 16, 24 and 32 is complete after 0.25 s, the tiles of the first
+ * pass after 1.05, 1.85 and 2.1 s. What there is is shown then, if half a second has passed since it was last, and not
+ * in the second pass. */
+static void what_there_is_is_shown_every_half_second_of_the_first_pass(void **state)
+{
+    static const struct {
+        double tick;
+        int n;
+        double at[3];
+    } cases[] = {{0.05, 2, {1.05, 1.85}}, {1, 4, {5, 21, 37}}, {0.1, 4, {0.5, 2.1, 3.7}}, {0.02, 1, {0.74}},
+                 {0.01, 0, {0}}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        telling t = {0};
+        world w;
+        bis_film film, clean;
+        bis_render_result result;
+        make_ticking(&w, cases[i].tick, FOR_EVER);
+        render_part(&clean, &result, &w, one_row, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 1});
+        set_watch(cases[i].tick, FOR_EVER);
+        render_part(&film, &result, &w, one_row,
+                    &(bis_render_options){.budget = {.spp = 2}, .n_threads = 1, .first_light = true,
+                                          .glimpse = note_glimpse, .progress = note_report, .user = &t});
+        assert_int_equal(t.n_glimpses, cases[i].n);
+        for (int k = 0; k < 10 && cases[i].tick == 1; k++) { /* the three tiles of a glimpse are no part of a pass */
+            assert_int_equal(t.n, 10);
+            assert_true(fabs(t.reports[k].share - (k < 3 ? 0 : k < 9 ? (k - 2) / 6.0 : 1)) < 1e-9);
+            assert_true((k < 3) == isnan(t.reports[k].seconds_left));
+        }
+        for (int k = 0; k < t.n_glimpses && k < 3; k++) assert_true(fabs(t.glimpses[k] - cases[i].at[k]) < 1e-6);
+        for (int x = 0; x < WIDTH && i == 0; x++) { /* of two tiles every 8th pixel is there */
+            const int from = x < 16 ? x : x / 8 * 8;
+            assert_true(t.first[4 * x] == (float)clean.sum[3 * from] && t.first[4 * x + 3] == 1);
+        }
+        bis_film_clear(&film);
+        bis_film_clear(&clean);
+        clear_ticking(&w);
+    }
+}
+
+/* The same row, 1 s a sample: the glimpse is there after 5 s, and tiles of 16 and 16 pixels end after 21 and 37 s. None
+ * begins when the time is over; those that have not begun miss all but every 8th pixel. */
+static void the_first_pass_ends_with_the_time(void **state)
+{
+    static const struct {
+        double seconds;
+        int missing;
+    } cases[] = {{5, 32}, {6, 18}, {21, 18}, {22, 4}, {37, 4}, {38, 0}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        world w;
+        bis_film film;
+        bis_render_result result;
+        make_ticking(&w, 1, FOR_EVER);
+        render_part(&film, &result, &w, one_row,
+                    &(bis_render_options){.budget = {.seconds = cases[i].seconds}, .n_threads = 1,
+                                          .first_light = true});
+        assert_true(fabs(result.missing - cases[i].missing / 37.0) < 1e-12);
+        assert_true(result.passes == 1 && result.spp == 1 && !result.interrupted);
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+static void note_forecast(const bis_forecast *f, void *user)
+{
+    telling *t = user;
+    t->n_forecasts++;
+    t->forecast = *f;
+    t->share = -1;
+    t->at[0] = elapsed();
+    t->spp[0] = (uint64_t)t->film->weight;
+    assert_true(f->error == bis_film_estimate_error(t->film).upper);
+}
+
+static void note_share(const bis_progress *p, void *user)
+{
+    telling *t = user;
+    if (t->share < 0) t->share = p->share;
+}
+
+/* The row, 1 s a sample. An error falls with the root of the samples, so that both samples and seconds grow with the
+ * square of the errors; and of an error budget so much is used as that square says. */
+static void a_forecast_is_the_square_of_the_errors_times_what_was_taken(void **state)
+{
+    const double error = 0.05;
+    world w;
+    bis_film film;
+    bis_render_result result;
+    telling t = {.film = &film};
+    make_ticking(&w, 1, FOR_EVER);
+    render_part(&film, &result, &w, one_row,
+                &(bis_render_options){.budget = {.error = error}, .n_threads = 1, .forecast = note_forecast,
+                                      .progress = note_share, .user = &t});
+    const double factor = t.forecast.error * t.forecast.error / (error * error);
+    assert_int_equal(t.n_forecasts, 1);
+    assert_true(factor > 1 && t.at[0] == 37 * (double)t.spp[0]);
+    assert_true(fabs(t.forecast.spp / (factor * (double)t.spp[0]) - 1) < 1e-9);
+    assert_true(fabs(t.forecast.seconds / (factor * t.at[0]) - 1) < 1e-9);
+    assert_true(fabs(t.share * factor - 1) < 1e-9);
+    bis_film_clear(&film);
+    clear_ticking(&w);
+}
+
+static void interrupt_after(const bis_render_result *result, void *user)
+{
+    if (result->passes == ((const telling *)user)->interrupts) world_flag = 1;
+}
+
+/* Passes of 1, 1 and 2 samples: what comes after the last of them comes too late. A time is no number of samples. */
+static void who_interrupts_a_finished_render_comes_too_late(void **state)
+{
+    for (uint32_t passes = 1; passes <= 4; passes++) {
+        const bool by_time = passes == 4;
+        const uint32_t after = by_time ? 3 : passes;
+        telling t = {.interrupts = after};
+        world w;
+        bis_film film;
+        bis_render_result result;
+        make_ticking(&w, 10, FOR_EVER);
+        world_flag = 0;
+        render_part(&film, &result, &w, one_pixel,
+                    &(bis_render_options){.budget = {.spp = by_time ? 0 : 4, .seconds = 1e6}, .n_threads = 1,
+                                          .interrupted = &world_flag, .so_far = interrupt_after,
+                                          .progress = note_report, .user = &t});
+        assert_int_equal(result.passes, after);
+        assert_true(fabs(t.reports[t.n - 1].share - (by_time ? 40 / 1e6 : (double)result.spp / 4)) < 1e-9);
+        assert_int_equal(result.interrupted, passes != 3);
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
+/* What decides when the error is looked at, as the checkpoint before each pass has it: behind the samples and seconds
+ * the number of the next such pass, and the bound that was found last. */
+typedef struct looks {
+    const bis_film *film;
+    int n;
+    double upper; /* of the film, when it was looked at last */
+} looks;
+
+static void note_look(const bis_render_result *result, void *user)
+{
+    /* those at which it is looked at next, after 0, 1, 2, ... passes */
+    static const uint32_t next[52] = {3,  3,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18,
+                                      19, 20, 22, 22, 24, 24, 26, 26, 28, 28, 30, 30, 32, 32, 34, 34, 36, 36,
+                                      38, 38, 40, 40, 43, 43, 43, 46, 46, 46, 49, 49, 49, 52, 52, 52};
+    looks *l = user;
+    bis_checkpoint c = {0};
+    uint32_t passes = result->passes - 1, found;
+    double upper;
+
+    if (passes > 0) {
+        assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+        memcpy(&found, c.data + c.at + 16, sizeof found);
+        memcpy(&upper, c.data + c.at + 20, sizeof upper);
+        assert_int_equal(found, next[passes]);
+        assert_true(passes < 3 ? isnan(upper) : upper == l->upper);
+        bis_checkpoint_clear(&c);
+    }
+    if (next[result->passes] != next[passes]) l->upper = bis_film_estimate_error(l->film).upper;
+    l->n++;
+}
+
+/* Each pass from the third on, and from the 20th on each time their number has grown by a twentieth. */
+static void the_error_is_looked_at_by_the_number_of_passes(void **state)
+{
+    bis_checkpoint c = {.path = STATE};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    looks l = {.film = &film};
+    program_folder(DIR_NAME);
+    make_world(&w, &noise);
+    w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+    render_part(&film, &result, &w, one_row,
+                &(bis_render_options){.budget = {.spp = 51, .error = 1e-9}, .n_threads = 1, .pass_size = 1,
+                                      .so_far = note_look, .user = &l, .checkpoint = &c});
+    assert_int_equal(l.n, 51);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* A pixel's error is no error of a picture, however small: the samples end the render, and nothing is forecast. */
+static void an_error_that_is_not_known_ends_nothing(void **state)
+{
+    world w;
+    bis_film film;
+    bis_render_result result;
+    telling t = {.film = &film};
+    make_ticking(&w, 1, FOR_EVER);
+    render_part(&film, &result, &w, one_pixel,
+                &(bis_render_options){.budget = {.error = 10, .spp = 20}, .n_threads = 1, .forecast = note_forecast,
+                                      .user = &t});
+    assert_true(result.error.upper < 10 && !result.error.is_bounded);
+    assert_int_equal(result.spp, 20);
+    assert_int_equal(t.n_forecasts, 0);
+    bis_film_clear(&film);
+    clear_ticking(&w);
+}
+
+/* The first error that is known is forecast with. The same error is enough for who asks for it; who asks for a bit less
+ * goes on. A later process, which finds the figure in the checkpoint, tells nothing again. */
+static void an_error_that_is_just_reached_is_enough(void **state)
+{
+    world w;
+    bis_film film;
+    bis_render_result result;
+    telling first = {.film = &film};
+    program_folder(DIR_NAME);
+    make_ticking(&w, 1, FOR_EVER);
+    bis_render_options options = {.budget = {.error = 1e-9, .spp = 20}, .n_threads = 1, .forecast = note_forecast,
+                                  .user = &first};
+    render_part(&film, &result, &w, one_row, &options);
+    assert_int_equal(first.n_forecasts, 1);
+    bis_film_clear(&film);
+    for (int less = 0; less < 2; less++) {
+        telling again = {.film = &film};
+        bis_checkpoint c = {.path = STATE, .every = 1e9};
+        options.budget = (bis_budget){.error = less ? nextafter(first.forecast.error, 0) : first.forecast.error};
+        options.user = &again;
+        options.checkpoint = &c;
+        render_part(&film, &result, &w, one_row, &options);
+        assert_int_equal(again.n_forecasts, less);
+        assert_true(less ? result.spp > first.spp[0] : result.spp == first.spp[0]);
+        bis_film_clear(&film);
+    }
+    for (uint32_t spp = (uint32_t)result.spp - 1; spp <= result.spp + 4; spp++) {
+        telling later = {.film = &film};
+        bis_checkpoint c = {0};
+        bis_diag diag = {0};
+        bis_render_result end;
+        assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+        options.budget = (bis_budget){.error = 1e-9, .spp = spp};
+        options.user = &later;
+        options.checkpoint = &c;
+        assert_int_equal(
+            bis_film_init(&film, WIDTH, HEIGHT, (double[]){0, 1, 19.5 / 21, 1}, (bis_loc){0}, NULL), BIS_OK);
+        const bis_status status = bis_render(&end, &film, &w.scene, &w.desc.view, &options, &diag);
+        assert_int_equal(status, spp < result.spp ? BIS_INPUT : BIS_OK);
+        assert_true(status || end.spp == spp);
+        if (status) {
+            char text[256];
+            snprintf(text, sizeof text, "%s: error: this checkpoint has %d camera samples a pixel already: ask for as "
+                     "many or more, not for %d", STATE, (int)result.spp, (int)spp);
+            assert_string_equal(diag.messages[0].text, text);
+        }
+        assert_int_equal(later.n_forecasts, 0);
+        bis_diag_clear(&diag);
+        bis_film_clear(&film);
+    }
+    clear_ticking(&w);
+}
+
+static void forget_glimpse(const float *rgba, void *user) {}
+
+/* Of what a render with edges and with a glimpse, or of a part, takes, each piece that is missing is told, and nothing
+ * stays. */
+static void without_memory_there_is_no_first_light_and_no_part(void **state)
+{
+    static const char *const texts[] = {"error: no memory for the picture's first light",
+        "error: no memory for the edges of 37 x 21 pixels", "error: no memory for a pass of 37 x 21 pixels",
+        "error: no memory for 1 threads", "error: no memory for a thread's camera samples"};
+    world w;
+    unsigned named = 0;
+    make_world(&w, &bis_sir);
+    w.desc.view.edge_samples = 2;
+    for (int part = 0; part < 2; part++)
+        FOR_LACK(l) {
+            const bis_render_options options = {.budget = {.spp = 1}, .n_threads = 1, .first_light = !part,
+                                                .glimpse = forget_glimpse, .part = {(uint32_t)part, part ? 2 : 0}};
+            bis_film film;
+            bis_render_result result;
+            bis_diag diag = {0};
+            assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+            const long live = bis_mem_live();
+            film.independent = true;
+            w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+            LACK(l, bis_render(&result, &film, &w.scene, &w.desc.view, &options, &diag));
+            assert_int_equal(l.status == BIS_OK, l.over);
+            assert_int_equal(diag.n_errors, !l.over);
+            for (unsigned k = 0; k < 5 && diag.n > 0; k++)
+                if (strcmp(diag.messages[0].text, texts[k]) == 0) named |= 1u << k;
+            bis_diag_clear(&diag);
+            assert_int_equal(bis_mem_live(), live);
+            bis_film_clear(&film);
+        }
+    assert_int_equal(named, 31);
     clear_world(&w);
 }
 
@@ -919,45 +1538,13 @@ static void lit_denormals_leave_every_estimate_finite_and_the_means_right(void *
     }
 }
 
-typedef struct time_log {
-    double budget; /* seconds */
-    int n, n_between;
-} time_log;
-
-/* Samples are out of reach, so what is used up is the time, in every report. */
-static void check_time(const bis_progress *p, void *user)
-{
-    time_log *log = user;
-    const double share = fmin(p->seconds / log->budget, 1);
-    assert_true(fabs(p->share - share) <= 1e-5);
-    if (share > 0 && share < 1) assert_true(fabs(p->seconds_left / (p->seconds * (1 - share) / share) - 1) <= 1e-2);
-    log->n++;
-    log->n_between += share > 0 && share < 1;
-}
-
-static void progress_by_time_is_the_share_of_the_seconds(void **state)
-{
-    static const double budgets[] = {1e-9, 0.1, 0.3};
-    world w;
-    make_world(&w, &bis_em);
-    for (int i = 0; i < 3; i++) {
-        bis_film film;
-        bis_render_result result;
-        time_log log = {.budget = budgets[i]};
-        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = UINT32_MAX, .seconds = budgets[i]},
-                                                                .progress = check_time, .user = &log});
-        assert_true(log.n > 0 && (i > 0 || log.n_between == 0));
-        bis_film_clear(&film);
-    }
-    clear_world(&w);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits_and_counts),
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
         cmocka_unit_test(a_twin_is_its_pixel_in_a_render_with_another_seed),
+        cmocka_unit_test(a_twin_may_be_any_pixel_of_a_tile),
         cmocka_unit_test(a_crop_of_a_picture_that_learns_holds_its_bits),
         cmocka_unit_test(what_learns_renders_whole_tiles_and_says_so),
         cmocka_unit_test(a_thin_film_holds_the_bits_of_its_pixels_in_the_picture),
@@ -969,12 +1556,23 @@ int main(void)
         cmocka_unit_test(an_interrupted_first_pass_leaves_nothing),
         cmocka_unit_test(spp_is_the_number_of_camera_rays_in_growing_passes),
         cmocka_unit_test(the_shortest_time_still_completes_one_pass_E39),
-        cmocka_unit_test(no_pass_begins_that_would_not_fit_into_the_time),
-        cmocka_unit_test(what_is_done_once_does_not_make_passes_dearer),
-        cmocka_unit_test(a_pass_that_is_cut_to_fit_is_the_last),
         cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
         cmocka_unit_test(an_error_budget_takes_three_passes_at_least_and_spp_at_most),
         cmocka_unit_test(progress_grows_to_the_whole_budget),
+        cmocka_unit_test(time_is_used_up_as_by_hand),
+        cmocka_unit_test(reports_say_what_is_done_and_what_is_left),
+        cmocka_unit_test(the_result_so_far_is_told_once_in_an_interval),
+        cmocka_unit_test(the_film_is_told_how_many_samples_are_expected),
+        cmocka_unit_test(a_checkpoint_is_kept_once_in_an_interval),
+        cmocka_unit_test(a_later_process_knows_the_seconds_and_finds_its_own_speed),
+        cmocka_unit_test(what_there_is_is_shown_every_half_second_of_the_first_pass),
+        cmocka_unit_test(the_first_pass_ends_with_the_time),
+        cmocka_unit_test(a_forecast_is_the_square_of_the_errors_times_what_was_taken),
+        cmocka_unit_test(who_interrupts_a_finished_render_comes_too_late),
+        cmocka_unit_test(the_error_is_looked_at_by_the_number_of_passes),
+        cmocka_unit_test(an_error_that_is_not_known_ends_nothing),
+        cmocka_unit_test(an_error_that_is_just_reached_is_enough),
+        cmocka_unit_test(without_memory_there_is_no_first_light_and_no_part),
         cmocka_unit_test(counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_rejected_E30),
         cmocka_unit_test(escaped_rays_see_the_map_where_it_is_visible),
         cmocka_unit_test(without_jitter_rays_pass_through_pixel_centres),
@@ -983,7 +1581,6 @@ int main(void)
         cmocka_unit_test(lit_denormals_leave_every_estimate_finite_and_the_means_right),
         cmocka_unit_test(rendering_allocates_nothing),
         cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
-        cmocka_unit_test(progress_by_time_is_the_share_of_the_seconds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

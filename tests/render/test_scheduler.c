@@ -3,8 +3,10 @@
  * be counted, and a rank can be made slow. The expected pictures are those of one process. What a tile has learned is
  * worth more than its pixels, in bytes: a rank that sends to another one than rank 0, or rank 0 more than numbers of
  * tiles, moves what was learned. */
+#include "bis/base/clock.h"
 #include "bis/base/mem.h"
 #include "render/checkpoint.h"
+#include "render/pass.h"
 #include "render/ranks.h"
 #include "render/scheduler_parts.h"
 
@@ -244,6 +246,7 @@ static const post *assert_team_makes_the_same(const picture *one, const world *w
 
     const post *p = render_ranks(ranks, slow, &j);
     assert_same(&one->film, &many.film, &one->result, &many.result);
+    assert_true(many.result.bytes > one->result.bytes); /* there is a scheduler as well */
     bis_film_clear(&many.film);
     return p;
 }
@@ -959,6 +962,167 @@ static void every_tile_is_rendered_once(void **state)
     }
 }
 
+/* What a pass has made of a crop, tile by tile into a message and out of it: all of its pixels, layers and twins, and
+ * no other bytes. */
+static void pixels_of_a_crop_travel(void **state)
+{
+    static const double crop[4] = {0.3, 0.95, 0.2, 0.7};
+    bis_film f;
+    bis_workspace w[2];
+    size_t travelled = 0;
+    int across;
+
+    assert_int_equal(bis_film_init(&f, SIDE, SIDE, crop, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(&f, BIS_LAYERS_ALL, NULL), BIS_OK);
+    assert_int_equal(bis_film_want_twins(&f, NULL), BIS_OK);
+    const size_t n = (size_t)f.width * (size_t)f.height, n_values = n * (size_t)f.layers.n_values,
+                 n_twins = bis_film_twins(&f);
+    for (int k = 0; k < 2; k++)
+        w[k] = (bis_workspace){.film = &f, .pass = bis_alloc(n, sizeof *w->pass),
+                               .pass_layers = bis_alloc(n_values, sizeof *w->pass_layers),
+                               .pass_twins = bis_alloc(n_twins, sizeof *w->pass_twins)};
+    for (size_t i = 0; i < n; i++) w->pass[i] = (bis_pixel_mean){{(float)i, 1, 2}, 0.5f};
+    for (size_t i = 0; i < n_values; i++) w->pass_layers[i] = (float)i;
+    size_t n_here = 0; /* twins in the crop */
+    for (bis_twin t = {0}; bis_film_next_twin(&f, bis_film_crop(&f), &t); n_here++)
+        w->pass_twins[t.at] = (rgb){(float)t.x, (float)t.y, 3};
+    unsigned char *buffer = bis_alloc(1, bis_sched_tile_bytes(w));
+    for (int t = 0; t < bis_film_tiles(&f, BIS_RENDER_TILE, &across); t++) {
+        const unsigned char *end = bis_sched_put_pixels(buffer, &w[0], t);
+        assert_true((size_t)(end - buffer) <= bis_sched_tile_bytes(w));
+        assert_ptr_equal(bis_sched_get_pixels(buffer, &w[1], t), end);
+        travelled += (size_t)(end - buffer);
+    }
+    assert_memory_equal(w[1].pass, w[0].pass, n * sizeof *w->pass);
+    assert_memory_equal(w[1].pass_layers, w[0].pass_layers, n_values * sizeof *w->pass_layers);
+    assert_memory_equal(w[1].pass_twins, w[0].pass_twins, n_twins * sizeof *w->pass_twins);
+    assert_int_equal(travelled, 16 * n + 4 * n_values + 12 * n_here);
+    for (int k = 0; k < 2; k++) {
+        bis_free(w[k].pass);
+        bis_free(w[k].pass_layers);
+        bis_free(w[k].pass_twins);
+    }
+    bis_free(buffer);
+    bis_film_clear(&f);
+}
+
+/* Other threads than the first take tiles from the queue, rank 0's from its lists as well, and tell no progress. */
+static void other_threads_take_tiles_and_tell_nothing(void **state)
+{
+    static fake_ranks d;
+
+    open_fake_ranks(&d, 1, NULL, 7, 7, false);
+    d.progress = -1;
+    bis_sched_begin(d.sched, note_progress, &d);
+    for (int t = 0; t < 49; t++) {
+        assert_int_equal(bis_sched_next(d.sched, t % 2), t);
+        bis_sched_finish(d.sched, 1, t, 0.5 + t);
+        assert_true(d.progress == -1 && d.sched->seconds[t] == 0.5 + t);
+        assert_true(d.sched->n_finished == t + 1 && d.sched->finished[t] == t);
+    }
+    assert_int_equal(bis_sched_next(d.sched, 0), -1);
+    assert_int_equal(bis_sched_next(d.sched, 1), -1);
+    close_fake_ranks(&d);
+
+    open_fake_ranks(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    d.ranks.rank = 1;
+    d.progress = -1;
+    bis_sched_begin(d.sched, note_progress, &d);
+    leave_work(&d, 0, LIST(5, 0, 7));
+    assert_int_equal(bis_sched_next(d.sched, 0), 5);
+    assert_int_equal(bis_sched_next(d.sched, 1), 0);
+    assert_int_equal(bis_sched_next(d.sched, 1), 7);
+    for (int t = 5; t <= 7; t++) bis_sched_finish(d.sched, t % 2, t, 1);
+    assert_true(d.progress == -1);
+    close_fake_ranks(&d);
+}
+
+/* What a rank's own tiles have counted is learned, once. */
+static void a_rank_learns_from_the_tiles_that_it_has_done(void **state)
+{
+    static fake_ranks d;
+
+    open_fake_ranks(&d, 3, NULL, 7, 7, true);
+    const bis_visibility *v = &d.w.visibility;
+    for (int t = 0; t < 49; t++) v->counted[(size_t)t * v->cells].rays[1] = (uint16_t)(t + 1);
+    bis_sched_begin(d.sched, note_progress, &d);
+    bis_sched_finish(d.sched, 1, 5, 1);
+    bis_sched_finish(d.sched, 1, 3, 1);
+    for (int k = 0; k < 2; k++) {
+        bis_sched_learn(d.sched);
+        assert_int_equal(d.sched->n_finished, 0);
+        for (int t = 0; t < 49; t++)
+            assert_int_equal(v->known[(size_t)t * v->cells].rays[1], t == 3 || t == 5 ? t + 1 : 0);
+        v->counted[5 * v->cells].rays[1] = 9;
+    }
+    close_fake_ranks(&d);
+}
+
+static bis_counters counters_sent;
+
+static void keep_counters(bis_ranks *ranks, int to, const void *data, size_t n)
+{
+    assert_true(to == 0 && n == sizeof counters_sent);
+    memcpy(&counters_sent, data, n);
+}
+
+static unsigned char *give_counters(bis_ranks *ranks, int *from, size_t *n, bool wait)
+{
+    assert_true(wait);
+    return (unsigned char *)&counters_sent;
+}
+
+/* Two threads: rank 1 sends the sum of what they have counted, and rank 0 adds that of two others to its own. */
+static void at_the_end_of_a_pass_counters_are_added_up(void **state)
+{
+    static fake_ranks d;
+
+    for (int rank = 1; rank >= 0; rank--) {
+        open_fake_ranks(&d, 3, NULL, 7, 7, false);
+        bis_workspace_clear(&d.w);
+        d.options.n_threads = 2;
+        d.w = (bis_workspace){.scene = &d.world.scene, .desc = &d.world.desc, .view = &d.world.desc.view,
+                              .options = &d.options, .film = &d.film};
+        assert_int_equal(bis_workspace_init(&d.w, NULL), BIS_OK);
+        d.ranks.rank = rank;
+        d.ranks.send = keep_counters;
+        d.ranks.receive = give_counters;
+        d.w.workers[0].counters = (bis_counters){1, 2, 3, 4, 5, 6};
+        d.w.workers[1].counters = (bis_counters){10, 20, 30, 40, 50, 60};
+        bis_sched_end(d.sched);
+        assert_true(d.sched->knows == (rank == 0));
+        if (rank == 1) {
+            assert_memory_equal(&counters_sent, &((bis_counters){11, 22, 33, 44, 55, 66}), sizeof counters_sent);
+        } else {
+            const bis_counters *c = &d.w.workers[0].counters;
+            assert_memory_equal(c, &((bis_counters){23, 46, 69, 92, 115, 138}), sizeof *c);
+            assert_int_equal(d.w.workers[1].counters.camera_rays, 10);
+        }
+        close_fake_ranks(&d);
+    }
+}
+
+/* Rank 0 alone: each of its tiles takes some of the time that passes, and no more than all of it together. */
+static void what_tiles_took_is_less_than_the_time_that_passed(void **state)
+{
+    static fake_ranks d;
+    const bis_pass pass = {.number = 0, .n = 1, .first = 0, .weight = 1};
+    double sum = 0;
+
+    open_fake_ranks(&d, 1, NULL, 7, 7, false);
+    d.w.sched = d.sched;
+    const double began = bis_clock_now();
+    assert_true(bis_pass_render(&d.w, &pass, note_progress, &d));
+    const double passed = bis_clock_now() - began;
+    for (int t = 0; t < 49; t++) {
+        assert_true(d.sched->seconds[t] > 0);
+        sum += d.sched->seconds[t];
+    }
+    assert_true(sum <= passed && d.sched->knows && d.progress == 1);
+    assert_int_equal(d.w.workers[0].counters.camera_rays, d.film.width * d.film.height);
+    close_fake_ranks(&d);
+}
+
 static void without_memory_there_is_no_scheduler(void **state)
 {
     fake_ranks d;
@@ -1085,6 +1249,11 @@ int main(void)
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
+        cmocka_unit_test(pixels_of_a_crop_travel),
+        cmocka_unit_test(a_rank_learns_from_the_tiles_that_it_has_done),
+        cmocka_unit_test(other_threads_take_tiles_and_tell_nothing),
+        cmocka_unit_test(at_the_end_of_a_pass_counters_are_added_up),
+        cmocka_unit_test(what_tiles_took_is_less_than_the_time_that_passed),
         cmocka_unit_test(without_memory_there_is_no_scheduler),
         cmocka_unit_test(ranks_end_together_where_one_cannot_go_on),
         cmocka_unit_test(ranks_with_another_scene_are_named),

@@ -183,15 +183,16 @@ static void what_a_thread_knows_beyond_the_thesis(void **state)
     bis_light_free(light);
 }
 
-static void a_film_and_its_layers(void **state)
+static void a_film_its_layers_and_its_twins(void **state)
 {
     const double crop[4] = {0.1, 0.9, 0, 1};
 
-    for (unsigned layers = 0; layers < 2; layers++) {
+    for (int kind = 0; kind < 4; kind++) {
         bis_film film;
         const account before = begin();
         assert_int_equal(bis_film_init(&film, 310, 170, crop, (bis_loc){0}, NULL), BIS_OK);
-        if (layers) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
+        if (kind & 1) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
+        if (kind & 2) assert_int_equal(bis_film_want_twins(&film, NULL), BIS_OK);
         expect(before, bis_film_bytes(&film));
         bis_film_clear(&film);
     }
@@ -245,6 +246,45 @@ static void what_a_render_works_with(void **state)
         }
 }
 
+/* Without textures, and with them. */
+static void what_a_wave_of_camera_samples_has(void **state)
+{
+    for (uint32_t k = 0; k < 2; k++) {
+        const bis_scene_desc desc = {.textures.n_of_material = k};
+        const bis_wave_task task = {.desc = &desc};
+        const account before = begin();
+        bis_wave *wave = bis_wave_new(&task, NULL, NULL, NULL);
+        assert_non_null(wave);
+        expect(before, bis_wave_bytes(&desc));
+        bis_wave_free(wave);
+    }
+}
+
+/* A colour of each twin, beside all else. */
+static void what_a_render_with_twins_works_with(void **state)
+{
+    const bis_render_options options = {.n_threads = 1};
+    size_t said[2];
+    world w;
+    bis_film film;
+
+    make_world(&w, &noise);
+    for (int twins = 0; twins < 2; twins++) {
+        assert_int_equal(bis_film_init(&film, 310, 170, whole, (bis_loc){0}, NULL), BIS_OK);
+        if (twins) assert_int_equal(bis_film_want_twins(&film, NULL), BIS_OK);
+        const account before = begin();
+        bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
+                              .film = &film};
+        assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
+        said[twins] = bis_workspace_bytes(&work);
+        expect(before, said[twins]);
+        if (twins) assert_int_equal(said[1] - said[0], bis_film_twins(&film) * 3 * sizeof(float));
+        bis_workspace_clear(&work);
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
 static void what_a_scheduler_has_for_tiles_and_ranks(void **state)
 {
     static const struct { int ranks, side; } cases[] = {{2, 16}, {2, 1600}, {1000, 16}, {900, 3200}};
@@ -290,8 +330,10 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_the_points_of_a_pass_share),
         cmocka_unit_test(what_a_thread_has),
         cmocka_unit_test(what_a_thread_knows_beyond_the_thesis),
-        cmocka_unit_test(a_film_and_its_layers),
+        cmocka_unit_test(a_film_its_layers_and_its_twins),
         cmocka_unit_test(what_a_render_works_with),
+        cmocka_unit_test(what_a_wave_of_camera_samples_has),
+        cmocka_unit_test(what_a_render_with_twins_works_with),
         cmocka_unit_test(what_a_scheduler_has_for_tiles_and_ranks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
