@@ -141,6 +141,119 @@ static void each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate
     }
 }
 
+/* What each does to the picture, and what there are others of: the light that `parse` adds is one of the lights. */
+static const struct { const char *scene; bis_effect effect; const char *among; size_t of; } effects[] = {
+    {"WorldBegin AreaLightSource \"diffuse\" Shape \"sphere\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin LightSource \"point\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin LightSource \"lamp\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin LightSource \"distant\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin Shape \"disk\" Shape \"curve\" Shape \"sphere\"", BIS_EFFECT_SHAPE, "shapes", 3},
+    {"WorldBegin Shape \"sphere\" \"float alpha\" 0.5", BIS_EFFECT_SHAPE, "shapes", 1},
+    {"WorldBegin Material \"glass\" Material \"matte\"", BIS_EFFECT_MATERIAL, "materials", 2},
+    {"WorldBegin MakeNamedMaterial \"a\" \"string type\" \"glass\"", BIS_EFFECT_MATERIAL, "materials", 1},
+    {"WorldBegin NamedMaterial \"gold\" Shape \"sphere\"", BIS_EFFECT_MATERIAL, NULL, 0},
+    {"WorldBegin Material \"matte\" \"float gloss\" 1", BIS_EFFECT_MATERIAL, "materials", 1},
+    {"WorldBegin Texture \"t\" \"float\" \"constant\" Texture \"u\" \"float\" \"ptex\"", BIS_EFFECT_TEXTURE, "textures",
+     2},
+    {"WorldBegin Texture \"u\" \"float\" \"constant\" \"float size\" 1", BIS_EFFECT_TEXTURE, "textures", 1},
+    {"WorldBegin ObjectInstance \"o\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin MakeNamedMedium \"fog\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin MediumInterface \"fog\" \"\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin Volume \"fog\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin ActiveTransform All", BIS_EFFECT_SETTING, NULL, 0},
+    {"TransformTimes 0 1 WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"Film \"gbuffer\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"Camera \"realistic\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"WorldBegin AttributeEnd", BIS_EFFECT_SETTING, NULL, 0},
+    {"WorldBegin Shape \"sphere\" \"float size\" 1", BIS_EFFECT_SETTING, NULL, 0}, /* the sphere is there */
+    {"WorldBegin LightSource \"infinite\" \"float size\" 1", BIS_EFFECT_SETTING, NULL, 0},
+    {"WorldBegin Shape \"sphere\" \"float radius\" 1 \"float radius\" 2", BIS_EFFECT_SETTING, NULL, 0},
+    {"SurfaceIntegrator \"path\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"bdpt\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"directlighting\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"whitted\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"ao\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"Integrator \"ambientocclusion\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+};
+
+static void each_replacement_has_its_effect_and_its_share(void **state)
+{
+    for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
+        bis_scene_desc *d = approximated(effects[i].scene);
+        const bis_approximation *a = d->approximations;
+        assert_int_equal(d->n_approximations, 1);
+        if (a->effect != effects[i].effect || a->n != 1 || a->of != effects[i].of || !a->among != !effects[i].among)
+            fail_msg("%s: effect %d, %zu of %zu", effects[i].scene, (int)a->effect, a->n, a->of);
+        if (a->among) assert_string_equal(a->among, effects[i].among);
+        const bool is_direct = strstr(effects[i].scene, "directl") || strstr(effects[i].scene, "whitted");
+        assert_int_equal(strstr(a->consequence, "what mirrors and glass show of other surfaces") != NULL, is_direct);
+        if (i >= sizeof effects / sizeof *effects - 2)
+            assert_string_equal(a->consequence, "the scene's own light and materials are shown instead");
+        bis_scene_desc_free(d);
+    }
+}
+
+/* Kinds of one effect stay in the order of the scene; the effects come in theirs. */
+static void the_list_is_sorted_by_effect_and_then_by_the_scene(void **state)
+{
+    static const char *const kinds[] = {"no light from infinity", "Integrator \"bdpt\"", "AreaLightSource",
+        "LightSource \"point\"", "Shape \"curve\"", "Volume", "Material \"mirror\"", "Material \"glass\"",
+        "Texture \"ptex\"", "Film \"gbuffer\"", "TransformTimes"};
+    static const char text[] =
+        "Film \"gbuffer\" TransformTimes 0 1 Integrator \"bdpt\" WorldBegin Texture \"t\" \"float\" \"ptex\" "
+        "Material \"mirror\" Shape \"curve\" AreaLightSource \"x\" Material \"glass\" Volume \"x\" LightSource "
+        "\"point\" Material \"mirror\" Shape \"sphere\"";
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    store(scratch("scene.txt"), text, sizeof text - 1);
+    assert_int_equal(bis_scene_parse_as(&d, scratch("scene.txt"), BIS_PARSE_APPROXIMATE, &diag), BIS_OK);
+    assert_int_equal(d->n_approximations, 11);
+    for (size_t i = 0; i < 11; i++) {
+        assert_string_equal(d->approximations[i].kind, kinds[i]);
+        assert_int_equal(d->approximations[i].n, strcmp(kinds[i], "Material \"mirror\"") == 0 ? 2 : 1);
+        assert_non_null(strstr(diag.messages[i].text, kinds[i]));
+    }
+    assert_true(d->light.L.r == 1 && d->light.scale == 1 && d->has_light);
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
+}
+
+/* An unknown name is replaced by something of its kind, which the error without --approximate says. */
+static void an_unknown_name_has_its_own_way_out(void **state)
+{
+    static const struct { const char *scene, *kind, *consequence; bool is_told; } cases[] = {
+        {"WorldBegin Material \"zzz\"", "unknown Material \"zzz\"", "matte, as in pbrt", true},
+        {"WorldBegin Shape \"zzz\"", "unknown Shape \"zzz\"", "left out: it is not seen and casts no shadow", true},
+        {"WorldBegin LightSource \"zzz\"", "unknown LightSource \"zzz\"", "its light is missing", true},
+        {"WorldBegin Texture \"t\" \"float\" \"zzz\"", "unknown Texture \"zzz\"", "one value all over, 0.5", true},
+        {"Integrator \"zzz\" WorldBegin", "Integrator \"zzz\"",
+         "one bounce: light that surfaces reflect onto each other is missing", false},
+        {"Camera \"zzz\" WorldBegin", "unknown Camera \"zzz\"",
+         "a perspective camera with its fov: it shows another part of the scene", true},
+        {"Sampler \"zzz\" WorldBegin", "unknown Sampler \"zzz\"", "\"sobol\"", true},
+        {"Film \"zzz\" WorldBegin", "unknown Film \"zzz\"", "an ordinary film", true},
+        {"Accelerator \"zzz\" WorldBegin", "unknown Accelerator \"zzz\"", "the default", true},
+        {"PixelFilter \"zzz\" WorldBegin", "PixelFilter \"zzz\"", "the box of one pixel is used", false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char end[200];
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        assert_int_equal(parse(&d, cases[i].scene, 0, &diag), BIS_INPUT);
+        snprintf(end, sizeof end, "\"zzz\"%s%s", cases[i].is_told ? "; with --approximate: " : "",
+                 cases[i].is_told ? cases[i].consequence : "");
+        const char *said = strstr(diag.messages[0].text, "\"zzz\"");
+        assert_non_null(said);
+        assert_string_equal(said, end);
+        bis_diag_clear(&diag);
+        d = approximated(cases[i].scene);
+        assert_int_equal(d->n_approximations, 1);
+        assert_string_equal(d->approximations[0].kind, cases[i].kind);
+        assert_string_equal(d->approximations[0].consequence, cases[i].consequence);
+        bis_scene_desc_free(d);
+    }
+}
+
 /* Whether a shape shows the texture or not. */
 static void a_bad_value_of_a_texture_leaves_its_default(void **state)
 {
@@ -669,6 +782,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate),
+        cmocka_unit_test(each_replacement_has_its_effect_and_its_share),
+        cmocka_unit_test(the_list_is_sorted_by_effect_and_then_by_the_scene),
+        cmocka_unit_test(an_unknown_name_has_its_own_way_out),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),

@@ -715,7 +715,8 @@ static const struct { const char *film, *world, *texture; bis_texture is; } desc
      .is_float = true, .steps = 3}},
     {"", MOVED, "\"spectrum\" \"checkerboard\" \"rgb tex1\" [1 -0.5 0.25] \"rgb tex2\" [-0.5 0.5 0.25] "
      "\"float uscale\" 2 \"float vscale\" 3 \"float udelta\" 4 \"float vdelta\" 5",
-     {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .value = {.75, .5, .25}, .factor = {2, 3}, .offset = {4, 5}, .steps = 3}},
+     {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .value = {.75, .5, .25}, .factor = {2, 3}, .offset = {4, 5},
+     .steps = 3}},
     {"", "", "\"float\" \"dots\"", {.kind = BIS_TEXTURE_DOTS, .of = {0, 1}, .value = {.155, .155, .155},
      .is_float = true, .steps = 3}},
     {"", "", "\"rgb\" \"dots\" \"rgb inside\" [-1 2 0] \"rgb outside\" [1 0 -2]", {.kind = BIS_TEXTURE_DOTS,
