@@ -397,9 +397,8 @@ void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
     if (status) return;
     const unsigned errors = p->n_errors;
     mesh->n_parts = obj.parts.n;
-    size_t n_faces = 0; /* parts that have some */
-    for (size_t k = 0; k < obj.n_shown; k++) n_faces += obj.is_shown[k];
-    if (!n_faces) bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
+    if (!obj.n_shown) /* the last of these has a face */
+        bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
     if (obj.n_libraries > MAX_LIBRARIES)
         bis_parser_error(p, mesh->loc, "%s names %zu libraries of materials, must be at most %d", mesh->filename,
                          obj.n_libraries, MAX_LIBRARIES);
