@@ -254,6 +254,146 @@ static void an_unknown_name_has_its_own_way_out(void **state)
     }
 }
 
+#define W "WorldBegin LightSource \"infinite\"\n"
+#define BILERP "Texture \"t\" \"float\" \"bilerp\"\n"
+#define FLAT_SHAPE "left out: it has no extent in one direction"
+
+/* All that is said of replacements, with its place: counted by hand. */
+static const struct { const char *scene, *said[2]; } notes[] = {
+    {W "Shape \"sphere\" WorldEnd Film \"image\"", {"2:25: 1 x what follows WorldEnd: left out: it is of another "
+     "picture"}},
+    {W "Shape \"sphere\" \"point3 radius\" [1 2 3]", {"2:16: 1 x \"point3 radius\" (of 1 shapes): the default is "
+     "taken"}},
+    {W "Shape \"sphere\" \"float radius\" [1 2]", {"2:16: 1 x \"radius\" of 2 values (of 1 shapes): the default is "
+     "taken"}},
+    {W "Shape \"sphere\" \"bool foo\" true Material \"phong\" \"rgb Kd\" 1", {
+     "2:49: 1 x \"Kd\" of 1 value (of 1 materials): the default is taken",
+     "2:16: 1 x parameter \"foo\" of Shape \"sphere\": ignored"}},
+    {W "Material \"phong\" \"float Kd\" 2", {"2:18: 1 x \"Kd\" out of its range (of 1 materials): the nearest value "
+     "that it may have"}},
+    {W "Texture \"t\" \"float\" \"bilerp\" \"string mapping\" \"x\"", {"2:30: 1 x \"mapping\" that is \"x\" (of 1 "
+     "textures): the default is taken"}},
+    {"Camera \"perspective\" \"float shutteropen\" 0 " W, {"1:22: 1 x parameter \"shutteropen\": ignored"}},
+    {"Camera \"perspective\" \"float lensradius\" 0.1 " W, {"1:22: 1 x \"lensradius\": all is in focus"}},
+    {"PixelFilter \"mitchell\" " W, {"1:13: 1 x PixelFilter \"mitchell\": the box of one pixel is used"}},
+    {"Option \"float size\" 1 " W, {"1:8: 1 x parameter \"size\" of Option: ignored"}},
+    {"SurfaceIntegrator \"path\" " W, {"1:1: SurfaceIntegrator \"path\": one bounce: light that surfaces reflect onto "
+     "each other is missing"}},
+    {W "AttributeBegin ObjectBegin \"o\" AttributeEnd ObjectEnd", {
+     "2:32: 1 x AttributeEnd where ObjectEnd is due: it closes the last block that was opened, as in pbrt-v3",
+     "2:45: 1 x ObjectEnd where AttributeEnd is due: it closes the last block that was opened, as in pbrt-v3"}},
+    {W "AttributeBegin TransformEnd", {"2:16: 1 x TransformEnd where AttributeEnd is due: it closes the last block "
+     "that was opened"}},
+    {W "TransformBegin AttributeEnd", {"2:16: 1 x AttributeEnd where TransformEnd is due: it closes the last block "
+     "that was opened"}},
+    {W "TransformEnd", {"2:1: 1 x TransformEnd without TransformBegin: ignored, as in pbrt"}},
+    {W "ObjectEnd", {"2:1: 1 x ObjectEnd without ObjectBegin: ignored, as in pbrt"}},
+    {W "TransformBegin", {"2:1: 1 x TransformBegin has no TransformEnd: it ends with the scene"}},
+    {W "ObjectBegin \"o\"", {"2:1: 1 x ObjectBegin has no ObjectEnd: it ends with the scene"}},
+    {W "ObjectBegin \"o\" ObjectEnd ObjectBegin \"o\" ObjectEnd", {"2:39: 1 x an object defined again: the last one "
+     "counts from there on"}},
+    {W "Scale 0 1 1 Shape \"sphere\" Shape \"disk\"", {"2:13: 2 x a shape under a singular transformation (of 2 "
+     "shapes): " FLAT_SHAPE}},
+    {W "ObjectBegin \"o\" Shape \"sphere\" Shape \"disk\" ObjectEnd Scale 0 1 1 ObjectInstance \"o\"", {
+     "2:67: 2 x a shape under a singular transformation: " FLAT_SHAPE}},
+    {W "ObjectInstance \"o\"", {"2:16: 1 x ObjectInstance of an object that is not defined: left out"}},
+    {W "Material \"matte\" \"spectrum Kd\" \"stdillum-A\"", {"2:18: 1 x the illuminant \"stdillum-A\" (of 1 "
+     "materials): white"}},
+    {W "Material \"matte\" \"spectrum Kd\" \"illum-x\"", {"2:18: 1 x the illuminant \"illum-x\" (of 1 materials): "
+     "white"}},
+    {W "Material \"matte\" \"blackbody Kd\" [3000 .1]", {"2:18: 1 x a second value of \"blackbody Kd\" (of 1 "
+     "materials): it multiplies the colour of luminance 1"}},
+    {"WorldBegin\nLightSource \"infinite\" \"spectrum L\" [400 1 700 1]", {"2:24: 1 x \"spectrum L\" (of 1 lights): "
+     "its colour is relative to D65, white"}},
+    {"WorldBegin\nLightSource \"infinite\" \"float illuminance\" 3", {"2:24: 1 x \"illuminance\" (of 1 lights): "
+     "ignored: the brightness is the light's own"}},
+    {W "LightSource \"infinite\"", {"2:1: 1 x LightSource \"a second\" (of 2 lights): left out: only the first gives "
+     "light"}},
+    {W BILERP "Material \"mirror\" \"texture Kr\" \"t\"", {
+     "3:10: 1 x Material \"mirror\" (of 1 materials): a smooth metal that shows the map, blurred by two degrees; other "
+     "surfaces in it are black",
+     "3:19: 1 x a texture as \"Kr\" (of 1 materials): its mean"}},
+    {W "Shape \"sphere\" \"float phimax\" 0", {"2:16: 1 x a shape without extent (of 1 shapes): left out, as nothing "
+     "of it is seen"}},
+    {W "Shape \"disk\" \"float innerradius\" 1 Shape \"cylinder\" \"float zmin\" 1", {"2:14: 2 x a shape without "
+     "extent (of 2 shapes): left out, as nothing of it is seen"}},
+    {W "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1] \"integer indices\" [0 1 2 0 1 3]", {
+     "2:1: 1 x Shape \"loopsubdiv\" whose triangles do not form surfaces (of 1 shapes): its control mesh: coarser, and "
+     "a little too large"}},
+    {W "Material \"conductor\" \"float uroughness\" 0.01 \"float vroughness\" 0.16", {"2:46: 1 x \"uroughness\" and "
+     "\"vroughness\" that differ (of 1 materials): a round lobe, its alpha the root of the product of both"}},
+    {W "Material \"conductor\" \"float uroughness\" 0.01", {"2:22: 1 x \"uroughness\" and \"vroughness\" that differ "
+     "(of 1 materials): a round lobe, its alpha the root of the product of both"}},
+    {W BILERP "Material \"conductor\" \"texture uroughness\" \"t\" \"float vroughness\" .3", {"3:47: 1 x "
+     "\"uroughness\" and \"vroughness\" that differ (of 1 materials): a round lobe, as wide as the texture says"}},
+    {W "Material \"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", {"2:22: 1 x "
+     "\"metal-Ti-eta\" (of 1 materials): aluminium"}},
+    {W "Material \"metal\" \"float eta\" 1 \"spectrum k\" \"metal-CuZn-k\"", {"2:32: 1 x \"metal-CuZn-k\" (of 1 "
+     "materials): gold"}},
+    {W "Material \"coateddiffuse\" \"float albedo\" .5", {"2:26: 1 x \"albedo\" of Material \"coateddiffuse\" (of 1 "
+     "materials): the coat is clear"}},
+    {W "Material \"uber\" \"float Kr\" .5", {"2:17: 1 x \"Kr\" of Material \"uber\" (of 1 materials): Kd and Ks alone "
+     "are left"}},
+    {W "Material \"uber\" \"float Kt\" .5", {"2:17: 1 x \"Kt\" of Material \"uber\" (of 1 materials): Kd and Ks alone "
+     "are left"}},
+    {W "Material \"uber\" \"float opacity\" .5", {"2:17: 1 x \"opacity\" of Material \"uber\" (of 1 materials): Kd and "
+     "Ks alone are left"}},
+    {W "Shape \"sphere\" \"float radius\" 1 \"float radius\" 2", {"2:33: 1 x \"radius\" given twice: the last one "
+     "counts"}},
+    {W "Shape \"sphere\" \"float shadowalpha\" 0.5", {"2:1: 1 x \"alpha\" of Shape \"sphere\" (of 1 shapes): the "
+     "shape has no holes"}},
+    {W "Texture \"t\" \"spectrum\" \"bilerp\"\nMaterial \"phong\" \"texture exponent\" \"t\"", {"3:18: 1 x a texture "
+     "of colours in place of numbers (of 1 materials): the parameter's default is taken"}},
+    {W "Material \"phong\" \"texture Kd\" \"u\"", {"2:18: 1 x a texture that is not defined (of 1 materials): the "
+     "parameter's default is taken"}},
+    {"Film \"image\" " W "Texture \"t\" \"float\" \"bilerp\" \"string mapping\" \"cylindrical\"", {"2:9: 1 x mapping "
+     "\"cylindrical\" of a Texture (of 1 textures): t is z, as in pbrt-v4; earlier it is z over the distance"}},
+    {W "Texture \"t\" \"float\" \"fbm\"", {"2:9: 1 x filter of Texture \"fbm\" (of 1 textures): looked up at points; "
+     "the camera samples of a pixel average it"}},
+    {W "Texture \"t\" \"float\" \"imagemap\" \"float gamma\" 2 \"string filename\" \"Makefile\"", {"2:32: 1 x \"float "
+     "gamma\" of a texture: ignored, as in pbrt-v3"}},
+    {W "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"", {"2:32: 1 x an image that is not there "
+     "(of 1 textures): grey"}},
+    {W "Material \"matte\" \"string normalmap\" \"no.png\"", {"2:18: 1 x a normal map that is not there (of 1 "
+     "materials): the surface is as smooth as its shape"}},
+    {W "Material \"matte\" \"float sigma\" 20", {"2:18: 1 x \"sigma\" (of 1 materials): the surface is Lambert's"}},
+    {W "MakeNamedMaterial \"m\" \"string type\" \"matte\" MakeNamedMaterial \"m\" \"string type\" \"matte\"", {
+     "2:63: 1 x a material made again (of 2 materials): the last one counts from there on"}},
+    {W "NamedMaterial \"gold\" Shape \"sphere\" NamedMaterial \"gold\"", {"2:15: 1 x NamedMaterial \"gold\", which is "
+     "not made anywhere: diffuse grey"}},
+    {W "Volume \"x\"", {"2:1: 1 x Volume: there is no medium; nothing dims or scatters light"}},
+    {W "MediumInterface \"\" \"x\"", {"2:20: 1 x MediumInterface: there is no medium; nothing dims or scatters light"}},
+    {"ColorSpace \"aces\" " W, {"1:12: 1 x ColorSpace: taken for srgb: colours are off"}},
+    {W "Shape \"zzz\"", {"2:7: 1 x unknown Shape \"zzz\" (of 1 shapes): left out: it is not seen and casts no shadow"}},
+};
+
+static void each_note_has_its_place_its_number_and_its_consequence(void **state)
+{
+    static const char mark[] = ": warning: approximated: ";
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        int n = 0;
+        const bis_status status = parse(&d, notes[i].scene, BIS_PARSE_APPROXIMATE, &diag);
+        if (status) fail_msg("%s: %s", notes[i].scene, diag.messages[0].text);
+        for (size_t k = 0; k < diag.n; k++) {
+            char said[400];
+            const char *place = strstr(diag.messages[k].text, "scene.txt:"), *at = strstr(place, mark);
+            if (!at) continue;
+            place += strlen("scene.txt:");
+            snprintf(said, sizeof said, "%.*s: %s", (int)(at - place), place, at + strlen(mark));
+            const char *expected = n < 2 ? notes[i].said[n++] : NULL;
+            if (!expected || strcmp(said, expected) != 0) fail_msg("%s: %s", notes[i].scene, said);
+        }
+        if (n < 2 && notes[i].said[n]) fail_msg("%s: not said: %s", notes[i].scene, notes[i].said[n]);
+        bis_diag_clear(&diag);
+        bis_scene_desc_free(d);
+    }
+#undef W
+#undef BILERP
+#undef FLAT_SHAPE
+}
+
 /* Whether a shape shows the texture or not. */
 static void a_bad_value_of_a_texture_leaves_its_default(void **state)
 {
@@ -785,6 +925,7 @@ int main(void)
         cmocka_unit_test(each_replacement_has_its_effect_and_its_share),
         cmocka_unit_test(the_list_is_sorted_by_effect_and_then_by_the_scene),
         cmocka_unit_test(an_unknown_name_has_its_own_way_out),
+        cmocka_unit_test(each_note_has_its_place_its_number_and_its_consequence),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),

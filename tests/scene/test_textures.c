@@ -643,22 +643,36 @@ static void options_that_change_no_value_pass(void **state)
 /* With --approximate an option that is not modelled takes its numbers with it, and the map is shown. */
 static void an_option_that_is_left_out_leaves_the_map(void **state)
 {
-    static const char *const statements[] = {"map_Kd -mm 0.1 0.9 four.pfm", "map_Kd -t 0.5 four.pfm",
-        "map_Kd -t 1 2 3 four.pfm", "map_Kd -bm 2 four.pfm", "map_Kd -what 1 four.pfm",
-        "map_Kd -colorspace rec2020 four.pfm", "norm -s 2 four.pfm"};
-    for (size_t i = 0; i < sizeof statements / sizeof *statements; i++) {
+#define NO_MODEL "an option of a map that is not modelled", "ignored"
+    static const struct { const char *statement, *kind, *consequence; } cases[] = {
+        {"map_Kd -mm 0.1 0.9 four.pfm", NO_MODEL}, {"map_Kd -t 0.5 four.pfm", NO_MODEL},
+        {"map_Kd -t 1 2 3 four.pfm", NO_MODEL}, {"map_Kd -bm 2 four.pfm", NO_MODEL},
+        {"map_Kd -what 1 four.pfm", NO_MODEL},
+        {"map_Kd -colorspace rec2020 four.pfm", "a colour space of a map that is not known", "the usual one"},
+        {"norm -s 2 four.pfm", "-s or -o of a normal map", "the map lies as if it had neither"},
+        {"bump -imfchan r four.pfm", "-imfchan of a map", "the mean of red, green and blue"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
         char mtl[256];
-        snprintf(mtl, sizeof mtl, "newmtl a\nKd 1 1 1\n%s\n", statements[i]);
+        snprintf(mtl, sizeof mtl, "newmtl a\nKd 1 1 1\n%s\n", cases[i].statement);
         store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
         program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         program_write_file(DIR "/lib.mtl", mtl);
         assert_int_equal(
             scene_try(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
         assert_int_equal(b.desc->n_approximations, 1);
-        if (b.desc->textures.n_files != 1) fail_msg("%s: no image", statements[i]);
+        const bis_approximation *a = b.desc->approximations;
+        assert_string_equal(a->kind, cases[i].kind);
+        assert_string_equal(a->consequence, cases[i].consequence);
+        assert_true(strstr(a->loc.file, "lib.mtl") && a->loc.line == 3 && a->effect == BIS_EFFECT_SHAPE);
+        const bis_material_textures *t = bis_textures_of(&b.desc->textures, b.desc->shapes[0].material);
+        if (b.desc->textures.n_files != 1 || !t) fail_msg("%s: no image", cases[i].statement);
+        const char c = cases[i].statement[0];
+        assert_true((t->Kd == 0) == (c == 'm') && (t->bump == 0) == (c == 'b') && (t->normals == 0) == (c == 'n'));
         scene_clear(&b);
     }
+#undef NO_MODEL
 }
 
 /* t0: 3 steps, t1: 7, ..., t5: 127; a mix of t5, t5 and a constant has 256 with its own, and that is the most. */
