@@ -130,6 +130,202 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
     bis_diag_clear(&diag);
 }
 
+/* ---- what is said of a line ---- */
+
+#define L " WorldBegin LightSource \"infinite\""
+#define FOV(value) "Camera \"perspective\" \"float fov\" " value L
+#define INFINITE(value) {FOV(value), "1:34: error: non-finite number \"" value "\""}, \
+    {FOV("[1 " value "]"), "1:37: error: non-finite number \"" value "\""}
+#define DECLARED(words) {"Camera \"perspective\" \"" words "\" 45" L, \
+    "1:22: error: a parameter is declared as \"type name\", not \"" words "\""}
+#define UNKNOWN(words) {"Camera \"perspective\" " words L, "1:22: error: unknown parameter \"a\" of Camera " \
+    "\"perspective\"; with --approximate: ignored"}
+#define NEAREST "; with --approximate: the nearest value that it may have"
+#define SPECTRUM(words) {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" " words, \
+    "1:52: error: the spectrum \"Kd\" must be one number, or pairs of a wavelength in nm and a value >= 0, " \
+    "wavelengths ascending"}
+#define DEEP "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx" /* 64 */
+
+/* All messages of a scene of one line; "": none. Places are counted by hand. */
+static const struct { const char *scene, *said; } sayings[] = {
+    INFINITE("nan"), INFINITE("NaN"), INFINITE("NAN"), INFINITE("inf"), INFINITE("Inf"), INFINITE("INF"),
+    INFINITE("infinity"),
+    {FOV("Nan"), "1:22: error: \"fov\" has no value"},
+    {FOV("[Nan]"), "1:34: error: the [ of \"fov\" has no ]"},
+    {FOV("3.5e38"), "1:34: error: non-finite number \"3.5e38\": the largest float is 3.4e38"},
+    {FOV("-3.5e38"), "1:34: error: non-finite number \"-3.5e38\": the largest float is 3.4e38"},
+    {FOV("3.4e38"), "1:22: error: \"fov\" is 3.4e+38, must be in (0, 180)"},
+    {FOV("true"), "1:34: error: \"fov\" wants numbers, found \"true\""},
+    {FOV("[45"), "1:34: error: the [ of \"fov\" has no ]"},
+    {FOV("]"), "1:22: error: \"fov\" has no value"},
+    {"Camera \"perspective\" \"float fov\"", "1:22: error: \"fov\" has no value\n1:33: error: the scene has no "
+     "WorldBegin"},
+    {"Camera \"perspective\" \"float fov\" [45", "1:34: error: the [ of \"fov\" has no ]\n1:37: error: the scene has "
+     "no WorldBegin"},
+    {FOV("[45 46]"), "1:22: error: \"fov\" has 2 values, must have 1; with --approximate: the default is taken"},
+    {FOV("[]"), "1:22: error: \"fov\" has 0 values, must have 1; with --approximate: the default is taken"},
+    {"Sampler \"sobol\" \"integer seed\" 3.5e38" L, "1:17: error: \"seed\" is 3.5e+38, must be in [0, "
+     "9007199254740991]" NEAREST},
+    {"Option \"bool disablepixeljitter\" \"true\" \"bool approximate\" [false]" L, ""},
+    {"Option \"bool disablepixeljitter\" [\"false\"]" L, ""},
+    {"Option \"bool disablepixeljitter\" \"truth\"" L, "1:34: error: \"disablepixeljitter\" wants true or false, found "
+     "the string \"truth\""},
+    {"Option \"bool disablepixeljitter\" tru" L, "1:8: error: \"disablepixeljitter\" has no value"},
+    {"Option \"bool disablepixeljitter\" 1" L, "1:34: error: \"disablepixeljitter\" wants true or false, found \"1\""},
+    {"Film \"rgb\" \"string filename\" [\"a\" 3]" L, "1:35: error: \"filename\" wants strings, found \"3\""},
+    {"Film \"rgb\" \"string filename\" true" L, "1:30: error: \"filename\" wants strings, found \"true\""},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [\"a\" 3]",
+     "1:71: error: \"Kd\" wants strings, found \"3\""},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [400 \"a\"]",
+     "1:71: error: \"Kd\" wants numbers, found the string \"a\""},
+    {"Camera \"perspective\" \"vector2 a\" [1 \"b\" true [" L, "1:46: error: \"a\" wants a value, found \"[\""},
+    UNKNOWN("\"vector2 a\" [1 \"b\" true]"), UNKNOWN("\"vector2 a\" \"b\""), UNKNOWN("\"float a\" 1"),
+    UNKNOWN("\"\tfloat\t a \" 1"), UNKNOWN("\"float a\\r\" 1"), UNKNOWN("\"\\rfloat\\ra\\t\" 1"),
+    DECLARED("float"), DECLARED(""), DECLARED(" fov"), DECLARED("float a b"), DECLARED("float a,b"),
+    DECLARED("float " DEEP "x"),
+    {"Camera \"perspective\" \"float " DEEP "\" 45" L, "1:22: error: unknown parameter \"" DEEP "\" of Camera "
+     "\"perspective\"; with --approximate: ignored"},
+    {"Camera \"perspective\" \"float azAZ09_.:-\" 45" L, "1:22: error: unknown parameter \"azAZ09_.:-\" of Camera "
+     "\"perspective\"; with --approximate: ignored"},
+    {"Camera \"perspective\" \"flaot fov\" 45" L, "1:22: error: unknown parameter type \"flaot\" (did you mean "
+     "\"float\"?)"},
+    {"Camera \"perspective\" \"normal3 a\" [1 2 3]" L, "1:22: error: unknown parameter \"a\" of Camera "
+     "\"perspective\"; with --approximate: ignored"},
+    {"Camera" L, "1:8: error: Camera wants a quoted name, found \"WorldBegin\""},
+    {"WorldBegin LightSource \"infinite\" Texture \"t\" \"float\" 3", "1:55: error: Texture wants another quoted name, "
+     "found \"3\""},
+    {"WorldBegin LightSource \"infinite\" Texture", "1:42: error: Texture wants a quoted name, found the end of the "
+     "file"},
+
+    {"Camera \"perspective\" \"float screenwindow\" [0 0 1 2]" L, "1:22: error: \"screenwindow\" is empty: it wants x0 "
+     "x1 y0 y1 with x0 != x1, y0 != y1"},
+    {"Camera \"perspective\" \"float screenwindow\" [0 1 2 2]" L, "1:22: error: \"screenwindow\" is empty: it wants x0 "
+     "x1 y0 y1 with x0 != x1, y0 != y1"},
+    {"Camera \"perspective\" \"float screenwindow\" [1 0 2 1]" L, ""},
+    {"Camera \"perspective\" \"float frameaspectratio\" 0" L, "1:22: error: \"frameaspectratio\" is 0, must be > 0"},
+    {"Camera \"perspective\" \"float focaldistance\" 3 \"float lensradius\" 0 \"float fov\" 179.9" L, ""},
+    {"Camera \"perspective\" \"float lensradius\" -1" L,
+     "1:22: error: a thin lens is not modelled: \"lensradius\" must "
+     "be 0; with --approximate: all is in focus"},
+    {"Film \"rgb\" \"float cropwindow\" [.5 .5 0 1]" L, "1:12: error: \"cropwindow\" is empty: it wants x0 x1 y0 y1 "
+     "with x0 < x1, y0 < y1"},
+    {"Film \"rgb\" \"float cropwindow\" [0 1 .5 .5]" L, "1:12: error: \"cropwindow\" is empty: it wants x0 x1 y0 y1 "
+     "with x0 < x1, y0 < y1"},
+    {"Film \"rgb\" \"float cropwindow\" [0 1 0 1.5]" L,
+     "1:12: error: \"cropwindow\" is 1.5, must be in [0, 1]" NEAREST},
+    {"Film \"rgb\" \"float cropwindow\" [-1 1 0 1]" L, "1:12: error: \"cropwindow\" is -1, must be in [0, 1]" NEAREST},
+    {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 1 \"float scale\" 0" L, ""},
+    {"Film \"rgb\" \"integer xresolution\" 32769" L, "1:12: error: \"xresolution\" is 32769, must be in [1, 32768]"
+     NEAREST},
+    {"Film \"rgb\" \"integer yresolution\" 0" L, "1:12: error: \"yresolution\" is 0, must be in [1, 32768]" NEAREST},
+    {"Film \"rgb\" \"float scale\" -1" L, "1:12: error: \"scale\" is -1, must be >= 0" NEAREST},
+    {"PixelFilter \"box\" \"float xradius\" .5 \"float ywidth\" 0.5" L, ""},
+    {"PixelFilter \"box\" \"float yradius\" 1" L, "1:19: warning: \"yradius\" is ignored: the box has the size of one "
+     "pixel (0.5)"},
+    {"PixelFilter \"box\" \"float xwidth\" 1 \"float ywidth\" 2" L, "1:19: warning: \"xwidth\" is ignored: the box has "
+     "the size of one pixel (0.5)\n1:36: warning: \"ywidth\" is ignored: the box has the size of one pixel (0.5)"},
+    {"PixelFilter \"box\" \"float xradius\" 0" L, "1:19: error: \"xradius\" is 0, must be > 0"},
+    {"PixelFilter \"lanczossinc\" \"float tau\" 3" L, "1:13: warning: PixelFilter \"lanczossinc\" is ignored: the box "
+     "of one pixel is used"},
+    {"Accelerator \"grid\" \"float density\" 100" L, ""},
+    {"Accelerator \"grid\" \"float density\" 100.5" L,
+     "1:20: error: \"density\" is 100.5, must be in (0, 100]" NEAREST},
+    {"Accelerator \"kdtree\" \"float emptybonus\" 3" L, "1:13: warning: Accelerator \"kdtree\" is replaced by the "
+     "default"},
+    {"Sampler \"sobol\" \"integer edgesamples\" 1025" L, "1:17: error: \"edgesamples\" is 1025, must be in [1, 1024]"
+     NEAREST},
+    {"Sampler \"sobol\" \"integer edgesamples\" 0" L,
+     "1:17: error: \"edgesamples\" is 0, must be in [1, 1024]" NEAREST},
+    {"Sampler \"sobol\" \"float edgelight\" 0" L, "1:17: error: \"edgelight\" is 0, must be in (0, 1]"},
+    {"Sampler \"sobol\" \"float edgelight\" 1.5" L, "1:17: error: \"edgelight\" is 1.5, must be in (0, 1]" NEAREST},
+    {"Sampler \"sobol\" \"float edgelight\" 1 \"integer edgesamples\" 1 \"integer pixelsamples\" 1000000000" L, ""},
+    {"Sampler \"sobol\" \"integer pixelsamples\" 1000000001" L, "1:17: error: \"pixelsamples\" is 1000000001, must be "
+     "in [1, 1000000000]" NEAREST},
+    {"Sampler \"stratified\" \"integer xsamples\" 0" L,
+     "1:22: error: \"xsamples\" is 0, must be in [1, 65535]" NEAREST},
+    {"Sampler \"stratified\" \"integer ysamples\" 65536" L, "1:22: error: \"ysamples\" is 65536, must be in [1, 65535]"
+     NEAREST},
+    {"Sampler \"stratified\" \"integer ysamples\" 5 \"integer pixelsamples\" 16" L, "1:22: error: \"xsamples\" 4 times "
+     "\"ysamples\" 5 is 20, must be \"pixelsamples\" 16"},
+    {"Sampler \"stratified\" \"integer ysamples\" 5 \"integer pixelsamples\" 20" L, ""},
+    {"Sampler \"random\" \"integer dimensions\" 4 \"string randomization\" \"owen\"" L, "1:18: warning: \"dimensions\" "
+     "is ignored\n1:41: warning: \"randomization\" is ignored"},
+    {"Sampler \"adaptive\" \"integer minsamples\" 4" L, "1:9: warning: Sampler \"adaptive\" is replaced by \"sobol\""},
+    {"Integrator \"sppm\" \"integer maxdepth\" 4" L, "1:12: warning: Integrator \"sppm\" is pbrt's and replaced by the "
+     "default, \"sir\", one bounce; its parameters are ignored"},
+    {"Option \"integer seed\" 3 \"bool wavefront\" true" L, "1:1: warning: Option \"seed\" is ignored, like all but "
+     "\"disablepixeljitter\", \"asprinted\" and \"approximate\""},
+    {"Option \"bool forcediffuse\" true" L, "1:1: warning: Option \"forcediffuse\" is ignored, like all but "
+     "\"disablepixeljitter\", \"asprinted\" and \"approximate\""},
+    {"MediumInterface \"\" \"fog\"" L, "1:20: error: MediumInterface is \"fog\", must be \"\": media are not modelled; "
+     "with --approximate: there is no medium; nothing dims or scatters light"},
+    {"MediumInterface \"\" \"\" \"\"" L, "1:23: error: expected a directive, found the string \"\""},
+    {"Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" L, "1:44: error: Transform wants ] after 16 numbers, found "
+     "\"WorldBegin\""},
+    {"LookAt 0 0 5 0 0 0 0 1" L, "1:24: error: LookAt wants 9 numbers, found \"WorldBegin\" after 8"},
+    {"Rotate 90 1 0" L, "1:15: error: Rotate wants 4 numbers, found \"WorldBegin\" after 3"},
+    {"Rotate 90 0 0 0" L, "1:1: error: Rotate about the axis 0 0 0, which has no direction"},
+    {"Rotate 90 1 0 0 Rotate 90 0 1 0 Rotate 90 0 0 1" L, ""},
+    {"Scale 1 0 1" L, "1:1: error: Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
+     "are left out"},
+    {"Scale 1 1 0" L, "1:1: error: Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
+     "are left out"},
+
+    SPECTRUM("[0 1]"), SPECTRUM("[-400 1]"), SPECTRUM("[400 1 400 1]"), SPECTRUM("[500 1 400 1]"),
+    SPECTRUM("[400 -1]"), SPECTRUM("[400 1 500]"), SPECTRUM("[400 1 500 -0.5]"), SPECTRUM("[400 1 500 1 450 1]"),
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [1e-3 0 400 0.5 400.5 0.5]", ""},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" []", "1:52: error: \"Kd\" has no value"},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"blackbody Kd\" 499", "1:52: error: \"Kd\" is 499, must "
+     "be in [500, 1000000]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"blackbody Kd\" 1000001", "1:52: error: \"Kd\" is "
+     "1000001, must be in [500, 1000000]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"xyz Kd\" [0 0]",
+     "1:52: error: \"Kd\" has 2 values, must "
+     "have 3; with --approximate: the default is taken"},
+    {"WorldBegin LightSource \"infinite\" \"rgb L\" [1 1 1] \"rgb scale\" [1 2 3] \"float illuminance\" 0", ""},
+    {"WorldBegin LightSource \"infinite\" \"rgb L\" [1e38 1 1] \"rgb scale\" [10 2 3]", "1:54: error: \"L\" times "
+     "\"scale\" is not finite"},
+    {"WorldBegin LightSource \"infinite\" \"integer levels\" 0", "1:35: error: \"levels\" is 0, must be in [1, 254]"
+     NEAREST},
+    {"WorldBegin LightSource \"infinite\" \"integer levels\" 254 \"float areaexponent\" 10 \"integer width\" 32768",
+     ""},
+    {"WorldBegin LightSource \"infinite\" \"integer width\" 32769", "1:35: error: \"width\" is 32769, must be in [2, "
+     "32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" \"string filter\" \"ewa\"", "1:35: error: \"filter\" is \"ewa\", must be "
+     "\"point\" or \"bilinear\"; with --approximate: the default is taken"},
+    {"WorldBegin LightSource \"infinite\" \"integer samples\" 4", "1:35: warning: \"samples\" is ignored"},
+    {"WorldBegin LightSource \"infinite\" WorldEnd Shape \"sphere\" Shape \"disk\"", "1:44: error: Shape after "
+     "WorldEnd: a scene has one world"},
+    {"WorldBegin LightSource \"infinite\" Shape \"sphere\" \"float alpha\" 1 \"float shadowalpha\" 1", "1:50: warning: "
+     "\"alpha\" is ignored\n1:66: warning: \"shadowalpha\" is ignored"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
+     "[0 1 3]", "1:87: error: \"indices\" holds 3 as its value 3, must be a whole number in [0, 2]"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"float st\" [0 1]",
+     "1:87: error: \"st\" has 2 values, must have 2 for each of the 3 points"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1] \"integer indices\" "
+     "[0 1 5] \"normal N\" [1]", "1:56: error: \"P\" has 8 values, must have a multiple of 3"},
+};
+
+static void each_line_has_its_messages(void **state)
+{
+    for (size_t i = 0; i < BIS_COUNT(sayings); i++) {
+        char all[1024] = "";
+        bis_scene_desc *d;
+        bis_diag diag;
+        const bis_status status = parse_text(&d, &diag, sayings[i].scene);
+        for (size_t k = 0; k < diag.n; k++) {
+            const char *place = strstr(diag.messages[k].text, "scene.txt:");
+            assert_non_null(place);
+            snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", k ? "\n" : "", place + strlen("scene.txt:"));
+        }
+        if (strcmp(all, sayings[i].said) != 0) fail_msg("%s\n%s", sayings[i].scene, all);
+        assert_int_equal(status, strstr(all, "error: ") ? BIS_INPUT : BIS_OK);
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
+#undef L
+}
+
 /* ---- defaults and parameters ---- */
 
 /* What a scene has that names no sampler. */
@@ -951,6 +1147,7 @@ int main(void)
         cmocka_unit_test(each_bad_scene_has_its_messages),
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
+        cmocka_unit_test(each_line_has_its_messages),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
