@@ -165,6 +165,34 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
         glow.b, 1e-6);
 }
 
+/* Numbers between blanks and commas, with comments; all or nothing. No said: a grey of 3/4. */
+static void a_file_of_a_spectrum_has_pairs_of_numbers(void **state)
+{
+    static const char pairs[] = "3:18: error: the spectrum \"Kd\" must be one number, or pairs of a wavelength in nm "
+                                "and a value >= 0, wavelengths ascending";
+    static const struct { const char *text, *said; int number; } cases[] = {
+        {"300,0.75,900,0.75", NULL, 0}, {"300\t0.75\r\n900\t0.75\r\n", NULL, 0}, {"#x\n300 0.75#y\n#z\n", NULL, 0},
+        {"\n\n , 300 .75", NULL, 0}, {"300 0.75 # 5 5", NULL, 0}, {"#\r300 0.75", NULL, 0}, {"3e2 75e-2,", NULL, 0},
+        {"", pairs, 0}, {"0.5", pairs, 0}, {"# 300 0.75", pairs, 0}, {"400 1 300 1", pairs, 0}, {"400", pairs, 0},
+        {"400 1 500", pairs, 0}, {"400 1e39", pairs, 0}, {"1e39 1", pairs, 0}, {"0 1", pairs, 0}, {"400 -1", pairs, 0},
+        {"400 x", NULL, 2}, {"x", NULL, 1}, {"400 1 500 2z", NULL, 4}, {"400;1", NULL, 1}, {"400 1 500 -", NULL, 4},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256], said[400] = "";
+        store(scratch("a.spd"), cases[i].text, strlen(cases[i].text));
+        snprintf(text, sizeof text, "Material \"phong\" \"spectrum Kd\" \"%s\"", strrchr(scratch("a.spd"), '/') + 1);
+        parsed p = parse(text);
+        if (cases[i].said) snprintf(said, sizeof said, "%s:%s", scratch("scene.txt"), cases[i].said);
+        else if (cases[i].number)
+            snprintf(said, sizeof said, "%s:3:18: error: %s is no spectrum: its value %d is no number",
+                     scratch("scene.txt"), scratch("a.spd"), cases[i].number);
+        if (p.diag.n != (*said ? 1 : 0) || (*said && strcmp(p.diag.messages[0].text, said) != 0))
+            fail_msg("%s: %zu messages, %s", cases[i].text, p.diag.n, p.diag.n ? p.diag.messages[0].text : "");
+        if (!*said) assert_rgb(p.desc->materials[p.desc->shapes[0].material].Kd, .75, .75, .75, 1e-6);
+        clear(&p);
+    }
+}
+
 static void light_may_be_a_black_body_or_xyz(void **state)
 {
     parsed p = {0};
@@ -962,6 +990,7 @@ int main(void)
         cmocka_unit_test(black_bodies_lie_on_plancks_locus),
         cmocka_unit_test(white_is_white_and_a_part_of_the_spectrum_has_its_colour),
         cmocka_unit_test(reflectances_may_be_spectra_files_or_xyz),
+        cmocka_unit_test(a_file_of_a_spectrum_has_pairs_of_numbers),
         cmocka_unit_test(light_may_be_a_black_body_or_xyz),
         cmocka_unit_test(a_conductor_reflects_what_fresnel_says_head_on),
         cmocka_unit_test(metals_reflect_on_average_what_their_spectra_do),
