@@ -394,6 +394,35 @@ static void each_note_has_its_place_its_number_and_its_consequence(void **state)
 #undef FLAT_SHAPE
 }
 
+/* A value beyond an end of its range becomes that end, each number of a list by itself; the others stay. */
+static void what_is_out_of_its_range_becomes_its_end(void **state)
+{
+    bis_scene_desc *d = approximated(
+        "Film \"rgb\" \"integer xresolution\" 0 \"integer yresolution\" 40000 \"float cropwindow\" [-1 0.5 0.25 3]\n"
+        "Sampler \"sobol\" \"integer pixelsamples\" 0 \"float edgelight\" 7 \"integer edgesamples\" 5000 \"integer "
+        "seed\" -3\nIntegrator \"mis\" \"float split\" -1\nAccelerator \"grid\" \"float density\" 200\n"
+        "WorldBegin LightSource \"infinite\" \"rgb L\" [-1 2 3] \"integer levels\" 999 \"float areaexponent\" 11 "
+        "\"integer width\" 1\nMaterial \"phong\" \"rgb Kd\" [2 -1 0.25] \"float Ks\" -3 \"float exponent\" -1 "
+        "Shape \"sphere\"");
+    const bis_film_desc *f = &d->view.film;
+    const bis_material *m = &d->materials[d->shapes[0].material];
+    assert_true(f->width == 1 && f->height == 32768);
+    assert_true(f->crop[0] == 0 && f->crop[1] == 0.5 && f->crop[2] == 0.25 && f->crop[3] == 1);
+    assert_true(d->view.sampler.spp == 1 && d->view.edge_light == 1 && d->view.edge_samples == 1024 &&
+                d->view.sampler.seed == 0);
+    assert_true(d->view.settings.integrator == &bis_mis && d->view.settings.split == 0 && d->accel.density == 100);
+    assert_true(d->light.L.r == 0 && d->light.L.g == 2 && d->light.L.b == 3 && d->light.levels == 254 &&
+                d->light.area_exponent == 10 && d->light.width == 2);
+    assert_true(m->Kd.r == 1 && m->Kd.g == 0 && m->Kd.b == 0.25f && m->Ks.g == 0 && m->exponent == 0);
+    assert_int_equal(d->n_approximations, 16);
+    for (size_t i = 0; i < 16; i++) {
+        const bis_approximation *a = &d->approximations[i];
+        assert_int_equal(a->n, strstr(a->kind, "cropwindow") || strstr(a->kind, "Kd") ? 2 : 1);
+        assert_string_equal(a->consequence, "the nearest value that it may have");
+    }
+    bis_scene_desc_free(d);
+}
+
 /* Whether a shape shows the texture or not. */
 static void a_bad_value_of_a_texture_leaves_its_default(void **state)
 {
@@ -926,6 +955,7 @@ int main(void)
         cmocka_unit_test(the_list_is_sorted_by_effect_and_then_by_the_scene),
         cmocka_unit_test(an_unknown_name_has_its_own_way_out),
         cmocka_unit_test(each_note_has_its_place_its_number_and_its_consequence),
+        cmocka_unit_test(what_is_out_of_its_range_becomes_its_end),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),
