@@ -354,7 +354,7 @@ static const struct { const char *scene, *said[2]; } notes[] = {
      "gamma\" of a texture: ignored, as in pbrt-v3"}},
     {W "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"", {"2:32: 1 x an image that is not there "
      "(of 1 textures): grey"}},
-    {W "Material \"matte\" \"string normalmap\" \"no.png\"", {"2:18: 1 x a normal map that is not there (of 1 "
+    {W "Material \"matte\" \"string normalmap\" \"n\"", {"2:18: 1 x a normal map that is not there (of 1 "
      "materials): the surface is as smooth as its shape"}},
     {W "Material \"matte\" \"float sigma\" 20", {"2:18: 1 x \"sigma\" (of 1 materials): the surface is Lambert's"}},
     {W "MakeNamedMaterial \"m\" \"string type\" \"matte\" MakeNamedMaterial \"m\" \"string type\" \"matte\"", {
@@ -420,6 +420,18 @@ static void what_is_out_of_its_range_becomes_its_end(void **state)
         assert_int_equal(a->n, strstr(a->kind, "cropwindow") || strstr(a->kind, "Kd") ? 2 : 1);
         assert_string_equal(a->consequence, "the nearest value that it may have");
     }
+    bis_scene_desc_free(d);
+}
+
+/* Grey of a half; a band around 550 nm is green. */
+static void a_light_takes_the_colour_of_its_spectrum(void **state)
+{
+    bis_scene_desc *d = approximated("WorldBegin LightSource \"infinite\" \"spectrum L\" [400 .5 700 .5]");
+    const rgb L = d->light.L;
+    assert_true(fabs((double)L.r - .5) < 1e-6 && fabs((double)L.g - .5) < 1e-6 && fabs((double)L.b - .5) < 1e-6);
+    bis_scene_desc_free(d);
+    d = approximated("WorldBegin LightSource \"infinite\" \"spectrum L\" [500 0 550 4 600 0]");
+    assert_true(d->light.L.g > 1 && d->light.L.b < 0.5f * d->light.L.g && d->light.scale == 1);
     bis_scene_desc_free(d);
 }
 
@@ -690,6 +702,7 @@ static void what_is_unknown_to_pbrt_too_stays_an_error(void **state)
     static const char *const scenes[] = {
         "WorldBegin Shap \"sphere\"", "WorldBegin Shape \"sphere\" \"float radius\" -1",
         "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\"", "Camera \"perspective\" \"float fov\" 200 WorldBegin",
+        "WorldBegin Material \"matte\" \"string normalmap\" \"\"",
         "WorldBegin LightSource \"distant\" \"rgb L\" [1e30 1 1] \"float scale\" 1e30",
     };
     bis_diag diag = {0};
@@ -956,6 +969,7 @@ int main(void)
         cmocka_unit_test(an_unknown_name_has_its_own_way_out),
         cmocka_unit_test(each_note_has_its_place_its_number_and_its_consequence),
         cmocka_unit_test(what_is_out_of_its_range_becomes_its_end),
+        cmocka_unit_test(a_light_takes_the_colour_of_its_spectrum),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),

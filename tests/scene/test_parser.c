@@ -144,6 +144,8 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
 #define SPECTRUM(words) {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" " words, \
     "1:52: error: the spectrum \"Kd\" must be one number, or pairs of a wavelength in nm and a value >= 0, " \
     "wavelengths ascending"}
+#define SPHERE(type, shown) {"WorldBegin LightSource \"infinite\" Shape \"sphere\" \"" type " radius\" [1 1 1]", \
+    "1:50: error: \"radius\" is of type " shown ", must be float"}
 #define DEEP "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx" /* 64 */
 
 /* All messages of a scene of one line; "": none. Places are counted by hand. */
@@ -271,6 +273,10 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"Scale 1 1 0" L, "1:1: error: Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
      "are left out"},
 
+    SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
+    SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
+    SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),
+    SPHERE("blackbody", "blackbody"), SPHERE("integer", "integer"),
     SPECTRUM("[0 1]"), SPECTRUM("[-400 1]"), SPECTRUM("[400 1 400 1]"), SPECTRUM("[500 1 400 1]"),
     SPECTRUM("[400 -1]"), SPECTRUM("[400 1 500]"), SPECTRUM("[400 1 500 -0.5]"), SPECTRUM("[400 1 500 1 450 1]"),
     {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [1e-3 0 400 0.5 400.5 0.5]", ""},
@@ -279,6 +285,12 @@ static const struct { const char *scene, *said; } sayings[] = {
      "be in [500, 1000000]" NEAREST},
     {"WorldBegin LightSource \"infinite\" Material \"matte\" \"blackbody Kd\" 1000001", "1:52: error: \"Kd\" is "
      "1000001, must be in [500, 1000000]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"integer Kd\" 1", "1:52: error: \"Kd\" is of type "
+     "integer, must be float or rgb"},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"string sigma\" \"x\"", "1:52: error: \"sigma\" is "
+     "of type string, must be float"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"rgb uv\" 1",
+     "1:87: error: \"uv\" is of type rgb, must be float or point2"},
     {"WorldBegin LightSource \"infinite\" Material \"matte\" \"xyz Kd\" [0 0]",
      "1:52: error: \"Kd\" has 2 values, must "
      "have 3; with --approximate: the default is taken"},
@@ -622,6 +634,57 @@ static void every_parameter_of_a_light_arrives(void **state)
     bis_scene_desc_free(d);
 }
 
+/* What is not named has the default: L 1, scale 1, area exponent 0.15, 8 levels, width 0, lat-long, visible, pixels. */
+static void each_parameter_of_a_light_changes_itself_alone(void **state)
+{
+    static const struct { const char *words; bis_light_desc is; } cases[] = {
+        {"\"rgb L\" [1 2 3]", {.L = {1, 2, 3}}},
+        {"\"rgb L\" [1 2 3] \"rgb scale\" [2 2 2]", {.L = {1, 2, 3}, .scale = 2}},
+        {"\"rgb scale\" [2 2 3]", {.L = {2, 2, 3}}},
+        {"\"rgb scale\" [3 2 2] \"rgb L\" [1 2 3]", {.L = {3, 4, 6}}},
+        {"\"rgb scale\" [0 0 1]", {.L = {0, 0, 1}}},
+        {"\"float scale\" 0.5", {.scale = .5}},
+        {"\"string mapping\" \"latlong\"", {.has_mapping = true}},
+        {"\"string mapping\" \"cubestrip\"", {.has_mapping = true, .mapping = (bis_mapping)(BIS_N_MAPPINGS - 1)}},
+        {"\"string mapping\" \"equalarea\"", {.has_mapping = true, .mapping = BIS_MAPPING_EQUALAREA}},
+        {"\"integer width\" 2", {.width = 2}},
+        {"\"float areaexponent\" 10", {.area_exponent = 10}},
+        {"\"integer levels\" 1", {.levels = 1}},
+        {"\"integer levels\" 254", {.levels = 254}},
+        {"\"string sampler\" \"alias\"", {.has_table_kind = true, .table_kind = BIS_TABLE_ALIAS}},
+        {"\"string sampler\" \"cdf\"", {.has_table_kind = true, .table_kind = BIS_TABLE_CDF}},
+        {"\"bool visible\" false", {.as_printed = 1}}, /* here: not visible */
+        {"\"bool visible\" true", {.width = 0}},
+        {"\"string filter\" \"point\"", {.width = 0}},
+        {"\"string filter\" \"bilinear\"", {.is_smooth = true}},
+        {"\"string mapname\" \"%s\"", {.filename = (char *)(uintptr_t)"m"}},
+        {"\"string filename\" \"%s\"", {.filename = (char *)(uintptr_t)"m", .is_v4 = true}},
+        {"\"float illuminance\" -5", {.width = 0}},
+    };
+    store(scratch("map.pfm"), "x", 1);
+    for (size_t i = 0; i < BIS_COUNT(cases); i++) {
+        char text[512], words[256];
+        const char *name = strstr(cases[i].words, "%s");
+        const bis_light_desc *is = &cases[i].is;
+        snprintf(words, sizeof words, "%.*s%s%s", name ? (int)(name - cases[i].words) : 200, cases[i].words,
+                 name ? strrchr(scratch("map.pfm"), '/') + 1 : "", name ? name + 2 : "");
+        snprintf(text, sizeof text, "WorldBegin\nRotate 90 0 0 1\nLightSource \"infinite\" %s", words);
+        bis_scene_desc *d = good(text);
+        const bis_light_desc *l = &d->light;
+        const rgb L = rgb_is_black(is->L) ? (rgb){1, 1, 1} : is->L;
+        const bool same = l->L.r == L.r && l->L.g == L.g && l->L.b == L.b &&
+            l->scale == (is->scale > 0 ? is->scale : 1) && l->mapping == is->mapping &&
+            l->has_mapping == is->has_mapping && l->is_v4 == is->is_v4 &&
+            l->width == is->width && l->area_exponent == (is->area_exponent > 0 ? is->area_exponent : 0.15) &&
+            l->levels == (is->levels ? is->levels : 8) && l->has_table_kind == is->has_table_kind &&
+            l->visible == !is->as_printed && l->is_smooth == is->is_smooth && !l->filename == !is->filename;
+        if (!same || (l->has_table_kind && l->table_kind != is->table_kind)) fail_msg("%s", text);
+        if (l->filename) assert_string_equal(l->filename, scratch("map.pfm"));
+        assert_true(l->loc.line == 3 && fabs(l->to_world.m[1][0] - 1) < 1e-12 && d->has_light && !l->n_distants);
+        bis_scene_desc_free(d);
+    }
+}
+
 static void spp_alone_is_divided_as_squarely_as_possible(void **state)
 {
     static const struct {
@@ -911,6 +974,30 @@ static void another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_
     }
 }
 
+/* Where a folder is a file there is no such file; a name that is too long is the disk's fault. With --approximate the
+ * first is left out, and the second is an error all the same. */
+static void a_file_in_a_file_is_missing_and_a_name_too_long_is_not(void **state)
+{
+    char long_name[400], text[512];
+    store(scratch("plain"), "x", 1);
+    memset(long_name, 'x', sizeof long_name);
+    long_name[sizeof long_name - 1] = '\0';
+    for (int is_long = 0; is_long < 2; is_long++) {
+        bis_scene_desc *d;
+        bis_diag diag;
+        snprintf(text, sizeof text,
+                 "WorldBegin LightSource \"infinite\" Material \"matte\" \"string normalmap\" \"%s%s\"",
+                 is_long ? long_name : strrchr(scratch("plain"), '/') + 1, is_long ? "" : "/x");
+        assert_int_equal(parse_text(&d, &diag, text), is_long ? BIS_IO : BIS_INPUT);
+        assert_non_null(strstr(diag.messages[0].text, is_long ? "\": File name too long" : "plain/x\": Not a directory"
+                               "; with --approximate: the surface is as smooth as its shape"));
+        bis_diag_clear(&diag);
+        assert_int_equal(bis_scene_parse_as(&d, scratch("scene.txt"), BIS_PARSE_APPROXIMATE, NULL),
+                         is_long ? BIS_IO : BIS_OK);
+        bis_scene_desc_free(d);
+    }
+}
+
 /* What the real user may not read, as the superuser (root) may read anything. */
 static void a_file_that_may_not_be_read_is_no_missing_one(void **state)
 {
@@ -1162,6 +1249,7 @@ int main(void)
         cmocka_unit_test(every_parameter_before_the_world_arrives),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
         cmocka_unit_test(every_parameter_of_a_light_arrives),
+        cmocka_unit_test(each_parameter_of_a_light_changes_itself_alone),
         cmocka_unit_test(spp_alone_is_divided_as_squarely_as_possible),
         cmocka_unit_test(a_directive_given_again_starts_from_the_defaults),
         cmocka_unit_test(transformations_multiply_from_the_right),
@@ -1177,6 +1265,7 @@ int main(void)
         cmocka_unit_test(a_transformation_with_one_infinite_number_is_not_usable),
         cmocka_unit_test(what_nobody_names_has_the_file_for_its_place),
         cmocka_unit_test(another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_settings),
+        cmocka_unit_test(a_file_in_a_file_is_missing_and_a_name_too_long_is_not),
         cmocka_unit_test(a_file_that_may_not_be_read_is_no_missing_one),
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
