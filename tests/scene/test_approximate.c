@@ -214,6 +214,8 @@ static void the_list_is_sorted_by_effect_and_then_by_the_scene(void **state)
         assert_non_null(strstr(diag.messages[i].text, kinds[i]));
     }
     assert_true(d->light.L.r == 1 && d->light.scale == 1 && d->has_light);
+    const bis_loc sky = d->approximations[0].loc;
+    assert_true(sky.line == 0 && sky.column == 0 && strcmp(sky.file, d->files[0]) == 0);
     bis_diag_clear(&diag);
     bis_scene_desc_free(d);
 }

@@ -1174,6 +1174,41 @@ static void an_included_map_gives_one_error(void **state)
     bis_diag_clear(&diag);
 }
 
+/* What is no scene is told with what to do, as the scene itself and as a part of one. */
+static void a_file_that_is_no_scene_is_told_what_it_is_for(void **state)
+{
+    static const struct { const char *name, *content, *what, *instead; } cases[] = {
+        {"s.pfm", "PF\n1 1\n-1\n", "a PFM image", ""}, /* it names the file itself */
+        {"s.x", "ply\nformat ascii 1.0\n", "a PLY mesh", "a scene names it in Shape \"plymesh\" \"string filename\""},
+        {"s.obj", "v 0 0 0\n", "a Wavefront mesh", "a scene names it in Shape \"objmesh\" \"string filename\""},
+        {"s.y", "{}", "a file in JSON", "a scene is text in pbrt's format (`bis help scene`), such as scene.txt"},
+    };
+    for (size_t i = 0; i < BIS_COUNT(cases); i++) {
+        char path[128], instead[300], text[600];
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        snprintf(path, sizeof path, "%s", scratch(cases[i].name));
+        store(path, cases[i].content, strlen(cases[i].content));
+        if (i == 0)
+            snprintf(instead, sizeof instead, "try `bis envmap %s` or `bis verify %s`; a scene names it in LightSource "
+                     "\"infinite\" \"string filename\"", path, path);
+        else snprintf(instead, sizeof instead, "%s", cases[i].instead);
+        assert_int_equal(bis_scene_parse(&d, path, &diag), BIS_INPUT);
+        assert_int_equal(diag.n, 1);
+        snprintf(text, sizeof text, "%s: error: this is %s, no scene: %s", path, cases[i].what, instead);
+        assert_string_equal(diag.messages[0].text, text);
+        bis_diag_clear(&diag);
+        snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\" Include \"%s\" Shape \"cub\"",
+                 strrchr(path, '/') + 1);
+        assert_int_equal(parse_text(&d, &diag, text), BIS_INPUT);
+        assert_int_equal(diag.n, 2); /* the next directive is read as ever */
+        snprintf(text, sizeof text, "%s:1:43: error: \"%s\" is %s, no part of a scene: %s", scratch("scene.txt"), path,
+                 cases[i].what, instead);
+        assert_string_equal(diag.messages[0].text, text);
+        bis_diag_clear(&diag);
+    }
+}
+
 /* ---- the user's reference ---- */
 
 /* Every block that is fenced as ```pbrt in docs/scene-format.md. One without WorldBegin is a part: it is tried on both
@@ -1273,6 +1308,7 @@ int main(void)
         cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
         cmocka_unit_test(includes_that_double_are_stopped),
         cmocka_unit_test(an_included_map_gives_one_error),
+        cmocka_unit_test(a_file_that_is_no_scene_is_told_what_it_is_for),
         cmocka_unit_test(after_a_texture_of_the_wrong_kind_the_parser_goes_on),
         cmocka_unit_test(every_example_of_the_reference_is_a_scene),
     };
