@@ -480,7 +480,10 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
         {"SurfaceIntegrator \"path\"", "", 1}, {"SurfaceIntegrator \"path\"", "\"float gamma\" 2.2", 2.2},
         {"Integrator \"path\"", "", BIS_GAMMA_SRGB}, {"SurfaceIntegrator \"path\" Integrator \"path\"", "",
          BIS_GAMMA_SRGB},
-        {"Sampler \"bestcandidate\"", "", 1}};
+        {"Sampler \"bestcandidate\"", "", 1}, {"VolumeIntegrator \"emission\"", "", 1},
+        {"Renderer \"sampler\"", "", 1}, {"TransformTimes 0 1", "", BIS_GAMMA_SRGB},
+        {"SearchPath \"x\"", "", BIS_GAMMA_SRGB}, {"Sampler \"adaptive\"", "", BIS_GAMMA_SRGB},
+        {"SurfaceIntegrator \"path\"", "\"float gamma\" 100", 100}};
     for (size_t i = 0; i < sizeof gammas / sizeof *gammas; i++) {
         snprintf(text, sizeof text, "%s " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s",
             gammas[i].before, gammas[i].gamma);

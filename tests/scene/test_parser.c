@@ -1156,6 +1156,23 @@ static void after_a_texture_of_the_wrong_kind_the_parser_goes_on(void **state)
     bis_diag_clear(&diag);
 }
 
+/* A text in the place of a file has the name that is given. */
+static void a_text_is_parsed_as_a_file_of_that_name(void **state)
+{
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    assert_int_equal(bis_scene_parse_text(&d, "some/here.txt", "WorldBegin LightSource \"infinite\"\nShape \"disk\"", 0,
+                                          &diag), BIS_OK);
+    assert_true(d->n_shapes == 1 && diag.n == 0 && strcmp(d->files[0], "some/here.txt") == 0);
+    assert_true(strcmp(d->shapes[0].loc.file, "some/here.txt") == 0 && d->shapes[0].loc.line == 2);
+    bis_scene_desc_free(d);
+    assert_int_equal(bis_scene_parse_text(&d, "some/here.txt", "WorldBegin\n LightSource 3", 0, &diag), BIS_INPUT);
+    assert_string_equal(diag.messages[0].text,
+                        "some/here.txt:2:14: error: LightSource wants a quoted name, found \"3\"");
+    assert_null(d);
+    bis_diag_clear(&diag);
+}
+
 /* Its words would be errors of their own, if it were read as a scene. */
 static void an_included_map_gives_one_error(void **state)
 {
@@ -1309,6 +1326,7 @@ int main(void)
         cmocka_unit_test(includes_that_double_are_stopped),
         cmocka_unit_test(an_included_map_gives_one_error),
         cmocka_unit_test(a_file_that_is_no_scene_is_told_what_it_is_for),
+        cmocka_unit_test(a_text_is_parsed_as_a_file_of_that_name),
         cmocka_unit_test(after_a_texture_of_the_wrong_kind_the_parser_goes_on),
         cmocka_unit_test(every_example_of_the_reference_is_a_scene),
     };
