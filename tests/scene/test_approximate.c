@@ -425,6 +425,40 @@ static void what_is_out_of_its_range_becomes_its_end(void **state)
     bis_scene_desc_free(d);
 }
 
+/* Where bis asks for a number or a colour a texture is its mean, of colours the mean of the channels for a number. */
+static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
+{
+    static const char head[] = "WorldBegin Texture \"f\" \"float\" \"constant\" \"float value\" 0.5 "
+        "Texture \"c\" \"spectrum\" \"constant\" \"rgb value\" [0.25 0.5 1.5] "
+        "Texture \"v\" \"float\" \"bilerp\" \"float v00\" 1 ";
+    static const struct { const char *words; double radius, L[3]; size_t n; } cases[] = {
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"f\"", .5, {1, 1, 1}, 0},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"c\"", .75, {1, 1, 1}, 0},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"v\"", .75, {1, 1, 1}, 1},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"no\"", 1, {1, 1, 1}, 2},
+        {"LightSource \"infinite\" \"texture L\" \"no\" Shape \"sphere\"", 1, {1, 1, 1}, 2},
+        {"LightSource \"infinite\" \"texture L\" \"c\" Shape \"sphere\"", 1, {.25, .5, 1.5}, 0},
+        {"LightSource \"infinite\" \"texture L\" \"f\" Shape \"sphere\" \"float radius\" 2", 2, {.5, .5, .5}, 0},
+        {"LightSource \"infinite\" \"texture scale\" \"c\" \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {.5, 1, 6}, 0},
+        {"LightSource \"infinite\" \"spectrum scale\" [400 .5 700 .5] \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {1, 1, 2},
+         0},
+        {"LightSource \"infinite\" \"xyz scale\" [.475235 .5 .544415] \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {1, 1, 2},
+         0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "%s%s", head, cases[i].words);
+        bis_scene_desc *d = approximated(text);
+        const bis_light_desc *l = &d->light;
+        const double L[3] = {(double)l->L.r * l->scale, (double)l->L.g * l->scale, (double)l->L.b * l->scale};
+        assert_int_equal(d->n_approximations, cases[i].n);
+        if (fabs(d->shapes[0].radius - cases[i].radius) > 1e-6) fail_msg("%s: %g", text, d->shapes[0].radius);
+        for (int k = 0; k < 3; k++)
+            if (fabs(L[k] - cases[i].L[k]) > 1e-4) fail_msg("%s: %d: %g", text, k, L[k]);
+        bis_scene_desc_free(d);
+    }
+}
+
 /* Grey of a half; a band around 550 nm is green. */
 static void a_light_takes_the_colour_of_its_spectrum(void **state)
 {
@@ -659,6 +693,24 @@ static void shapes_of_an_interface_are_left_out_also_as_instances(void **state)
     for (int i = 0; i < 2; i++) assert_true(d->shapes[i].kind == BIS_SHAPE_DISK);
     for (size_t i = 0; i < d->n_materials; i++) assert_non_null(d->materials[i].model);
     bis_scene_desc_free(d);
+}
+
+/* The number of a name changes with its making, and what stands before keeps the one it had. */
+static void a_material_made_again_counts_from_there_on(void **state)
+{
+#define MADE(Kd) "MakeNamedMaterial \"m\" \"string type\" \"matte\" \"rgb Kd\" " Kd " "
+#define SHOWN "NamedMaterial \"m\" Shape \"sphere\" "
+    static const float expected[5][3] = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 1}};
+    bis_scene_desc *d = approximated("WorldBegin " MADE("[1 0 0]") SHOWN MADE("[0 1 0]") "Shape \"sphere\" " SHOWN
+                                     MADE("[0 0 1]") SHOWN SHOWN);
+    assert_true(d->n_shapes == 5 && d->n_approximations == 1 && d->approximations[0].n == 2);
+    for (int i = 0; i < 5; i++) {
+        const rgb Kd = d->materials[d->shapes[i].material].Kd;
+        assert_true(Kd.r == expected[i][0] && Kd.g == expected[i][1] && Kd.b == expected[i][2]);
+    }
+    bis_scene_desc_free(d);
+#undef MADE
+#undef SHOWN
 }
 
 static void what_moves_stands_where_it_is_at_first(void **state)
@@ -972,6 +1024,7 @@ int main(void)
         cmocka_unit_test(each_note_has_its_place_its_number_and_its_consequence),
         cmocka_unit_test(what_is_out_of_its_range_becomes_its_end),
         cmocka_unit_test(a_light_takes_the_colour_of_its_spectrum),
+        cmocka_unit_test(a_texture_is_its_mean_where_a_value_is_asked_for),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),
@@ -985,6 +1038,7 @@ int main(void)
         cmocka_unit_test(a_mix_has_the_mean_colours),
         cmocka_unit_test(a_mix_of_itself_or_of_nothing_is_an_error),
         cmocka_unit_test(shapes_of_an_interface_are_left_out_also_as_instances),
+        cmocka_unit_test(a_material_made_again_counts_from_there_on),
         cmocka_unit_test(what_moves_stands_where_it_is_at_first),
         cmocka_unit_test(what_is_flat_at_the_end_alone_is_shown),
         cmocka_unit_test(what_is_unknown_to_pbrt_too_stays_an_error),

@@ -273,6 +273,15 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"Scale 1 1 0" L, "1:1: error: Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
      "are left out"},
 
+    {"WorldBegin LightSource \"infinite\" Shape \"objmesh\" \"bool materials\" true", "1:41: error: Shape needs "
+     "\"string filename\""},
+    {"WorldBegin LightSource \"infinite\" Shape \"objmesh\" \"string filename\" 3", "1:69: error: \"filename\" "
+     "wants strings, found \"3\""},
+    {"WorldBegin LightSource \"infinite\" Shape \"objmesh\" \"float filename\" 3", "1:51: error: \"filename\" is of "
+     "type float, must be string"},
+    {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 .5 700 .5]", ""},
+    {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 -1]", "1:35: error: the spectrum \"scale\" must be "
+     "one number, or pairs of a wavelength in nm and a value >= 0, wavelengths ascending"},
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),
