@@ -375,15 +375,13 @@ static void add_part(bis_parser *p, const bis_shape_desc *shape, const bis_obj_m
 {
     bis_shape_desc own = *shape;
     own.part = part;
-    mtl none = grey;
     if (part > 0 && !m->exists) {
         if (!bis_approximate_or_refuse(p, shape->loc, "a material that is in no library of its mesh", "diffuse grey",
                                        "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
                                        "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
                                        p->desc->meshes[shape->mesh].filename))
             return;
-        none.at = shape->loc;
-        m = &none;
+        m = &grey;
     }
     if (part == 0 || make_material(p, m, &own.material)) bis_parser_add_shape(p, &own);
 }
