@@ -436,6 +436,7 @@ static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
         {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"c\"", .75, {1, 1, 1}, 0},
         {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"v\"", .75, {1, 1, 1}, 1},
         {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"no\"", 1, {1, 1, 1}, 2},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" [\"f\" \"c\"]", 1, {1, 1, 1}, 2},
         {"LightSource \"infinite\" \"texture L\" \"no\" Shape \"sphere\"", 1, {1, 1, 1}, 2},
         {"LightSource \"infinite\" \"texture L\" \"c\" Shape \"sphere\"", 1, {.25, .5, 1.5}, 0},
         {"LightSource \"infinite\" \"texture L\" \"f\" Shape \"sphere\" \"float radius\" 2", 2, {.5, .5, .5}, 0},

@@ -282,6 +282,8 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 .5 700 .5]", ""},
     {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 -1]", "1:35: error: the spectrum \"scale\" must be "
      "one number, or pairs of a wavelength in nm and a value >= 0, wavelengths ascending"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [1 2 3] "
+     "\"float uv\" [1]", "1:87: error: \"N\" has 3 values, must have 3 for each of the 3 points"},
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),
@@ -345,6 +347,59 @@ static void each_line_has_its_messages(void **state)
         bis_diag_clear(&diag);
     }
 #undef L
+}
+
+/* pbrt's names, which are in its documents, and what is said of each; "": nothing. %s stands for the name. */
+static void each_name_of_pbrts_is_known(void **state)
+{
+#define IN_WORLD "WorldBegin LightSource \"infinite\" "
+    static const struct { const char *before, *names, *after, *said; } groups[] = {
+        {"Integrator \"", "path volpath bdpt mlt sppm directlighting whitted ao lightpath randomwalk ambientocclusion "
+         "function photonmap exphotonmap igi irradiancecache simplepath simplevolpath", "\"", "Integrator \"%s\" is "
+         "pbrt's and replaced by the default, \"sir\", one bounce; its parameters are ignored"},
+        {"Sampler \"", "zsobol paddedsobol pmj02bn 02sequence lowdiscrepancy maxmindist bestcandidate adaptive", "\"",
+         "Sampler \"%s\" is replaced by \"sobol\""},
+        {"Sampler \"", "random independent stratified sobol halton", "\"", ""},
+        {"Sampler \"sobol\" \"integer ", "dimensions randomization samplepixelcenter scramble", "\" 1",
+         "\"%s\" is ignored"},
+        {"PixelFilter \"", "gaussian mitchell sinc triangle lanczossinc", "\"", "PixelFilter \"%s\" is ignored: the "
+         "box of one pixel is used"},
+        {"Accelerator \"", "bvh kdtree", "\"", "Accelerator \"%s\" is replaced by the default"},
+        {"Film \"rgb\" \"integer ", "diagonal savefp16 sensor iso whitebalance maxcomponentvalue exposuretime "
+         "imagingratio pixelbounds maxsampleluminance display", "\" 1", "\"%s\" is ignored"},
+        {"Option \"integer ", "disabletexturefiltering disablewavelengthjitter displacementedgescale forcediffuse "
+         "msereferenceimage msereferenceout pixelstats rendercoordsys seed wavefront", "\" 1", "Option \"%s\" is "
+         "ignored, like all but \"disablepixeljitter\", \"asprinted\" and \"approximate\""},
+        {"Camera \"perspective\" \"float ", "shutteropen shutterclose", "\" 1", "\"%s\" is ignored"},
+        {"WorldBegin LightSource \"infinite\" \"integer ", "samples nsamples", "\" 1", "\"%s\" is ignored"},
+        {IN_WORLD "Shape \"sphere\" \"float ", "alpha shadowalpha", "\" 1", "\"%s\" is ignored"},
+        {IN_WORLD "Shape \"sphere\" \"float ", "uv st S faceIndices", "\" 1", ""},
+        {IN_WORLD "Material \"coateddiffuse\" \"float roughness\" 0.1 \"float ", "g maxdepth nsamples", "\" 1", ""},
+        {IN_WORLD "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"Makefile\" \"float ",
+         "trilinear maxanisotropy", "\" 1", ""},
+        {IN_WORLD "Texture \"t\" \"", "float spectrum color rgb", "\" \"constant\"", ""},
+    };
+    for (size_t i = 0; i < BIS_COUNT(groups); i++)
+        for (const char *name = groups[i].names; *name; name += strspn(name, " ")) {
+            char text[512], said[300];
+            bis_scene_desc *d;
+            bis_diag diag;
+            const int n = (int)strcspn(name, " ");
+            const char *at = strstr(groups[i].said, "%s");
+            snprintf(text, sizeof text, "%s%.*s%s%s", groups[i].before, n, name, groups[i].after,
+                     strstr(groups[i].before, "WorldBegin") ? "" : " " IN_WORLD);
+            assert_int_equal(parse_text(&d, &diag, text), BIS_OK);
+            assert_int_equal(diag.n, at ? 1 : 0);
+            if (at) {
+                snprintf(said, sizeof said, ": warning: %.*s%.*s%s", (int)(at - groups[i].said), groups[i].said, n,
+                         name, at + 2);
+                if (!ends_with(diag.messages[0].text, said)) fail_msg("%s\n%s", diag.messages[0].text, said);
+            }
+            bis_scene_desc_free(d);
+            bis_diag_clear(&diag);
+            name += n;
+        }
+#undef IN_WORLD
 }
 
 /* ---- defaults and parameters ---- */
@@ -1296,6 +1351,7 @@ int main(void)
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(each_line_has_its_messages),
+        cmocka_unit_test(each_name_of_pbrts_is_known),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
