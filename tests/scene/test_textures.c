@@ -464,6 +464,7 @@ static bis_status build_library(built *b, const char *statements)
     char mtl[1024];
     snprintf(mtl, sizeof mtl, "newmtl a\n%s\n", statements);
     store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
+    store(DIR "/3 four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
     program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     program_write_file(DIR "/lib.mtl", mtl);
     return scene_try(b, LIGHT OBJ_SHAPE("o.obj") MATERIALS);
@@ -519,6 +520,9 @@ static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
         {"norm -s 1 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
         {"norm -o 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
         {"norm -o 0 0 -s 1 1 2 four.pfm", ""},
+        {"bump -bm 2 3 four.pfm", ""}, /* an option takes no more numbers than it has: of the image "3 four.pfm" */
+        {"map_Kd -bm 1 3 four.pfm", ""}, {"map_Kd -mm 0 1 3 four.pfm", ""}, {"map_Kd -t 0 0 0 3 four.pfm", ""},
+        {"map_Kd -s 1 1 1 3 four.pfm", ""},
         {"bump -imfchan abcdefghij four.pfm", "2: error: -imfchan abcdefgh is not modelled, "},
         {"bump -imfchan ll four.pfm", "2: error: -imfchan ll is not modelled, "},
         {"bump -imfchan m four.pfm", "2: error: -imfchan m is not modelled, "},
