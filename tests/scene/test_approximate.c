@@ -224,7 +224,7 @@ static void the_list_is_sorted_by_effect_and_then_by_the_scene(void **state)
 static void an_unknown_name_has_its_own_way_out(void **state)
 {
     static const struct { const char *scene, *kind, *consequence; bool is_told; } cases[] = {
-        {"WorldBegin Material \"zzz\"", "unknown Material \"zzz\"", "matte, as in pbrt", true},
+        {"WorldBegin Material \"zzz\" \"float gloss\" 1 \"float size\" 2", "unknown Material \"zzz\"", "matte, as in pbrt", true},
         {"WorldBegin Shape \"zzz\"", "unknown Shape \"zzz\"", "left out: it is not seen and casts no shadow", true},
         {"WorldBegin LightSource \"zzz\"", "unknown LightSource \"zzz\"", "its light is missing", true},
         {"WorldBegin Texture \"t\" \"float\" \"zzz\"", "unknown Texture \"zzz\"", "one value all over, 0.5", true},
@@ -458,6 +458,33 @@ static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
             if (fabs(L[k] - cases[i].L[k]) > 1e-4) fail_msg("%s: %d: %g", text, k, L[k]);
         bis_scene_desc_free(d);
     }
+}
+
+/* A texture with a part that is not there is one grey, whichever part it is; with all parts it is what it is. */
+static void a_texture_without_a_part_is_grey(void **state)
+{
+    static const char *const kinds[][6] = {
+        {"\"mix\"", "tex1", "tex2", "amount"}, {"\"scale\"", "tex1", "tex2"}, {"\"scale\"", "tex", "scale"},
+        {"\"checkerboard\" \"string aamode\" \"none\"", "tex1", "tex2"},
+        {"\"checkerboard\" \"integer dimension\" 3", "tex1", "tex2"}, {"\"dots\"", "inside", "outside"},
+        {"\"bilerp\"", "v00", "v01", "v10", "v11"}, {"\"constant\"", "value"},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        for (int gone = 0; gone < 5 && (!gone || kinds[i][gone]); gone++) { /* 0: none is missing */
+            char text[1024];
+            size_t n = (size_t)snprintf(text, sizeof text, "WorldBegin Texture \"f\" \"float\" \"bilerp\"\n"
+                                        "Texture \"t\" \"float\" %s", kinds[i][0]);
+            for (int k = 1; k < 5 && kinds[i][k]; k++)
+                n += (size_t)snprintf(text + n, sizeof text - n, " \"texture %s\" \"%s\"", kinds[i][k],
+                                      k == gone ? "no" : "f");
+            bis_scene_desc *d = approximated(text);
+            const bis_texture *x = &d->textures.list[d->textures.n - 1];
+            assert_int_equal(d->n_approximations, gone > 0);
+            if (gone && (x->kind != BIS_TEXTURE_CONSTANT || x->value.r != .5 || x->value.g != .5 || x->value.b != .5))
+                fail_msg("%s: kind %d, %g", text, (int)x->kind, x->value.r);
+            if (!gone && i < 7) assert_true(x->kind != BIS_TEXTURE_CONSTANT && x->steps > 5);
+            bis_scene_desc_free(d);
+        }
 }
 
 /* Grey of a half; a band around 550 nm is green. */
@@ -1026,6 +1053,7 @@ int main(void)
         cmocka_unit_test(what_is_out_of_its_range_becomes_its_end),
         cmocka_unit_test(a_light_takes_the_colour_of_its_spectrum),
         cmocka_unit_test(a_texture_is_its_mean_where_a_value_is_asked_for),
+        cmocka_unit_test(a_texture_without_a_part_is_grey),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),

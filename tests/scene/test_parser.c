@@ -146,7 +146,8 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
     "wavelengths ascending"}
 #define SPHERE(type, shown) {"WorldBegin LightSource \"infinite\" Shape \"sphere\" \"" type " radius\" [1 1 1]", \
     "1:50: error: \"radius\" is of type " shown ", must be float"}
-#define DEEP "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx" /* 64 */
+#define D62 "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+#define DEEP D62 "xx"
 
 /* All messages of a scene of one line; "": none. Places are counted by hand. */
 static const struct { const char *scene, *said; } sayings[] = {
@@ -284,6 +285,12 @@ static const struct { const char *scene, *said; } sayings[] = {
      "one number, or pairs of a wavelength in nm and a value >= 0, wavelengths ascending"},
     {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [1 2 3] "
      "\"float uv\" [1]", "1:87: error: \"N\" has 3 values, must have 3 for each of the 3 points"},
+    {"X" D62 L, "1:1: error: unknown directive \"X" D62 "\""}, {"X" D62 "x" L, "1:1: error: unknown directive \"X" D62
+     "\""}, /* a name has 63 letters at most */
+    {"X" DEEP L, "1:1: error: unknown directive \"X" D62 "\""},
+    {"WorldBegin LightSource \"infinite\" Material \"diffuse\" \"texture reflectance\" \"no\" \"float Kd\" .5",
+     "1:54: error: texture \"no\" is not defined; as in pbrt, Texture must stand before its first use; with "
+     "--approximate: the parameter's default is taken"},
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),

@@ -641,6 +641,25 @@ static void an_image_has_the_gamma_that_is_said(void **state)
     }
 }
 
+/* Normals are linear numbers, whatever the format means by its own. The twin is an image of colours. */
+static void a_normal_map_is_linear(void **state)
+{
+    char text[512];
+    store(scratch("x.png"), "x", 1);
+    const char *x = strrchr(scratch("x.png"), '/') + 1;
+    snprintf(text, sizeof text, "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\"\n"
+             "Material \"matte\" \"string normalmap\" \"%s\"", x, x);
+    parsed p = parse(text);
+    assert_int_equal(p.status, BIS_OK);
+    const bis_material_textures *t = bis_textures_of(&p.desc->textures, p.desc->shapes[0].material);
+    assert_true(t && t->normals == 1 && t->bump == BIS_NO_TEXTURE && t->Kd == BIS_NO_TEXTURE && t->power == 1);
+    assert_true(p.desc->textures.n_files == 2 && p.desc->textures.files[0].gamma == BIS_GAMMA_SRGB &&
+                p.desc->textures.files[1].gamma == 1);
+    assert_true(p.desc->textures.files[1].loc.line == 4 && p.desc->textures.files[1].loc.column == 18);
+    assert_true(t->loc.line == 4 && t->loc.column == 10);
+    clear(&p);
+}
+
 /* ---- what each material is when little is said ---- */
 
 /* The defaults of the page, and the limits of each parameter, by hand. alpha 0: Phong's, of exponent `width`. */
@@ -1009,6 +1028,7 @@ int main(void)
         cmocka_unit_test(words_about_filtering_are_ignored),
         cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
         cmocka_unit_test(textures_of_constants_are_their_values),
+        cmocka_unit_test(a_normal_map_is_linear),
         cmocka_unit_test(an_image_has_the_gamma_that_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

@@ -938,6 +938,10 @@ static void textures_of_textures_have_a_limit(void **state)
         n += sprintf(text + n,
             "Texture \"t%d\" \"float\" \"scale\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", i, i - 1, i - 1);
     expect_failure(":8:1: error: a value of texture \"t7\" is made of 510 others, must be at most 255", "%s", text);
+    built b;
+    assert_int_equal(scene_try(&b, text), BIS_INPUT);
+    assert_int_equal(b.diag.n, 1); /* what is made of it is no further mistake */
+    scene_clear(&b);
     free(text);
 }
 
