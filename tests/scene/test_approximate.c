@@ -224,7 +224,8 @@ static void the_list_is_sorted_by_effect_and_then_by_the_scene(void **state)
 static void an_unknown_name_has_its_own_way_out(void **state)
 {
     static const struct { const char *scene, *kind, *consequence; bool is_told; } cases[] = {
-        {"WorldBegin Material \"zzz\" \"float gloss\" 1 \"float size\" 2", "unknown Material \"zzz\"", "matte, as in pbrt", true},
+        {"WorldBegin Material \"zzz\" \"float gloss\" 1 \"float size\" 2", "unknown Material \"zzz\"",
+         "matte, as in pbrt", true},
         {"WorldBegin Shape \"zzz\"", "unknown Shape \"zzz\"", "left out: it is not seen and casts no shadow", true},
         {"WorldBegin LightSource \"zzz\"", "unknown LightSource \"zzz\"", "its light is missing", true},
         {"WorldBegin Texture \"t\" \"float\" \"zzz\"", "unknown Texture \"zzz\"", "one value all over, 0.5", true},

@@ -291,6 +291,20 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"WorldBegin LightSource \"infinite\" Material \"diffuse\" \"texture reflectance\" \"no\" \"float Kd\" .5",
      "1:54: error: texture \"no\" is not defined; as in pbrt, Texture must stand before its first use; with "
      "--approximate: the parameter's default is taken"},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 1 \"integer nv\" 2 \"float Pz\" [1 2]",
+     "1:55: error: \"nu\" is 1, must be in [2, 32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 40000 \"float Pz\" 1",
+     "1:70: error: \"nv\" is 40000, must be in [2, 32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2.5 \"integer nv\" 2 \"float Pz\" [1 2]",
+     "1:55: error: \"nu\" is 2.5, must be a whole number"},
+    {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 3 \"float uknots\" [0 0 "
+     "1 1 1] \"integer nv\" 2 \"integer vorder\" 2 \"float vknots\" [0 0 1 1]", "1:49: error: \"nu\" is 2, must be at "
+     "least \"uorder\", 3"},
+    {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 17 \"integer nv\" 1 "
+     "\"integer vorder\" 1", "1:64: error: \"uorder\" is 17, must be in [2, 16]" NEAREST "\n1:99: error: \"vorder\" "
+     "is 1, must be in [2, 16]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"loopsubdiv\" \"integer nlevels\" 11 \"point3 P\" [0 0 0 1 0 0 0 1 0]",
+     "1:54: error: \"nlevels\" is 11, must be in [0, 10]" NEAREST},
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),

@@ -270,6 +270,11 @@ static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
         snprintf(text, sizeof text, "Material \"conductor\" \"%s", alone[i]);
         refuse(text, "give both \"eta\" and \"k\"");
     }
+    /* what reflects nothing has no eta, but Schlick's curve, which is then constant */
+    const bis_material nothing =
+        material("Material \"conductor\" \"spectrum eta\" [550 1] \"spectrum k\" [550 0] \"float roughness\" 1", NULL);
+    assert_rgb(nothing.Ks, 0, 0, 0, 0);
+    assert_rgb(nothing.eta, 0, 0, 0, 0);
     /* of two that are there and bad, each is complained of, and nothing else */
     parsed p =
         parse("Material \"conductor\" \"spectrum eta\" [500 -1] \"spectrum k\" [500 -2] \"float roughness\" 0.25");
@@ -398,15 +403,16 @@ static void textures_of_roughness_are_remapped_as_constants_are(void **state)
  */
 static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
 {
-    static const struct { const char *rest; double alpha[2]; } cases[] = {
+    /* typical: of the mean of both */
+    static const struct { const char *rest; double alpha[2], typical; } cases[] = {
         {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\"",
-         {0.46176003200863414, 0.8570364675174545}},
+         {0.46176003200863414, 0.8570364675174545}, 0.6838364252513122},
         {"\"float tex1\" 0.01 \"float tex2\" 0.4 Material \"plastic\" \"texture roughness\" \"r\"",
-         {0.13892440927807703, 1}},
+         {0.13892440927807703, 1}, 0.6933838275608094},
         {"\"float tex1\" 0 \"float tex2\" 0.75 Material \"substrate\" \"texture roughness\" \"r\"",
-         {0.047269450828605786, 1}},
+         {0.047269450828605786, 1}, 0.9684381966903411},
         {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\" \"bool remaproughness\" "
-         "false", {.1, .3}},
+         "false", {.1, .3}, .2},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[300];
@@ -416,6 +422,12 @@ static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
         const uint32_t index = p.desc->shapes[0].material;
         const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
         assert_non_null(t);
+        assert_about(p.desc->materials[index].alpha, cases[i].typical, 1e-9);
+        const bis_texture *x = &p.desc->textures.list[t->width];
+        const bool is_remapped = i < 3;
+        assert_true(t->power == 0.5 && x->kind == (is_remapped ? BIS_TEXTURE_ALPHA : BIS_TEXTURE_CHECKERBOARD));
+        assert_true(x->steps == (is_remapped ? 4 : 3) && x->of[0] == (is_remapped ? t->width - 1 : 0));
+        if (is_remapped) assert_about(x->value.r + x->value.g + x->value.b, 3 * cases[i].typical, 1e-9);
         for (int k = 0; k < 2; k++)
             assert_about(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index],
                              (double[]){0.5 + k, 0.5}, (vec3){0, 0, 0})
@@ -900,7 +912,7 @@ static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **
     index = p.desc->shapes[0].material;
     t = bis_textures_of(&p.desc->textures, index);
     assert_int_equal(p.desc->textures.list[t->Ks].steps, 5);
-    assert_true(t->Kd == BIS_NO_TEXTURE);
+    assert_true(t->Kd == BIS_NO_TEXTURE && p.desc->textures.list[t->Ks].scale == 1);
     assert_rgb(p.desc->materials[index].Ks, .03, .01, .005, 1e-6);
     assert_about(p.desc->textures.list[t->Ks].value.r, .03, 1e-6);
     assert_about(p.desc->textures.list[t->Ks].value.b, .005, 1e-6);

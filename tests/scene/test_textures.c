@@ -395,7 +395,7 @@ static void assert_three_parts(const char *scene)
     assert_true(Kd->kind == BIS_TEXTURE_CONSTANT && Kd->steps == 1 && Kd->value.r == 0.5 && Kd->value.g == 0.25 &&
                 Kd->value.b == 1);
     assert_true(product->kind == BIS_TEXTURE_SCALE && product->of[0] == 0 && product->of[1] == 1 &&
-                product->steps == 3);
+                product->steps == 3 && product->scale == 1);
     assert_true(product->value.r == 0.25 && product->value.g == 0.125 && product->value.b == 0.5);
     assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
     scene_clear(&b);
