@@ -305,6 +305,14 @@ static const struct { const char *scene, *said; } sayings[] = {
      "is 1, must be in [2, 16]" NEAREST},
     {"WorldBegin LightSource \"infinite\" Shape \"loopsubdiv\" \"integer nlevels\" 11 \"point3 P\" [0 0 0 1 0 0 0 1 0]",
      "1:54: error: \"nlevels\" is 11, must be in [0, 10]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2",
+     "1:41: error: heightfield needs \"Pz\""},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 "
+     "\"integer Pz\" [1 2 3 4]",
+     "1:85: error: \"Pz\" is of type integer, must be float"},
+    {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 2 \"float uknots\" [0 0 "
+     "1 .5 2] \"integer nv\" 0 \"integer vorder\" 2", "1:83: error: \"uknots\" falls from 1 to 0.5: knots must not "
+     "descend\n1:111: error: \"nv\" is 0, must be in [1, 32768]" NEAREST},
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),
