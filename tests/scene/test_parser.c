@@ -184,6 +184,7 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"Camera \"perspective\" \"vector2 a\" [1 \"b\" true [" L, "1:46: error: \"a\" wants a value, found \"[\""},
     UNKNOWN("\"vector2 a\" [1 \"b\" true]"), UNKNOWN("\"vector2 a\" \"b\""), UNKNOWN("\"float a\" 1"),
     UNKNOWN("\"\tfloat\t a \" 1"), UNKNOWN("\"float a\\r\" 1"), UNKNOWN("\"\\rfloat\\ra\\t\" 1"),
+    UNKNOWN("\"float   a\" 1"), UNKNOWN("\"   float a\" 1"), UNKNOWN("\"float a   \" 1"), DECLARED("float a   b"),
     DECLARED("float"), DECLARED(""), DECLARED(" fov"), DECLARED("float a b"), DECLARED("float a,b"),
     DECLARED("float " DEEP "x"),
     {"Camera \"perspective\" \"float " DEEP "\" 45" L, "1:22: error: unknown parameter \"" DEEP "\" of Camera "
