@@ -678,6 +678,37 @@ static void every_parameter_before_the_world_arrives(void **state)
     bis_scene_desc_free(d);
 }
 
+static void a_film_has_the_layers_that_are_named(void **state)
+{
+    const unsigned albedo = 1u << BIS_LAYER_ALBEDO, depth = 1u << BIS_LAYER_DEPTH;
+    static const char *const lines[] = {"\"albedo\"", "\"depth\"", "[\"albedo\" \"depth\"]", "[\"depth\" \"albedo\"]"};
+    const unsigned expected[] = {albedo, depth, albedo | depth, albedo | depth};
+    for (int i = 0; i < 4; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "Film \"rgb\" \"string layers\" %s", lines[i]);
+        bis_scene_desc *d = good_scene(text, "");
+        assert_int_equal(d->view.film.layers, expected[i]);
+        bis_scene_desc_free(d);
+    }
+}
+
+/* One by one, in one list, and by one Option after the other: the switches add up. */
+static void errata_are_switched_by_their_names(void **state)
+{
+    const bis_erratum *e = bis_errata;
+    char text[256];
+    assert_true(e[0].name && e[1].name && e[0].flag != e[1].flag);
+    for (int i = 0; i < 4; i++) {
+        const char *a = e[i % 2].name, *b = e[1 - i % 2].name;
+        if (i < 2) snprintf(text, sizeof text, "Option \"string asprinted\" [\"%s\" \"%s\"]", a, b);
+        else
+            snprintf(text, sizeof text, "Option \"string asprinted\" \"%s\" Option \"string asprinted\" \"%s\"", a, b);
+        bis_scene_desc *d = good_scene(text, "");
+        assert_int_equal(d->view.settings.as_printed, e[0].flag | e[1].flag);
+        bis_scene_desc_free(d);
+    }
+}
+
 static void every_parameter_of_the_other_integrators_arrives(void **state)
 {
     bis_scene_desc *d;
@@ -1394,6 +1425,8 @@ int main(void)
         cmocka_unit_test(whole_quadrics_may_say_that_they_are_whole),
         cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),
+        cmocka_unit_test(a_film_has_the_layers_that_are_named),
+        cmocka_unit_test(errata_are_switched_by_their_names),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
         cmocka_unit_test(every_parameter_of_a_light_arrives),
         cmocka_unit_test(each_parameter_of_a_light_changes_itself_alone),
