@@ -661,7 +661,8 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     assert_int_equal(d->n_shapes, 3);
     const float Kd[3] = {.8f, .5f, .5f};
     for (int i = 0; i < 3; i++) {
-        assert_true(d->materials[d->shapes[i].material].Kd.r == Kd[i]);
+        const rgb is = d->materials[d->shapes[i].material].Kd;
+        assert_true(is.r == Kd[i] && is.g == (i ? .5f : 0) && is.b == (i ? .5f : 0));
         assert_null(bis_textures_of(&d->textures, d->shapes[i].material));
     }
     assert_says(said, "1 x a library of materials that is not there");
@@ -904,6 +905,7 @@ static void another_light_takes_the_place_of_all(void **state)
         {"LookAt 0 5 -1  0 0 0  0 1 0 Camera \"perspective\"",
          "LightSource \"point\" LightSource \"infinite\" \"rgb L\" [2 2 2]", {0, 1, 0}},
         {"LookAt 5 5 5  0 0 0  0 0 1", "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape \"disk\"", {0, 0, 1}},
+        {"LookAt 5 0 0  0 0 0  0 1 1", "", {0, 1, 0}}, /* of two the first */
         {"LookAt 0 0 5  0 0 0  0 -1 .1", "", {0, -1, 0}}, {"LookAt 0 0 5  0 0 0  -1 0 0", "", {-1, 0, 0}},
         {"LookAt 0 0 5  0 0 0  1 0 0", "", {1, 0, 0}}, {"LookAt 5 0 0  0 0 0  0 0 -1", "", {0, 0, -1}},
         {"Rotate 90 1 0 0 Camera \"perspective\"", "", {0, 0, -1}},

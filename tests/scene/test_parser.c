@@ -851,6 +851,27 @@ static void a_directive_given_again_starts_from_the_defaults(void **state)
     bis_scene_desc_free(d);
 }
 
+/* Of what a scene has once the second counts, and says so; Option may come again. */
+static void what_a_scene_has_once_is_told_when_it_comes_again(void **state)
+{
+    static const char *const lines[] = {"Camera \"perspective\"", "Film \"rgb\"", "PixelFilter \"box\"",
+        "Sampler \"sobol\"", "Integrator \"em\"", "Accelerator \"grid\"", "Option \"bool disablepixeljitter\" true"};
+    for (size_t i = 0; i < BIS_COUNT(lines); i++) {
+        const int n = (int)strcspn(lines[i], " ");
+        char text[256], said[256];
+        bis_scene_desc *d;
+        bis_diag diag;
+        snprintf(text, sizeof text, "%s\n\n  %s WorldBegin LightSource \"infinite\"", lines[i], lines[i]);
+        assert_int_equal(parse_text(&d, &diag, text), BIS_OK);
+        snprintf(said, sizeof said, "%s:3:3: warning: %.*s is given again and replaces that of %s:1",
+                 scratch("scene.txt"), n, lines[i], scratch("scene.txt"));
+        assert_int_equal(diag.n, i < 6 ? 1 : 0);
+        if (i < 6) assert_string_equal(diag.messages[0].text, said);
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
+}
+
 /* ---- transformations and blocks ---- */
 
 /* Where object-space (1, 2, 3) of shape i ends. */
@@ -1432,6 +1453,7 @@ int main(void)
         cmocka_unit_test(each_parameter_of_a_light_changes_itself_alone),
         cmocka_unit_test(spp_alone_is_divided_as_squarely_as_possible),
         cmocka_unit_test(a_directive_given_again_starts_from_the_defaults),
+        cmocka_unit_test(what_a_scene_has_once_is_told_when_it_comes_again),
         cmocka_unit_test(transformations_multiply_from_the_right),
         cmocka_unit_test(the_coordinate_system_camera_maps_camera_space_to_the_world),
         cmocka_unit_test(blocks_restore_what_they_saved),

@@ -294,11 +294,13 @@ static void each_mesh_of_a_scene_keeps_its_own(void **state)
 
 static void without_textures_no_coordinates_are_kept(void **state)
 {
-    built b = scene_build(LIGHT TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]");
-    assert_null(b.desc->meshes[0].mesh.uv);
+#define WITH_UV TRIANGLE "\"point2 uv\" [5 5  6 5  5 6] "
+    built b = scene_build(LIGHT WITH_UV WITH_UV "Translate 0 0 1 " WITH_UV);
+    for (int i = 0; i < 3; i++) assert_null(b.desc->meshes[i].mesh.uv);
     assert_null(b.scene->geometry.uv);
     assert_int_equal(b.diag.n, 0);
     scene_clear(&b);
+#undef WITH_UV
 }
 
 static const char *store_text(const char *name, const char *text)
