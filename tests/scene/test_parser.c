@@ -1347,7 +1347,7 @@ static void a_file_that_is_no_scene_is_told_what_it_is_for(void **state)
         {"s.y", "{}", "a file in JSON", "a scene is text in pbrt's format (`bis help scene`), such as scene.txt"},
     };
     for (size_t i = 0; i < BIS_COUNT(cases); i++) {
-        char path[128], instead[300], text[600];
+        char path[128], instead[400], text[800];
         bis_scene_desc *d;
         bis_diag diag = {0};
         snprintf(path, sizeof path, "%s", scratch(cases[i].name));
