@@ -459,6 +459,19 @@ static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
             if (fabs(L[k] - cases[i].L[k]) > 1e-4) fail_msg("%s: %d: %g", text, k, L[k]);
         bis_scene_desc_free(d);
     }
+    /* each channel of a mean is cut off to [0, 1] */
+    static const struct { const char *value; float is[3]; } means[] = {
+        {"[1.5 0.5 0.25]", {1, .5f, .25f}}, {"[0.5 1.5 0.25]", {.5f, 1, .25f}}, {"[0.5 0.25 1.5]", {.5f, .25f, 1}},
+        {"[-1 0.5 0.25]", {0, .5f, .25f}}, {"[0.5 -1 0.25]", {.5f, 0, .25f}}, {"[0.5 0.25 -1]", {.5f, .25f, 0}}};
+    for (size_t i = 0; i < sizeof means / sizeof *means; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "WorldBegin Texture \"c\" \"spectrum\" \"constant\" \"rgb value\" %s "
+                 "Material \"mirror\" \"texture Kr\" \"c\" Shape \"sphere\"", means[i].value);
+        bis_scene_desc *d = approximated(text);
+        const rgb Ks = d->materials[d->shapes[0].material].Ks;
+        assert_true(Ks.r == means[i].is[0] && Ks.g == means[i].is[1] && Ks.b == means[i].is[2]);
+        bis_scene_desc_free(d);
+    }
     /* the index of a dielectric: (0.5/1.5)^2 and (0.25/1.75)^2 */
     for (int i = 0; i < 2; i++) {
         char text[1024];

@@ -482,7 +482,10 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
          BIS_GAMMA_SRGB},
         {"Sampler \"bestcandidate\"", "", 1}, {"VolumeIntegrator \"emission\"", "", 1},
         {"Renderer \"sampler\"", "", 1}, {"TransformTimes 0 1", "", BIS_GAMMA_SRGB},
-        {"SearchPath \"x\"", "", BIS_GAMMA_SRGB}, {"Sampler \"adaptive\"", "", BIS_GAMMA_SRGB},
+        {"SearchPath \"x\"", "", BIS_GAMMA_SRGB}, {"Volume \"x\"", "", BIS_GAMMA_SRGB},
+        {"AreaLightSource \"x\"", "", BIS_GAMMA_SRGB}, {"ActiveTransform All", "", BIS_GAMMA_SRGB},
+        {"MakeNamedMedium \"x\"", "", BIS_GAMMA_SRGB}, {"Attribute \"shape\"", "", BIS_GAMMA_SRGB},
+        {"Sampler \"adaptive\"", "", BIS_GAMMA_SRGB},
         {"SurfaceIntegrator \"path\"", "\"float gamma\" 100", 100}};
     for (size_t i = 0; i < sizeof gammas / sizeof *gammas; i++) {
         snprintf(text, sizeof text, "%s " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s",

@@ -314,6 +314,8 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 2 \"float uknots\" [0 0 "
      "1 .5 2] \"integer nv\" 0 \"integer vorder\" 2", "1:83: error: \"uknots\" falls from 1 to 0.5: knots must not "
      "descend\n1:111: error: \"nv\" is 0, must be in [1, 32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
+     "[0 5 6]", "1:87: error: \"indices\" holds 5 as its value 2, must be a whole number in [0, 2]"},
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),
@@ -1002,14 +1004,14 @@ static void a_named_material_may_be_used_before_it_is_made(void **state)
 static void triangles_arrive_with_points_indices_and_normals(void **state)
 {
     bis_scene_desc *d = good_scene("",
-        "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [0 1 2 3 2 1]\n"
+        "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [2 1 0 3 2 1]\n"
         " \"normal N\" [0 0 1 0 0 1 0 0 1 1 0 0] \"vector S\" [1 0 0]\n"
         "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     const bis_mesh *m = &d->meshes[0].mesh;
     assert_int_equal(m->n_vertices, 4);
     assert_int_equal(m->n_triangles, 2);
     assert_true(m->p[3].x == 7 && m->p[3].y == 8 && m->p[3].z == 9 && m->n[3].x == 1 && m->n[0].z == 1);
-    assert_int_equal(m->index[3], 3);
+    assert_memory_equal(m->index, ((const uint32_t[6]){2, 1, 0, 3, 2, 1}), 6 * sizeof *m->index);
     assert_int_equal(d->meshes[1].mesh.n_triangles, 1); /* three points are a triangle */
     assert_int_equal(d->meshes[1].mesh.index[2], 2);
     assert_null(d->meshes[1].mesh.n);

@@ -681,6 +681,27 @@ static void an_option_that_is_left_out_leaves_the_map(void **state)
 #undef NO_MODEL
 }
 
+/* Of an image that is not there, and of no height, nothing is left. */
+static void a_map_of_nothing_is_none(void **state)
+{
+    static const char *const statements[] = {"map_Kd no.png", "bump no.png", "norm no.png", "bump -bm 0 four.pfm"};
+    for (int i = 0; i < 4; i++) {
+        built b;
+        assert_int_equal(build_library(&b, statements[i]), i < 3 ? BIS_INPUT : BIS_OK);
+        scene_clear(&b);
+        assert_int_equal(
+            scene_try(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
+        assert_int_equal(b.desc->n_approximations, i < 3);
+        if (i < 3) {
+            assert_string_equal(b.desc->approximations[0].kind, "an image of a library that is not there");
+            assert_string_equal(b.desc->approximations[0].consequence, "the material without it");
+        }
+        assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
+        assert_int_equal(b.desc->textures.n, 0);
+        scene_clear(&b);
+    }
+}
+
 /* t0: 3 steps, t1: 7, ..., t5: 127; a mix of t5, t5 and a constant has 256 with its own, and that is the most. */
 static void a_texture_of_256_steps_is_the_dearest(void **state)
 {
@@ -1633,6 +1654,7 @@ int main(void)
         cmocka_unit_test(options_of_a_map_change_what_they_name_alone),
         cmocka_unit_test(options_that_change_no_value_pass),
         cmocka_unit_test(an_option_that_is_left_out_leaves_the_map),
+        cmocka_unit_test(a_map_of_nothing_is_none),
         cmocka_unit_test(a_texture_of_256_steps_is_the_dearest),
         cmocka_unit_test(a_bad_part_of_a_texture_is_one_complaint),
         cmocka_unit_test(each_texture_is_described_as_its_words_say),
