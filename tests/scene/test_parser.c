@@ -827,6 +827,16 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
         assert_int_equal(d->view.sampler.ysamples, cases[i].y);
         bis_scene_desc_free(d);
     }
+    /* of two sides the one that is not given is 4 */
+    for (int i = 0; i < 2; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "Sampler \"stratified\" \"integer %csamples\" %d", i ? 'y' : 'x', i ? 5 : 3);
+        bis_scene_desc *one = good_scene(text, "");
+        assert_int_equal(one->view.sampler.xsamples, i ? 4 : 3);
+        assert_int_equal(one->view.sampler.ysamples, i ? 5 : 4);
+        assert_int_equal(one->view.sampler.spp, i ? 20 : 12);
+        bis_scene_desc_free(one);
+    }
     /* the product of both has the same limit */
     bis_scene_desc *d = good_scene("Sampler \"stratified\" \"integer xsamples\" 40000 \"integer ysamples\" 25000", "");
     assert_true(d->view.sampler.spp == 1000000000 && d->view.sampler.xsamples == 40000);
