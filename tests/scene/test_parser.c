@@ -316,6 +316,7 @@ static const struct { const char *scene, *said; } sayings[] = {
      "descend\n1:111: error: \"nv\" is 0, must be in [1, 32768]" NEAREST},
     {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
      "[0 5 6]", "1:87: error: \"indices\" holds 5 as its value 2, must be a whole number in [0, 2]"},
+    {"WorldBegin LightSource \"infinite\" \"xyz L\" [.2 .2 .2]", ""}, /* 0.24 0.19 0.18 */
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
     SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),

@@ -295,11 +295,15 @@ static void each_mesh_of_a_scene_keeps_its_own(void **state)
 static void without_textures_no_coordinates_are_kept(void **state)
 {
 #define WITH_UV TRIANGLE "\"point2 uv\" [5 5  6 5  5 6] "
-    built b = scene_build(LIGHT WITH_UV WITH_UV "Translate 0 0 1 " WITH_UV);
-    for (int i = 0; i < 3; i++) assert_null(b.desc->meshes[i].mesh.uv);
-    assert_null(b.scene->geometry.uv);
-    assert_int_equal(b.diag.n, 0);
-    scene_clear(&b);
+    static const char *const scenes[] = {LIGHT WITH_UV WITH_UV WITH_UV, LIGHT WITH_UV TRIANGLE TRIANGLE,
+        LIGHT TRIANGLE WITH_UV TRIANGLE, LIGHT TRIANGLE TRIANGLE WITH_UV};
+    for (int k = 0; k < 4; k++) {
+        built b = scene_build("%s", scenes[k]);
+        for (int i = 0; i < 3; i++) assert_null(b.desc->meshes[i].mesh.uv);
+        assert_null(b.scene->geometry.uv);
+        assert_int_equal(b.diag.n, 0);
+        scene_clear(&b);
+    }
 #undef WITH_UV
 }
 
