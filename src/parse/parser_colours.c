@@ -33,11 +33,11 @@ static bool is_spectrum(const double *v, size_t n)
     return true;
 }
 
-/* n numbers from v, or one that is the same everywhere. */
+/* n numbers from v, or one that is the same everywhere. v NULL: what there is, is no spectrum. */
 static bool keep_pairs(bis_parser *p, bis_parser_spectrum *s, const double *v, size_t n, bis_loc at, const char *name)
 {
     const double constant[2] = {550, v ? v[0] : 0};
-    if (n == 1) {
+    if (v && n == 1) {
         v = constant;
         n = 2;
     }

@@ -146,8 +146,6 @@ static bool read_revolved(bis_parser *p, int made, bis_shape_desc *shape)
         bis_params_float(p, "height", &height, any);
         set_line(&r, r.radius, 0, 0, height);
     }
-    r.radius = 0; /* of a line the ends say all */
-    r.z[0] = r.z[1] = 0;
     return read_turn(p, &r) && ok && add_revolved(p, shape, &r);
 }
 

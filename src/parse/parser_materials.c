@@ -47,11 +47,11 @@ typedef struct rough {
     uint32_t texture;
 } rough;
 
-static bool read_rough(bis_parser *p, const char *name, rough *r)
+static void read_rough(bis_parser *p, const char *name, rough *r)
 {
-    if (!bis_params_has(p, name)) return false;
+    if (!bis_params_has(p, name)) return;
     r->texture = BIS_NO_TEXTURE;
-    return bis_params_number(p, name, &r->value, positive_or_0, &r->texture);
+    bis_params_number(p, name, &r->value, positive_or_0, &r->texture);
 }
 
 /* uroughness and vroughness, by default `roughness`, where either is given. They must agree, because one width of the

@@ -375,15 +375,13 @@ static void add_part(bis_parser *p, const bis_shape_desc *shape, const bis_obj_m
 {
     bis_shape_desc own = *shape;
     own.part = part;
-    mtl none = grey;
     if (part > 0 && !m->exists) {
         if (!bis_approximate_or_refuse(p, shape->loc, "a material that is in no library of its mesh", "diffuse grey",
                                        "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
                                        "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
                                        p->desc->meshes[shape->mesh].filename))
             return;
-        none.at = shape->loc;
-        m = &none;
+        m = &grey;
     }
     if (part == 0 || make_material(p, m, &own.material)) bis_parser_add_shape(p, &own);
 }
@@ -397,9 +395,8 @@ void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
     if (status) return;
     const unsigned errors = p->n_errors;
     mesh->n_parts = obj.parts.n;
-    size_t n_faces = 0; /* parts that have some */
-    for (size_t k = 0; k < obj.n_shown; k++) n_faces += obj.is_shown[k];
-    if (!n_faces) bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
+    if (!obj.n_shown) /* the last of these has a face */
+        bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
     if (obj.n_libraries > MAX_LIBRARIES)
         bis_parser_error(p, mesh->loc, "%s names %zu libraries of materials, must be at most %d", mesh->filename,
                          obj.n_libraries, MAX_LIBRARIES);

@@ -135,9 +135,9 @@ bool bis_parser_next_name(bis_parser *p, const char *directive, size_t *text, bi
     char buf[64];
     *at = p->token.at;
     if (p->token.kind != BIS_TOKEN_STRING) {
-        if (p->token.kind == BIS_TOKEN_BAD) p->lost = true;
-        else bis_parser_lose(p, p->token.at, "%s wants another quoted name, found %s", directive,
-                             bis_token_name(buf, &p->token));
+        if (p->token.kind != BIS_TOKEN_BAD) /* else it is lost by itself */
+            bis_parser_lose(p, p->token.at, "%s wants another quoted name, found %s", directive,
+                            bis_token_name(buf, &p->token));
         return false;
     }
     *text = add_text(p);

@@ -100,13 +100,11 @@ bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval
     return true;
 }
 
-bool bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture)
+void bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture)
 {
     rgbd v;
-    if (!is_texture(p, name)) return bis_params_float(p, name, value, range);
-    if (!take_texture(p, name, true, &v, range, texture)) return false;
-    *value = v.r;
-    return true;
+    if (!is_texture(p, name)) bis_params_float(p, name, value, range);
+    else if (take_texture(p, name, true, &v, range, texture)) *value = v.r;
 }
 
 /* ---- what a texture is made of ---- */

@@ -5,9 +5,10 @@
 #include "parser_ask.h"
 
 /* bis_params_colour asks for a colour, or a texture of colours or numbers. *texture stays as it was where *value says
- * all; else it is the texture's index, and *value a typical value. bis_params_number does the same for a number. */
+ * all; else it is the texture's index, and *value a typical value. bis_params_number does the same for a number, and
+ * does not say whether it is given, because nobody asks. */
 bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval range, uint32_t *texture);
-bool bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture);
+void bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture);
 
 /* bis_parser_find_texture stores the index of the texture that a parameter names. A colour may be given by a texture of
  * numbers, and is then grey. Returns false after a complaint. */

@@ -141,6 +141,387 @@ static void each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate
     }
 }
 
+/* What each does to the picture, and what there are others of: the light that `parse` adds is one of the lights. */
+static const struct { const char *scene; bis_effect effect; const char *among; size_t of; } effects[] = {
+    {"WorldBegin AreaLightSource \"diffuse\" Shape \"sphere\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin LightSource \"point\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin LightSource \"lamp\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin LightSource \"distant\"", BIS_EFFECT_LIGHT, "lights", 2},
+    {"WorldBegin Shape \"disk\" Shape \"curve\" Shape \"sphere\"", BIS_EFFECT_SHAPE, "shapes", 3},
+    {"WorldBegin Shape \"sphere\" \"float alpha\" 0.5", BIS_EFFECT_SHAPE, "shapes", 1},
+    {"WorldBegin Material \"glass\" Material \"matte\"", BIS_EFFECT_MATERIAL, "materials", 2},
+    {"WorldBegin MakeNamedMaterial \"a\" \"string type\" \"glass\"", BIS_EFFECT_MATERIAL, "materials", 1},
+    {"WorldBegin NamedMaterial \"gold\" Shape \"sphere\"", BIS_EFFECT_MATERIAL, NULL, 0},
+    {"WorldBegin Material \"matte\" \"float gloss\" 1", BIS_EFFECT_MATERIAL, "materials", 1},
+    {"WorldBegin Texture \"t\" \"float\" \"constant\" Texture \"u\" \"float\" \"ptex\"", BIS_EFFECT_TEXTURE, "textures",
+     2},
+    {"WorldBegin Texture \"u\" \"float\" \"constant\" \"float size\" 1", BIS_EFFECT_TEXTURE, "textures", 1},
+    {"WorldBegin ObjectInstance \"o\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin MakeNamedMedium \"fog\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin MediumInterface \"fog\" \"\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin Volume \"fog\"", BIS_EFFECT_SHAPE, NULL, 0},
+    {"WorldBegin ActiveTransform All", BIS_EFFECT_SETTING, NULL, 0},
+    {"TransformTimes 0 1 WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"Film \"gbuffer\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"Camera \"realistic\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"WorldBegin AttributeEnd", BIS_EFFECT_SETTING, NULL, 0},
+    {"WorldBegin Shape \"sphere\" \"float size\" 1", BIS_EFFECT_SETTING, NULL, 0}, /* the sphere is there */
+    {"WorldBegin LightSource \"infinite\" \"float size\" 1", BIS_EFFECT_SETTING, NULL, 0},
+    {"WorldBegin Shape \"sphere\" \"float radius\" 1 \"float radius\" 2", BIS_EFFECT_SETTING, NULL, 0},
+    {"SurfaceIntegrator \"path\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"bdpt\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"directlighting\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"whitted\" WorldBegin", BIS_EFFECT_INDIRECT, NULL, 0},
+    {"Integrator \"ao\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+    {"Integrator \"ambientocclusion\" WorldBegin", BIS_EFFECT_SETTING, NULL, 0},
+};
+
+static void each_replacement_has_its_effect_and_its_share(void **state)
+{
+    for (size_t i = 0; i < sizeof effects / sizeof *effects; i++) {
+        bis_scene_desc *d = approximated(effects[i].scene);
+        const bis_approximation *a = d->approximations;
+        assert_int_equal(d->n_approximations, 1);
+        if (a->effect != effects[i].effect || a->n != 1 || a->of != effects[i].of || !a->among != !effects[i].among)
+            fail_msg("%s: effect %d, %zu of %zu", effects[i].scene, (int)a->effect, a->n, a->of);
+        if (a->among) assert_string_equal(a->among, effects[i].among);
+        const bool is_direct = strstr(effects[i].scene, "directl") || strstr(effects[i].scene, "whitted");
+        assert_int_equal(strstr(a->consequence, "what mirrors and glass show of other surfaces") != NULL, is_direct);
+        if (i >= sizeof effects / sizeof *effects - 2)
+            assert_string_equal(a->consequence, "the scene's own light and materials are shown instead");
+        bis_scene_desc_free(d);
+    }
+}
+
+/* Kinds of one effect stay in the order of the scene; the effects come in theirs. */
+static void the_list_is_sorted_by_effect_and_then_by_the_scene(void **state)
+{
+    static const char *const kinds[] = {"no light from infinity", "Integrator \"bdpt\"", "AreaLightSource",
+        "LightSource \"point\"", "Shape \"curve\"", "Volume", "Material \"mirror\"", "Material \"glass\"",
+        "Texture \"ptex\"", "Film \"gbuffer\"", "TransformTimes"};
+    static const char text[] =
+        "Film \"gbuffer\" TransformTimes 0 1 Integrator \"bdpt\" WorldBegin Texture \"t\" \"float\" \"ptex\" "
+        "Material \"mirror\" Shape \"curve\" AreaLightSource \"x\" Material \"glass\" Volume \"x\" LightSource "
+        "\"point\" Material \"mirror\" Shape \"sphere\"";
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    store(scratch("scene.txt"), text, sizeof text - 1);
+    assert_int_equal(bis_scene_parse_as(&d, scratch("scene.txt"), BIS_PARSE_APPROXIMATE, &diag), BIS_OK);
+    assert_int_equal(d->n_approximations, 11);
+    for (size_t i = 0; i < 11; i++) {
+        assert_string_equal(d->approximations[i].kind, kinds[i]);
+        assert_int_equal(d->approximations[i].n, strcmp(kinds[i], "Material \"mirror\"") == 0 ? 2 : 1);
+        assert_non_null(strstr(diag.messages[i].text, kinds[i]));
+    }
+    assert_true(d->light.L.r == 1 && d->light.scale == 1 && d->has_light);
+    const bis_loc sky = d->approximations[0].loc;
+    assert_true(sky.line == 0 && sky.column == 0 && strcmp(sky.file, d->files[0]) == 0);
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(d);
+}
+
+/* An unknown name is replaced by something of its kind, which the error without --approximate says. */
+static void an_unknown_name_has_its_own_way_out(void **state)
+{
+    static const struct { const char *scene, *kind, *consequence; bool is_told; } cases[] = {
+        {"WorldBegin Material \"zzz\" \"float gloss\" 1 \"float size\" 2", "unknown Material \"zzz\"",
+         "matte, as in pbrt", true},
+        {"WorldBegin Shape \"zzz\"", "unknown Shape \"zzz\"", "left out: it is not seen and casts no shadow", true},
+        {"WorldBegin LightSource \"zzz\"", "unknown LightSource \"zzz\"", "its light is missing", true},
+        {"WorldBegin Texture \"t\" \"float\" \"zzz\"", "unknown Texture \"zzz\"", "one value all over, 0.5", true},
+        {"Integrator \"zzz\" WorldBegin", "Integrator \"zzz\"",
+         "one bounce: light that surfaces reflect onto each other is missing", false},
+        {"Camera \"zzz\" WorldBegin", "unknown Camera \"zzz\"",
+         "a perspective camera with its fov: it shows another part of the scene", true},
+        {"Sampler \"zzz\" WorldBegin", "unknown Sampler \"zzz\"", "\"sobol\"", true},
+        {"Film \"zzz\" WorldBegin", "unknown Film \"zzz\"", "an ordinary film", true},
+        {"Accelerator \"zzz\" WorldBegin", "unknown Accelerator \"zzz\"", "the default", true},
+        {"PixelFilter \"zzz\" WorldBegin", "PixelFilter \"zzz\"", "the box of one pixel is used", false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char end[200];
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        assert_int_equal(parse(&d, cases[i].scene, 0, &diag), BIS_INPUT);
+        snprintf(end, sizeof end, "\"zzz\"%s%s", cases[i].is_told ? "; with --approximate: " : "",
+                 cases[i].is_told ? cases[i].consequence : "");
+        const char *said = strstr(diag.messages[0].text, "\"zzz\"");
+        assert_non_null(said);
+        assert_string_equal(said, end);
+        bis_diag_clear(&diag);
+        d = approximated(cases[i].scene);
+        assert_int_equal(d->n_approximations, 1);
+        assert_string_equal(d->approximations[0].kind, cases[i].kind);
+        assert_string_equal(d->approximations[0].consequence, cases[i].consequence);
+        bis_scene_desc_free(d);
+    }
+}
+
+#define W "WorldBegin LightSource \"infinite\"\n"
+#define BILERP "Texture \"t\" \"float\" \"bilerp\"\n"
+#define FLAT_SHAPE "left out: it has no extent in one direction"
+
+/* All that is said of replacements, with its place: counted by hand. */
+static const struct { const char *scene, *said[2]; } notes[] = {
+    {W "Shape \"sphere\" WorldEnd Film \"image\"", {"2:25: 1 x what follows WorldEnd: left out: it is of another "
+     "picture"}},
+    {W "Shape \"sphere\" \"point3 radius\" [1 2 3]", {"2:16: 1 x \"point3 radius\" (of 1 shapes): the default is "
+     "taken"}},
+    {W "Shape \"sphere\" \"float radius\" [1 2]", {"2:16: 1 x \"radius\" of 2 values (of 1 shapes): the default is "
+     "taken"}},
+    {W "Shape \"sphere\" \"bool foo\" true Material \"phong\" \"rgb Kd\" 1", {
+     "2:49: 1 x \"Kd\" of 1 value (of 1 materials): the default is taken",
+     "2:16: 1 x parameter \"foo\" of Shape \"sphere\": ignored"}},
+    {W "Material \"phong\" \"float Kd\" 2", {"2:18: 1 x \"Kd\" out of its range (of 1 materials): the nearest value "
+     "that it may have"}},
+    {W "Texture \"t\" \"float\" \"bilerp\" \"string mapping\" \"x\"", {"2:30: 1 x \"mapping\" that is \"x\" (of 1 "
+     "textures): the default is taken"}},
+    {"Camera \"perspective\" \"float shutteropen\" 0 " W, {"1:22: 1 x parameter \"shutteropen\": ignored"}},
+    {"Camera \"perspective\" \"float lensradius\" 0.1 " W, {"1:22: 1 x \"lensradius\": all is in focus"}},
+    {"PixelFilter \"mitchell\" " W, {"1:13: 1 x PixelFilter \"mitchell\": the box of one pixel is used"}},
+    {"Option \"float size\" 1 " W, {"1:8: 1 x parameter \"size\" of Option: ignored"}},
+    {"SurfaceIntegrator \"path\" " W, {"1:1: SurfaceIntegrator \"path\": one bounce: light that surfaces reflect onto "
+     "each other is missing"}},
+    {W "AttributeBegin ObjectBegin \"o\" AttributeEnd ObjectEnd", {
+     "2:32: 1 x AttributeEnd where ObjectEnd is due: it closes the last block that was opened, as in pbrt-v3",
+     "2:45: 1 x ObjectEnd where AttributeEnd is due: it closes the last block that was opened, as in pbrt-v3"}},
+    {W "AttributeBegin TransformEnd", {"2:16: 1 x TransformEnd where AttributeEnd is due: it closes the last block "
+     "that was opened"}},
+    {W "TransformBegin AttributeEnd", {"2:16: 1 x AttributeEnd where TransformEnd is due: it closes the last block "
+     "that was opened"}},
+    {W "TransformEnd", {"2:1: 1 x TransformEnd without TransformBegin: ignored, as in pbrt"}},
+    {W "ObjectEnd", {"2:1: 1 x ObjectEnd without ObjectBegin: ignored, as in pbrt"}},
+    {W "TransformBegin", {"2:1: 1 x TransformBegin has no TransformEnd: it ends with the scene"}},
+    {W "ObjectBegin \"o\"", {"2:1: 1 x ObjectBegin has no ObjectEnd: it ends with the scene"}},
+    {W "ObjectBegin \"o\" ObjectEnd ObjectBegin \"o\" ObjectEnd", {"2:39: 1 x an object defined again: the last one "
+     "counts from there on"}},
+    {W "Scale 0 1 1 Shape \"sphere\" Shape \"disk\"", {"2:13: 2 x a shape under a singular transformation (of 2 "
+     "shapes): " FLAT_SHAPE}},
+    {W "ObjectBegin \"o\" Shape \"sphere\" Shape \"disk\" ObjectEnd Scale 0 1 1 ObjectInstance \"o\"", {
+     "2:67: 2 x a shape under a singular transformation: " FLAT_SHAPE}},
+    {W "ObjectInstance \"o\"", {"2:16: 1 x ObjectInstance of an object that is not defined: left out"}},
+    {W "Material \"matte\" \"spectrum Kd\" \"stdillum-A\"", {"2:18: 1 x the illuminant \"stdillum-A\" (of 1 "
+     "materials): white"}},
+    {W "Material \"matte\" \"spectrum Kd\" \"illum-x\"", {"2:18: 1 x the illuminant \"illum-x\" (of 1 materials): "
+     "white"}},
+    {W "Material \"matte\" \"blackbody Kd\" [3000 .1]", {"2:18: 1 x a second value of \"blackbody Kd\" (of 1 "
+     "materials): it multiplies the colour of luminance 1"}},
+    {"WorldBegin\nLightSource \"infinite\" \"spectrum L\" [400 1 700 1]", {"2:24: 1 x \"spectrum L\" (of 1 lights): "
+     "its colour is relative to D65, white"}},
+    {"WorldBegin\nLightSource \"infinite\" \"float illuminance\" 3", {"2:24: 1 x \"illuminance\" (of 1 lights): "
+     "ignored: the brightness is the light's own"}},
+    {W "LightSource \"infinite\"", {"2:1: 1 x LightSource \"a second\" (of 2 lights): left out: only the first gives "
+     "light"}},
+    {W BILERP "Material \"mirror\" \"texture Kr\" \"t\"", {
+     "3:10: 1 x Material \"mirror\" (of 1 materials): a smooth metal that shows the map, blurred by two degrees; other "
+     "surfaces in it are black",
+     "3:19: 1 x a texture as \"Kr\" (of 1 materials): its mean"}},
+    {W "Shape \"sphere\" \"float phimax\" 0", {"2:16: 1 x a shape without extent (of 1 shapes): left out, as nothing "
+     "of it is seen"}},
+    {W "Shape \"disk\" \"float innerradius\" 1 Shape \"cylinder\" \"float zmin\" 1", {"2:14: 2 x a shape without "
+     "extent (of 2 shapes): left out, as nothing of it is seen"}},
+    {W "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1] \"integer indices\" [0 1 2 0 1 3]", {
+     "2:1: 1 x Shape \"loopsubdiv\" whose triangles do not form surfaces (of 1 shapes): its control mesh: coarser, and "
+     "a little too large"}},
+    {W "Material \"conductor\" \"float uroughness\" 0.01 \"float vroughness\" 0.16", {"2:46: 1 x \"uroughness\" and "
+     "\"vroughness\" that differ (of 1 materials): a round lobe, its alpha the root of the product of both"}},
+    {W "Material \"conductor\" \"float uroughness\" 0.01", {"2:22: 1 x \"uroughness\" and \"vroughness\" that differ "
+     "(of 1 materials): a round lobe, its alpha the root of the product of both"}},
+    {W BILERP "Material \"conductor\" \"texture uroughness\" \"t\" \"float vroughness\" .3", {"3:47: 1 x "
+     "\"uroughness\" and \"vroughness\" that differ (of 1 materials): a round lobe, as wide as the texture says"}},
+    {W "Material \"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", {"2:22: 1 x "
+     "\"metal-Ti-eta\" (of 1 materials): aluminium"}},
+    {W "Material \"metal\" \"float eta\" 1 \"spectrum k\" \"metal-CuZn-k\"", {"2:32: 1 x \"metal-CuZn-k\" (of 1 "
+     "materials): gold"}},
+    {W "Material \"coateddiffuse\" \"float albedo\" .5", {"2:26: 1 x \"albedo\" of Material \"coateddiffuse\" (of 1 "
+     "materials): the coat is clear"}},
+    {W "Material \"uber\" \"float Kr\" .5", {"2:17: 1 x \"Kr\" of Material \"uber\" (of 1 materials): Kd and Ks alone "
+     "are left"}},
+    {W "Material \"uber\" \"float Kt\" .5", {"2:17: 1 x \"Kt\" of Material \"uber\" (of 1 materials): Kd and Ks alone "
+     "are left"}},
+    {W "Material \"uber\" \"float opacity\" .5", {"2:17: 1 x \"opacity\" of Material \"uber\" (of 1 materials): Kd and "
+     "Ks alone are left"}},
+    {W "Shape \"sphere\" \"float radius\" 1 \"float radius\" 2", {"2:33: 1 x \"radius\" given twice: the last one "
+     "counts"}},
+    {W "Shape \"sphere\" \"float shadowalpha\" 0.5", {"2:1: 1 x \"alpha\" of Shape \"sphere\" (of 1 shapes): the "
+     "shape has no holes"}},
+    {W "Texture \"t\" \"spectrum\" \"bilerp\"\nMaterial \"phong\" \"texture exponent\" \"t\"", {"3:18: 1 x a texture "
+     "of colours in place of numbers (of 1 materials): the parameter's default is taken"}},
+    {W "Material \"phong\" \"texture Kd\" \"u\"", {"2:18: 1 x a texture that is not defined (of 1 materials): the "
+     "parameter's default is taken"}},
+    {"Film \"image\" " W "Texture \"t\" \"float\" \"bilerp\" \"string mapping\" \"cylindrical\"", {"2:9: 1 x mapping "
+     "\"cylindrical\" of a Texture (of 1 textures): t is z, as in pbrt-v4; earlier it is z over the distance"}},
+    {W "Texture \"t\" \"float\" \"fbm\"", {"2:9: 1 x filter of Texture \"fbm\" (of 1 textures): looked up at points; "
+     "the camera samples of a pixel average it"}},
+    {W "Texture \"t\" \"float\" \"imagemap\" \"float gamma\" 2 \"string filename\" \"Makefile\"", {"2:32: 1 x \"float "
+     "gamma\" of a texture: ignored, as in pbrt-v3"}},
+    {W "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"", {"2:32: 1 x an image that is not there "
+     "(of 1 textures): grey"}},
+    {W "Material \"matte\" \"string normalmap\" \"n\"", {"2:18: 1 x a normal map that is not there (of 1 "
+     "materials): the surface is as smooth as its shape"}},
+    {W "Material \"matte\" \"float sigma\" 20", {"2:18: 1 x \"sigma\" (of 1 materials): the surface is Lambert's"}},
+    {W "MakeNamedMaterial \"m\" \"string type\" \"matte\" MakeNamedMaterial \"m\" \"string type\" \"matte\"", {
+     "2:63: 1 x a material made again (of 2 materials): the last one counts from there on"}},
+    {W "NamedMaterial \"gold\" Shape \"sphere\" NamedMaterial \"gold\"", {"2:15: 1 x NamedMaterial \"gold\", which is "
+     "not made anywhere: diffuse grey"}},
+    {W "Volume \"x\"", {"2:1: 1 x Volume: there is no medium; nothing dims or scatters light"}},
+    {W "MediumInterface \"\" \"x\"", {"2:20: 1 x MediumInterface: there is no medium; nothing dims or scatters light"}},
+    {"ColorSpace \"aces\" " W, {"1:12: 1 x ColorSpace: taken for srgb: colours are off"}},
+    {W "Shape \"zzz\"", {"2:7: 1 x unknown Shape \"zzz\" (of 1 shapes): left out: it is not seen and casts no shadow"}},
+};
+
+static void each_note_has_its_place_its_number_and_its_consequence(void **state)
+{
+    static const char mark[] = ": warning: approximated: ";
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) {
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        int n = 0;
+        const bis_status status = parse(&d, notes[i].scene, BIS_PARSE_APPROXIMATE, &diag);
+        if (status) fail_msg("%s: %s", notes[i].scene, diag.messages[0].text);
+        for (size_t k = 0; k < diag.n; k++) {
+            char said[400];
+            const char *place = strstr(diag.messages[k].text, "scene.txt:"), *at = strstr(place, mark);
+            if (!at) continue;
+            place += strlen("scene.txt:");
+            snprintf(said, sizeof said, "%.*s: %s", (int)(at - place), place, at + strlen(mark));
+            const char *expected = n < 2 ? notes[i].said[n++] : NULL;
+            if (!expected || strcmp(said, expected) != 0) fail_msg("%s: %s", notes[i].scene, said);
+        }
+        if (n < 2 && notes[i].said[n]) fail_msg("%s: not said: %s", notes[i].scene, notes[i].said[n]);
+        bis_diag_clear(&diag);
+        bis_scene_desc_free(d);
+    }
+#undef W
+#undef BILERP
+#undef FLAT_SHAPE
+}
+
+/* A value beyond an end of its range becomes that end, each number of a list by itself; the others stay. */
+static void what_is_out_of_its_range_becomes_its_end(void **state)
+{
+    bis_scene_desc *d = approximated(
+        "Film \"rgb\" \"integer xresolution\" 0 \"integer yresolution\" 40000 \"float cropwindow\" [-1 0.5 0.25 3]\n"
+        "Sampler \"sobol\" \"integer pixelsamples\" 0 \"float edgelight\" 7 \"integer edgesamples\" 5000 \"integer "
+        "seed\" -3\nIntegrator \"mis\" \"float split\" -1\nAccelerator \"grid\" \"float density\" 200\n"
+        "WorldBegin LightSource \"infinite\" \"rgb L\" [-1 2 3] \"integer levels\" 999 \"float areaexponent\" 11 "
+        "\"integer width\" 1\nMaterial \"phong\" \"rgb Kd\" [2 -1 0.25] \"float Ks\" -3 \"float exponent\" -1 "
+        "Shape \"sphere\"");
+    const bis_film_desc *f = &d->view.film;
+    const bis_material *m = &d->materials[d->shapes[0].material];
+    assert_true(f->width == 1 && f->height == 32768);
+    assert_true(f->crop[0] == 0 && f->crop[1] == 0.5 && f->crop[2] == 0.25 && f->crop[3] == 1);
+    assert_true(d->view.sampler.spp == 1 && d->view.edge_light == 1 && d->view.edge_samples == 1024 &&
+                d->view.sampler.seed == 0);
+    assert_true(d->view.settings.integrator == &bis_mis && d->view.settings.split == 0 && d->accel.density == 100);
+    assert_true(d->light.L.r == 0 && d->light.L.g == 2 && d->light.L.b == 3 && d->light.levels == 254 &&
+                d->light.area_exponent == 10 && d->light.width == 2);
+    assert_true(m->Kd.r == 1 && m->Kd.g == 0 && m->Kd.b == 0.25f && m->Ks.g == 0 && m->exponent == 0);
+    assert_int_equal(d->n_approximations, 16);
+    for (size_t i = 0; i < 16; i++) {
+        const bis_approximation *a = &d->approximations[i];
+        assert_int_equal(a->n, strstr(a->kind, "cropwindow") || strstr(a->kind, "Kd") ? 2 : 1);
+        assert_string_equal(a->consequence, "the nearest value that it may have");
+    }
+    bis_scene_desc_free(d);
+}
+
+/* Where bis asks for a number or a colour a texture is its mean, of colours the mean of the channels for a number. */
+static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
+{
+    static const char head[] = "WorldBegin Texture \"f\" \"float\" \"constant\" \"float value\" 0.5 "
+        "Texture \"c\" \"spectrum\" \"constant\" \"rgb value\" [0.25 0.5 1.5] "
+        "Texture \"v\" \"float\" \"bilerp\" \"float v00\" 1 ";
+    static const struct { const char *words; double radius, L[3]; size_t n; } cases[] = {
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"f\"", .5, {1, 1, 1}, 0},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"c\"", .75, {1, 1, 1}, 0},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"v\"", .75, {1, 1, 1}, 1},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"no\"", 1, {1, 1, 1}, 2},
+        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" [\"f\" \"c\"]", 1, {1, 1, 1}, 2},
+        {"LightSource \"infinite\" \"texture L\" \"no\" Shape \"sphere\"", 1, {1, 1, 1}, 2},
+        {"LightSource \"infinite\" \"texture L\" \"c\" Shape \"sphere\"", 1, {.25, .5, 1.5}, 0},
+        {"LightSource \"infinite\" \"texture L\" \"f\" Shape \"sphere\" \"float radius\" 2", 2, {.5, .5, .5}, 0},
+        {"LightSource \"infinite\" \"texture scale\" \"c\" \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {.5, 1, 6}, 0},
+        {"LightSource \"infinite\" \"spectrum scale\" [400 .5 700 .5] \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {1, 1, 2},
+         0},
+        {"LightSource \"infinite\" \"xyz scale\" [.475235 .5 .544415] \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {1, 1, 2},
+         0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "%s%s", head, cases[i].words);
+        bis_scene_desc *d = approximated(text);
+        const bis_light_desc *l = &d->light;
+        const double L[3] = {(double)l->L.r * l->scale, (double)l->L.g * l->scale, (double)l->L.b * l->scale};
+        assert_int_equal(d->n_approximations, cases[i].n);
+        if (fabs(d->shapes[0].radius - cases[i].radius) > 1e-6) fail_msg("%s: %g", text, d->shapes[0].radius);
+        for (int k = 0; k < 3; k++)
+            if (fabs(L[k] - cases[i].L[k]) > 1e-4) fail_msg("%s: %d: %g", text, k, L[k]);
+        bis_scene_desc_free(d);
+    }
+    /* each channel of a mean is cut off to [0, 1] */
+    static const struct { const char *value; float is[3]; } means[] = {
+        {"[1.5 0.5 0.25]", {1, .5f, .25f}}, {"[0.5 1.5 0.25]", {.5f, 1, .25f}}, {"[0.5 0.25 1.5]", {.5f, .25f, 1}},
+        {"[-1 0.5 0.25]", {0, .5f, .25f}}, {"[0.5 -1 0.25]", {.5f, 0, .25f}}, {"[0.5 0.25 -1]", {.5f, .25f, 0}}};
+    for (size_t i = 0; i < sizeof means / sizeof *means; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "WorldBegin Texture \"c\" \"spectrum\" \"constant\" \"rgb value\" %s "
+                 "Material \"mirror\" \"texture Kr\" \"c\" Shape \"sphere\"", means[i].value);
+        bis_scene_desc *d = approximated(text);
+        const rgb Ks = d->materials[d->shapes[0].material].Ks;
+        assert_true(Ks.r == means[i].is[0] && Ks.g == means[i].is[1] && Ks.b == means[i].is[2]);
+        bis_scene_desc_free(d);
+    }
+    /* the index of a dielectric: (0.5/1.5)^2 and (0.25/1.75)^2 */
+    for (int i = 0; i < 2; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "%sMaterial \"dielectric\" \"texture eta\" \"%s\" Shape \"sphere\"", head,
+                 i ? "c" : "f");
+        bis_scene_desc *d = approximated(text);
+        assert_true(fabs((double)d->materials[d->shapes[0].material].Ks.g - (i ? 1 / 49. : 1 / 9.)) < 1e-6);
+        bis_scene_desc_free(d);
+    }
+}
+
+/* A texture with a part that is not there is one grey, whichever part it is; with all parts it is what it is. */
+static void a_texture_without_a_part_is_grey(void **state)
+{
+    static const char *const kinds[][6] = {
+        {"\"mix\"", "tex1", "tex2", "amount"}, {"\"scale\"", "tex1", "tex2"}, {"\"scale\"", "tex", "scale"},
+        {"\"checkerboard\" \"string aamode\" \"none\"", "tex1", "tex2"},
+        {"\"checkerboard\" \"integer dimension\" 3", "tex1", "tex2"}, {"\"dots\"", "inside", "outside"},
+        {"\"bilerp\"", "v00", "v01", "v10", "v11"}, {"\"constant\"", "value"},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        for (int gone = 0; gone < 5 && (!gone || kinds[i][gone]); gone++) { /* 0: none is missing */
+            char text[1024];
+            size_t n = (size_t)snprintf(text, sizeof text, "WorldBegin Texture \"f\" \"float\" \"bilerp\"\n"
+                                        "Texture \"t\" \"float\" %s", kinds[i][0]);
+            for (int k = 1; k < 5 && kinds[i][k]; k++)
+                n += (size_t)snprintf(text + n, sizeof text - n, " \"texture %s\" \"%s\"", kinds[i][k],
+                                      k == gone ? "no" : "f");
+            bis_scene_desc *d = approximated(text);
+            const bis_texture *x = &d->textures.list[d->textures.n - 1];
+            assert_int_equal(d->n_approximations, gone > 0);
+            if (gone && (x->kind != BIS_TEXTURE_CONSTANT || x->value.r != .5 || x->value.g != .5 || x->value.b != .5))
+                fail_msg("%s: kind %d, %g", text, (int)x->kind, x->value.r);
+            if (!gone && i < 7) assert_true(x->kind != BIS_TEXTURE_CONSTANT && x->steps > 5);
+            bis_scene_desc_free(d);
+        }
+}
+
+/* Grey of a half; a band around 550 nm is green. */
+static void a_light_takes_the_colour_of_its_spectrum(void **state)
+{
+    bis_scene_desc *d = approximated("WorldBegin LightSource \"infinite\" \"spectrum L\" [400 .5 700 .5]");
+    const rgb L = d->light.L;
+    assert_true(fabs((double)L.r - .5) < 1e-6 && fabs((double)L.g - .5) < 1e-6 && fabs((double)L.b - .5) < 1e-6);
+    bis_scene_desc_free(d);
+    d = approximated("WorldBegin LightSource \"infinite\" \"spectrum L\" [500 0 550 4 600 0]");
+    assert_true(d->light.L.g > 1 && d->light.L.b < 0.5f * d->light.L.g && d->light.scale == 1);
+    bis_scene_desc_free(d);
+}
+
 /* Whether a shape shows the texture or not. */
 static void a_bad_value_of_a_texture_leaves_its_default(void **state)
 {
@@ -365,6 +746,24 @@ static void shapes_of_an_interface_are_left_out_also_as_instances(void **state)
     bis_scene_desc_free(d);
 }
 
+/* The number of a name changes with its making, and what stands before keeps the one it had. */
+static void a_material_made_again_counts_from_there_on(void **state)
+{
+#define MADE(Kd) "MakeNamedMaterial \"m\" \"string type\" \"matte\" \"rgb Kd\" " Kd " "
+#define SHOWN "NamedMaterial \"m\" Shape \"sphere\" "
+    static const float expected[5][3] = {{1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 1}};
+    bis_scene_desc *d = approximated("WorldBegin " MADE("[1 0 0]") SHOWN MADE("[0 1 0]") "Shape \"sphere\" " SHOWN
+                                     MADE("[0 0 1]") SHOWN SHOWN);
+    assert_true(d->n_shapes == 5 && d->n_approximations == 1 && d->approximations[0].n == 2);
+    for (int i = 0; i < 5; i++) {
+        const rgb Kd = d->materials[d->shapes[i].material].Kd;
+        assert_true(Kd.r == expected[i][0] && Kd.g == expected[i][1] && Kd.b == expected[i][2]);
+    }
+    bis_scene_desc_free(d);
+#undef MADE
+#undef SHOWN
+}
+
 static void what_moves_stands_where_it_is_at_first(void **state)
 {
     bis_scene_desc *d =
@@ -408,6 +807,7 @@ static void what_is_unknown_to_pbrt_too_stays_an_error(void **state)
     static const char *const scenes[] = {
         "WorldBegin Shap \"sphere\"", "WorldBegin Shape \"sphere\" \"float radius\" -1",
         "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\"", "Camera \"perspective\" \"float fov\" 200 WorldBegin",
+        "WorldBegin Material \"matte\" \"string normalmap\" \"\"",
         "WorldBegin LightSource \"distant\" \"rgb L\" [1e30 1 1] \"float scale\" 1e30",
     };
     bis_diag diag = {0};
@@ -669,6 +1069,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate),
+        cmocka_unit_test(each_replacement_has_its_effect_and_its_share),
+        cmocka_unit_test(the_list_is_sorted_by_effect_and_then_by_the_scene),
+        cmocka_unit_test(an_unknown_name_has_its_own_way_out),
+        cmocka_unit_test(each_note_has_its_place_its_number_and_its_consequence),
+        cmocka_unit_test(what_is_out_of_its_range_becomes_its_end),
+        cmocka_unit_test(a_light_takes_the_colour_of_its_spectrum),
+        cmocka_unit_test(a_texture_is_its_mean_where_a_value_is_asked_for),
+        cmocka_unit_test(a_texture_without_a_part_is_grey),
         cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),
@@ -682,6 +1090,7 @@ int main(void)
         cmocka_unit_test(a_mix_has_the_mean_colours),
         cmocka_unit_test(a_mix_of_itself_or_of_nothing_is_an_error),
         cmocka_unit_test(shapes_of_an_interface_are_left_out_also_as_instances),
+        cmocka_unit_test(a_material_made_again_counts_from_there_on),
         cmocka_unit_test(what_moves_stands_where_it_is_at_first),
         cmocka_unit_test(what_is_flat_at_the_end_alone_is_shown),
         cmocka_unit_test(what_is_unknown_to_pbrt_too_stays_an_error),

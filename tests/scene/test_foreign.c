@@ -152,7 +152,7 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
 #define IMAGE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" "
-    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b.png\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
+    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
     assert_true(d->n_missing == 2 && d->textures.n_files == 2); /* the same name is the same image */
     bis_scene_desc_free(d);
 #undef IMAGE
@@ -480,7 +480,13 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
         {"SurfaceIntegrator \"path\"", "", 1}, {"SurfaceIntegrator \"path\"", "\"float gamma\" 2.2", 2.2},
         {"Integrator \"path\"", "", BIS_GAMMA_SRGB}, {"SurfaceIntegrator \"path\" Integrator \"path\"", "",
          BIS_GAMMA_SRGB},
-        {"Sampler \"bestcandidate\"", "", 1}};
+        {"Sampler \"bestcandidate\"", "", 1}, {"VolumeIntegrator \"emission\"", "", 1},
+        {"Renderer \"sampler\"", "", 1}, {"TransformTimes 0 1", "", BIS_GAMMA_SRGB},
+        {"SearchPath \"x\"", "", BIS_GAMMA_SRGB}, {"Volume \"x\"", "", BIS_GAMMA_SRGB},
+        {"AreaLightSource \"x\"", "", BIS_GAMMA_SRGB}, {"ActiveTransform All", "", BIS_GAMMA_SRGB},
+        {"MakeNamedMedium \"x\"", "", BIS_GAMMA_SRGB}, {"Attribute \"shape\"", "", BIS_GAMMA_SRGB},
+        {"Sampler \"adaptive\"", "", BIS_GAMMA_SRGB},
+        {"SurfaceIntegrator \"path\"", "\"float gamma\" 100", 100}};
     for (size_t i = 0; i < sizeof gammas / sizeof *gammas; i++) {
         snprintf(text, sizeof text, "%s " LIT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"two.pfm\" %s",
             gammas[i].before, gammas[i].gamma);
@@ -658,7 +664,8 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     assert_int_equal(d->n_shapes, 3);
     const float Kd[3] = {.8f, .5f, .5f};
     for (int i = 0; i < 3; i++) {
-        assert_true(d->materials[d->shapes[i].material].Kd.r == Kd[i]);
+        const rgb is = d->materials[d->shapes[i].material].Kd;
+        assert_true(is.r == Kd[i] && is.g == (i ? .5f : 0) && is.b == (i ? .5f : 0));
         assert_null(bis_textures_of(&d->textures, d->shapes[i].material));
     }
     assert_says(said, "1 x a library of materials that is not there");
@@ -901,6 +908,7 @@ static void another_light_takes_the_place_of_all(void **state)
         {"LookAt 0 5 -1  0 0 0  0 1 0 Camera \"perspective\"",
          "LightSource \"point\" LightSource \"infinite\" \"rgb L\" [2 2 2]", {0, 1, 0}},
         {"LookAt 5 5 5  0 0 0  0 0 1", "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Shape \"disk\"", {0, 0, 1}},
+        {"LookAt 5 0 0  0 0 0  0 1 1", "", {0, 1, 0}}, /* of two the first */
         {"LookAt 0 0 5  0 0 0  0 -1 .1", "", {0, -1, 0}}, {"LookAt 0 0 5  0 0 0  -1 0 0", "", {-1, 0, 0}},
         {"LookAt 0 0 5  0 0 0  1 0 0", "", {1, 0, 0}}, {"LookAt 5 0 0  0 0 0  0 0 -1", "", {0, 0, -1}},
         {"Rotate 90 1 0 0 Camera \"perspective\"", "", {0, 0, -1}},
@@ -917,6 +925,9 @@ static void another_light_takes_the_place_of_all(void **state)
         for (int k = 0; k < 3; k++)
             if (fabs(d->light.to_world.m[k][2] - cases[i].up[k]) > 1e-12)
                 fail_msg("%s %s: %d", cases[i].before, cases[i].after, k);
+        /* it is turned about x, or about y where its z becomes x: this axis stays */
+        const int axis = fabs(cases[i].up[0]) > 0.5;
+        for (int k = 0; k < 3; k++) assert_true(fabs(d->light.to_world.m[k][axis] - (k == axis)) < 1e-12);
         bis_scene_desc_free(d);
     }
 }

@@ -130,6 +130,311 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
     bis_diag_clear(&diag);
 }
 
+/* ---- what is said of a line ---- */
+
+#define L " WorldBegin LightSource \"infinite\""
+#define FOV(value) "Camera \"perspective\" \"float fov\" " value L
+#define INFINITE(value) {FOV(value), "1:34: error: non-finite number \"" value "\""}, \
+    {FOV("[1 " value "]"), "1:37: error: non-finite number \"" value "\""}
+#define DECLARED(words) {"Camera \"perspective\" \"" words "\" 45" L, \
+    "1:22: error: a parameter is declared as \"type name\", not \"" words "\""}
+#define UNKNOWN(words) {"Camera \"perspective\" " words L, "1:22: error: unknown parameter \"a\" of Camera " \
+    "\"perspective\"; with --approximate: ignored"}
+#define NEAREST "; with --approximate: the nearest value that it may have"
+#define SPECTRUM(words) {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" " words, \
+    "1:52: error: the spectrum \"Kd\" must be one number, or pairs of a wavelength in nm and a value >= 0, " \
+    "wavelengths ascending"}
+#define SPHERE(type, shown) {"WorldBegin LightSource \"infinite\" Shape \"sphere\" \"" type " radius\" [1 1 1]", \
+    "1:50: error: \"radius\" is of type " shown ", must be float"}
+#define D62 "xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx"
+#define DEEP D62 "xx"
+
+/* All messages of a scene of one line; "": none. Places are counted by hand. */
+static const struct { const char *scene, *said; } sayings[] = {
+    INFINITE("nan"), INFINITE("NaN"), INFINITE("NAN"), INFINITE("inf"), INFINITE("Inf"), INFINITE("INF"),
+    INFINITE("infinity"),
+    {FOV("Nan"), "1:22: error: \"fov\" has no value"},
+    {FOV("[Nan]"), "1:34: error: the [ of \"fov\" has no ]"},
+    {FOV("3.5e38"), "1:34: error: non-finite number \"3.5e38\": the largest float is 3.4e38"},
+    {FOV("-3.5e38"), "1:34: error: non-finite number \"-3.5e38\": the largest float is 3.4e38"},
+    {FOV("3.4e38"), "1:22: error: \"fov\" is 3.4e+38, must be in (0, 180)"},
+    {FOV("true"), "1:34: error: \"fov\" wants numbers, found \"true\""},
+    {FOV("[45"), "1:34: error: the [ of \"fov\" has no ]"},
+    {FOV("]"), "1:22: error: \"fov\" has no value"},
+    {"Camera \"perspective\" \"float fov\"", "1:22: error: \"fov\" has no value\n1:33: error: the scene has no "
+     "WorldBegin"},
+    {"Camera \"perspective\" \"float fov\" [45", "1:34: error: the [ of \"fov\" has no ]\n1:37: error: the scene has "
+     "no WorldBegin"},
+    {FOV("[45 46]"), "1:22: error: \"fov\" has 2 values, must have 1; with --approximate: the default is taken"},
+    {FOV("[]"), "1:22: error: \"fov\" has 0 values, must have 1; with --approximate: the default is taken"},
+    {"Sampler \"sobol\" \"integer seed\" 3.5e38" L, "1:17: error: \"seed\" is 3.5e+38, must be in [0, "
+     "9007199254740991]" NEAREST},
+    {"Option \"bool disablepixeljitter\" \"true\" \"bool approximate\" [false]" L, ""},
+    {"Option \"bool disablepixeljitter\" [\"false\"]" L, ""},
+    {"Option \"bool disablepixeljitter\" \"truth\"" L, "1:34: error: \"disablepixeljitter\" wants true or false, found "
+     "the string \"truth\""},
+    {"Option \"bool disablepixeljitter\" tru" L, "1:8: error: \"disablepixeljitter\" has no value"},
+    {"Option \"bool disablepixeljitter\" 1" L, "1:34: error: \"disablepixeljitter\" wants true or false, found \"1\""},
+    {"Film \"rgb\" \"string filename\" [\"a\" 3]" L, "1:35: error: \"filename\" wants strings, found \"3\""},
+    {"Film \"rgb\" \"string filename\" true" L, "1:30: error: \"filename\" wants strings, found \"true\""},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [\"a\" 3]",
+     "1:71: error: \"Kd\" wants strings, found \"3\""},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [400 \"a\"]",
+     "1:71: error: \"Kd\" wants numbers, found the string \"a\""},
+    {"Camera \"perspective\" \"vector2 a\" [1 \"b\" true [" L, "1:46: error: \"a\" wants a value, found \"[\""},
+    UNKNOWN("\"vector2 a\" [1 \"b\" true]"), UNKNOWN("\"vector2 a\" \"b\""), UNKNOWN("\"float a\" 1"),
+    UNKNOWN("\"\tfloat\t a \" 1"), UNKNOWN("\"float a\\r\" 1"), UNKNOWN("\"\\rfloat\\ra\\t\" 1"),
+    UNKNOWN("\"float   a\" 1"), UNKNOWN("\"   float a\" 1"), UNKNOWN("\"float a   \" 1"), DECLARED("float a   b"),
+    DECLARED("float"), DECLARED(""), DECLARED(" fov"), DECLARED("float a b"), DECLARED("float a,b"),
+    DECLARED("float " DEEP "x"),
+    {"Camera \"perspective\" \"float " DEEP "\" 45" L, "1:22: error: unknown parameter \"" DEEP "\" of Camera "
+     "\"perspective\"; with --approximate: ignored"},
+    {"Camera \"perspective\" \"float azAZ09_.:-\" 45" L, "1:22: error: unknown parameter \"azAZ09_.:-\" of Camera "
+     "\"perspective\"; with --approximate: ignored"},
+    {"Camera \"perspective\" \"flaot fov\" 45" L, "1:22: error: unknown parameter type \"flaot\" (did you mean "
+     "\"float\"?)"},
+    {"Camera \"perspective\" \"normal3 a\" [1 2 3]" L, "1:22: error: unknown parameter \"a\" of Camera "
+     "\"perspective\"; with --approximate: ignored"},
+    {"Camera" L, "1:8: error: Camera wants a quoted name, found \"WorldBegin\""},
+    {"WorldBegin LightSource \"infinite\" Texture \"t\" \"float\" 3", "1:55: error: Texture wants another quoted name, "
+     "found \"3\""},
+    {"WorldBegin LightSource \"infinite\" Texture", "1:42: error: Texture wants a quoted name, found the end of the "
+     "file"},
+
+    {"Camera \"perspective\" \"float screenwindow\" [0 0 1 2]" L, "1:22: error: \"screenwindow\" is empty: it wants x0 "
+     "x1 y0 y1 with x0 != x1, y0 != y1"},
+    {"Camera \"perspective\" \"float screenwindow\" [0 1 2 2]" L, "1:22: error: \"screenwindow\" is empty: it wants x0 "
+     "x1 y0 y1 with x0 != x1, y0 != y1"},
+    {"Camera \"perspective\" \"float screenwindow\" [1 0 2 1]" L, ""},
+    {"Camera \"perspective\" \"float frameaspectratio\" 0" L, "1:22: error: \"frameaspectratio\" is 0, must be > 0"},
+    {"Camera \"perspective\" \"float focaldistance\" 3 \"float lensradius\" 0 \"float fov\" 179.9" L, ""},
+    {"Camera \"perspective\" \"float lensradius\" -1" L,
+     "1:22: error: a thin lens is not modelled: \"lensradius\" must "
+     "be 0; with --approximate: all is in focus"},
+    {"Film \"rgb\" \"float cropwindow\" [.5 .5 0 1]" L, "1:12: error: \"cropwindow\" is empty: it wants x0 x1 y0 y1 "
+     "with x0 < x1, y0 < y1"},
+    {"Film \"rgb\" \"float cropwindow\" [0 1 .5 .5]" L, "1:12: error: \"cropwindow\" is empty: it wants x0 x1 y0 y1 "
+     "with x0 < x1, y0 < y1"},
+    {"Film \"rgb\" \"float cropwindow\" [0 1 0 1.5]" L,
+     "1:12: error: \"cropwindow\" is 1.5, must be in [0, 1]" NEAREST},
+    {"Film \"rgb\" \"float cropwindow\" [-1 1 0 1]" L, "1:12: error: \"cropwindow\" is -1, must be in [0, 1]" NEAREST},
+    {"Film \"rgb\" \"integer xresolution\" 32768 \"integer yresolution\" 1 \"float scale\" 0" L, ""},
+    {"Film \"rgb\" \"integer xresolution\" 32769" L, "1:12: error: \"xresolution\" is 32769, must be in [1, 32768]"
+     NEAREST},
+    {"Film \"rgb\" \"integer yresolution\" 0" L, "1:12: error: \"yresolution\" is 0, must be in [1, 32768]" NEAREST},
+    {"Film \"rgb\" \"float scale\" -1" L, "1:12: error: \"scale\" is -1, must be >= 0" NEAREST},
+    {"PixelFilter \"box\" \"float xradius\" .5 \"float ywidth\" 0.5" L, ""},
+    {"PixelFilter \"box\" \"float yradius\" 1" L, "1:19: warning: \"yradius\" is ignored: the box has the size of one "
+     "pixel (0.5)"},
+    {"PixelFilter \"box\" \"float xwidth\" 1 \"float ywidth\" 2" L, "1:19: warning: \"xwidth\" is ignored: the box has "
+     "the size of one pixel (0.5)\n1:36: warning: \"ywidth\" is ignored: the box has the size of one pixel (0.5)"},
+    {"PixelFilter \"box\" \"float xradius\" 0" L, "1:19: error: \"xradius\" is 0, must be > 0"},
+    {"PixelFilter \"lanczossinc\" \"float tau\" 3" L, "1:13: warning: PixelFilter \"lanczossinc\" is ignored: the box "
+     "of one pixel is used"},
+    {"Accelerator \"grid\" \"float density\" 100" L, ""},
+    {"Accelerator \"grid\" \"float density\" 100.5" L,
+     "1:20: error: \"density\" is 100.5, must be in (0, 100]" NEAREST},
+    {"Accelerator \"kdtree\" \"float emptybonus\" 3" L, "1:13: warning: Accelerator \"kdtree\" is replaced by the "
+     "default"},
+    {"Sampler \"sobol\" \"integer edgesamples\" 1025" L, "1:17: error: \"edgesamples\" is 1025, must be in [1, 1024]"
+     NEAREST},
+    {"Sampler \"sobol\" \"integer edgesamples\" 0" L,
+     "1:17: error: \"edgesamples\" is 0, must be in [1, 1024]" NEAREST},
+    {"Sampler \"sobol\" \"float edgelight\" 0" L, "1:17: error: \"edgelight\" is 0, must be in (0, 1]"},
+    {"Sampler \"sobol\" \"float edgelight\" 1.5" L, "1:17: error: \"edgelight\" is 1.5, must be in (0, 1]" NEAREST},
+    {"Sampler \"sobol\" \"float edgelight\" 1 \"integer edgesamples\" 1 \"integer pixelsamples\" 1000000000" L, ""},
+    {"Sampler \"sobol\" \"integer pixelsamples\" 1000000001" L, "1:17: error: \"pixelsamples\" is 1000000001, must be "
+     "in [1, 1000000000]" NEAREST},
+    {"Sampler \"stratified\" \"integer xsamples\" 0" L,
+     "1:22: error: \"xsamples\" is 0, must be in [1, 65535]" NEAREST},
+    {"Sampler \"stratified\" \"integer ysamples\" 65536" L, "1:22: error: \"ysamples\" is 65536, must be in [1, 65535]"
+     NEAREST},
+    {"Sampler \"stratified\" \"integer ysamples\" 5 \"integer pixelsamples\" 16" L, "1:22: error: \"xsamples\" 4 times "
+     "\"ysamples\" 5 is 20, must be \"pixelsamples\" 16"},
+    {"Sampler \"stratified\" \"integer ysamples\" 5 \"integer pixelsamples\" 20" L, ""},
+    {"Sampler \"random\" \"integer dimensions\" 4 \"string randomization\" \"owen\"" L, "1:18: warning: \"dimensions\" "
+     "is ignored\n1:41: warning: \"randomization\" is ignored"},
+    {"Sampler \"adaptive\" \"integer minsamples\" 4" L, "1:9: warning: Sampler \"adaptive\" is replaced by \"sobol\""},
+    {"Integrator \"sppm\" \"integer maxdepth\" 4" L, "1:12: warning: Integrator \"sppm\" is pbrt's and replaced by the "
+     "default, \"sir\", one bounce; its parameters are ignored"},
+    {"Option \"integer seed\" 3 \"bool wavefront\" true" L, "1:1: warning: Option \"seed\" is ignored, like all but "
+     "\"disablepixeljitter\", \"asprinted\" and \"approximate\""},
+    {"Option \"bool forcediffuse\" true" L, "1:1: warning: Option \"forcediffuse\" is ignored, like all but "
+     "\"disablepixeljitter\", \"asprinted\" and \"approximate\""},
+    {"MediumInterface \"\" \"fog\"" L, "1:20: error: MediumInterface is \"fog\", must be \"\": media are not modelled; "
+     "with --approximate: there is no medium; nothing dims or scatters light"},
+    {"MediumInterface \"\" \"\" \"\"" L, "1:23: error: expected a directive, found the string \"\""},
+    {"Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" L, "1:44: error: Transform wants ] after 16 numbers, found "
+     "\"WorldBegin\""},
+    {"LookAt 0 0 5 0 0 0 0 1" L, "1:24: error: LookAt wants 9 numbers, found \"WorldBegin\" after 8"},
+    {"Rotate 90 1 0" L, "1:15: error: Rotate wants 4 numbers, found \"WorldBegin\" after 3"},
+    {"Rotate 90 0 0 0" L, "1:1: error: Rotate about the axis 0 0 0, which has no direction"},
+    {"Rotate 90 1 0 0 Rotate 90 0 1 0 Rotate 90 0 0 1" L, ""},
+    {"Scale 1 0 1" L, "1:1: error: Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
+     "are left out"},
+    {"Scale 1 1 0" L, "1:1: error: Scale by 0 is singular: no factor may be 0; with --approximate: the shapes under it "
+     "are left out"},
+
+    {"WorldBegin LightSource \"infinite\" Shape \"objmesh\" \"bool materials\" true", "1:41: error: Shape needs "
+     "\"string filename\""},
+    {"WorldBegin LightSource \"infinite\" Shape \"objmesh\" \"string filename\" 3", "1:69: error: \"filename\" "
+     "wants strings, found \"3\""},
+    {"WorldBegin LightSource \"infinite\" Shape \"objmesh\" \"float filename\" 3", "1:51: error: \"filename\" is of "
+     "type float, must be string"},
+    {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 .5 700 .5]", ""},
+    {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 -1]", "1:35: error: the spectrum \"scale\" must be "
+     "one number, or pairs of a wavelength in nm and a value >= 0, wavelengths ascending"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [1 2 3] "
+     "\"float uv\" [1]", "1:87: error: \"N\" has 3 values, must have 3 for each of the 3 points"},
+    {"X" D62 L, "1:1: error: unknown directive \"X" D62 "\""}, {"X" D62 "x" L, "1:1: error: unknown directive \"X" D62
+     "\""}, /* a name has 63 letters at most */
+    {"X" DEEP L, "1:1: error: unknown directive \"X" D62 "\""},
+    {"WorldBegin LightSource \"infinite\" Material \"diffuse\" \"texture reflectance\" \"no\" \"float Kd\" .5",
+     "1:54: error: texture \"no\" is not defined; as in pbrt, Texture must stand before its first use; with "
+     "--approximate: the parameter's default is taken"},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 1 \"integer nv\" 2 \"float Pz\" [1 2]",
+     "1:55: error: \"nu\" is 1, must be in [2, 32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 40000 \"float Pz\" 1",
+     "1:70: error: \"nv\" is 40000, must be in [2, 32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2.5 \"integer nv\" 2 \"float Pz\" [1 2]",
+     "1:55: error: \"nu\" is 2.5, must be a whole number"},
+    {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 3 \"float uknots\" [0 0 "
+     "1 1 1] \"integer nv\" 2 \"integer vorder\" 2 \"float vknots\" [0 0 1 1]", "1:49: error: \"nu\" is 2, must be at "
+     "least \"uorder\", 3"},
+    {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 17 \"integer nv\" 1 "
+     "\"integer vorder\" 1", "1:64: error: \"uorder\" is 17, must be in [2, 16]" NEAREST "\n1:99: error: \"vorder\" "
+     "is 1, must be in [2, 16]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"loopsubdiv\" \"integer nlevels\" 11 \"point3 P\" [0 0 0 1 0 0 0 1 0]",
+     "1:54: error: \"nlevels\" is 11, must be in [0, 10]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2",
+     "1:41: error: heightfield needs \"Pz\""},
+    {"WorldBegin LightSource \"infinite\" Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 "
+     "\"integer Pz\" [1 2 3 4]",
+     "1:85: error: \"Pz\" is of type integer, must be float"},
+    {"WorldBegin LightSource \"infinite\" Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 2 \"float uknots\" [0 0 "
+     "1 .5 2] \"integer nv\" 0 \"integer vorder\" 2", "1:83: error: \"uknots\" falls from 1 to 0.5: knots must not "
+     "descend\n1:111: error: \"nv\" is 0, must be in [1, 32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
+     "[0 5 6]", "1:87: error: \"indices\" holds 5 as its value 2, must be a whole number in [0, 2]"},
+    {"WorldBegin LightSource \"infinite\" \"xyz L\" [.2 .2 .2]", ""}, /* 0.24 0.19 0.18 */
+    SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
+    SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
+    SPHERE("vector2", "vector2"), SPHERE("xyz", "xyz"), SPHERE("spectrum", "spectrum"),
+    SPHERE("blackbody", "blackbody"), SPHERE("integer", "integer"),
+    SPECTRUM("[0 1]"), SPECTRUM("[-400 1]"), SPECTRUM("[400 1 400 1]"), SPECTRUM("[500 1 400 1]"),
+    SPECTRUM("[400 -1]"), SPECTRUM("[400 1 500]"), SPECTRUM("[400 1 500 -0.5]"), SPECTRUM("[400 1 500 1 450 1]"),
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" [1e-3 0 400 0.5 400.5 0.5]", ""},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"spectrum Kd\" []", "1:52: error: \"Kd\" has no value"},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"blackbody Kd\" 499", "1:52: error: \"Kd\" is 499, must "
+     "be in [500, 1000000]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"blackbody Kd\" 1000001", "1:52: error: \"Kd\" is "
+     "1000001, must be in [500, 1000000]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"integer Kd\" 1", "1:52: error: \"Kd\" is of type "
+     "integer, must be float or rgb"},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"string sigma\" \"x\"", "1:52: error: \"sigma\" is "
+     "of type string, must be float"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"rgb uv\" 1",
+     "1:87: error: \"uv\" is of type rgb, must be float or point2"},
+    {"WorldBegin LightSource \"infinite\" Material \"matte\" \"xyz Kd\" [0 0]",
+     "1:52: error: \"Kd\" has 2 values, must "
+     "have 3; with --approximate: the default is taken"},
+    {"WorldBegin LightSource \"infinite\" \"rgb L\" [1 1 1] \"rgb scale\" [1 2 3] \"float illuminance\" 0", ""},
+    {"WorldBegin LightSource \"infinite\" \"rgb L\" [1e38 1 1] \"rgb scale\" [10 2 3]", "1:54: error: \"L\" times "
+     "\"scale\" is not finite"},
+    {"WorldBegin LightSource \"infinite\" \"integer levels\" 0", "1:35: error: \"levels\" is 0, must be in [1, 254]"
+     NEAREST},
+    {"WorldBegin LightSource \"infinite\" \"integer levels\" 254 \"float areaexponent\" 10 \"integer width\" 32768",
+     ""},
+    {"WorldBegin LightSource \"infinite\" \"integer width\" 32769", "1:35: error: \"width\" is 32769, must be in [2, "
+     "32768]" NEAREST},
+    {"WorldBegin LightSource \"infinite\" \"string filter\" \"ewa\"", "1:35: error: \"filter\" is \"ewa\", must be "
+     "\"point\" or \"bilinear\"; with --approximate: the default is taken"},
+    {"WorldBegin LightSource \"infinite\" \"integer samples\" 4", "1:35: warning: \"samples\" is ignored"},
+    {"WorldBegin LightSource \"infinite\" WorldEnd Shape \"sphere\" Shape \"disk\"", "1:44: error: Shape after "
+     "WorldEnd: a scene has one world"},
+    {"WorldBegin LightSource \"infinite\" Shape \"sphere\" \"float alpha\" 1 \"float shadowalpha\" 1", "1:50: warning: "
+     "\"alpha\" is ignored\n1:66: warning: \"shadowalpha\" is ignored"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
+     "[0 1 3]", "1:87: error: \"indices\" holds 3 as its value 3, must be a whole number in [0, 2]"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"float st\" [0 1]",
+     "1:87: error: \"st\" has 2 values, must have 2 for each of the 3 points"},
+    {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1] \"integer indices\" "
+     "[0 1 5] \"normal N\" [1]", "1:56: error: \"P\" has 8 values, must have a multiple of 3"},
+};
+
+static void each_line_has_its_messages(void **state)
+{
+    for (size_t i = 0; i < BIS_COUNT(sayings); i++) {
+        char all[1024] = "";
+        bis_scene_desc *d;
+        bis_diag diag;
+        const bis_status status = parse_text(&d, &diag, sayings[i].scene);
+        for (size_t k = 0; k < diag.n; k++) {
+            const char *place = strstr(diag.messages[k].text, "scene.txt:");
+            assert_non_null(place);
+            snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", k ? "\n" : "", place + strlen("scene.txt:"));
+        }
+        if (strcmp(all, sayings[i].said) != 0) fail_msg("%s\n%s", sayings[i].scene, all);
+        assert_int_equal(status, strstr(all, "error: ") ? BIS_INPUT : BIS_OK);
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
+#undef L
+}
+
+/* pbrt's names, which are in its documents, and what is said of each; "": nothing. %s stands for the name. */
+static void each_name_of_pbrts_is_known(void **state)
+{
+#define IN_WORLD "WorldBegin LightSource \"infinite\" "
+    static const struct { const char *before, *names, *after, *said; } groups[] = {
+        {"Integrator \"", "path volpath bdpt mlt sppm directlighting whitted ao lightpath randomwalk ambientocclusion "
+         "function photonmap exphotonmap igi irradiancecache simplepath simplevolpath", "\"", "Integrator \"%s\" is "
+         "pbrt's and replaced by the default, \"sir\", one bounce; its parameters are ignored"},
+        {"Sampler \"", "zsobol paddedsobol pmj02bn 02sequence lowdiscrepancy maxmindist bestcandidate adaptive", "\"",
+         "Sampler \"%s\" is replaced by \"sobol\""},
+        {"Sampler \"", "random independent stratified sobol halton", "\"", ""},
+        {"Sampler \"sobol\" \"integer ", "dimensions randomization samplepixelcenter scramble", "\" 1",
+         "\"%s\" is ignored"},
+        {"PixelFilter \"", "gaussian mitchell sinc triangle lanczossinc", "\"", "PixelFilter \"%s\" is ignored: the "
+         "box of one pixel is used"},
+        {"Accelerator \"", "bvh kdtree", "\"", "Accelerator \"%s\" is replaced by the default"},
+        {"Film \"rgb\" \"integer ", "diagonal savefp16 sensor iso whitebalance maxcomponentvalue exposuretime "
+         "imagingratio pixelbounds maxsampleluminance display", "\" 1", "\"%s\" is ignored"},
+        {"Option \"integer ", "disabletexturefiltering disablewavelengthjitter displacementedgescale forcediffuse "
+         "msereferenceimage msereferenceout pixelstats rendercoordsys seed wavefront", "\" 1", "Option \"%s\" is "
+         "ignored, like all but \"disablepixeljitter\", \"asprinted\" and \"approximate\""},
+        {"Camera \"perspective\" \"float ", "shutteropen shutterclose", "\" 1", "\"%s\" is ignored"},
+        {"WorldBegin LightSource \"infinite\" \"integer ", "samples nsamples", "\" 1", "\"%s\" is ignored"},
+        {IN_WORLD "Shape \"sphere\" \"float ", "alpha shadowalpha", "\" 1", "\"%s\" is ignored"},
+        {IN_WORLD "Shape \"sphere\" \"float ", "uv st S faceIndices", "\" 1", ""},
+        {IN_WORLD "Material \"coateddiffuse\" \"float roughness\" 0.1 \"float ", "g maxdepth nsamples", "\" 1", ""},
+        {IN_WORLD "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"Makefile\" \"float ",
+         "trilinear maxanisotropy", "\" 1", ""},
+        {IN_WORLD "Texture \"t\" \"", "float spectrum color rgb", "\" \"constant\"", ""},
+    };
+    for (size_t i = 0; i < BIS_COUNT(groups); i++)
+        for (const char *name = groups[i].names; *name; name += strspn(name, " ")) {
+            char text[512], said[300];
+            bis_scene_desc *d;
+            bis_diag diag;
+            const int n = (int)strcspn(name, " ");
+            const char *at = strstr(groups[i].said, "%s");
+            snprintf(text, sizeof text, "%s%.*s%s%s", groups[i].before, n, name, groups[i].after,
+                     strstr(groups[i].before, "WorldBegin") ? "" : " " IN_WORLD);
+            assert_int_equal(parse_text(&d, &diag, text), BIS_OK);
+            assert_int_equal(diag.n, at ? 1 : 0);
+            if (at) {
+                snprintf(said, sizeof said, ": warning: %.*s%.*s%s", (int)(at - groups[i].said), groups[i].said, n,
+                         name, at + 2);
+                if (!ends_with(diag.messages[0].text, said)) fail_msg("%s\n%s", diag.messages[0].text, said);
+            }
+            bis_scene_desc_free(d);
+            bis_diag_clear(&diag);
+            name += n;
+        }
+#undef IN_WORLD
+}
+
 /* ---- defaults and parameters ---- */
 
 /* What a scene has that names no sampler. */
@@ -376,6 +681,37 @@ static void every_parameter_before_the_world_arrives(void **state)
     bis_scene_desc_free(d);
 }
 
+static void a_film_has_the_layers_that_are_named(void **state)
+{
+    const unsigned albedo = 1u << BIS_LAYER_ALBEDO, depth = 1u << BIS_LAYER_DEPTH;
+    static const char *const lines[] = {"\"albedo\"", "\"depth\"", "[\"albedo\" \"depth\"]", "[\"depth\" \"albedo\"]"};
+    const unsigned expected[] = {albedo, depth, albedo | depth, albedo | depth};
+    for (int i = 0; i < 4; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "Film \"rgb\" \"string layers\" %s", lines[i]);
+        bis_scene_desc *d = good_scene(text, "");
+        assert_int_equal(d->view.film.layers, expected[i]);
+        bis_scene_desc_free(d);
+    }
+}
+
+/* One by one, in one list, and by one Option after the other: the switches add up. */
+static void errata_are_switched_by_their_names(void **state)
+{
+    const bis_erratum *e = bis_errata;
+    char text[256];
+    assert_true(e[0].name && e[1].name && e[0].flag != e[1].flag);
+    for (int i = 0; i < 4; i++) {
+        const char *a = e[i % 2].name, *b = e[1 - i % 2].name;
+        if (i < 2) snprintf(text, sizeof text, "Option \"string asprinted\" [\"%s\" \"%s\"]", a, b);
+        else
+            snprintf(text, sizeof text, "Option \"string asprinted\" \"%s\" Option \"string asprinted\" \"%s\"", a, b);
+        bis_scene_desc *d = good_scene(text, "");
+        assert_int_equal(d->view.settings.as_printed, e[0].flag | e[1].flag);
+        bis_scene_desc_free(d);
+    }
+}
+
 static void every_parameter_of_the_other_integrators_arrives(void **state)
 {
     bis_scene_desc *d;
@@ -426,6 +762,57 @@ static void every_parameter_of_a_light_arrives(void **state)
     bis_scene_desc_free(d);
 }
 
+/* What is not named has the default: L 1, scale 1, area exponent 0.15, 8 levels, width 0, lat-long, visible, pixels. */
+static void each_parameter_of_a_light_changes_itself_alone(void **state)
+{
+    static const struct { const char *words; bis_light_desc is; } cases[] = {
+        {"\"rgb L\" [1 2 3]", {.L = {1, 2, 3}}},
+        {"\"rgb L\" [1 2 3] \"rgb scale\" [2 2 2]", {.L = {1, 2, 3}, .scale = 2}},
+        {"\"rgb scale\" [2 2 3]", {.L = {2, 2, 3}}},
+        {"\"rgb scale\" [3 2 2] \"rgb L\" [1 2 3]", {.L = {3, 4, 6}}},
+        {"\"rgb scale\" [0 0 1]", {.L = {0, 0, 1}}},
+        {"\"float scale\" 0.5", {.scale = .5}},
+        {"\"string mapping\" \"latlong\"", {.has_mapping = true}},
+        {"\"string mapping\" \"cubestrip\"", {.has_mapping = true, .mapping = (bis_mapping)(BIS_N_MAPPINGS - 1)}},
+        {"\"string mapping\" \"equalarea\"", {.has_mapping = true, .mapping = BIS_MAPPING_EQUALAREA}},
+        {"\"integer width\" 2", {.width = 2}},
+        {"\"float areaexponent\" 10", {.area_exponent = 10}},
+        {"\"integer levels\" 1", {.levels = 1}},
+        {"\"integer levels\" 254", {.levels = 254}},
+        {"\"string sampler\" \"alias\"", {.has_table_kind = true, .table_kind = BIS_TABLE_ALIAS}},
+        {"\"string sampler\" \"cdf\"", {.has_table_kind = true, .table_kind = BIS_TABLE_CDF}},
+        {"\"bool visible\" false", {.as_printed = 1}}, /* here: not visible */
+        {"\"bool visible\" true", {.width = 0}},
+        {"\"string filter\" \"point\"", {.width = 0}},
+        {"\"string filter\" \"bilinear\"", {.is_smooth = true}},
+        {"\"string mapname\" \"%s\"", {.filename = (char *)(uintptr_t)"m"}},
+        {"\"string filename\" \"%s\"", {.filename = (char *)(uintptr_t)"m", .is_v4 = true}},
+        {"\"float illuminance\" -5", {.width = 0}},
+    };
+    store(scratch("map.pfm"), "x", 1);
+    for (size_t i = 0; i < BIS_COUNT(cases); i++) {
+        char text[512], words[256];
+        const char *name = strstr(cases[i].words, "%s");
+        const bis_light_desc *is = &cases[i].is;
+        snprintf(words, sizeof words, "%.*s%s%s", name ? (int)(name - cases[i].words) : 200, cases[i].words,
+                 name ? strrchr(scratch("map.pfm"), '/') + 1 : "", name ? name + 2 : "");
+        snprintf(text, sizeof text, "WorldBegin\nRotate 90 0 0 1\nLightSource \"infinite\" %s", words);
+        bis_scene_desc *d = good(text);
+        const bis_light_desc *l = &d->light;
+        const rgb L = rgb_is_black(is->L) ? (rgb){1, 1, 1} : is->L;
+        const bool same = l->L.r == L.r && l->L.g == L.g && l->L.b == L.b &&
+            l->scale == (is->scale > 0 ? is->scale : 1) && l->mapping == is->mapping &&
+            l->has_mapping == is->has_mapping && l->is_v4 == is->is_v4 &&
+            l->width == is->width && l->area_exponent == (is->area_exponent > 0 ? is->area_exponent : 0.15) &&
+            l->levels == (is->levels ? is->levels : 8) && l->has_table_kind == is->has_table_kind &&
+            l->visible == !is->as_printed && l->is_smooth == is->is_smooth && !l->filename == !is->filename;
+        if (!same || (l->has_table_kind && l->table_kind != is->table_kind)) fail_msg("%s", text);
+        if (l->filename) assert_string_equal(l->filename, scratch("map.pfm"));
+        assert_true(l->loc.line == 3 && fabs(l->to_world.m[1][0] - 1) < 1e-12 && d->has_light && !l->n_distants);
+        bis_scene_desc_free(d);
+    }
+}
+
 static void spp_alone_is_divided_as_squarely_as_possible(void **state)
 {
     static const struct {
@@ -440,6 +827,16 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
         assert_int_equal(d->view.sampler.xsamples, cases[i].x);
         assert_int_equal(d->view.sampler.ysamples, cases[i].y);
         bis_scene_desc_free(d);
+    }
+    /* of two sides the one that is not given is 4 */
+    for (int i = 0; i < 2; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "Sampler \"stratified\" \"integer %csamples\" %d", i ? 'y' : 'x', i ? 5 : 3);
+        bis_scene_desc *one = good_scene(text, "");
+        assert_int_equal(one->view.sampler.xsamples, i ? 4 : 3);
+        assert_int_equal(one->view.sampler.ysamples, i ? 5 : 4);
+        assert_int_equal(one->view.sampler.spp, i ? 20 : 12);
+        bis_scene_desc_free(one);
     }
     /* the product of both has the same limit */
     bis_scene_desc *d = good_scene("Sampler \"stratified\" \"integer xsamples\" 40000 \"integer ysamples\" 25000", "");
@@ -465,6 +862,27 @@ static void a_directive_given_again_starts_from_the_defaults(void **state)
     assert_true(d->view.sampler.seed == 0);
     assert_int_equal(d->view.settings.candidates, bis_settings_default(&bis_sir).candidates);
     bis_scene_desc_free(d);
+}
+
+/* Of what a scene has once the second counts, and says so; Option may come again. */
+static void what_a_scene_has_once_is_told_when_it_comes_again(void **state)
+{
+    static const char *const lines[] = {"Camera \"perspective\"", "Film \"rgb\"", "PixelFilter \"box\"",
+        "Sampler \"sobol\"", "Integrator \"em\"", "Accelerator \"grid\"", "Option \"bool disablepixeljitter\" true"};
+    for (size_t i = 0; i < BIS_COUNT(lines); i++) {
+        const int n = (int)strcspn(lines[i], " ");
+        char text[256], said[256];
+        bis_scene_desc *d;
+        bis_diag diag;
+        snprintf(text, sizeof text, "%s\n\n  %s WorldBegin LightSource \"infinite\"", lines[i], lines[i]);
+        assert_int_equal(parse_text(&d, &diag, text), BIS_OK);
+        snprintf(said, sizeof said, "%s:3:3: warning: %.*s is given again and replaces that of %s:1",
+                 scratch("scene.txt"), n, lines[i], scratch("scene.txt"));
+        assert_int_equal(diag.n, i < 6 ? 1 : 0);
+        if (i < 6) assert_string_equal(diag.messages[0].text, said);
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
 }
 
 /* ---- transformations and blocks ---- */
@@ -597,14 +1015,14 @@ static void a_named_material_may_be_used_before_it_is_made(void **state)
 static void triangles_arrive_with_points_indices_and_normals(void **state)
 {
     bis_scene_desc *d = good_scene("",
-        "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [0 1 2 3 2 1]\n"
+        "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [2 1 0 3 2 1]\n"
         " \"normal N\" [0 0 1 0 0 1 0 0 1 1 0 0] \"vector S\" [1 0 0]\n"
         "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
     const bis_mesh *m = &d->meshes[0].mesh;
     assert_int_equal(m->n_vertices, 4);
     assert_int_equal(m->n_triangles, 2);
     assert_true(m->p[3].x == 7 && m->p[3].y == 8 && m->p[3].z == 9 && m->n[3].x == 1 && m->n[0].z == 1);
-    assert_int_equal(m->index[3], 3);
+    assert_memory_equal(m->index, ((const uint32_t[6]){2, 1, 0, 3, 2, 1}), 6 * sizeof *m->index);
     assert_int_equal(d->meshes[1].mesh.n_triangles, 1); /* three points are a triangle */
     assert_int_equal(d->meshes[1].mesh.index[2], 2);
     assert_null(d->meshes[1].mesh.n);
@@ -712,6 +1130,30 @@ static void another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_
         assert_int_equal(d->integrator_loc.line == 77, !cases[i].keeps);
         bis_scene_desc_free(d);
         bis_scene_desc_free(written_out);
+    }
+}
+
+/* Where a folder is a file there is no such file; a name that is too long is the disk's fault. With --approximate the
+ * first is left out, and the second is an error all the same. */
+static void a_file_in_a_file_is_missing_and_a_name_too_long_is_not(void **state)
+{
+    char long_name[400], text[512];
+    store(scratch("plain"), "x", 1);
+    memset(long_name, 'x', sizeof long_name);
+    long_name[sizeof long_name - 1] = '\0';
+    for (int is_long = 0; is_long < 2; is_long++) {
+        bis_scene_desc *d;
+        bis_diag diag;
+        snprintf(text, sizeof text,
+                 "WorldBegin LightSource \"infinite\" Material \"matte\" \"string normalmap\" \"%s%s\"",
+                 is_long ? long_name : strrchr(scratch("plain"), '/') + 1, is_long ? "" : "/x");
+        assert_int_equal(parse_text(&d, &diag, text), is_long ? BIS_IO : BIS_INPUT);
+        assert_non_null(strstr(diag.messages[0].text, is_long ? "\": File name too long" : "plain/x\": Not a directory"
+                               "; with --approximate: the surface is as smooth as its shape"));
+        bis_diag_clear(&diag);
+        assert_int_equal(bis_scene_parse_as(&d, scratch("scene.txt"), BIS_PARSE_APPROXIMATE, NULL),
+                         is_long ? BIS_IO : BIS_OK);
+        bis_scene_desc_free(d);
     }
 }
 
@@ -873,6 +1315,23 @@ static void after_a_texture_of_the_wrong_kind_the_parser_goes_on(void **state)
     bis_diag_clear(&diag);
 }
 
+/* A text in the place of a file has the name that is given. */
+static void a_text_is_parsed_as_a_file_of_that_name(void **state)
+{
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    assert_int_equal(bis_scene_parse_text(&d, "some/here.txt", "WorldBegin LightSource \"infinite\"\nShape \"disk\"", 0,
+                                          &diag), BIS_OK);
+    assert_true(d->n_shapes == 1 && diag.n == 0 && strcmp(d->files[0], "some/here.txt") == 0);
+    assert_true(strcmp(d->shapes[0].loc.file, "some/here.txt") == 0 && d->shapes[0].loc.line == 2);
+    bis_scene_desc_free(d);
+    assert_int_equal(bis_scene_parse_text(&d, "some/here.txt", "WorldBegin\n LightSource 3", 0, &diag), BIS_INPUT);
+    assert_string_equal(diag.messages[0].text,
+                        "some/here.txt:2:14: error: LightSource wants a quoted name, found \"3\"");
+    assert_null(d);
+    bis_diag_clear(&diag);
+}
+
 /* Its words would be errors of their own, if it were read as a scene. */
 static void an_included_map_gives_one_error(void **state)
 {
@@ -889,6 +1348,41 @@ static void an_included_map_gives_one_error(void **state)
     assert_non_null(strstr(diag.messages[0].text, "scene.txt:2:"));
     assert_non_null(strstr(diag.messages[0].text, "is a PFM image, no part of a scene: "));
     bis_diag_clear(&diag);
+}
+
+/* What is no scene is told with what to do, as the scene itself and as a part of one. */
+static void a_file_that_is_no_scene_is_told_what_it_is_for(void **state)
+{
+    static const struct { const char *name, *content, *what, *instead; } cases[] = {
+        {"s.pfm", "PF\n1 1\n-1\n", "a PFM image", ""}, /* it names the file itself */
+        {"s.x", "ply\nformat ascii 1.0\n", "a PLY mesh", "a scene names it in Shape \"plymesh\" \"string filename\""},
+        {"s.obj", "v 0 0 0\n", "a Wavefront mesh", "a scene names it in Shape \"objmesh\" \"string filename\""},
+        {"s.y", "{}", "a file in JSON", "a scene is text in pbrt's format (`bis help scene`), such as scene.txt"},
+    };
+    for (size_t i = 0; i < BIS_COUNT(cases); i++) {
+        char path[128], instead[400], text[800];
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        snprintf(path, sizeof path, "%s", scratch(cases[i].name));
+        store(path, cases[i].content, strlen(cases[i].content));
+        if (i == 0)
+            snprintf(instead, sizeof instead, "try `bis envmap %s` or `bis verify %s`; a scene names it in LightSource "
+                     "\"infinite\" \"string filename\"", path, path);
+        else snprintf(instead, sizeof instead, "%s", cases[i].instead);
+        assert_int_equal(bis_scene_parse(&d, path, &diag), BIS_INPUT);
+        assert_int_equal(diag.n, 1);
+        snprintf(text, sizeof text, "%s: error: this is %s, no scene: %s", path, cases[i].what, instead);
+        assert_string_equal(diag.messages[0].text, text);
+        bis_diag_clear(&diag);
+        snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\" Include \"%s\" Shape \"cub\"",
+                 strrchr(path, '/') + 1);
+        assert_int_equal(parse_text(&d, &diag, text), BIS_INPUT);
+        assert_int_equal(diag.n, 2); /* the next directive is read as ever */
+        snprintf(text, sizeof text, "%s:1:43: error: \"%s\" is %s, no part of a scene: %s", scratch("scene.txt"), path,
+                 cases[i].what, instead);
+        assert_string_equal(diag.messages[0].text, text);
+        bis_diag_clear(&diag);
+    }
 }
 
 /* ---- the user's reference ---- */
@@ -951,6 +1445,8 @@ int main(void)
         cmocka_unit_test(each_bad_scene_has_its_messages),
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
+        cmocka_unit_test(each_line_has_its_messages),
+        cmocka_unit_test(each_name_of_pbrts_is_known),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
@@ -963,10 +1459,14 @@ int main(void)
         cmocka_unit_test(whole_quadrics_may_say_that_they_are_whole),
         cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),
+        cmocka_unit_test(a_film_has_the_layers_that_are_named),
+        cmocka_unit_test(errata_are_switched_by_their_names),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
         cmocka_unit_test(every_parameter_of_a_light_arrives),
+        cmocka_unit_test(each_parameter_of_a_light_changes_itself_alone),
         cmocka_unit_test(spp_alone_is_divided_as_squarely_as_possible),
         cmocka_unit_test(a_directive_given_again_starts_from_the_defaults),
+        cmocka_unit_test(what_a_scene_has_once_is_told_when_it_comes_again),
         cmocka_unit_test(transformations_multiply_from_the_right),
         cmocka_unit_test(the_coordinate_system_camera_maps_camera_space_to_the_world),
         cmocka_unit_test(blocks_restore_what_they_saved),
@@ -980,6 +1480,7 @@ int main(void)
         cmocka_unit_test(a_transformation_with_one_infinite_number_is_not_usable),
         cmocka_unit_test(what_nobody_names_has_the_file_for_its_place),
         cmocka_unit_test(another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_settings),
+        cmocka_unit_test(a_file_in_a_file_is_missing_and_a_name_too_long_is_not),
         cmocka_unit_test(a_file_that_may_not_be_read_is_no_missing_one),
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
@@ -987,6 +1488,8 @@ int main(void)
         cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
         cmocka_unit_test(includes_that_double_are_stopped),
         cmocka_unit_test(an_included_map_gives_one_error),
+        cmocka_unit_test(a_file_that_is_no_scene_is_told_what_it_is_for),
+        cmocka_unit_test(a_text_is_parsed_as_a_file_of_that_name),
         cmocka_unit_test(after_a_texture_of_the_wrong_kind_the_parser_goes_on),
         cmocka_unit_test(every_example_of_the_reference_is_a_scene),
     };

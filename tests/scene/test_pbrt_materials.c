@@ -165,6 +165,34 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
         glow.b, 1e-6);
 }
 
+/* Numbers between blanks and commas, with comments; all or nothing. No said: a grey of 3/4. */
+static void a_file_of_a_spectrum_has_pairs_of_numbers(void **state)
+{
+    static const char pairs[] = "3:18: error: the spectrum \"Kd\" must be one number, or pairs of a wavelength in nm "
+                                "and a value >= 0, wavelengths ascending";
+    static const struct { const char *text, *said; int number; } cases[] = {
+        {"300,0.75,900,0.75", NULL, 0}, {"300\t0.75\r\n900\t0.75\r\n", NULL, 0}, {"#x\n300 0.75#y\n#z\n", NULL, 0},
+        {"\n\n , 300 .75", NULL, 0}, {"300 0.75 # 5 5", NULL, 0}, {"#\r300 0.75", NULL, 0}, {"3e2 75e-2,", NULL, 0},
+        {"", pairs, 0}, {"0.5", pairs, 0}, {"# 300 0.75", pairs, 0}, {"400 1 300 1", pairs, 0}, {"400", pairs, 0},
+        {"400 1 500", pairs, 0}, {"400 1e39", pairs, 0}, {"1e39 1", pairs, 0}, {"0 1", pairs, 0}, {"400 -1", pairs, 0},
+        {"400 x", NULL, 2}, {"x", NULL, 1}, {"400 1 500 2z", NULL, 4}, {"400;1", NULL, 1}, {"400 1 500 -", NULL, 4},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256], said[400] = "";
+        store(scratch("a.spd"), cases[i].text, strlen(cases[i].text));
+        snprintf(text, sizeof text, "Material \"phong\" \"spectrum Kd\" \"%s\"", strrchr(scratch("a.spd"), '/') + 1);
+        parsed p = parse(text);
+        if (cases[i].said) snprintf(said, sizeof said, "%s:%s", scratch("scene.txt"), cases[i].said);
+        else if (cases[i].number)
+            snprintf(said, sizeof said, "%s:3:18: error: %s is no spectrum: its value %d is no number",
+                     scratch("scene.txt"), scratch("a.spd"), cases[i].number);
+        if (p.diag.n != (*said ? 1 : 0) || (*said && strcmp(p.diag.messages[0].text, said) != 0))
+            fail_msg("%s: %zu messages, %s", cases[i].text, p.diag.n, p.diag.n ? p.diag.messages[0].text : "");
+        if (!*said) assert_rgb(p.desc->materials[p.desc->shapes[0].material].Kd, .75, .75, .75, 1e-6);
+        clear(&p);
+    }
+}
+
 static void light_may_be_a_black_body_or_xyz(void **state)
 {
     parsed p = {0};
@@ -242,6 +270,11 @@ static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
         snprintf(text, sizeof text, "Material \"conductor\" \"%s", alone[i]);
         refuse(text, "give both \"eta\" and \"k\"");
     }
+    /* what reflects nothing has no eta, but Schlick's curve, which is then constant */
+    const bis_material nothing =
+        material("Material \"conductor\" \"spectrum eta\" [550 1] \"spectrum k\" [550 0] \"float roughness\" 1", NULL);
+    assert_rgb(nothing.Ks, 0, 0, 0, 0);
+    assert_rgb(nothing.eta, 0, 0, 0, 0);
     /* of two that are there and bad, each is complained of, and nothing else */
     parsed p =
         parse("Material \"conductor\" \"spectrum eta\" [500 -1] \"spectrum k\" [500 -2] \"float roughness\" 0.25");
@@ -370,15 +403,16 @@ static void textures_of_roughness_are_remapped_as_constants_are(void **state)
  */
 static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
 {
-    static const struct { const char *rest; double alpha[2]; } cases[] = {
+    /* typical: of the mean of both */
+    static const struct { const char *rest; double alpha[2], typical; } cases[] = {
         {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\"",
-         {0.46176003200863414, 0.8570364675174545}},
+         {0.46176003200863414, 0.8570364675174545}, 0.6838364252513122},
         {"\"float tex1\" 0.01 \"float tex2\" 0.4 Material \"plastic\" \"texture roughness\" \"r\"",
-         {0.13892440927807703, 1}},
+         {0.13892440927807703, 1}, 0.6933838275608094},
         {"\"float tex1\" 0 \"float tex2\" 0.75 Material \"substrate\" \"texture roughness\" \"r\"",
-         {0.047269450828605786, 1}},
+         {0.047269450828605786, 1}, 0.9684381966903411},
         {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\" \"bool remaproughness\" "
-         "false", {.1, .3}},
+         "false", {.1, .3}, .2},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[300];
@@ -388,6 +422,12 @@ static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
         const uint32_t index = p.desc->shapes[0].material;
         const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
         assert_non_null(t);
+        assert_about(p.desc->materials[index].alpha, cases[i].typical, 1e-9);
+        const bis_texture *x = &p.desc->textures.list[t->width];
+        const bool is_remapped = i < 3;
+        assert_true(t->power == 0.5 && x->kind == (is_remapped ? BIS_TEXTURE_ALPHA : BIS_TEXTURE_CHECKERBOARD));
+        assert_true(x->steps == (is_remapped ? 4 : 3) && x->of[0] == (is_remapped ? t->width - 1 : 0));
+        if (is_remapped) assert_about(x->value.r + x->value.g + x->value.b, 3 * cases[i].typical, 1e-9);
         for (int k = 0; k < 2; k++)
             assert_about(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index],
                              (double[]){0.5 + k, 0.5}, (vec3){0, 0, 0})
@@ -600,7 +640,7 @@ static void an_image_has_the_gamma_that_is_said(void **state)
         assert_string_equal(strrchr(t->files[2].filename, '/') + 1, y);
         static const uint32_t images[] = {0, 0, 1, 2};
         const bis_texture *of = &t->list[t->n - 4];
-        for (size_t k = 0; k < 4; k++) assert_int_equal(of[k].image, images[k]);
+        for (size_t k = 0; k < 4; k++) assert_true(of[k].kind == BIS_TEXTURE_IMAGE && of[k].image == images[k]);
         clear(&p);
     }
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -611,6 +651,25 @@ static void an_image_has_the_gamma_that_is_said(void **state)
             "error: \"encoding\" is \"%s\", must be \"sRGB\", \"linear\" or \"gamma X\", X in (0, 100]", wrong[i]);
         refuse(text, message);
     }
+}
+
+/* Normals are linear numbers, whatever the format means by its own. The twin is an image of colours. */
+static void a_normal_map_is_linear(void **state)
+{
+    char text[512];
+    store(scratch("x.png"), "x", 1);
+    const char *x = strrchr(scratch("x.png"), '/') + 1;
+    snprintf(text, sizeof text, "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\"\n"
+             "Material \"matte\" \"string normalmap\" \"%s\"", x, x);
+    parsed p = parse(text);
+    assert_int_equal(p.status, BIS_OK);
+    const bis_material_textures *t = bis_textures_of(&p.desc->textures, p.desc->shapes[0].material);
+    assert_true(t && t->normals == 1 && t->bump == BIS_NO_TEXTURE && t->Kd == BIS_NO_TEXTURE && t->power == 1);
+    assert_true(p.desc->textures.n_files == 2 && p.desc->textures.files[0].gamma == BIS_GAMMA_SRGB &&
+                p.desc->textures.files[1].gamma == 1);
+    assert_true(p.desc->textures.files[1].loc.line == 4 && p.desc->textures.files[1].loc.column == 18);
+    assert_true(t->loc.line == 4 && t->loc.column == 10);
+    clear(&p);
 }
 
 /* ---- what each material is when little is said ---- */
@@ -853,7 +912,7 @@ static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **
     index = p.desc->shapes[0].material;
     t = bis_textures_of(&p.desc->textures, index);
     assert_int_equal(p.desc->textures.list[t->Ks].steps, 5);
-    assert_true(t->Kd == BIS_NO_TEXTURE);
+    assert_true(t->Kd == BIS_NO_TEXTURE && p.desc->textures.list[t->Ks].scale == 1);
     assert_rgb(p.desc->materials[index].Ks, .03, .01, .005, 1e-6);
     assert_about(p.desc->textures.list[t->Ks].value.r, .03, 1e-6);
     assert_about(p.desc->textures.list[t->Ks].value.b, .005, 1e-6);
@@ -962,6 +1021,7 @@ int main(void)
         cmocka_unit_test(black_bodies_lie_on_plancks_locus),
         cmocka_unit_test(white_is_white_and_a_part_of_the_spectrum_has_its_colour),
         cmocka_unit_test(reflectances_may_be_spectra_files_or_xyz),
+        cmocka_unit_test(a_file_of_a_spectrum_has_pairs_of_numbers),
         cmocka_unit_test(light_may_be_a_black_body_or_xyz),
         cmocka_unit_test(a_conductor_reflects_what_fresnel_says_head_on),
         cmocka_unit_test(metals_reflect_on_average_what_their_spectra_do),
@@ -980,6 +1040,7 @@ int main(void)
         cmocka_unit_test(words_about_filtering_are_ignored),
         cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
         cmocka_unit_test(textures_of_constants_are_their_values),
+        cmocka_unit_test(a_normal_map_is_linear),
         cmocka_unit_test(an_image_has_the_gamma_that_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

@@ -294,11 +294,17 @@ static void each_mesh_of_a_scene_keeps_its_own(void **state)
 
 static void without_textures_no_coordinates_are_kept(void **state)
 {
-    built b = scene_build(LIGHT TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]");
-    assert_null(b.desc->meshes[0].mesh.uv);
-    assert_null(b.scene->geometry.uv);
-    assert_int_equal(b.diag.n, 0);
-    scene_clear(&b);
+#define WITH_UV TRIANGLE "\"point2 uv\" [5 5  6 5  5 6] "
+    static const char *const scenes[] = {LIGHT WITH_UV WITH_UV WITH_UV, LIGHT WITH_UV TRIANGLE TRIANGLE,
+        LIGHT TRIANGLE WITH_UV TRIANGLE, LIGHT TRIANGLE TRIANGLE WITH_UV};
+    for (int k = 0; k < 4; k++) {
+        built b = scene_build("%s", scenes[k]);
+        for (int i = 0; i < 3; i++) assert_null(b.desc->meshes[i].mesh.uv);
+        assert_null(b.scene->geometry.uv);
+        assert_int_equal(b.diag.n, 0);
+        scene_clear(&b);
+    }
+#undef WITH_UV
 }
 
 static const char *store_text(const char *name, const char *text)
@@ -388,7 +394,15 @@ static void assert_three_parts(const char *scene)
         if (k == 1) assert_true(at->Kd.r == 0.25f && at->Kd.g == 0.125f && at->Kd.b == 0.5f && at->Ks.r == 0);
         if (k == 2) assert_true(at->Kd.r == 0.75f && at->Kd.g == 0.125f && at->Ks.b == 0.25f && at->exponent == 12.5);
     }
-    const bis_texture *x = &b.desc->textures.list[0];
+    assert_int_equal(b.desc->meshes[0].n_parts, 3);
+    for (uint32_t k = 0; k < 3; k++) assert_int_equal(b.desc->shapes[k].part, k);
+    const bis_texture *x = &b.desc->textures.list[0], *Kd = x + 1, *product = x + 2; /* map_Kd times Kd */
+    assert_int_equal(b.desc->textures.n, 3);
+    assert_true(Kd->kind == BIS_TEXTURE_CONSTANT && Kd->steps == 1 && Kd->value.r == 0.5 && Kd->value.g == 0.25 &&
+                Kd->value.b == 1);
+    assert_true(product->kind == BIS_TEXTURE_SCALE && product->of[0] == 0 && product->of[1] == 1 &&
+                product->steps == 3 && product->scale == 1);
+    assert_true(product->value.r == 0.25 && product->value.g == 0.125 && product->value.b == 0.5);
     assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
     scene_clear(&b);
 }
@@ -456,6 +470,7 @@ static bis_status build_library(built *b, const char *statements)
     char mtl[1024];
     snprintf(mtl, sizeof mtl, "newmtl a\n%s\n", statements);
     store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
+    store(DIR "/3 four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
     program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     program_write_file(DIR "/lib.mtl", mtl);
     return scene_try(b, LIGHT OBJ_SHAPE("o.obj") MATERIALS);
@@ -477,6 +492,10 @@ static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
         {"d 1\nTr 0\nKe 0", NULL}, {"Ka 1 2 3\nNi 1.5\nTf 1 1 1\nsharpness 60\nmap_Ka no.png", NULL},
         {"# d 0.5\n\t# x\n\n  \t\n", NULL}, {"d 0.5", OPAQUE("2", "d")}, {"d 0.999", OPAQUE("2", "d")},
         {"d 1\nTr 0.25", OPAQUE("3", "Tr")}, {"Tr 1e-3", OPAQUE("2", "Tr")}, {"d 0.5\nTr 0.5\nd 0", OPAQUE("2", "d")},
+        {"Ke 1 -1 0", NULL}, {"Ke -3 1 1", NULL}, {"illum 1\nKd 0.75 0.75 0.75\nKs 0.5 0.5 0.5", NULL},
+        {"Kd 0.75 0 0\nKs 0.5 0 0", "1: warning: Kd + Ks is 1.25 in red: the material reflects more light than it "
+         "receives. Make one of them smaller"},
+        {"Kd 1 1 1\r\nKs 0\r\rd 0.5", OPAQUE("5", "d")}, {"\n\v\fd 0.5\f", OPAQUE("3", "d")},
         {"Ke 1 0 0", DARK}, {"Ke 0 1 0", DARK}, {"Ke 0 0 1", DARK}, {"Ke 0.1\nKe 2 2 2", DARK},
         IGNORED("map_Ks", " x"), IGNORED("map_Ns", " x"), IGNORED("map_d", " x"), IGNORED("map_Ke", " x"),
         IGNORED("disp", " x"), IGNORED("decal", " x"), IGNORED("refl", " x"), IGNORED("Pr", " 1"), IGNORED("Pm", " 1"),
@@ -504,6 +523,21 @@ static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
         NO_OPTION("norm -bm 2 four.pfm", "-bm"),
         {"norm -s 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
         {"norm -o 0 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
+        {"norm -s 1 2 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
+        {"norm -o 0.5 four.pfm", "2: error: the options -s and -o of norm are not modelled: remove them"},
+        {"norm -o 0 0 -s 1 1 2 four.pfm", ""},
+        {"bump -bm 2 3 four.pfm", ""}, /* an option takes no more numbers than it has: of the image "3 four.pfm" */
+        {"map_Kd -bm 1 3 four.pfm", ""}, {"map_Kd -mm 0 1 3 four.pfm", ""}, {"map_Kd -t 0 0 0 3 four.pfm", ""},
+        {"map_Kd -s 1 1 1 3 four.pfm", ""},
+        {"bump -imfchan abcdefghij four.pfm", "2: error: -imfchan abcdefgh is not modelled, "},
+        {"bump -imfchan ll four.pfm", "2: error: -imfchan ll is not modelled, "},
+        {"bump -imfchan m four.pfm", "2: error: -imfchan m is not modelled, "},
+        NO_OPTION("map_Kd -mm 1 1 four.pfm", "-mm"), NO_OPTION("map_Kd -t 1 four.pfm", "-t"),
+        NO_OPTION("map_Kd -t 0 1 0 four.pfm", "-t"), NO_OPTION("map_Kd -bm 0 four.pfm", "-bm"),
+        {"map_Kd -clamp", "2: error: cannot read \"build/scratch/../test_textures/\": the name is empty"},
+        {"map_Kd -colorspace linear", "2: error: cannot read \"build/scratch/../test_textures/\": the name is empty"},
+        {"map_Kd -what", "2: error: the option -what of a map is not modelled: remove it"},
+        {"foo", "2: warning: the unknown word \"foo\" is ignored, and others like it"},
         {"map_Kd -imfchan r four.pfm\nbump -imfchan l four.pfm", ""}, /* that the mesh has no coordinates */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -560,7 +594,12 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
          BIS_WRAP_REPEAT},
         {"-clamp on ", {1, 1}, {0, 0}, BIS_WRAP_CLAMP}, {"-clamp off ", {1, 1}, {0, 0}, BIS_WRAP_REPEAT},
         {"-clamp on -o 5 -clamp off -s 2 ", {2, 1}, {5, 0}, BIS_WRAP_REPEAT},
+        {"-s 2 3", {2, 1}, {0, 0}, BIS_WRAP_REPEAT}, /* of the image 3four.pfm */
+        {"-s 2 3 4 5", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
+        {"..\\test_textures\\", {1, 1}, {0, 0}, BIS_WRAP_REPEAT},
     };
+    store(DIR "/3four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
+    store(DIR "/5four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[256];
         built b;
@@ -614,20 +653,55 @@ static void options_that_change_no_value_pass(void **state)
 /* With --approximate an option that is not modelled takes its numbers with it, and the map is shown. */
 static void an_option_that_is_left_out_leaves_the_map(void **state)
 {
-    static const char *const statements[] = {"map_Kd -mm 0.1 0.9 four.pfm", "map_Kd -t 0.5 four.pfm",
-        "map_Kd -t 1 2 3 four.pfm", "map_Kd -bm 2 four.pfm", "map_Kd -what 1 four.pfm",
-        "map_Kd -colorspace rec2020 four.pfm"};
-    for (size_t i = 0; i < sizeof statements / sizeof *statements; i++) {
+#define NO_MODEL "an option of a map that is not modelled", "ignored"
+    static const struct { const char *statement, *kind, *consequence; } cases[] = {
+        {"map_Kd -mm 0.1 0.9 four.pfm", NO_MODEL}, {"map_Kd -t 0.5 four.pfm", NO_MODEL},
+        {"map_Kd -t 1 2 3 four.pfm", NO_MODEL}, {"map_Kd -bm 2 four.pfm", NO_MODEL},
+        {"map_Kd -what 1 four.pfm", NO_MODEL},
+        {"map_Kd -colorspace rec2020 four.pfm", "a colour space of a map that is not known", "the usual one"},
+        {"norm -s 2 four.pfm", "-s or -o of a normal map", "the map lies as if it had neither"},
+        {"bump -imfchan r four.pfm", "-imfchan of a map", "the mean of red, green and blue"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
         char mtl[256];
-        snprintf(mtl, sizeof mtl, "newmtl a\nKd 1 1 1\n%s\n", statements[i]);
+        snprintf(mtl, sizeof mtl, "newmtl a\nKd 1 1 1\n%s\n", cases[i].statement);
         store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
         program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         program_write_file(DIR "/lib.mtl", mtl);
         assert_int_equal(
             scene_try(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
         assert_int_equal(b.desc->n_approximations, 1);
-        if (b.desc->textures.n_files != 1) fail_msg("%s: no image", statements[i]);
+        const bis_approximation *a = b.desc->approximations;
+        assert_string_equal(a->kind, cases[i].kind);
+        assert_string_equal(a->consequence, cases[i].consequence);
+        assert_true(strstr(a->loc.file, "lib.mtl") && a->loc.line == 3 && a->effect == BIS_EFFECT_SHAPE);
+        const bis_material_textures *t = bis_textures_of(&b.desc->textures, b.desc->shapes[0].material);
+        if (b.desc->textures.n_files != 1 || !t) fail_msg("%s: no image", cases[i].statement);
+        const char c = cases[i].statement[0];
+        assert_true((t->Kd == 0) == (c == 'm') && (t->bump == 0) == (c == 'b') && (t->normals == 0) == (c == 'n'));
+        scene_clear(&b);
+    }
+#undef NO_MODEL
+}
+
+/* Of an image that is not there, and of no height, nothing is left. */
+static void a_map_of_nothing_is_none(void **state)
+{
+    static const char *const statements[] = {"map_Kd no.png", "bump no.png", "norm no.png", "bump -bm 0 four.pfm"};
+    for (int i = 0; i < 4; i++) {
+        built b;
+        assert_int_equal(build_library(&b, statements[i]), i < 3 ? BIS_INPUT : BIS_OK);
+        scene_clear(&b);
+        assert_int_equal(
+            scene_try(&b, "Option \"bool approximate\" true\n" LIGHT OBJ_SHAPE("o.obj") MATERIALS), BIS_OK);
+        assert_int_equal(b.desc->n_approximations, i < 3);
+        if (i < 3) {
+            assert_string_equal(b.desc->approximations[0].kind, "an image of a library that is not there");
+            assert_string_equal(b.desc->approximations[0].consequence, "the material without it");
+        }
+        assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
+        assert_int_equal(b.desc->textures.n, 0);
         scene_clear(&b);
     }
 }
@@ -664,6 +738,127 @@ static void a_bad_part_of_a_texture_is_one_complaint(void **state)
             for (size_t k = 0; k < b.diag.n; k++) print_error("%s\n", b.diag.messages[k].text);
             fail_msg("%s: %zu messages", textures[i], b.diag.n);
         }
+        scene_clear(&b);
+    }
+}
+
+/* ---- what the parser makes of a texture ---- */
+
+#define MOVED "Translate 1 2 3 Scale 2 4 8 " /* its inverse is ((x - 1)/2, (y - 2)/4, (z - 3)/8) */
+#define V3 "Film \"image\" "
+#define PLACE {{.5, 0, 0, -.5}, {0, .25, 0, -.5}, {0, 0, .125, -.375}}
+#define WORLD {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}
+#define OBLIQUE "\"string mapping\" \"planar\" \"vector3 v1\" [1 2 4] \"vector3 v2\" [0 0 2] \"float udelta\" 0.5 " \
+                "\"float vdelta\" -1 "
+#define SIGNS "\"float\" \"checkerboard\" \"float tex1\" -1 \"float tex2\" -3 Texture \"u\" "
+#define FILE_OF(type, params) "\"" type "\" \"imagemap\" \"string filename\" \"../test_textures/four.pfm\" " params
+
+/* The last texture of a scene; where a factor, the scale or the steps are 0 here, they are 1. 0.155 and 0.845 are the
+ * shares of dots; the typical value of parts of both signs is that of their sizes. */
+static const struct { const char *film, *world, *texture; bis_texture is; } descriptions[] = {
+    {"", "", "\"float\" \"checkerboard\"", {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .value = {.5, .5, .5},
+     .is_float = true, .steps = 3}},
+    {"", MOVED, "\"spectrum\" \"checkerboard\" \"rgb tex1\" [1 -0.5 0.25] \"rgb tex2\" [-0.5 0.5 0.25] "
+     "\"float uscale\" 2 \"float vscale\" 3 \"float udelta\" 4 \"float vdelta\" 5",
+     {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .value = {.75, .5, .25}, .factor = {2, 3}, .offset = {4, 5},
+     .steps = 3}},
+    {"", "", "\"float\" \"dots\"", {.kind = BIS_TEXTURE_DOTS, .of = {0, 1}, .value = {.155, .155, .155},
+     .is_float = true, .steps = 3}},
+    {"", "", "\"rgb\" \"dots\" \"rgb inside\" [-1 2 0] \"rgb outside\" [1 0 -2]", {.kind = BIS_TEXTURE_DOTS,
+     .of = {0, 1}, .value = {1, .31, 1.69}, .steps = 3}},
+    {"", "", "\"float\" \"bilerp\"", {.kind = BIS_TEXTURE_BILERP, .of = {0, 1, 2, 3}, .value = {.5, .5, .5},
+     .is_float = true, .steps = 5}},
+    {"", MOVED, "\"spectrum\" \"bilerp\" \"rgb v00\" [1 0 0] \"rgb v01\" [0 1 -1] \"rgb v10\" [-1 2 0] \"rgb v11\" "
+     "[2 0 0] " OBLIQUE, {.kind = BIS_TEXTURE_BILERP, .of = {0, 1, 2, 3}, .value = {1, .75, .25},
+     .mapping = BIS_TEXTURE_PLANAR, .offset = {.5, -1}, .steps = 5,
+     .from_world = {{.5, .5, .5, -2.5}, {0, 0, .25, -1.75}, {0, 0, .125, -.375}}}},
+    {V3, MOVED, "\"spectrum\" \"uv\" " OBLIQUE, {.kind = BIS_TEXTURE_UV_COLOUR, .value = {.5, .5, .5},
+     .mapping = BIS_TEXTURE_PLANAR, .offset = {.5, -1},
+     .from_world = {{1, 2, 4, .5}, {0, 0, 2, -1}, {0, 0, 1, 0}}}},
+    {V3, MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"planar\"", {.kind = BIS_TEXTURE_UV_COLOUR,
+     .value = {.5, .5, .5}, .mapping = BIS_TEXTURE_PLANAR, .from_world = WORLD}},
+    {V3, MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"spherical\"", {.kind = BIS_TEXTURE_UV_COLOUR,
+     .value = {.5, .5, .5}, .mapping = BIS_TEXTURE_SPHERICAL, .from_world = PLACE}},
+    {"", MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"cylindrical\"", {.kind = BIS_TEXTURE_UV_COLOUR,
+     .value = {.5, .5, .5}, .mapping = BIS_TEXTURE_CYLINDRICAL, .from_world = PLACE}},
+    {"", "", "\"spectrum\" \"uv\" \"float vscale\" -2 \"string mapping\" \"uv\"", {.kind = BIS_TEXTURE_UV_COLOUR,
+     .value = {.5, .5, .5}, .factor = {1, -2}}},
+    {"", MOVED, "\"float\" \"fbm\"", {.kind = BIS_TEXTURE_FBM, .value = {.5, .5, .5}, .octaves = 8, .roughness = .5,
+     .is_float = true, .from_world = PLACE}},
+    {V3, MOVED, "\"spectrum\" \"fbm\" \"integer octaves\" 64 \"float roughness\" 0", {.kind = BIS_TEXTURE_FBM,
+     .value = {.5, .5, .5}, .octaves = 64, .from_world = {{2, 0, 0, 1}, {0, 4, 0, 2}, {0, 0, 8, 3}}}},
+    {"", "", "\"float\" \"wrinkled\" \"integer octaves\" 0 \"float roughness\" 1000", {.kind = BIS_TEXTURE_WRINKLED,
+     .value = {.5, .5, .5}, .roughness = 1000, .is_float = true, .from_world = WORLD}},
+    {"", "", "\"float\" \"windy\"", {.kind = BIS_TEXTURE_WINDY, .value = {.5, .5, .5}, .roughness = .5,
+     .is_float = true, .from_world = WORLD}},
+    {"", "", "\"spectrum\" \"marble\"", {.kind = BIS_TEXTURE_MARBLE, .value = {.5, .5, .5}, .octaves = 8,
+     .roughness = .5, .variation = .2, .from_world = WORLD}},
+    {"", MOVED, "\"spectrum\" \"marble\" \"float scale\" -2 \"float variation\" 3 \"integer octaves\" 3 "
+     "\"float roughness\" 0.75", {.kind = BIS_TEXTURE_MARBLE, .value = {.5, .5, .5}, .octaves = 3, .roughness = .75,
+     .variation = 3, .scale = -2, .from_world = PLACE}},
+    {"", MOVED, "\"float\" \"checkerboard\" \"integer dimension\" 3 \"float tex2\" 0.25",
+     {.kind = BIS_TEXTURE_CHECKERBOARD_3D, .of = {0, 1}, .value = {.625, .625, .625}, .is_float = true, .steps = 3,
+     .from_world = PLACE}},
+    {"", "", FILE_OF("float", ""), {.kind = BIS_TEXTURE_IMAGE, .value = {.5, .5, .5}, .is_float = true}},
+    {"", MOVED, FILE_OF("spectrum", "\"string wrap\" \"black\" \"float scale\" -3 \"string mapping\" \"planar\""),
+     {.kind = BIS_TEXTURE_IMAGE, .value = {1.5, 1.5, 1.5}, .wrap = BIS_WRAP_BLACK, .scale = -3,
+     .mapping = BIS_TEXTURE_PLANAR, .from_world = PLACE}},
+    {"", "", FILE_OF("rgb", "\"string wrap\" \"clamp\" \"bool invert\" true \"float scale\" 3 \"float udelta\" 2"),
+     {.kind = BIS_TEXTURE_IMAGE, .value = {.5, .5, .5}, .wrap = BIS_WRAP_CLAMP, .scale = 3, .invert = true,
+     .offset = {2, 0}}},
+    {"", "", FILE_OF("rgb", "\"string wrap\" \"repeat\" \"bool invert\" false"), {.kind = BIS_TEXTURE_IMAGE,
+     .value = {.5, .5, .5}}},
+    {"", "", "\"float\" \"constant\"", {.value = {1, 1, 1}, .is_float = true}},
+    {"", "", "\"spectrum\" \"constant\" \"rgb value\" [1 -2 3]", {.value = {1, -2, 3}}},
+    {"", "", "\"spectrum\" \"mix\" \"rgb tex1\" [-1 0 2] \"rgb tex2\" [3 -4 1] \"float amount\" 0.25",
+     {.of = {0, 1, 2}, .value = {0, -1, 1.75}}},
+    {"", "", "\"spectrum\" \"scale\" \"rgb tex\" [-1 0.5 2] \"rgb scale\" [3 -4 0.25]", {.of = {0, 1},
+     .value = {-3, -2, .5}}},
+    {"", "", SIGNS "\"float\" \"mix\" \"texture tex1\" \"t\" \"float tex2\" -4 \"float amount\" 0.25",
+     {.kind = BIS_TEXTURE_MIX, .of = {2, 3, 4}, .value = {2.5, 2.5, 2.5}, .is_float = true, .steps = 6}},
+    {"", "", SIGNS "\"float\" \"mix\" \"texture amount\" \"t\" \"float tex1\" -4 \"float tex2\" 0.75",
+     {.kind = BIS_TEXTURE_MIX, .of = {3, 4, 2}, .value = {.75, .75, .75}, .is_float = true, .steps = 6}},
+    {"", "", SIGNS "\"spectrum\" \"scale\" \"texture tex\" \"t\" \"rgb scale\" [-0.5 1 -2]",
+     {.kind = BIS_TEXTURE_SCALE, .of = {2, 3}, .value = {1, 2, 4}, .steps = 5}},
+    {"", "", SIGNS "\"spectrum\" \"scale\" \"rgb tex1\" [-0.5 1 -2] \"texture tex2\" \"t\"",
+     {.kind = BIS_TEXTURE_SCALE, .of = {3, 2}, .value = {1, 2, 4}, .steps = 5}},
+    {"", "", SIGNS "\"spectrum\" \"dots\" \"texture outside\" \"t\" \"texture inside\" \"t\"",
+     {.kind = BIS_TEXTURE_DOTS, .of = {2, 2}, .value = {2, 2, 2}, .steps = 7}},
+};
+
+static void assert_numbers(const char *what, const double *found, const double *expected, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(fabs(found[i] - expected[i]) <= 1e-12)) fail_msg("%s: %g, not %g", what, found[i], expected[i]);
+}
+
+static void each_texture_is_described_as_its_words_say(void **state)
+{
+    four_as(DIR "/four.pfm");
+    for (size_t i = 0; i < sizeof descriptions / sizeof *descriptions; i++) {
+        const char *what = descriptions[i].texture;
+        char text[1024];
+        built b = {0};
+        bis_texture is = descriptions[i].is;
+        for (int k = 0; k < 2; k++)
+            if (is.factor[k] == 0) is.factor[k] = 1;
+        if (is.scale == 0) is.scale = 1;
+        if (is.steps == 0) is.steps = 1;
+        snprintf(text, sizeof text, "%s" LIGHT "%sTexture \"t\" %s", descriptions[i].film, descriptions[i].world, what);
+        scene_assert(&b, scene_parse(&b, text));
+        assert_int_equal(b.diag.n, 0);
+        const bis_texture *x = &b.desc->textures.list[b.desc->textures.n - 1];
+        assert_numbers(what, &x->value.r, &is.value.r, 3);
+        assert_numbers(what, x->factor, is.factor, 2);
+        assert_numbers(what, x->offset, is.offset, 2);
+        assert_numbers(what, x->from_world[0], is.from_world[0], 12);
+        assert_numbers(what, (double[]){x->roughness, x->variation, x->scale},
+                       (double[]){is.roughness, is.variation, is.scale}, 3);
+        if (x->kind != is.kind || x->mapping != is.mapping || x->wrap != is.wrap || x->octaves != is.octaves ||
+            x->invert != is.invert || x->is_float != is.is_float || x->steps != is.steps || x->image != 0 ||
+            memcmp(x->of, is.of, sizeof is.of) != 0)
+            fail_msg("%s: kind %d, %u steps, of %u %u %u %u", what, (int)x->kind, x->steps, x->of[0], x->of[1],
+                     x->of[2], x->of[3]);
         scene_clear(&b);
     }
 }
@@ -770,6 +965,10 @@ static void textures_of_textures_have_a_limit(void **state)
         n += sprintf(text + n,
             "Texture \"t%d\" \"float\" \"scale\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", i, i - 1, i - 1);
     expect_failure(":8:1: error: a value of texture \"t7\" is made of 510 others, must be at most 255", "%s", text);
+    built b;
+    assert_int_equal(scene_try(&b, text), BIS_INPUT);
+    assert_int_equal(b.diag.n, 1); /* what is made of it is no further mistake */
+    scene_clear(&b);
     free(text);
 }
 
@@ -1459,8 +1658,10 @@ int main(void)
         cmocka_unit_test(options_of_a_map_change_what_they_name_alone),
         cmocka_unit_test(options_that_change_no_value_pass),
         cmocka_unit_test(an_option_that_is_left_out_leaves_the_map),
+        cmocka_unit_test(a_map_of_nothing_is_none),
         cmocka_unit_test(a_texture_of_256_steps_is_the_dearest),
         cmocka_unit_test(a_bad_part_of_a_texture_is_one_complaint),
+        cmocka_unit_test(each_texture_is_described_as_its_words_say),
         cmocka_unit_test(a_point_has_the_material_of_its_place),
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),
         cmocka_unit_test(what_is_no_texture_is_refused),
