@@ -261,6 +261,9 @@ static void a_material_gives_f_and_density(void **state)
     assert_true(fabs((double)f[0][1] - (0.5 * 10 / (2 * PI) + 0.5 / PI)) < 1e-6 && f[1][1] == 0);
     assert_int_equal(bis_flat_bsdf_sample(b, 2, (double[]){0, 0.5, 0.5, 0.999, 0.5, 0.5}, wi[0], lobe, SAY), 0);
     assert_true(lobe[0] == 1 && lobe[1] == 0);
+    /* half of the numbers, up to 1/2, draw from the lobe */
+    assert_int_equal(bis_flat_bsdf_sample(b, 2, (double[]){0.499, 0, 0, 0.5, 0, 0}, wi[0], lobe, SAY), 0);
+    assert_true(lobe[0] == 1 && lobe[1] == 0);
     refuses(bis_flat_bsdf_sample(b, 1, (double[]){0, 1, 0}, wi[0], lobe, SAY), "u of sample 0");
     bis_flat_bsdf_close(b);
     assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", black, black, 0.5, up, up, SAY), 0);
@@ -308,9 +311,14 @@ static void a_metal_reflects_by_fresnels_equations(void **state)
     refuses(bis_flat_bsdf_metal(&b, (double[]){1, 1, 2e15}, k, 0.5, up, up, SAY), "eta and k of channel 2");
     refuses(
         bis_flat_bsdf_metal(&b, eta, (double[]){0, -1, 0}, 0.5, up, up, SAY), "eta and k of channel 1 are 2 and -1");
+    refuses(bis_flat_bsdf_metal(&b, eta, (double[]){0, 0, 2e15}, 0.5, up, up, SAY),
+        "eta and k of channel 2 are 0.2 and 2e+15: give eta in (0, 1e+15] and k in [0, 1e+15]");
     refuses(bis_flat_bsdf_metal(&b, eta, k, 0.001, up, up, SAY), "the roughness is 0.001");
     refuses(bis_flat_bsdf_metal(&b, eta, k, 0.5, black, up, SAY), "normal is (0, 0, 0)");
     assert_null(b);
+    const double most[3] = {1e15, 1e-300, 1}, to[3] = {1e15, 0, 1e15};
+    assert_int_equal(bis_flat_bsdf_metal(&b, most, to, 1, up, up, SAY), 0);
+    bis_flat_bsdf_close(b);
 }
 
 /* Whatever is said by settings is said to the program by options. */
@@ -353,6 +361,15 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         assert_true(json_is_valid(bis_flat_picture_stats(p)));
         assert_string_equal(
             json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
+        for (int i = 0; cases[k].settings[i]; i++) {
+            const char *const set = cases[k].settings[i];
+            if (strncmp(set, "threads=", 8) == 0)
+                assert_string_equal(json_value(value, sizeof value, bis_flat_picture_stats(p), "threads"), set + 8);
+            if (strncmp(set, "accelerator=", 12) == 0)
+                assert_int_equal(
+                    strncmp(json_value(value, sizeof value, bis_flat_picture_stats(p), "accelerator") + 1, set + 12,
+                        strlen(set + 12)), 0);
+        }
         /* the whole is more than its parts, and no more than the call */
         assert_true(strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL) <
                     1.00001 * took + 1e-6);
@@ -396,16 +413,21 @@ static void a_scene_is_text_and_a_camera_is_replaced(void **state)
 #define FILM "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 9\n"
     const char *const as_text[] = {"text=" FILM "Camera \"orthographic\"" WORLD, "camera=" CAMERA, NULL};
     const char *const twin[] = {"text=" FILM "Camera \"orthographic\"" WORLD, NULL};
-    int n[3];
+    int n[4];
 
     program_write_file(DIR "/whole.txt", FILM CAMERA WORLD);
     float *expected = pixels_of(DIR "/whole.txt", (const char *const[]){NULL}, NULL, &n[0]);
+    const char *const last_wins[] = {
+        "text=nonsense", "approximate=x", as_text[0], "approximate=false", "camera=" CAMERA, NULL};
     float *got = pixels_of(DIR "/a scene", as_text, NULL, &n[1]), *other = pixels_of(DIR "/a scene", twin, NULL, &n[2]);
-    assert_true(n[0] == 4 * 12 * 9 && n[1] == n[0] && n[2] == n[0]);
+    float *last = pixels_of(DIR "/a scene", last_wins, NULL, &n[3]);
+    assert_true(n[0] == 4 * 12 * 9 && n[1] == n[0] && n[2] == n[0] && n[3] == n[0]);
     assert_memory_equal(got, expected, (size_t)n[0] * sizeof *got);
+    assert_memory_equal(last, expected, (size_t)n[0] * sizeof *got);
     assert_memory_not_equal(other, expected, (size_t)n[0] * sizeof *got);
     free(expected);
     free(got);
+    free(last);
     free(other);
 }
 
@@ -455,6 +477,31 @@ static void a_light_of_an_array_is_that_of_its_file(void **state)
     assert_int_equal(bis_flat_light_make(&made, 2, 1, holes, "cdf", 0, NULL, SAY), 0);
     assert_non_null(strstr(say, "bad channel values set to 0: 1 NaN, 1 infinite, 1 negative"));
     bis_flat_light_close(made);
+}
+
+/* Lights that a scene may not have are no matter under another light; without one, they are refused. A square lat-long
+ * map is one, each row of which is half of the sphere: upright, bright above and black below. */
+static void a_light_takes_the_place_of_all_lights_of_a_scene(void **state)
+{
+    static const float sky[2][2][3] = {{{1, 2, 3}, {1, 2, 3}}, {{0, 0, 0}, {0, 0, 0}}};
+    static const char *const settings[] = {
+        "text=Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 LookAt 0 -4 2 0 0 0 0 0 1 Camera "
+        "\"perspective\" \"float fov\" 9 WorldBegin LightSource \"point\" LightSource \"infinite\" \"string "
+        "filename\" \"gone.exr\" Material \"diffuse\" \"rgb reflectance\" [0.5 0.25 0.125] Shape \"disk\" \"float "
+        "radius\" 9", "integrator=brdf", "spp=4", NULL};
+    bis_light *light;
+    bis_flat_picture *p;
+    int n;
+
+    assert_int_equal(bis_flat_light_make(&light, 2, 2, sky[0][0], "cdf", 0, "latlong", SAY), 0);
+    float *rgba = pixels_of("scene", settings, light, &n);
+    assert_int_equal(n, 16);
+    for (int i = 0; i < 16; i++) /* Kd times the radiance from above */
+        assert_about((double)rgba[i], (const double[]){0.5, 0.5, 0.375, 1}[i % 4], 1e-6);
+    free(rgba);
+    bis_flat_light_close(light);
+    refuses(bis_flat_render(&p, "scene", settings, NULL, SAY), "LightSource");
+    assert_null(p);
 }
 
 /* The floor of the scene is the plane y = -1 and its camera looks along z: where the floor is seen (and no sphere above
@@ -515,10 +562,13 @@ typedef struct watched {
     bool falls;
 } watched;
 
+/* What is left goes with the share: all seconds together are those so far over it. Of a quarter of a second. */
 static void look_on(double share, double seconds, double left, void *user)
 {
     watched *w = user;
     w->falls |= share < w->share || !(share >= 0 && share <= 1) || !(seconds >= 0) || left < 0;
+    w->falls |= share > 0 && !(fabs(left * share - seconds * (1 - share)) <= 1e-9 * seconds);
+    w->falls |= share < fmin(1, 4 * seconds) * (1 - 1e-9);
     w->share = share;
     w->n++;
 }
@@ -529,7 +579,7 @@ static void a_watcher_hears_of_the_render(void **state)
     bis_flat_picture *p;
 
     assert_int_equal(
-        bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=1", NULL}, NULL, look_on, &w, NULL, SAY), 0);
+        bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=0.25", NULL}, NULL, look_on, &w, NULL, SAY), 0);
     assert_true(w.n > 0 && !w.falls && w.share > 0);
     bis_flat_picture_close(p);
 }
@@ -549,7 +599,17 @@ static void wrong_settings_are_refused(void **state)
         {"samples=3", "integrator \"sir\" has no parameter \"samples\""},
         {"candidates=1e99", "candidates is \"1e99\""},
         {"learn=yes", "learn is \"yes\": give true or false"},
-        {"proposal=best", "proposal is \"best\": integrator \"sir\" takes"},
+        {"proposal=best", "proposal is \"best\": integrator \"sir\" takes \"em\", \"brdf\", \"mix\" or \"product\""},
+        {"proposal=choose", "proposal is \"choose\": integrator \"sir\" takes \"em\""}, /* rejection's */
+        {"learn=", "learn is \"\": give true or false"},
+        {"learn=truely", "learn is \"truely\": give true or false"},
+        {"=1", "integrator \"sir\" has no parameter \"\"; `bis help integrators` lists what each reads"},
+        {"", "\"\" is no setting: give name=value"},
+        {"abcdefghijklmnopqrstuvwxyz-abcdefghijklmnopqrstuvwxyz-abcdefghi=1", /* a name of 63 letters, and 64 */
+         "integrator \"sir\" has no parameter \"abcdefghijklmnopqrstuvwxyz-abcdefghijklm\"; `bis help"},
+        {"abcdefghijklmnopqrstuvwxyz-abcdefghijklmnopqrstuvwxyz-abcdefghij=1", "\" is no setting: give name=value"},
+        {"approximate=", "approximate is \"\": give true or false"},
+        {"approximate=tru", "approximate is \"tru\": give true or false"},
         {"accelerator=bvh", "accelerator \"bvh\" is not there"},
         {"approximate=1", "approximate is \"1\": give true or false"},
         {"crop=0.5,0.25,0,1", "crop is \"0.5,0.25,0,1\": give x0,x1,y0,y1 in [0, 1]"},
@@ -971,6 +1031,7 @@ int main(void)
         cmocka_unit_test(a_metal_reflects_by_fresnels_equations),
         cmocka_unit_test(a_scene_is_text_and_a_camera_is_replaced),
         cmocka_unit_test(a_light_of_an_array_is_that_of_its_file),
+        cmocka_unit_test(a_light_takes_the_place_of_all_lights_of_a_scene),
         cmocka_unit_test(layers_are_given_by_name),
         cmocka_unit_test(what_is_not_modelled_is_replaced_when_that_is_asked_for),
         cmocka_unit_test(a_watcher_hears_of_the_render),
