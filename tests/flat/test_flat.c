@@ -146,7 +146,11 @@ static void alias_tables_of_the_caller_are_checked(void **state)
     refuses(bis_flat_alias_sample(3, prob, outside, 1, (double[]){0.1}, item, SAY),
         "alias of bin 2 is 3: give items below 3");
     refuses(bis_flat_alias_sample(3, prob, far, 1, (double[]){0.1}, item, SAY), "alias of bin 0 is 4294967295");
-    refuses(bis_flat_alias_sample((size_t)1 << 33, prob, alias, 1, (double[]){0.1}, item, SAY), "give 1 to 4294967295");
+    refuses(bis_flat_alias_sample((size_t)1 << 33, prob, alias, 1, (double[]){0.1}, item, SAY),
+        "there are 8589934592 bins: give 1 to 4294967295");
+    /* the largest number is one: its first bin is looked at */
+    refuses(bis_flat_alias_sample(UINT32_MAX, (double[]){-1}, alias, 1, (double[]){0.1}, item, SAY),
+        "prob of bin 0 is -1: give numbers in [0, 1]");
 }
 
 /* In turn each pointer of each function. Without a status: what the header says. */
@@ -766,6 +770,7 @@ static void weights_of_a_table_are_checked_and_summed(void **state)
         "weight 2 is -1e-09: give finite numbers >= 0");
     refuses(bis_flat_alias_build(3, (double[]){1, (double)NAN, 1}, prob, alias, &total, SAY),
         "weight 1 is nan: give finite numbers >= 0");
+    refuses(bis_flat_alias_build(UINT32_MAX, (double[]){-1}, prob, alias, &total, SAY), "weight 0 is -1");
     refuses(bis_flat_alias_build((size_t)1 << 32, w, prob, alias, &total, SAY),
         "there are 4294967296 weights: give 1 to 4294967295");
     refuses(bis_flat_alias_sample(3, prob, alias, 2, (double[]){0, 1}, item, SAY), "u of sample 1 is 1");
@@ -821,6 +826,29 @@ static void each_channel_of_a_material_is_its_own(void **state)
     for (int k = 0; k < 3; k++)
         assert_about((double)f[0][k],
             Ks[k] * 16 / (4 * PI) + 28 / (23 * PI) * Kd[k] * (1 - Ks[k]) * (31.0 / 32) * (31.0 / 32), 1e-5);
+    bis_flat_bsdf_close(b);
+}
+
+/* Vectors of which no two components are equal: (2, 3, 6)/7 mirrors (6, -2, 3)/7 to (-198, 242, 141)/343, where a sharp
+ * lobe has its peak. What is drawn from it is what the library draws from the same three numbers. */
+static void each_component_of_a_vector_is_its_own(void **state)
+{
+    const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125}, n[3] = {4, 6, 12}, wo[3] = {3, -1, 1.5};
+    const double u[6] = {0.3, 0.9, 0.2, 0.95, 0.1, 0.7};
+    float mirror[3] = {-198, 242, 141}, f[3], wi[2][3];
+    double pdf;
+    uint8_t lobe[2];
+    bis_bsdf *b;
+
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", Kd, Ks, 10000, n, wo, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_look(b, 1, mirror, f, &pdf, SAY), 0);
+    for (int k = 0; k < 3; k++) assert_about((double)f[k], Kd[k] / PI + Ks[k] * 10001 / (2 * PI), 1);
+    assert_int_equal(bis_flat_bsdf_sample(b, 2, u, wi[0], lobe, SAY), 0);
+    for (int i = 0; i < 2; i++) {
+        vec3 w;
+        assert_true(bis_bsdf_sample(b, u[3 * i], u[3 * i + 1], u[3 * i + 2], &w));
+        assert_true(wi[i][0] == w.x && wi[i][1] == w.y && wi[i][2] == w.z && lobe[i] == !i);
+    }
     bis_flat_bsdf_close(b);
 }
 
@@ -1041,6 +1069,7 @@ int main(void)
         cmocka_unit_test(an_area_exponent_draws_large_regions_more_often),
         cmocka_unit_test(weights_of_a_table_are_checked_and_summed),
         cmocka_unit_test(each_channel_of_a_material_is_its_own),
+        cmocka_unit_test(each_component_of_a_vector_is_its_own),
         cmocka_unit_test(materials_are_taken_up_to_their_limits),
         cmocka_unit_test(the_version_is_the_headers),
         cmocka_unit_test(alpha_is_the_share_that_hits_a_surface),
