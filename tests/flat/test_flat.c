@@ -199,6 +199,61 @@ static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
     bis_flat_light_close(light);
 }
 
+/* Of several pointers that are NULL the first is named, whatever stands behind it. */
+static void of_several_nulls_the_first_is_named(void **state)
+{
+    const double u[3] = {0.5, 0.5, 0.5};
+    bis_light *light, *none = NULL;
+    bis_bsdf *bsdf, *b = NULL;
+    bis_flat_picture *p = NULL;
+    float v[3] = {0, 0, 1};
+    double d[3] = {1, 1, 1};
+    uint32_t k[1] = {0};
+
+    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", u, u, 9, u, u, SAY), 0);
+    refuses(bis_flat_light_open(NULL, NULL, NULL, 0, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_open(&none, NULL, NULL, 0, NULL, SAY), "path is NULL");
+    refuses(bis_flat_light_open(&none, "m.hdr", NULL, 0, NULL, SAY), "kind is NULL");
+    refuses(bis_flat_light_make(NULL, 1, 1, NULL, NULL, 0, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_make(&none, 1, 1, NULL, NULL, 0, NULL, SAY), "pixels is NULL");
+    refuses(bis_flat_light_make(&none, 1, 1, v, NULL, 0, NULL, SAY), "kind is NULL");
+    refuses(bis_flat_light_sample(light, 1, NULL, NULL, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, v, NULL, NULL, SAY), "L is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, v, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_light_look(light, 1, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_light_look(light, 1, v, NULL, NULL, SAY), "value is NULL");
+    refuses(bis_flat_light_look(light, 1, v, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_alias_build(1, NULL, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_alias_build(1, u, NULL, NULL, NULL, SAY), "prob is NULL");
+    refuses(bis_flat_alias_build(1, u, d, NULL, NULL, SAY), "alias is NULL");
+    refuses(bis_flat_alias_build(1, u, d, k, NULL, SAY), "total is NULL");
+    refuses(bis_flat_alias_sample(1, NULL, NULL, 1, u, k, SAY), "prob is NULL");
+    refuses(bis_flat_alias_sample(1, u, NULL, 1, u, k, SAY), "alias is NULL");
+    refuses(bis_flat_alias_sample(1, u, k, 1, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_alias_sample(1, u, k, 1, u, NULL, SAY), "item is NULL");
+    refuses(bis_flat_bsdf_open(NULL, NULL, NULL, NULL, 9, NULL, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_open(&b, NULL, NULL, NULL, 9, NULL, NULL, SAY), "model is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", NULL, NULL, 9, NULL, NULL, SAY), "Kd is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", u, NULL, 9, NULL, NULL, SAY), "Ks is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", u, u, 9, NULL, NULL, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", u, u, 9, u, NULL, SAY), "wo is NULL");
+    refuses(bis_flat_bsdf_metal(NULL, NULL, NULL, 1, NULL, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_metal(&b, NULL, NULL, 1, NULL, NULL, SAY), "eta is NULL");
+    refuses(bis_flat_bsdf_metal(&b, u, NULL, 1, NULL, NULL, SAY), "k is NULL");
+    refuses(bis_flat_bsdf_metal(&b, u, u, 1, NULL, NULL, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_metal(&b, u, u, 1, u, NULL, SAY), "wo is NULL");
+    refuses(bis_flat_bsdf_sample(bsdf, 1, NULL, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_bsdf_sample(bsdf, 1, u, NULL, NULL, SAY), "wi is NULL");
+    refuses(bis_flat_bsdf_sample(bsdf, 1, u, v, NULL, SAY), "lobe is NULL");
+    refuses(bis_flat_render(NULL, NULL, NULL, NULL, SAY), "picture is NULL");
+    refuses(bis_flat_render(&p, NULL, NULL, NULL, SAY), "scene is NULL");
+    refuses(bis_flat_render(&p, SCENE, NULL, NULL, SAY), "settings is NULL");
+    bis_flat_light_close(light);
+    bis_flat_bsdf_close(bsdf);
+}
+
 static void null_is_an_error_wherever_a_material_or_a_picture_is_due(void **state)
 {
     const double half[3] = {0.5, 0.5, 0.5}, up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
@@ -325,6 +380,21 @@ static void a_metal_reflects_by_fresnels_equations(void **state)
     bis_flat_bsdf_close(b);
 }
 
+/* What no pixel shows. */
+static void assert_stats_have(const char *stats, const char *const *settings)
+{
+    static const char *const names[] = {"threads", "accelerator"};
+    char value[64], expected[64];
+
+    for (int k = 0; k < 2; k++) {
+        const char *const text = json_value(value, sizeof value, stats, names[k]);
+        for (int i = 0; settings[i]; i++) {
+            snprintf(expected, sizeof expected, "%s=%.*s", names[k], (int)strcspn(text + k, "\""), text + k);
+            if (strncmp(settings[i], names[k], strlen(names[k])) == 0) assert_string_equal(settings[i], expected);
+        }
+    }
+}
+
 /* Whatever is said by settings is said to the program by options. */
 static void a_picture_has_the_bits_of_the_program(void **state)
 {
@@ -365,15 +435,7 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         assert_true(json_is_valid(bis_flat_picture_stats(p)));
         assert_string_equal(
             json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
-        for (int i = 0; cases[k].settings[i]; i++) {
-            const char *const set = cases[k].settings[i];
-            if (strncmp(set, "threads=", 8) == 0)
-                assert_string_equal(json_value(value, sizeof value, bis_flat_picture_stats(p), "threads"), set + 8);
-            if (strncmp(set, "accelerator=", 12) == 0)
-                assert_int_equal(
-                    strncmp(json_value(value, sizeof value, bis_flat_picture_stats(p), "accelerator") + 1, set + 12,
-                        strlen(set + 12)), 0);
-        }
+        assert_stats_have(bis_flat_picture_stats(p), cases[k].settings);
         /* the whole is more than its parts, and no more than the call */
         assert_true(strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL) <
                     1.00001 * took + 1e-6);
@@ -1053,6 +1115,7 @@ int main(void)
         cmocka_unit_test(alias_tables_are_those_of_the_thesis),
         cmocka_unit_test(alias_tables_of_the_caller_are_checked),
         cmocka_unit_test(null_is_an_error_wherever_a_map_or_a_table_is_due),
+        cmocka_unit_test(of_several_nulls_the_first_is_named),
         cmocka_unit_test(null_is_an_error_wherever_a_material_or_a_picture_is_due),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
