@@ -291,6 +291,14 @@ static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
         if (cases[i].part) assert_non_null(strstr(diag.messages[0].text, cases[i].part));
         bis_diag_clear(&diag);
     }
+    /* a file of the root lies in no folder of another name */
+    bis_diag diag = {0};
+    const bool may_write = access("/", W_OK | X_OK) == 0;
+    assert_int_equal(bis_cli_check_writable("/test_cli.none", &diag), may_write ? BIS_OK : BIS_IO);
+    if (!may_write) assert_non_null(strstr(diag.messages[0].text, "cannot be written: folder \"/\": "));
+    assert_int_equal(access("/test_cli.none", F_OK), -1); /* nothing was left there */
+    assert_int_equal(access("build/test_cli.exr", F_OK), -1);
+    bis_diag_clear(&diag);
 }
 
 /* What has no place begins with the program's name; warnings are left out when quiet; lost messages are counted. */
