@@ -9,6 +9,7 @@
 #include "bis/files/image_file.h"
 #include "bis/flat/flat.h"
 #include "bis/scene/layers.h"
+#include "bis/shape/accel.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
 #include "json_check.h"
@@ -692,6 +693,13 @@ static void wrong_settings_are_refused(void **state)
         refuses(bis_flat_render(&p, SCENE, (const char *const[]){cases[k].setting, NULL}, NULL, SAY), cases[k].text);
         assert_null(p);
     }
+    refuses(bis_flat_render(&p, SCENE, (const char *const[]){"accelerator=bvh", NULL}, NULL, SAY),
+        bis_accel_embree_version() ? "accelerator \"bvh\" is not there: give \"grid\" or \"embree\""
+                                   : "accelerator \"bvh\" is not there: give \"grid\"");
+    assert_int_equal(bis_flat_render(&p, SCENE, (const char *const[]){"accelerator=embree", "spp=1", NULL}, NULL, SAY),
+        bis_accel_embree_version() ? BIS_OK : BIS_INPUT);
+    if (p) assert_stats_have(bis_flat_picture_stats(p), (const char *const[]){"accelerator=embree", NULL});
+    bis_flat_picture_close(p);
     refuses(bis_flat_render(&p, SCENE, (const char *const[]){NULL}, &(sig_atomic_t){1}, SAY),
         "stopped before its first pass");
     /* a buffer that is too small is filled and ended, one of no bytes is left alone */
