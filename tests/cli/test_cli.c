@@ -2,6 +2,7 @@
 /* cli and json: what a table of options promises, and JSON that is valid whatever it is fed. */
 #include "cli/cli.h"
 #include "cli/progress.h"
+#include "cli/render_files.h"
 #include "out/json.h"
 #include "render/ranks.h"
 
@@ -291,6 +292,14 @@ static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
         if (cases[i].part) assert_non_null(strstr(diag.messages[0].text, cases[i].part));
         bis_diag_clear(&diag);
     }
+    /* a file of the root lies in no folder of another name */
+    bis_diag diag = {0};
+    const bool may_write = access("/", W_OK | X_OK) == 0;
+    assert_int_equal(bis_cli_check_writable("/test_cli.none", &diag), may_write ? BIS_OK : BIS_IO);
+    if (!may_write) assert_non_null(strstr(diag.messages[0].text, "cannot be written: folder \"/\": "));
+    assert_int_equal(access("/test_cli.none", F_OK), -1); /* nothing was left there */
+    assert_int_equal(access("build/test_cli.exr", F_OK), -1);
+    bis_diag_clear(&diag);
 }
 
 /* What has no place begins with the program's name; warnings are left out when quiet; lost messages are counted. */
@@ -344,6 +353,41 @@ static void no_output_replaces_another_file(void **state)
         assert_int_equal(diag.n, cases[i].message ? 1 : 0);
         if (cases[i].message) assert_string_equal(diag.messages[0].text, cases[i].message);
         bis_diag_clear(&diag);
+    }
+}
+
+/* What a render says last, of every way that it can end: renders that are ended in their first pass are a matter of
+ * luck, so that results are made up here. */
+static void the_last_line_tells_how_a_render_ended(void **state)
+{
+    const double no = (double)NAN;
+    const struct { bis_render_result r; int n; const char *said; } cases[] = {
+        {{.interrupted = true, .missing = 0.25, .spp = 1, .passes = 1, .seconds = 1.5, .error = {.relative_rmse = no}},
+         2,
+         "bis: interrupted in the first pass; wrote a.exr, b.png: 24 x 16 pixels, 25% of them without a camera sample "
+         "and like a neighbour, 1.5 s, error unknown: one pass is too few\n"},
+        {{.missing = 0.25, .spp = 1, .passes = 1, .seconds = 1.5, .error = {.relative_rmse = no}}, 1,
+         "bis: wrote a.exr: 24 x 16 pixels, 25% of them without a camera sample and like a neighbour, 1.5 s, error "
+         "unknown: one pass is too few\n"},
+        {{.interrupted = true, .spp = 1, .passes = 1, .seconds = 120, .error = {.relative_rmse = no}}, 1,
+         "bis: interrupted after 1 camera sample a pixel; wrote a.exr: 24 x 16 pixels, 1 camera sample a pixel in 1 "
+         "pass, 2.0 min, error unknown: one pass is too few\n"},
+        {{.interrupted = true, .spp = 4, .passes = 3, .seconds = 0.5, .error = {.relative_rmse = 0.5}}, 3,
+         "bis: interrupted after 4 camera samples a pixel; wrote a.exr, b.png, c.pfm: 24 x 16 pixels, 4 camera samples "
+         "a pixel in 3 passes, 0.5 s, error unknown: a few pixels carry most of it\n"},
+        {{.spp = 4000000000, .passes = 2, .seconds = 50, .error = {.relative_rmse = 0.125, .is_known = true}}, 1,
+         "bis: wrote a.exr: 24 x 16 pixels, 4000000000 camera samples a pixel in 2 passes, 50 s, error about 12%\n"},
+    };
+    const bis_film film = {.width = 24, .height = 16};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bis_texts written = {.text = {"a.exr", "b.png", "c.pfm"}, .n = cases[i].n};
+        const bis_stats stats = {.film = &film, .result = &cases[i].r};
+        char text[512];
+        const int err = redirect(stderr, "build/test_cli.err");
+        bis_render_files_print_result(&written, &stats);
+        restore(stderr, err, "build/test_cli.err", text, sizeof text);
+        assert_string_equal(text, cases[i].said);
     }
 }
 
@@ -440,6 +484,7 @@ int main(void)
         cmocka_unit_test(a_place_that_cannot_take_a_file_is_known_beforehand),
         cmocka_unit_test(messages_say_who_speaks),
         cmocka_unit_test(no_output_replaces_another_file),
+        cmocka_unit_test(the_last_line_tells_how_a_render_ended),
         cmocka_unit_test(exit_statuses_are_those_of_the_contract),
         cmocka_unit_test(json_is_valid_for_any_number_and_any_bytes),
         cmocka_unit_test(a_rank_that_is_not_the_first_has_no_standard_input),

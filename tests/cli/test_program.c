@@ -197,8 +197,13 @@ static void layers_are_further_channels_of_an_exr_alone(void **state)
 
     program_expect(&r, 0, SCENE " --layers all --outfile " DIR "/layers.pfm");
     assert_non_null(strstr(r.messages, "layers go into an .exr, and no output file is one"));
-    program_expect(&r, 0, SCENE " --layers interval --spp 1 --outfile " DIR "/layers.exr");
-    assert_non_null(strstr(r.messages, "one pass has no scatter"));
+    static const char *const scatter[] = {"interval", "stderr"};
+    for (int i = 0; i < 2; i++) {
+        program_expect(&r, 0, SCENE " --layers %s --spp 1 --outfile " DIR "/layers.exr", scatter[i]);
+        assert_non_null(strstr(r.messages, "one pass has no scatter"));
+        program_expect(&r, 0, SCENE " --layers %s --spp 2 --outfile " DIR "/layers.exr", scatter[i]);
+        program_expect_only_the_result(&r);
+    }
     program_expect(&r, 2, SCENE " --layers albedo,deth --outfile " DIR "/none.exr");
     assert_non_null(strstr(r.messages, "no layer \"deth\" (did you mean \"depth\"?)"));
     assert_false(program_exists(DIR "/none.exr"));
@@ -209,9 +214,15 @@ static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
     program_run r;
     program_expect(&r, 0, SCENE " --error 1e-6 --spp 6 --outfile " DIR "/far.exr");
     assert_non_null(strstr(r.messages, "warning: --error 1e-06 would take about "));
-    assert_non_null(strstr(r.messages, "--spp ends it before"));
-    assert_non_null(strstr(r.messages, "warning: --error 1e-06 was not reached: the error is at most "));
+    assert_non_null(strstr(r.messages, " camera samples a pixel; --spp ends it before (the error is at most "));
+    const char *const missed = strstr(r.messages, "warning: --error 1e-06 was not reached: the error is at most ");
+    assert_non_null(missed);
+    assert_non_null(strstr(missed, "% after 4 passes\n")); /* of 1, 1, 2 and 2 samples */
     assert_true(program_exists(DIR "/far.exr"));
+    program_expect(&r, 0, SCENE " --error 1e-6 --spp 6 --quiet --outfile " DIR "/far.exr");
+    assert_string_equal(r.messages, "");
+    program_expect(&r, 0, SCENE " --error 1e-6 --time 1e6 --spp 6 --outfile " DIR "/far.exr");
+    assert_non_null(strstr(r.messages, " camera samples a pixel; --time ends it before (the error is at most "));
     program_expect(&r, 0, SCENE " --error 900%% --outfile " DIR "/near.exr");
     program_expect_only_the_result(&r);
     program_expect(&r, 0, SCENE " --error 10%% --outfile " DIR "/near.exr"); /* after more than the first passes */
@@ -442,6 +453,62 @@ static void an_option_without_effect_is_a_warning(void **state)
     assert_non_null(strstr(r.messages, "bis: warning: --candidates has no effect on integrator \"em\"\n"));
     program_expect(&r, 0, SCENE " --outfile " DIR "/w.exr --integrator em --candidates 9 --quiet");
     assert_string_equal(r.messages, "");
+}
+
+/* Says where the shapes are: a box of 2 x 4 x 4 about (10, 20, 30) lies in a ball of radius 3, which fills the 90
+ * degrees of the picture from 3/sin(45 degrees) along (1, 2, 2)/3. The camera stands behind the box and looks away. Up
+ * is what is left of z across that: (-2, -4, 5)/sqrt(45). A scale of the world is no other view; its up is shorter.
+ * Where there is no ball to fill a picture, no camera is told. */
+static void a_black_picture_tells_where_the_shapes_are(void **state)
+{
+    static const char box[] = "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 %s\n"
+        "LookAt 13 26 36  14 28 38  0 0 1 Camera \"%s WorldBegin LightSource \"infinite\" \"bool visible\" false\n"
+        "Shape \"trianglemesh\" \"point3 P\" [9 18 28  11 22 28  10 20 32]\n";
+    static const char *const cameras[][2] = {{"", "perspective\" \"float fov\" 90"},
+        {"Scale 4 4 4", "perspective\" \"float fov\" 90"}, {"", "orthographic\""},
+        {"", "perspective\" \"float fov\" 90 \"float screenwindow\" [-1 1 -1 1]"}};
+    static const char place[] = "the camera sees no shape, and no light behind them. "
+        "They lie in x 9 to 11, y 18 to 22, z 28 to 32";
+    char text[1024], camera[256];
+    program_run r;
+    const double k = 3 / sqrt(0.5), l = sqrt(45);
+
+    for (int i = 0; i < 4; i++) {
+        const double up = (i == 1 ? 0.25 : 1) / l;
+        snprintf(camera, sizeof camera, "; \"LookAt %.6g %.6g %.6g  10 20 30  %.6g %.6g %.6g\" as all that moves its "
+            "Camera sees all of them\n", 10 - k / 3, 20 - 2 * k / 3, 30 - 2 * k / 3, -2 * up, -4 * up, 5 * up);
+        snprintf(text, sizeof text, box, cameras[i][0], cameras[i][1]);
+        program_write_file(DIR "/away.txt", text);
+        program_expect(&r, 0, DIR "/away.txt --spp 1 --outfile " DIR "/away.pfm");
+        const char *const at = strstr(r.messages, place);
+        assert_non_null(at);
+        if (strncmp(at + strlen(place), i < 2 ? camera : "\n", i < 2 ? strlen(camera) : 1) != 0)
+            fail_msg("%d: %s", i, r.messages);
+    }
+    unlink(DIR "/away.txt");
+}
+
+/* Light in one channel of the last pixel, beside a wall in front of the first, is light. */
+static void one_lit_channel_is_no_black_picture(void **state)
+{
+    static const char half[] = "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 1\n"
+        "Camera \"orthographic\" WorldBegin LightSource \"infinite\" \"rgb L\" [%d %d %d]\n"
+        "Material \"diffuse\" \"rgb reflectance\" [0 0 0] "
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 5  0 -9 5  0 9 5  -9 9 5]\n";
+    char text[1024];
+    program_run r;
+    bis_image image;
+
+    for (int i = 0; i < 4; i++) {
+        snprintf(text, sizeof text, half, i == 0, i == 1, i == 2);
+        program_write_file(DIR "/half.txt", text);
+        program_expect(&r, 0, DIR "/half.txt --spp 1 --outfile " DIR "/half.pfm");
+        assert_int_equal(strstr(r.messages, "the picture is black") != NULL, i == 3);
+        read_image(&image, DIR "/half.pfm");
+        assert_true(rgb_sum(image.pixels[0]) == 0 && rgb_sum(image.pixels[1]) == (i < 3));
+        bis_image_clear(&image);
+    }
+    unlink(DIR "/half.txt");
 }
 
 /* ---- plan ---- */
@@ -769,6 +836,27 @@ static void interrupt(program_run *r, int number, const char *arguments)
     fail_msg("not a pass in two minutes");
 }
 
+/* An error that takes more than ten minutes, and no other budget: a signal ends it. Each try waits twice as long. */
+static void an_error_that_takes_long_is_for_a_signal_to_end(void **state)
+{
+    program_run r;
+    for (long wait = 100000000; wait < 100000000000; wait *= 2) {
+        const struct timespec pause = {wait / 1000000000, wait % 1000000000};
+        const pid_t pid = program_start(SCENE " --error 1e-7 --outfile " DIR "/long.exr");
+        program_wait_for_handler(pid, SIGINT);
+        nanosleep(&pause, NULL);
+        assert_int_equal(kill(pid, SIGINT), 0);
+        program_finish(&r, pid);
+        assert_int_equal(r.exit_status, 130);
+        const char *const said = strstr(r.messages, "bis: warning: --error 1e-07 would take about ");
+        if (!said) continue;
+        assert_non_null(strstr(said, " camera samples a pixel; Ctrl-C ends it earlier and writes what is done (the "
+                                     "error is at most "));
+        return;
+    }
+    fail_msg("no forecast in two minutes");
+}
+
 static void a_signal_ends_the_render_and_writes_the_picture(void **state)
 {
     const int signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -1078,6 +1166,8 @@ int main(void)
         cmocka_unit_test(write_every_writes_the_picture_while_it_is_rendered),
         cmocka_unit_test(a_light_probe_tells_its_energy_before_and_after),
         cmocka_unit_test(an_option_without_effect_is_a_warning),
+        cmocka_unit_test(a_black_picture_tells_where_the_shapes_are),
+        cmocka_unit_test(one_lit_channel_is_no_black_picture),
         cmocka_unit_test(plan_renders_and_writes_nothing),
         cmocka_unit_test(a_pipe_is_read_where_that_is_asked_for),
         cmocka_unit_test(the_note_on_a_resampled_map_tells_its_energy),
@@ -1089,6 +1179,7 @@ int main(void)
         cmocka_unit_test(what_is_read_is_never_written_over),
         cmocka_unit_test(killed_at_any_moment_it_leaves_no_litter),
         cmocka_unit_test(one_file_that_fails_does_not_lose_the_others),
+        cmocka_unit_test(an_error_that_takes_long_is_for_a_signal_to_end),
         cmocka_unit_test(a_signal_ends_the_render_and_writes_the_picture),
         cmocka_unit_test(a_signal_in_the_first_pass_keeps_the_older_files),
         cmocka_unit_test(a_render_ends_with_one_line_about_what_was_written),

@@ -9,6 +9,7 @@
 #include "bis/files/image_file.h"
 #include "bis/flat/flat.h"
 #include "bis/scene/layers.h"
+#include "bis/shape/accel.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
 #include "json_check.h"
@@ -146,7 +147,11 @@ static void alias_tables_of_the_caller_are_checked(void **state)
     refuses(bis_flat_alias_sample(3, prob, outside, 1, (double[]){0.1}, item, SAY),
         "alias of bin 2 is 3: give items below 3");
     refuses(bis_flat_alias_sample(3, prob, far, 1, (double[]){0.1}, item, SAY), "alias of bin 0 is 4294967295");
-    refuses(bis_flat_alias_sample((size_t)1 << 33, prob, alias, 1, (double[]){0.1}, item, SAY), "give 1 to 4294967295");
+    refuses(bis_flat_alias_sample((size_t)1 << 33, prob, alias, 1, (double[]){0.1}, item, SAY),
+        "there are 8589934592 bins: give 1 to 4294967295");
+    /* the largest number is one: its first bin is looked at */
+    refuses(bis_flat_alias_sample(UINT32_MAX, (double[]){-1}, alias, 1, (double[]){0.1}, item, SAY),
+        "prob of bin 0 is -1: give numbers in [0, 1]");
 }
 
 /* In turn each pointer of each function. Without a status: what the header says. */
@@ -193,6 +198,61 @@ static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
     bis_flat_light_pixels(light, NULL);
     assert_true(isnan(bis_flat_light_power(NULL)));
     bis_flat_light_close(light);
+}
+
+/* Of several pointers that are NULL the first is named, whatever stands behind it. */
+static void of_several_nulls_the_first_is_named(void **state)
+{
+    const double u[3] = {0.5, 0.5, 0.5};
+    bis_light *light, *none = NULL;
+    bis_bsdf *bsdf, *b = NULL;
+    bis_flat_picture *p = NULL;
+    float v[3] = {0, 0, 1};
+    double d[3] = {1, 1, 1};
+    uint32_t k[1] = {0};
+
+    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", u, u, 9, u, u, SAY), 0);
+    refuses(bis_flat_light_open(NULL, NULL, NULL, 0, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_open(&none, NULL, NULL, 0, NULL, SAY), "path is NULL");
+    refuses(bis_flat_light_open(&none, "m.hdr", NULL, 0, NULL, SAY), "kind is NULL");
+    refuses(bis_flat_light_make(NULL, 1, 1, NULL, NULL, 0, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_make(&none, 1, 1, NULL, NULL, 0, NULL, SAY), "pixels is NULL");
+    refuses(bis_flat_light_make(&none, 1, 1, v, NULL, 0, NULL, SAY), "kind is NULL");
+    refuses(bis_flat_light_sample(light, 1, NULL, NULL, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, v, NULL, NULL, SAY), "L is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, v, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_light_look(light, 1, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_light_look(light, 1, v, NULL, NULL, SAY), "value is NULL");
+    refuses(bis_flat_light_look(light, 1, v, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_alias_build(1, NULL, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_alias_build(1, u, NULL, NULL, NULL, SAY), "prob is NULL");
+    refuses(bis_flat_alias_build(1, u, d, NULL, NULL, SAY), "alias is NULL");
+    refuses(bis_flat_alias_build(1, u, d, k, NULL, SAY), "total is NULL");
+    refuses(bis_flat_alias_sample(1, NULL, NULL, 1, u, k, SAY), "prob is NULL");
+    refuses(bis_flat_alias_sample(1, u, NULL, 1, u, k, SAY), "alias is NULL");
+    refuses(bis_flat_alias_sample(1, u, k, 1, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_alias_sample(1, u, k, 1, u, NULL, SAY), "item is NULL");
+    refuses(bis_flat_bsdf_open(NULL, NULL, NULL, NULL, 9, NULL, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_open(&b, NULL, NULL, NULL, 9, NULL, NULL, SAY), "model is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", NULL, NULL, 9, NULL, NULL, SAY), "Kd is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", u, NULL, 9, NULL, NULL, SAY), "Ks is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", u, u, 9, NULL, NULL, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_open(&b, "phong", u, u, 9, u, NULL, SAY), "wo is NULL");
+    refuses(bis_flat_bsdf_metal(NULL, NULL, NULL, 1, NULL, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_metal(&b, NULL, NULL, 1, NULL, NULL, SAY), "eta is NULL");
+    refuses(bis_flat_bsdf_metal(&b, u, NULL, 1, NULL, NULL, SAY), "k is NULL");
+    refuses(bis_flat_bsdf_metal(&b, u, u, 1, NULL, NULL, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_metal(&b, u, u, 1, u, NULL, SAY), "wo is NULL");
+    refuses(bis_flat_bsdf_sample(bsdf, 1, NULL, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_bsdf_sample(bsdf, 1, u, NULL, NULL, SAY), "wi is NULL");
+    refuses(bis_flat_bsdf_sample(bsdf, 1, u, v, NULL, SAY), "lobe is NULL");
+    refuses(bis_flat_render(NULL, NULL, NULL, NULL, SAY), "picture is NULL");
+    refuses(bis_flat_render(&p, NULL, NULL, NULL, SAY), "scene is NULL");
+    refuses(bis_flat_render(&p, SCENE, NULL, NULL, SAY), "settings is NULL");
+    bis_flat_light_close(light);
+    bis_flat_bsdf_close(bsdf);
 }
 
 static void null_is_an_error_wherever_a_material_or_a_picture_is_due(void **state)
@@ -261,6 +321,9 @@ static void a_material_gives_f_and_density(void **state)
     assert_true(fabs((double)f[0][1] - (0.5 * 10 / (2 * PI) + 0.5 / PI)) < 1e-6 && f[1][1] == 0);
     assert_int_equal(bis_flat_bsdf_sample(b, 2, (double[]){0, 0.5, 0.5, 0.999, 0.5, 0.5}, wi[0], lobe, SAY), 0);
     assert_true(lobe[0] == 1 && lobe[1] == 0);
+    /* half of the numbers, up to 1/2, draw from the lobe */
+    assert_int_equal(bis_flat_bsdf_sample(b, 2, (double[]){0.499, 0, 0, 0.5, 0, 0}, wi[0], lobe, SAY), 0);
+    assert_true(lobe[0] == 1 && lobe[1] == 0);
     refuses(bis_flat_bsdf_sample(b, 1, (double[]){0, 1, 0}, wi[0], lobe, SAY), "u of sample 0");
     bis_flat_bsdf_close(b);
     assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", black, black, 0.5, up, up, SAY), 0);
@@ -308,9 +371,29 @@ static void a_metal_reflects_by_fresnels_equations(void **state)
     refuses(bis_flat_bsdf_metal(&b, (double[]){1, 1, 2e15}, k, 0.5, up, up, SAY), "eta and k of channel 2");
     refuses(
         bis_flat_bsdf_metal(&b, eta, (double[]){0, -1, 0}, 0.5, up, up, SAY), "eta and k of channel 1 are 2 and -1");
+    refuses(bis_flat_bsdf_metal(&b, eta, (double[]){0, 0, 2e15}, 0.5, up, up, SAY),
+        "eta and k of channel 2 are 0.2 and 2e+15: give eta in (0, 1e+15] and k in [0, 1e+15]");
     refuses(bis_flat_bsdf_metal(&b, eta, k, 0.001, up, up, SAY), "the roughness is 0.001");
     refuses(bis_flat_bsdf_metal(&b, eta, k, 0.5, black, up, SAY), "normal is (0, 0, 0)");
     assert_null(b);
+    const double most[3] = {1e15, 1e-300, 1}, to[3] = {1e15, 0, 1e15};
+    assert_int_equal(bis_flat_bsdf_metal(&b, most, to, 1, up, up, SAY), 0);
+    bis_flat_bsdf_close(b);
+}
+
+/* What no pixel shows. */
+static void assert_stats_have(const char *stats, const char *const *settings)
+{
+    static const char *const names[] = {"threads", "accelerator"};
+    char value[64], expected[64];
+
+    for (int k = 0; k < 2; k++) {
+        const char *const text = json_value(value, sizeof value, stats, names[k]);
+        for (int i = 0; settings[i]; i++) {
+            snprintf(expected, sizeof expected, "%s=%.*s", names[k], (int)strcspn(text + k, "\""), text + k);
+            if (strncmp(settings[i], names[k], strlen(names[k])) == 0) assert_string_equal(settings[i], expected);
+        }
+    }
 }
 
 /* Whatever is said by settings is said to the program by options. */
@@ -353,6 +436,7 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         assert_true(json_is_valid(bis_flat_picture_stats(p)));
         assert_string_equal(
             json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
+        assert_stats_have(bis_flat_picture_stats(p), cases[k].settings);
         /* the whole is more than its parts, and no more than the call */
         assert_true(strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL) <
                     1.00001 * took + 1e-6);
@@ -396,16 +480,21 @@ static void a_scene_is_text_and_a_camera_is_replaced(void **state)
 #define FILM "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 9\n"
     const char *const as_text[] = {"text=" FILM "Camera \"orthographic\"" WORLD, "camera=" CAMERA, NULL};
     const char *const twin[] = {"text=" FILM "Camera \"orthographic\"" WORLD, NULL};
-    int n[3];
+    int n[4];
 
     program_write_file(DIR "/whole.txt", FILM CAMERA WORLD);
     float *expected = pixels_of(DIR "/whole.txt", (const char *const[]){NULL}, NULL, &n[0]);
+    const char *const last_wins[] = {
+        "text=nonsense", "approximate=x", as_text[0], "approximate=false", "camera=" CAMERA, NULL};
     float *got = pixels_of(DIR "/a scene", as_text, NULL, &n[1]), *other = pixels_of(DIR "/a scene", twin, NULL, &n[2]);
-    assert_true(n[0] == 4 * 12 * 9 && n[1] == n[0] && n[2] == n[0]);
+    float *last = pixels_of(DIR "/a scene", last_wins, NULL, &n[3]);
+    assert_true(n[0] == 4 * 12 * 9 && n[1] == n[0] && n[2] == n[0] && n[3] == n[0]);
     assert_memory_equal(got, expected, (size_t)n[0] * sizeof *got);
+    assert_memory_equal(last, expected, (size_t)n[0] * sizeof *got);
     assert_memory_not_equal(other, expected, (size_t)n[0] * sizeof *got);
     free(expected);
     free(got);
+    free(last);
     free(other);
 }
 
@@ -455,6 +544,31 @@ static void a_light_of_an_array_is_that_of_its_file(void **state)
     assert_int_equal(bis_flat_light_make(&made, 2, 1, holes, "cdf", 0, NULL, SAY), 0);
     assert_non_null(strstr(say, "bad channel values set to 0: 1 NaN, 1 infinite, 1 negative"));
     bis_flat_light_close(made);
+}
+
+/* Lights that a scene may not have are no matter under another light; without one, they are refused. A square lat-long
+ * map is one, each row of which is half of the sphere: upright, bright above and black below. */
+static void a_light_takes_the_place_of_all_lights_of_a_scene(void **state)
+{
+    static const float sky[2][2][3] = {{{1, 2, 3}, {1, 2, 3}}, {{0, 0, 0}, {0, 0, 0}}};
+    static const char *const settings[] = {
+        "text=Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 LookAt 0 -4 2 0 0 0 0 0 1 Camera "
+        "\"perspective\" \"float fov\" 9 WorldBegin LightSource \"point\" LightSource \"infinite\" \"string "
+        "filename\" \"gone.exr\" Material \"diffuse\" \"rgb reflectance\" [0.5 0.25 0.125] Shape \"disk\" \"float "
+        "radius\" 9", "integrator=brdf", "spp=4", NULL};
+    bis_light *light;
+    bis_flat_picture *p;
+    int n;
+
+    assert_int_equal(bis_flat_light_make(&light, 2, 2, sky[0][0], "cdf", 0, "latlong", SAY), 0);
+    float *rgba = pixels_of("scene", settings, light, &n);
+    assert_int_equal(n, 16);
+    for (int i = 0; i < 16; i++) /* Kd times the radiance from above */
+        assert_about((double)rgba[i], (const double[]){0.5, 0.5, 0.375, 1}[i % 4], 1e-6);
+    free(rgba);
+    bis_flat_light_close(light);
+    refuses(bis_flat_render(&p, "scene", settings, NULL, SAY), "LightSource");
+    assert_null(p);
 }
 
 /* The floor of the scene is the plane y = -1 and its camera looks along z: where the floor is seen (and no sphere above
@@ -515,10 +629,13 @@ typedef struct watched {
     bool falls;
 } watched;
 
+/* What is left goes with the share: all seconds together are those so far over it. Of a quarter of a second. */
 static void look_on(double share, double seconds, double left, void *user)
 {
     watched *w = user;
     w->falls |= share < w->share || !(share >= 0 && share <= 1) || !(seconds >= 0) || left < 0;
+    w->falls |= share > 0 && !(fabs(left * share - seconds * (1 - share)) <= 1e-9 * seconds);
+    w->falls |= share < fmin(1, 4 * seconds) * (1 - 1e-9);
     w->share = share;
     w->n++;
 }
@@ -529,7 +646,7 @@ static void a_watcher_hears_of_the_render(void **state)
     bis_flat_picture *p;
 
     assert_int_equal(
-        bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=1", NULL}, NULL, look_on, &w, NULL, SAY), 0);
+        bis_flat_render_with(&p, SCENE, (const char *const[]){"seconds=0.25", NULL}, NULL, look_on, &w, NULL, SAY), 0);
     assert_true(w.n > 0 && !w.falls && w.share > 0);
     bis_flat_picture_close(p);
 }
@@ -549,7 +666,17 @@ static void wrong_settings_are_refused(void **state)
         {"samples=3", "integrator \"sir\" has no parameter \"samples\""},
         {"candidates=1e99", "candidates is \"1e99\""},
         {"learn=yes", "learn is \"yes\": give true or false"},
-        {"proposal=best", "proposal is \"best\": integrator \"sir\" takes"},
+        {"proposal=best", "proposal is \"best\": integrator \"sir\" takes \"em\", \"brdf\", \"mix\" or \"product\""},
+        {"proposal=choose", "proposal is \"choose\": integrator \"sir\" takes \"em\""}, /* rejection's */
+        {"learn=", "learn is \"\": give true or false"},
+        {"learn=truely", "learn is \"truely\": give true or false"},
+        {"=1", "integrator \"sir\" has no parameter \"\"; `bis help integrators` lists what each reads"},
+        {"", "\"\" is no setting: give name=value"},
+        {"abcdefghijklmnopqrstuvwxyz-abcdefghijklmnopqrstuvwxyz-abcdefghi=1", /* a name of 63 letters, and 64 */
+         "integrator \"sir\" has no parameter \"abcdefghijklmnopqrstuvwxyz-abcdefghijklm\"; `bis help"},
+        {"abcdefghijklmnopqrstuvwxyz-abcdefghijklmnopqrstuvwxyz-abcdefghij=1", "\" is no setting: give name=value"},
+        {"approximate=", "approximate is \"\": give true or false"},
+        {"approximate=tru", "approximate is \"tru\": give true or false"},
         {"accelerator=bvh", "accelerator \"bvh\" is not there"},
         {"approximate=1", "approximate is \"1\": give true or false"},
         {"crop=0.5,0.25,0,1", "crop is \"0.5,0.25,0,1\": give x0,x1,y0,y1 in [0, 1]"},
@@ -566,6 +693,13 @@ static void wrong_settings_are_refused(void **state)
         refuses(bis_flat_render(&p, SCENE, (const char *const[]){cases[k].setting, NULL}, NULL, SAY), cases[k].text);
         assert_null(p);
     }
+    refuses(bis_flat_render(&p, SCENE, (const char *const[]){"accelerator=bvh", NULL}, NULL, SAY),
+        bis_accel_embree_version() ? "accelerator \"bvh\" is not there: give \"grid\" or \"embree\""
+                                   : "accelerator \"bvh\" is not there: give \"grid\"");
+    assert_int_equal(bis_flat_render(&p, SCENE, (const char *const[]){"accelerator=embree", "spp=1", NULL}, NULL, SAY),
+        bis_accel_embree_version() ? BIS_OK : BIS_INPUT);
+    if (p) assert_stats_have(bis_flat_picture_stats(p), (const char *const[]){"accelerator=embree", NULL});
+    bis_flat_picture_close(p);
     refuses(bis_flat_render(&p, SCENE, (const char *const[]){NULL}, &(sig_atomic_t){1}, SAY),
         "stopped before its first pass");
     /* a buffer that is too small is filled and ended, one of no bytes is left alone */
@@ -706,6 +840,7 @@ static void weights_of_a_table_are_checked_and_summed(void **state)
         "weight 2 is -1e-09: give finite numbers >= 0");
     refuses(bis_flat_alias_build(3, (double[]){1, (double)NAN, 1}, prob, alias, &total, SAY),
         "weight 1 is nan: give finite numbers >= 0");
+    refuses(bis_flat_alias_build(UINT32_MAX, (double[]){-1}, prob, alias, &total, SAY), "weight 0 is -1");
     refuses(bis_flat_alias_build((size_t)1 << 32, w, prob, alias, &total, SAY),
         "there are 4294967296 weights: give 1 to 4294967295");
     refuses(bis_flat_alias_sample(3, prob, alias, 2, (double[]){0, 1}, item, SAY), "u of sample 1 is 1");
@@ -761,6 +896,29 @@ static void each_channel_of_a_material_is_its_own(void **state)
     for (int k = 0; k < 3; k++)
         assert_about((double)f[0][k],
             Ks[k] * 16 / (4 * PI) + 28 / (23 * PI) * Kd[k] * (1 - Ks[k]) * (31.0 / 32) * (31.0 / 32), 1e-5);
+    bis_flat_bsdf_close(b);
+}
+
+/* Vectors of which no two components are equal: (2, 3, 6)/7 mirrors (6, -2, 3)/7 to (-198, 242, 141)/343, where a sharp
+ * lobe has its peak. What is drawn from it is what the library draws from the same three numbers. */
+static void each_component_of_a_vector_is_its_own(void **state)
+{
+    const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125}, n[3] = {4, 6, 12}, wo[3] = {3, -1, 1.5};
+    const double u[6] = {0.3, 0.9, 0.2, 0.95, 0.1, 0.7};
+    float mirror[3] = {-198, 242, 141}, f[3], wi[2][3];
+    double pdf;
+    uint8_t lobe[2];
+    bis_bsdf *b;
+
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", Kd, Ks, 10000, n, wo, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_look(b, 1, mirror, f, &pdf, SAY), 0);
+    for (int k = 0; k < 3; k++) assert_about((double)f[k], Kd[k] / PI + Ks[k] * 10001 / (2 * PI), 1);
+    assert_int_equal(bis_flat_bsdf_sample(b, 2, u, wi[0], lobe, SAY), 0);
+    for (int i = 0; i < 2; i++) {
+        vec3 w;
+        assert_true(bis_bsdf_sample(b, u[3 * i], u[3 * i + 1], u[3 * i + 2], &w));
+        assert_true(wi[i][0] == w.x && wi[i][1] == w.y && wi[i][2] == w.z && lobe[i] == !i);
+    }
     bis_flat_bsdf_close(b);
 }
 
@@ -965,12 +1123,14 @@ int main(void)
         cmocka_unit_test(alias_tables_are_those_of_the_thesis),
         cmocka_unit_test(alias_tables_of_the_caller_are_checked),
         cmocka_unit_test(null_is_an_error_wherever_a_map_or_a_table_is_due),
+        cmocka_unit_test(of_several_nulls_the_first_is_named),
         cmocka_unit_test(null_is_an_error_wherever_a_material_or_a_picture_is_due),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
         cmocka_unit_test(a_metal_reflects_by_fresnels_equations),
         cmocka_unit_test(a_scene_is_text_and_a_camera_is_replaced),
         cmocka_unit_test(a_light_of_an_array_is_that_of_its_file),
+        cmocka_unit_test(a_light_takes_the_place_of_all_lights_of_a_scene),
         cmocka_unit_test(layers_are_given_by_name),
         cmocka_unit_test(what_is_not_modelled_is_replaced_when_that_is_asked_for),
         cmocka_unit_test(a_watcher_hears_of_the_render),
@@ -980,6 +1140,7 @@ int main(void)
         cmocka_unit_test(an_area_exponent_draws_large_regions_more_often),
         cmocka_unit_test(weights_of_a_table_are_checked_and_summed),
         cmocka_unit_test(each_channel_of_a_material_is_its_own),
+        cmocka_unit_test(each_component_of_a_vector_is_its_own),
         cmocka_unit_test(materials_are_taken_up_to_their_limits),
         cmocka_unit_test(the_version_is_the_headers),
         cmocka_unit_test(alpha_is_the_share_that_hits_a_surface),

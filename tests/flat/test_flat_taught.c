@@ -4,7 +4,10 @@
 #include "bis/base/clock.h"
 #include "bis/flat/taught.h"
 #include "bis/base/vec.h"
+#include "bis/scene/light_load.h"
+#include "bis/thesis/errata.h"
 #include "claim.h"
+#include "lack.h"
 #include "program.h"
 #include "tools/verify/verify.h"
 
@@ -46,7 +49,8 @@ static void marsaglias_list_is_the_thesiss(void **state)
     assert_int_equal(bis_flat_marsaglia(4, (uint32_t[]){1, 2, 4, 3}, 10, list, &length, SAY), 0);
     assert_int_equal(length, 10);
     assert_memory_equal(list, right, sizeof right);
-    refuses(bis_flat_marsaglia(4, (uint32_t[]){1, 2, 4, 3}, 9, list, &length, SAY), "room for 9");
+    refuses(bis_flat_marsaglia(4, (uint32_t[]){1, 2, 4, 3}, 9, list, &length, SAY),
+        "the list has 10 items, the array has room for 9");
 }
 
 /* N P is 1/3, 2/3, 1, 4/3, 5/3 at first; each step fills one bin, the sum of what is there stays N less what was given.
@@ -62,9 +66,14 @@ static void the_stages_lead_from_NP_to_the_table(void **state)
     for (int i = 0; i < 5; i++) assert_true(fabs(height[i] - w[i] / 3) < 1e-14);
     for (int i = 0; i < 5; i++) seen |= 1u << order[i];
     assert_int_equal(seen, 31);
+    double before[5];
     for (size_t k = 1; k <= 5; k++) {
+        memcpy(before, height, sizeof before);
         assert_int_equal(bis_flat_alias_stage(5, w, k, order, height, SAY), 0);
         for (size_t j = 0; j < k; j++) assert_true(height[order[j]] == prob[order[j]]);
+        const uint32_t bin = order[k - 1]; /* what it lacked is its alias's no more */
+        if (alias[bin] != bin) before[alias[bin]] -= 1 - prob[bin];
+        for (int i = 0; i < 5; i++) assert_true(fabs(height[i] - before[i]) < 1e-14);
     }
     refuses(bis_flat_alias_stage(2, (double[]){0, 0}, 0, order, height, SAY), "nothing to draw");
 }
@@ -73,9 +82,10 @@ static void the_cdf_is_the_running_sum(void **state)
 {
     const double w[4] = {1, 0, 2, 1}, right[5] = {0, 0.25, 0.25, 0.75, 1};
     double c[5];
-    uint32_t guide[10], n_guide, item[3], part[3], first[3];
+    uint32_t guide[10] = {9, 9, 9, 9}, n_guide, item[3], part[3], first[3];
 
     assert_int_equal(bis_flat_cdf_build(4, w, c, guide, &n_guide, SAY), 0);
+    assert_memory_equal(guide, ((uint32_t[]){0, 2, 3, 9}), 4 * sizeof *guide);
     for (int i = 0; i < 5; i++) assert_true(c[i] == right[i]);
     assert_int_equal(bis_flat_cdf_sample(4, w, 3, (double[]){0.2, 0.25, 0.8}, item, part, first, SAY), 0);
     assert_memory_equal(item, ((uint32_t[]){0, 2, 3}), sizeof item);
@@ -83,7 +93,12 @@ static void the_cdf_is_the_running_sum(void **state)
     assert_int_equal(n_guide, 2);
     assert_memory_equal(part, ((uint32_t[]){0, 0, 1}), sizeof part);
     assert_memory_equal(first, ((uint32_t[]){0, 0, 2}), sizeof first);
-    refuses(bis_flat_cdf_sample(4, w, 1, (double[]){1}, item, part, first, SAY), "numbers in [0, 1)");
+    const double bad[] = {1, -0.001, (double)NAN};
+    for (int i = 0; i < 3; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "u of sample 1 is %g: give numbers in [0, 1)", bad[i]);
+        refuses(bis_flat_cdf_sample(4, w, 2, (double[]){0, bad[i]}, item, part, first, SAY), text);
+    }
 }
 
 /* 10 and 30 of 40, where 20 each are due: (100 + 100)/20 = 10, and the twin of 20 and 20: 0. */
@@ -98,7 +113,7 @@ static void the_fit_is_pearsons(void **state)
     for (uint32_t i = 0; i < 40; i++) item[i] = i % 2;
     assert_int_equal(bis_flat_fit(2, (double[]){0.5, 0.5}, 40, item, observed, fit, SAY), 0);
     assert_true(fit[0] == 0 && fit[2] > 0.9);
-    refuses(bis_flat_fit(1, (double[]){1}, 40, item, observed, fit, SAY), "not below 1");
+    refuses(bis_flat_fit(1, (double[]){1}, 40, item, observed, fit, SAY), "item 1 is 1, not below 1");
 }
 
 /* 8 items, the even ones of weight 0, and u of 3 + k bits: the fraction of a black bin has 2^k values, of which the 0
@@ -119,7 +134,27 @@ static void few_bits_draw_what_is_impossible_as_printed_E14(void **state)
         assert_true(all[0] == 1 && all[1] == 1 && black[0] == ldexp(0.5, -k) && black[1] == 0);
         assert_true(impossible[0] == ldexp(1, -k) && impossible[1] == 0);
     }
-    refuses(bis_flat_alias_few_bits(8, w, 25, printed, right, impossible, SAY), "0 to 24");
+    refuses(bis_flat_alias_few_bits(8, w, 25, printed, right, impossible, SAY), "numbers of 25 bits: give 0 to 24");
+    refuses(bis_flat_alias_few_bits(8, w, -1, printed, right, impossible, SAY), "numbers of -1 bits: give 0 to 24");
+}
+
+/* Of 1 and 3 bin 0 is half item 0's, and bin 1 is all item 1's: of four u, 0 and 1/4 lie in bin 0, and only the second
+ * test takes 1/4 for the upper half. No item has weight 0. One u of no bits is 0, which lies in bin 0: that of weight 0
+ * is returned as printed. The most bits. */
+static void few_bits_are_counted_by_hand_E14(void **state)
+{
+    double printed[3] = {7, 7, 7}, right[3] = {7, 7, 7}, impossible[2] = {7, 7};
+
+    assert_int_equal(bis_flat_alias_few_bits(2, (double[]){1, 3}, 2, printed, right, impossible, SAY), 0);
+    assert_memory_equal(printed, ((double[]){0.5, 0.5, 7}), sizeof printed);
+    assert_memory_equal(right, ((double[]){0.25, 0.75, 7}), sizeof right);
+    assert_true(impossible[0] == 0 && impossible[1] == 0);
+    assert_int_equal(bis_flat_alias_few_bits(2, (double[]){0, 3}, 0, printed, right, impossible, SAY), 0);
+    assert_memory_equal(printed, ((double[]){1, 0, 7}), sizeof printed);
+    assert_memory_equal(right, ((double[]){0, 1, 7}), sizeof right);
+    assert_true(impossible[0] == 1 && impossible[1] == 0);
+    assert_int_equal(bis_flat_alias_few_bits(1, (double[]){3}, 24, printed, right, impossible, SAY), 0);
+    assert_true(printed[0] == 1 && right[0] == 1 && printed[1] == 0 && impossible[0] == 0);
 }
 
 /* The sum is 8, so that all numbers are exact: each pmf is the weight's own. */
@@ -142,6 +177,10 @@ static void a_hash_goes_on_where_it_ended(void **state)
     bis_flat_fnv(hash, 3, (const uint8_t *)"foo");
     bis_flat_fnv(hash, 3, (const uint8_t *)"bar");
     assert_true(((uint64_t)hash[1] << 32 | hash[0]) == UINT64_C(0x85944171f73967e8));
+    /* of nothing: the offset basis */
+    hash[0] = hash[1] = 0;
+    bis_flat_fnv(hash, 0, NULL);
+    assert_true(((uint64_t)hash[1] << 32 | hash[0]) == UINT64_C(0xcbf29ce484222325));
 }
 
 /* The library's own generator and its own rows are the other road; the sentinel is where nothing may be written. */
@@ -180,8 +219,25 @@ static void a_histogram_counts_each_value_once(void **state)
     assert_true(count[0] == 1 && count[1] == 7);
     assert_int_equal(bis_flat_histogram(1, &largest, &half, 6, 2, count, SAY), 0);
     assert_true(count[0] == 0 && count[1] == 1);
-    refuses(bis_flat_histogram(1, (double[]){(double)NAN}, &half, 2, 2, count, SAY), "no number");
-    refuses(bis_flat_histogram(8, v, &below, 1, 2, count, SAY), "numbers >= 0");
+    refuses(bis_flat_histogram(2, (double[]){1, (double)NAN}, &half, 2, 2, count, SAY), "value 1 is no number");
+    refuses(bis_flat_histogram(8, v, &below, 1, 2, count, SAY),
+        "2 cells from 0 to 1 times -1: give a cell or more, and numbers >= 0");
+    /* five cells of a fifth, and a count that is left alone; no width; one cell */
+    const double w[5] = {0.1, 0.3, 0.5, 0.7, 0.5};
+    uint32_t five[6] = {9, 9, 9, 9, 9, 9};
+    assert_int_equal(bis_flat_histogram(5, w, (double[]){0.25}, 4, 5, five, SAY), 0);
+    assert_memory_equal(five, ((uint32_t[]){1, 1, 2, 1, 0, 9}), sizeof five);
+    assert_int_equal(bis_flat_histogram(5, w, &half, 0, 5, five, SAY), 0);
+    assert_memory_equal(five, ((uint32_t[]){0, 0, 0, 0, 5, 9}), sizeof five);
+    assert_int_equal(bis_flat_histogram(5, w, &half, 1, 1, five, SAY), 0);
+    assert_int_equal(five[0], 5);
+    const struct { double unit, most; size_t cells; const char *text; } bad[] = {
+        {0.5, 2, 0, "0 cells from 0 to 2 times 0.5"}, {0.5, -2, 3, "3 cells from 0 to -2 times 0.5"},
+        {-0.5, -2, 3, "3 cells from 0 to -2 times -0.5"}, {-0.5, 0, 3, "3 cells from 0 to 0 times -0.5"},
+        {HUGE_VAL, 2, 3, "3 cells from 0 to 2 times inf"}, {0.5, HUGE_VAL, 3, "3 cells from 0 to inf times 0.5"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        refuses(bis_flat_histogram(5, w, &bad[i].unit, bad[i].most, bad[i].cells, five, SAY), bad[i].text);
 }
 
 /* A white map is one component of 4 pi, drawn with 1/(4 pi) everywhere. */
@@ -198,14 +254,24 @@ static void a_white_map_is_one_light(void **state)
     assert_int_equal(n, 1);
     for (int i = 0; i < 128; i++)
         assert_true(fabs(pdf[i] - 1 / (4 * PI)) < 1e-12 && fabs(area[i] - 4 * PI) < 1e-12 && factor[i] == 1);
-    for (int y = 0; y < 8; y++) sum += 16 * share[y] / 16;
+    for (int y = 0; y < 8; y++) {
+        sum += share[y];
+        assert_true(fabs(share[y] - (cos(PI / 8 * y) - cos(PI / 8 * (y + 1))) / 2) < 1e-12);
+    }
     assert_true(fabs(sum - 1) < 1e-12 && fabs(peak - 1 / (4 * PI)) < 1e-12);
     /* two of the eight rows are within 30 degrees of a pole by their middles: caps of 22.5 degrees */
     assert_int_equal(bis_flat_light_rows(light, 4, (uint32_t[]){0, 15, 16, 127}, 30, count, polar, SAY), 0);
     assert_memory_equal(count, ((uint32_t[8]){2, 1, 0, 0, 0, 0, 0, 1}), sizeof count);
     assert_true(polar[0] == 3 && fabs(polar[1] - 4 * (1 - cos(PI / 8))) < 1e-12);
-    refuses(bis_flat_light_rows(light, 1, (uint32_t[]){128}, 30, count, polar, SAY), "not below 128");
-    refuses(bis_flat_light_regions(light, 0, 0.5, label, level, area, factor, &n, SAY), "0 levels and exponent 0.5");
+    /* rows whose middle is 11.25 degrees from a pole; none; all */
+    assert_int_equal(bis_flat_light_rows(light, 4, (uint32_t[]){0, 15, 16, 127}, 11.25, count, polar, SAY), 0);
+    assert_true(polar[0] == 3 && fabs(polar[1] - 4 * (1 - cos(PI / 8))) < 1e-12);
+    assert_int_equal(bis_flat_light_rows(light, 4, (uint32_t[]){0, 15, 16, 127}, 11.2, count, polar, SAY), 0);
+    assert_true(polar[0] == 0 && polar[1] == 0);
+    assert_int_equal(bis_flat_light_rows(light, 4, (uint32_t[]){0, 15, 16, 127}, 90, count, polar, SAY), 0);
+    assert_true(polar[0] == 4 && fabs(polar[1] - 4) < 1e-12);
+    refuses(bis_flat_light_rows(light, 2, (uint32_t[]){127, 128}, 30, count, polar, SAY),
+        "pixel 1 is 128, not below 128");
     bis_flat_light_close(light);
     /* without the solid angle each row is drawn equally often, so that 1/16 is the middle of row 0, else in row 1 */
     const char *const printed[] = {"kind=cdf", "as_printed=E3", NULL};
@@ -214,8 +280,143 @@ static void a_white_map_is_one_light(void **state)
     assert_int_equal(bis_flat_light_sample(light, 1, (double[]){1 / 16., 0, 0, 0}, w, L, pdf, SAY), 0);
     assert_true(fabs((double)w[2] - (1 + cos(PI / 8)) / 2) < 1e-6);
     bis_flat_light_close(light);
-    refuses(bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){"kind=list", NULL}, SAY),
-        "no setting of a map");
+}
+
+/* 4 x 2 pixels: a black one, six of intensity 3 and one of 300 in a corner below. By two levels the bright one is a
+ * component of its own, by one level it belongs to the others. Each pixel has pi/2 sr, far above 0.01: all factors are
+ * 1 but that of the black one. Components are counted from the first row on. */
+static void components_are_told_pixel_by_pixel(void **state)
+{
+    float file[2][4][3];
+    const uint32_t dark = UINT32_MAX;
+    bis_light *light;
+
+    for (int i = 0; i < 24; i++) file[i / 12][i / 3 % 4][i % 3] = i / 3 == 0 ? 100 : i / 3 == 6 ? 0 : 1;
+    FILE *out = fopen(DIR "/two.pfm", "wb");
+    assert_non_null(out);
+    fprintf(out, "PF\n4 2\n-1.0\n");
+    fwrite(file, sizeof file, 1, out);
+    assert_int_equal(fclose(out), 0);
+    assert_int_equal(bis_flat_light_open_as(&light, DIR "/two.pfm", (const char *[]){NULL}, SAY), 0);
+    for (int levels = 1; levels <= 2; levels++) {
+        uint32_t label[9], level[9], n = 7;
+        double area[9], factor[9];
+        label[8] = level[8] = 7, area[8] = factor[8] = 7;
+        assert_int_equal(bis_flat_light_regions(light, levels, 2, label, level, area, factor, &n, SAY), 0);
+        assert_int_equal(n, levels);
+        for (uint32_t i = 0; i < 8; i++) {
+            const bool black = i == 2, bright = levels == 2 && i == 4;
+            assert_int_equal(label[i], black ? dark : bright);
+            assert_int_equal(level[i], black ? dark : bright);
+            const int pixels = black ? 0 : bright ? 1 : 8 - levels;
+            assert_true(fabs(area[i] - pixels * PI / 2) < 1e-12 && factor[i] == !black);
+        }
+        assert_true(label[8] == 7 && level[8] == 7 && area[8] == 7 && factor[8] == 7);
+    }
+    uint32_t label[8], level[8], n;
+    double area[8], factor[8];
+    const struct { int levels; double b; const char *text; } cases[] = {
+        {254, 10, NULL}, {1, 0, NULL}, {0, 0.5, "0 levels and exponent 0.5: give 1 to 254 and 0 to 10"},
+        {255, 0.5, "255 levels and exponent 0.5"}, {4, -0.01, "4 levels and exponent -0.01"},
+        {4, 10.5, "4 levels and exponent 10.5"}, {4, (double)NAN, "4 levels and exponent nan"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const int status = bis_flat_light_regions(light, cases[i].levels, cases[i].b, label, level, area, factor, &n,
+            SAY);
+        if (cases[i].text) refuses(status, cases[i].text);
+        else assert_int_equal(status, 0);
+    }
+    bis_flat_light_close(light);
+}
+
+/* The library's own description of the light is the other road: the densities of what settings say are its densities,
+ * and the twin without them has others. A row of {1, 2, 4, 3}: CDFs draw in order, so 0.35 is pixel 2; of alias tables
+ * pixel 1 (thesis figure 3.4). */
+static void the_settings_of_a_map_are_those_of_its_light(void **state)
+{
+    static const struct { const char *settings[5]; bis_light_desc desc; } rows[] = {
+        {{NULL}, {.area_exponent = BIS_AREA_EXPONENT, .levels = BIS_LEVELS}},
+        {{"area_exponent=2", "levels=3", NULL}, {.area_exponent = 2, .levels = 3}},
+        {{"levels=1", "area_exponent=10", NULL}, {.area_exponent = 10, .levels = 1}},
+        {{"levels=254", "area_exponent=0.5", NULL}, {.area_exponent = 0.5, .levels = 254}},
+        {{"as_printed=E3", "as_printed=E20", "area_exponent=2", NULL},
+         {.area_exponent = 2, .levels = BIS_LEVELS, .as_printed = BIS_E3 | BIS_E20}},
+        {{"area_exponent=0", NULL}, {.area_exponent = 0, .levels = BIS_LEVELS}},
+    };
+    static float file[32][64][3];
+    static double pdf[32 * 64], share[32], first[32 * 64];
+    double peak;
+
+    for (int i = 0; i < 32 * 64 * 3; i++) file[i / 192][i / 3 % 64][i % 3] = (float)(1 + i / 3 % 29 * (i / 192 % 7));
+    FILE *out = fopen(DIR "/waves.pfm", "wb");
+    assert_non_null(out);
+    fprintf(out, "PF\n64 32\n-1.0\n");
+    fwrite(file, sizeof file, 1, out);
+    assert_int_equal(fclose(out), 0);
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        char name[] = DIR "/waves.pfm";
+        bis_light_desc desc = bis_light_desc_default();
+        bis_light *light, *own;
+        desc.filename = name;
+        desc.area_exponent = rows[k].desc.area_exponent;
+        desc.levels = rows[k].desc.levels;
+        desc.as_printed = rows[k].desc.as_printed;
+        assert_int_equal(bis_light_load(&own, &desc, BIS_NEED_TABLE, NULL, NULL), BIS_OK);
+        assert_int_equal(bis_flat_light_open_as(&light, name, rows[k].settings, SAY), 0);
+        assert_int_equal(bis_flat_light_density(light, pdf, &peak, share, SAY), 0);
+        double most = 0;
+        for (size_t i = 0; i < 32 * 64; i++) {
+            assert_true(pdf[i] == bis_importance_pdf_pixel(bis_light_importance(own), i));
+            most = fmax(most, pdf[i]);
+        }
+        assert_true(peak == most);
+        if (k == 0) memcpy(first, pdf, sizeof first);
+        else assert_memory_not_equal(first, pdf, sizeof first);
+        bis_flat_light_close(light);
+        bis_light_free(own);
+    }
+}
+
+static void a_setting_of_a_map_has_its_limits(void **state)
+{
+    static const struct { const char *setting; bool is_good; } rows[] = {
+        {"kind=alias", true}, {"kind=cdf", true}, {"kind=list", false}, {"kind=", false}, {"kind=alias2", false},
+        {"area_exponent=0", true}, {"area_exponent=10", true}, {"area_exponent=-0.1", false},
+        {"area_exponent=10.1", false}, {"area_exponent=", false}, {"area_exponent=1x", false},
+        {"area_exponent=nan", false}, {"levels=1", true}, {"levels=254", true}, {"levels=0", false},
+        {"levels=255", false}, {"levels=2.5", false}, {"levels=4x", false}, {"levels=", false}, {"levels", false},
+        {"as_printed=E13", true}, {"as_printed=E3", true}, {"as_printed=E999", false}, {"as_printed", false},
+        {"kin=cdf", false}, {"area=1", false}, {"1", false}, {"level=1", false},
+    };
+    bis_light *light;
+
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char text[200];
+        const int status = bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){rows[i].setting, NULL},
+            SAY);
+        snprintf(text, sizeof text, "\"%s\" is no setting of a map: give kind=alias or cdf, area_exponent=0 to 10, "
+            "levels=1 to 254, as_printed=E3", rows[i].setting);
+        if (rows[i].is_good) assert_int_equal(status, 0);
+        else refuses(status, text);
+        assert_int_equal(light != NULL, rows[i].is_good);
+        bis_flat_light_close(light);
+    }
+    /* shares of 0.1, 0.2, 0.4, 0.3: 0.35 is pixel 2 of a CDF, pixel 1 of the alias table of thesis figure 3.4 */
+    static const float row[4][3] = {{1, 0, 0}, {2, 0, 0}, {4, 0, 0}, {3, 0, 0}};
+    FILE *out = fopen(DIR "/row.pfm", "wb");
+    assert_non_null(out);
+    fprintf(out, "PF\n4 1\n-1.0\n");
+    fwrite(row, sizeof row, 1, out);
+    assert_int_equal(fclose(out), 0);
+    for (int k = 0; k < 3; k++) {
+        const char *const settings[] = {k == 0 ? "kind=cdf" : "kind=alias", "area_exponent=0", NULL};
+        float w[3], L[3];
+        double pdf;
+        assert_int_equal(bis_flat_light_open_as(&light, DIR "/row.pfm", settings + (k == 2), SAY), 0);
+        assert_int_equal(bis_flat_light_sample(light, 1, (double[]){0.35, 0.35, 0.35, 0.35}, w, L, &pdf, SAY), 0);
+        assert_true(L[0] == (k == 0 ? 4 : 2) && L[1] == 0);
+        bis_flat_light_close(light);
+    }
 }
 
 /* A pixel of 4 at the zenith of a white map is a component of 2 pi/64 (1 - cos(pi/32)), which is below 0.01 sr: with b
@@ -259,7 +460,12 @@ static void a_shrunk_map_keeps_its_light(void **state)
     assert_true(
         fabs(bis_flat_light_power(small) - 12 * PI) < 1e-5 && fabs(bis_flat_light_power(same) - 12 * PI) < 1e-5);
     bis_light *none;
-    refuses(bis_flat_light_shrink(&none, light, 0, SAY), "give 1 or more");
+    refuses(bis_flat_light_shrink(&none, light, 0, SAY), "0 columns: give 1 or more");
+    assert_null(none);
+    assert_int_equal(bis_flat_light_shrink(&none, light, 1, SAY), 0); /* a square, and no light probe for it */
+    bis_flat_light_shape(none, shape);
+    assert_true(shape[0] == 1 && shape[1] == 1);
+    bis_flat_light_close(none);
     bis_flat_light_close(light);
     bis_flat_light_close(small);
     bis_flat_light_close(same);
@@ -306,12 +512,144 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
         }
         assert_true(accepted == n && n > 0);
     }
-    refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY), "give em or brdf");
-    refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY), "do not fit");
+    refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY),
+        "proposal \"mix\" has no bound: give em or brdf");
+    refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY),
+        "64 candidates do not fit into arrays of 63");
     refuses(
         bis_flat_stage_candidates(stage, (const char *[]){"integrator=em", NULL}, 1, 64, wi, w, chosen, kind, sum, SAY),
-        "give sir");
-    refuses(bis_flat_stage_at(stage, 8, 0, found, SAY), "pixel (8, 0) is outside 8 x 8");
+        "integrator \"em\" has no candidates to show: give sir");
+    bis_flat_stage_close(stage);
+}
+
+/* Pixel (4, 3) of 8 x 8 lies half a pixel aside and half a pixel above the middle, which is the origin; the camera sees
+ * 10 degrees to each side, and looks along (0, 2, -1). Up in its picture is (0, 1, 2), and aside is -x, as in pbrt,
+ * whose hands are left ones. A camera that looks at the sky sees nothing. */
+static void a_pixel_shows_the_point_on_the_floor(void **state)
+{
+    static const char *const up[] = {SCENE, "camera=LookAt 0 -4 2  0 -4 9  0 1 0 Camera \"perspective\"", NULL};
+    const double a = tan(10 * PI / 180) / 8, l = sqrt(5);
+    const double d[3] = {-a, (2 + a) / l, (2 * a - 1) / l}, k = -2 / d[2];
+    const double right[8] = {1, k * d[0], k * d[1] - 4, 0, 0, 0, 1,
+                             k * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])};
+    const int outside[4][2] = {{8, 0}, {0, 8}, {-1, 3}, {3, -1}};
+    bis_flat_stage *stage;
+    double found[9] = {7, 7, 7, 7, 7, 7, 7, 7, 7}, bound[2];
+
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 3, found, SAY), 0);
+    for (int i = 0; i < 8; i++) assert_true(fabs(found[i] - right[i]) < 1e-5);
+    assert_true(found[8] == 7);
+    for (int i = 0; i < 2; i++) assert_int_equal(bis_flat_stage_at(stage, 7 * i, 7 * i, found, SAY), 0);
+    for (int i = 0; i < 4; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "pixel (%d, %d) is outside 8 x 8", outside[i][0], outside[i][1]);
+        refuses(bis_flat_stage_at(stage, outside[i][0], outside[i][1], found, SAY), text);
+    }
+    bis_flat_stage_close(stage);
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", up, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 3, found, SAY), 0);
+    for (int i = 0; i < 8; i++) assert_true(found[i] == 0);
+    refuses(bis_flat_stage_bounds(stage, bound, SAY),
+        "no point was chosen, or its pixel sees no surface: choose another one");
+    bis_flat_stage_close(stage);
+}
+
+/* A wall across the floor behind the point: what goes towards +y is hidden. */
+#define WALL \
+    "Shape \"trianglemesh\" \"point3 P\" [-9999 .5 -9999  9999 .5 -9999  0 .5 99999] \"integer indices\" [0 1 2]\n"
+
+/* Candidates of a diffuse floor of 0.5 under radiance 1: f cos Le is 1.5 cos/pi, the map draws by 1/(4 pi), the BRDF by
+ * cos/pi; a mixture by both, in proportion to what is from the map. So each weight follows from the direction. The wall
+ * hides half of the sky: which candidates are seen follows from the direction, too, and the estimate is L_ns times the
+ * share of the choices that are. Behind the candidates all is 0. */
+static void candidates_are_known_by_their_directions(void **state)
+{
+    enum { M = 48, N = 6, ROOM = 50 };
+    static const char *const proposals[3] = {"proposal=em", "proposal=brdf", "proposal=mix"};
+    bis_flat_stage *stage;
+    double found[8];
+
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE WALL, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    for (int k = 0; k < 3; k++) {
+        const char *const sir[] = {
+            "integrator=sir", "candidates=48", "shadowrays=6", proposals[k], "learn=false", NULL};
+        float wi[3 * ROOM + 1];
+        double w[ROOM + 1], sum[7], W = 0, squares = 0, seen = 0, other[ROOM];
+        uint32_t chosen[ROOM + 1], kind[ROOM + 1], n = 0, n_map = 0, distinct = 0;
+        wi[3 * ROOM] = 7, w[ROOM] = sum[6] = 7, chosen[ROOM] = kind[ROOM] = 7;
+        assert_int_equal(bis_flat_stage_candidates(stage, sir, 5, ROOM, wi, w, chosen, kind, sum, SAY), 0);
+        for (int i = 0; i < M; i++) n_map += kind[i] & 1;
+        const double beta = (double)n_map / M;
+        for (int i = 0; i < M; i++) {
+            const double z = (double)wi[3 * i + 2], y = (double)wi[3 * i + 1], x = (double)wi[3 * i];
+            n += chosen[i];
+            distinct += chosen[i] > 0;
+            W += w[i];
+            squares += w[i] * w[i];
+            if (w[i] <= 0) continue;
+            assert_true(fabs(x * x + y * y + z * z - 1) < 1e-6);
+            assert_true(fabs(w[i] - 6 * z / (beta + 4 * (1 - beta) * z)) < 1e-5);
+            if (chosen[i]) assert_int_equal(kind[i] & 2, y < 0 ? 2 : 0);
+            if (kind[i] & 2) seen += chosen[i];
+        }
+        assert_int_equal(n, N);
+        assert_true(k == 0 ? n_map == M : k == 1 ? n_map == 0 : n_map > 0 && n_map < M);
+        for (int i = M; i < ROOM; i++)
+            assert_true(wi[3 * i] == 0 && wi[3 * i + 1] == 0 && wi[3 * i + 2] == 0 && w[i] == 0 && chosen[i] == 0 &&
+                        kind[i] == 0);
+        assert_true(wi[3 * ROOM] == 7 && w[ROOM] == 7 && sum[6] == 7 && chosen[ROOM] == 7 && kind[ROOM] == 7);
+        assert_true(sum[0] == M && sum[1] == N && sum[5] == distinct && fabs(sum[2] - W * W / squares) < 1e-9 * M);
+        assert_true(seen > 0 && seen < N);
+        assert_true(fabs(sum[4] - W / M) < 1e-5 && fabs(sum[3] - W / M * seen / N) < 1e-5);
+        /* the seed is used, and nothing else */
+        assert_int_equal(bis_flat_stage_candidates(stage, sir, 5, ROOM, wi, other, chosen, kind, sum, SAY), 0);
+        assert_memory_equal(other, w, sizeof other);
+        assert_int_equal(bis_flat_stage_candidates(stage, sir, 6, ROOM, wi, other, chosen, kind, sum, SAY), 0);
+        if (k != 1) assert_memory_not_equal(other, w, sizeof other);
+    }
+    bis_flat_stage_close(stage);
+}
+
+/* The estimates' own mean and deviation; by the BRDF each has its 7 rays, because none of a diffuse floor go down. Half
+ * of the light is hidden. The exact value is another one at another point and by another seed, and it is kept. */
+static void runs_are_summed_up_and_the_exact_value_is_of_its_point(void **state)
+{
+    enum { N = 50 };
+    static const char *const brdf[] = {"integrator=brdf", "samples=7", NULL};
+    bis_flat_stage *stage;
+    double found[8], L[N + 1], sum[4], first[5], again[5], mean = 0, square = 0;
+
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE WALL, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    L[N] = sum[3] = first[4] = again[4] = 7;
+    assert_int_equal(bis_flat_stage_runs(stage, brdf, 1, N, L, sum, SAY), 0);
+    for (int i = 0; i < N; i++) mean += L[i] / N;
+    for (int i = 0; i < N; i++) square += (L[i] - mean) * (L[i] - mean) / (N - 1);
+    assert_true(fabs(sum[0] - mean) < 1e-12 && fabs(sum[1] - sqrt(square)) < 1e-12 && square > 1e-3 && sum[2] == 7);
+    assert_true(L[N] == 7 && sum[3] == 7);
+    refuses(bis_flat_stage_runs(stage, brdf, 1, 1, L, sum, SAY), "1 estimates: give 2 to 1000000");
+    refuses(bis_flat_stage_runs(stage, brdf, 1, 1000001, L, sum, SAY), "1000001 estimates: give 2 to 1000000");
+    assert_int_equal(bis_flat_stage_runs(stage, brdf, 1, 2, L, sum, SAY), 0);
+    /* the integrator of a question is forgotten */
+    refuses(bis_flat_stage_runs(stage, (const char *[]){"samples=7", NULL}, 1, 2, L, sum, SAY), "no parameter");
+
+    assert_int_equal(bis_flat_stage_exact(stage, 3, first, SAY), 0);
+    assert_true(fabs(first[0] - 0.75) <= 6 * first[1] + 1e-3 && first[1] < 1e-3);
+    assert_true(fabs(first[2] - 1.5) <= 6 * first[3]);
+    assert_int_equal(bis_flat_stage_exact(stage, 3, again, SAY), 0);
+    assert_memory_equal(first, again, sizeof first);
+    assert_int_equal(bis_flat_stage_exact(stage, 4, again, SAY), 0);
+    assert_true(again[0] != first[0]);
+    assert_int_equal(bis_flat_stage_exact(stage, 3, again, SAY), 0);
+    assert_memory_equal(first, again, sizeof first);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 7, found, SAY), 0);
+    assert_int_equal(bis_flat_stage_exact(stage, 3, again, SAY), 0);
+    assert_true(again[0] != first[0]);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    assert_int_equal(bis_flat_stage_exact(stage, 3, again, SAY), 0);
+    assert_memory_equal(first, again, sizeof first);
     bis_flat_stage_close(stage);
 }
 
@@ -354,7 +692,8 @@ static void rejection_accepts_the_mean_weight_over_the_bound(void **state)
     const double p = 1.5 / bound[0], other = 1.5 / bound[1], allowed = 6 * sqrt(p * (1 - p) / (64. * N));
     assert_true(fabs(count[0] / 64 - p) <= allowed && fabs(other - p) > allowed);
     assert_true(count[1] == 64 && count[2] == count[0]);
-    refuses(bis_flat_stage_accepted(stage, rejection, 1, 0, count, SAY), "give");
+    refuses(bis_flat_stage_accepted(stage, rejection, 1, 1, count, SAY), "1 estimates: give 2 to 100000");
+    refuses(bis_flat_stage_accepted(stage, rejection, 1, 100001, count, SAY), "100001 estimates: give 2 to 100000");
     bis_flat_stage_close(stage);
 }
 
@@ -378,6 +717,8 @@ static void the_two_noises_add_up_E31(void **state)
         if (k == 0) assert_true(b < 1e-5 * sum[0]);
         else assert_true(fabs(all - a * a - b * b) <= allowed && fabs(all - a * a) > allowed && fabs(all - b * b) > 0);
         refuses(bis_flat_stage_noises(stage, sir, 7, 1, sum, SAY), "1 estimates: give 2 to 100000");
+        refuses(bis_flat_stage_noises(stage, sir, 7, 100001, sum, SAY), "100001 estimates: give 2 to 100000");
+        assert_int_equal(bis_flat_stage_noises(stage, sir, 7, 2, sum, SAY), 0);
         bis_flat_stage_close(stage);
     }
     const char *const constant[] = {"text=WorldBegin LightSource \"infinite\" Shape \"sphere\"", NULL};
@@ -400,6 +741,62 @@ static void write_lamp(void)
     "LookAt 0 -4 2  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"                             \
     "LightSource \"infinite\" \"string filename\" \"" DIR "/lamp.pfm\"\n"                                           \
     "Material \"phong\" \"float Kd\" 0.3 \"float Ks\" 0.4 \"float exponent\" 20\nShape \"disk\" \"float radius\" 5\n"
+
+/* Cells that are the map's pixels, of a light that is turned by 90 degrees about x: what is its (x, y, z) is (x, -z, y)
+ * in the world. The map's own densities are the other road. Without a lobe q_f and the product follow from the cosine.
+ * The wall hides what goes towards +y. */
+static void a_field_has_the_frame_of_its_light(void **state)
+{
+    enum { W = 16, H = 8, N = W * H };
+    static const char turned[] = "text=Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+        "LookAt 0 -4 2  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"
+        "AttributeBegin Rotate 90 1 0 0 LightSource \"infinite\" \"string filename\" \"" DIR "/lamp.pfm\"\n"
+        "AttributeEnd Material \"phong\" \"float Kd\" 0.3 \"float Ks\" 0\nShape \"disk\" \"float radius\" 5\n" WALL;
+    float f[4][N + 1], peak[5], world[N][3], local[N][3];
+    double pdf[N], most, share[H], found[8];
+    uint32_t at[N + 1], wanted[N];
+    bis_flat_stage *stage;
+    bis_light *light;
+
+    write_lamp();
+    assert_int_equal(bis_flat_light_open_as(&light, DIR "/lamp.pfm", (const char *[]){NULL}, SAY), 0);
+    assert_int_equal(bis_flat_light_density(light, pdf, &most, share, SAY), 0);
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){turned, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    for (int k = 0; k < 4; k++) f[k][N] = 7;
+    peak[4] = 7, at[N] = 7;
+    assert_int_equal(bis_flat_stage_densities(stage, W, H, f[0], f[1], f[2], f[3], peak, SAY), 0);
+    for (int i = 0; i < N; i++) {
+        const double theta = PI * (i / W + 0.5) / H, phi = 2 * PI * (i % W + 0.5) / W;
+        const double x = sin(theta) * cos(phi), y = sin(theta) * sin(phi), z = cos(theta), up = fmax(0, y);
+        const double lamp = i / W == 2 && i % W / 2 == 1 ? 4 : 1, product = 3 * 0.3 / PI * up * lamp;
+        assert_true(f[0][i] == (float)pdf[i] && fabs((double)f[1][i] - up / PI) < 1e-6);
+        assert_true(fabs((double)f[2][i] - product) < 1e-6 && f[3][i] == (-z > 0 ? 0 : f[2][i]));
+        memcpy(local[i], (float[]){(float)x, (float)y, (float)z}, sizeof local[i]);
+        memcpy(world[i], (float[]){(float)(x * 3), (float)(-z * 3), (float)(y * 3)}, sizeof world[i]);
+    }
+    for (int k = 0; k < 4; k++) {
+        float largest = 0;
+        for (int i = 0; i < N; i++) largest = fmaxf(largest, f[k][i]);
+        assert_true(f[k][N] == 7 && peak[k] == largest && largest > 0);
+    }
+    assert_true(peak[4] == 7 && peak[0] == (float)most);
+    assert_int_equal(bis_flat_light_find(light, N, local[0], wanted, SAY), 0);
+    assert_int_equal(bis_flat_stage_find(stage, W, H, N, world[0], at, SAY), 0);
+    for (uint32_t i = 0; i < N; i++) assert_true(at[i] == i && wanted[i] == i);
+    assert_int_equal(at[N], 7);
+    const int sides[4][2] = {{0, 1}, {1, 0}, {4097, 1}, {1, 4097}};
+    for (int i = 0; i < 4; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "a field of %d x %d: give 1 to 4096 each", sides[i][0], sides[i][1]);
+        refuses(bis_flat_stage_find(stage, sides[i][0], sides[i][1], 1, world[0], at, SAY), text);
+    }
+    assert_int_equal(bis_flat_stage_find(stage, 1, 1, N, world[0], at, SAY), 0);
+    for (uint32_t i = 0; i < N; i++) assert_int_equal(at[i], 0);
+    refuses(bis_flat_stage_find(stage, 1, 1, 2, (float[]){0, 0, 0, 0, 0, NAN}, at, SAY), "direction 1 is (0, 0, nan)");
+    bis_flat_stage_close(stage);
+    bis_flat_light_close(light);
+}
 
 /* The formulas of docs/theory.md, by midpoints of 1024 x 512 cells, 64 x 64 in each pixel, and nothing hidden: mean,
  * standard deviations by balance and best weights, beta, overlap. */
@@ -458,8 +855,11 @@ static void the_best_weights_are_what_they_say(void **state)
         assert_true(fabs(sum[3] / right[3] - 1) <= 3 * allowed);
         assert_true(right[1] / right[2] - 1 > 1.5 * allowed);
     }
-    refuses(bis_flat_stage_mis(stage, (const char *[]){"integrator=em", NULL}, 1, 100, sum, SAY), "give mis");
-    refuses(bis_flat_stage_mis(stage, mis, 1, 1, sum, SAY), "give 2 to");
+    refuses(bis_flat_stage_mis(stage, (const char *[]){"integrator=em", NULL}, 1, 100, sum, SAY),
+        "integrator \"em\" does not combine two techniques: give mis");
+    refuses(bis_flat_stage_mis(stage, mis, 1, 1, sum, SAY), "1 estimates: give 2 to 1000000");
+    refuses(bis_flat_stage_mis(stage, mis, 1, 1000001, sum, SAY), "1000001 estimates: give 2 to 1000000");
+    assert_int_equal(bis_flat_stage_mis(stage, mis, 1, 2, sum, SAY), 0);
     bis_flat_stage_close(stage);
     assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
     assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
@@ -480,7 +880,31 @@ static void a_diffuse_material_loses_nothing(void **state)
     assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", Kd, Ks, 1, up, up, SAY), 0);
     assert_int_equal(bis_flat_bsdf_albedo(bsdf, up, 200, sum, SAY), 0);
     assert_true(fabs(sum[0] - 0.5) < 1e-5 && fabs(sum[2]) < 1e-5);
-    refuses(bis_flat_bsdf_albedo(bsdf, up, 0, sum, SAY), "1 to 4096");
+    refuses(bis_flat_bsdf_albedo(bsdf, up, 0, sum, SAY), "n is 0: give 1 to 4096");
+    refuses(bis_flat_bsdf_albedo(bsdf, up, 4097, sum, SAY), "n is 4097: give 1 to 4096");
+    /* one cell: the cosine is 1/2, its solid angle 2 pi */
+    assert_int_equal(bis_flat_bsdf_albedo(bsdf, up, 1, sum, SAY), 0);
+    assert_true(fabs(sum[0] - 2 * PI * 0.5 * 0.5 / PI) < 1e-6 && fabs(sum[1] - 2 * PI * 0.5 / PI) < 1e-6);
+    bis_flat_bsdf_close(bsdf);
+}
+
+/* A lobe of exponent 0 is a hemisphere about the mirror's direction, of density 1/(2 pi). At 60 degrees two thirds of
+ * it lie above the horizon, and the integral of the cosine over these is pi/2 (1 + cos 60 degrees), by projection: 3/8
+ * is reflected for a Ks of 1, here of 0.6 in the mean. The normal is any. By 400 x 400 midpoints, whose edge cells are
+ * a thousandth. */
+static void a_hemisphere_as_a_lobe_loses_a_third_at_60_degrees(void **state)
+{
+    const double n[3] = {2, 4, 4}, Kd[3] = {0, 0, 0}, Ks[3] = {0.3, 0.5, 1};
+    double wo[3], sum[4];
+    bis_bsdf *bsdf;
+
+    /* a vector across the normal, (2, -2, 1)/3 */
+    for (int k = 0; k < 3; k++) wo[k] = n[k] / 6 / 2 + sqrt(0.75) * (const double[]){2, -2, 1}[k] / 3;
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", Kd, Ks, 0, n, wo, SAY), 0);
+    sum[3] = 7;
+    assert_int_equal(bis_flat_bsdf_albedo(bsdf, n, 400, sum, SAY), 0);
+    assert_true(fabs(sum[0] - 0.6 * 3 / 8) < 1e-3 && fabs(sum[1] - 2.0 / 3) < 2e-3 && sum[2] == 1 - sum[1]);
+    assert_true(sum[3] == 7);
     bis_flat_bsdf_close(bsdf);
 }
 
@@ -505,7 +929,8 @@ static void the_plane_of_the_eye_shows_the_lobe_at_the_mirrors_angle(void **stat
     assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", black, one, 100, up, eye[0], SAY), 0);
     assert_int_equal(bis_flat_bsdf_plane(bsdf, up, 4, at, f_cos, pdf, SAY), 0);
     assert_true(fabs(pdf[2] / (101 / (2 * PI)) - 1) < 1e-4 && fabs(f_cos[2] / pdf[2] - 0.5) < 1e-4 && pdf[0] < 1e-6);
-    refuses(bis_flat_bsdf_plane(bsdf, up, 1, (double[]){(double)NAN}, f_cos, pdf, SAY), "give a number");
+    refuses(bis_flat_bsdf_plane(bsdf, up, 2, (double[]){1, (double)NAN}, f_cos, pdf, SAY),
+        "angle 1 is nan: give a number");
     bis_flat_bsdf_close(bsdf);
 }
 
@@ -535,6 +960,14 @@ static void two_pictures_are_compared_as_the_program_does(void **state)
     assert_true(fabs(sum[0] - sqrt(1.5)) < 1e-12 && fabs(sum[1] - 1.5 / 4.04) < 1e-12 && fabs(sum[2] - 0.5) < 1e-12);
     assert_int_equal(bis_flat_compare(1, 2, b, b, sum, SAY), 0);
     assert_true(sum[0] == 0 && sum[1] == 0 && sum[2] == 0);
+    const float c[16] = {1, 2, 3, 9, 1, 2, 3, 9, 1, 2, 3, 9, 1, 2, 3, 9}; /* the last pixel, and the last channel */
+    float d[16];
+    for (int i = 12; i < 15; i++) {
+        memcpy(d, c, sizeof d);
+        d[i] += 6;
+        assert_int_equal(bis_flat_compare(2, 2, c, d, sum, SAY), 0);
+        assert_true(fabs(sum[0] - sqrt(36 / 12.0)) < 1e-12 && fabs(sum[2] + 0.5) < 1e-12);
+    }
     assert_int_equal(bis_flat_compare(0, 2, a, b, sum, SAY), BIS_INPUT);
     refuses(bis_flat_compare(2, 1, a, NULL, sum, SAY), "b is NULL");
 }
@@ -594,6 +1027,213 @@ static void null_is_an_error_where_there_are_items(void **state)
     bis_flat_stage_close(stage);
     bis_flat_light_close(light);
     bis_flat_bsdf_close(b);
+}
+
+/* Of several pointers that are NULL the first is named, whatever stands behind it. */
+static void of_several_nulls_of_a_table_the_first_is_named(void **state)
+{
+    double d[3] = {1, 1, 1};
+    uint32_t k[1] = {1};
+    uint8_t b[1];
+
+    refuses(bis_flat_histogram(0, NULL, NULL, 1, 1, NULL, SAY), "unit is NULL");
+    refuses(bis_flat_histogram(0, NULL, d, 1, 1, NULL, SAY), "count is NULL");
+    refuses(bis_flat_bits(NULL, NULL, NULL, NULL, SAY), "hash is NULL");
+    refuses(bis_flat_bits(k, NULL, NULL, NULL, SAY), "expected is NULL");
+    refuses(bis_flat_bits(k, k, NULL, NULL, SAY), "name is NULL");
+    refuses(bis_flat_bits(k, k, b, NULL, SAY), "n is NULL");
+    refuses(bis_flat_marsaglia(1, NULL, 1, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_marsaglia(1, k, 1, NULL, NULL, SAY), "list is NULL");
+    refuses(bis_flat_marsaglia(1, k, 1, k, NULL, SAY), "length is NULL");
+    refuses(bis_flat_alias_stage(1, NULL, 1, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_alias_stage(1, d, 1, NULL, NULL, SAY), "order is NULL");
+    refuses(bis_flat_alias_stage(1, d, 1, k, NULL, SAY), "height is NULL");
+    refuses(bis_flat_alias_pmf(1, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_alias_pmf(1, d, NULL, NULL, SAY), "pmf is NULL");
+    refuses(bis_flat_alias_pmf(1, d, d, NULL, SAY), "P is NULL");
+    refuses(bis_flat_alias_few_bits(1, NULL, 1, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_alias_few_bits(1, d, 1, NULL, NULL, NULL, SAY), "printed is NULL");
+    refuses(bis_flat_alias_few_bits(1, d, 1, d, NULL, NULL, SAY), "right is NULL");
+    refuses(bis_flat_alias_few_bits(1, d, 1, d, d, NULL, SAY), "impossible is NULL");
+    refuses(bis_flat_cdf_build(1, NULL, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_cdf_build(1, d, NULL, NULL, NULL, SAY), "c is NULL");
+    refuses(bis_flat_cdf_build(1, d, d, NULL, NULL, SAY), "guide is NULL");
+    refuses(bis_flat_cdf_build(1, d, d, k, NULL, SAY), "n_guide is NULL");
+    refuses(bis_flat_cdf_sample(1, d, 1, NULL, NULL, NULL, NULL, SAY), "u is NULL");
+    refuses(bis_flat_cdf_sample(1, d, 1, d, NULL, NULL, NULL, SAY), "item is NULL");
+    refuses(bis_flat_cdf_sample(1, d, 1, d, k, NULL, NULL, SAY), "part is NULL");
+    refuses(bis_flat_cdf_sample(1, d, 1, d, k, k, NULL, SAY), "first is NULL");
+    refuses(bis_flat_fit(1, NULL, 0, NULL, NULL, NULL, SAY), "P is NULL");
+    refuses(bis_flat_fit(1, d, 0, NULL, NULL, NULL, SAY), "observed is NULL");
+    refuses(bis_flat_fit(1, d, 0, NULL, d, NULL, SAY), "fit is NULL");
+}
+
+static void of_several_nulls_of_a_map_the_first_is_named(void **state)
+{
+    const double half[3] = {0.5, 0.5, 0.5};
+    bis_light *light, *other = NULL;
+    bis_bsdf *bsdf;
+    float f[4] = {0, 0, 1, 1};
+    double d[3] = {1, 1, 1};
+    uint32_t k[1] = {1};
+
+    assert_int_equal(bis_flat_light_open(&light, DIR "/white.pfm", "cdf", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", half, half, 9, half, half, SAY), 0);
+    refuses(bis_flat_light_open_as(NULL, NULL, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_open_as(&other, NULL, NULL, SAY), "path is NULL");
+    refuses(bis_flat_light_open_as(&other, "m.hdr", NULL, SAY), "settings is NULL");
+    refuses(bis_flat_light_find(light, 1, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_light_find(light, 1, f, NULL, SAY), "pixel is NULL");
+    refuses(bis_flat_light_shrink(NULL, NULL, 1, SAY), "small is NULL");
+    refuses(bis_flat_light_shrink(&other, NULL, 1, SAY), "light is NULL");
+    refuses(bis_flat_light_density(NULL, NULL, NULL, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_density(light, NULL, NULL, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_light_density(light, d, NULL, NULL, SAY), "peak is NULL");
+    refuses(bis_flat_light_density(light, d, d, NULL, SAY), "share is NULL");
+    refuses(bis_flat_light_rows(NULL, 0, NULL, 1, NULL, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_rows(light, 0, NULL, 1, NULL, NULL, SAY), "count is NULL");
+    refuses(bis_flat_light_rows(light, 0, NULL, 1, k, NULL, SAY), "polar is NULL");
+    refuses(bis_flat_light_regions(NULL, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_regions(light, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "label is NULL");
+    refuses(bis_flat_light_regions(light, 1, 1, k, NULL, NULL, NULL, NULL, SAY), "level is NULL");
+    refuses(bis_flat_light_regions(light, 1, 1, k, k, NULL, NULL, NULL, SAY), "area is NULL");
+    refuses(bis_flat_light_regions(light, 1, 1, k, k, d, NULL, NULL, SAY), "factor is NULL");
+    refuses(bis_flat_light_regions(light, 1, 1, k, k, d, d, NULL, SAY), "n is NULL");
+    refuses(bis_flat_bsdf_albedo(NULL, NULL, 1, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_albedo(bsdf, NULL, 1, NULL, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_albedo(bsdf, d, 1, NULL, SAY), "sum is NULL");
+    refuses(bis_flat_bsdf_plane(NULL, NULL, 0, NULL, NULL, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_plane(bsdf, NULL, 0, NULL, NULL, NULL, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_plane(bsdf, d, 1, NULL, NULL, NULL, SAY), "degrees is NULL");
+    refuses(bis_flat_bsdf_plane(bsdf, d, 1, d, NULL, NULL, SAY), "f_cos is NULL");
+    refuses(bis_flat_bsdf_plane(bsdf, d, 1, d, d, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_bsdf_below(NULL, 0, NULL, NULL, NULL, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_below(bsdf, 0, NULL, NULL, NULL, SAY), "count is NULL");
+    refuses(bis_flat_bsdf_below(bsdf, 1, NULL, NULL, k, SAY), "wi is NULL");
+    refuses(bis_flat_bsdf_below(bsdf, 1, f, NULL, k, SAY), "below is NULL");
+    refuses(bis_flat_compare(1, 1, NULL, NULL, NULL, SAY), "a is NULL");
+    refuses(bis_flat_compare(1, 1, f, NULL, NULL, SAY), "b is NULL");
+    refuses(bis_flat_compare(1, 1, f, f, NULL, SAY), "sum is NULL");
+    bis_flat_light_close(light);
+    bis_flat_bsdf_close(bsdf);
+}
+
+static void of_several_nulls_of_a_stage_the_first_is_named(void **state)
+{
+    static const char *const none[] = {NULL};
+    bis_flat_stage *s, *other = NULL;
+    float f[4] = {0, 0, 1, 1};
+    double d[8] = {1, 1, 1};
+    uint32_t k[1] = {1};
+
+    assert_int_equal(bis_flat_stage_open(&s, "scene", (const char *[]){SCENE, NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(s, 4, 4, d, SAY), 0);
+    refuses(bis_flat_stage_open(NULL, NULL, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_open(&other, NULL, NULL, SAY), "scene is NULL");
+    refuses(bis_flat_stage_open(&other, "s", NULL, SAY), "settings is NULL");
+    refuses(bis_flat_stage_at(NULL, 0, 0, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_at(s, 0, 0, NULL, SAY), "found is NULL");
+    refuses(bis_flat_stage_exact(NULL, 1, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_exact(s, 1, NULL, SAY), "value is NULL");
+    refuses(bis_flat_stage_densities(NULL, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_densities(s, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "q_L is NULL");
+    refuses(bis_flat_stage_densities(s, 1, 1, f, NULL, NULL, NULL, NULL, SAY), "q_f is NULL");
+    refuses(bis_flat_stage_densities(s, 1, 1, f, f, NULL, NULL, NULL, SAY), "product is NULL");
+    refuses(bis_flat_stage_densities(s, 1, 1, f, f, f, NULL, NULL, SAY), "seen is NULL");
+    refuses(bis_flat_stage_densities(s, 1, 1, f, f, f, f, NULL, SAY), "peak is NULL");
+    refuses(bis_flat_stage_find(s, 1, 1, 1, NULL, NULL, SAY), "wi is NULL");
+    refuses(bis_flat_stage_find(s, 1, 1, 1, f, NULL, SAY), "cell is NULL");
+    refuses(bis_flat_stage_candidates(NULL, NULL, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_candidates(s, NULL, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "settings is NULL");
+    refuses(bis_flat_stage_candidates(s, none, 1, 1, NULL, NULL, NULL, NULL, NULL, SAY), "wi is NULL");
+    refuses(bis_flat_stage_candidates(s, none, 1, 1, f, NULL, NULL, NULL, NULL, SAY), "w is NULL");
+    refuses(bis_flat_stage_candidates(s, none, 1, 1, f, d, NULL, NULL, NULL, SAY), "chosen is NULL");
+    refuses(bis_flat_stage_candidates(s, none, 1, 1, f, d, k, NULL, NULL, SAY), "kind is NULL");
+    refuses(bis_flat_stage_candidates(s, none, 1, 1, f, d, k, k, NULL, SAY), "sum is NULL");
+    refuses(bis_flat_stage_runs(NULL, NULL, 1, 2, NULL, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_runs(s, NULL, 1, 2, NULL, NULL, SAY), "settings is NULL");
+    refuses(bis_flat_stage_runs(s, none, 1, 2, NULL, NULL, SAY), "L is NULL");
+    refuses(bis_flat_stage_runs(s, none, 1, 2, d, NULL, SAY), "sum is NULL");
+    refuses(bis_flat_stage_mis(NULL, NULL, 1, 2, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_mis(s, NULL, 1, 2, NULL, SAY), "settings is NULL");
+    refuses(bis_flat_stage_mis(s, none, 1, 2, NULL, SAY), "sum is NULL");
+    refuses(bis_flat_stage_noises(NULL, NULL, 1, 2, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_noises(s, NULL, 1, 2, NULL, SAY), "settings is NULL");
+    refuses(bis_flat_stage_noises(s, none, 1, 2, NULL, SAY), "sum is NULL");
+    refuses(bis_flat_stage_bounds(NULL, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_bounds(s, NULL, SAY), "bound is NULL");
+    refuses(bis_flat_stage_accept(NULL, NULL, 0, NULL, NULL, NULL, NULL, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_accept(s, NULL, 0, NULL, NULL, NULL, NULL, NULL, SAY), "proposal is NULL");
+    refuses(bis_flat_stage_accept(s, "em", 0, NULL, NULL, NULL, NULL, NULL, SAY), "accepted is NULL");
+    refuses(bis_flat_stage_accept(s, "em", 1, NULL, NULL, NULL, NULL, k, SAY), "w is NULL");
+    refuses(bis_flat_stage_accept(s, "em", 1, d, NULL, NULL, NULL, k, SAY), "u is NULL");
+    refuses(bis_flat_stage_accept(s, "em", 1, d, d, NULL, NULL, k, SAY), "height is NULL");
+    refuses(bis_flat_stage_accept(s, "em", 1, d, d, d, NULL, k, SAY), "taken is NULL");
+    refuses(bis_flat_stage_accepted(NULL, NULL, 1, 2, NULL, SAY), "stage is NULL");
+    refuses(bis_flat_stage_accepted(s, NULL, 1, 2, NULL, SAY), "settings is NULL");
+    refuses(bis_flat_stage_accepted(s, none, 1, 2, NULL, SAY), "count is NULL");
+    bis_flat_stage_close(s);
+}
+
+/* One step of those that take memory; what it makes is freed. */
+static bis_status step_without_memory(int k, bis_flat_stage **stage, bis_light *light)
+{
+    static const char *const sir[] = {"integrator=sir", "candidates=16", "shadowrays=2", NULL};
+    static const char *const mis[] = {"integrator=mis", "samples=4", NULL};
+    const double w[3] = {1, 2, 3}, P[3] = {0.5, 0.25, 0.25};
+    const float a[4] = {1, 1, 1, 1};
+    static double v[128], x[128], y[128];
+    static uint32_t i[128], j[128], n;
+    static float f[3 * 16];
+    bis_light *small = NULL;
+    bis_flat_stage *other = NULL;
+    int status = BIS_OK;
+
+    switch (k) {
+    case 0: return bis_flat_marsaglia(3, (uint32_t[]){1, 2, 3}, 9, i, &n, SAY);
+    case 1: return bis_flat_alias_stage(3, w, 1, i, v, SAY);
+    case 2: return bis_flat_alias_pmf(3, w, v, x, SAY);
+    case 3: return bis_flat_alias_few_bits(3, w, 3, v, x, y, SAY);
+    case 4: return bis_flat_cdf_build(3, w, v, i, &n, SAY);
+    case 5: return bis_flat_cdf_sample(3, w, 1, (double[]){0.5}, i, j, &n, SAY);
+    case 6: return bis_flat_fit(3, P, 4, (uint32_t[]){0, 0, 1, 2}, v, x, SAY);
+    case 7: return bis_flat_light_regions(light, 2, 1, i, j, v, x, &n, SAY);
+    case 8: return bis_flat_compare(1, 1, a, a, v, SAY);
+    case 9: return bis_flat_stage_candidates(*stage, sir, 1, 16, f, v, i, j, x, SAY);
+    case 10: return bis_flat_stage_runs(*stage, sir, 1, 4, v, x, SAY);
+    case 11: return bis_flat_stage_mis(*stage, mis, 1, 4, v, SAY);
+    case 12: return bis_flat_stage_noises(*stage, sir, 1, 4, v, SAY);
+    case 13: return bis_flat_stage_accepted(*stage, (const char *[]){"integrator=rejection", NULL}, 1, 4, v, SAY);
+    case 14: status = bis_flat_light_shrink(&small, light, 8, SAY); break;
+    case 15: status = bis_flat_light_open_as(&small, DIR "/white.pfm", (const char *[]){NULL}, SAY); break;
+    default: status = bis_flat_stage_open(&other, "scene", (const char *[]){SCENE, "threads=1", NULL}, SAY);
+    }
+    assert_true((status == BIS_OK) == (k == 14 || k == 15 ? small != NULL : other != NULL));
+    bis_flat_light_close(small);
+    bis_flat_stage_close(other);
+    return status;
+}
+
+static void without_memory_a_step_says_so_and_keeps_none(void **state)
+{
+    bis_flat_stage *stage;
+    bis_light *light;
+    double found[8];
+
+    assert_int_equal(bis_flat_light_open(&light, DIR "/white.pfm", "cdf", 0, NULL, SAY), 0);
+    assert_int_equal(bis_flat_stage_open(&stage, "scene", (const char *[]){SCENE, "threads=1", NULL}, SAY), 0);
+    assert_int_equal(bis_flat_stage_at(stage, 4, 4, found, SAY), 0);
+    for (int k = 0; k < 17; k++) {
+        FOR_LACK(l) {
+            const long live = bis_mem_live();
+            LACK(l, step_without_memory(k, &stage, light));
+            if ((l.status == BIS_NOMEM) != (*say != 0)) fail_msg("step %d: %s", k, say);
+            assert_int_equal(bis_mem_live(), live);
+            assert_true(!l.over || l.k > 1);
+        }
+    }
+    bis_flat_stage_close(stage);
+    bis_flat_light_close(light);
 }
 
 /* A NaN must not become an index, and a direction of any length is one. */
@@ -656,6 +1296,19 @@ int main(void)
         cmocka_unit_test(the_best_weights_are_what_they_say),
         cmocka_unit_test(null_is_an_error_where_there_are_items),
         cmocka_unit_test(directions_of_the_caller_are_checked),
+        cmocka_unit_test(of_several_nulls_of_a_table_the_first_is_named),
+        cmocka_unit_test(of_several_nulls_of_a_map_the_first_is_named),
+        cmocka_unit_test(of_several_nulls_of_a_stage_the_first_is_named),
+        cmocka_unit_test(few_bits_are_counted_by_hand_E14),
+        cmocka_unit_test(components_are_told_pixel_by_pixel),
+        cmocka_unit_test(the_settings_of_a_map_are_those_of_its_light),
+        cmocka_unit_test(a_setting_of_a_map_has_its_limits),
+        cmocka_unit_test(a_pixel_shows_the_point_on_the_floor),
+        cmocka_unit_test(candidates_are_known_by_their_directions),
+        cmocka_unit_test(runs_are_summed_up_and_the_exact_value_is_of_its_point),
+        cmocka_unit_test(a_field_has_the_frame_of_its_light),
+        cmocka_unit_test(a_hemisphere_as_a_lobe_loses_a_third_at_60_degrees),
+        cmocka_unit_test(without_memory_a_step_says_so_and_keeps_none),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static bis_survey survey_of(const bis_envmap *em, int levels)
 {
@@ -615,6 +616,44 @@ static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
     bis_image_clear(&image);
 }
 
+/* Pictures of --outdir have the map's name up to its last dot, and all of a name that only begins with one; none of the
+ * four replaces the map; a name of 4000 bytes is the longest. */
+static void pictures_have_the_name_of_their_map(void **state)
+{
+    static const char *const what[] = {"map", "levels", "regions", "importance"};
+    static const char *const maps[][2] = {{"a.b.pfm", "a.b"}, {".pfm", ".pfm"}};
+    char path[128], command[4200];
+    program_run r;
+    program_folder(DIR "/named");
+    for (int i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "cp " DIR "/map.pfm " DIR "/named/%s", maps[i][0]);
+        assert_int_equal(system(path), 0);
+        program_expect(&r, 0, "envmap --json " DIR "/named/%s --outdir " DIR "/named", maps[i][0]);
+        for (int k = 0; k < 4; k++) {
+            snprintf(path, sizeof path, DIR "/named/%s-%s.png", maps[i][1], what[k]);
+            assert_true(program_exists(path));
+        }
+    }
+    for (int k = 0; k < 4; k++) {
+        snprintf(path, sizeof path, "cp " DIR "/map.pfm " DIR "/named/sky-%s.pfm", what[k]);
+        assert_int_equal(system(path), 0);
+        program_expect(&r, 2, "envmap " DIR "/named/sky-%s.pfm --out " DIR "/named/sky.pfm", what[k]);
+        assert_non_null(strstr(r.messages, "which is read; give the output another name"));
+        snprintf(path, sizeof path, DIR "/named/sky-%s.pfm", what[k]);
+        unlink(path);
+    }
+    for (int more = 0; more < 2; more++) {
+        int n = snprintf(command, sizeof command, "envmap --json " DIR "/map.pfm --out ");
+        const int begin = n;
+        n += snprintf(command + n, sizeof command - (size_t)n, DIR);
+        for (; n < begin + 4000 + more - 5; n++) command[n] = '/';
+        snprintf(command + n, sizeof command - (size_t)n, "x.png");
+        program_expect(&r, more ? 2 : 0, "%s", command);
+        assert_string_equal(r.messages, more ? "bis: error: --out: the name is longer than 4000 bytes\n" : "");
+    }
+    assert_true(program_exists(DIR "/x-importance.png"));
+}
+
 /* A map with one lamp goes to each mapping and comes back: the program's own figures, the files' means, the lamp's
  * place. */
 static void a_map_is_converted_and_comes_back(void **state)
@@ -712,6 +751,7 @@ int main(void)
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
         cmocka_unit_test(the_page_of_a_map_by_hand_has_its_levels_regions_and_densities),
         cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
+        cmocka_unit_test(pictures_have_the_name_of_their_map),
         cmocka_unit_test(a_map_is_converted_and_comes_back),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(every_allocation_of_a_page_may_fail),
