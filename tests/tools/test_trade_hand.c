@@ -29,9 +29,11 @@
 #include "program.h"
 #include "bis/tools/compare.h"
 
+#include <dlfcn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define DIR "build/test_trade_hand"
@@ -49,6 +51,38 @@ static void assert_near(double a, double b)
     if (!(fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b))) && !(isnan(a) && isnan(b))) fail_msg("%.17g is not %.17g", a,
         b);
 }
+
+/* ---- time ---- */
+
+/* This program's own clock, which the library reads: once it is set, it stands where it was put, and goes on by `step`
+ * whenever somebody reads it. Nanoseconds. */
+static struct {
+    bool is_set;
+    int64_t now, step;
+} watch;
+
+int clock_gettime(clockid_t of, struct timespec *t)
+{
+    static int (*real)(clockid_t, struct timespec *);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
+    if (!watch.is_set || of != CLOCK_MONOTONIC) return real(of, t);
+    *t = (struct timespec){watch.now / 1000000000, watch.now % 1000000000};
+    watch.now += watch.step;
+    return 0;
+}
+
+/* The clock shows 1000 s, and each reading takes so many seconds. */
+static void set_watch(double step)
+{
+    watch.is_set = true;
+    watch.now = 1000 * (int64_t)1000000000;
+    watch.step = (int64_t)(1e9 * step);
+}
+
+static void move_watch(double seconds) { watch.now += (int64_t)(1e9 * seconds); }
+
+/* What the last reading was. */
+static double last_reading(void) { return 1e-9 * (double)(watch.now - watch.step); }
 
 /* ---- the sweep ---- */
 
@@ -834,7 +868,8 @@ static void a_biased_setting_gets_the_short_curve(void **state)
     assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
 }
 
-/* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. */
+/* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. With the 12 s
+ * that the pilot took, a fifth more than 12.2544 s are wanted. */
 static void a_plan_without_time_is_refused(void **state)
 {
     bis_scene_desc desc;
@@ -842,11 +877,13 @@ static void a_plan_without_time_is_refused(void **state)
     for (int i = 0; i < 2; i++) {
         bis_diag diag = {0};
         pilot(&t, &desc);
-        t.start = bis_clock_now();
+        set_watch(0);
+        t.start = 988;
         assert_int_equal(bis_trade_fit_plan(&t, i ? 0.2546 : 0.2542, &diag), i ? BIS_OK : BIS_INPUT);
+        watch.is_set = false;
         if (!i) assert_non_null(strstr(diag.messages[0].text, "error: 10 s are too few: a single pass of the best "
-            "setting of each integrator, "
-                                                              "80 x 53 pixels and 2 seeds, wants about "));
+            "setting of each integrator, 80 x 53 pixels and 2 seeds, wants about 15 s in all; give --time more than "
+            "that, or name fewer integrators by --integrator"));
         bis_diag_clear(&diag);
     }
 }
@@ -889,6 +926,7 @@ typedef struct diary {
 static void note(const char *what, double share, double left, void *user)
 {
     diary *d = user;
+    if (strncmp(what, "run ", 4) == 0) move_watch(1e5);
     assert_true(d->n < 64);
     told *e = &d->entry[d->n++];
     snprintf(e->what, sizeof e->what, "%s", what);
@@ -982,6 +1020,170 @@ static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
         }
         assert_int_equal(n, 11);
         assert_true(t.plan.run_seconds == longest); /* of one pass */
+        bis_trade_clear(&t);
+    }
+}
+
+/* The seconds of a render by the clock that is set, of a setting of a plan that has been made. */
+static double seconds_of(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
+                         double *relmse)
+{
+    bis_render_result result;
+    assert_int_equal(bis_trade_render(t, &(bis_trade_job){s, step, passes, seed}, NULL, &result, NULL), BIS_OK);
+    if (relmse) *relmse = result.error.relative_rmse * result.error.relative_rmse * passes;
+    return result.seconds;
+}
+
+/* A sweep of em, --quick, of 96 x 64 pixels, whose pilot has 7 settings. */
+static void load_for_pilot(bis_trade *t, double seconds)
+{
+    static const char *const em[] = {"em"};
+    *t = (bis_trade){.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1, .seconds = seconds,
+                           .n_seeds = 1, .seed = 9, .n_threads = 1, .quick = true}};
+    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+    t->plan.full_width = 96, t->plan.full_height = 64;
+    set_watch(1);
+    t->start = bis_clock_now();
+}
+
+/* The plan is the one that the pilot's figures give for so many seconds. */
+static void assert_fitted_to(const bis_trade *t, double left)
+{
+    bis_trade u = *t;
+    for (int i = 0; i < u.plan.n_settings; i++)
+        u.plan.settings[i].pass_seconds /= bis_trade_pixels(t, t->plan.step);
+    assert_int_equal(bis_trade_fit_plan(&u, left, NULL), BIS_OK);
+    assert_near(t->plan.run_seconds, u.plan.run_seconds);
+    assert_int_equal(t->plan.reference_passes[1], u.plan.reference_passes[1]);
+    for (int i = 0; i < u.plan.n_settings; i++)
+        assert_int_equal(t->plan.settings[i].levels, u.plan.settings[i].levels);
+}
+
+/* A clock of one second a reading, which comes between passes and after tiles. Four passes of one pixel take 5 s, so a
+ * pass of any size takes 1.25. The probe has every eleventh pixel, 9 x 6, and takes 3 s: 1.75/54 for each. Three passes
+ * are to fit into twice the setting's share, 8% of the time over 7: with 4100 s these are 964 pixels, with 4250 s 999,
+ * with 11500 s 2704, where every second one is nearest from 983 to 2731. In 400 s it is 16 x 1.25 s that counts, 617
+ * pixels, every third. Passes are those that fit into the share, two at least. */
+static void the_pilot_has_as_many_pixels_as_its_time_allows(void **state)
+{
+    static const struct { double seconds; int step; uint32_t passes; } cases[] = {
+        {400, 3, 2}, {4100, 3, 7}, {4250, 2, 6}, {11500, 2, 16}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        bis_trade t;
+        int n = 0;
+        load_for_pilot(&t, cases[c].seconds);
+        assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+        assert_fitted_to(&t, cases[c].seconds - (last_reading() - t.start));
+        for (int i = 0; i < t.plan.n_settings; i++) {
+            const bis_trade_setting *const s = &t.plan.settings[i];
+            const int step = cases[c].step;
+            const uint32_t passes = cases[c].passes;
+            double relmse;
+            if (!(s->pass_seconds > 0)) continue;
+            assert_true(s->fill_seconds == 1.25);
+            const double share = 0.08 * cases[c].seconds / 7, one = seconds_of(&t, s, step, 1, 9, NULL);
+            assert_true(one == (step == 3 ? 6 : 8)); /* 2 x 2 tiles, or 3 x 2, and 2 */
+            assert_true(share < one * (passes + 1) && (passes == 2 || share >= one * passes));
+            const double each = seconds_of(&t, s, step, passes, 10, &relmse) / passes;
+            assert_near(s->pass_seconds, each / bis_trade_pixels(&t, step) * bis_trade_pixels(&t, t.plan.step));
+            assert_near(s->pass_relmse, relmse);
+            n++;
+        }
+        assert_int_equal(n, 7);
+        watch.is_set = false;
+        bis_trade_clear(&t);
+    }
+}
+
+static void interrupt_late(const char *what, double share, double left, void *user)
+{
+    bis_trade *t = user;
+    if (strcmp(what, "pilot") != 0 || share < 0.1) return;
+    move_watch(1000);
+    *(volatile sig_atomic_t *)t->o.interrupted = 1;
+}
+
+/* A setting takes 29 readings of a second. After each but the last the pilot must not have taken all the time, as 58 s
+ * are after two; if it has, it wants as much for each of the 7. Nobody who counts passes or has interrupted it is told that. What is left for the
+ * measurement is a tenth of the time at least. */
+static void a_pilot_that_takes_all_the_time_is_given_up(void **state)
+{
+    for (int i = 0; i < 5; i++) {
+        static const double seconds[] = {59, 58, 59, 59, 190};
+        static volatile sig_atomic_t flag;
+        bis_trade t;
+        bis_diag diag = {0};
+        diary d = {.n = 0};
+        char need[BIS_DURATION], expected[256];
+        load_for_pilot(&t, seconds[i]);
+        flag = 0;
+        t.o.progress = i == 3 ? interrupt_late : note, t.o.user = i == 3 ? (void *)&t : &d, t.o.interrupted = &flag;
+        if (i == 2) t.o.passes = 1;
+        if (i == 4) t.plan.full_width = 24, t.plan.full_height = 16;
+        if (i == 4) t.start -= 25;
+        assert_int_equal(bis_trade_make_plan(&t, &diag), i < 2 ? BIS_INPUT : BIS_OK);
+        const double elapsed = last_reading() - t.start;
+        if (i < 2) {
+            const int done = 3 - i;
+            assert_true(elapsed == 29 * done);
+            assert_int_equal(d.n, done);
+            bis_duration(need, elapsed / done * 7);
+            snprintf(expected, sizeof expected, "error: %g s are too few: the pilot alone, a look at each of 7 "
+                     "settings, wants about %s; give --time some times that, or name fewer integrators by "
+                     "--integrator", seconds[i], need);
+            assert_int_equal(diag.n, 1);
+            assert_non_null(strstr(diag.messages[0].text, expected));
+        }
+        if (i == 4) {
+            assert_true(elapsed > 171 && elapsed < 190);
+            assert_fitted_to(&t, 19);
+        }
+        watch.is_set = false;
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
+/* em 16, or mis 16, is the scene's own. Its probe costs 1.75/54 s a pixel, and of 96 x 64 all are measured, for two
+ * seeds: 398.2 s, half of 796.4. If that is more than there is, a probe of 16 x 11 pixels is made, 1.75/176 s each: half
+ * of 244.4 s. What it tells counts from then on: the pilot has 2011 pixels instead of 617. Whoever counts passes is not
+ * refused, and neither is a setting for what is not swept or not the scene's. */
+static void the_scenes_own_setting_is_refused_if_a_pass_takes_too_long(void **state)
+{
+    static const struct { double seconds; bool is_own, is_swept; uint32_t passes; int step; const char *what; } cases[] = {
+        {800, true, true, 0, 3, NULL}, {790, true, true, 0, 2, NULL}, {790, true, true, 1, 1, NULL},
+        {790, false, true, 0, 3, NULL}, {790, true, false, 0, 3, NULL},
+        {246, true, true, 0, 2, "the best setting of each integrator"},
+        {243, true, true, 0, 0, "the scene's own setting"}, {243, true, true, 1, 1, NULL},
+        {243, false, true, 0, 3, "the best setting of each integrator"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        bis_diag diag = {0};
+        char need[BIS_DURATION], expected[256];
+        double relmse;
+        load_for_pilot(&t, cases[i].seconds);
+        t.o.n_seeds = 2;
+        t.o.passes = cases[i].passes;
+        for (int k = 0; k < t.plan.n_settings; k++) t.plan.settings[k].is_swept = t.plan.settings[k].is_scenes = false;
+        t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")].is_swept = true;
+        bis_trade_setting *const own =
+            &t.plan.settings[bis_trade_find_setting(&t.plan, cases[i].is_swept ? "em 16" : "mis 16")];
+        own->is_scenes = cases[i].is_own;
+        assert_int_equal(bis_trade_make_plan(&t, &diag), cases[i].what ? BIS_INPUT : BIS_OK);
+        if (cases[i].what) {
+            const double least = cases[i].step ? 2 * own->pass_seconds : 2 * 96 * 64 * 1.75 / 176;
+            bis_duration(need, 1.2 * (2 * least + last_reading() - t.start));
+            snprintf(expected, sizeof expected, "error: %g s are too few: a single pass of %s, 96 x 64 pixels and 2 "
+                     "seeds, wants about %s in all; ", cases[i].seconds, cases[i].what, need);
+            assert_non_null(strstr(diag.messages[0].text, expected));
+        }
+        assert_int_equal(own->pass_seconds > 0, cases[i].step > 0);
+        if (cases[i].step && cases[i].seconds > 700 && !cases[i].passes) {
+            seconds_of(&t, own, cases[i].step, 2, 10, &relmse);
+            assert_near(own->pass_relmse, relmse);
+        }
+        watch.is_set = false;
+        bis_diag_clear(&diag);
         bis_trade_clear(&t);
     }
 }
@@ -1471,21 +1673,6 @@ static void the_worst_pixels_are_spared(void **state)
 
 /* ---- resumed ---- */
 
-/* Of 10 seconds two are for the page: a run of 8 is not begun. */
-static void assert_no_run_is_begun_too_late(bis_trade_options o)
-{
-    bis_trade t = {.n_runs = 0};
-    bool interrupted;
-    char *runs = read_whole(DIR "/folder/runs.csv");
-    strstr(runs, "sir 64/4,2,")[0] = '\0';
-    program_write_file(DIR "/folder/runs.csv", runs);
-    bis_free(runs);
-    o.seconds = 10;
-    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
-    assert_true(!t.is_complete && t.is_reported && t.n_runs == 3);
-    bis_trade_clear(&t);
-}
-
 /* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
 static void the_rest_is_measured_in_rounds_and_told(void **state)
 {
@@ -1501,6 +1688,7 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     t.plan.run_seconds = 1e-4;
     t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
     t.plan.reference[0] = t.plan.reference[1] = -1;
+    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
     assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
     bis_trade_clear(&t);
     assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
@@ -1512,7 +1700,9 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .seconds = 1e6, .error = 0.9,
         .n_threads = 1, .resume = true,
                                  .progress = note, .user = &d};
+    set_watch(0.1);
     assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
+    watch.is_set = false;
     assert_true(t.is_complete && t.is_reported && !interrupted && t.n_runs == 4);
     int first = 0;
     while (first < d.n && strncmp(d.entry[first].what, "run ", 4) != 0) first++; /* behind the scene and its maps */
@@ -1521,9 +1711,8 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
         assert_near(d.entry[first + i].share, share[i]);
     }
     assert_near(d.entry[first].left, 14); /* as planned, before anything was made */
-    /* of 14 planned seconds 4, then 6, took far less than a second: 10 x spent/4 are left, 8 x spent/6 */
-    assert_true(d.entry[first + 1].left > 0 && d.entry[first + 1].left < 10 && d.entry[first + 2].left > 0 &&
-        d.entry[first + 2].left < 8);
+    /* of 14 planned seconds 4 took 10^5, then 6 took twice that: 10 x 10^5/4 are left, 8 x 2 x 10^5/6 */
+    assert_true(fabs(d.entry[first + 1].left / 2.5e5 - 1) < 1e-4 && fabs(d.entry[first + 2].left * 3 / 8e5 - 1) < 1e-4);
     int parts[3] = {0};
     for (int i = first + 3; i < d.n; i++) {
         static const char *const later[] = {"error of the advice", "seconds of the full picture", "pictures"};
@@ -1542,7 +1731,62 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_true(!t.result.advice[i].is_extrapolated &&
         t.result.advice[i].passes > 0);
     bis_trade_clear(&t);
-    assert_no_run_is_begun_too_late(o);
+}
+
+/* A sweep in which each run takes some seconds by the clock; noted is how many runs the table had when each began. */
+typedef struct slow_sweep {
+    double runs[4]; /* seconds */
+    int seen[4], n;
+} slow_sweep;
+
+static void let_run(const char *what, double share, double left, void *user)
+{
+    slow_sweep *s = user;
+    if (strcmp(what, "reading the scene") == 0) move_watch(30);
+    if (strncmp(what, "run ", 4) != 0) return;
+    assert_true(s->n < 4);
+    s->seen[s->n] = 0;
+    if (program_exists(DIR "/slow/runs.csv")) {
+        char *const text = read_whole(DIR "/slow/runs.csv");
+        for (const char *c = text; *c; c++) s->seen[s->n] += *c == '\n';
+        bis_free(text);
+    }
+    move_watch(s->runs[s->n++]);
+}
+
+/* Runs of 1 and 4 s, then 2 and 8 s, as planned, in the 40 s that 50 s leave, of which the scene takes 30: the last is
+ * begun if 2 s are left over. The table is written after the first run, and then by the second. What does not fit at
+ * all would take 15 s of 4 fifths. */
+static void runs_are_begun_that_fit_and_written_by_the_second(void **state)
+{
+    static const struct { double seconds; slow_sweep by; int n; } cases[] = {
+        {50, {{0.5, 0.4, 0.8, 8}, {0, 2, 2, 4}, 4}, 4}, {50, {{0.5, 0.4, 1.05}, {0, 2, 2, 4}, 4}, 4},
+        {50, {{0.5, 0.4, 1.15}, {0, 2, 2}, 3}, 3}, {38.7, {{0}, {0}, 0}, 0}, {38.8, {{0.5}, {0}, 1}, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        slow_sweep s = cases[i].by;
+        const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/slow", .seconds = cases[i].seconds,
+                                     .error = 0.9, .n_threads = 1, .resume = true, .progress = let_run, .user = &s};
+        bis_trade t = {.n_runs = 0};
+        bis_diag diag = {0};
+        bool interrupted;
+        load(&t);
+        plan_two(&t);
+        t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
+        store_plan(&t, DIR "/slow");
+        s.n = 0;
+        set_watch(1e-6);
+        const bis_status status = bis_trade_measure(&t, &o, &interrupted, &diag);
+        watch.is_set = false;
+        assert_int_equal(status, cases[i].n ? BIS_OK : BIS_INPUT);
+        assert_true(t.is_complete == (cases[i].n == 4) && t.n_runs == (size_t)cases[i].n && s.n == cases[i].n);
+        for (int k = 0; k < s.n; k++) assert_int_equal(s.seen[k], cases[i].by.seen[k]);
+        if (status)
+            assert_non_null(strstr(diag.messages[0].text, "error: 0 of 4 runs: none fitted into 38.7 s, so there is no "
+                "advice and no page; go on with --resume --time for about 49 s, or measure into another folder with "
+                "fewer integrators (--integrator)"));
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
 }
 
 /* ---- the advice, checked ---- */
@@ -1815,6 +2059,35 @@ static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
         assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
         assert_true(i == 0 || i == 3 ? t.result.advice[1].seconds == 2 * pass[i] : t.result.advice[1].seconds < 1e3);
         assert_near(t.result.advice[2].seconds, 3 * t.result.advice[1].seconds);
+        bis_trade_clear(&t);
+    }
+}
+
+/* By a clock of a second a reading, which comes between passes and after tiles, a pass of the full 24 x 16 pixels takes
+ * 4 s; of every third one, 8 x 5, it takes 3. What any pass takes, a quarter of a second, does not grow with the pixels;
+ * it is never more than the pass. A pass of 1.8 x 10^5 s is the longest that takes 2% of 10^6 s by every third pixel. */
+static void seconds_grow_with_the_pixels_but_for_what_any_pass_takes(void **state)
+{
+    static const struct { double pass, fill, seconds; } cases[] = {
+        {2e4, 0.25, 2 * 4}, {2.1e4, 0.25, 2 * (0.25 + 2.75 * 4)}, {8.1e4, 0.25, 2 * (0.25 + 2.75 * 9.6)},
+        {1.799e5, 0.25, 2 * (0.25 + 2.75 * 9.6)}, {1.7e5, 10, 2 * 3}, {1.81e5, 0.25, 2 * 1.81e5}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        diary d = {.n = 0};
+        load(&t);
+        plan_two(&t);
+        const int em = bis_trade_find_setting(&t.plan, "em 16");
+        t.plan.settings[em].fill_seconds = cases[i].fill;
+        for (int k = 0; k < BIS_TRADE_ADVICE; k++) t.result.advice[k].setting = -1;
+        t.result.advice[1] = (bis_trade_advice){.setting = em, .passes = 2, .seconds = 2 * cases[i].pass};
+        t.o.progress = note, t.o.user = &d;
+        set_watch(1);
+        assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
+        watch.is_set = false;
+        assert_near(t.result.advice[1].seconds, cases[i].seconds);
+        assert_int_equal(d.n, 1);
+        assert_string_equal(d.entry[0].what, "seconds of the full picture");
+        assert_true(d.entry[0].share == 1 / 3.0 && isnan(d.entry[0].left));
         bis_trade_clear(&t);
     }
 }
@@ -2150,6 +2423,9 @@ int main(void)
         cmocka_unit_test(a_map_that_is_too_large_is_built_once),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
         cmocka_unit_test(the_pilot_has_as_many_passes_as_its_time_allows),
+        cmocka_unit_test(the_pilot_has_as_many_pixels_as_its_time_allows),
+        cmocka_unit_test(a_pilot_that_takes_all_the_time_is_given_up),
+        cmocka_unit_test(the_scenes_own_setting_is_refused_if_a_pass_takes_too_long),
         cmocka_unit_test(seeds_are_those_asked_for_or_follow_from_the_time),
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
@@ -2161,12 +2437,14 @@ int main(void)
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_worst_pixels_are_spared),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
+        cmocka_unit_test(runs_are_begun_that_fit_and_written_by_the_second),
         cmocka_unit_test(advice_is_put_to_the_proof),
         cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
         cmocka_unit_test(renders_are_as_many_as_64_budgets_allow),
         cmocka_unit_test(the_promise_is_what_half_of_the_pictures_have),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
+        cmocka_unit_test(seconds_grow_with_the_pixels_but_for_what_any_pass_takes),
         cmocka_unit_test(each_field_of_a_folder_is_taken_up_to_its_limits),
         cmocka_unit_test(the_size_of_a_plan_stands_behind_what_it_follows_from),
         cmocka_unit_test(runs_without_memory_are_counted),
