@@ -1104,8 +1104,8 @@ static void interrupt_late(const char *what, double share, double left, void *us
 }
 
 /* A setting takes 29 readings of a second. After each but the last the pilot must not have taken all the time, as 58 s
- * are after two; if it has, it wants as much for each of the 7. Nobody who counts passes or has interrupted it is told that. What is left for the
- * measurement is a tenth of the time at least. */
+ * are after two; if it has, it wants as much for each of the 7. Nobody who counts passes or has interrupted it is told
+ * that. What is left for the measurement is a tenth of the time at least. */
 static void a_pilot_that_takes_all_the_time_is_given_up(void **state)
 {
     for (int i = 0; i < 5; i++) {
@@ -1145,12 +1145,18 @@ static void a_pilot_that_takes_all_the_time_is_given_up(void **state)
 }
 
 /* em 16, or mis 16, is the scene's own. Its probe costs 1.75/54 s a pixel, and of 96 x 64 all are measured, for two
- * seeds: 398.2 s, half of 796.4. If that is more than there is, a probe of 16 x 11 pixels is made, 1.75/176 s each: half
- * of 244.4 s. What it tells counts from then on: the pilot has 2011 pixels instead of 617. Whoever counts passes is not
- * refused, and neither is a setting for what is not swept or not the scene's. */
+ * seeds: 398.2 s, half of 796.4. If that is more than there is, a probe of 16 x 11 pixels is made, 1.75/176 s each:
+ * half of 244.4 s. What it tells counts from then on: the pilot has 2011 pixels instead of 617. Whoever counts passes
+ * is not refused, and neither is a setting for what is not swept or not the scene's. */
 static void the_scenes_own_setting_is_refused_if_a_pass_takes_too_long(void **state)
 {
-    static const struct { double seconds; bool is_own, is_swept; uint32_t passes; int step; const char *what; } cases[] = {
+    static const struct {
+        double seconds;
+        bool is_own, is_swept;
+        uint32_t passes;
+        int step; /* of the pilot; 0: there is none */
+        const char *what;
+    } cases[] = {
         {800, true, true, 0, 3, NULL}, {790, true, true, 0, 2, NULL}, {790, true, true, 1, 1, NULL},
         {790, false, true, 0, 3, NULL}, {790, true, false, 0, 3, NULL},
         {246, true, true, 0, 2, "the best setting of each integrator"},
@@ -1984,6 +1990,89 @@ static void the_promise_is_what_half_of_the_pictures_have(void **state)
     }
 }
 
+/* The scatter of n renders of the attempt `turn` at the second advice, in which the reference counts for nothing. */
+static double scatter_of(bis_trade *t, const bis_trade_setting *s, int turn, uint32_t passes, int n)
+{
+    enum { TURNS = 6, RENDERS = 8, ADVICE = 1 };
+    bis_image images[RENDERS] = {{0}};
+    for (int k = 0; k < n; k++) {
+        bis_render_result result;
+        const uint64_t seed = bis_trade_seed(&t->plan, 3, (uint64_t)((ADVICE * TURNS + turn) * RENDERS + k));
+        const bis_trade_job job = {s, t->plan.step, passes, seed};
+        assert_int_equal(bis_trade_render(t, &job, &images[k], &result, NULL), BIS_OK);
+    }
+    const double scatter = bis_trade_scatter(images, n, 0, &t->both);
+    for (int k = 0; k < n; k++) bis_image_clear(&images[k]);
+    return scatter;
+}
+
+/* Advice of `passes` by em 16, whose pass takes 1.5 s, as the second of three. A measurement of so many seconds gives
+ * each 3% of its time, and the second has the first one's, too. */
+static const bis_trade_setting *load_advice(bis_trade *t, double seconds, uint64_t seed, uint32_t passes)
+{
+    load(t);
+    plan_two(t);
+    const int em = bis_trade_find_setting(&t->plan, "em 16");
+    t->o.seconds = seconds;
+    t->plan.seed = seed;
+    t->both = (bis_trade_reference){.relmse = 1e30};
+    assert_int_equal(bis_image_init(&t->both.image, 6, 4, NULL), BIS_OK);
+    memset(t->both.image.pixels, 0, 24 * sizeof(rgb));
+    t->result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 1.5};
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) t->result.advice[i].setting = -1;
+    t->result.advice[1] = (bis_trade_advice){.setting = em, .passes = passes, .seconds = 4.0 * passes};
+    return &t->plan.settings[em];
+}
+
+/* A render of 4 passes takes 6 readings of a second, and a look at the clock one; after two another is begun if more
+ * than the 6 s that it takes are left of half of the time. With 40 s for that half there are five, with 34 four, with
+ * 20 two, with 89 eight, the most. What they say is the last word. */
+static void renders_of_an_advice_take_half_of_what_time_is_left(void **state)
+{
+    static const struct { double half; int n; } cases[] = {{40, 5}, {34, 4}, {20, 2}, {89, 8}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        const bis_trade_setting *const em = load_advice(&t, cases[i].half / 0.03, 5, 4);
+        bis_trade_advice *const a = &t.result.advice[1];
+        const double relmse = scatter_of(&t, em, 0, 4, cases[i].n);
+        a->error = sqrt(relmse * 4 / 3.5);
+        set_watch(1);
+        assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+        watch.is_set = false;
+        assert_true(a->passes == 4 && !a->is_extrapolated && a->seconds == 16);
+        assert_near(a->expected_error, sqrt(relmse));
+        bis_trade_clear(&t);
+    }
+}
+
+/* 400 passes are too many for 78 s, in which two renders of 25 fit. The first attempt has an eighth of 25, 2 x 2
+ * passes, four times, and the second what the rest has room for less the close, 4 x 4, twice. Then there is no time for more:
+ * what the error takes follows from both by n^-p, p in [1, 3/2]. Of the seeds some give p between, some an end. */
+static void what_there_is_no_time_for_follows_from_two_attempts(void **state)
+{
+    int inside = 0, low = 0, high = 0;
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        bis_trade t;
+        const bis_trade_setting *const em = load_advice(&t, 39 / 0.03, seed, 400);
+        bis_trade_advice *const a = &t.result.advice[1];
+        const double first = scatter_of(&t, em, 0, 4, 4), second = scatter_of(&t, em, 1, 16, 2);
+        a->error = sqrt(first / 60); /* by the first, 240 passes */
+        const double slope = log(first / second) / log(16 / 4), p = slope < 1 ? 1 : slope > 1.5 ? 1.5 : slope;
+        const double needed = pow(second / (a->error * a->error), 1 / p) * 16;
+        set_watch(1);
+        assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+        watch.is_set = false;
+        assert_int_equal(a->passes, bis_trade_square_passes(&t, needed));
+        assert_near(a->expected_error, sqrt(second * pow(16.0 / a->passes, p)));
+        assert_true(a->is_extrapolated && a->seconds == 4.0 * a->passes);
+        inside += p > 1 && p < 1.5;
+        low += p == 1;
+        high += p == 1.5;
+        bis_trade_clear(&t);
+    }
+    assert_true(inside > 0 && low + high > 0);
+}
+
 /* ---- without memory ---- */
 
 static bis_status parsed(bis_trade *t, bis_diag *diag) { return bis_trade_load(t, diag); }
@@ -2064,8 +2153,9 @@ static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
 }
 
 /* By a clock of a second a reading, which comes between passes and after tiles, a pass of the full 24 x 16 pixels takes
- * 4 s; of every third one, 8 x 5, it takes 3. What any pass takes, a quarter of a second, does not grow with the pixels;
- * it is never more than the pass. A pass of 1.8 x 10^5 s is the longest that takes 2% of 10^6 s by every third pixel. */
+ * 4 s, one of every third pixel, 8 x 5, or of every second takes 3. What any pass takes, a quarter of a second, does
+ * not grow with the pixels; it is never more than the pass. A pass of 1.8 x 10^5 s is the longest that takes 2% of 10^6 s
+ * by every third pixel. */
 static void seconds_grow_with_the_pixels_but_for_what_any_pass_takes(void **state)
 {
     static const struct { double pass, fill, seconds; } cases[] = {
@@ -2442,6 +2532,8 @@ int main(void)
         cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
         cmocka_unit_test(renders_are_as_many_as_64_budgets_allow),
         cmocka_unit_test(the_promise_is_what_half_of_the_pictures_have),
+        cmocka_unit_test(renders_of_an_advice_take_half_of_what_time_is_left),
+        cmocka_unit_test(what_there_is_no_time_for_follows_from_two_attempts),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
         cmocka_unit_test(seconds_grow_with_the_pixels_but_for_what_any_pass_takes),
