@@ -2046,8 +2046,8 @@ static void renders_of_an_advice_take_half_of_what_time_is_left(void **state)
 }
 
 /* 400 passes are too many for 78 s, in which two renders of 25 fit. The first attempt has an eighth of 25, 2 x 2
- * passes, four times, and the second what the rest has room for less the close, 4 x 4, twice. Then there is no time for more:
- * what the error takes follows from both by n^-p, p in [1, 3/2]. Of the seeds some give p between, some an end. */
+ * passes, four times, and the second what the rest has room for, a little less, 4 x 4, twice. Then there is no time for
+ * more: what the error takes follows from both by n^-p, p in [1, 3/2]. Of the seeds some give p between, some an end. */
 static void what_there_is_no_time_for_follows_from_two_attempts(void **state)
 {
     int inside = 0, low = 0, high = 0;
@@ -2154,8 +2154,8 @@ static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
 
 /* By a clock of a second a reading, which comes between passes and after tiles, a pass of the full 24 x 16 pixels takes
  * 4 s, one of every third pixel, 8 x 5, or of every second takes 3. What any pass takes, a quarter of a second, does
- * not grow with the pixels; it is never more than the pass. A pass of 1.8 x 10^5 s is the longest that takes 2% of 10^6 s
- * by every third pixel. */
+ * not grow with the pixels; it is never more than the pass. A pass of 1.8 x 10^5 s is the longest that takes 2% of
+ * 10^6 s by every third pixel. */
 static void seconds_grow_with_the_pixels_but_for_what_any_pass_takes(void **state)
 {
     static const struct { double pass, fill, seconds; } cases[] = {
