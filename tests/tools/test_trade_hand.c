@@ -2047,7 +2047,8 @@ static void renders_of_an_advice_take_half_of_what_time_is_left(void **state)
 
 /* 400 passes are too many for 78 s, in which two renders of 25 fit. The first attempt has an eighth of 25, 2 x 2
  * passes, four times, and the second what the rest has room for, a little less, 4 x 4, twice. Then there is no time for
- * more: what the error takes follows from both by n^-p, p in [1, 3/2]. Of the seeds some give p between, some an end. */
+ * more: what the error takes follows from both by n^-p, p in [1, 3/2]. Of the seeds some give p between, some an
+ * end. */
 static void what_there_is_no_time_for_follows_from_two_attempts(void **state)
 {
     int inside = 0, low = 0, high = 0;
