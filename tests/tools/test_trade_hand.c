@@ -1433,6 +1433,37 @@ static void an_empty_folder_is_taken(void **state)
     }
 }
 
+/* A name of 3800 bytes is taken. What cannot be read, here a link to nothing, and a folder that cannot be made are told
+ * with their names, and not as bad input. */
+static void a_folder_that_cannot_be_used_is_told(void **state)
+{
+    char longest[3801] = DIR;
+    memset(longest + strlen(DIR), '/', sizeof longest - 1 - strlen(DIR));
+    bis_trade t = {.o = {.folder = longest}};
+    bis_diag diag = {0};
+    assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_INPUT); /* what this test has written is there */
+    assert_non_null(strstr(diag.messages[0].text, "\" holds other things (\""));
+    bis_diag_clear(&diag);
+
+    unlink(DIR "/astray");
+    assert_int_equal(symlink("nothing", DIR "/astray"), 0);
+    t = (bis_trade){.o = {.folder = DIR "/astray"}};
+    assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR "/astray: error: \"" DIR "/astray\" is no folder that can be read: "
+                                               "No such file or directory");
+    bis_diag_clear(&diag);
+    assert_int_equal(bis_trade_make_folder(&t, "pictures", &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR "/astray/pictures: error: cannot make the folder \"" DIR
+                                               "/astray/pictures\": No such file or directory");
+    bis_diag_clear(&diag);
+    t.o.folder = DIR "/astray/new";
+    assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR "/astray/new: error: cannot make the folder \"" DIR "/astray/new\": "
+                                               "No such file or directory");
+    assert_false(t.made_folder);
+    bis_diag_clear(&diag);
+}
+
 /* A folder with the plan of plan_text and three runs; t is to read them. */
 static void store_sound_folder(bis_trade *t)
 {
@@ -2074,6 +2105,81 @@ static void what_there_is_no_time_for_follows_from_two_attempts(void **state)
     assert_true(inside > 0 && low + high > 0);
 }
 
+/* A picture of the strip of t is the render of its passes, and its error is that from the mean of both references. */
+static void assert_picture(bis_trade *t, int i, int setting, uint32_t passes, double seconds)
+{
+    const bis_trade_picture *const p = &t->strip[i];
+    const bis_trade_job job = {&t->plan.settings[setting], t->plan.step, passes,
+                               bis_trade_seed(&t->plan, 2, (uint64_t)setting)};
+    bis_render_result result;
+    bis_comparison c;
+    bis_image image;
+    assert_true(p->setting == setting && p->passes == passes && p->seconds == seconds);
+    assert_int_equal(bis_trade_render(t, &job, &image, &result, NULL), BIS_OK);
+    assert_memory_equal(image.pixels, p->image.pixels, 24 * sizeof(rgb));
+    assert_int_equal(bis_compare(&c, &image, &t->both.image, NULL), BIS_OK);
+    assert_true(c.relmse == p->relmse);
+    bis_image_clear(&image);
+}
+
+/* Makes the pictures of *t once more, and asserts that there are n. */
+static void remake(bis_trade *t, int n)
+{
+    for (int i = 0; i < t->n_strip; i++) bis_image_clear(&t->strip[i].image);
+    t->n_strip = 0;
+    assert_int_equal(bis_trade_make_pictures(t, NULL), BIS_OK);
+    assert_int_equal(t->n_strip, n);
+}
+
+/* Runs of 2.5 s have room for 8.33 passes of em, and for a fortieth of sir's; by the clock of a second a reading 8 take
+ * 6 s, and 1 takes 3. What was made before is read, with its seconds, if it has as many passes and is there. */
+static void pictures_have_the_passes_of_the_longest_runs(void **state)
+{
+    static const sig_atomic_t signal = 1;
+    static const char header[] = "setting,passes,seconds,relmse,file\n";
+    char text[512], a[32], b[32];
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/strip";
+    assert_int_equal(system("rm -rf " DIR "/strip; mkdir " DIR "/strip"), 0);
+    assert_int_equal(bis_image_init(&t.both.image, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) t.both.image.pixels[i] = (rgb){0.5f, 0.25f, 1};
+    const int em = bis_trade_find_setting(&t.plan, "em 16"), sir = bis_trade_find_setting(&t.plan, "sir 64/4");
+    t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.3};
+    t.result.curves[sir] = (bis_trade_curve){.n = 1, .pass_seconds = 100};
+    set_watch(1);
+    remake(&t, 2);
+    assert_picture(&t, 0, em, 8, 6);
+    assert_picture(&t, 1, sir, 1, 3);
+    snprintf(text, sizeof text, "%sem 16,8,6,%s,pictures/%02d.exr\nsir 64/4,1,3,%s,pictures/%02d.exr\n", header,
+             bis_format_double(a, t.strip[0].relmse), em + 1, bis_format_double(b, t.strip[1].relmse), sir + 1);
+    char *made = read_whole(DIR "/strip/pictures.csv");
+    assert_string_equal(made, text);
+    bis_free(made);
+
+    program_write_file(DIR "/strip/pictures.csv", "em 16,8,7.5,1,x\nsir 64/4,11,9,1,x\nsir 64/4,1,-4,1,x\n");
+    remake(&t, 2);
+    assert_picture(&t, 0, em, 8, 7.5); /* read */
+    assert_picture(&t, 1, sir, 1, 3);  /* made */
+    snprintf(text, sizeof text, DIR "/strip/pictures/%02d.exr", em + 1);
+    assert_int_equal(unlink(text), 0);
+    t.result.curves[sir].pass_seconds = 1;
+    remake(&t, 2);
+    assert_picture(&t, 0, em, 8, 6);
+    assert_picture(&t, 1, sir, 3, 5); /* of 2.5, rounded */
+    t.result.curves[em].pass_seconds = 1e-9; /* 2^20 at most */
+    program_write_file(DIR "/strip/pictures.csv", "em 16,1048576,7.5,1,x\nsir 64/4,3,4.5,1,x\n");
+    remake(&t, 2);
+    assert_true(t.strip[0].passes == 1048576 && t.strip[0].seconds == 7.5);
+    t.o.interrupted = &signal; /* what is there is still read */
+    t.result.curves[sir].pass_seconds = 100;
+    remake(&t, 1);
+    assert_true(t.strip[0].setting == em && t.strip[0].seconds == 7.5);
+    watch.is_set = false;
+    bis_trade_clear(&t);
+}
+
 /* ---- without memory ---- */
 
 static bis_status parsed(bis_trade *t, bis_diag *diag) { return bis_trade_load(t, diag); }
@@ -2522,6 +2628,7 @@ int main(void)
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(runs_are_written_in_order),
         cmocka_unit_test(an_empty_folder_is_taken),
+        cmocka_unit_test(a_folder_that_cannot_be_used_is_told),
         cmocka_unit_test(a_plan_has_pixels_and_not_too_many),
         cmocka_unit_test(references_are_read_and_combined),
         cmocka_unit_test(a_reference_of_another_size_is_refused),
@@ -2535,6 +2642,7 @@ int main(void)
         cmocka_unit_test(the_promise_is_what_half_of_the_pictures_have),
         cmocka_unit_test(renders_of_an_advice_take_half_of_what_time_is_left),
         cmocka_unit_test(what_there_is_no_time_for_follows_from_two_attempts),
+        cmocka_unit_test(pictures_have_the_passes_of_the_longest_runs),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
         cmocka_unit_test(seconds_grow_with_the_pixels_but_for_what_any_pass_takes),
