@@ -533,8 +533,10 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     rgb pixels[8];
     char why[200];
     const bis_image image = map_by_hand(pixels);
+    bis_image dots;
     assert_int_equal(bis_image_save(&image, DIR "/hand.pfm", NULL), BIS_OK);
-    program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html");
+    program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html "
+                   "--out " DIR "/dots.pfm");
     char *text = page_data(DIR "/hand.html");
     assert_true(json_is_valid(text));
     assert_true(json_number(text, "places.width") == 4 && json_number(text, "places.height") == 2 &&
@@ -550,6 +552,7 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
         assert_true((region == UINT32_MAX) == (intensity[i] == 0));
         assert_true((region == first) == (intensity[i] == 3));
     }
+    bool is_drawn[8] = {false};
     for (int i = 0; i < 50; i++) { /* in the middle of a pixel that is not black */
         char path[32];
         snprintf(path, sizeof path, "samples.%d.theta_deg", i);
@@ -557,8 +560,14 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
         snprintf(path, sizeof path, "samples.%d.phi_deg", i);
         const double x = json_number(text, path) / 90 - 0.5;
         assert_true((y == 0 || y == 1) && x == floor(x) && intensity[(int)(4 * y + x)] > 0);
+        is_drawn[(int)(4 * y + x)] = true;
     }
+    assert_true(isnan(json_number(text, "samples.50.phi_deg")));
     free(text);
+    read_picture(&dots, DIR "/dots-importance.pfm"); /* its dots are pixels here, and the same */
+    for (int i = 0; i < 8; i++)
+        assert_int_equal(fabs((double)dots.pixels[i].g - 1) < 1e-6 && dots.pixels[i].r < 0.9f, is_drawn[i]);
+    bis_image_clear(&dots);
     text = page_shown(DIR "/hand.html", DIR);
     if (text) page_in_order(text, shown);
     free(text);
