@@ -868,6 +868,30 @@ static void a_biased_setting_gets_the_short_curve(void **state)
     assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
 }
 
+/* With all the time of the world: of 4800 x 3200 pixels 90000 are wanted, every thirteenth, and each budget is 2^20
+ * passes. Those are over after 5.8 million of the 500 million seconds, which are then a run's. Replicates have 2^22
+ * passes, the most. Of a picture of two rows or columns each second pixel is the thinnest film. */
+static void a_plan_has_no_more_than_the_most(void **state)
+{
+    static const int levels[] = {21, 21, 0, 21, 21, 21, 21, 21};
+    bis_scene_desc desc;
+    bis_trade t;
+    const bis_trade_plan *p = &t.plan;
+    pilot(&t, &desc);
+    t.plan.full_width = 4800, t.plan.full_height = 3200;
+    assert_int_equal(bis_trade_fit_plan(&t, 1e9, NULL), BIS_OK);
+    assert_true(p->step == 13 && p->width == 369 && p->height == 246);
+    assert_levels(&t, levels);
+    assert_near(p->run_seconds, 5e8);
+    assert_true(p->reference_passes[0] == 4194304 && p->reference_passes[1] == 4194304);
+    for (int tall = 0; tall < 2; tall++) {
+        pilot(&t, &desc);
+        t.plan.full_width = tall ? 2 : 32768, t.plan.full_height = tall ? 32768 : 2;
+        assert_int_equal(bis_trade_fit_plan(&t, 1, NULL), BIS_OK);
+        assert_true(p->step == 2 && p->width * p->height == 16384);
+    }
+}
+
 /* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. With the 12 s
  * that the pilot took, a fifth more than 12.2544 s are wanted. */
 static void a_plan_without_time_is_refused(void **state)
@@ -2615,6 +2639,7 @@ int main(void)
         cmocka_unit_test(a_plan_fills_half_of_the_time),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
         cmocka_unit_test(a_biased_setting_gets_the_short_curve),
+        cmocka_unit_test(a_plan_has_no_more_than_the_most),
         cmocka_unit_test(a_plan_without_time_is_refused),
         cmocka_unit_test(an_error_out_of_reach_is_refused),
         cmocka_unit_test(a_map_that_is_too_large_is_built_once),
