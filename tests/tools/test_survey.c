@@ -539,6 +539,9 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
                    "--out " DIR "/dots.pfm");
     char *text = page_data(DIR "/hand.html");
     assert_true(json_is_valid(text));
+    assert_string_equal(json_keys(why, sizeof why, text, "places"),
+                        "width height step picture level region least most density ");
+    assert_string_equal(json_keys(why, sizeof why, text, "samples.0"), "theta_deg phi_deg ");
     assert_true(json_number(text, "places.width") == 4 && json_number(text, "places.height") == 2 &&
                 json_number(text, "places.step") == 1);
     assert_near(json_number(text, "power"), 29 * PI / 2, 1e-5); /* what --json says is there, too */

@@ -569,7 +569,32 @@ static void the_data_have_pictures_and_what_was_left_out(void **state)
     clear(&t);
 }
 
-/* The place of a point of the plot, by the words that a browser shows at it. */
+/* The members of each object of the page's data, in their order. */
+static void the_data_have_their_members_in_order(void **state)
+{
+    static const char *const of[][2] = {
+        {"", "scene version complete runs planned advice times errors best settings film run_seconds seeds threads "
+             "references given noise difference difference_se left_out crops reference shots "},
+        {"advice.0", "purpose setting "},
+        {"advice.1", "purpose setting method candidates shadowrays samples error seconds passes extrapolated options "
+                     "line "},
+        {"settings.0", "name method biased own head cost_variance cost_variance_se slope slope_se points error_at "
+                       "seconds_to "},
+        {"settings.0.points.0", "passes seconds rays error error_se bias bias_se pareto "},
+        {"settings.0.error_at.0", "value extrapolated "}, {"settings.0.seconds_to.0", "value extrapolated "},
+        {"film", "width height full_width full_height step "},
+        {"references.0", "judges name renders passes mean se noise "}, {"left_out.0", "name pass_seconds "},
+        {"crops.0", "x y width height "}, {"shots.0", "setting passes seconds error picture errors "}};
+    bis_trade t;
+    char keys[512];
+    forge_page(&t);
+    char *const text = data_of(&t);
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++)
+        assert_string_equal(json_keys(keys, sizeof keys, text, of[i][0]), of[i][1]);
+    free(text);
+    clear(&t);
+}
+
 /* The parts that are enlarged are those of make_strip, whatever the unit of radiance: the first where both methods err,
  * the second, by rows, that holds the firefly. */
 static void the_enlarged_parts_do_not_depend_on_the_unit(void **state)
@@ -590,6 +615,7 @@ static void the_enlarged_parts_do_not_depend_on_the_unit(void **state)
     }
 }
 
+/* The place of a point of the plot, by the words that a browser shows at it. */
 static void assert_point(const char *page, const char *title, double x, double y)
 {
     const char *axis = strstr(page, "class=\"p-axis\" d=\"M"), *at = strstr(page, title);
@@ -866,6 +892,27 @@ static void a_biased_setting_gets_the_short_curve(void **state)
     assert_levels(&t, (int[]){3, 5});
     assert_true(t.plan.step == 1 && t.plan.width == 60);
     assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
+}
+
+/* The slowest of the table takes 24 microseconds a pixel where runs take 22.6 at most: it is left out. As the scene's
+ * own, of 64, it is not. Then the middle one of five long curves costs 4, and with 8 passes of that all take twice (63
+ * x 1 + 31 x 2 + 15 x 4 + 7 x 8 + 64 + 3 x 4 + 16) = 666 microseconds: 7988 pixels, every fourth of 480 x 320. Again
+ * runs may take 2^4.5 passes of em: with more there would be all of those, too much. */
+static void a_setting_is_left_out_if_its_pass_takes_too_long(void **state)
+{
+    static const int levels[N_PILOTED] = {2, 5, 0, 3, 4, 1, 1, 0};
+    bis_scene_desc desc;
+    for (int is_own = 0; is_own < 2; is_own++) {
+        bis_trade t;
+        pilot(&t, &desc);
+        if (is_own) t.plan.settings[P_MIS_SLOW].is_scenes = true;
+        else t.plan.settings[P_MIS_SLOW].pass_seconds = 24e-6;
+        assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+        assert_int_equal(t.plan.step, is_own ? 4 : 3);
+        if (!is_own) assert_levels(&t, levels);
+        assert_int_equal(t.plan.settings[P_MIS_SLOW].levels, is_own);
+        assert_near(t.plan.run_seconds, 1e-6 * t.plan.width * t.plan.height * exp2(4.5));
+    }
 }
 
 /* With all the time of the world: of 4800 x 3200 pixels 90000 are wanted, every thirteenth, and each budget is 2^20
@@ -2634,11 +2681,13 @@ int main(void)
         cmocka_unit_test(points_stand_where_the_axes_have_them),
         cmocka_unit_test(the_page_of_one_names_no_reference_that_is_not_ready),
         cmocka_unit_test(the_data_have_pictures_and_what_was_left_out),
+        cmocka_unit_test(the_data_have_their_members_in_order),
         cmocka_unit_test(plots_have_the_figures_of_their_range),
         cmocka_unit_test(without_a_script_the_page_is_text),
         cmocka_unit_test(a_plan_fills_half_of_the_time),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
         cmocka_unit_test(a_biased_setting_gets_the_short_curve),
+        cmocka_unit_test(a_setting_is_left_out_if_its_pass_takes_too_long),
         cmocka_unit_test(a_plan_has_no_more_than_the_most),
         cmocka_unit_test(a_plan_without_time_is_refused),
         cmocka_unit_test(an_error_out_of_reach_is_refused),
