@@ -517,6 +517,27 @@ static double number_in(const char *text, const char *path, int i, int size)
     return v;
 }
 
+/* The 50 samples of the page, in the middle of pixels that are not black, are the dots of the picture, a pixel each. */
+static void assert_samples(const char *text, const double intensity[8])
+{
+    bis_image dots;
+    bool is_drawn[8] = {false};
+    for (int i = 0; i < 50; i++) {
+        char path[32];
+        snprintf(path, sizeof path, "samples.%d.theta_deg", i);
+        const double y = json_number(text, path) / 90 - 0.5;
+        snprintf(path, sizeof path, "samples.%d.phi_deg", i);
+        const double x = json_number(text, path) / 90 - 0.5;
+        assert_true((y == 0 || y == 1) && x == floor(x) && intensity[(int)(4 * y + x)] > 0);
+        is_drawn[(int)(4 * y + x)] = true;
+    }
+    assert_true(isnan(json_number(text, "samples.50.phi_deg")));
+    read_picture(&dots, DIR "/dots-importance.pfm");
+    for (int i = 0; i < 8; i++)
+        assert_int_equal(fabs((double)dots.pixels[i].g - 1) < 1e-6 && dots.pixels[i].r < 0.9f, is_drawn[i]);
+    bis_image_clear(&dots);
+}
+
 /* The map by hand, without area weighting: densities are r+g+b over their integral, 29 pi/2; codes are logarithms
  * between 1 and 16. A region holds together over the seam. */
 static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void **state)
@@ -533,7 +554,6 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     rgb pixels[8];
     char why[200];
     const bis_image image = map_by_hand(pixels);
-    bis_image dots;
     assert_int_equal(bis_image_save(&image, DIR "/hand.pfm", NULL), BIS_OK);
     program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html "
                    "--out " DIR "/dots.pfm");
@@ -555,22 +575,8 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
         assert_true((region == UINT32_MAX) == (intensity[i] == 0));
         assert_true((region == first) == (intensity[i] == 3));
     }
-    bool is_drawn[8] = {false};
-    for (int i = 0; i < 50; i++) { /* in the middle of a pixel that is not black */
-        char path[32];
-        snprintf(path, sizeof path, "samples.%d.theta_deg", i);
-        const double y = json_number(text, path) / 90 - 0.5;
-        snprintf(path, sizeof path, "samples.%d.phi_deg", i);
-        const double x = json_number(text, path) / 90 - 0.5;
-        assert_true((y == 0 || y == 1) && x == floor(x) && intensity[(int)(4 * y + x)] > 0);
-        is_drawn[(int)(4 * y + x)] = true;
-    }
-    assert_true(isnan(json_number(text, "samples.50.phi_deg")));
+    assert_samples(text, intensity);
     free(text);
-    read_picture(&dots, DIR "/dots-importance.pfm"); /* its dots are pixels here, and the same */
-    for (int i = 0; i < 8; i++)
-        assert_int_equal(fabs((double)dots.pixels[i].g - 1) < 1e-6 && dots.pixels[i].r < 0.9f, is_drawn[i]);
-    bis_image_clear(&dots);
     text = page_shown(DIR "/hand.html", DIR);
     if (text) page_in_order(text, shown);
     free(text);
