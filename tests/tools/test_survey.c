@@ -459,6 +459,56 @@ static void importance_is_seen_from_the_darkest_to_the_brightest_pixel(void **st
     }
 }
 
+/* The same three pixels as regions: the darkest is of level 0, the brightest of 7, of eight, the other of 4, which
+ * begins at 16^(4/8). With h their share of the highest level, the largest channel is as bright as 0.25 + 0.75 h, and the least has
+ * 0.25 + 0.45 h of that. */
+static void regions_are_brighter_and_paler_the_higher_their_level(void **state)
+{
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    static const double height[3] = {0, 4 / 7.0, 1};
+    for (int o = 0; o < 6; o++) {
+        bis_envmap em = map_new(3, 1);
+        bis_regions r;
+        bis_image image;
+        for (int i = 0; i < 3; i++) em.pixels[i] = (rgb){(float)(1 << 2 * orders[o][i]), 0, 0};
+        assert_int_equal(bis_regions_init(&r, &em, 8, NULL), BIS_OK);
+        assert_int_equal(bis_survey_regions_picture(&image, &em, &r, NULL), BIS_OK);
+        for (int i = 0; i < 3; i++) {
+            const double h = height[orders[o][i]], most = 0.25 + 0.75 * h;
+            const rgb c = image.pixels[i], expected = bis_palette_srgb(most, most * (0.25 + 0.45 * h), 0);
+            assert_near((double)rgb_max(c), (double)expected.r, 1e-6);
+            assert_near(fmin(fmin((double)c.r, (double)c.g), (double)c.b), (double)expected.g, 1e-6);
+        }
+        bis_image_clear(&image);
+        bis_regions_clear(&r);
+        bis_envmap_clear(&em);
+    }
+}
+
+/* A picture that has no memory says so. */
+static void pictures_without_memory_say_so(void **state)
+{
+    bis_envmap em = map_random(8, 4, 4, 0, 2);
+    bis_regions r;
+    bis_importance *im;
+    const bis_importance_options options = {.table = true, .levels = 8};
+    assert_int_equal(bis_regions_init(&r, &em, 8, NULL), BIS_OK);
+    assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+    for (int k = 0; k < 3; k++) {
+        FOR_LACK(l) {
+            bis_image image;
+            if (k == 0) LACK(l, bis_survey_levels_picture(&image, &em, 8, NULL));
+            if (k == 1) LACK(l, bis_survey_regions_picture(&image, &em, &r, NULL));
+            if (k == 2) LACK(l, bis_survey_importance_picture(&image, &em, im, 3, NULL));
+            assert_int_equal(l.status, l.over ? BIS_OK : BIS_NOMEM);
+            if (!l.status) bis_image_clear(&image);
+        }
+    }
+    bis_importance_free(im);
+    bis_regions_clear(&r);
+    bis_envmap_clear(&em);
+}
+
 /* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright,
  * within 1.6 of it the rest is dimmed to 0.3, across the seam, not across the pole. */
 static void assert_dot(int rows, double radius)
@@ -517,24 +567,28 @@ static double number_in(const char *text, const char *path, int i, int size)
     return v;
 }
 
-/* The 50 samples of the page, in the middle of pixels that are not black, are the dots of the picture, a pixel each. */
-static void assert_samples(const char *text, const double intensity[8])
+/* The samples of a page, in the middles of pixels, are the dots of the picture, a pixel each on so small a map. */
+static void the_samples_of_a_page_are_the_dots_of_the_picture(void **state)
 {
+    bool is_drawn[32 * 16] = {false};
+    program_run r;
     bis_image dots;
-    bool is_drawn[8] = {false};
-    for (int i = 0; i < 50; i++) {
+    program_expect(&r, 0, "envmap " DIR "/map.pfm --samples 20 --html " DIR "/dots.html --out " DIR "/dots.pfm");
+    char *const text = page_data(DIR "/dots.html");
+    for (int i = 0; i < 20; i++) {
         char path[32];
         snprintf(path, sizeof path, "samples.%d.theta_deg", i);
-        const double y = json_number(text, path) / 90 - 0.5;
+        const double y = json_number(text, path) * 16 / 180 - 0.5;
         snprintf(path, sizeof path, "samples.%d.phi_deg", i);
-        const double x = json_number(text, path) / 90 - 0.5;
-        assert_true((y == 0 || y == 1) && x == floor(x) && intensity[(int)(4 * y + x)] > 0);
-        is_drawn[(int)(4 * y + x)] = true;
+        const double x = json_number(text, path) * 32 / 360 - 0.5;
+        assert_true(fabs(y - round(y)) < 1e-9 && fabs(x - round(x)) < 1e-9 && y > -1 && y < 16 && x > -1 && x < 32);
+        is_drawn[(int)(32 * round(y) + round(x))] = true;
     }
-    assert_true(isnan(json_number(text, "samples.50.phi_deg")));
-    read_picture(&dots, DIR "/dots-importance.pfm");
-    for (int i = 0; i < 8; i++)
-        assert_int_equal(fabs((double)dots.pixels[i].g - 1) < 1e-6 && dots.pixels[i].r < 0.9f, is_drawn[i]);
+    assert_true(isnan(json_number(text, "samples.20.phi_deg")));
+    free(text);
+    assert_int_equal(bis_image_read(&dots, DIR "/dots-importance.pfm", (bis_loc){0}, NULL), BIS_OK);
+    const rgb bright = bis_palette_srgb(0.55, 1, 0.95);
+    for (int i = 0; i < 32 * 16; i++) assert_int_equal(same(dots.pixels[i], bright), is_drawn[i]);
     bis_image_clear(&dots);
 }
 
@@ -555,8 +609,7 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     char why[200];
     const bis_image image = map_by_hand(pixels);
     assert_int_equal(bis_image_save(&image, DIR "/hand.pfm", NULL), BIS_OK);
-    program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html "
-                   "--out " DIR "/dots.pfm");
+    program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html");
     char *text = page_data(DIR "/hand.html");
     assert_true(json_is_valid(text));
     assert_string_equal(json_keys(why, sizeof why, text, "places"),
@@ -575,7 +628,14 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
         assert_true((region == UINT32_MAX) == (intensity[i] == 0));
         assert_true((region == first) == (intensity[i] == 3));
     }
-    assert_samples(text, intensity);
+    for (int i = 0; i < 50; i++) { /* in the middle of a pixel that is not black */
+        char path[32];
+        snprintf(path, sizeof path, "samples.%d.theta_deg", i);
+        const double y = json_number(text, path) / 90 - 0.5;
+        snprintf(path, sizeof path, "samples.%d.phi_deg", i);
+        const double x = json_number(text, path) / 90 - 0.5;
+        assert_true((y == 0 || y == 1) && x == floor(x) && intensity[(int)(4 * y + x)] > 0);
+    }
     free(text);
     text = page_shown(DIR "/hand.html", DIR);
     if (text) page_in_order(text, shown);
@@ -727,7 +787,10 @@ int main(void)
         cmocka_unit_test(the_report_of_a_probe_has_its_power_before_and_after),
         cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
         cmocka_unit_test(importance_is_seen_from_the_darkest_to_the_brightest_pixel),
+        cmocka_unit_test(regions_are_brighter_and_paler_the_higher_their_level),
+        cmocka_unit_test(pictures_without_memory_say_so),
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
+        cmocka_unit_test(the_samples_of_a_page_are_the_dots_of_the_picture),
         cmocka_unit_test(the_page_of_a_map_by_hand_has_its_levels_regions_and_densities),
         cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
         cmocka_unit_test(a_map_is_converted_and_comes_back),
