@@ -460,8 +460,8 @@ static void importance_is_seen_from_the_darkest_to_the_brightest_pixel(void **st
 }
 
 /* The same three pixels as regions: the darkest is of level 0, the brightest of 7, of eight, the other of 4, which
- * begins at 16^(4/8). With h their share of the highest level, the largest channel is as bright as 0.25 + 0.75 h, and the least has
- * 0.25 + 0.45 h of that. */
+ * begins at 16^(4/8). With h their share of the highest level, the largest channel is as bright as 0.25 + 0.75 h, and
+ * the least has 0.25 + 0.45 h of that. */
 static void regions_are_brighter_and_paler_the_higher_their_level(void **state)
 {
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -542,6 +542,7 @@ static void assert_dot(int rows, double radius)
 static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
 {
     assert_dot(20, 0.5);
+    assert_dot(250, 1.25); /* 1.6 of it are two pixels, and they are still dimmed */
     assert_dot(300, 1.5);
     assert_dot(450, 2.25);
 }
