@@ -1781,7 +1781,8 @@ static void the_worst_pixels_are_spared(void **state)
 
 /* ---- resumed ---- */
 
-/* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
+/* A plan of 1 + 2 and 4 + 8 64ths of a second, of which the em of 1 is there: the rest is 14 64ths, by rounds of one
+ * budget. */
 static void the_rest_is_measured_in_rounds_and_told(void **state)
 {
     static const char *const what[] = {"run 2 of 4", "run 3 of 4", "run 4 of 4", "error of the advice"};
@@ -1795,6 +1796,7 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     t.plan.is_given = true;
     t.plan.run_seconds = 1e-4;
     t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
+    for (int i = 0; i < t.plan.n_settings; i++) t.plan.settings[i].pass_seconds /= 64;
     t.plan.reference[0] = t.plan.reference[1] = -1;
     if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
     assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
@@ -1818,8 +1820,8 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
         assert_string_equal(d.entry[first + i].what, what[i]);
         assert_near(d.entry[first + i].share, share[i]);
     }
-    assert_near(d.entry[first].left, 14); /* as planned, before anything was made */
-    /* of 14 planned seconds 4 took 10^5, then 6 took twice that: 10 x 10^5/4 are left, 8 x 2 x 10^5/6 */
+    assert_near(d.entry[first].left, 14 / 64.0); /* as planned, before anything was made */
+    /* of 14 planned 64ths 4 took 10^5 s, then 6 took twice that: 10 x 10^5/4 are left, 8 x 2 x 10^5/6 */
     assert_true(fabs(d.entry[first + 1].left / 2.5e5 - 1) < 1e-4 && fabs(d.entry[first + 2].left * 3 / 8e5 - 1) < 1e-4);
     int parts[3] = {0};
     for (int i = first + 3; i < d.n; i++) {
