@@ -207,6 +207,32 @@ static void points_are_means_and_medians_of_their_seeds(void **state)
     clear(&t);
 }
 
+/* Five seeds of 1, 2, 3, 4, 5 s, or four of 1, 2, 4, 8 s, in each of their orders: the median is 3. */
+static void a_median_does_not_depend_on_the_order(void **state)
+{
+    static const double seconds[2][5] = {{1, 2, 3, 4, 5}, {1, 2, 4, 8}};
+    for (int k = 0; k < 2; k++) {
+        const int n = 5 - k;
+        for (int order = 0; order < (k ? 24 : 120); order++) {
+            double left[5];
+            bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .plan = {.n_seeds = n}};
+            assert_non_null(t.desc);
+            memcpy(left, seconds[k], sizeof left);
+            add_setting(&t, "em 16", &bis_em, 1);
+            for (int i = 0, rest = order; i < n; i++) { /* one of those that are left, which are n - i */
+                const int at = rest % (n - i);
+                const bis_trade_run run = {.replicate = i, .seconds = left[at], .relmse_both = 1};
+                rest /= n - i;
+                left[at] = left[n - i - 1];
+                assert_int_equal(bis_trade_add_run(&t, &run, NULL), BIS_OK);
+            }
+            assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+            assert_true(t.result.n_points == 1 && t.result.points[0].seconds == 3);
+            clear(&t);
+        }
+    }
+}
+
 /* A seed's cost is that of its budgets, weighted by their passes. em: seconds x noise is 0.25 x 1.5, 2, 6 for the
  * three. mis: (1 x 1/4 + 2 x 2/16 + 4 x 4/64 + 8 x 8/512)/15; each budget but the last, which the references hide, is
  * half the error for twice the time. */
@@ -325,7 +351,7 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
     assert_int_equal(bis_trade_best_of(&t, "brdf"), -1);
     assert_int_equal(bis_trade_best_of(&t, "em"), EM); /* the first */
     assert_int_equal(bis_trade_heads(&t, heads), 5); /* mis 64 is the scene's own */
-    for (int i = 0; i < 5; i++) assert_int_equal(heads[i], i);
+    for (int i = 0; i < 5; i++) assert_true(heads[i] == i && bis_trade_is_head(&t, i));
     t.plan.settings[MIS_LONG].is_scenes = false;
     assert_int_equal(bis_trade_heads(&t, heads), 4);
     assert_true(heads[2] == SIR && !bis_trade_is_head(&t, MIS_LONG) && bis_trade_is_head(&t, REJECTION));
@@ -342,6 +368,11 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
             a->is_extrapolated == (i == 2));
         assert_near(a->seconds, 4.0 * passes[i]);
         assert_near(a->expected_error, sqrt(0.875 / 15 / passes[i]));
+    }
+    for (int more = 0; more < 2; more++) { /* 8 passes were measured, 9 are more */
+        t.o.error = sqrt(0.875 / 15 / (7.5 + more));
+        bis_trade_advise(&t);
+        assert_true(t.result.advice[2].passes == 8u + (unsigned)more && t.result.advice[2].is_extrapolated == more);
     }
     t.result.curves[SIR].cost_variance_se = 0;
     t.o.error = 0.2;
@@ -1866,12 +1897,13 @@ static void let_run(const char *what, double share, double left, void *user)
 
 /* Runs of 1 and 4 s, then 2 and 8 s, as planned, in the 40 s that 50 s leave, of which the scene takes 30: the last is
  * begun if 2 s are left over. The table is written after the first run, and then by the second. What does not fit at
- * all would take 15 s of 4 fifths. */
+ * all would take 15 s of 4 fifths. Where one run does not fit, a shorter one of the next round is not begun either. */
 static void runs_are_begun_that_fit_and_written_by_the_second(void **state)
 {
     static const struct { double seconds; slow_sweep by; int n; } cases[] = {
         {50, {{0.5, 0.4, 0.8, 8}, {0, 2, 2, 4}, 4}, 4}, {50, {{0.5, 0.4, 1.05}, {0, 2, 2, 4}, 4}, 4},
-        {50, {{0.5, 0.4, 1.15}, {0, 2, 2}, 3}, 3}, {38.7, {{0}, {0}, 0}, 0}, {38.8, {{0.5}, {0}, 1}, 1}};
+        {50, {{0.5, 0.4, 1.15}, {0, 2, 2}, 3}, 3}, {38.7, {{0}, {0}, 0}, 0}, {38.8, {{0.5}, {0}, 1}, 1},
+        {50, {{7}, {0}, 1}, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         slow_sweep s = cases[i].by;
         const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/slow", .seconds = cases[i].seconds,
@@ -1881,6 +1913,9 @@ static void runs_are_begun_that_fit_and_written_by_the_second(void **state)
         bool interrupted;
         load(&t);
         plan_two(&t);
+        bis_trade_setting *const em = &t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")];
+        em[-1].levels = em->levels, em[-1].pass_seconds = em->pass_seconds; /* em 4, the first of all */
+        em[-1].is_swept = true, em->is_swept = false, em->levels = 0;
         t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
         store_plan(&t, DIR "/slow");
         s.n = 0;
@@ -2673,6 +2708,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_are_means_and_medians_of_their_seeds),
+        cmocka_unit_test(a_median_does_not_depend_on_the_order),
         cmocka_unit_test(curves_are_weighted_by_passes_and_leave_out_what_is_hidden),
         cmocka_unit_test(equal_points_are_both_on_the_front),
         cmocka_unit_test(errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets),
