@@ -55,10 +55,11 @@ static void assert_near(double a, double b)
 /* ---- time ---- */
 
 /* This program's own clock, which the library reads: once it is set, it stands where it was put, and goes on by `step`
- * whenever somebody reads it. Nanoseconds. */
+ * whenever somebody reads it. Nanoseconds. From `alarm` on there is a signal. */
 static struct {
     bool is_set;
-    int64_t now, step;
+    int64_t now, step, alarm;
+    volatile sig_atomic_t signal;
 } watch;
 
 int clock_gettime(clockid_t of, struct timespec *t)
@@ -68,6 +69,7 @@ int clock_gettime(clockid_t of, struct timespec *t)
     if (!watch.is_set || of != CLOCK_MONOTONIC) return real(of, t);
     *t = (struct timespec){watch.now / 1000000000, watch.now % 1000000000};
     watch.now += watch.step;
+    watch.signal |= watch.now > watch.alarm;
     return 0;
 }
 
@@ -77,7 +79,12 @@ static void set_watch(double step)
     watch.is_set = true;
     watch.now = 1000 * (int64_t)1000000000;
     watch.step = (int64_t)(1e9 * step);
+    watch.alarm = INT64_MAX;
+    watch.signal = 0;
 }
+
+/* The signal comes so many seconds from now. */
+static void set_alarm(double seconds) { watch.alarm = watch.now + (int64_t)(1e9 * seconds); }
 
 static void move_watch(double seconds) { watch.now += (int64_t)(1e9 * seconds); }
 
@@ -1874,7 +1881,8 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     bis_trade_clear(&t);
 }
 
-/* A sweep in which each run takes some seconds by the clock; noted is how many runs the table had when each began. */
+/* A sweep in which each run takes some seconds by the clock, or is interrupted (-1); noted is how many lines the table
+ * had when each began. */
 typedef struct slow_sweep {
     double runs[4]; /* seconds */
     int seen[4], n;
@@ -1892,7 +1900,9 @@ static void let_run(const char *what, double share, double left, void *user)
         for (const char *c = text; *c; c++) s->seen[s->n] += *c == '\n';
         bis_free(text);
     }
-    move_watch(s->runs[s->n++]);
+    if (s->runs[s->n] < 0) set_alarm(1e-6);
+    else move_watch(s->runs[s->n]);
+    s->n++;
 }
 
 /* Runs of 1 and 4 s, then 2 and 8 s, as planned, in the 40 s that 50 s leave, of which the scene takes 30: the last is
@@ -1903,11 +1913,12 @@ static void runs_are_begun_that_fit_and_written_by_the_second(void **state)
     static const struct { double seconds; slow_sweep by; int n; } cases[] = {
         {50, {{0.5, 0.4, 0.8, 8}, {0, 2, 2, 4}, 4}, 4}, {50, {{0.5, 0.4, 1.05}, {0, 2, 2, 4}, 4}, 4},
         {50, {{0.5, 0.4, 1.15}, {0, 2, 2}, 3}, 3}, {38.7, {{0}, {0}, 0}, 0}, {38.8, {{0.5}, {0}, 1}, 1},
-        {50, {{7}, {0}, 1}, 1}};
+        {50, {{7}, {0}, 1}, 1}, {50, {{0.5, -1}, {0, 2}, 2}, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         slow_sweep s = cases[i].by;
         const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/slow", .seconds = cases[i].seconds,
-                                     .error = 0.9, .n_threads = 1, .resume = true, .progress = let_run, .user = &s};
+                                     .error = 0.9, .n_threads = 1, .resume = true, .progress = let_run, .user = &s,
+                                     .interrupted = &watch.signal};
         bis_trade t = {.n_runs = 0};
         bis_diag diag = {0};
         bool interrupted;
@@ -1923,7 +1934,8 @@ static void runs_are_begun_that_fit_and_written_by_the_second(void **state)
         const bis_status status = bis_trade_measure(&t, &o, &interrupted, &diag);
         watch.is_set = false;
         assert_int_equal(status, cases[i].n ? BIS_OK : BIS_INPUT);
-        assert_true(t.is_complete == (cases[i].n == 4) && t.n_runs == (size_t)cases[i].n && s.n == cases[i].n);
+        assert_true(t.is_complete == (cases[i].n == 4) && t.n_runs == (size_t)cases[i].n && s.n == cases[i].by.n);
+        assert_int_equal(interrupted, s.n > cases[i].n);
         for (int k = 0; k < s.n; k++) assert_int_equal(s.seen[k], cases[i].by.seen[k]);
         if (status)
             assert_non_null(strstr(diag.messages[0].text, "error: 0 of 4 runs: none fitted into 38.7 s, so there is no "
@@ -2165,10 +2177,11 @@ static const bis_trade_setting *load_advice(bis_trade *t, double seconds, uint64
 
 /* A render of 4 passes takes 6 readings of a second, and a look at the clock one; after two another is begun if more
  * than the 6 s that it takes are left of half of the time. With 40 s for that half there are five, with 34 four, with
- * 20 two, with 89 eight, the most. What they say is the last word. */
+ * 20 two, with 89 eight, the most. What they say is the last word. A signal after 24 s interrupts the fourth, which
+ * does not count. */
 static void renders_of_an_advice_take_half_of_what_time_is_left(void **state)
 {
-    static const struct { double half; int n; } cases[] = {{40, 5}, {34, 4}, {20, 2}, {89, 8}};
+    static const struct { double half; int n; } cases[] = {{40, 5}, {34, 4}, {20, 2}, {89, 8}, {40, 3}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_trade t;
         const bis_trade_setting *const em = load_advice(&t, cases[i].half / 0.03, 5, 4);
@@ -2176,6 +2189,8 @@ static void renders_of_an_advice_take_half_of_what_time_is_left(void **state)
         const double relmse = scatter_of(&t, em, 0, 4, cases[i].n);
         a->error = sqrt(relmse * 4 / 3.5);
         set_watch(1);
+        if (i == 4) set_alarm(24);
+        t.o.interrupted = &watch.signal;
         assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
         watch.is_set = false;
         assert_true(a->passes == 4 && !a->is_extrapolated && a->seconds == 16);
@@ -2243,7 +2258,6 @@ static void remake(bis_trade *t, int n)
  * 6 s, and 1 takes 3. What was made before is read, with its seconds, if it has as many passes and is there. */
 static void pictures_have_the_passes_of_the_longest_runs(void **state)
 {
-    static const sig_atomic_t signal = 1;
     static const char header[] = "setting,passes,seconds,relmse,file\n";
     char text[512], a[32], b[32];
     bis_trade t;
@@ -2280,10 +2294,16 @@ static void pictures_have_the_passes_of_the_longest_runs(void **state)
     program_write_file(DIR "/strip/pictures.csv", "em 16,1048576,7.5,1,x\nsir 64/4,3,4.5,1,x\n");
     remake(&t, 2);
     assert_true(t.strip[0].passes == 1048576 && t.strip[0].seconds == 7.5);
-    t.o.interrupted = &signal; /* what is there is still read */
+    t.o.interrupted = &watch.signal; /* what is there is still read */
     t.result.curves[sir].pass_seconds = 100;
+    watch.signal = 1;
     remake(&t, 1);
     assert_true(t.strip[0].setting == em && t.strip[0].seconds == 7.5);
+    set_watch(1);
+    set_alarm(2); /* within the picture */
+    assert_int_equal(unlink(text), 0);
+    remake(&t, 0);
+    assert_false(program_exists(text));
     watch.is_set = false;
     bis_trade_clear(&t);
 }
@@ -2375,7 +2395,8 @@ static void seconds_grow_with_the_pixels_but_for_what_any_pass_takes(void **stat
 {
     static const struct { double pass, fill, seconds; } cases[] = {
         {2e4, 0.25, 2 * 4}, {2.1e4, 0.25, 2 * (0.25 + 2.75 * 4)}, {8.1e4, 0.25, 2 * (0.25 + 2.75 * 9.6)},
-        {1.799e5, 0.25, 2 * (0.25 + 2.75 * 9.6)}, {1.7e5, 10, 2 * 3}, {1.81e5, 0.25, 2 * 1.81e5}};
+        {1.799e5, 0.25, 2 * (0.25 + 2.75 * 9.6)}, {1.7e5, 10, 2 * 3}, {1.81e5, 0.25, 2 * 1.81e5},
+        {2e4, 0.25, 2 * 2e4}}; /* the last is interrupted */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_trade t;
         diary d = {.n = 0};
@@ -2385,8 +2406,9 @@ static void seconds_grow_with_the_pixels_but_for_what_any_pass_takes(void **stat
         t.plan.settings[em].fill_seconds = cases[i].fill;
         for (int k = 0; k < BIS_TRADE_ADVICE; k++) t.result.advice[k].setting = -1;
         t.result.advice[1] = (bis_trade_advice){.setting = em, .passes = 2, .seconds = 2 * cases[i].pass};
-        t.o.progress = note, t.o.user = &d;
+        t.o.progress = note, t.o.user = &d, t.o.interrupted = &watch.signal;
         set_watch(1);
+        if (i == 6) set_alarm(1);
         assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
         watch.is_set = false;
         assert_near(t.result.advice[1].seconds, cases[i].seconds);
