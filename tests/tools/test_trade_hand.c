@@ -810,10 +810,51 @@ static void without_a_script_the_page_is_text(void **state)
     write_page(&t);
     char *page = read_whole(DIR "/report.html");
     page_in_order(page, (const char *const[]){"<noscript>", "<pre id=`text`>", "final picture", "~96 s",
-        "29 of 33 runs in " DIR "/report.html\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s",
+        "29 of 33 runs in " DIR "/report.html\n\nsetting                            passes       time      error "
+        "on the Pareto front\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s",
         "4.4% yes\n",
         "rejection 100/8 ", "</pre>", "</noscript>", NULL});
     bis_free(page);
+    clear(&t);
+}
+
+/* Without any advice the summary says what to do. */
+static void a_summary_without_advice_says_so(void **state)
+{
+    bis_trade t;
+    char *text;
+    size_t n;
+    forge(&t);
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) t.result.advice[i].setting = -1;
+    FILE *const out = open_memstream(&text, &n);
+    bis_trade_print_summary(out, &t);
+    fclose(out);
+    assert_string_equal(text, "no advice: no setting has enough runs; give --resume --time more\n29 of 33 runs in "
+                              DIR "/report.html\n");
+    free(text);
+    clear(&t);
+}
+
+/* The enlarged parts are quarters of the sides, rounded up: of 13 x 9 pixels 4 x 3. */
+static void enlarged_parts_are_quarters_rounded_up(void **state)
+{
+    bis_trade t;
+    forge(&t);
+    t.plan.width = 13, t.plan.height = 9, t.plan.full_width = 26, t.plan.full_height = 18;
+    bis_image_clear(&t.both.image);
+    for (int k = 0; k < 2; k++) {
+        bis_image *const image = k ? &t.both.image : &t.strip[0].image;
+        assert_int_equal(bis_image_init(image, 13, 9, NULL), BIS_OK);
+        for (int i = 0; i < 13 * 9; i++) image->pixels[i] = (rgb){1, 1, 1};
+    }
+    t.strip[0].setting = MIS, t.strip[0].passes = 1;
+    t.n_strip = 1;
+    char *const text = data_of(&t);
+    for (int k = 0; k < 2; k++) {
+        assert_true(json_number(text, k ? "crops.1.width" : "crops.0.width") == 4);
+        assert_true(json_number(text, k ? "crops.1.height" : "crops.0.height") == 3);
+    }
+    free(text);
     clear(&t);
 }
 
@@ -930,6 +971,30 @@ static void a_biased_setting_gets_the_short_curve(void **state)
     assert_levels(&t, (int[]){3, 5});
     assert_true(t.plan.step == 1 && t.plan.width == 60);
     assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
+}
+
+/* Five settings of 1, 2, 4, 8, 16 microseconds in each order: in the time of eight passes of the middle one they have
+ * 63 x 1, 31 x 2, 15 x 4, 7 x 8 and 3 x 16, twice, 578 microseconds; so 11.56 s have room for 20000 pixels, every
+ * third. */
+static void the_middle_cost_does_not_depend_on_the_order(void **state)
+{
+    static const bis_integrator *const integrators[5] = {&bis_rejection, &bis_em, &bis_sir, &bis_mis, &bis_brdf};
+    for (int order = 0; order < 120; order++) {
+        double costs[5] = {1e-6, 2e-6, 4e-6, 8e-6, 16e-6};
+        bis_scene_desc desc;
+        bis_trade t;
+        pilot(&t, &desc);
+        t.plan.n_settings = 0;
+        t.plan.is_given = true;
+        for (int i = 0, rest = order; i < 5; i++) { /* one of those that are left, which are 5 - i */
+            const int at = rest % (5 - i);
+            add_piloted(&t, "any", integrators[i], costs[at], 0.1);
+            rest /= 5 - i;
+            costs[at] = costs[4 - i];
+        }
+        assert_int_equal(bis_trade_fit_plan(&t, 23.12, NULL), BIS_OK);
+        assert_int_equal(t.plan.step, 3);
+    }
 }
 
 /* The slowest of the table takes 24 microseconds a pixel where runs take 22.6 at most: it is left out. As the scene's
@@ -2280,9 +2345,9 @@ static void pictures_have_the_passes_of_the_longest_runs(void **state)
     assert_string_equal(made, text);
     bis_free(made);
 
-    program_write_file(DIR "/strip/pictures.csv", "em 16,8,7.5,1,x\nsir 64/4,11,9,1,x\nsir 64/4,1,-4,1,x\n");
+    program_write_file(DIR "/strip/pictures.csv", "em 16,8,0.75,1,x\nsir 64/4,11,9,1,x\nsir 64/4,1,-4,1,x\n");
     remake(&t, 2);
-    assert_picture(&t, 0, em, 8, 7.5); /* read */
+    assert_picture(&t, 0, em, 8, 0.75); /* read */
     assert_picture(&t, 1, sir, 1, 3);  /* made */
     snprintf(text, sizeof text, DIR "/strip/pictures/%02d.exr", em + 1);
     assert_int_equal(unlink(text), 0);
@@ -2744,7 +2809,10 @@ int main(void)
         cmocka_unit_test(the_data_have_their_members_in_order),
         cmocka_unit_test(plots_have_the_figures_of_their_range),
         cmocka_unit_test(without_a_script_the_page_is_text),
+        cmocka_unit_test(a_summary_without_advice_says_so),
+        cmocka_unit_test(enlarged_parts_are_quarters_rounded_up),
         cmocka_unit_test(a_plan_fills_half_of_the_time),
+        cmocka_unit_test(the_middle_cost_does_not_depend_on_the_order),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
         cmocka_unit_test(a_biased_setting_gets_the_short_curve),
         cmocka_unit_test(a_setting_is_left_out_if_its_pass_takes_too_long),
