@@ -1387,6 +1387,19 @@ static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
     }
 }
 
+/* A dim map with lamps of one pixel, which are so small that b weighs them. */
+static void write_small_lamps(const char *path)
+{
+    bis_image map;
+    assert_int_equal(bis_image_init(&map, 64, 32, NULL), BIS_OK);
+    for (int i = 0; i < 64 * 32; i++) {
+        const float v = i % 97 == 5 ? 20 + (float)(i % 7) : 0.25f;
+        map.pixels[i] = (rgb){v, v, v / 2};
+    }
+    assert_int_equal(bis_image_save(&map, path, NULL), BIS_OK);
+    bis_image_clear(&map);
+}
+
 /* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the
  * scene file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit
  * for bit. */
@@ -1400,6 +1413,7 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
     program_folder(DIR "/own");
     for (int i = 0; i < 12; i++) {
         program_write_scene(DIR "/own", scenes[i / 3].sampler);
+        write_small_lamps(DIR "/own/map.pfm");
         char *const scene = read_whole(DIR "/own/scene.txt"), text[4096];
         const char *const setting = strstr(scene, "sir\""), *const end = strchr(setting, '\n');
         const char *const map = strstr(scene, "\"map.pfm\"") + strlen("\"map.pfm\"");
@@ -1421,6 +1435,11 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
             &r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
         assert_int_equal(bis_image_read(&right, DIR "/own/right.pfm", (bis_loc){0}, NULL), BIS_OK);
         assert_memory_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
+        bis_image_clear(&image);
+        /* the twin: with the scene's light it is another picture */
+        s = &t.plan.settings[bis_trade_find_setting(&t.plan, i % 3 < 2 ? "em 16" : "mis 16")];
+        assert_int_equal(bis_trade_render(&t, &(bis_trade_job){s, 1, 2, 7}, &image, &result, NULL), BIS_OK);
+        assert_memory_not_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
         bis_image_clear(&image);
         bis_image_clear(&right);
         bis_trade_clear(&t);
