@@ -16,6 +16,7 @@
 #include "lack.h"
 #include "map_help.h"
 #include "page_help.h"
+#include "picture_help.h"
 #include "program.h"
 
 #include <stdio.h>
@@ -593,6 +594,45 @@ static void the_samples_of_a_page_are_the_dots_of_the_picture(void **state)
     bis_image_clear(&dots);
 }
 
+/* The picture of the page of a map of 4 x 2 pixels: each is `scale` times the map's, at most 1, to 8 bits. */
+static void assert_page_picture(const char *path, const rgb map[8], double scale)
+{
+    char *const text = page_data(path);
+    const size_t size = strlen(text) + 100;
+    char *address = malloc(size), *drawing = malloc(size);
+    bis_image image;
+    snprintf(drawing, size, "<image id=\"m\" href=%s", json_value(address, size, text, "places.picture"));
+    picture_in(&image, drawing, "m");
+    assert_true(image.width == 4 && image.height == 2);
+    for (int i = 0; i < 8; i++) {
+        assert_near((double)image.pixels[i].r, fmin(1, scale * (double)map[i].r), 0.004);
+        assert_near((double)image.pixels[i].g, fmin(1, scale * (double)map[i].g), 0.004);
+        assert_near((double)image.pixels[i].b, fmin(1, scale * (double)map[i].b), 0.004);
+    }
+    bis_image_clear(&image);
+    free(address);
+    free(drawing);
+    free(text);
+}
+
+/* A third of the median, or of an eighth of the mean if that is more, is a middle grey, 0.18. By hand: the median is 3,
+ * of a channel 1. With a lamp of 363 among seven pixels of 3 the mean is 48: of a channel 2. What is black is black. */
+static void the_picture_of_a_page_is_scaled_to_a_middle_grey(void **state)
+{
+    program_run r;
+    rgb pixels[8];
+    const bis_image image = map_by_hand(pixels);
+    for (int k = 0; k < 3; k++) {
+        static const double scales[] = {0.18, 0.09, 1};
+        rgb shown[8] = {{1, 1, 1}, {0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 3, 0}, {0, 2, 1}, {8, 6, 2}, {0, 0, 3}};
+        for (int i = 0; i < 8 && k; i++) pixels[i] = shown[i] = k == 2 ? (rgb){0, 0, 0} : (rgb){1, 1, 1};
+        if (k == 1) pixels[6] = shown[6] = (rgb){121, 121, 121};
+        assert_int_equal(bis_image_save(&image, DIR "/grey.pfm", NULL), BIS_OK);
+        program_expect(&r, 0, "envmap " DIR "/grey.pfm --levels 4 --samples 1 --html " DIR "/grey.html");
+        assert_page_picture(DIR "/grey.html", shown, scales[k]);
+    }
+}
+
 /* The map by hand, without area weighting: densities are r+g+b over their integral, 29 pi/2; codes are logarithms
  * between 1 and 16. A region holds together over the seam. */
 static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void **state)
@@ -652,18 +692,18 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     bis_free(text);
 }
 
-/* Of a map of 1442 columns each third pixel is there, the one in the middle, or the last one. A place has the mean
- * density of its pixels, of nine, or of two in the corner. A map of one value has its highest code everywhere; a black
+/* Of a map of 1441 columns each third pixel is there, the one in the middle, or the last one. A place has the mean
+ * density of its pixels, of nine, or of one in the corner. A map of one value has its highest code everywhere; a black
  * map has a page, and no densities. */
 static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
 {
     program_run r;
     bis_image image;
-    assert_int_equal(bis_image_init(&image, 1442, 4, NULL), BIS_OK);
-    for (int i = 0; i < 1442 * 4; i++) image.pixels[i] = (rgb){1, 1, 1};
-    image.pixels[1442 + 4] = (rgb){16, 16, 16}; /* the middle of the second place */
-    image.pixels[3 * 1442 + 1441] = (rgb){16, 16, 16};
-    image.pixels[1442 + 6] = (rgb){16, 16, 16}; /* in no middle */
+    assert_int_equal(bis_image_init(&image, 1441, 4, NULL), BIS_OK);
+    for (int i = 0; i < 1441 * 4; i++) image.pixels[i] = (rgb){1, 1, 1};
+    image.pixels[1441 + 4] = (rgb){16, 16, 16}; /* the middle of the second place */
+    image.pixels[3 * 1441 + 1440] = (rgb){16, 16, 16};
+    image.pixels[1441 + 6] = (rgb){16, 16, 16}; /* in no middle */
     assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
     program_expect(&r, 0, "envmap " DIR "/large.pfm --levels 2 --areaexponent 0 --html " DIR "/large.html");
     char *text = page_data(DIR "/large.html");
@@ -674,12 +714,12 @@ static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
         assert_true(number_in(text, "places.level", i, 1) == is_bright);
     }
     assert_true(number_in(text, "places.density", 0, 2) == 1);
-    assert_near(number_in(text, "places.density", 1, 2), 1 + 65534 * log((16 + 8) / 9.) / log(17 / 2.), 1);
-    assert_near(number_in(text, "places.density", 2, 2), 1 + 65534 * log((16 + 8) / 9.) / log(17 / 2.), 1);
+    assert_near(number_in(text, "places.density", 1, 2), 1 + 65534 * log((16 + 8) / 9.) / log(16.), 1);
+    assert_near(number_in(text, "places.density", 2, 2), 1 + 65534 * log((16 + 8) / 9.) / log(16.), 1);
     assert_true(number_in(text, "places.density", 2 * 481 - 1, 2) == 65535);
     free(text);
     for (int black = 0; black < 2; black++) {
-        for (int i = 0; i < 1442 * 4; i++) image.pixels[i] = black ? (rgb){0, 0, 0} : (rgb){1, 1, 1};
+        for (int i = 0; i < 1441 * 4; i++) image.pixels[i] = black ? (rgb){0, 0, 0} : (rgb){1, 1, 1};
         assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
         program_expect(&r, 0, "envmap " DIR "/large.pfm --areaexponent 0 --html " DIR "/large.html");
         text = page_data(DIR "/large.html");
@@ -793,6 +833,7 @@ int main(void)
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
         cmocka_unit_test(the_samples_of_a_page_are_the_dots_of_the_picture),
         cmocka_unit_test(the_page_of_a_map_by_hand_has_its_levels_regions_and_densities),
+        cmocka_unit_test(the_picture_of_a_page_is_scaled_to_a_middle_grey),
         cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
         cmocka_unit_test(a_map_is_converted_and_comes_back),
         cmocka_unit_test(every_allocation_may_fail),

@@ -2358,6 +2358,7 @@ static void pictures_have_the_passes_of_the_longest_runs(void **state)
     remake(&t, 2);
     assert_picture(&t, 0, em, 8, 6);
     assert_picture(&t, 1, sir, 1, 3);
+    const int files = program_count_files("/proc/self/fd");
     snprintf(text, sizeof text, "%sem 16,8,6,%s,pictures/%02d.exr\nsir 64/4,1,3,%s,pictures/%02d.exr\n", header,
              bis_format_double(a, t.strip[0].relmse), em + 1, bis_format_double(b, t.strip[1].relmse), sir + 1);
     char *made = read_whole(DIR "/strip/pictures.csv");
@@ -2388,6 +2389,7 @@ static void pictures_have_the_passes_of_the_longest_runs(void **state)
     assert_int_equal(unlink(text), 0);
     remake(&t, 0);
     assert_false(program_exists(text));
+    assert_int_equal(program_count_files("/proc/self/fd"), files); /* none stays open */
     watch.is_set = false;
     bis_trade_clear(&t);
 }
