@@ -1078,6 +1078,12 @@ static void an_error_out_of_reach_is_refused(void **state)
                                "0.11 or more, or --time for "
                            "about 44 s"));
     bis_diag_clear(&diag);
+    pilot(&t, &desc); /* the last of the table may be the best */
+    t.plan.settings[P_MIS_SLOW].pass_relmse = 1e-5;
+    t.o.error = 1e-3;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "by the pilot \"mis 16 compensated\", the best, needs about "));
+    bis_diag_clear(&diag);
     for (int i = 0; i < 2; i++) {
         pilot(&t, &desc);
         t.o.error = i ? 0.0745 : 0.0742;
