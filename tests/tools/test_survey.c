@@ -16,6 +16,7 @@
 #include "lack.h"
 #include "map_help.h"
 #include "page_help.h"
+#include "picture_help.h"
 #include "program.h"
 
 #include <stdio.h>
@@ -460,6 +461,56 @@ static void importance_is_seen_from_the_darkest_to_the_brightest_pixel(void **st
     }
 }
 
+/* The same three pixels as regions: the darkest is of level 0, the brightest of 7, of eight, the other of 4, which
+ * begins at 16^(4/8). With h their share of the highest level, the largest channel is as bright as 0.25 + 0.75 h, and
+ * the least has 0.25 + 0.45 h of that. */
+static void regions_are_brighter_and_paler_the_higher_their_level(void **state)
+{
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    static const double height[3] = {0, 4 / 7.0, 1};
+    for (int o = 0; o < 6; o++) {
+        bis_envmap em = map_new(3, 1);
+        bis_regions r;
+        bis_image image;
+        for (int i = 0; i < 3; i++) em.pixels[i] = (rgb){(float)(1 << 2 * orders[o][i]), 0, 0};
+        assert_int_equal(bis_regions_init(&r, &em, 8, NULL), BIS_OK);
+        assert_int_equal(bis_survey_regions_picture(&image, &em, &r, NULL), BIS_OK);
+        for (int i = 0; i < 3; i++) {
+            const double h = height[orders[o][i]], most = 0.25 + 0.75 * h;
+            const rgb c = image.pixels[i], expected = bis_palette_srgb(most, most * (0.25 + 0.45 * h), 0);
+            assert_near((double)rgb_max(c), (double)expected.r, 1e-6);
+            assert_near(fmin(fmin((double)c.r, (double)c.g), (double)c.b), (double)expected.g, 1e-6);
+        }
+        bis_image_clear(&image);
+        bis_regions_clear(&r);
+        bis_envmap_clear(&em);
+    }
+}
+
+/* A picture that has no memory says so. */
+static void pictures_without_memory_say_so(void **state)
+{
+    bis_envmap em = map_random(8, 4, 4, 0, 2);
+    bis_regions r;
+    bis_importance *im;
+    const bis_importance_options options = {.table = true, .levels = 8};
+    assert_int_equal(bis_regions_init(&r, &em, 8, NULL), BIS_OK);
+    assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+    for (int k = 0; k < 3; k++) {
+        FOR_LACK(l) {
+            bis_image image;
+            if (k == 0) LACK(l, bis_survey_levels_picture(&image, &em, 8, NULL));
+            if (k == 1) LACK(l, bis_survey_regions_picture(&image, &em, &r, NULL));
+            if (k == 2) LACK(l, bis_survey_importance_picture(&image, &em, im, 3, NULL));
+            assert_int_equal(l.status, l.over ? BIS_OK : BIS_NOMEM);
+            if (!l.status) bis_image_clear(&image);
+        }
+    }
+    bis_importance_free(im);
+    bis_regions_clear(&r);
+    bis_envmap_clear(&em);
+}
+
 /* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright,
  * within 1.6 of it the rest is dimmed to 0.3, across the seam, not across the pole. */
 static void assert_dot(int rows, double radius)
@@ -493,6 +544,7 @@ static void assert_dot(int rows, double radius)
 static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
 {
     assert_dot(20, 0.5);
+    assert_dot(250, 1.25); /* 1.6 of it are two pixels, and they are still dimmed */
     assert_dot(300, 1.5);
     assert_dot(450, 2.25);
 }
@@ -518,6 +570,70 @@ static double number_in(const char *text, const char *path, int i, int size)
     return v;
 }
 
+/* The samples of a page, in the middles of pixels, are the dots of the picture, a pixel each on so small a map. */
+static void the_samples_of_a_page_are_the_dots_of_the_picture(void **state)
+{
+    bool is_drawn[32 * 16] = {false};
+    program_run r;
+    bis_image dots;
+    program_expect(&r, 0, "envmap " DIR "/map.pfm --samples 20 --html " DIR "/dots.html --out " DIR "/dots.pfm");
+    char *const text = page_data(DIR "/dots.html");
+    for (int i = 0; i < 20; i++) {
+        char path[32];
+        snprintf(path, sizeof path, "samples.%d.theta_deg", i);
+        const double y = json_number(text, path) * 16 / 180 - 0.5;
+        snprintf(path, sizeof path, "samples.%d.phi_deg", i);
+        const double x = json_number(text, path) * 32 / 360 - 0.5;
+        assert_true(fabs(y - round(y)) < 1e-9 && fabs(x - round(x)) < 1e-9 && y > -1 && y < 16 && x > -1 && x < 32);
+        is_drawn[(int)(32 * round(y) + round(x))] = true;
+    }
+    assert_true(isnan(json_number(text, "samples.20.phi_deg")));
+    free(text);
+    assert_int_equal(bis_image_read(&dots, DIR "/dots-importance.pfm", (bis_loc){0}, NULL), BIS_OK);
+    const rgb bright = bis_palette_srgb(0.55, 1, 0.95);
+    for (int i = 0; i < 32 * 16; i++) assert_int_equal(same(dots.pixels[i], bright), is_drawn[i]);
+    bis_image_clear(&dots);
+}
+
+/* The picture of the page of a map of 4 x 2 pixels: each is `scale` times the map's, at most 1, to 8 bits. */
+static void assert_page_picture(const char *path, const rgb map[8], double scale)
+{
+    char *const text = page_data(path);
+    const size_t size = strlen(text) + 100;
+    char *address = malloc(size), *drawing = malloc(size);
+    bis_image image;
+    snprintf(drawing, size, "<image id=\"m\" href=%s", json_value(address, size, text, "places.picture"));
+    picture_in(&image, drawing, "m");
+    assert_true(image.width == 4 && image.height == 2);
+    for (int i = 0; i < 8; i++) {
+        assert_near((double)image.pixels[i].r, fmin(1, scale * (double)map[i].r), 0.004);
+        assert_near((double)image.pixels[i].g, fmin(1, scale * (double)map[i].g), 0.004);
+        assert_near((double)image.pixels[i].b, fmin(1, scale * (double)map[i].b), 0.004);
+    }
+    bis_image_clear(&image);
+    free(address);
+    free(drawing);
+    free(text);
+}
+
+/* A third of the median, or of an eighth of the mean if that is more, is a middle grey, 0.18. By hand: the median is 3,
+ * of a channel 1. With a lamp of 363 among seven pixels of 3 the mean is 48: of a channel 2. What is black is black. */
+static void the_picture_of_a_page_is_scaled_to_a_middle_grey(void **state)
+{
+    program_run r;
+    rgb pixels[8];
+    const bis_image image = map_by_hand(pixels);
+    for (int k = 0; k < 3; k++) {
+        static const double scales[] = {0.18, 0.09, 1};
+        rgb shown[8] = {{1, 1, 1}, {0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 3, 0}, {0, 2, 1}, {8, 6, 2}, {0, 0, 3}};
+        for (int i = 0; i < 8 && k; i++) pixels[i] = shown[i] = k == 2 ? (rgb){0, 0, 0} : (rgb){1, 1, 1};
+        if (k == 1) pixels[6] = shown[6] = (rgb){121, 121, 121};
+        assert_int_equal(bis_image_save(&image, DIR "/grey.pfm", NULL), BIS_OK);
+        program_expect(&r, 0, "envmap " DIR "/grey.pfm --levels 4 --samples 1 --html " DIR "/grey.html");
+        assert_page_picture(DIR "/grey.html", shown, scales[k]);
+    }
+}
+
 /* The map by hand, without area weighting: densities are r+g+b over their integral, 29 pi/2; codes are logarithms
  * between 1 and 16. A region holds together over the seam. */
 static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void **state)
@@ -538,6 +654,9 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     program_expect(&r, 0, "envmap " DIR "/hand.pfm --levels 4 --areaexponent 0 --samples 50 --html " DIR "/hand.html");
     char *text = page_data(DIR "/hand.html");
     assert_true(json_is_valid(text));
+    assert_string_equal(json_keys(why, sizeof why, text, "places"),
+                        "width height step picture level region least most density ");
+    assert_string_equal(json_keys(why, sizeof why, text, "samples.0"), "theta_deg phi_deg ");
     assert_true(json_number(text, "places.width") == 4 && json_number(text, "places.height") == 2 &&
                 json_number(text, "places.step") == 1);
     assert_near(json_number(text, "power"), 29 * PI / 2, 1e-5); /* what --json says is there, too */
@@ -574,34 +693,34 @@ static void the_page_of_a_map_by_hand_has_its_levels_regions_and_densities(void 
     bis_free(text);
 }
 
-/* Of a map of 1442 columns each third pixel is there, the one in the middle, or the last one. A place has the mean
- * density of its pixels, of nine, or of two in the corner. A map of one value has its highest code everywhere; a black
+/* Of a map of 1441 columns each third pixel is there, the one in the middle, or the last one. A place has the mean
+ * density of its pixels, of nine, or of one in the corner. A map of one value has its highest code everywhere; a black
  * map has a page, and no densities. */
 static void the_page_of_a_large_map_has_some_of_its_pixels(void **state)
 {
     program_run r;
     bis_image image;
-    assert_int_equal(bis_image_init(&image, 1442, 4, NULL), BIS_OK);
-    for (int i = 0; i < 1442 * 4; i++) image.pixels[i] = (rgb){1, 1, 1};
-    image.pixels[1442 + 4] = (rgb){16, 16, 16}; /* the middle of the second place */
-    image.pixels[3 * 1442 + 1441] = (rgb){16, 16, 16};
-    image.pixels[1442 + 6] = (rgb){16, 16, 16}; /* in no middle */
+    assert_int_equal(bis_image_init(&image, 1441, 4, NULL), BIS_OK);
+    for (int i = 0; i < 1441 * 4; i++) image.pixels[i] = (rgb){1, 1, 1};
+    image.pixels[1441 + 4] = (rgb){16, 16, 16}; /* the middle of the second place */
+    image.pixels[3 * 1441 + 1440] = (rgb){16, 16, 16};
+    image.pixels[1441 + 6] = (rgb){16, 16, 16}; /* in no middle */
     assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
     program_expect(&r, 0, "envmap " DIR "/large.pfm --levels 2 --areaexponent 0 --html " DIR "/large.html");
     char *text = page_data(DIR "/large.html");
     assert_true(json_number(text, "places.width") == 481 && json_number(text, "places.height") == 2 &&
                 json_number(text, "places.step") == 3);
-    for (int i = 0; i < 481 * 2; i += i < 4 ? 1 : 479) {
+    for (int i = 0; i < 481 * 2; i += i < 3 ? 1 : 479) {
         const bool is_bright = i == 1 || i == 2 * 481 - 1;
         assert_true(number_in(text, "places.level", i, 1) == is_bright);
     }
     assert_true(number_in(text, "places.density", 0, 2) == 1);
-    assert_near(number_in(text, "places.density", 1, 2), 1 + 65534 * log((16 + 8) / 9.) / log(17 / 2.), 1);
-    assert_near(number_in(text, "places.density", 2, 2), 1 + 65534 * log((16 + 8) / 9.) / log(17 / 2.), 1);
+    assert_near(number_in(text, "places.density", 1, 2), 1 + 65534 * log((16 + 8) / 9.) / log(16.), 1);
+    assert_near(number_in(text, "places.density", 2, 2), 1 + 65534 * log((16 + 8) / 9.) / log(16.), 1);
     assert_true(number_in(text, "places.density", 2 * 481 - 1, 2) == 65535);
     free(text);
     for (int black = 0; black < 2; black++) {
-        for (int i = 0; i < 1442 * 4; i++) image.pixels[i] = black ? (rgb){0, 0, 0} : (rgb){1, 1, 1};
+        for (int i = 0; i < 1441 * 4; i++) image.pixels[i] = black ? (rgb){0, 0, 0} : (rgb){1, 1, 1};
         assert_int_equal(bis_image_save(&image, DIR "/large.pfm", NULL), BIS_OK);
         program_expect(&r, 0, "envmap " DIR "/large.pfm --areaexponent 0 --html " DIR "/large.html");
         text = page_data(DIR "/large.html");
@@ -748,8 +867,12 @@ int main(void)
         cmocka_unit_test(the_report_of_a_probe_has_its_power_before_and_after),
         cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
         cmocka_unit_test(importance_is_seen_from_the_darkest_to_the_brightest_pixel),
+        cmocka_unit_test(regions_are_brighter_and_paler_the_higher_their_level),
+        cmocka_unit_test(pictures_without_memory_say_so),
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
+        cmocka_unit_test(the_samples_of_a_page_are_the_dots_of_the_picture),
         cmocka_unit_test(the_page_of_a_map_by_hand_has_its_levels_regions_and_densities),
+        cmocka_unit_test(the_picture_of_a_page_is_scaled_to_a_middle_grey),
         cmocka_unit_test(the_page_of_a_large_map_has_some_of_its_pixels),
         cmocka_unit_test(pictures_have_the_name_of_their_map),
         cmocka_unit_test(a_map_is_converted_and_comes_back),

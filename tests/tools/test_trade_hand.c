@@ -29,9 +29,11 @@
 #include "program.h"
 #include "bis/tools/compare.h"
 
+#include <dlfcn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define DIR "build/test_trade_hand"
@@ -49,6 +51,45 @@ static void assert_near(double a, double b)
     if (!(fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b))) && !(isnan(a) && isnan(b))) fail_msg("%.17g is not %.17g", a,
         b);
 }
+
+/* ---- time ---- */
+
+/* This program's own clock, which the library reads: once it is set, it stands where it was put, and goes on by `step`
+ * whenever somebody reads it. Nanoseconds. From `alarm` on there is a signal. */
+static struct {
+    bool is_set;
+    int64_t now, step, alarm;
+    volatile sig_atomic_t signal;
+} watch;
+
+int clock_gettime(clockid_t of, struct timespec *t)
+{
+    static int (*real)(clockid_t, struct timespec *);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
+    if (!watch.is_set || of != CLOCK_MONOTONIC) return real(of, t);
+    *t = (struct timespec){watch.now / 1000000000, watch.now % 1000000000};
+    watch.now += watch.step;
+    watch.signal |= watch.now > watch.alarm;
+    return 0;
+}
+
+/* The clock shows 1000 s, and each reading takes so many seconds. */
+static void set_watch(double step)
+{
+    watch.is_set = true;
+    watch.now = 1000 * (int64_t)1000000000;
+    watch.step = (int64_t)(1e9 * step);
+    watch.alarm = INT64_MAX;
+    watch.signal = 0;
+}
+
+/* The signal comes so many seconds from now. */
+static void set_alarm(double seconds) { watch.alarm = watch.now + (int64_t)(1e9 * seconds); }
+
+static void move_watch(double seconds) { watch.now += (int64_t)(1e9 * seconds); }
+
+/* What the last reading was. */
+static double last_reading(void) { return 1e-9 * (double)(watch.now - watch.step); }
 
 /* ---- the sweep ---- */
 
@@ -173,6 +214,32 @@ static void points_are_means_and_medians_of_their_seeds(void **state)
     clear(&t);
 }
 
+/* Five seeds of 1, 2, 3, 4, 5 s, or four of 1, 2, 4, 8 s, in each of their orders: the median is 3. */
+static void a_median_does_not_depend_on_the_order(void **state)
+{
+    static const double seconds[2][5] = {{1, 2, 3, 4, 5}, {1, 2, 4, 8}};
+    for (int k = 0; k < 2; k++) {
+        const int n = 5 - k;
+        for (int order = 0; order < (k ? 24 : 120); order++) {
+            double left[5];
+            bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .plan = {.n_seeds = n}};
+            assert_non_null(t.desc);
+            memcpy(left, seconds[k], sizeof left);
+            add_setting(&t, "em 16", &bis_em, 1);
+            for (int i = 0, rest = order; i < n; i++) { /* one of those that are left, which are n - i */
+                const int at = rest % (n - i);
+                const bis_trade_run run = {.replicate = i, .seconds = left[at], .relmse_both = 1};
+                rest /= n - i;
+                left[at] = left[n - i - 1];
+                assert_int_equal(bis_trade_add_run(&t, &run, NULL), BIS_OK);
+            }
+            assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+            assert_true(t.result.n_points == 1 && t.result.points[0].seconds == 3);
+            clear(&t);
+        }
+    }
+}
+
 /* A seed's cost is that of its budgets, weighted by their passes. em: seconds x noise is 0.25 x 1.5, 2, 6 for the
  * three. mis: (1 x 1/4 + 2 x 2/16 + 4 x 4/64 + 8 x 8/512)/15; each budget but the last, which the references hide, is
  * half the error for twice the time. */
@@ -291,7 +358,7 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
     assert_int_equal(bis_trade_best_of(&t, "brdf"), -1);
     assert_int_equal(bis_trade_best_of(&t, "em"), EM); /* the first */
     assert_int_equal(bis_trade_heads(&t, heads), 5); /* mis 64 is the scene's own */
-    for (int i = 0; i < 5; i++) assert_int_equal(heads[i], i);
+    for (int i = 0; i < 5; i++) assert_true(heads[i] == i && bis_trade_is_head(&t, i));
     t.plan.settings[MIS_LONG].is_scenes = false;
     assert_int_equal(bis_trade_heads(&t, heads), 4);
     assert_true(heads[2] == SIR && !bis_trade_is_head(&t, MIS_LONG) && bis_trade_is_head(&t, REJECTION));
@@ -308,6 +375,11 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
             a->is_extrapolated == (i == 2));
         assert_near(a->seconds, 4.0 * passes[i]);
         assert_near(a->expected_error, sqrt(0.875 / 15 / passes[i]));
+    }
+    for (int more = 0; more < 2; more++) { /* 8 passes were measured, 9 are more */
+        t.o.error = sqrt(0.875 / 15 / (7.5 + more));
+        bis_trade_advise(&t);
+        assert_true(t.result.advice[2].passes == 8u + (unsigned)more && t.result.advice[2].is_extrapolated == more);
     }
     t.result.curves[SIR].cost_variance_se = 0;
     t.o.error = 0.2;
@@ -535,7 +607,32 @@ static void the_data_have_pictures_and_what_was_left_out(void **state)
     clear(&t);
 }
 
-/* The place of a point of the plot, by the words that a browser shows at it. */
+/* The members of each object of the page's data, in their order. */
+static void the_data_have_their_members_in_order(void **state)
+{
+    static const char *const of[][2] = {
+        {"", "scene version complete runs planned advice times errors best settings film run_seconds seeds threads "
+             "references given noise difference difference_se left_out crops reference shots "},
+        {"advice.0", "purpose setting "},
+        {"advice.1", "purpose setting method candidates shadowrays samples error seconds passes extrapolated options "
+                     "line "},
+        {"settings.0", "name method biased own head cost_variance cost_variance_se slope slope_se points error_at "
+                       "seconds_to "},
+        {"settings.0.points.0", "passes seconds rays error error_se bias bias_se pareto "},
+        {"settings.0.error_at.0", "value extrapolated "}, {"settings.0.seconds_to.0", "value extrapolated "},
+        {"film", "width height full_width full_height step "},
+        {"references.0", "judges name renders passes mean se noise "}, {"left_out.0", "name pass_seconds "},
+        {"crops.0", "x y width height "}, {"shots.0", "setting passes seconds error picture errors "}};
+    bis_trade t;
+    char keys[512];
+    forge_page(&t);
+    char *const text = data_of(&t);
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++)
+        assert_string_equal(json_keys(keys, sizeof keys, text, of[i][0]), of[i][1]);
+    free(text);
+    clear(&t);
+}
+
 /* The parts that are enlarged are those of make_strip, whatever the unit of radiance: the first where both methods err,
  * the second, by rows, that holds the firefly. */
 static void the_enlarged_parts_do_not_depend_on_the_unit(void **state)
@@ -556,6 +653,7 @@ static void the_enlarged_parts_do_not_depend_on_the_unit(void **state)
     }
 }
 
+/* The place of a point of the plot, by the words that a browser shows at it. */
 static void assert_point(const char *page, const char *title, double x, double y)
 {
     const char *axis = strstr(page, "class=\"p-axis\" d=\"M"), *at = strstr(page, title);
@@ -712,10 +810,51 @@ static void without_a_script_the_page_is_text(void **state)
     write_page(&t);
     char *page = read_whole(DIR "/report.html");
     page_in_order(page, (const char *const[]){"<noscript>", "<pre id=`text`>", "final picture", "~96 s",
-        "29 of 33 runs in " DIR "/report.html\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s",
+        "29 of 33 runs in " DIR "/report.html\n\nsetting                            passes       time      error "
+        "on the Pareto front\n", "em 16 ", " 1 ", "1.5 s", "71%", "mis 16 ", " 8 ", "8 s",
         "4.4% yes\n",
         "rejection 100/8 ", "</pre>", "</noscript>", NULL});
     bis_free(page);
+    clear(&t);
+}
+
+/* Without any advice the summary says what to do. */
+static void a_summary_without_advice_says_so(void **state)
+{
+    bis_trade t;
+    char *text;
+    size_t n;
+    forge(&t);
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) t.result.advice[i].setting = -1;
+    FILE *const out = open_memstream(&text, &n);
+    bis_trade_print_summary(out, &t);
+    fclose(out);
+    assert_string_equal(text, "no advice: no setting has enough runs; give --resume --time more\n29 of 33 runs in "
+                              DIR "/report.html\n");
+    free(text);
+    clear(&t);
+}
+
+/* The enlarged parts are quarters of the sides, rounded up: of 13 x 9 pixels 4 x 3. */
+static void enlarged_parts_are_quarters_rounded_up(void **state)
+{
+    bis_trade t;
+    forge(&t);
+    t.plan.width = 13, t.plan.height = 9, t.plan.full_width = 26, t.plan.full_height = 18;
+    bis_image_clear(&t.both.image);
+    for (int k = 0; k < 2; k++) {
+        bis_image *const image = k ? &t.both.image : &t.strip[0].image;
+        assert_int_equal(bis_image_init(image, 13, 9, NULL), BIS_OK);
+        for (int i = 0; i < 13 * 9; i++) image->pixels[i] = (rgb){1, 1, 1};
+    }
+    t.strip[0].setting = MIS, t.strip[0].passes = 1;
+    t.n_strip = 1;
+    char *const text = data_of(&t);
+    for (int k = 0; k < 2; k++) {
+        assert_true(json_number(text, k ? "crops.1.width" : "crops.0.width") == 4);
+        assert_true(json_number(text, k ? "crops.1.height" : "crops.0.height") == 3);
+    }
+    free(text);
     clear(&t);
 }
 
@@ -834,7 +973,77 @@ static void a_biased_setting_gets_the_short_curve(void **state)
     assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
 }
 
-/* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. */
+/* Five settings of 1, 2, 4, 8, 16 microseconds in each order: in the time of eight passes of the middle one they have
+ * 63 x 1, 31 x 2, 15 x 4, 7 x 8 and 3 x 16, twice, 578 microseconds; so 11.56 s have room for 20000 pixels, every
+ * third. */
+static void the_middle_cost_does_not_depend_on_the_order(void **state)
+{
+    static const bis_integrator *const integrators[5] = {&bis_rejection, &bis_em, &bis_sir, &bis_mis, &bis_brdf};
+    for (int order = 0; order < 120; order++) {
+        double costs[5] = {1e-6, 2e-6, 4e-6, 8e-6, 16e-6};
+        bis_scene_desc desc;
+        bis_trade t;
+        pilot(&t, &desc);
+        t.plan.n_settings = 0;
+        t.plan.is_given = true;
+        for (int i = 0, rest = order; i < 5; i++) { /* one of those that are left, which are 5 - i */
+            const int at = rest % (5 - i);
+            add_piloted(&t, "any", integrators[i], costs[at], 0.1);
+            rest /= 5 - i;
+            costs[at] = costs[4 - i];
+        }
+        assert_int_equal(bis_trade_fit_plan(&t, 23.12, NULL), BIS_OK);
+        assert_int_equal(t.plan.step, 3);
+    }
+}
+
+/* The slowest of the table takes 24 microseconds a pixel where runs take 22.6 at most: it is left out. As the scene's
+ * own, of 64, it is not. Then the middle one of five long curves costs 4, and with 8 passes of that all take twice (63
+ * x 1 + 31 x 2 + 15 x 4 + 7 x 8 + 64 + 3 x 4 + 16) = 666 microseconds: 7988 pixels, every fourth of 480 x 320. Again
+ * runs may take 2^4.5 passes of em: with more there would be all of those, too much. */
+static void a_setting_is_left_out_if_its_pass_takes_too_long(void **state)
+{
+    static const int levels[N_PILOTED] = {2, 5, 0, 3, 4, 1, 1, 0};
+    bis_scene_desc desc;
+    for (int is_own = 0; is_own < 2; is_own++) {
+        bis_trade t;
+        pilot(&t, &desc);
+        if (is_own) t.plan.settings[P_MIS_SLOW].is_scenes = true;
+        else t.plan.settings[P_MIS_SLOW].pass_seconds = 24e-6;
+        assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+        assert_int_equal(t.plan.step, is_own ? 4 : 3);
+        if (!is_own) assert_levels(&t, levels);
+        assert_int_equal(t.plan.settings[P_MIS_SLOW].levels, is_own);
+        assert_near(t.plan.run_seconds, 1e-6 * t.plan.width * t.plan.height * exp2(4.5));
+    }
+}
+
+/* With all the time of the world: of 4800 x 3200 pixels 90000 are wanted, every thirteenth, and each budget is 2^20
+ * passes. Those are over after 5.8 million of the 500 million seconds, which are then a run's. Replicates have 2^22
+ * passes, the most. Of a picture of two rows or columns each second pixel is the thinnest film. */
+static void a_plan_has_no_more_than_the_most(void **state)
+{
+    static const int levels[] = {21, 21, 0, 21, 21, 21, 21, 21};
+    bis_scene_desc desc;
+    bis_trade t;
+    const bis_trade_plan *p = &t.plan;
+    pilot(&t, &desc);
+    t.plan.full_width = 4800, t.plan.full_height = 3200;
+    assert_int_equal(bis_trade_fit_plan(&t, 1e9, NULL), BIS_OK);
+    assert_true(p->step == 13 && p->width == 369 && p->height == 246);
+    assert_levels(&t, levels);
+    assert_near(p->run_seconds, 5e8);
+    assert_true(p->reference_passes[0] == 4194304 && p->reference_passes[1] == 4194304);
+    for (int tall = 0; tall < 2; tall++) {
+        pilot(&t, &desc);
+        t.plan.full_width = tall ? 2 : 32768, t.plan.full_height = tall ? 32768 : 2;
+        assert_int_equal(bis_trade_fit_plan(&t, 1, NULL), BIS_OK);
+        assert_true(p->step == 2 && p->width * p->height == 16384);
+    }
+}
+
+/* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. With the 12 s
+ * that the pilot took, a fifth more than 12.2544 s are wanted. */
 static void a_plan_without_time_is_refused(void **state)
 {
     bis_scene_desc desc;
@@ -842,11 +1051,13 @@ static void a_plan_without_time_is_refused(void **state)
     for (int i = 0; i < 2; i++) {
         bis_diag diag = {0};
         pilot(&t, &desc);
-        t.start = bis_clock_now();
+        set_watch(0);
+        t.start = 988;
         assert_int_equal(bis_trade_fit_plan(&t, i ? 0.2546 : 0.2542, &diag), i ? BIS_OK : BIS_INPUT);
+        watch.is_set = false;
         if (!i) assert_non_null(strstr(diag.messages[0].text, "error: 10 s are too few: a single pass of the best "
-            "setting of each integrator, "
-                                                              "80 x 53 pixels and 2 seeds, wants about "));
+            "setting of each integrator, 80 x 53 pixels and 2 seeds, wants about 15 s in all; give --time more than "
+            "that, or name fewer integrators by --integrator"));
         bis_diag_clear(&diag);
     }
 }
@@ -866,6 +1077,12 @@ static void an_error_out_of_reach_is_refused(void **state)
                            "picture of 160 x 107 pixels, and in 10 s of measurement a run gets 0.39 s. Give --error "
                                "0.11 or more, or --time for "
                            "about 44 s"));
+    bis_diag_clear(&diag);
+    pilot(&t, &desc); /* the last of the table may be the best */
+    t.plan.settings[P_MIS_SLOW].pass_relmse = 1e-5;
+    t.o.error = 1e-3;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "by the pilot \"mis 16 compensated\", the best, needs about "));
     bis_diag_clear(&diag);
     for (int i = 0; i < 2; i++) {
         pilot(&t, &desc);
@@ -889,6 +1106,7 @@ typedef struct diary {
 static void note(const char *what, double share, double left, void *user)
 {
     diary *d = user;
+    if (strncmp(what, "run ", 4) == 0) move_watch(1e5);
     assert_true(d->n < 64);
     told *e = &d->entry[d->n++];
     snprintf(e->what, sizeof e->what, "%s", what);
@@ -986,6 +1204,176 @@ static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
     }
 }
 
+/* The seconds of a render by the clock that is set, of a setting of a plan that has been made. */
+static double seconds_of(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
+                         double *relmse)
+{
+    bis_render_result result;
+    assert_int_equal(bis_trade_render(t, &(bis_trade_job){s, step, passes, seed}, NULL, &result, NULL), BIS_OK);
+    if (relmse) *relmse = result.error.relative_rmse * result.error.relative_rmse * passes;
+    return result.seconds;
+}
+
+/* A sweep of em, --quick, of 96 x 64 pixels, whose pilot has 7 settings. */
+static void load_for_pilot(bis_trade *t, double seconds)
+{
+    static const char *const em[] = {"em"};
+    *t = (bis_trade){.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1, .seconds = seconds,
+                           .n_seeds = 1, .seed = 9, .n_threads = 1, .quick = true}};
+    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+    t->plan.full_width = 96, t->plan.full_height = 64;
+    set_watch(1);
+    t->start = bis_clock_now();
+}
+
+/* The plan is the one that the pilot's figures give for so many seconds. */
+static void assert_fitted_to(const bis_trade *t, double left)
+{
+    bis_trade u = *t;
+    for (int i = 0; i < u.plan.n_settings; i++)
+        u.plan.settings[i].pass_seconds /= bis_trade_pixels(t, t->plan.step);
+    assert_int_equal(bis_trade_fit_plan(&u, left, NULL), BIS_OK);
+    assert_near(t->plan.run_seconds, u.plan.run_seconds);
+    assert_int_equal(t->plan.reference_passes[1], u.plan.reference_passes[1]);
+    for (int i = 0; i < u.plan.n_settings; i++)
+        assert_int_equal(t->plan.settings[i].levels, u.plan.settings[i].levels);
+}
+
+/* A clock of one second a reading, which comes between passes and after tiles. Four passes of one pixel take 5 s, so a
+ * pass of any size takes 1.25. The probe has every eleventh pixel, 9 x 6, and takes 3 s: 1.75/54 for each. Three passes
+ * are to fit into twice the setting's share, 8% of the time over 7: with 4100 s these are 964 pixels, with 4250 s 999,
+ * with 11500 s 2704, where every second one is nearest from 983 to 2731. In 400 s it is 16 x 1.25 s that counts, 617
+ * pixels, every third. Passes are those that fit into the share, two at least. */
+static void the_pilot_has_as_many_pixels_as_its_time_allows(void **state)
+{
+    static const struct { double seconds; int step; uint32_t passes; } cases[] = {
+        {400, 3, 2}, {4100, 3, 7}, {4250, 2, 6}, {11500, 2, 16}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        bis_trade t;
+        int n = 0;
+        load_for_pilot(&t, cases[c].seconds);
+        assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+        assert_fitted_to(&t, cases[c].seconds - (last_reading() - t.start));
+        for (int i = 0; i < t.plan.n_settings; i++) {
+            const bis_trade_setting *const s = &t.plan.settings[i];
+            const int step = cases[c].step;
+            const uint32_t passes = cases[c].passes;
+            double relmse;
+            if (!(s->pass_seconds > 0)) continue;
+            assert_true(s->fill_seconds == 1.25);
+            const double share = 0.08 * cases[c].seconds / 7, one = seconds_of(&t, s, step, 1, 9, NULL);
+            assert_true(one == (step == 3 ? 6 : 8)); /* 2 x 2 tiles, or 3 x 2, and 2 */
+            assert_true(share < one * (passes + 1) && (passes == 2 || share >= one * passes));
+            const double each = seconds_of(&t, s, step, passes, 10, &relmse) / passes;
+            assert_near(s->pass_seconds, each / bis_trade_pixels(&t, step) * bis_trade_pixels(&t, t.plan.step));
+            assert_near(s->pass_relmse, relmse);
+            n++;
+        }
+        assert_int_equal(n, 7);
+        watch.is_set = false;
+        bis_trade_clear(&t);
+    }
+}
+
+static void interrupt_late(const char *what, double share, double left, void *user)
+{
+    bis_trade *t = user;
+    if (strcmp(what, "pilot") != 0 || share < 0.1) return;
+    move_watch(1000);
+    *(volatile sig_atomic_t *)t->o.interrupted = 1;
+}
+
+/* A setting takes 29 readings of a second. After each but the last the pilot must not have taken all the time, as 58 s
+ * are after two; if it has, it wants as much for each of the 7. Nobody who counts passes or has interrupted it is told
+ * that. What is left for the measurement is a tenth of the time at least. */
+static void a_pilot_that_takes_all_the_time_is_given_up(void **state)
+{
+    for (int i = 0; i < 5; i++) {
+        static const double seconds[] = {59, 58, 59, 59, 190};
+        static volatile sig_atomic_t flag;
+        bis_trade t;
+        bis_diag diag = {0};
+        diary d = {.n = 0};
+        char need[BIS_DURATION], expected[256];
+        load_for_pilot(&t, seconds[i]);
+        flag = 0;
+        t.o.progress = i == 3 ? interrupt_late : note, t.o.user = i == 3 ? (void *)&t : &d, t.o.interrupted = &flag;
+        if (i == 2) t.o.passes = 1;
+        if (i == 4) t.plan.full_width = 24, t.plan.full_height = 16;
+        if (i == 4) t.start -= 25;
+        assert_int_equal(bis_trade_make_plan(&t, &diag), i < 2 ? BIS_INPUT : BIS_OK);
+        const double elapsed = last_reading() - t.start;
+        if (i < 2) {
+            const int done = 3 - i;
+            assert_true(elapsed == 29 * done);
+            assert_int_equal(d.n, done);
+            bis_duration(need, elapsed / done * 7);
+            snprintf(expected, sizeof expected, "error: %g s are too few: the pilot alone, a look at each of 7 "
+                     "settings, wants about %s; give --time some times that, or name fewer integrators by "
+                     "--integrator", seconds[i], need);
+            assert_int_equal(diag.n, 1);
+            assert_non_null(strstr(diag.messages[0].text, expected));
+        }
+        if (i == 4) {
+            assert_true(elapsed > 171 && elapsed < 190);
+            assert_fitted_to(&t, 19);
+        }
+        watch.is_set = false;
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
+/* em 16, or mis 16, is the scene's own. Its probe costs 1.75/54 s a pixel, and of 96 x 64 all are measured, for two
+ * seeds: 398.2 s, half of 796.4. If that is more than there is, a probe of 16 x 11 pixels is made, 1.75/176 s each:
+ * half of 244.4 s. What it tells counts from then on: the pilot has 2011 pixels instead of 617. Whoever counts passes
+ * is not refused, and neither is a setting for what is not swept or not the scene's. */
+static void the_scenes_own_setting_is_refused_if_a_pass_takes_too_long(void **state)
+{
+    static const struct {
+        double seconds;
+        bool is_own, is_swept;
+        uint32_t passes;
+        int step; /* of the pilot; 0: there is none */
+        const char *what;
+    } cases[] = {
+        {800, true, true, 0, 3, NULL}, {790, true, true, 0, 2, NULL}, {790, true, true, 1, 1, NULL},
+        {790, false, true, 0, 3, NULL}, {790, true, false, 0, 3, NULL},
+        {246, true, true, 0, 2, "the best setting of each integrator"},
+        {243, true, true, 0, 0, "the scene's own setting"}, {243, true, true, 1, 1, NULL},
+        {243, false, true, 0, 3, "the best setting of each integrator"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        bis_diag diag = {0};
+        char need[BIS_DURATION], expected[256];
+        double relmse;
+        load_for_pilot(&t, cases[i].seconds);
+        t.o.n_seeds = 2;
+        t.o.passes = cases[i].passes;
+        for (int k = 0; k < t.plan.n_settings; k++) t.plan.settings[k].is_swept = t.plan.settings[k].is_scenes = false;
+        t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")].is_swept = true;
+        bis_trade_setting *const own =
+            &t.plan.settings[bis_trade_find_setting(&t.plan, cases[i].is_swept ? "em 16" : "mis 16")];
+        own->is_scenes = cases[i].is_own;
+        assert_int_equal(bis_trade_make_plan(&t, &diag), cases[i].what ? BIS_INPUT : BIS_OK);
+        if (cases[i].what) {
+            const double least = cases[i].step ? 2 * own->pass_seconds : 2 * 96 * 64 * 1.75 / 176;
+            bis_duration(need, 1.2 * (2 * least + last_reading() - t.start));
+            snprintf(expected, sizeof expected, "error: %g s are too few: a single pass of %s, 96 x 64 pixels and 2 "
+                     "seeds, wants about %s in all; ", cases[i].seconds, cases[i].what, need);
+            assert_non_null(strstr(diag.messages[0].text, expected));
+        }
+        assert_int_equal(own->pass_seconds > 0, cases[i].step > 0);
+        if (cases[i].step && cases[i].seconds > 700 && !cases[i].passes) {
+            seconds_of(&t, own, cases[i].step, 2, 10, &relmse);
+            assert_near(own->pass_relmse, relmse);
+        }
+        watch.is_set = false;
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
 /* As many as were asked for; else 2 of a quick run, 5 of one of ten minutes or more, 3. */
 static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
 {
@@ -1005,6 +1393,19 @@ static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
     }
 }
 
+/* A dim map with lamps of one pixel, which are so small that b weighs them. */
+static void write_small_lamps(const char *path)
+{
+    bis_image map;
+    assert_int_equal(bis_image_init(&map, 64, 32, NULL), BIS_OK);
+    for (int i = 0; i < 64 * 32; i++) {
+        const float v = i % 97 == 5 ? 20 + (float)(i % 7) : 0.25f;
+        map.pixels[i] = (rgb){v, v, v / 2};
+    }
+    assert_int_equal(bis_image_save(&map, path, NULL), BIS_OK);
+    bis_image_clear(&map);
+}
+
 /* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the
  * scene file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit
  * for bit. */
@@ -1018,6 +1419,7 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
     program_folder(DIR "/own");
     for (int i = 0; i < 12; i++) {
         program_write_scene(DIR "/own", scenes[i / 3].sampler);
+        write_small_lamps(DIR "/own/map.pfm");
         char *const scene = read_whole(DIR "/own/scene.txt"), text[4096];
         const char *const setting = strstr(scene, "sir\""), *const end = strchr(setting, '\n');
         const char *const map = strstr(scene, "\"map.pfm\"") + strlen("\"map.pfm\"");
@@ -1039,6 +1441,11 @@ static void a_light_of_its_own_is_built_as_the_scenes(void **state)
             &r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
         assert_int_equal(bis_image_read(&right, DIR "/own/right.pfm", (bis_loc){0}, NULL), BIS_OK);
         assert_memory_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
+        bis_image_clear(&image);
+        /* the twin: with the scene's light it is another picture */
+        s = &t.plan.settings[bis_trade_find_setting(&t.plan, i % 3 < 2 ? "em 16" : "mis 16")];
+        assert_int_equal(bis_trade_render(&t, &(bis_trade_job){s, 1, 2, 7}, &image, &result, NULL), BIS_OK);
+        assert_memory_not_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
         bis_image_clear(&image);
         bis_image_clear(&right);
         bis_trade_clear(&t);
@@ -1223,6 +1630,37 @@ static void an_empty_folder_is_taken(void **state)
                                                        "new one begins");
         bis_diag_clear(&diag);
     }
+}
+
+/* A name of 3800 bytes is taken. What cannot be read, here a link to nothing, and a folder that cannot be made are told
+ * with their names, and not as bad input. */
+static void a_folder_that_cannot_be_used_is_told(void **state)
+{
+    char longest[3801] = DIR;
+    memset(longest + strlen(DIR), '/', sizeof longest - 1 - strlen(DIR));
+    bis_trade t = {.o = {.folder = longest}};
+    bis_diag diag = {0};
+    assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_INPUT); /* what this test has written is there */
+    assert_non_null(strstr(diag.messages[0].text, "\" holds other things (\""));
+    bis_diag_clear(&diag);
+
+    unlink(DIR "/astray");
+    assert_int_equal(symlink("nothing", DIR "/astray"), 0);
+    t = (bis_trade){.o = {.folder = DIR "/astray"}};
+    assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR "/astray: error: \"" DIR "/astray\" is no folder that can be read: "
+                                               "No such file or directory");
+    bis_diag_clear(&diag);
+    assert_int_equal(bis_trade_make_folder(&t, "pictures", &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR "/astray/pictures: error: cannot make the folder \"" DIR
+                                               "/astray/pictures\": No such file or directory");
+    bis_diag_clear(&diag);
+    t.o.folder = DIR "/astray/new";
+    assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR "/astray/new: error: cannot make the folder \"" DIR "/astray/new\": "
+                                               "No such file or directory");
+    assert_false(t.made_folder);
+    bis_diag_clear(&diag);
 }
 
 /* A folder with the plan of plan_text and three runs; t is to read them. */
@@ -1471,22 +1909,8 @@ static void the_worst_pixels_are_spared(void **state)
 
 /* ---- resumed ---- */
 
-/* Of 10 seconds two are for the page: a run of 8 is not begun. */
-static void assert_no_run_is_begun_too_late(bis_trade_options o)
-{
-    bis_trade t = {.n_runs = 0};
-    bool interrupted;
-    char *runs = read_whole(DIR "/folder/runs.csv");
-    strstr(runs, "sir 64/4,2,")[0] = '\0';
-    program_write_file(DIR "/folder/runs.csv", runs);
-    bis_free(runs);
-    o.seconds = 10;
-    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
-    assert_true(!t.is_complete && t.is_reported && t.n_runs == 3);
-    bis_trade_clear(&t);
-}
-
-/* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
+/* A plan of 1 + 2 and 4 + 8 64ths of a second, of which the em of 1 is there: the rest is 14 64ths, by rounds of one
+ * budget. */
 static void the_rest_is_measured_in_rounds_and_told(void **state)
 {
     static const char *const what[] = {"run 2 of 4", "run 3 of 4", "run 4 of 4", "error of the advice"};
@@ -1500,7 +1924,9 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     t.plan.is_given = true;
     t.plan.run_seconds = 1e-4;
     t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
+    for (int i = 0; i < t.plan.n_settings; i++) t.plan.settings[i].pass_seconds /= 64;
     t.plan.reference[0] = t.plan.reference[1] = -1;
+    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
     assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
     bis_trade_clear(&t);
     assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
@@ -1512,7 +1938,9 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .seconds = 1e6, .error = 0.9,
         .n_threads = 1, .resume = true,
                                  .progress = note, .user = &d};
+    set_watch(0.1);
     assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
+    watch.is_set = false;
     assert_true(t.is_complete && t.is_reported && !interrupted && t.n_runs == 4);
     int first = 0;
     while (first < d.n && strncmp(d.entry[first].what, "run ", 4) != 0) first++; /* behind the scene and its maps */
@@ -1520,10 +1948,9 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
         assert_string_equal(d.entry[first + i].what, what[i]);
         assert_near(d.entry[first + i].share, share[i]);
     }
-    assert_near(d.entry[first].left, 14); /* as planned, before anything was made */
-    /* of 14 planned seconds 4, then 6, took far less than a second: 10 x spent/4 are left, 8 x spent/6 */
-    assert_true(d.entry[first + 1].left > 0 && d.entry[first + 1].left < 10 && d.entry[first + 2].left > 0 &&
-        d.entry[first + 2].left < 8);
+    assert_near(d.entry[first].left, 14 / 64.0); /* as planned, before anything was made */
+    /* of 14 planned 64ths 4 took 10^5 s, then 6 took twice that: 10 x 10^5/4 are left, 8 x 2 x 10^5/6 */
+    assert_true(fabs(d.entry[first + 1].left / 2.5e5 - 1) < 1e-4 && fabs(d.entry[first + 2].left * 3 / 8e5 - 1) < 1e-4);
     int parts[3] = {0};
     for (int i = first + 3; i < d.n; i++) {
         static const char *const later[] = {"error of the advice", "seconds of the full picture", "pictures"};
@@ -1542,7 +1969,71 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_true(!t.result.advice[i].is_extrapolated &&
         t.result.advice[i].passes > 0);
     bis_trade_clear(&t);
-    assert_no_run_is_begun_too_late(o);
+}
+
+/* A sweep in which each run takes some seconds by the clock, or is interrupted (-1); noted is how many lines the table
+ * had when each began. */
+typedef struct slow_sweep {
+    double runs[4]; /* seconds */
+    int seen[4], n;
+} slow_sweep;
+
+static void let_run(const char *what, double share, double left, void *user)
+{
+    slow_sweep *s = user;
+    if (strcmp(what, "reading the scene") == 0) move_watch(30);
+    if (strncmp(what, "run ", 4) != 0) return;
+    assert_true(s->n < 4);
+    s->seen[s->n] = 0;
+    if (program_exists(DIR "/slow/runs.csv")) {
+        char *const text = read_whole(DIR "/slow/runs.csv");
+        for (const char *c = text; *c; c++) s->seen[s->n] += *c == '\n';
+        bis_free(text);
+    }
+    if (s->runs[s->n] < 0) set_alarm(1e-6);
+    else move_watch(s->runs[s->n]);
+    s->n++;
+}
+
+/* Runs of 1 and 4 s, then 2 and 8 s, as planned, in the 40 s that 50 s leave, of which the scene takes 30: the last is
+ * begun if 2 s are left over. The table is written after the first run, and then by the second. What does not fit at
+ * all would take 15 s of 4 fifths. Where one run does not fit, a shorter one of the next round is not begun either. */
+static void runs_are_begun_that_fit_and_written_by_the_second(void **state)
+{
+    static const struct { double seconds; slow_sweep by; int n; } cases[] = {
+        {50, {{0.5, 0.4, 0.8, 8}, {0, 2, 2, 4}, 4}, 4}, {50, {{0.5, 0.4, 1.05}, {0, 2, 2, 4}, 4}, 4},
+        {50, {{0.5, 0.4, 1.15}, {0, 2, 2}, 3}, 3}, {38.7, {{0}, {0}, 0}, 0}, {38.8, {{0.5}, {0}, 1}, 1},
+        {50, {{7}, {0}, 1}, 1}, {50, {{0.5, -1}, {0, 2}, 2}, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        slow_sweep s = cases[i].by;
+        const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/slow", .seconds = cases[i].seconds,
+                                     .error = 0.9, .n_threads = 1, .resume = true, .progress = let_run, .user = &s,
+                                     .interrupted = &watch.signal};
+        bis_trade t = {.n_runs = 0};
+        bis_diag diag = {0};
+        bool interrupted;
+        load(&t);
+        plan_two(&t);
+        bis_trade_setting *const em = &t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")];
+        em[-1].levels = em->levels, em[-1].pass_seconds = em->pass_seconds; /* em 4, the first of all */
+        em[-1].is_swept = true, em->is_swept = false, em->levels = 0;
+        t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
+        store_plan(&t, DIR "/slow");
+        s.n = 0;
+        set_watch(1e-6);
+        const bis_status status = bis_trade_measure(&t, &o, &interrupted, &diag);
+        watch.is_set = false;
+        assert_int_equal(status, cases[i].n ? BIS_OK : BIS_INPUT);
+        assert_true(t.is_complete == (cases[i].n == 4) && t.n_runs == (size_t)cases[i].n && s.n == cases[i].by.n);
+        assert_int_equal(interrupted, s.n > cases[i].n);
+        for (int k = 0; k < s.n; k++) assert_int_equal(s.seen[k], cases[i].by.seen[k]);
+        if (status)
+            assert_non_null(strstr(diag.messages[0].text, "error: 0 of 4 runs: none fitted into 38.7 s, so there is no "
+                "advice and no page; go on with --resume --time for about 49 s, or measure into another folder with "
+                "fewer integrators (--integrator)"));
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
 }
 
 /* ---- the advice, checked ---- */
@@ -1740,6 +2231,175 @@ static void the_promise_is_what_half_of_the_pictures_have(void **state)
     }
 }
 
+/* The scatter of n renders of the attempt `turn` at the second advice, in which the reference counts for nothing. */
+static double scatter_of(bis_trade *t, const bis_trade_setting *s, int turn, uint32_t passes, int n)
+{
+    enum { TURNS = 6, RENDERS = 8, ADVICE = 1 };
+    bis_image images[RENDERS] = {{0}};
+    for (int k = 0; k < n; k++) {
+        bis_render_result result;
+        const uint64_t seed = bis_trade_seed(&t->plan, 3, (uint64_t)((ADVICE * TURNS + turn) * RENDERS + k));
+        const bis_trade_job job = {s, t->plan.step, passes, seed};
+        assert_int_equal(bis_trade_render(t, &job, &images[k], &result, NULL), BIS_OK);
+    }
+    const double scatter = bis_trade_scatter(images, n, 0, &t->both);
+    for (int k = 0; k < n; k++) bis_image_clear(&images[k]);
+    return scatter;
+}
+
+/* Advice of `passes` by em 16, whose pass takes 1.5 s, as the second of three. A measurement of so many seconds gives
+ * each 3% of its time, and the second has the first one's, too. */
+static const bis_trade_setting *load_advice(bis_trade *t, double seconds, uint64_t seed, uint32_t passes)
+{
+    load(t);
+    plan_two(t);
+    const int em = bis_trade_find_setting(&t->plan, "em 16");
+    t->o.seconds = seconds;
+    t->plan.seed = seed;
+    t->both = (bis_trade_reference){.relmse = 1e30};
+    assert_int_equal(bis_image_init(&t->both.image, 6, 4, NULL), BIS_OK);
+    memset(t->both.image.pixels, 0, 24 * sizeof(rgb));
+    t->result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 1.5};
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) t->result.advice[i].setting = -1;
+    t->result.advice[1] = (bis_trade_advice){.setting = em, .passes = passes, .seconds = 4.0 * passes};
+    return &t->plan.settings[em];
+}
+
+/* A render of 4 passes takes 6 readings of a second, and a look at the clock one; after two another is begun if more
+ * than the 6 s that it takes are left of half of the time. With 40 s for that half there are five, with 34 four, with
+ * 20 two, with 89 eight, the most. What they say is the last word. A signal after 24 s interrupts the fourth, which
+ * does not count. */
+static void renders_of_an_advice_take_half_of_what_time_is_left(void **state)
+{
+    static const struct { double half; int n; } cases[] = {{40, 5}, {34, 4}, {20, 2}, {89, 8}, {40, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        const bis_trade_setting *const em = load_advice(&t, cases[i].half / 0.03, 5, 4);
+        bis_trade_advice *const a = &t.result.advice[1];
+        const double relmse = scatter_of(&t, em, 0, 4, cases[i].n);
+        a->error = sqrt(relmse * 4 / 3.5);
+        set_watch(1);
+        if (i == 4) set_alarm(24);
+        t.o.interrupted = &watch.signal;
+        assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+        watch.is_set = false;
+        assert_true(a->passes == 4 && !a->is_extrapolated && a->seconds == 16);
+        assert_near(a->expected_error, sqrt(relmse));
+        bis_trade_clear(&t);
+    }
+}
+
+/* 400 passes are too many for 78 s, in which two renders of 25 fit. The first attempt has an eighth of 25, 2 x 2
+ * passes, four times, and the second what the rest has room for, a little less, 4 x 4, twice. Then there is no time for
+ * more: what the error takes follows from both by n^-p, p in [1, 3/2]. Of the seeds some give p between, some an
+ * end. */
+static void what_there_is_no_time_for_follows_from_two_attempts(void **state)
+{
+    int inside = 0, low = 0, high = 0;
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        bis_trade t;
+        const bis_trade_setting *const em = load_advice(&t, 39 / 0.03, seed, 400);
+        bis_trade_advice *const a = &t.result.advice[1];
+        const double first = scatter_of(&t, em, 0, 4, 4), second = scatter_of(&t, em, 1, 16, 2);
+        a->error = sqrt(first / 60); /* by the first, 240 passes */
+        const double slope = log(first / second) / log(16 / 4), p = slope < 1 ? 1 : slope > 1.5 ? 1.5 : slope;
+        const double needed = pow(second / (a->error * a->error), 1 / p) * 16;
+        set_watch(1);
+        assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+        watch.is_set = false;
+        assert_int_equal(a->passes, bis_trade_square_passes(&t, needed));
+        assert_near(a->expected_error, sqrt(second * pow(16.0 / a->passes, p)));
+        assert_true(a->is_extrapolated && a->seconds == 4.0 * a->passes);
+        inside += p > 1 && p < 1.5;
+        low += p == 1;
+        high += p == 1.5;
+        bis_trade_clear(&t);
+    }
+    assert_true(inside > 0 && low + high > 0);
+}
+
+/* A picture of the strip of t is the render of its passes, and its error is that from the mean of both references. */
+static void assert_picture(bis_trade *t, int i, int setting, uint32_t passes, double seconds)
+{
+    const bis_trade_picture *const p = &t->strip[i];
+    const bis_trade_job job = {&t->plan.settings[setting], t->plan.step, passes,
+                               bis_trade_seed(&t->plan, 2, (uint64_t)setting)};
+    bis_render_result result;
+    bis_comparison c;
+    bis_image image;
+    assert_true(p->setting == setting && p->passes == passes && p->seconds == seconds);
+    assert_int_equal(bis_trade_render(t, &job, &image, &result, NULL), BIS_OK);
+    assert_memory_equal(image.pixels, p->image.pixels, 24 * sizeof(rgb));
+    assert_int_equal(bis_compare(&c, &image, &t->both.image, NULL), BIS_OK);
+    assert_true(c.relmse == p->relmse);
+    bis_image_clear(&image);
+}
+
+/* Makes the pictures of *t once more, and asserts that there are n. */
+static void remake(bis_trade *t, int n)
+{
+    for (int i = 0; i < t->n_strip; i++) bis_image_clear(&t->strip[i].image);
+    t->n_strip = 0;
+    assert_int_equal(bis_trade_make_pictures(t, NULL), BIS_OK);
+    assert_int_equal(t->n_strip, n);
+}
+
+/* Runs of 2.5 s have room for 8.33 passes of em, and for a fortieth of sir's; by the clock of a second a reading 8 take
+ * 6 s, and 1 takes 3. What was made before is read, with its seconds, if it has as many passes and is there. */
+static void pictures_have_the_passes_of_the_longest_runs(void **state)
+{
+    static const char header[] = "setting,passes,seconds,relmse,file\n";
+    char text[512], a[32], b[32];
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/strip";
+    assert_int_equal(system("rm -rf " DIR "/strip; mkdir " DIR "/strip"), 0);
+    assert_int_equal(bis_image_init(&t.both.image, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) t.both.image.pixels[i] = (rgb){0.5f, 0.25f, 1};
+    const int em = bis_trade_find_setting(&t.plan, "em 16"), sir = bis_trade_find_setting(&t.plan, "sir 64/4");
+    t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.3};
+    t.result.curves[sir] = (bis_trade_curve){.n = 1, .pass_seconds = 100};
+    set_watch(1);
+    remake(&t, 2);
+    assert_picture(&t, 0, em, 8, 6);
+    assert_picture(&t, 1, sir, 1, 3);
+    const int files = program_count_files("/proc/self/fd");
+    snprintf(text, sizeof text, "%sem 16,8,6,%s,pictures/%02d.exr\nsir 64/4,1,3,%s,pictures/%02d.exr\n", header,
+             bis_format_double(a, t.strip[0].relmse), em + 1, bis_format_double(b, t.strip[1].relmse), sir + 1);
+    char *made = read_whole(DIR "/strip/pictures.csv");
+    assert_string_equal(made, text);
+    bis_free(made);
+
+    program_write_file(DIR "/strip/pictures.csv", "em 16,8,0.75,1,x\nsir 64/4,11,9,1,x\nsir 64/4,1,-4,1,x\n");
+    remake(&t, 2);
+    assert_picture(&t, 0, em, 8, 0.75); /* read */
+    assert_picture(&t, 1, sir, 1, 3);  /* made */
+    snprintf(text, sizeof text, DIR "/strip/pictures/%02d.exr", em + 1);
+    assert_int_equal(unlink(text), 0);
+    t.result.curves[sir].pass_seconds = 1;
+    remake(&t, 2);
+    assert_picture(&t, 0, em, 8, 6);
+    assert_picture(&t, 1, sir, 3, 5); /* of 2.5, rounded */
+    t.result.curves[em].pass_seconds = 1e-9; /* 2^20 at most */
+    program_write_file(DIR "/strip/pictures.csv", "em 16,1048576,7.5,1,x\nsir 64/4,3,4.5,1,x\n");
+    remake(&t, 2);
+    assert_true(t.strip[0].passes == 1048576 && t.strip[0].seconds == 7.5);
+    t.o.interrupted = &watch.signal; /* what is there is still read */
+    t.result.curves[sir].pass_seconds = 100;
+    watch.signal = 1;
+    remake(&t, 1);
+    assert_true(t.strip[0].setting == em && t.strip[0].seconds == 7.5);
+    set_watch(1);
+    set_alarm(2); /* within the picture */
+    assert_int_equal(unlink(text), 0);
+    remake(&t, 0);
+    assert_false(program_exists(text));
+    assert_int_equal(program_count_files("/proc/self/fd"), files); /* none stays open */
+    watch.is_set = false;
+    bis_trade_clear(&t);
+}
+
 /* ---- without memory ---- */
 
 static bis_status parsed(bis_trade *t, bis_diag *diag) { return bis_trade_load(t, diag); }
@@ -1815,6 +2475,38 @@ static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
         assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
         assert_true(i == 0 || i == 3 ? t.result.advice[1].seconds == 2 * pass[i] : t.result.advice[1].seconds < 1e3);
         assert_near(t.result.advice[2].seconds, 3 * t.result.advice[1].seconds);
+        bis_trade_clear(&t);
+    }
+}
+
+/* By a clock of a second a reading, which comes between passes and after tiles, a pass of the full 24 x 16 pixels takes
+ * 4 s, one of every third pixel, 8 x 5, or of every second takes 3. What any pass takes, a quarter of a second, does
+ * not grow with the pixels; it is never more than the pass. A pass of 1.8 x 10^5 s is the longest that takes 2% of
+ * 10^6 s by every third pixel. */
+static void seconds_grow_with_the_pixels_but_for_what_any_pass_takes(void **state)
+{
+    static const struct { double pass, fill, seconds; } cases[] = {
+        {2e4, 0.25, 2 * 4}, {2.1e4, 0.25, 2 * (0.25 + 2.75 * 4)}, {8.1e4, 0.25, 2 * (0.25 + 2.75 * 9.6)},
+        {1.799e5, 0.25, 2 * (0.25 + 2.75 * 9.6)}, {1.7e5, 10, 2 * 3}, {1.81e5, 0.25, 2 * 1.81e5},
+        {2e4, 0.25, 2 * 2e4}}; /* the last is interrupted */
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        diary d = {.n = 0};
+        load(&t);
+        plan_two(&t);
+        const int em = bis_trade_find_setting(&t.plan, "em 16");
+        t.plan.settings[em].fill_seconds = cases[i].fill;
+        for (int k = 0; k < BIS_TRADE_ADVICE; k++) t.result.advice[k].setting = -1;
+        t.result.advice[1] = (bis_trade_advice){.setting = em, .passes = 2, .seconds = 2 * cases[i].pass};
+        t.o.progress = note, t.o.user = &d, t.o.interrupted = &watch.signal;
+        set_watch(1);
+        if (i == 6) set_alarm(1);
+        assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
+        watch.is_set = false;
+        assert_near(t.result.advice[1].seconds, cases[i].seconds);
+        assert_int_equal(d.n, 1);
+        assert_string_equal(d.entry[0].what, "seconds of the full picture");
+        assert_true(d.entry[0].share == 1 / 3.0 && isnan(d.entry[0].left));
         bis_trade_clear(&t);
     }
 }
@@ -2130,6 +2822,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_are_means_and_medians_of_their_seeds),
+        cmocka_unit_test(a_median_does_not_depend_on_the_order),
         cmocka_unit_test(curves_are_weighted_by_passes_and_leave_out_what_is_hidden),
         cmocka_unit_test(equal_points_are_both_on_the_front),
         cmocka_unit_test(errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets),
@@ -2140,33 +2833,48 @@ int main(void)
         cmocka_unit_test(points_stand_where_the_axes_have_them),
         cmocka_unit_test(the_page_of_one_names_no_reference_that_is_not_ready),
         cmocka_unit_test(the_data_have_pictures_and_what_was_left_out),
+        cmocka_unit_test(the_data_have_their_members_in_order),
         cmocka_unit_test(plots_have_the_figures_of_their_range),
         cmocka_unit_test(without_a_script_the_page_is_text),
+        cmocka_unit_test(a_summary_without_advice_says_so),
+        cmocka_unit_test(enlarged_parts_are_quarters_rounded_up),
         cmocka_unit_test(a_plan_fills_half_of_the_time),
+        cmocka_unit_test(the_middle_cost_does_not_depend_on_the_order),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
         cmocka_unit_test(a_biased_setting_gets_the_short_curve),
+        cmocka_unit_test(a_setting_is_left_out_if_its_pass_takes_too_long),
+        cmocka_unit_test(a_plan_has_no_more_than_the_most),
         cmocka_unit_test(a_plan_without_time_is_refused),
         cmocka_unit_test(an_error_out_of_reach_is_refused),
         cmocka_unit_test(a_map_that_is_too_large_is_built_once),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
         cmocka_unit_test(the_pilot_has_as_many_passes_as_its_time_allows),
+        cmocka_unit_test(the_pilot_has_as_many_pixels_as_its_time_allows),
+        cmocka_unit_test(a_pilot_that_takes_all_the_time_is_given_up),
+        cmocka_unit_test(the_scenes_own_setting_is_refused_if_a_pass_takes_too_long),
         cmocka_unit_test(seeds_are_those_asked_for_or_follow_from_the_time),
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(runs_are_written_in_order),
         cmocka_unit_test(an_empty_folder_is_taken),
+        cmocka_unit_test(a_folder_that_cannot_be_used_is_told),
         cmocka_unit_test(a_plan_has_pixels_and_not_too_many),
         cmocka_unit_test(references_are_read_and_combined),
         cmocka_unit_test(a_reference_of_another_size_is_refused),
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_worst_pixels_are_spared),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
+        cmocka_unit_test(runs_are_begun_that_fit_and_written_by_the_second),
         cmocka_unit_test(advice_is_put_to_the_proof),
         cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
         cmocka_unit_test(renders_are_as_many_as_64_budgets_allow),
         cmocka_unit_test(the_promise_is_what_half_of_the_pictures_have),
+        cmocka_unit_test(renders_of_an_advice_take_half_of_what_time_is_left),
+        cmocka_unit_test(what_there_is_no_time_for_follows_from_two_attempts),
+        cmocka_unit_test(pictures_have_the_passes_of_the_longest_runs),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
+        cmocka_unit_test(seconds_grow_with_the_pixels_but_for_what_any_pass_takes),
         cmocka_unit_test(each_field_of_a_folder_is_taken_up_to_its_limits),
         cmocka_unit_test(the_size_of_a_plan_stands_behind_what_it_follows_from),
         cmocka_unit_test(runs_without_memory_are_counted),
