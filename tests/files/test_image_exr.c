@@ -361,6 +361,13 @@ static void colours_of_other_primaries_become_those_of_rec_709(void **state)
     /* what was negative before is passed on, for who reads it to judge */
     assert_true(one_pixel(bt2020, (rgb){-1, 0, 0}, &diag).r < -1.6f);
     bis_diag_clear(&diag);
+    assert_colour(one_pixel(bt2020, (rgb){1, -.5f, 0}, &diag), 1.6605 + .2938, -.1246 - .56645, -.0182 + .0503, 2e-4);
+    assert_null(strstr(diag.messages[0].text, "outside"));
+    bis_diag_clear(&diag);
+    assert_colour(one_pixel(bt2020, (rgb){.5f, .1f, -1}, &diag), .83025 - .05876 + .0728, -.0623 + .11329 + .0083,
+                  -.0091 - .01006 - 1.1187, 2e-4);
+    assert_null(strstr(diag.messages[0].text, "outside"));
+    bis_diag_clear(&diag);
     /* XYZ itself: the matrix of sRGB, 3.2406 -1.5372 -0.4986 */
     assert_colour(one_pixel(xyz, (rgb){.5f, .4f, .3f}, &diag), 1.6203 - .61488 - .14958, -.48445 + .75032 + .01245,
                   .02785 - .0816 + .3171, 2e-4);
@@ -373,6 +380,29 @@ static void colours_of_other_primaries_become_those_of_rec_709(void **state)
     /* twin: of Rec. 709 nothing is changed, and nothing said */
     assert_colour(one_pixel(NULL, (rgb){.1f, .2f, .3f}, &diag), (double).1f, (double).2f, (double).3f, 0);
     assert_int_equal(diag.n, 0);
+}
+
+/* Two of seven pixels: one is red and one green, which lie outside; of a pixel outside only what is negative becomes
+ * 0. */
+static void the_share_of_pixels_outside_is_told(void **state)
+{
+    static const float bt2020[8] = {.708f, .292f, .17f, .797f, .131f, .046f, .3127f, .329f};
+    const part_spec part = {.channels = "B:f G:f R:f", .width = 7, .height = 1, .chromaticities = bt2020};
+    bytes file = {0};
+    bis_image image;
+    put_file(&file, &part, 1);
+    float v[3][7];
+    for (int i = 0; i < 7; i++) v[0][i] = v[1][i] = v[2][i] = 1;
+    v[0][2] = v[1][2] = v[0][5] = v[2][5] = 0;
+    memcpy(file.data + file.n - sizeof v, v, sizeof v);
+    store(scratch("share.exr"), file.data, file.n);
+    expect_image(&image, scratch("share.exr"), "its colours are converted from its own primaries to those of Rec. 709; "
+                 "28.6% of its pixels lie outside of these, and their negative parts are set to 0");
+    for (int i = 0; i < 7; i++)
+        assert_colour(image.pixels[i], i == 2 ? 1.6605 : i == 5 ? 0 : 1, i == 2 ? 0 : i == 5 ? 1.1329 : 1,
+                      i == 2 || i == 5 ? 0 : 1, 2e-4);
+    bis_image_clear(&image);
+    bytes_clear(&file);
 }
 
 static void luminance_has_no_primaries(void **state)
@@ -744,8 +774,8 @@ static void a_huge_window_in_a_short_file_is_refused_before_it_is_allocated(void
 }
 
 /* The most that a byte can stand for: itself; 128 of two bytes; 258 of two bits, and a third more where one byte of
- * four is left out; a run of 255 halves of 9 bits; 32 of three bytes; runs of 128 of two bytes within those of two bits.
- */
+ * four is left out; a run of 255 halves of 9 bits; 32 of three bytes; and runs of 128 of two bytes, which are coded in
+ * two bits. */
 static void each_compression_is_believed_as_much_as_it_can_do(void **state)
 {
     static const int most[10] = {1, 64, 1032, 1032, 454, 1376, 11, 11, 64 * 1032, 64 * 1032};
@@ -1145,6 +1175,7 @@ int main(void)
         cmocka_unit_test(half_float_and_uint_are_read_among_channels_that_nobody_wants),
         cmocka_unit_test(other_colours_and_shapes_are_remarked),
         cmocka_unit_test(colours_of_other_primaries_become_those_of_rec_709),
+        cmocka_unit_test(the_share_of_pixels_outside_is_told),
         cmocka_unit_test(luminance_has_no_primaries),
         cmocka_unit_test(chromaticities_that_span_nothing_are_remarked),
         cmocka_unit_test(the_data_window_is_the_whole_map_wherever_it_lies),
