@@ -11,6 +11,7 @@
 #include "threads.h"
 
 #include <ImfCRgbaFile.h>
+#include <errno.h>
 #include <math.h>
 #include <openexr.h>
 #include <signal.h>
@@ -19,6 +20,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -891,6 +893,20 @@ static void any_allocation_may_fail_whatever_the_compression(void **state)
 
 /* ---- writing ---- */
 
+static enum { AS_EVER, IN_PIECES, NOTHING } disk; /* how much of what is asked for is written */
+static int n_writes;
+
+/* Stands in the place of the system's. In pieces of seven bytes, and every third time a signal comes first. */
+ssize_t pwrite(int fd, const void *data, size_t n, off_t offset)
+{
+    const struct iovec piece = {(void *)(uintptr_t)data, disk == IN_PIECES && n > 7 ? 7 : n};
+    n_writes++;
+    if (disk == NOTHING) return 0;
+    if (disk != IN_PIECES || n_writes % 3) return pwritev(fd, &piece, 1, offset);
+    errno = EINTR;
+    return -1;
+}
+
 static void expect_text(exr_const_context_t file, const char *name, const char *expected)
 {
     const char *text;
@@ -1041,6 +1057,34 @@ static void any_number_of_threads_writes_the_same_file(void **state)
             bytes_clear(&first);
         }
     use_threads(before);
+}
+
+/* A disk that takes a few bytes at a time takes them all; one that takes none is full. */
+static void a_slow_disk_gets_every_byte(void **state)
+{
+    bis_channel channels[MOST_CHANNELS];
+    const bis_picture picture = noisy_picture(channels, 3, 33);
+    bis_diag diag = {0};
+    char expected[256];
+    assert_int_equal(bis_image_write(scratch("slow.exr"), &picture, NULL), BIS_OK);
+    bytes whole = {0};
+    load(&whole, scratch("slow.exr"));
+    n_writes = 0;
+    disk = IN_PIECES;
+    const bis_status in_pieces = bis_image_write(scratch("pieces.exr"), &picture, NULL);
+    disk = NOTHING;
+    const bis_status none = bis_image_write(scratch("nothing.exr"), &picture, &diag);
+    disk = AS_EVER;
+    assert_true(n_writes > (int)whole.n / 7);
+    assert_int_equal(in_pieces, BIS_OK);
+    assert_true(holds(scratch("pieces.exr"), whole.data, whole.n));
+    assert_int_equal(none, BIS_IO);
+    snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": No space left on device",
+             scratch("nothing.exr"),
+             scratch("nothing.exr"));
+    assert_string_equal(diag.messages[0].text, expected);
+    bis_diag_clear(&diag);
+    bytes_clear(&whole);
 }
 
 /* Wherever the disk is full, whoever writes: one message, which names the reason, and no file. */
@@ -1196,6 +1240,7 @@ int main(void)
         cmocka_unit_test(channels_windows_and_attributes_are_all_in_the_file),
         cmocka_unit_test(a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was),
         cmocka_unit_test(any_number_of_threads_writes_the_same_file),
+        cmocka_unit_test(a_slow_disk_gets_every_byte),
         cmocka_unit_test(a_full_disk_stops_all_threads),
         cmocka_unit_test(any_allocation_of_any_thread_may_fail),
         cmocka_unit_test(a_layer_that_we_wrote_is_what_we_read),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages;
  * the writer against the definition of the nearest RGBE. */
+#include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
@@ -60,6 +61,8 @@ static const struct {
     {HEADER "PRIMARIES=0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
     {HEADER "PRIMARIES=0 0 0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
     {HEADER " PRIMARIES=1 2\nOLD_PRIMARIES=1\nPRIMARIES 1\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    /* a line of one letter is not empty, nor is one that begins with a carriage return */
+    {HEADER "x\n\rx\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
     /* blanks in the line of the size */
     {HEADER "\n-Y   1   +X   1   \r\n", {1, 2, 3, 136}, {1, 2, 3}, NULL},
 };
@@ -359,6 +362,8 @@ static const bad_file damaged[] = {
     DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\x7\x8\x7", "the file ends within it"),
     {BYTES(ROWS("-Y 2 +X 2") "\x9\x9\x9\x9" "\x9\x9\x9\x9" "\1\1\1\1" "\x9\x9\x9\x9"),
      "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat"},
+    {BYTES(ROWS("-Y 3 +X 2") "\x9\x9\x9\x9" "\x9\x9\x9\x9" "\1\1\1\1" "\x9\x9\x9\x9" "abcdabcd"),
+     "scanline 2 of 3, at byte 53, is damaged: it begins with a run, which has no pixel to repeat"},
 };
 
 static void a_bad_file_is_refused_by_its_line_or_scanline(void **state)
@@ -562,6 +567,26 @@ static void runs_and_what_lies_between_are_coded_as_the_table_says(void **state)
     }
 }
 
+/* Runs are for 8 to 32767 pixels; others have four bytes each. 32767 = 258 127 + 1. */
+static void a_scanline_of_any_other_length_is_flat(void **state)
+{
+    static const struct { int width; size_t n; } cases[] = {
+        {7, 4 * 7}, {8, 4 + 4 * 2}, {32767, 4 + 4 * (2 * 258 + 2)}, {32768, 4 * 32768}};
+    for (int i = 0; i < 4; i++) {
+        bis_image image;
+        size_t n;
+        char header[64];
+        assert_int_equal(bis_image_init(&image, cases[i].width, 1, NULL), BIS_OK);
+        for (int x = 0; x < cases[i].width; x++) image.pixels[x] = (rgb){1, .5f, .25f};
+        save(&image, scratch("flat.hdr"));
+        bis_free(read_bytes(scratch("flat.hdr"), &n));
+        snprintf(header, sizeof header, "#?RADIANCE\nSOFTWARE=bis\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X %d\n",
+                 cases[i].width);
+        assert_int_equal(n, strlen(header) + cases[i].n);
+        bis_image_clear(&image);
+    }
+}
+
 static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void **state)
 {
     const float bad[] = {-1, -1e-30f, NAN, INFINITY, -INFINITY, 3e38f, 255.5f * 0x1p119f};
@@ -605,6 +630,7 @@ int main(void)
         cmocka_unit_test(values_below_the_smallest_exponent_round_to_its_steps),
         cmocka_unit_test(the_bytes_written_are_those_of_the_format),
         cmocka_unit_test(runs_and_what_lies_between_are_coded_as_the_table_says),
+        cmocka_unit_test(a_scanline_of_any_other_length_is_flat),
         cmocka_unit_test(what_an_hdr_cannot_hold_is_refused_before_anything_is_written),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

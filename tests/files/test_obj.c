@@ -39,6 +39,11 @@ static const struct {
      SQUARE "vn nan 0 1\nvn 0 0 1\nvn 2 inf 1\nvn 3 1 -1e39\nf 1//1 2//2 3//3 4//4\n",
      "3 vertex normals are not finite: the faces' normals are used there",
      "0 0 0 n 0 0 0, 1 0 0 n 0 0 1, 1 1 0 n 0 0 0, 0 1 0 n 0 0 0; 0 1 2, 0 2 3"},
+    {bis_obj_read, "one normal that is not finite is counted, too", SQUARE "vn nan 0 1\nf 1 2 3\nf 4//1 3//1 2//1\n",
+     "1 vertex normals are not finite: the faces' normals are used there",
+     "0 0 0 n 0 0 0, 1 0 0 n 0 0 0, 1 1 0 n 0 0 0, 0 1 0 n 0 0 0, 1 1 0 n 0 0 0, 1 0 0 n 0 0 0; 0 1 2, 3 4 5"},
+    {bis_obj_read_uv, "one coordinate that is not finite is counted, too", SQUARE "vt nan 0 1\nf 1 2 3\n",
+     "1 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)", QUAD "; 0 1 2"},
     {bis_obj_read, "the largest float is a coordinate of a vertex and of a normal",
      "v " MOST " -" MOST " " MOST "\nv 1 0 0\nv 1 1 0\nvn " MOST " " MOST " -" MOST "\nf 1//1 2//1 3//1\n", NULL,
      BIG " -" BIG " " BIG " n " BIG " " BIG " -" BIG ", 1 0 0 n " BIG " " BIG " -" BIG ", "

@@ -108,6 +108,17 @@ static const struct {
      "property float nz\n" FACES(1) "0 1 2 3 0 1\nnan 4 5 6 0 1\n0 7 8 10 1e60 0\n3 0 1 2\n",
      "2 vertex normals are not finite: the faces' normals are used there",
      "1 2 3 n 0 0 1, 4 5 6 n 0 0 0, 7 8 10 n 0 0 0; 0 1 2"},
+#define ONE_OF(a, b, face, z, warning, mesh) {WITH_UV, "one is counted, too", VERTICES(3) \
+    "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n" FACES(2) \
+    "0 0 0 0 0 1 2 3\n1 0 0 0 0 " a " 2 " b "\n1 1 0 0 0 1 2 3\n3 0 1 2\n" face "\n", "1 " warning, \
+    "0 0 0 n 0 0 1 t 2 3, 1 0 0 n 0 0 " z ", 1 1 0 n 0 0 1 t 2 3; 0 1 2" mesh}
+    ONE_OF("nan", "3", "3 0 1 2", "0 t 2 3", "vertex normals are not finite: the faces' normals are used there",
+           ", 0 1 2"),
+    ONE_OF("1", "inf", "3 0 1 2", "1 t none",
+           "texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)", ", 0 1 2"),
+    ONE_OF("1", "3", "1 0", "1 t 2 3", "faces have fewer than 3 vertices and are left out", ""),
+    {ALONE, "one long line is counted, too", VERTICES(3) FACES(1) "0 0 0\n1 0 0 7\n1 1 0\n3 0 1 2\n",
+     "1 lines hold more numbers than the header says: the rest of them is skipped", "0 0 0, 1 0 0, 1 1 0; 0 1 2"},
     {ANY, "a short cut meets a quad half way",
      VERTICES(4) "element face 3\nproperty list uchar uint vertex_indices\nend_header\n" CORNERS
      "3 0 1 2\n4 0 1 2 3\n3 0 1 2\n", NULL, "0 0 0, 1 0 0, 1 1 0, 0 1 0; 0 1 2, 0 1 2, 0 2 3, 0 1 2"},
@@ -351,6 +362,8 @@ static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
                {TWO "3 0 1 2\n3 0 4 2", NO_CORNER("1"), 0}, {TWO "3 0 1 2\n3 0 1 4", NO_CORNER("1"), 0},
                {THREE("1 nan 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "vertex 2 has y = nan, must be a finite float", 0},
                {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 4 2", NO_CORNER("2"), 0},
+               {TWO "3 0 1 2\n3 0 1 2", "the file ends in face 1 of 2", 1},
+               {TWO "3 0 1 2\n3 0 1 2", "the file ends in face 1 of 2", 12},
                {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "the file ends in face 2 of 3", 1}};
     for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
         bytes b = binary_of(cut[i].text, false);
