@@ -441,6 +441,14 @@ static void each_word_of_a_bmp_is_held_against_the_file(void **state)
         }
         bytes_clear(&b);
     }
+    /* a palette may be the last of the file: the pixels are eight zeros of the header here */
+    bytes last;
+    make_bmp(&last, 8, 2, 0, 4, rest, 0);
+    last.data[10] = 34;
+    const unsigned char red[4][3] = {{255, 0, 0}, {255, 0, 0}, {255, 0, 0}, {255, 0, 0}};
+    expect_codes("last.bmp", &last, 2, 2, red);
+    refuse("last.bmp", last.data, last.n - 1, CUT);
+    bytes_clear(&last);
     /* masks are for 32 bits */
     bytes b;
     make_bmp(&b, 24, 2, 3, 0, rest, sizeof rest);
