@@ -6,12 +6,13 @@
 
 #include <float.h>
 
+/* Not by cmocka's assert_float_equal, because that takes NaN for any number. */
 static void assert_vec3(vec3 a, double x, double y, double z)
 {
-    const float tolerance = 4 * FLT_EPSILON;
-    assert_float_equal(a.x, (float)x, tolerance * (1 + fabsf((float)x)));
-    assert_float_equal(a.y, (float)y, tolerance * (1 + fabsf((float)y)));
-    assert_float_equal(a.z, (float)z, tolerance * (1 + fabsf((float)z)));
+    const double tolerance = 4 * (double)FLT_EPSILON;
+    assert_true(fabs((double)a.x - x) <= tolerance * (1 + fabs(x)));
+    assert_true(fabs((double)a.y - y) <= tolerance * (1 + fabs(y)));
+    assert_true(fabs((double)a.z - z) <= tolerance * (1 + fabs(z)));
 }
 
 /* Largest element of |m inv - 1| relative to what rounding may leave: |m| |inv| DBL_EPSILON. */
@@ -220,6 +221,29 @@ static void compose_applies_the_right_one_first(void **state)
     assert_true(inverse_error(&t) <= 1 && inverse_error(&s) <= 1);
 }
 
+/* No number is 0: all 16 sums of both products. (a b)^-1 = b^-1 a^-1. */
+static void a_composition_is_the_product_of_the_matrices(void **state)
+{
+    bis_xform a, b;
+    for (int i = 0; i < 16; i++) {
+        a.m[i / 4][i % 4] = 2 + i;
+        b.m[i / 4][i % 4] = 3 + i * i;
+        a.inv[i / 4][i % 4] = 40 - i;
+        b.inv[i / 4][i % 4] = 5 - 2 * i;
+    }
+    const bis_xform t = bis_xform_compose(&a, &b), back = bis_xform_inverse(&t);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double m = 0, inv = 0;
+            for (int k = 0; k < 4; k++) {
+                m += (2 + 4 * i + k) * (3 + (4 * k + j) * (4 * k + j));
+                inv += (5 - 2 * (4 * i + k)) * (40 - (4 * k + j));
+            }
+            assert_true(t.m[i][j] == m && t.inv[i][j] == inv);
+            assert_true(back.m[i][j] == inv && back.inv[i][j] == m);
+        }
+}
+
 static void only_rotations_and_reflections_are_orthonormal(void **state)
 {
     bis_xform mirror = bis_xform_scale(-1, 1, 1), grow = bis_xform_scale(1, 1, 1.001), one = bis_xform_identity();
@@ -294,6 +318,7 @@ int main(void)
         cmocka_unit_test(the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not),
         cmocka_unit_test(singular_and_non_finite_matrices_are_refused),
         cmocka_unit_test(compose_applies_the_right_one_first),
+        cmocka_unit_test(a_composition_is_the_product_of_the_matrices),
         cmocka_unit_test(only_rotations_and_reflections_are_orthonormal),
         cmocka_unit_test(the_nearest_rotation_keeps_the_first_column_and_the_hand),
     };
