@@ -139,11 +139,10 @@ static bool parse_axis(char *axis, bool *negative, int *size, const char **p)
     if (*axis != 'X' && *axis != 'Y') return false;
     if (*++s != ' ') return false;
     while (*s == ' ') s++;
-    const char *digits = s;
     for (*size = 0; *s >= '0' && *s <= '9' && *size <= BIS_IMAGE_MAX_SIDE; s++)
         *size = 10 * *size + (*s - '0');
     *p = s;
-    return s > digits && *size >= 1 && *size <= BIS_IMAGE_MAX_SIDE;
+    return *size >= 1 && *size <= BIS_IMAGE_MAX_SIDE;
 }
 
 /* All eight orientations. The first axis runs over scanlines, the second within one. Y grows upwards, X to the

@@ -26,17 +26,16 @@ bool bis_pfm_is_mine(const unsigned char *data, size_t size)
     return size >= 3 && data[0] == 'P' && (data[1] == 'F' || data[1] == 'f') && is_space(data[2]);
 }
 
-/* The next word of the header: digits of a size. -1 when there is none or it is far too large. */
+/* The next word of the header: digits of a size. 0 when there are none, -1 when it is far too large or no number. */
 static int parse_side(const unsigned char **p)
 {
     int side = 0;
     while (is_space(**p)) ++*p;
-    const unsigned char *start = *p;
     for (; **p >= '0' && **p <= '9'; ++*p) {
         if (side > BIS_IMAGE_MAX_SIDE) return -1;
         side = 10 * side + (**p - '0');
     }
-    return *p > start && is_space(**p) ? side : -1;
+    return is_space(**p) ? side : -1;
 }
 
 static bis_status parse_header(pfm_header *h, const image_input *in)
@@ -44,7 +43,7 @@ static bis_status parse_header(pfm_header *h, const image_input *in)
     const unsigned char *p = in->data + 2; /* the zero behind the data stops every loop */
     h->channels = in->data[1] == 'F' ? 3 : 1;
     h->width = parse_side(&p);
-    h->height = h->width < 0 ? -1 : parse_side(&p);
+    h->height = parse_side(&p);
     if (h->width < 1 || h->height < 1 || h->width > BIS_IMAGE_MAX_SIDE || h->height > BIS_IMAGE_MAX_SIDE)
         return bis_image_refuse(in, BIS_INPUT, "the PFM header must give width and height, each 1 to %d",
                                 BIS_IMAGE_MAX_SIDE);

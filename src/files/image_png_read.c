@@ -25,6 +25,7 @@ typedef struct png_job {
     png_structp png;
     png_infop info;
     png_uint_32 width, height;
+    int kept_depth, kept_colour; /* of the file, before the conversion */
     size_t row_bytes;
     int depth;           /* 8 or 16, after the conversion */
     int passes;          /* over the rows */
@@ -49,6 +50,7 @@ static bool read_header(png_job *job)
     png_set_chunk_malloc_max(job->png, 1 << 24);
     png_set_read_fn(job->png, job, take_bytes);
     png_read_info(job->png, job->info);
+    png_get_IHDR(job->png, job->info, &job->width, &job->height, &job->kept_depth, &job->kept_colour, NULL, NULL, NULL);
     double encoded; /* sRGB says more than the gamma beside it */
     const bool is_srgb = png_get_valid(job->png, job->info, PNG_INFO_sRGB);
     if (!is_srgb && png_get_gAMA(job->png, job->info, &encoded) && encoded >= 0.1 && encoded <= 10)
@@ -58,8 +60,6 @@ static bool read_header(png_job *job)
     png_set_strip_alpha(job->png);
     job->passes = png_set_interlace_handling(job->png);
     png_read_update_info(job->png, job->info);
-    job->width = png_get_image_width(job->png, job->info);
-    job->height = png_get_image_height(job->png, job->info);
     job->row_bytes = png_get_rowbytes(job->png, job->info);
     job->depth = png_get_bit_depth(job->png, job->info);
     return true;
@@ -109,14 +109,12 @@ static unsigned channels_of(int colour)
 /* Makes room for the rows, once the header's size has been believed. */
 static bis_status make_rows(bis_image *image, png_job *job)
 {
-    int depth;
-    png_uint_32 width, height;
-    int colour;
+    const png_uint_32 width = job->width, height = job->height;
 
-    png_get_IHDR(job->png, job->info, &width, &height, &depth, &colour, NULL, NULL, NULL);
     if (job->row_bytes != 3 * (size_t)job->width * (size_t)(job->depth / 8))
-        return bis_image_refuse(job->in, BIS_INPUT, "a PNG of colour type %d and %d bits is not read", colour, depth);
-    const uint64_t bits = (uint64_t)width * (uint64_t)depth * channels_of(colour);
+        return bis_image_refuse(job->in, BIS_INPUT, "a PNG of colour type %d and %d bits is not read", job->kept_colour,
+                                job->kept_depth);
+    const uint64_t bits = (uint64_t)width * (uint64_t)job->kept_depth * channels_of(job->kept_colour);
     if (bits / 8 * height > (uint64_t)job->in->size * DEFLATE_MOST)
         return bis_image_refuse(job->in, BIS_INPUT, "%zu bytes cannot hold %u x %u pixels", job->in->size,
                                 (unsigned)width, (unsigned)height);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* spectrum: every entry of its tables against the published ones (CIE 018:2019, the observer in its seven digits; CIE
  * standard illuminant D65), through a matrix worked out from the chromaticities of IEC 61966-2-1. */
+#include "bis/base/fresnel.h"
 #include "bis/base/spectrum.h"
 #include "claim.h"
 
@@ -127,6 +128,11 @@ static void a_conductor_reflects_fresnels_share_at_each_wavelength(void **state)
     const rgbd grey = head_on(&(bis_spectrum){two, 1}, &(bis_spectrum){three, 1});
     assert_true(
         fabs(grey.r - 10.0 / 18) < 1e-12 && fabs(grey.g - 10.0 / 18) < 1e-12 && fabs(grey.b - 10.0 / 18) < 1e-12);
+    rgbd straight, mean; /* the mean over all directions is that of fresnel.h */
+    bis_spectrum_conductor(&straight, &mean, &(bis_spectrum){two, 1}, &(bis_spectrum){three, 1});
+    const double all = bis_fresnel_mean(2, 9);
+    assert_true(fabs(mean.r - all) < 1e-12 && fabs(mean.g - all) < 1e-12 && fabs(mean.b - all) < 1e-12);
+    assert_true(straight.r == grey.r && straight.g == grey.g && straight.b == grey.b);
     const rgbd air = head_on(&(bis_spectrum){one, 1}, &(bis_spectrum){none, 1});
     assert_true(air.r == 0 && air.g == 0 && air.b == 0);
     /* eta 1; k 2 at 600 nm alone reflects a half there: 4 / (4 + 4) */

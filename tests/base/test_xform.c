@@ -6,12 +6,13 @@
 
 #include <float.h>
 
+/* Not by cmocka's assert_float_equal, because that takes NaN for any number. */
 static void assert_vec3(vec3 a, double x, double y, double z)
 {
-    const float tolerance = 4 * FLT_EPSILON;
-    assert_float_equal(a.x, (float)x, tolerance * (1 + fabsf((float)x)));
-    assert_float_equal(a.y, (float)y, tolerance * (1 + fabsf((float)y)));
-    assert_float_equal(a.z, (float)z, tolerance * (1 + fabsf((float)z)));
+    const double tolerance = 4 * (double)FLT_EPSILON;
+    assert_true(fabs((double)a.x - x) <= tolerance * (1 + fabs(x)));
+    assert_true(fabs((double)a.y - y) <= tolerance * (1 + fabs(y)));
+    assert_true(fabs((double)a.z - z) <= tolerance * (1 + fabs(z)));
 }
 
 /* Largest element of |m inv - 1| relative to what rounding may leave: |m| |inv| DBL_EPSILON. */
@@ -64,6 +65,35 @@ static void rotations_of_any_axis_length_are_orthonormal(void **state)
     }
 }
 
+/* Another road: what lies along the axis stays, what lies across it turns in its plane, by the C library's sine and
+ * cosine. */
+static void any_angle_turns_about_any_axis(void **state)
+{
+    bis_rng r;
+    bis_rng_init(&r, 3, 0, 0, 0);
+    for (int i = 0; i < 2000; i++) {
+        const double degrees = 2000 * bis_rng_double(&r) - 1000, angle = degrees / 180 * acos(-1.0);
+        double k[3], v[3], along = 0, square = 0;
+        for (int j = 0; j < 3; j++) {
+            k[j] = 2 * bis_rng_double(&r) - 1;
+            v[j] = 2 * bis_rng_double(&r) - 1;
+            along += k[j] * v[j];
+            square += k[j] * k[j];
+        }
+        const bis_xform t = bis_xform_rotate(degrees, k[0], k[1], k[2]);
+        for (int j = 0; j < 3; j++) {
+            const int a = (j + 1) % 3, b = (j + 2) % 3;
+            const double parallel = along / square * k[j], beside = (k[a] * v[b] - k[b] * v[a]) / sqrt(square);
+            const double expected = parallel + (v[j] - parallel) * cos(angle) + beside * sin(angle);
+            const double found = t.m[j][0] * v[0] + t.m[j][1] * v[1] + t.m[j][2] * v[2];
+            assert_true(fabs(found - expected) < 1e-13);
+            assert_true(t.m[j][3] == 0 && t.m[3][j] == 0 && t.inv[j][3] == 0 && t.inv[3][j] == 0);
+            for (int l = 0; l < 3; l++) assert_true(t.inv[l][j] == t.m[j][l]);
+        }
+        assert_true(t.m[3][3] == 1 && t.inv[3][3] == 1);
+    }
+}
+
 static void normals_stay_perpendicular_to_the_surface(void **state)
 {
     bis_rng r;
@@ -104,6 +134,8 @@ static void look_at_follows_pbrts_worked_matrix(void **state)
     assert_true(bis_xform_look_at(&t, eye, look, up));
     assert_vec3(bis_xform_vector(&t, vec3_from(-2.5 / f, -3.5 / f, -1.5 / f)), 0, 0, 1);
     assert_vec3(bis_xform_vector(&t, vec3_from(3.5 / h, -2.5 / h, 0)), 1, 0, 0);
+    assert_vec3(bis_xform_vector(&t, vec3_from(-2.5 * 1.5 / (f * h), -3.5 * 1.5 / (f * h), h / f)), 0, 1, 0);
+    assert_true(inverse_error(&t) < 8 && bis_xform_is_orthonormal(&t, 1e-15));
     assert_vec3(bis_xform_point(&t, (vec3){3, 4, 1.5f}), 0, 0, 0);
 }
 
@@ -189,6 +221,29 @@ static void compose_applies_the_right_one_first(void **state)
     assert_true(inverse_error(&t) <= 1 && inverse_error(&s) <= 1);
 }
 
+/* No number is 0: all 16 sums of both products. (a b)^-1 = b^-1 a^-1. */
+static void a_composition_is_the_product_of_the_matrices(void **state)
+{
+    bis_xform a, b;
+    for (int i = 0; i < 16; i++) {
+        a.m[i / 4][i % 4] = 2 + i;
+        b.m[i / 4][i % 4] = 3 + i * i;
+        a.inv[i / 4][i % 4] = 40 - i;
+        b.inv[i / 4][i % 4] = 5 - 2 * i;
+    }
+    const bis_xform t = bis_xform_compose(&a, &b), back = bis_xform_inverse(&t);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double m = 0, inv = 0;
+            for (int k = 0; k < 4; k++) {
+                m += (2 + 4 * i + k) * (3 + (4 * k + j) * (4 * k + j));
+                inv += (5 - 2 * (4 * i + k)) * (40 - (4 * k + j));
+            }
+            assert_true(t.m[i][j] == m && t.inv[i][j] == inv);
+            assert_true(back.m[i][j] == inv && back.inv[i][j] == m);
+        }
+}
+
 static void only_rotations_and_reflections_are_orthonormal(void **state)
 {
     bis_xform mirror = bis_xform_scale(-1, 1, 1), grow = bis_xform_scale(1, 1, 1.001), one = bis_xform_identity();
@@ -198,6 +253,53 @@ static void only_rotations_and_reflections_are_orthonormal(void **state)
     assert_true(bis_xform_is_orthonormal(&grow, 2.1e-3));
     grow.m[0][0] = nan("");
     assert_false(bis_xform_is_orthonormal(&grow, 1));
+    /* unit columns of which two are not perpendicular: their product is 0.28 */
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            if (i == j) continue;
+            bis_xform skew = bis_xform_identity();
+            skew.m[i][j] = 0.28;
+            skew.m[j][j] = 0.96;
+            assert_false(bis_xform_is_orthonormal(&skew, 0.279));
+            assert_true(bis_xform_is_orthonormal(&skew, 0.281));
+        }
+    /* what has no part in it: the translation */
+    bis_xform move = bis_xform_translate(1, 2, 3);
+    assert_true(bis_xform_is_orthonormal(&move, 0));
+}
+
+/* A rotation or a reflection with three digits after the point, moved: columns become orthonormal to the last digits,
+ * the first keeps its direction, the second stays in the plane of the first two, the third on its side of that. */
+static void the_nearest_rotation_keeps_the_first_column_and_the_hand(void **state)
+{
+    bis_rng g;
+    bis_rng_init(&g, 4, 0, 0, 0);
+    for (int k = 0; k < 500; k++) {
+        bis_xform t = bis_xform_rotate(360 * bis_rng_double(&g), 1, bis_rng_double(&g), bis_rng_double(&g));
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++) t.m[i][j] = round(1000 * t.m[i][j] * (k % 2 && j == 2 ? -1 : 1)) / 1000;
+            t.m[i][3] = 5 + i;
+        }
+        const bis_xform r = bis_xform_rotation(&t);
+        double along[3][3]; /* column a of r times column b of t */
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++) {
+                double unit = 0;
+                along[a][b] = 0;
+                for (int i = 0; i < 3; i++) {
+                    along[a][b] += r.m[i][a] * t.m[i][b];
+                    unit += r.m[i][a] * r.m[i][b];
+                }
+                assert_true(fabs(unit - (a == b)) < 1e-15);
+                assert_true(r.inv[a][b] == r.m[b][a]);
+            }
+        assert_true(fabs(along[1][0]) < 1e-15 && fabs(along[2][0]) < 1e-15 && fabs(along[2][1]) < 1e-15);
+        for (int a = 0; a < 3; a++) {
+            assert_true(along[a][a] > 0.99);
+            assert_true(r.m[a][3] == 0 && r.inv[a][3] == 0 && r.m[3][a] == 0 && r.inv[3][a] == 0);
+        }
+        assert_true(r.m[3][3] == 1 && r.inv[3][3] == 1);
+    }
 }
 
 int main(void)
@@ -206,6 +308,7 @@ int main(void)
         cmocka_unit_test(translate_moves_points_and_leaves_vectors_and_normals),
         cmocka_unit_test(rotate_turns_x_to_y_about_z_exactly_at_right_angles),
         cmocka_unit_test(rotations_of_any_axis_length_are_orthonormal),
+        cmocka_unit_test(any_angle_turns_about_any_axis),
         cmocka_unit_test(normals_stay_perpendicular_to_the_surface),
         cmocka_unit_test(look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right),
         cmocka_unit_test(look_at_follows_pbrts_worked_matrix),
@@ -215,7 +318,9 @@ int main(void)
         cmocka_unit_test(the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not),
         cmocka_unit_test(singular_and_non_finite_matrices_are_refused),
         cmocka_unit_test(compose_applies_the_right_one_first),
+        cmocka_unit_test(a_composition_is_the_product_of_the_matrices),
         cmocka_unit_test(only_rotations_and_reflections_are_orthonormal),
+        cmocka_unit_test(the_nearest_rotation_keeps_the_first_column_and_the_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages;
  * the writer against the definition of the nearest RGBE. */
+#include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
@@ -21,6 +22,10 @@ static void put_rgbe(bytes *b, int r, int g, int blue, int e)
 #define NO_FACTOR(value) {HEADER "EXPOSURE=2\nEXPOSURE=" value "\n" ONE, {128, 64, 32, 129}, {.5f, .25f, .125f}, \
     "its EXPOSURE is \"" value "\", which is no factor: 1 is taken (some programs write 0 where they do not know it)"}
 
+#define OTHER_PRIMARIES "its PRIMARIES are not those of Rec. 709; the values are taken as they are"
+#define BLANKS_60 "                                                          " /* 58, and two before them */
+#define BLANKS BLANKS_60 "     "
+
 static const struct {
     const char *header;
     unsigned char rgbe[4];
@@ -32,6 +37,12 @@ static const struct {
     {HEADER "EXPOSURE=4\nVIEW= -vp 0 0 0\nEXPOSURE= 0.5\nCOLORCORR=1 2 .25\n\tEXPOSURE=100\n" ONE,
      {128, 128, 128, 129}, {.5f, .25f, 2}, NULL},
     {HEADER "EXPOSURE=3\n" ONE, {128, 64, 1, 136}, {128.0f / 3, 64.0f / 3, 1.0f / 3}, NULL},
+    {HEADER "EXPOSURE=\t2 \t\r\nCOLORCORR=\t.5\t1  2\t \n" ONE, {128, 128, 128, 129}, {1, .5f, .25f}, NULL},
+    {HEADER "COLORCORR=1 2 4\nEXPOSURE=1e-300\nCOLORCORR=4 2 1\nEXPOSURE=1e300\n" ONE, {128, 128, 128, 129},
+     {.25f, .25f, .25f}, NULL},
+    /* of a long value 60 characters are told */
+    {HEADER "EXPOSURE=-1" BLANKS "\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, "its EXPOSURE is \"-1" BLANKS_60
+     "\", which is no factor: 1 is taken (some programs write 0 where they do not know it)"},
     /* FreeImage writes EXPOSURE=0, and 0 is no factor; nor is a negative one, or none at all */
     NO_FACTOR("0"), NO_FACTOR("-1"), NO_FACTOR("nan"), NO_FACTOR("inf"), NO_FACTOR(" 0.0"),
     {"#?RGBE\r\nFORMAT=32-bit_rle_rgbe\r\nEXPOSURE=2\r\n\r\n-Y 1 +X 1\r\n", {128, 128, 128, 129}, {.5f, .5f, .5f},
@@ -43,10 +54,17 @@ static const struct {
     /* what we cannot honour is a warning */
     {"#?RADIANCE\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, "it has no FORMAT line; 32-bit_rle_rgbe is assumed"},
     {HEADER "PRIMARIES=.7 .3 .2 .7 .1 .05 .333 .333\n" ONE, {1, 2, 3, 136}, {1, 2, 3},
-     "its PRIMARIES are not those of Rec. 709; the values are taken as they are"},
+     OTHER_PRIMARIES},
     {HEADER "PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
     {HEADER "PRIMARIES=0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.3290\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
     {HEADER "PRIMARIES=0 0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {HEADER "PRIMARIES=0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
+    {HEADER "PRIMARIES=0 0 0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
+    {HEADER " PRIMARIES=1 2\nOLD_PRIMARIES=1\nPRIMARIES 1\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    /* a line of one letter is not empty, nor is one that begins with a carriage return */
+    {HEADER "x\n\rx\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    /* blanks in the line of the size */
+    {HEADER "\n-Y   1   +X   1   \r\n", {1, 2, 3, 136}, {1, 2, 3}, NULL},
 };
 
 /* Of a file of a header and one pixel, and what is behind it. */
@@ -70,6 +88,28 @@ static void each_header_gives_its_pixel_the_value_beside_it(void **state)
         expect_pixel(pixels[i].header, pixels[i].rgbe, "", pixels[i].is, pixels[i].remark);
     expect_pixel(HEADER ONE, (const unsigned char[]){1, 2, 3, 136}, "tail", (rgb){1, 2, 3},
                  "4 bytes behind the last scanline are ignored");
+}
+
+/* Radiance's and those of Rec. 709 to three digits, or eight zeros; any of the eight may be off by less than half a
+ * unit of the third digit, and by no more. Half of one set and half of the other are neither. */
+static void each_of_the_eight_primaries_must_be_the_one_of_its_set(void **state)
+{
+    static const double sets[3][8] = {{.64, .33, .29, .6, .15, .06, .333, .333},
+                                      {.64, .33, .3, .6, .15, .06, .313, .329}, {0, 0, 0, 0, 0, 0, 0, 0}};
+    for (int i = 0; i < 3 * 8 * 4; i++) {
+        const double off[4] = {.0001, -.0001, .0015, -.0015}, *const set = sets[i / 32];
+        char header[256] = HEADER "PRIMARIES=";
+        for (int k = 0; k < 8; k++)
+            snprintf(header + strlen(header), sizeof header - strlen(header), "%.4f ",
+                     set[k] + (k == i / 4 % 8 ? off[i % 4] : 0));
+        strcat(header, "\n" ONE);
+        expect_pixel(header, (const unsigned char[]){1, 2, 3, 136}, "", (rgb){1, 2, 3},
+                     i >= 64 || i % 4 >= 2 ? OTHER_PRIMARIES : NULL);
+    }
+    expect_pixel(HEADER "PRIMARIES=.64 .33 .29 .6 .15 .06 .3127 .329\n" ONE, (const unsigned char[]){1, 2, 3, 136}, "",
+                 (rgb){1, 2, 3}, OTHER_PRIMARIES);
+    expect_pixel(HEADER "PRIMARIES=.64 .33 .3 .6 .15 .06 .3333 .3333\n" ONE, (const unsigned char[]){1, 2, 3, 136}, "",
+                 (rgb){1, 2, 3}, OTHER_PRIMARIES);
 }
 
 static void a_value_is_mantissa_times_2_to_the_exponent_less_136(void **state)
@@ -186,6 +226,70 @@ static void flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file(voi
     }
 }
 
+#define B16 "\7\7\7\7\7\7\7\7\7\7\7\7\7\7\7\7"
+#define B128 B16 B16 B16 B16 B16 B16 B16 B16
+
+/* Scanlines whose exponents are 136, beside what each is: pairs of a value of red and how many pixels have it. Green
+ * and blue are 5 and 6, but in the first pixel. */
+static const struct {
+    const char *bytes;
+    size_t n;
+    int width;
+    const unsigned char red[12]; /* value, how many, ... */
+    rgb first;                   /* the first pixel */
+} scanlines[] = {
+#define AS(width, bytes) BYTES(bytes), width
+    /* digits of a run that are 0, and runs after runs; a run to the end */
+    {AS(3, "\7\5\6\x88" "\1\1\1\0" "\1\1\1\0" "\1\1\1\0" "\x8\5\6\x88" "\x9\5\6\x88"), {7, 1, 8, 1, 9, 1},
+     {7, 5, 6}},
+    {AS(3, "\7\5\6\x88" "\1\1\1\1" "\x8\5\6\x88"), {7, 2, 8, 1}, {7, 5, 6}},
+    {AS(6, "\7\5\6\x88" "\1\1\1\1" "\x8\5\6\x88" "\1\1\1\2" "\x9\5\6\x88"), {7, 2, 8, 3, 9, 1},
+     {7, 5, 6}},
+    {AS(256, "\7\5\6\x88" "\1\1\1\xff"), {7, 255, 7, 1}, {7, 5, 6}},
+    {AS(259, "\7\5\6\x88" "\1\1\1\2" "\1\1\1\1"), {7, 255, 7, 4}, {7, 5, 6}},
+    /* two mantissas of 1 make no run; two of 2 in the first pixel are no new encoding if the third is above 127 or the
+     * scanline is short; one of 2 is none, either */
+    {AS(3, "\1\1\2\x88" "\1\5\6\x88" "\2\5\6\x88"), {1, 2, 2, 1}, {1, 1, 2}},
+    {AS(2, "\1\2\1\x88" "\3\5\6\x88"), {1, 1, 3, 1}, {1, 2, 1}},
+    {AS(2, "\2\1\1\x88" "\3\5\6\x88"), {2, 1, 3, 1}, {2, 1, 1}},
+    {AS(8, "\2\2\x80\x88" "\3\5\6\x88" "\1\1\1\6"), {2, 1, 3, 7}, {2, 2, 128}},
+    {AS(8, "\2\3\0\x88" "\3\5\6\x88" "\1\1\1\6"), {2, 1, 3, 7}, {2, 3, 0}},
+    {AS(8, "\3\2\0\x88" "\3\5\6\x88" "\1\1\1\6"), {3, 8}, {3, 2, 0}},
+    {AS(7, "\2\2\0\x88" "\3\5\6\x88" "\1\1\1\5"), {2, 1, 3, 6}, {2, 2, 0}},
+    /* the new encoding: a literal of 128, runs of 1 and of 127, a literal to the end of the file */
+    {AS(8, "\2\2\0\x8" "\x81\7\x87\x8" "\x88\5" "\x88\6" "\x8\x88\x88\x88\x88\x88\x88\x88\x88"), {7, 1, 8, 7},
+     {7, 5, 6}},
+    {AS(255, "\2\2\0\xff" "\x80" B128 "\xff\x8" "\xff\5\xff\5\x81\5" "\xff\6\xff\6\x81\6"
+     "\xff\x88\xff\x88\x81\x88"),
+     {7, 128, 8, 127}, {7, 5, 6}},
+};
+
+static void each_scanline_has_its_pixels(void **state)
+{
+    for (size_t i = 0; i < sizeof scanlines / sizeof *scanlines; i++) {
+        bytes file = {0};
+        bis_image image;
+        char line[32];
+        put_text(&file, HEADER "\n");
+        snprintf(line, sizeof line, "-Y 1 +X %d\n", scanlines[i].width);
+        put_text(&file, line);
+        put(&file, scanlines[i].bytes, scanlines[i].n);
+        store(scratch("scanline.hdr"), file.data, file.n);
+        expect_image(&image, scratch("scanline.hdr"), NULL);
+        int x = 0;
+        for (int k = 0; k < 12; k += 2)
+            for (int j = 0; j < scanlines[i].red[k + 1]; j++, x++) {
+                const rgb v = image.pixels[x], is = {scanlines[i].red[k], 5, 6};
+                const rgb expected = x == 0 ? scanlines[i].first : is;
+                if (memcmp(&v, &expected, sizeof v))
+                    fail_msg("scanline %zu: pixel %d is %g %g %g", i, x, (double)v.r, (double)v.g, (double)v.b);
+            }
+        assert_int_equal(x, scanlines[i].width);
+        bis_image_clear(&image);
+        bytes_clear(&file);
+    }
+}
+
 /* ---- bad files ---- */
 
 #define ROWS(size) HEADER "\n" size "\n"
@@ -194,6 +298,9 @@ static void flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file(voi
 #define CUT_OFF "the file ends within the header"
 #define FACTORS(key, value, what) {BYTES(HEADER key "=" value "\n\n"), \
     key " is \"" value "\", must be " what " above 0, as must be the product of all such lines"}
+#define NO_FORMAT(value) {BYTES("#?RADIANCE\nFORMAT=" value "\n\n"), \
+    "its FORMAT is \"" value "\", must be 32-bit_rle_rgbe"}
+#define LETTERS_60 "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyzabcdefgh"
 #define DAMAGE(size, pixels, message) {BYTES(ROWS(size) pixels), "scanline 1 of 1, at byte 45, is damaged: " message}
 
 /* A header is named by its line, a scanline by its number and byte; a size is held against the length of the file. */
@@ -205,15 +312,47 @@ static const bad_file damaged[] = {
      "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)"},
     {BYTES("#?RADIANCE\nFORMAT=ascii\n\n"), "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe"},
     FACTORS("EXPOSURE", "dark", "a number"), FACTORS("COLORCORR", "1 2", "three numbers"),
+    FACTORS("EXPOSURE", "1 2", "a number"), FACTORS("COLORCORR", "1 2 3 4", "three numbers"),
+    FACTORS("COLORCORR", "0 1 1", "three numbers"), FACTORS("COLORCORR", "1 -1 1", "three numbers"),
+    FACTORS("COLORCORR", "1 1 inf", "three numbers"), FACTORS("COLORCORR", "", "three numbers"),
+    {BYTES(HEADER "EXPOSURE=1e-200\nEXPOSURE=1e-200\n\n"),
+     "EXPOSURE is \"1e-200\", must be a number above 0, as must be the product of all such lines"},
+    /* 60 characters of a long value are told, and of a long line of the size */
+    {BYTES(HEADER "EXPOSURE=" LETTERS_60 "x\n\n"),
+     "EXPOSURE is \"" LETTERS_60 "\", must be a number above 0, as must be the product of all such lines"},
+    {BYTES("#?RADIANCE\nFORMAT=" LETTERS_60 "x\n\n"), "its FORMAT is \"" LETTERS_60 "\", must be 32-bit_rle_rgbe"},
+    {BYTES(ROWS(LETTERS_60 "x") "abcd"), "its resolution line is \"" LETTERS_60
+     "\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768"},
+    NO_FORMAT("32-bit_rle_rgbx"), NO_FORMAT("32-bit_rle_rgbe2"), NO_FORMAT("32-bit_rle_rgb"), NO_FORMAT("xyze"),
+    {BYTES("#?RADIANCE\nFORMAT= \t \r\n\n"), "its FORMAT is \"\", must be 32-bit_rle_rgbe"},
+    {BYTES("#?RADIANCE\nFORMAT=zxyze\n\n"),
+     "its FORMAT is \"zxyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)"},
     {BYTES(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n"),
      "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines"},
     NO_SIZE(""), NO_SIZE("-Y 2"), NO_SIZE("-Y 2 -Y 2"), NO_SIZE("-Y 2 +Z 2"), NO_SIZE("Y 2 X 2"),
     NO_SIZE("-Y 0 +X 2"), NO_SIZE("-Y -2 +X 2"), NO_SIZE("-Y 2 +X 32769"), NO_SIZE("-Y 40000 +X 40000"),
     NO_SIZE("-Y 2 +X 2 3"), NO_SIZE("-Y 2 +X 2x"), NO_SIZE("-Y 99999999999999999999 +X 2"),
+    NO_SIZE("-Y 2x+X 2"), NO_SIZE("-Y 2 +X"), NO_SIZE("-Y  +X 2"), NO_SIZE("-Y2 +X 2"), NO_SIZE("-Y 2 +X2"),
+    NO_SIZE("-Y 2 X 2"), NO_SIZE("-Y 32769 +X 2"), NO_SIZE("-X 2 +X 2"), NO_SIZE("-Y 2 +X 0"), NO_SIZE("-Y 2 +X  "),
+    NO_SIZE(" -Y 2 +X 2"), NO_SIZE("-Y 2+X 2"), NO_SIZE("-Z 2 +X 2"), NO_SIZE("-Y 2 +X 2-"),
     {BYTES(ROWS("-Y 32768 +X 32768") "abcdabcdabcdabcd"), "32768 scanlines of 32768 pixels need 393216 bytes or more, "
      "but 16 follow the header (the file is cut off)"},
     {BYTES(ROWS("-Y 3 +X 1") "abcd"),
      "3 scanlines of 1 pixels need 12 bytes or more, but 4 follow the header (the file is cut off)"},
+    {BYTES(ROWS("-Y 3 +X 2") "abcdabcdabcdabcdabcdabc"),
+     "3 scanlines of 2 pixels need 24 bytes or more, but 23 follow the header (the file is cut off)"},
+    {BYTES(ROWS("-Y 3 +X 256") "abcdabcdabcdabcdabcdabc"),
+     "3 scanlines of 256 pixels need 24 bytes or more, but 23 follow the header (the file is cut off)"},
+    {BYTES(ROWS("-Y 3 +X 257") "abcdabcdabcdabcdabcdabcd"),
+     "3 scanlines of 257 pixels need 36 bytes or more, but 24 follow the header (the file is cut off)"},
+    {BYTES(ROWS("-X 257 +Y 3") "abcdabcd"),
+     "257 scanlines of 3 pixels need 2056 bytes or more, but 8 follow the header (the file is cut off)"},
+    DAMAGE("-Y 1 +X 8", "\2\2\1\x8" "\0\0\0\0", "its length is not that of the resolution line"),
+    {BYTES(ROWS("-Y 1 +X 264") "\2\2\0\x8" "\0\0\0\0\0\0\0\0"),
+     "scanline 1 of 1, at byte 47, is damaged: its length is not that of the resolution line"},
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x9\0\0\0", "a run leads beyond its end"),
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\7" "\x88\7" "\x88\7" "\x87\7", "the file ends within it"),
+    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\7" "\x88\7" "\x88\7" "\x87\7\1", "the file ends within it"),
     DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\1\1\1\3", "a run leads beyond its end"),
     DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\1\1\1\0" "\1\1\1\0" "\1\1\1\0" "\1\1\1\1", "a run leads beyond its end"),
     DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\x8\x8\x8\x8", "the file ends within it"),
@@ -223,6 +362,8 @@ static const bad_file damaged[] = {
     DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\x7\x8\x7", "the file ends within it"),
     {BYTES(ROWS("-Y 2 +X 2") "\x9\x9\x9\x9" "\x9\x9\x9\x9" "\1\1\1\1" "\x9\x9\x9\x9"),
      "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat"},
+    {BYTES(ROWS("-Y 3 +X 2") "\x9\x9\x9\x9" "\x9\x9\x9\x9" "\1\1\1\1" "\x9\x9\x9\x9" "abcdabcd"),
+     "scanline 2 of 3, at byte 53, is damaged: it begins with a run, which has no pixel to repeat"},
 };
 
 static void a_bad_file_is_refused_by_its_line_or_scanline(void **state)
@@ -360,6 +501,92 @@ static void the_bytes_written_are_those_of_the_format(void **state)
     bis_image_clear(&image);
 }
 
+/* Pieces of one value (n > 0) or of two in turn (n < 0), beside how they are coded: n bytes as they are (n > 0), or a
+ * run of -n. Runs have 4 to 127, and what is as it is at most 128. */
+static const struct {
+    short pieces[5], coded[6];
+} codings[] = {
+    {{257}, {-127, -127, 3}},
+    {{131, -2}, {-127, -4, 2}},
+    {{128, -5}, {-127, 6}},
+    {{-128, 4}, {128, -4}},
+    {{-129, 4}, {128, 1, -4}},
+    {{-127, 3, -10}, {128, 12}},
+    {{-126, 2, -5}, {128, 5}},
+    {{-125, 3, 5}, {128, -5}},
+    {{-126, 3, 4, -5}, {128, 1, -4, 5}},
+    {{4, 3, 4}, {-4, 3, -4}},
+    {{3, 5, 2}, {3, -5, 2}},
+    {{-300}, {128, 128, 44}},
+    {{-1, 300, -3}, {1, -127, -127, -46, 3}},
+};
+
+/* n bytes of one value. */
+static void put_constant(bytes *b, int value, int n)
+{
+    for (; n > 3; n -= n < 127 ? n : 127) {
+        put_int(b, (uint64_t)(128 + (n < 127 ? n : 127)), 1);
+        put_int(b, (uint64_t)value, 1);
+    }
+    if (n > 0) put_int(b, (uint64_t)n, 1);
+    for (; n > 0; n--) put_int(b, (uint64_t)value, 1);
+}
+
+static void runs_and_what_lies_between_are_coded_as_the_table_says(void **state)
+{
+    for (size_t i = 0; i < sizeof codings / sizeof *codings; i++) {
+        unsigned char red[512];
+        int n = 0, at = 0;
+        for (int k = 0; k < 5; k++)
+            for (int j = 0; j < abs(codings[i].pieces[k]); j++)
+                red[n++] = (unsigned char)(codings[i].pieces[k] > 0 ? 130 + k : 200 + j % 2);
+        bytes expected = {0};
+        bis_image image;
+        char size[32];
+        assert_int_equal(bis_image_init(&image, n, 1, NULL), BIS_OK);
+        for (int x = 0; x < n; x++) image.pixels[x] = (rgb){(float)red[x] / 128, 0, 0}; /* the exponent 129 */
+        save(&image, scratch("coded.hdr"));
+        put_text(&expected, "#?RADIANCE\nSOFTWARE=bis\nFORMAT=32-bit_rle_rgbe\n\n");
+        snprintf(size, sizeof size, "-Y 1 +X %d\n", n);
+        put_text(&expected, size);
+        put_rgbe(&expected, 2, 2, n >> 8, n & 255);
+        for (int k = 0; k < 6; k++) {
+            const int c = codings[i].coded[k];
+            if (c != 0) put_int(&expected, (uint64_t)(c > 0 ? c : 128 - c), 1);
+            if (c < 0) put(&expected, red + at, 1);
+            if (c > 0) put(&expected, red + at, (size_t)c);
+            at += abs(c);
+        }
+        assert_int_equal(at, n);
+        put_constant(&expected, 0, n);
+        put_constant(&expected, 0, n);
+        put_constant(&expected, 129, n);
+        if (!holds(scratch("coded.hdr"), expected.data, expected.n)) fail_msg("coding %zu is another one", i);
+        bytes_clear(&expected);
+        bis_image_clear(&image);
+    }
+}
+
+/* Runs are for 8 to 32767 pixels; others have four bytes each. 32767 = 258 127 + 1. */
+static void a_scanline_of_any_other_length_is_flat(void **state)
+{
+    static const struct { int width; size_t n; } cases[] = {
+        {7, 4 * 7}, {8, 4 + 4 * 2}, {32767, 4 + 4 * (2 * 258 + 2)}, {32768, 4 * 32768}};
+    for (int i = 0; i < 4; i++) {
+        bis_image image;
+        size_t n;
+        char header[64];
+        assert_int_equal(bis_image_init(&image, cases[i].width, 1, NULL), BIS_OK);
+        for (int x = 0; x < cases[i].width; x++) image.pixels[x] = (rgb){1, .5f, .25f};
+        save(&image, scratch("flat.hdr"));
+        bis_free(read_bytes(scratch("flat.hdr"), &n));
+        snprintf(header, sizeof header, "#?RADIANCE\nSOFTWARE=bis\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X %d\n",
+                 cases[i].width);
+        assert_int_equal(n, strlen(header) + cases[i].n);
+        bis_image_clear(&image);
+    }
+}
+
 static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void **state)
 {
     const float bad[] = {-1, -1e-30f, NAN, INFINITY, -INFINITY, 3e38f, 255.5f * 0x1p119f};
@@ -391,15 +618,19 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_header_gives_its_pixel_the_value_beside_it),
+        cmocka_unit_test(each_of_the_eight_primaries_must_be_the_one_of_its_set),
         cmocka_unit_test(a_value_is_mantissa_times_2_to_the_exponent_less_136),
         cmocka_unit_test(all_eight_orientations_put_every_pixel_in_its_place),
         cmocka_unit_test(flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file),
+        cmocka_unit_test(each_scanline_has_its_pixels),
         cmocka_unit_test(a_bad_file_is_refused_by_its_line_or_scanline),
         cmocka_unit_test(no_damage_leads_out_of_the_file),
         cmocka_unit_test(every_channel_comes_back_within_half_a_step_of_its_pixel),
         cmocka_unit_test(what_rgbe_holds_comes_back_exactly),
         cmocka_unit_test(values_below_the_smallest_exponent_round_to_its_steps),
         cmocka_unit_test(the_bytes_written_are_those_of_the_format),
+        cmocka_unit_test(runs_and_what_lies_between_are_coded_as_the_table_says),
+        cmocka_unit_test(a_scanline_of_any_other_length_is_flat),
         cmocka_unit_test(what_an_hdr_cannot_hold_is_refused_before_anything_is_written),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

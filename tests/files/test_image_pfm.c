@@ -93,7 +93,8 @@ static void every_digit_of_a_size_is_read_up_to_the_largest_side(void **state)
 static const bad_file bad[] = {
     NO_SIZE("PF\n"), NO_SIZE("PF\n2"), NO_SIZE("PF\n2 \n-1\n"), NO_SIZE("PF\n0 2\n-1\n"), NO_SIZE("PF\n2 -2\n-1\n"),
     NO_SIZE("PF\n2 99999999999\n-1\n"), NO_SIZE("PF\n# remark\n2 2\n-1\n"), NO_SIZE("PF\n2x 2\n-1\n"),
-    NO_SIZE("PF\n32769 1\n-1\n"),
+    NO_SIZE("PF\n32769 1\n-1\n"), NO_SIZE("PF\n1 32769\n-1\n"), NO_SIZE("PF\n2 0\n-1\n"), NO_SIZE("PF\nx 2\n-1\n"),
+    NO_SIZE("PF\n2 2x\n-1\n"),
     NO_SCALE(""), NO_SCALE("0\n"), NO_SCALE("-0.0\n"), NO_SCALE("nan\n"), NO_SCALE("inf\n"), NO_SCALE("abc\n"),
     NO_SCALE("-1"), NO_SCALE("-1x\n"),
     {BYTES("PF\n1 1\n-1\n0123456789a"),

@@ -5,12 +5,14 @@
 #include "files/image_png.h"
 #include "claim.h"
 #include "image_help.h"
+#include "lack.h"
 
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 enum { W = 5, H = 3 };
 
@@ -204,6 +206,156 @@ static void the_gamma_of_a_file_counts_where_it_can_be_meant(void **state)
     }
 }
 
+/* Numbers that a pixel of this kind has. */
+static int samples_of(int kind)
+{
+    return kind == PNG_COLOR_TYPE_RGB ? 3 : kind == PNG_COLOR_TYPE_RGBA ? 4 : kind == PNG_COLOR_TYPE_GRAY_ALPHA ? 2 : 1;
+}
+
+/* Sample k of pixel i, below 2^depth. */
+static unsigned sample_of(int i, int k, int depth)
+{
+    return (unsigned)(i * 7919 + k * 4099 + i * k * 31) % (1u << depth);
+}
+
+/* A W x H picture of any kind. Entry j of the palette is 3 j, 250 - j, j. */
+static void write_kind(int kind, int depth, bool interlaced)
+{
+    FILE *out = fopen(scratch("kind.png"), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    const int n = samples_of(kind);
+    png_byte rows[H][W * 8];
+    png_bytep row[H];
+    png_color palette[256];
+    for (int j = 0; j < 256; j++) palette[j] = (png_color){(png_byte)(3 * j), (png_byte)(250 - j), (png_byte)j};
+    for (int i = 0; i < W * H; i++)
+        for (int k = 0; k < n; k++) {
+            const unsigned v = sample_of(i, k, depth);
+            png_byte *const at = rows[i / W] + (i % W * n + k) * (depth == 16 ? 2 : 1);
+            at[0] = (png_byte)(depth == 16 ? v >> 8 : v);
+            if (depth == 16) at[1] = (png_byte)v;
+        }
+    for (int y = 0; y < H; y++) row[y] = rows[y];
+    png_init_io(png, out);
+    png_set_IHDR(png, info, W, H, depth, kind, interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (kind == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 1 << depth);
+    png_write_info(png, info);
+    png_set_packing(png);
+    png_write_image(png, row);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(out);
+}
+
+static const struct { int kind, depth; } kinds[] = {
+    {PNG_COLOR_TYPE_GRAY, 1}, {PNG_COLOR_TYPE_GRAY, 2}, {PNG_COLOR_TYPE_GRAY, 4}, {PNG_COLOR_TYPE_GRAY, 8},
+    {PNG_COLOR_TYPE_GRAY, 16}, {PNG_COLOR_TYPE_GRAY_ALPHA, 8}, {PNG_COLOR_TYPE_GRAY_ALPHA, 16}, {PNG_COLOR_TYPE_RGB, 8},
+    {PNG_COLOR_TYPE_RGB, 16}, {PNG_COLOR_TYPE_RGBA, 8}, {PNG_COLOR_TYPE_RGBA, 16}, {PNG_COLOR_TYPE_PALETTE, 1},
+    {PNG_COLOR_TYPE_PALETTE, 2}, {PNG_COLOR_TYPE_PALETTE, 4}, {PNG_COLOR_TYPE_PALETTE, 8}};
+enum { N_KINDS = sizeof kinds / sizeof *kinds };
+
+/* With a gamma of 1 a value is its number over the largest. */
+static void each_kind_of_png_has_its_colours(void **state)
+{
+    for (int c = 0; c < 2 * N_KINDS; c++) {
+        const int kind = kinds[c / 2].kind, depth = kinds[c / 2].depth;
+        bis_image image;
+        write_kind(kind, depth, c % 2);
+        assert_int_equal(bis_image_read_colours(&image, scratch("kind.png"), 1, (bis_loc){0}, NULL), BIS_OK);
+        assert_true(image.width == W && image.height == H);
+        for (int i = 0; i < W * H; i++)
+            for (int k = 0; k < 3; k++) {
+                const int j = (int)sample_of(i, 0, depth), colour[3] = {3 * j % 256, 250 - j, j};
+                const double e = kind == PNG_COLOR_TYPE_PALETTE ? (colour[k] & 255) / 255.
+                                 : sample_of(i, samples_of(kind) < 3 ? 0 : k, depth) / ((1 << depth) - 1.);
+                if (fabs((double)(&image.pixels[i].r)[k] - e) > 1e-6)
+                    fail_msg("kind %d of %d bits: channel %d of pixel %d is %g, not %g", kind, depth, k, i,
+                             (double)(&image.pixels[i].r)[k], e);
+            }
+        bis_image_clear(&image);
+    }
+}
+
+/* What reading the file says if its header claims another size; its checksum is made anew. */
+static void expect_claim(int width, int height, const char *message)
+{
+    size_t n;
+    unsigned char *data = read_bytes(scratch("kind.png"), &n);
+    bis_image image;
+    bis_diag diag = {0};
+    for (int k = 0; k < 4; k++) {
+        data[16 + k] = (unsigned char)(width >> 8 * (3 - k));
+        data[20 + k] = (unsigned char)(height >> 8 * (3 - k));
+    }
+    const unsigned long crc = crc32(0, data + 12, 17);
+    for (int k = 0; k < 4; k++) data[29 + k] = (unsigned char)(crc >> 8 * (3 - k));
+    store(scratch("claim.png"), data, n);
+    assert_int_equal(bis_image_read_colours(&image, scratch("claim.png"), 1, (bis_loc){0}, &diag), BIS_INPUT);
+    if (!strstr(diag.messages[0].text, message)) fail_msg("%s, not %s", diag.messages[0].text, message);
+    bis_diag_clear(&diag);
+    bis_free(data);
+}
+
+/* A byte may stand for 1032: of a width of as many pixels as the file has bytes, so many rows are believed as bits of
+ * a pixel go into 8 1032, and one more is not. */
+static void a_header_is_held_against_the_length_of_the_file(void **state)
+{
+    for (int c = 0; c < N_KINDS; c++) {
+        const int bits = samples_of(kinds[c].kind) * kinds[c].depth;
+        char message[80];
+        size_t n;
+        write_kind(kinds[c].kind, kinds[c].depth, false);
+        bis_free(read_bytes(scratch("kind.png"), &n));
+        if (bits < 8) continue; /* rows of whole bytes alone: the others are rounded */
+        const int rows = 8 * 1032 / bits;
+        expect_claim((int)n, rows, "the PNG is damaged: ");
+        snprintf(message, sizeof message, "%zu bytes cannot hold %zu x %d pixels", n, n, rows + 1);
+        expect_claim((int)n, rows + 1, message);
+    }
+    expect_claim(32769, 1, "the PNG is damaged: ");
+    expect_claim(1, 32769, "the PNG is damaged: ");
+}
+
+/* White alone, a bit a pixel: deflate makes nearly 1032 bytes of one, and each of them is 24 of our numbers. */
+static void a_blank_sheet_of_one_bit_is_read(void **state)
+{
+    enum { SIDE = 1000 };
+    png_byte row[SIDE / 8];
+    FILE *out = fopen(scratch("blank.png"), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    memset(row, 0xff, sizeof row);
+    png_init_io(png, out);
+    png_set_IHDR(png, info, SIDE, SIDE, 1, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    for (int y = 0; y < SIDE; y++) png_write_row(png, row);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(out);
+    bis_image image;
+    assert_int_equal(bis_image_read_colours(&image, scratch("blank.png"), 1, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(image.width == SIDE && image.height == SIDE);
+    for (int i = 0; i < SIDE * SIDE; i++) assert_true(image.pixels[i].r == 1);
+    bis_image_clear(&image);
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    write_kind(PNG_COLOR_TYPE_RGB, 16, true);
+    FOR_LACK(l) {
+        bis_image image;
+        bis_diag diag = {0};
+        LACK(l, bis_image_read_colours(&image, scratch("kind.png"), 1, (bis_loc){0}, &diag));
+        assert_true((l.status == BIS_OK) == (image.pixels != NULL) && (l.status == BIS_OK) == (diag.n_errors == 0));
+        bis_image_clear(&image);
+        bis_diag_clear(&diag);
+    }
+    assert_int_equal(bis_mem_live(), 0);
+}
+
 static void a_png_is_no_source_of_light(void **state)
 {
     size_t n;
@@ -281,6 +433,10 @@ int main(void)
         cmocka_unit_test(channels_may_be_planes_of_their_own),
         cmocka_unit_test(the_file_says_that_it_is_srgb),
         cmocka_unit_test(the_gamma_of_a_file_counts_where_it_can_be_meant),
+        cmocka_unit_test(each_kind_of_png_has_its_colours),
+        cmocka_unit_test(a_header_is_held_against_the_length_of_the_file),
+        cmocka_unit_test(a_blank_sheet_of_one_bit_is_read),
+        cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(a_png_is_no_source_of_light),
         cmocka_unit_test(what_was_written_is_read_back_as_colours),
         cmocka_unit_test(damaged_pictures_are_survived),

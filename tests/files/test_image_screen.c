@@ -88,6 +88,172 @@ static void each_kind_of_tga_has_its_colours(void **state)
     bis_image_clear(&image);
 }
 
+/* A header of 18 bytes. */
+static void put_tga(bytes *b, int kind, int width, int height, int bits, int descriptor)
+{
+    *b = (bytes){0};
+    put_int(b, (uint64_t)kind << 16, 3);
+    put_int(b, 0, 9);
+    put_int(b, (uint64_t)width, 2);
+    put_int(b, (uint64_t)height, 2);
+    put_int(b, (uint64_t)bits, 1);
+    put_int(b, (uint64_t)descriptor, 1);
+}
+
+/* What the colours of a file are, 255 of them the whole. */
+static void expect_codes(const char *name, const bytes *b, int width, int height, const unsigned char (*codes)[3])
+{
+    char said[512];
+    bis_image image;
+    if (read_bytes_as(&image, name, b->data, b->n, said)) fail_msg("%s", said);
+    assert_true(image.width == width && image.height == height);
+    for (int i = 0; i < width * height; i++)
+        for (int k = 0; k < 3; k++) {
+            const double v = (double)(&image.pixels[i].r)[k], e = linear(codes[i][k] / 255.);
+            if (fabs(v - e) > 1e-6) fail_msg("%s: channel %d of pixel %d is %g, not %g", name, k, i, v, e);
+        }
+    bis_image_clear(&image);
+}
+
+/* 3 x 2 pixels, whose colours are their numbers in the file, by the two bits of the descriptor: where the first is. */
+static void each_corner_may_be_the_first_of_a_tga(void **state)
+{
+    for (int corner = 0; corner < 4; corner++) {
+        unsigned char codes[6][3];
+        bytes b;
+        put_tga(&b, 3, 3, 2, 8, corner << 4);
+        for (int i = 0; i < 6; i++) {
+            const int x = corner & 1 ? 2 - i % 3 : i % 3, y = corner & 2 ? i / 3 : 1 - i / 3;
+            put_int(&b, (uint64_t)(40 * i), 1);
+            for (int k = 0; k < 3; k++) codes[3 * y + x][k] = (unsigned char)(40 * i);
+        }
+        expect_codes("corner.tga", &b, 3, 2, codes);
+        bytes_clear(&b);
+    }
+}
+
+/* Five bits v of a colour are its upper ones, and its lower three the upper three of v. As pixels and as a palette, of
+ * 15 and of 16 bits, whose highest says nothing of the colour. */
+static void five_bits_of_a_tga_are_spread_over_eight(void **state)
+{
+    for (int way = 0; way < 4; way++) {
+        const int bits = 15 + way % 2;
+        const bool is_palette = way >= 2;
+        unsigned char codes[32][3];
+        bytes b;
+        put_tga(&b, is_palette ? 1 : 2, 32, 1, is_palette ? 8 : bits, 0x20);
+        if (is_palette) memcpy(b.data, (const unsigned char[]){0, 1, 1, 0, 0, 32, 0, (unsigned char)bits}, 8);
+        for (int i = 0; i < 32; i++) {
+            const int five[3] = {i, 31 - i, 7 * i % 32};
+            put_int(&b, (uint64_t)(32768 * (i % 2) + 1024 * five[0] + 32 * five[1] + five[2]), 2);
+            for (int k = 0; k < 3; k++) codes[i][k] = (unsigned char)(8 * five[k] + five[k] / 4);
+        }
+        for (int i = 0; is_palette && i < 32; i++) put_int(&b, (uint64_t)i, 1);
+        expect_codes("five.tga", &b, 32, 1, codes);
+        bytes_clear(&b);
+    }
+}
+
+/* A palette of 300 colours of 32 bits, whose first has the number 2: pixels reach 254 of them. A width of two bytes. */
+static void a_tga_may_have_more_colours_than_it_uses(void **state)
+{
+    static unsigned char codes[300][3];
+    bytes b;
+    put_tga(&b, 1, 300, 1, 8, 0);
+    memcpy(b.data, (const unsigned char[]){0, 1, 1, 2, 0, 300 & 255, 300 >> 8, 32}, 8);
+    for (int i = 0; i < 300; i++) {
+        const unsigned char colour[4] = {(unsigned char)(i / 2), 3, (unsigned char)i, 0xff};
+        put(&b, colour, 4);
+    }
+    for (int x = 0; x < 300; x++) {
+        const int i = 2 + x % 254;
+        put_int(&b, (uint64_t)i, 1);
+        codes[x][0] = (unsigned char)(i - 2);
+        codes[x][1] = 3;
+        codes[x][2] = (unsigned char)((i - 2) / 2);
+    }
+    expect_codes("many.tga", &b, 300, 1, codes);
+    b.data[4] = 1; /* the first has the number 258: none is in reach */
+    refuse("high.tga", b.data, b.n, "the TGA is damaged: a pixel has a colour that is not in the palette");
+    bytes_clear(&b);
+    /* a palette that nobody uses stands before the pixels */
+    put_tga(&b, 2, 1, 1, 24, 0);
+    memcpy(b.data, (const unsigned char[]){1, 1, 2, 0, 0, 1, 0, 16}, 8);
+    put(&b, "t\0\0\3\2\1", 6);
+    expect_codes("unused.tga", &b, 1, 1, (const unsigned char[1][3]){{1, 2, 3}});
+    bytes_clear(&b);
+    /* without a palette its number of colours says nothing */
+    put_tga(&b, 3, 1, 1, 8, 0);
+    b.data[5] = b.data[7] = 24;
+    put_int(&b, 9, 1);
+    expect_codes("none.tga", &b, 1, 1, (const unsigned char[1][3]){{9, 9, 9}});
+    bytes_clear(&b);
+}
+
+/* Runs of 128 and packets of 128, over the ends of rows. */
+static void long_runs_of_a_tga_go_over_rows(void **state)
+{
+    static unsigned char codes[300][3];
+    bytes b;
+    put_tga(&b, 10, 100, 3, 24, 0x20);
+    put(&b, "\xff\1\2\3\x7f", 5);
+    for (int i = 0; i < 300; i++) {
+        const unsigned char *const c = i < 128 ? (const unsigned char[]){3, 2, 1} :
+                                       i < 256 ? (const unsigned char[]){(unsigned char)i, 7, (unsigned char)(i / 2)} :
+                                                 (const unsigned char[]){5, 4, 6};
+        memcpy(codes[i], c, 3);
+        if (i >= 128 && i < 256) put(&b, (const unsigned char[]){c[2], c[1], c[0]}, 3);
+    }
+    put(&b, "\xab\6\4\5", 4); /* 44 of them */
+    expect_codes("runs.tga", &b, 100, 3, codes);
+    b.data[b.n - 4]++;
+    refuse("long.tga", b.data, b.n, "the TGA is damaged: a run goes beyond the last pixel");
+    bytes_clear(&b);
+    /* four bytes may be one run of 128, and a bit more may follow: 256 pixels are believed, 257 are not */
+    for (int width = 256; width <= 257; width++) {
+        put_tga(&b, 10, width, 1, 24, 0x20);
+        put(&b, "\xff\1\2\3", 4);
+        refuse("short.tga", b.data, b.n, width == 256 ? "the TGA is damaged: the file is cut off" :
+                                                       "22 bytes cannot hold 257 x 1 pixels");
+        bytes_clear(&b);
+    }
+}
+
+/* What makes no sense is no TGA, so it is of no format at all. */
+static void a_header_without_sense_is_no_tga(void **state)
+{
+    static const struct {
+        int at, to; /* in a grey picture; a kind of 1 needs a palette, and has 8 bits */
+    } cases[] = {{1, 2}, {1, 255}, {2, 0}, {2, 4}, {2, 8}, {2, 1}, {2, 19}, {12, 0}, {14, 0}, {17, 0x40}, {17, 0x80},
+                 {16, 16}, {16, 7}, {2, 2}, {1, 1}};
+    bytes b;
+    put_tga(&b, 3, 1, 1, 8, 0);
+    put_int(&b, 9, 8);
+    expect_codes("grey.tga", &(bytes){b.data, b.n, 0}, 1, 1, (const unsigned char[1][3]){{9, 9, 9}});
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const unsigned char before = b.data[cases[i].at];
+        b.data[cases[i].at] = (unsigned char)cases[i].to;
+        refuse("no.tga", b.data, b.n, "its format is unknown");
+        b.data[cases[i].at] = before;
+    }
+    memcpy(b.data, (const unsigned char[]){0, 1, 1, 0, 0, 1, 0, 15}, 8);
+    for (int bits = 0; bits < 256; bits++) { /* of a palette's colours */
+        char said[512];
+        bis_image image;
+        b.data[7] = (unsigned char)bits;
+        b.data[b.n - 1] = b.data[b.n - 2] = b.data[b.n - 3] = b.data[b.n - 4] = b.data[b.n - 5] = b.data[b.n - 6] = 0;
+        const bool is_size = bits == 15 || bits == 16 || bits == 24 || bits == 32;
+        assert_int_equal(read_bytes_as(&image, "palette.tga", b.data, b.n, said), is_size ? BIS_OK : BIS_INPUT);
+        if (!is_size) assert_non_null(strstr(said, "its format is unknown"));
+        bis_image_clear(&image);
+    }
+    b.data[7] = 24;
+    b.data[16] = 24; /* the pixels' */
+    refuse("wide.tga", b.data, b.n, "its format is unknown");
+    refuse("head.tga", b.data, 17, "its format is unknown");
+    bytes_clear(&b);
+}
+
 static void a_damaged_tga_is_refused(void **state)
 {
     static const struct {
@@ -96,6 +262,8 @@ static void a_damaged_tga_is_refused(void **state)
         unsigned char bytes[4];
         const char *message;
     } cases[] = {
+        {1, 0, 1, {19}, "cannot hold 2 x 2 pixels"}, /* a text of 19 bytes ends with the file */
+        {1, 0, 1, {20}, "the TGA is damaged: the file is cut off"},
         {0, 12, 4, {255, 255, 254, 255}, "30 bytes cannot hold 65535 x 65534 pixels"},
         {4, 30, 1, {9}, "a pixel has a colour that is not in the palette"},
         {4, 30, 1, {4}, "a pixel has a colour that is not in the palette"},
@@ -177,6 +345,116 @@ static void each_kind_of_bmp_has_its_colours(void **state)
     assert_int_equal(read_bytes_as(&image, "a.bmp", b.data, b.n, said), BIS_OK);
     assert_true(image.pixels[0].r == 1 && image.pixels[1].g == 1 && image.pixels[2].g == 1 && image.pixels[3].r == 1);
     bis_image_clear(&image);
+    bytes_clear(&b);
+}
+
+/* A colour of the palette, and one of 24 bits. */
+static void colour_of(unsigned char c[3], int i)
+{
+    for (int k = 0; k < 3; k++) c[k] = (unsigned char)(i * (5 + 2 * k) + 11 * k);
+}
+
+/* A picture of w x 3 pixels, pixel i of the colour 7 i % n: n of the palette, or 256 of those of 24 and 32 bits. more:
+ * how many bytes the header has beyond 40, and how many lie between palette and pixels. */
+static void put_bmp(bytes *b, unsigned char (*codes)[3], int bits, int width, int n, int said, int more)
+{
+    const int row = (width * bits + 31) / 32 * 4, head = 14 + 40 + more + (bits <= 8 ? 4 * n : 0);
+    *b = (bytes){0};
+    put_text(b, "BM");
+    put_int(b, 0, 8);
+    put_int(b, (uint64_t)(head + more), 4);
+    put_int(b, (uint64_t)(40 + more), 4);
+    put_int(b, (uint64_t)width, 4);
+    put_int(b, (uint32_t)-3, 4);
+    put_int(b, 1 + ((uint64_t)bits << 16), 4);
+    for (int i = 0; i < 4; i++) put_int(b, 0, 4);
+    put_int(b, (uint64_t)said, 4);
+    put_int(b, 0, 4);
+    for (int i = 0; i < more; i++) put_int(b, 0xee, 1);
+    for (int i = 0; bits <= 8 && i < n; i++) {
+        unsigned char c[3];
+        colour_of(c, i);
+        put(b, (const unsigned char[]){c[2], c[1], c[0], 0xee}, 4);
+    }
+    for (int i = 0; i < more; i++) put_int(b, 0xee, 1);
+    for (int y = 0; y < 3; y++) {
+        unsigned char line[512] = {0};
+        for (int x = 0; x < width; x++) {
+            const int i = 7 * (y * width + x) % n;
+            unsigned char *const c = codes[y * width + x];
+            colour_of(c, i);
+            if (bits <= 8) line[x * bits / 8] |= (unsigned char)(i << (8 - bits - x * bits % 8));
+            else for (int k = 0; k < 3; k++) line[x * bits / 8 + k] = c[2 - k];
+        }
+        put(b, line, (size_t)row);
+    }
+}
+
+/* Every number of bits in widths that fill their rows and that do not; a palette as long as it may be, shorter ones,
+ * one of which no length is told, and one that is told to be longer than it may be. */
+static void bmps_of_any_width_have_their_colours(void **state)
+{
+    static const int bits[] = {1, 4, 8, 24, 32}, widths[] = {1, 2, 3, 4, 5, 7, 8, 9, 31, 32, 33};
+    static unsigned char codes[3 * 33][3];
+    for (int i = 0; i < 5 * 11 * 2 * 3; i++) {
+        const int b = bits[i % 5], width = widths[i / 5 % 11], more = i / 55 % 2 ? 84 : 0, most = b < 8 ? 1 << b : 256;
+        const int n = i / 110 == 0 ? most - 1 : most, said = i / 110 == 2 ? n + 1 : i / 110 == 1 ? 0 : n;
+        bytes file;
+        put_bmp(&file, codes, b, width, n, said, more);
+        expect_codes("any.bmp", &file, width, 3, codes);
+        refuse("cut.bmp", file.data, file.n - 1, "the BMP: the file is cut off");
+        bytes_clear(&file);
+    }
+}
+
+/* Of the words of a header, one at a time. */
+static void each_word_of_a_bmp_is_held_against_the_file(void **state)
+{
+#define RARE "only plain files of 1, 4, 8, 24 and 32 bits are read: save it as PNG"
+#define CUT "the file is cut off"
+#define OLD "its header is damaged, or older than Windows 3"
+#define EMPTY "it has no pixels"
+    static const struct {
+        size_t at;
+        uint32_t to;
+        const char *message; /* NULL: it is read */
+    } cases[] = {
+        {10, 66, NULL}, {10, 65, NULL}, {10, 67, CUT}, {10, 95, CUT}, {10, 0xffffffff, CUT}, {14, 39, OLD},
+        {14, 68, NULL}, {14, 69, OLD}, {18, 0, EMPTY}, {18, 0xffffffff, EMPTY}, {22, 0, EMPTY}, {22, 0x80000000, EMPTY},
+        {22, 3, CUT}, {22, 0x10000002, CUT}, {18, 0x10000002, CUT}, {30, 1, RARE}, {30, 3, NULL}, {30, 4, RARE},
+        {54, 0xff0001, RARE}, {54, 0x1ff0000, RARE}, {58, 0xff01, RARE}, {58, 0x100ff00, RARE}, {62, 0xfe, RARE},
+        {62, 0x10000ff, RARE},
+    };
+    static const unsigned char rest[28] = {0, 0, 255, 0, 0, 255, 0, 0, 255};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char said[512];
+        bytes b;
+        bis_image image;
+        make_bmp(&b, 32, 2, 3, 0, rest, sizeof rest);
+        assert_int_equal(b.n, 82);
+        for (size_t k = 0; k < 4; k++) b.data[cases[i].at + k] = (unsigned char)(cases[i].to >> 8 * k);
+        if (cases[i].message) {
+            refuse("word.bmp", b.data, b.n, cases[i].message);
+        } else {
+            if (read_bytes_as(&image, "word.bmp", b.data, b.n, said)) fail_msg("case %zu: %s", i, said);
+            bis_image_clear(&image);
+        }
+        bytes_clear(&b);
+    }
+    /* a palette may be the last of the file: the pixels are eight zeros of the header here */
+    bytes last;
+    make_bmp(&last, 8, 2, 0, 4, rest, 0);
+    last.data[10] = 34;
+    const unsigned char red[4][3] = {{255, 0, 0}, {255, 0, 0}, {255, 0, 0}, {255, 0, 0}};
+    expect_codes("last.bmp", &last, 2, 2, red);
+    refuse("last.bmp", last.data, last.n - 1, CUT);
+    bytes_clear(&last);
+    /* masks are for 32 bits */
+    bytes b;
+    make_bmp(&b, 24, 2, 3, 0, rest, sizeof rest);
+    refuse("masks24.bmp", b.data, b.n, RARE);
+    b.data[28] = 16;
+    refuse("masks16.bmp", b.data, b.n, RARE);
     bytes_clear(&b);
 }
 
@@ -271,6 +549,74 @@ static void each_kind_of_jpeg_has_its_colours(void **state)
     }
 }
 
+/* What libjpeg finds careless, but no damage: bytes between two marks, and versions and codings of a later time. */
+static void a_careless_jpeg_is_read(void **state)
+{
+    for (int way = 0; way < 3; way++) {
+        char said[512];
+        unsigned long n;
+        bis_image image;
+        unsigned char *data = make_jpeg(&n, 3, BASELINE, left, right);
+        bytes b = {0};
+        assert_memory_equal(data + 2, "\xff\xe0\0\x10JFIF\0\1", 10); /* 18 bytes from the 2nd on */
+        put(&b, data, way == 2 ? 2 : 20);
+        if (way == 0) put_text(&b, "??");
+        if (way == 1) b.data[11] = 9;
+        if (way == 2) put(&b, "\xff\xee\0\xe" "Adobe\0\x64\0\0\0\0\7", 16); /* how colours are coded: 7 */
+        put(&b, data + 20, n - 20);
+        if (read_bytes_as(&image, "careless.jpg", b.data, b.n, said)) fail_msg("%d: %s", way, said);
+        assert_true(fabs((double)image.pixels[0].r - linear(200 / 255.)) < 0.02);
+        bis_image_clear(&image);
+        bytes_clear(&b);
+        free(data);
+    }
+}
+
+/* A byte may stand for 8 x 8 blocks at most: a bit for each. */
+static void a_jpeg_has_at_most_512_pixels_a_byte(void **state)
+{
+    unsigned long n;
+    unsigned char *data = make_jpeg(&n, 3, BASELINE, left, right);
+    unsigned char *const sof = memmem(data, n, "\xff\xc0", 2);
+    assert_non_null(sof);
+    for (unsigned more = 0; more < 2; more++) {
+        const unsigned height = (unsigned)n + more;
+        char message[64];
+        memcpy(sof + 5, (const unsigned char[]){(unsigned char)(height >> 8), (unsigned char)height, 2, 0}, 4);
+        snprintf(message, sizeof message, "%lu bytes cannot hold 512 x %u pixels", n, height);
+        refuse("large.jpg", data, n, more ? message : "the JPEG is damaged, or of a kind that is not read: ");
+    }
+    free(data);
+}
+
+/* By the exponent that is asked for, or by the curve of sRGB where the file is to say and does not. */
+static void a_gamma_is_for_all_kinds(void **state)
+{
+    unsigned long n;
+    bytes bmp;
+    unsigned char *jpeg = make_jpeg(&n, 1, BASELINE, (const unsigned char[3]){51}, (const unsigned char[3]){51});
+    make_bmp(&bmp, 8, -2, 0, 4, (const unsigned char[8]){3, 3, 0, 0, 3, 3}, 8);
+    const struct {
+        const char *name;
+        const void *data;
+        size_t n;
+    } files[] = {{"a.jpg", jpeg, n}, {"a.tga", tgas[3].bytes, tgas[3].n}, {"a.bmp", bmp.data, bmp.n}};
+    for (int i = 0; i < 3; i++) {
+        bis_image image;
+        bool is_screen = false;
+        store(scratch(files[i].name), files[i].data, files[i].n);
+        assert_int_equal(bis_image_read_colours(&image, scratch(files[i].name), 3, (bis_loc){0}, NULL), BIS_OK);
+        assert_true(fabs((double)image.pixels[image.width * image.height - 1].g - 0.008) < 1e-6); /* 0.2^3 */
+        bis_image_clear(&image);
+        assert_int_equal(bis_image_read_any(&image, &is_screen, scratch(files[i].name), (bis_loc){0}, NULL), BIS_OK);
+        assert_true(fabs((double)image.pixels[image.width * image.height - 1].b - linear(0.2)) < 1e-6);
+        assert_true(is_screen);
+        bis_image_clear(&image);
+    }
+    free(jpeg);
+    bytes_clear(&bmp);
+}
+
 /* Cut off, with holes, far too large for its bytes, of another kind: an error, and never grey. */
 static void a_damaged_jpeg_is_refused(void **state)
 {
@@ -326,12 +672,14 @@ static void without_memory_there_is_no_picture(void **state)
 {
     unsigned long n;
     unsigned char *data = make_jpeg(&n, 3, BASELINE, left, right);
+    bytes bmp;
+    make_bmp(&bmp, 8, -2, 0, 4, bmps[3].rest, 8);
     const struct {
         const char *name;
         const void *data;
         size_t n;
-    } files[] = {{"a.jpg", data, n}, {"a.tga", tgas[3].bytes, tgas[3].n}};
-    for (int i = 0; i < 2; i++) {
+    } files[] = {{"a.jpg", data, n}, {"a.tga", tgas[3].bytes, tgas[3].n}, {"a.bmp", bmp.data, bmp.n}};
+    for (int i = 0; i < 3; i++) {
         store(scratch(files[i].name), files[i].data, files[i].n);
         FOR_LACK(l) {
             bis_image image;
@@ -340,6 +688,7 @@ static void without_memory_there_is_no_picture(void **state)
         }
     }
     free(data);
+    bytes_clear(&bmp);
     assert_int_equal(bis_mem_live(), 0);
 }
 #endif
@@ -348,11 +697,21 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind_of_tga_has_its_colours),
+        cmocka_unit_test(each_corner_may_be_the_first_of_a_tga),
+        cmocka_unit_test(five_bits_of_a_tga_are_spread_over_eight),
+        cmocka_unit_test(a_tga_may_have_more_colours_than_it_uses),
+        cmocka_unit_test(long_runs_of_a_tga_go_over_rows),
+        cmocka_unit_test(a_header_without_sense_is_no_tga),
         cmocka_unit_test(a_damaged_tga_is_refused),
         cmocka_unit_test(each_kind_of_bmp_has_its_colours),
+        cmocka_unit_test(bmps_of_any_width_have_their_colours),
+        cmocka_unit_test(each_word_of_a_bmp_is_held_against_the_file),
         cmocka_unit_test(a_damaged_or_rare_bmp_is_refused),
 #ifdef BIS_JPEG
         cmocka_unit_test(each_kind_of_jpeg_has_its_colours),
+        cmocka_unit_test(a_careless_jpeg_is_read),
+        cmocka_unit_test(a_jpeg_has_at_most_512_pixels_a_byte),
+        cmocka_unit_test(a_gamma_is_for_all_kinds),
         cmocka_unit_test(a_damaged_jpeg_is_refused),
         cmocka_unit_test(a_jpeg_has_at_most_200_scans),
         cmocka_unit_test(without_memory_there_is_no_picture),

@@ -4,12 +4,15 @@
 #include "claim.h"
 #include "mesh_help.h"
 #include "files/obj.h"
+#include "lack.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 #define QUAD "0 0 0, 1 0 0, 1 1 0, 0 1 0"
+#define MOST "3.4028234663852886e38" /* the largest float */
+#define BIG "3.402823e+38"
 #define NO_NORMALS "faces name normals, but there is no \"vn\": the mesh is flat, unless \"smooth\" is true"
 
 static const struct {
@@ -19,7 +22,7 @@ static const struct {
 #define FORM(face) {bis_obj_read, "a corner may have any of its forms", SQUARE face, NULL, QUAD "; 0 1 2, 0 2 3"}
     FORM("f 1 2 3 4"), FORM("f 1/1 2/2 3/3 4/4"), FORM("f 1/ 2/ 3/ 4/"), FORM("f 1// 2// 3// 4//"),
     FORM("f 1/1/ 2/2/ 3/3/ 4/4/"), FORM("f -4 -3 -2 -1"), FORM("f -4/1 2/2/ -2// 4"), FORM("\tf  1\t2 3 4 # a square"),
-    FORM("f 1 2\\\n3\\\r\n 4\\\n\n"),
+    FORM("f 1 2\\\n3\\\r\n 4\\\n\n"), FORM("f 1/10 2/20/ 3/-30/ 4/90"), FORM("f\\\n1 2 3 4"),
     {bis_obj_read, "all statements but v, vn, f are skipped",
      "# f 1 1 1\nmtllib f.mtl\no f\ng f 1 2 3\ns 1\nusemtl v\nvt 1 2\nvp 1\nl 1 2\np 1\nfo 1 2 3\nv2 1 2 3\n"
      "v 0 0 0 1\r\nv 1 0 0 0.5 0.5 nan\rv 0 1 0\n\n\n  f 1 2 3\nf",
@@ -33,9 +36,21 @@ static const struct {
      "0 0 0 n 0 0 1, 1 0 0 n 0 0 1, 1 1 0 n 0 0 1, 0 1 0 n 0 0 -1, 0 0 0 n 0 0 -1, 1 1 0 n 0 0 -1, 0 1 0 n 0 0 0; "
      "0 1 2, 4 5 3, 4 1 6, 0 5 3"},
     {bis_obj_read, "normals that are not finite stand for the faces'",
-     SQUARE "vn nan 0 1\nvn 0 0 1\nf 1//1 2//2 3//2\n",
+     SQUARE "vn nan 0 1\nvn 0 0 1\nvn 2 inf 1\nvn 3 1 -1e39\nf 1//1 2//2 3//3 4//4\n",
+     "3 vertex normals are not finite: the faces' normals are used there",
+     "0 0 0 n 0 0 0, 1 0 0 n 0 0 1, 1 1 0 n 0 0 0, 0 1 0 n 0 0 0; 0 1 2, 0 2 3"},
+    {bis_obj_read, "one normal that is not finite is counted, too", SQUARE "vn nan 0 1\nf 1 2 3\nf 4//1 3//1 2//1\n",
      "1 vertex normals are not finite: the faces' normals are used there",
-     "0 0 0 n 0 0 0, 1 0 0 n 0 0 1, 1 1 0 n 0 0 1, 0 1 0 n 0 0 0; 0 1 2"},
+     "0 0 0 n 0 0 0, 1 0 0 n 0 0 0, 1 1 0 n 0 0 0, 0 1 0 n 0 0 0, 1 1 0 n 0 0 0, 1 0 0 n 0 0 0; 0 1 2, 3 4 5"},
+    {bis_obj_read_uv, "one coordinate that is not finite is counted, too", SQUARE "vt nan 0 1\nf 1 2 3\n",
+     "1 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)", QUAD "; 0 1 2"},
+    {bis_obj_read, "the largest float is a coordinate of a vertex and of a normal",
+     "v " MOST " -" MOST " " MOST "\nv 1 0 0\nv 1 1 0\nvn " MOST " " MOST " -" MOST "\nf 1//1 2//1 3//1\n", NULL,
+     BIG " -" BIG " " BIG " n " BIG " " BIG " -" BIG ", 1 0 0 n " BIG " " BIG " -" BIG ", "
+     "1 1 0 n " BIG " " BIG " -" BIG "; 0 1 2"},
+    {bis_obj_read, "a vertex that faces use without a normal and with one is two",
+     SQUARE "vn 0 0 1\nf 1 2 3\nf 1//1 3//1 4//1\n", NULL,
+     "0 0 0 n 0 0 0, 1 0 0 n 0 0 0, 1 1 0 n 0 0 0, 0 1 0 n 0 0 1, 0 0 0 n 0 0 1, 1 1 0 n 0 0 1; 0 1 2, 4 5 3"},
     /* files from which a program removed the normals alone */
 #define LACKING(face) {bis_obj_read, "normals that a file does not have are left out", SQUARE face "\n", NO_NORMALS, \
     QUAD "; 0 1 2"}
@@ -48,9 +63,18 @@ static const struct {
      SQUARE "vt 0.25\nvt 0.5 0.75 9\nvt -1 2\nvt 4 # 5\nf 1/1 2/2 3/3 4/-1\n", NULL,
      "0 0 0 t 0.25 0, 1 0 0 t 0.5 0.75, 1 1 0 t -1 2, 0 1 0 t 4 0; 0 1 2, 0 2 3"},
     {bis_obj_read_uv, "a texture coordinate that is not finite, or larger than a float, stands for none",
-     SQUARE "vt nan 1\nvt 1 inf\nvt 1e39 1\nvt 1 -1e39\nvt 3e38 -3e38\nf 1/1 2/2 3/3\nf 1/1 3/5 4/4\n",
+     SQUARE "vt nan 1\nvt 1 inf\nvt 1e39 1\nvt 1 -1e39\nvt " MOST " -" MOST "\nf 1/1 2/2 3/3\n"
+     "f 1/1 3/5 4/4\n",
      "4 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)",
-     "0 0 0 t none, 1 0 0 t none, 1 1 0 t none, 0 1 0 t none, 1 1 0 t 3e+38 -3e+38; 0 1 2, 0 4 3"},
+     "0 0 0 t none, 1 0 0 t none, 1 1 0 t none, 0 1 0 t none, 1 1 0 t " BIG " -" BIG "; 0 1 2, 0 4 3"},
+    {bis_obj_read_uv, "a vertex that faces use without a coordinate and with one is two",
+     SQUARE "vt .5 .25\nf 1 2 3\nf 1/1 3/1 4/1\n", NULL,
+     "0 0 0 t none, 1 0 0 t none, 1 1 0 t none, 0 1 0 t 0.5 0.25, 0 0 0 t 0.5 0.25, 1 1 0 t 0.5 0.25; 0 1 2, 4 5 3"},
+    {bis_obj_read_uv, "a coordinate may come after its faces; a slash with nothing behind it says nothing",
+     SQUARE "f 1/1 2/ 3//\nvt 2 3 \\\n\n", NULL, "0 0 0 t 2 3, 1 0 0 t none, 1 1 0 t none, 0 1 0 t none; 0 1 2"},
+    {bis_obj_read_uv, "normals that a file does not have are left out, its coordinates are not",
+     SQUARE "vt 1 2\nf 1/1/1 2/1/-10 3/1/\n", NO_NORMALS,
+     "0 0 0 t 1 2, 1 0 0 t 1 2, 1 1 0 t 1 2, 0 1 0 t none; 0 1 2"},
     /* a vertex with two coordinates is two; so is one that is used with and without */
     {bis_obj_read_uv, "each triple of position, coordinate and normal is one vertex",
      SQUARE "vt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1/1/1 2/1/1 3/2/1\nf 1/1/1 3/1/1 4/1/2\nf 1/2/1 3/1/1 4/1/2\n"
@@ -107,6 +131,10 @@ static const struct {
     {bis_obj_read, SQUARE "f 1 2 -5\n", 5, NO_INDEX("-5", "4 \"v\" up to here")},
     {bis_obj_read, "f -1 -2 -3\n" SQUARE, 1, NO_INDEX("-1", "0 \"v\" up to here")},
     {bis_obj_read, SQUARE "f 1 2 99999999999999999999999\n", 5, NO_INDEX("99999999999999999999999", "4 \"v\"")},
+    /* 2^64 + 1, which is no 1 */
+    {bis_obj_read, SQUARE "f 1 2 18446744073709551617\n", 5, NO_INDEX("18446744073709551617", "4 \"v\"")},
+    {bis_obj_read, SQUARE "f 1 2 -18446744073709551617\n", 5,
+     NO_INDEX("-18446744073709551617", "4 \"v\" up to here")},
     {bis_obj_read, SQUARE "f 1 2 " LONG "\n", 5, NO_INDEX(CUT, "4 \"v\"")},
     {bis_obj_read, SQUARE "vn 0 0 1\nf 1//2 2 3\n", 6, NO_INDEX("2", "1 \"vn\"")},
     {bis_obj_read, SQUARE "vn 0 0 1\nf 1//-2 2 3\nvn 0 0 1\n", 6, NO_INDEX("-2", "1 \"vn\" up to here")},
@@ -159,6 +187,46 @@ static void thousands_of_normals_at_one_position_are_told_apart(void **state)
     bytes_clear(&b);
 }
 
+/* N positions, each with the first pair of coordinate and normal and then with others: those of a second pair, or with
+ * as many coordinates, or as many normals, as there are positions. A vertex of a further triple comes where the triple
+ * does, and a triple that comes again is the same vertex. */
+static void thousands_of_further_triples_are_told_apart(void **state)
+{
+    enum { N = 3000 };
+    for (int kind = 0; kind < 3; kind++) {
+        bytes b = {0};
+        bis_mesh m;
+        char text[128];
+        for (int i = 0; i < N; i++) {
+            snprintf(text, sizeof text, "v %d 0 1\nvt %d 2\nvn %d 3 4\nf %d/1/1 -1/1/1 %d/1/1\n", i, i, i, i + 1,
+                     i + 1);
+            put_text(&b, text);
+        }
+        for (int i = 0; i < 2 * (N - 1); i++) {
+            const int k = i % (N - 1) + 2; /* 2 to N */
+            snprintf(text, sizeof text, "f %d/%d/%d 1/1/1 1/1/1\n", kind == 0 ? k : 1, kind == 1 ? k : 2,
+                     kind == 2 ? k : 2);
+            put_text(&b, text);
+        }
+        expect_mesh_of(bis_obj_read_uv, &m, &b, "triples.obj", NULL);
+        assert_int_equal(m.n_vertices, N + N - 1);
+        assert_int_equal(m.n_triangles, N + 2 * (N - 1));
+        for (uint32_t i = 0; i < 2 * (N - 1); i++) {
+            const uint32_t k = i % (N - 1) + 2, v = N + k - 2;
+            assert_triangle(&m, N + i, v, 0, 0);
+            assert_true(m.p[v].x == (kind == 0 ? (float)(k - 1) : 0) && m.p[v].z == 1);
+            assert_true(m.uv[v].u == (kind == 1 ? (float)(k - 1) : 1) && m.uv[v].v == 2);
+            assert_true(m.n[v].x == (kind == 2 ? (float)(k - 1) : 1) && m.n[v].z == 4);
+        }
+        for (uint32_t i = 0; i < N; i++) {
+            assert_triangle(&m, i, i, i, i);
+            assert_true(m.p[i].x == (float)i && m.uv[i].u == 0 && m.n[i].x == 0 && m.n[i].y == 3);
+        }
+        bis_mesh_clear(&m);
+        bytes_clear(&b);
+    }
+}
+
 /* By the names of usemtl, in the order in which they come; libraries with their lines. */
 static void a_part_is_what_follows_a_name(void **state)
 {
@@ -204,6 +272,7 @@ static void a_part_without_faces_is_not_shown(void **state)
         {"usemtl a\nf 1 2 3\nusemtl b\nusemtl c\nf 1 2 3\n", 3, 4, {false, true, false, true}},
         {"f 1 2 3\nusemtl a\n", 1, 1, {true}},
         {"usemtl a\n", 1, 0, {false}},
+        {"f 1 2 3\nusemtl a\nf 1 2 3\nusemtl a \nf 1 2 3\nusemtl\tb\nf 1 2 3", 2, 3, {true, true, true}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_obj_materials o;
@@ -217,8 +286,44 @@ static void a_part_without_faces_is_not_shown(void **state)
     }
 }
 
+/* The line of a library is that of its word, also where its name stands on the next one; a name may be at the end. */
+static void a_library_has_the_line_of_its_word(void **state)
+{
+    static const char text[] = "# a \\\n b\nmtllib \\\n c.mtl\t\nmtllib d.mtl\r\nmtllib";
+    bis_obj_materials o;
+    store(scratch("lines.obj"), text, sizeof text - 1);
+    assert_int_equal(bis_obj_read_materials(&o, scratch("lines.obj"), (bis_loc){0}, NULL), BIS_OK);
+    assert_true(o.n_libraries == 3 && o.n_shown == 0 && o.parts.n == 0);
+    static const char *const names[] = {"c.mtl", "d.mtl", ""};
+    static const int lines[] = {3, 5, 6};
+    for (int i = 0; i < 3; i++) {
+        assert_string_equal(o.libraries[i].name, names[i]);
+        assert_int_equal(o.libraries[i].line, lines[i]);
+    }
+    bis_obj_materials_clear(&o);
+    assert_true(o.n_libraries == 0 && o.libraries == NULL);
+}
+
+static void a_file_that_is_not_there_has_no_materials(void **state)
+{
+    bis_obj_materials o;
+    bis_diag diag = {0};
+    bis_mesh m;
+    size_t n = 7;
+    assert_int_equal(bis_obj_read_materials(&o, "build/no such file.obj", (bis_loc){"s.txt", 3, 7}, &diag), BIS_IO);
+    assert_true(o.n_libraries == 0 && o.n_shown == 0 && o.parts.n == 0);
+    assert_int_equal(bis_obj_read_parts(&m, &n, "build/no such file.obj", true, (bis_loc){"s.txt", 3, 7}, &diag),
+                     BIS_IO);
+    assert_true(n == 0 && m.p == NULL);
+    assert_int_equal(diag.n, 2);
+    for (int i = 0; i < 2; i++)
+        assert_string_equal(diag.messages[i].text, "s.txt:3:7: error: cannot open \"build/no such file.obj\": No such "
+                                                   "file or directory");
+    bis_diag_clear(&diag);
+}
+
 static const char *const rich =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 0 1 1\nf 1/1/1 2/2/2 3/3/-1 1//2 \\\n 2//1\nf 1 2 3\n";
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0\nvt 1 0\nvt 2\nvn 0 0 1\nvn 0 1 1\nf 1/1/1 2/2/2 3/3/-1 1//2 \\\n 2//1\nf 1 2 3\n";
 
 static void damaged_files_never_crash(void **state)
 {
@@ -228,12 +333,42 @@ static void damaged_files_never_crash(void **state)
     bytes_clear(&b);
 }
 
+static bis_status read_parts(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+{
+    size_t n;
+    return bis_obj_read_parts(m, &n, path, true, at, diag);
+}
+
+/* A lack of room for a vertex or a part names the line that asked for it. */
 static void any_allocation_may_fail(void **state)
 {
-    bytes b = {0};
-    put_text(&b, rich);
-    try_mesh_memory(bis_obj_read, &b, "memory.obj");
-    bytes_clear(&b);
+    mesh_reader *const readers[] = {bis_obj_read, bis_obj_read_uv, read_parts};
+    const char *const texts_of[] = {
+        rich, "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 1 2\nvt 3 4\nf 1/1 2/1 3/1\nf 1/2 2/2 3/2\nusemtl a\nf 3 2 1\n"};
+    for (int i = 0; i < 6; i++) {
+        bytes b = {0};
+        put_text(&b, texts_of[i / 3]);
+        assert_true(try_mesh_memory(readers[i % 3], &b, "memory.obj") > 0);
+        bytes_clear(&b);
+    }
+}
+
+static void any_allocation_for_materials_may_fail(void **state)
+{
+    static const char text[] = "mtllib a\nmtllib b\nusemtl c\nf 1 2 3\nusemtl d\nf 1 2 3\n";
+    store(scratch("memory.obj"), text, sizeof text - 1);
+    FOR_LACK(l) {
+        bis_diag diag = {0};
+        bis_obj_materials o;
+        LACK(l, bis_obj_read_materials(&o, scratch("memory.obj"), (bis_loc){0}, &diag));
+        assert_int_equal(l.status != BIS_OK, diag.n_errors == 1);
+        assert_int_equal(o.n_libraries, l.status ? 0 : 2);
+        assert_int_equal(o.n_shown, l.status ? 0 : 3);
+        assert_int_equal(o.parts.n, l.status ? 0 : 2);
+        bis_obj_materials_clear(&o);
+        bis_diag_clear(&diag);
+    }
+    assert_int_equal(bis_mem_live(), 0);
 }
 
 /* Vertices: of the file, and one for each further pair with a normal. */
@@ -255,10 +390,14 @@ int main(void)
         cmocka_unit_test(each_text_is_its_mesh),
         cmocka_unit_test(a_bad_line_is_refused_by_its_number),
         cmocka_unit_test(thousands_of_normals_at_one_position_are_told_apart),
+        cmocka_unit_test(thousands_of_further_triples_are_told_apart),
         cmocka_unit_test(a_part_is_what_follows_a_name),
         cmocka_unit_test(a_part_without_faces_is_not_shown),
+        cmocka_unit_test(a_library_has_the_line_of_its_word),
+        cmocka_unit_test(a_file_that_is_not_there_has_no_materials),
         cmocka_unit_test(damaged_files_never_crash),
         cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(any_allocation_for_materials_may_fail),
         cmocka_unit_test(files_of_the_wild_are_read_right),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

@@ -4,6 +4,7 @@
 #include "claim.h"
 #include "mesh_help.h"
 #include "files/ply.h"
+#include "lack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +17,8 @@
 #define UV(u, v) "element vertex 3\nproperty float x\nproperty float " u "\nproperty float y\nproperty float " v \
     "\nproperty float z\n"
 #define UV_BODY "0 0.25 0 0.5 0\n1 1 0 nan 0\n0 -2 1 1e39 9\n3 0 1 2\n"
+#define MOST "3.4028234663852886e38" /* the largest float */
+#define BIG "3.402823e+38"
 
 /* The text of a file without its first line and its format: an ascii file. */
 static bytes ascii_of(const char *text)
@@ -82,6 +85,9 @@ static const struct {
      "element face 1\nproperty list uint8 int32 vertex_indices\nend_header\n"
      " +1.5e0\t.25 -3 \n1\n\n1\r1\n 7. 8e-1 9\r\n3 0 1\n2",
      NULL, "1.5 0.25 -3, 1 1 1, 7 0.8 9; 0 1 2"},
+    {ALONE, "blanks and tabs part words of the header and numbers",
+     "\telement  vertex\t3 \nproperty int16 \tx\nproperty uint16 y\nproperty  uint32 z\n" FACES(1)
+     "-1\t2\v3\n\f4 5\t\t6\t\n7 8 9\n3 0\t1\t2\t", NULL, "-1 2 3, 4 5 6, 7 8 9; 0 1 2"},
     {ALONE, "what is too much in a line is skipped", VERTICES(4) FACES(1)
      "0 0 0 \n1 0 0 9 9\n1 1 0\t\n0 1 0\n3 1 2 3 0.5 0.5\r\n",
      "2 lines hold more numbers than the header says: the rest of them is skipped",
@@ -103,6 +109,17 @@ static const struct {
      "property float nz\n" FACES(1) "0 1 2 3 0 1\nnan 4 5 6 0 1\n0 7 8 10 1e60 0\n3 0 1 2\n",
      "2 vertex normals are not finite: the faces' normals are used there",
      "1 2 3 n 0 0 1, 4 5 6 n 0 0 0, 7 8 10 n 0 0 0; 0 1 2"},
+#define ONE_OF(a, b, face, z, warning, mesh) {WITH_UV, "one is counted, too", VERTICES(3) \
+    "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n" FACES(2) \
+    "0 0 0 0 0 1 2 3\n1 0 0 0 0 " a " 2 " b "\n1 1 0 0 0 1 2 3\n3 0 1 2\n" face "\n", "1 " warning, \
+    "0 0 0 n 0 0 1 t 2 3, 1 0 0 n 0 0 " z ", 1 1 0 n 0 0 1 t 2 3; 0 1 2" mesh}
+    ONE_OF("nan", "3", "3 0 1 2", "0 t 2 3", "vertex normals are not finite: the faces' normals are used there",
+           ", 0 1 2"),
+    ONE_OF("1", "inf", "3 0 1 2", "1 t none",
+           "texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)", ", 0 1 2"),
+    ONE_OF("1", "3", "1 0", "1 t 2 3", "faces have fewer than 3 vertices and are left out", ""),
+    {ALONE, "one long line is counted, too", VERTICES(3) FACES(1) "0 0 0\n1 0 0 7\n1 1 0\n3 0 1 2\n",
+     "1 lines hold more numbers than the header says: the rest of them is skipped", "0 0 0, 1 0 0, 1 1 0; 0 1 2"},
     {ANY, "a short cut meets a quad half way",
      VERTICES(4) "element face 3\nproperty list uchar uint vertex_indices\nend_header\n" CORNERS
      "3 0 1 2\n4 0 1 2 3\n3 0 1 2\n", NULL, "0 0 0, 1 0 0, 1 1 0, 0 1 0; 0 1 2, 0 1 2, 0 2 3, 0 1 2"},
@@ -113,6 +130,23 @@ static const struct {
     {ALONE, "an element without properties takes neither room nor time",
      "element nothing 1844674407370955161\nend_header\n",
      "no triangles: nothing of this mesh will be seen (0 vertices)", "; "},
+    {ANY, "what is no vertex and no face is skipped, and faces may come twice, and behind strips",
+     "element first 2\nproperty list uchar short a\nproperty double b\n" VERTICES(4) "property list uchar short c\n"
+     "element tristrips 1\nproperty list int int vertex_indices\n"
+     "element face 1\nproperty list uchar int vertex_indices\n" FACES(2)
+     "2 7 8 0.5\n0 0.5\n0 0 0 0\n1 0 0 1 5\n1 1 0 2 5 6\n0 1 0 0\n3 0 1 2\n4 0 1 2 3\n3 1 2 3\n3 2 3 0\n", NULL,
+     "0 0 0, 1 0 0, 1 1 0, 0 1 0; 0 1 2, 0 1 2, 0 2 3, 1 2 3, 2 3 0"},
+    {ANY, "an element of no rows says nothing", "element vertex 0\nelement face 0\nend_header\n",
+     "no triangles: nothing of this mesh will be seen (0 vertices)", "; "},
+    {ANY, "the largest float is a coordinate of a vertex and of a normal",
+     "element vertex 3\nproperty double x\nproperty double y\nproperty double z\nproperty double nx\n"
+     "property double ny\nproperty double nz\n" FACES(1) MOST " -" MOST " " MOST " -" MOST " " MOST " -" MOST
+     "\n1 0 0 0 0 1\n1 1 0 0 0 1\n3 0 1 2\n", NULL,
+     BIG " -" BIG " " BIG " n -" BIG " " BIG " -" BIG ", 1 0 0 n 0 0 1, 1 1 0 n 0 0 1; 0 1 2"},
+#define TWO_OF_A_NORMAL(a, b) {ANY, "two of the three of a normal make none", VERTICES(3) "property float " a \
+    "\nproperty float " b "\n" FACES(1) "0 0 0 1 1\n1 0 0 1 1\n1 1 0 1 1\n3 0 1 2\n", NULL, \
+    "0 0 0, 1 0 0, 1 1 0; 0 1 2"}
+    TWO_OF_A_NORMAL("nx", "nz"), TWO_OF_A_NORMAL("ny", "nz"),
     {ANY, "the last property of a name counts, and two of the three of a normal make none",
      VERTICES(3) "property float x\nproperty float nx\nproperty float ny\n" FACES(1)
      "9 0 0 1 1 0\n9 1 0 2 1 0\n9 0 1 3 1 0\n3 0 1 2\n", NULL, "1 0 0, 2 1 0, 3 0 1; 0 1 2"},
@@ -129,6 +163,10 @@ static const struct {
      UV("s", "t") "property float v\nproperty float u\n" FACES(1)
      "0 3 0 4 0 2 1\n0 3 1 4 0 2 1\n1 3 0 4 0 2 1\n3 0 1 2\n", NULL,
      "0 0 0 t 1 2, 0 1 0 t 1 2, 1 0 0 t 1 2; 0 1 2"},
+    {WITH_UV, "the largest float is a texture coordinate",
+     VERTICES(3) "property double u\nproperty double v\n" FACES(1) "0 0 0 " MOST " -" MOST "\n1 0 0 -" MOST " " MOST
+     "\n1 1 0 inf 0\n3 0 1 2\n", "1 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)",
+     "0 0 0 t " BIG " -" BIG ", 1 0 0 t -" BIG " " BIG ", 1 1 0 t none; 0 1 2"},
 };
 
 static void each_text_is_its_mesh_in_ascii_and_both_byte_orders(void **state)
@@ -220,6 +258,8 @@ static void lines_are_counted_by_any_end(void **state)
 #define LARGE(n) "ply\nformat binary_big_endian 1.0\nelement vertex " n "\nproperty double x\nproperty float y\n" \
     "property float z\nend_header\n0123456789abcdef"
 
+#define LETTERS "abcdefghijklmnopqrstuvwxyz"
+
 /* 32 characters of a long word are told. An element's count is held against the file before memory is asked for. */
 static const struct {
     const char *text;
@@ -237,6 +277,10 @@ static const struct {
     {"ply\nformat ascii 2.0\nend_header\n", 2, NO_FORMAT},
     {ASCII "elephant vertex 3\n", 3, "unknown word \"elephant\" in the header"},
     {ASCII "element vertex -3\n", 3, NO_ELEMENT},
+    {ASCII "element vertex 3x\n", 3, NO_ELEMENT},
+    {ASCII "element vertex 3 4\n", 3, NO_ELEMENT},
+    {ASCII LETTERS LETTERS LETTERS " 3\n", 3,
+     "unknown word \"" LETTERS LETTERS "abcdefghijkl\" in the header"}, /* 64 are told */
     {ASCII "element vertex\n", 3, NO_ELEMENT},
     {ASCII "element vertex 99999999999999999999\n", 3, NO_ELEMENT},
     {LARGE("18446744073709551615"), 3, NO_ELEMENT},
@@ -247,6 +291,12 @@ static const struct {
      "\"half\" is no type: char, uchar, short, ushort, int, uint, float, double"},
     {ASCII "element vertex 1\nproperty list float int x\n", 4,
      "\"float\" is no type of a list's count: char, uchar, short, ushort, int, uint"},
+    {ASCII "element vertex 1\nproperty list half int x\n", 4,
+     "\"half\" is no type of a list's count: char, uchar, short, ushort, int, uint"},
+    {ASCII "element vertex 1\nproperty list int half x\n", 4,
+     "\"half\" is no type: char, uchar, short, ushort, int, uint, float, double"},
+    {ASCII "element vertex 1\nproperty list int int\n", 4,
+     "a property is \"property TYPE NAME\" or \"property list COUNT-TYPE TYPE NAME\""},
 
     {ONE "0 0 0\n1 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", 12, "\"x\" where a number of vertex 2 should stand"},
     {ONE "0 0 0\n1 abcdefghijklmnopqrstuvwxyz0123456789 0\n1 1 0\n0 1 0\n3 0 1 2\n", 11,
@@ -260,7 +310,9 @@ static const struct {
     {ONE CORNERS "3 0 -1 2", 0, "face 0 has the index -1, but there are 4 vertices"},
     {ONE CORNERS "3 0 1.5 2", 0, "face 0 has the index 1.5, but there are 4 vertices"},
     {ONE CORNERS "-3 0 1 2", 0, "face 0: the list \"vertex_indices\" has -3 items"},
-    {ONE CORNERS "4000000000 0 1 2", 0, "the file ends in face 0 of 1"},
+    {ONE CORNERS "1.5 0 1 2", 0, "face 0: the list \"vertex_indices\" has 1.5 items"},
+    {ONE CORNERS "4294967295 0 1 2", 0, "the file ends in face 0 of 1"},
+    {ONE CORNERS "4294967296 0 1 2", 0, "face 0: the list \"vertex_indices\" has 4.29497e+09 items"},
     {ASCII "element vertex 1\nproperty float x\nproperty float z\nend_header\n1 2\n", 0,
      "a vertex has no property \"y\""},
     {ASCII "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n", 0,
@@ -311,6 +363,8 @@ static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
                {TWO "3 0 1 2\n3 0 4 2", NO_CORNER("1"), 0}, {TWO "3 0 1 2\n3 0 1 4", NO_CORNER("1"), 0},
                {THREE("1 nan 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "vertex 2 has y = nan, must be a finite float", 0},
                {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 4 2", NO_CORNER("2"), 0},
+               {TWO "3 0 1 2\n3 0 1 2", "the file ends in face 1 of 2", 1},
+               {TWO "3 0 1 2\n3 0 1 2", "the file ends in face 1 of 2", 12},
                {THREE("1 1 0") "3 0 1 2\n4 0 1 2 3\n3 0 1 2", "the file ends in face 2 of 3", 1}};
     for (size_t i = 0; i < sizeof cut / sizeof *cut; i++) {
         bytes b = binary_of(cut[i].text, false);
@@ -467,10 +521,37 @@ static void any_allocation_may_fail(void **state)
 {
     bytes binary = binary_of(typed_square("float", "uchar", "int"), false);
     bytes text = ascii_of(STRIP_OF_NORMALS "end_header\n" NORMAL_CORNERS "14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
+    bytes uv = ascii_of(UV("u", "v") FACES(2) "0 1 0 2 0\n1 1 0 2 0\n0 1 1 2 9\n3 0 1 2\n4 0 1 2 0\n");
     assert_int_equal(try_mesh_memory(bis_ply_read, &binary, "memory.ply"), 0);
     assert_int_equal(try_mesh_memory(bis_ply_read, &text, "memory.ply"), 0);
+    assert_int_equal(try_mesh_memory(bis_ply_read_uv, &uv, "memory.ply"), 0);
     bytes_clear(&binary);
     bytes_clear(&text);
+    bytes_clear(&uv);
+}
+
+/* Room is made for 8 triangles and for 16, and what 12 do not need is given back: each may fail, in this order. */
+static void a_lack_of_memory_names_the_number_of_triangles(void **state)
+{
+    static const char *const numbers[] = {"1", "9", "12"};
+    bytes b = ascii_of(STRIP_OF_NORMALS "end_header\n" NORMAL_CORNERS "14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
+    const char *const path = scratch("triangles.ply");
+    int n = 0;
+    store(path, b.data, b.n);
+    FOR_LACK(l) {
+        bis_diag diag = {0};
+        bis_mesh m;
+        char expected[256];
+        LACK(l, bis_ply_read(&m, path, (bis_loc){0}, &diag));
+        if (l.status && diag.n && strstr(diag.messages[0].text, " triangles")) {
+            snprintf(expected, sizeof expected, "%s: error: no memory for %s triangles", path, numbers[n++ % 3]);
+            assert_string_equal(diag.messages[0].text, expected);
+        }
+        bis_mesh_clear(&m);
+        bis_diag_clear(&diag);
+    }
+    assert_int_equal(n, 3);
+    bytes_clear(&b);
 }
 
 /* One of them has ten numbers where its header speaks of four; issue623.ply is in the next test. */
@@ -546,6 +627,7 @@ int main(void)
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),
         cmocka_unit_test(damaged_files_never_crash),
         cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(a_lack_of_memory_names_the_number_of_triangles),
         cmocka_unit_test(files_of_the_wild_have_the_counts_that_another_reader_finds),
         cmocka_unit_test(the_one_contradictory_file_of_the_wild_is_refused),
         cmocka_unit_test(dolphins_are_the_same_in_ascii_and_both_byte_orders),

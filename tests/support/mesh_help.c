@@ -98,7 +98,7 @@ static const char *words_of(const bis_mesh *m)
     for (size_t i = 0; i < m->n_vertices; i++) {
         SAY("%s%.7g %.7g %.7g", i ? ", " : "", (double)m->p[i].x, (double)m->p[i].y, (double)m->p[i].z);
         if (m->n) SAY(" n %.7g %.7g %.7g", (double)m->n[i].x, (double)m->n[i].y, (double)m->n[i].z);
-        if (m->uv && isnan(m->uv[i].u)) SAY(" t none");
+        if (m->uv && isnan(m->uv[i].u) && m->uv[i].v == 0) SAY(" t none");
         else if (m->uv) SAY(" t %.7g %.7g", (double)m->uv[i].u, (double)m->uv[i].v);
     }
     SAY("; ");
