@@ -328,11 +328,17 @@ static void b_splines_reproduce_the_line(void **state)
             const double p[4] = {x, (double)(i / n), 0, 1};
             memcpy(net[i], p, sizeof p);
         }
-        const bis_nurbs s = {{n, 2}, {order, 2}, {knot, flat}, (const double (*)[4])net, {{0, 5}, {0, 1}}};
+        const double first = order % 2 ? 0 : 0.25, last = order % 2 ? 1 : 0.75; /* all of them, or a part */
+        const bis_nurbs s = {{n, 2}, {order, 2}, {knot, flat}, (const double (*)[4])net,
+                             {{first, 4 + last}, {first, last}}};
         bis_mesh m;
         assert_int_equal(bis_make_nurbs(&m, &s, (bis_loc){0}, NULL), BIS_OK);
         for (size_t i = 0; i < m.n_vertices; i++) {
-            assert_true(fabs((double)m.p[i].x - (double)m.uv[i].u) < 1e-6 && m.p[i].y == m.uv[i].v);
+            const double u = (double)(i % 65) / 64, v = (double)(i / 65) / 64;
+            assert_true(fabs((double)m.uv[i].u - (first + u * (4 + last - first))) < 1e-6);
+            assert_true(fabs((double)m.uv[i].v - (first + v * (last - first))) < 1e-6);
+            assert_true(fabs((double)m.p[i].x - (double)m.uv[i].u) < 1e-6);
+            assert_true(fabs((double)m.p[i].y - (double)m.uv[i].v) < 1e-6);
             assert_true(m.n[i].z == 1);
         }
         bis_mesh_clear(&m);
@@ -534,23 +540,84 @@ static void a_point_of_no_triangle_stays(void **state)
     bis_mesh_clear(&m);
     assert_int_equal(bis_make_subdivided(&m, 2, (bis_loc){0}, NULL), BIS_OK); /* nothing stays nothing */
     bis_mesh_clear(&m);
+    m = new_mesh(3, 1); /* a triangle that is a point has no normals */
+    for (uint32_t i = 0; i < 3; i++) m.index[i] = i, m.p[i] = (vec3){4, 5, 6};
+    assert_int_equal(bis_make_subdivided(&m, 1, (bis_loc){0}, NULL), BIS_OK);
+    for (int i = 0; i < 6; i++)
+        assert_true(m.p[i].x == 4 && m.p[i].y == 5 && m.p[i].z == 6 && m.n[i].x == 0 && m.n[i].y == 0);
+    bis_mesh_clear(&m);
 }
 
+/* Patches that are a point are two triangles each, without normals, and none are none. Two corners at one place and two
+ * at another have a twist of two diagonals: ceil(sqrt(2/4e-4)) = 71. 106501 times 71^2 pieces are more than 2^29. */
+static void patches_of_no_size_and_too_many_patches(void **state)
+{
+    enum { MANY = 106501 };
+    uint32_t (*corner)[4] = bis_alloc(MANY, sizeof *corner);
+    bis_mesh m = new_mesh(2, 0);
+    bis_diag diag = {0};
+    assert_int_equal(bis_make_patches(&m, (const uint32_t (*)[4])corner, 0, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(m.n_vertices == 0 && m.n_triangles == 0);
+    bis_mesh_clear(&m);
+    m = new_mesh(2, 0);
+    m.p[0] = (vec3){1, 2, 3};
+    assert_int_equal(bis_make_patches(&m, (const uint32_t (*)[4])corner, 2, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(m.n_vertices == 8 && m.n_triangles == 4);
+    for (int i = 0; i < 8; i++) assert_true(m.p[i].y == 2 && m.n[i].x == 0 && m.n[i].y == 0 && m.n[i].z == 0);
+    bis_mesh_clear(&m);
+    for (size_t i = 0; i < MANY; i++) corner[i][1] = corner[i][2] = 1;
+    for (int many = 0; many < 2; many++) {
+        m = new_mesh(2, 0);
+        m.p[1].x = 1;
+        const bis_status status = bis_make_patches(&m, (const uint32_t (*)[4])corner, many ? MANY : 1,
+                                                   (bis_loc){"s.txt", 3, 1}, &diag);
+        assert_int_equal(status, many ? BIS_INPUT : BIS_OK);
+        assert_int_equal(m.n_triangles, many ? 0 : 2 * 71 * 71);
+        bis_mesh_clear(&m);
+    }
+    assert_string_equal(diag.messages[0].text, "s.txt:3:1: error: the patches make more than 2^30 triangles: give "
+                        "fewer of them to a shape");
+    bis_diag_clear(&diag);
+    bis_free(corner);
+}
+
+/* How many allocations in a row fail with which words. */
+typedef struct lacking {
+    int n;
+    const char *words;
+} lacking;
+
+/* Subdivision takes the mesh (2 arrays), finds its edges (7) and counts its fans; each step makes a mesh (2) and finds
+ * its edges. One triangle, three edges and a point beside them: 4, 7, and after two steps 16 points. */
 static void every_allocation_may_fail(void **state)
 {
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
-    const double z[4] = {0};
+    static const lacking all[4][6] = {
+        {{9, "1 triangles"}, {1, "4 points"}, {9, "4 triangles"}, {9, "16 triangles"}, {2, "16 vertices"}},
+        {{4, "a mesh of 2 triangles"}}, {{4, "a mesh of 4 triangles"}}, {{4, "a mesh of 512 triangles"}}};
+    const double z[6] = {0};
+    const bis_loc at = {"s.txt", 3, 1};
     for (int which = 0; which < 4; which++) {
+        const lacking *row = all[which];
+        int n = 0;
         FOR_LACK(l) {
             bis_mesh m = {0};
+            bis_diag diag = {0};
+            char text[100];
             if (which < 2) m = new_mesh(4, 1);
             if (which == 0) m.index[1] = 1, m.index[2] = 2;
-            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, (bis_loc){0}, NULL)
-                    : which == 1 ? bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL)
-                    : which == 2 ? bis_make_height_field(&m, z, 2, 2, (bis_loc){0}, NULL)
-                                 : bis_make_revolved(&m, &shapes[0].r, (bis_loc){0}, NULL));
+            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, at, &diag)
+                    : which == 1 ? bis_make_patches(&m, corner, 1, at, &diag)
+                    : which == 2 ? bis_make_height_field(&m, z, 3, 2, at, &diag)
+                                 : bis_make_revolved(&m, &shapes[0].r, at, &diag));
             assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !m.p && !m.index));
+            if (n == row->n) row++, n = 0;
+            n++;
+            assert_int_equal(l.over, row->n == 0);
+            snprintf(text, sizeof text, "s.txt:3:1: error: no memory for %s", row->words);
+            if (!l.over) assert_string_equal(diag.messages[0].text, text);
             bis_mesh_clear(&m);
+            bis_diag_clear(&diag);
         }
     }
     assert_int_equal(bis_mem_live(), 0);
@@ -565,6 +632,7 @@ int main(void)
         cmocka_unit_test(patches_lie_on_the_hyperbolic_paraboloid),
         cmocka_unit_test(the_size_of_patches_is_that_of_all_corners),
         cmocka_unit_test(patches_interpolate_normals_and_coordinates),
+        cmocka_unit_test(patches_of_no_size_and_too_many_patches),
         cmocka_unit_test(a_height_field_spans_the_unit_square),
         cmocka_unit_test(a_rational_patch_is_a_sphere),
         cmocka_unit_test(b_splines_reproduce_the_line),
