@@ -511,6 +511,8 @@ static void what_is_no_surface_is_refused(void **state)
          "more than two triangles share the edge between points 0 and 1: split the surface there"},
         {4, 2, {0, 1, 2, 0, 1, 3},
          "triangles 0 and 1 (counted from 0) turn against each other: exchange two indices of one of them"},
+        {7, 3, {0, 1, 2, 3, 4, 5, 3, 4, 6},
+         "triangles 1 and 2 (counted from 0) turn against each other: exchange two indices of one of them"},
         {5, 2, {0, 1, 2, 0, 3, 4}, "two surfaces touch in point 0: give each a point of its own there"},
         {6, 4, {0, 1, 2, 0, 2, 3, 0, 3, 1, 0, 4, 5}, "two surfaces touch in point 0: give each a point of its own "
          "there"},
