@@ -552,14 +552,16 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
         uint32_t aside;
     } cases[] = {{1, 0.1f, true, 1}, {8, 0.1f, true, 8}, {9, 0.1f, true, 0}, {8, 0.9f, true, 0},
                  {8, 0.4f, true, 8}, {1, 0, true, 0}, {2, 0.1f, false, 0}, {9, 0.1f, false, 0}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const size_t n_small = cases[i].room > 0 ? 40 : 0, n_wide = (size_t)cases[i].wide;
+    for (size_t n = 0; n < 2 * sizeof cases / sizeof cases[0]; n++) {
+        const size_t i = n / 2, n_small = cases[i].room > 0 ? 40 : 0, n_wide = (size_t)cases[i].wide,
+                     first = n % 2 ? n_small : 0; /* of the wide ones, which come before or behind the small ones */
         bis_mesh m = new_mesh(3 * (n_small + n_wide), n_small + n_wide), soup = soup_mesh(40, 0.1, i);
         bis_geometry g = {0};
         bis_accel *a;
         for (size_t k = 0; k < 3 * (n_small + n_wide); k++) {
+            const bool is_wide = k >= 3 * first && k < 3 * (first + n_wide);
             m.index[k] = (uint32_t)k;
-            if (k >= 3 * n_wide) m.p[k] = mul(soup.p[k - 3 * n_wide], (double)cases[i].room / 1.2);
+            if (!is_wide) m.p[k] = mul(soup.p[k - (first ? 0 : 3 * n_wide)], (double)cases[i].room / 1.2);
             else m.p[k] = (vec3){k % 3 == 1 ? 1 : 0, k % 3 == 2 && cases[i].area ? 1 : 0, 0};
         }
         add_mesh(&g, &m, NULL, 0);
@@ -568,9 +570,9 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
         const bis_grid *grid = (const bis_grid *)a;
         assert_int_equal(bis_grid_items(grid) - grid->offsets[grid->n_cells], cases[i].aside);
         for (uint32_t k = 0; k < cases[i].aside; k++)
-            assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], k);
+            assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], first + k);
         for (uint32_t k = 0; k < grid->offsets[grid->n_cells]; k++) /* what is set aside is in no cell */
-            assert_true(grid->items[k] >= cases[i].aside);
+            assert_true(grid->items[k] < first || grid->items[k] >= first + cases[i].aside);
         bis_accel_free(a);
         bis_geometry_clear(&g);
     }
@@ -1025,6 +1027,9 @@ static void any_allocation_may_fail(void **state)
                 &a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, &diag));
             assert_true((l.status == BIS_OK) == l.over && (a != NULL) == l.over);
             assert_int_equal(diag.n_errors, l.over ? 0 : 1);
+            if (kind && !l.over)
+                assert_string_equal(diag.messages[0].text, l.k == 1 ? "error: no memory for Embree's hierarchy"
+                                                                    : "error: no memory for 2000 triangles");
             bis_accel_free(a);
             bis_diag_clear(&diag);
         }

@@ -256,20 +256,33 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     bis_diag_clear(&diag);
 }
 
+/* Of the second mesh's normals; of a range and a vertex more for the first, which is moved; of each array of both, and
+ * of a quadric. */
 static void any_allocation_may_fail(void **state)
 {
+    static const char *const says[] = {
+        "the normals of 14 vertices", "the normals of 14 vertices", "ranges of materials: 1 in all",
+        "vertices: 26 in all", "ranges of materials: 2 in all", "vertices: 40 in all", "vertex normals: 40 in all",
+        "texture coordinates: 40 in all", "triangles: 72 in all", "spheres and disks: 1 in all"};
     FOR_LACK(l) {
         const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
         const bis_quadric q = {BIS_SPHERE, 1, 0, move, 0};
         bis_mesh a = sphere_mesh(4), b = sphere_mesh(3);
         bis_geometry g = {0};
         bis_diag diag = {0};
+        char text[100];
+        b.uv = bis_alloc(b.n_vertices, sizeof *b.uv);
         LACK(l, bis_mesh_smooth_normals(&b, &diag)
                     ?: bis_geometry_add_mesh(&g, &a, &identity, 1, &diag)
                     ?: bis_geometry_add_mesh(&g, &b, &move, 2, &diag)
                     ?: bis_geometry_add_quadric(&g, &q, &diag));
         assert_int_equal(l.status == BIS_OK, l.over);
         assert_int_equal(diag.n_errors, l.over ? 0 : 1);
+        assert_int_equal(l.over, l.k > (long)(sizeof says / sizeof *says));
+        if (!l.over) {
+            snprintf(text, sizeof text, "error: no memory for %s", says[l.k - 1]);
+            assert_string_equal(diag.messages[0].text, text);
+        }
         bis_mesh_clear(&a);
         bis_mesh_clear(&b);
         bis_geometry_clear(&g);

@@ -444,10 +444,10 @@ static void check_limit(uint32_t k, bool closed, unsigned levels, uint64_t seed)
     d3(at, m.p[0]);
     d3(normal, m.n[0]);
     for (int c = 0; c < 3; c++) assert_true(fabs(at[c] - limit[c]) < 2e-7);
-    if (!(fabs(dot3(normal, expected)) > 1 - 1e-5))
-        print_error("%s fan of %u, %u levels: 1 - cos = %g\n", closed ? "closed" : "open", k, levels,
-                    1 - fabs(dot3(normal, expected)));
-    assert_true(fabs(dot3(normal, expected)) > 1 - 1e-5);
+    /* pbrt's side: against the order of the corners; e x f is along it in a closed fan, and f x e is in an open one */
+    const double cosine = dot3(normal, expected) * (closed ? -1 : 1);
+    if (!(cosine > 1 - 1e-5))
+        fail_msg("%s fan of %u, %u levels: 1 - cos = %g", closed ? "closed" : "open", k, levels, 1 - cosine);
     bis_mesh_clear(&m);
 }
 
