@@ -571,6 +571,15 @@ static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(v
         assert_int_equal(bis_grid_items(grid) - grid->offsets[grid->n_cells], cases[i].aside);
         for (uint32_t k = 0; k < cases[i].aside; k++)
             assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], first + k);
+        bis_box rest = {{9, 9, 9}, {-9, -9, -9}}; /* the cells are about all others */
+        for (size_t k = 0; k < g.n_vertices; k++)
+            if ((cases[i].aside == 0 && cases[i].area) || k < 3 * first || k >= 3 * (first + n_wide))
+                bis_box_include(&rest, g.p[k]);
+        const float lo[3] = {rest.lo.x, rest.lo.y, rest.lo.z}, hi[3] = {rest.hi.x, rest.hi.y, rest.hi.z};
+        for (int c = 0; c < 3; c++) {
+            assert_true(fabs(grid->lo[c] - (double)lo[c]) <= 0x1p-19);
+            assert_true(fabs(grid->hi[c] - (double)hi[c]) <= 0x1p-19);
+        }
         for (uint32_t k = 0; k < grid->offsets[grid->n_cells]; k++) /* what is set aside is in no cell */
             assert_true(grid->items[k] < first || grid->items[k] >= first + cases[i].aside);
         bis_accel_free(a);
@@ -1088,31 +1097,41 @@ static void the_copy_of_the_indices_counts_as_memory(void **state)
 static void the_box_of_a_point_or_of_a_plane_has_a_thickness(void **state)
 {
     static const struct {
-        double at[3], side, pad;
+        double at[3], side[2], pad;
     } cases[] = {
-        {{0, 0, 0}, 0, 0x1p-20}, {{2, -8, 1}, 0, 0x1p-17}, {{0, 0, 0.5}, 4, 0x1p-18}, {{3, 0, 64}, 0.25, 0x1p-22},
-        {{0, -0x1p23, 0}, 1, 0x1p-17}, {{0, -0x1p21, 0}, 1, 0x1p-19}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const double *at = cases[i].at, side = cases[i].side;
+        {{0, 0, 0}, {0, 0}, 0x1p-20}, {{2, -8, 1}, {0, 0}, 0x1p-17}, {{0, 0, 0.5}, {4, 4}, 0x1p-18},
+        {{3, 0, 64}, {0.25, 0.25}, 0x1p-22}, {{1, 2, 3}, {4, 1}, 0x1p-18}, {{1, 2, 3}, {0.5, 2}, 0x1p-19},
+        {{0, -0x1p23, 0}, {1, 1}, 0x1p-17}, {{0, -0x1p21, 0}, {1, 1}, 0x1p-19}};
+    for (size_t n = 0; n < 3 * sizeof cases / sizeof *cases; n++) {
+        const size_t i = n / 3, turn = n % 3; /* the first axis is this one, and so on */
+        double lo[3], side[3], eye[3], down[3];
         bis_geometry g = {0};
         bis_mesh m = new_mesh(3, 1);
         bis_accel *a;
         bis_hit hit;
+        for (size_t k = 0; k < 3; k++) {
+            const size_t c = (k + turn) % 3;
+            lo[c] = cases[i].at[k], side[c] = k < 2 ? cases[i].side[k] : 0;
+            eye[c] = lo[c] + (k < 2 ? side[c] / 4 : 1), down[c] = k < 2 ? 0 : -1;
+        }
         for (uint32_t k = 0; k < 3; k++) {
-            m.p[k] = vec3_from(at[0] + (k == 1) * side, at[1] + (k == 2) * side, at[2]);
+            double p[3] = {lo[0], lo[1], lo[2]};
+            p[turn] += k == 1 ? side[turn] : 0;
+            p[(turn + 1) % 3] += k == 2 ? side[(turn + 1) % 3] : 0;
+            m.p[k] = vec3_from(p[0], p[1], p[2]);
             m.index[k] = k;
         }
         add_mesh(&g, &m, NULL, 0);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
-        const bis_grid *grid = (const bis_grid *)a;
-        for (int k = 0; k < 3; k++) {
-            assert_true(grid->lo[k] == at[k] - cases[i].pad);
-            assert_true(grid->hi[k] == at[k] + (k < 2 ? side : 0) + cases[i].pad);
+        const bis_grid *grid = grid_of(&a, &g, 0);
+        for (int c = 0; c < 3; c++) {
+            assert_true(grid->lo[c] == lo[c] - cases[i].pad);
+            assert_true(grid->hi[c] == lo[c] + side[c] + cases[i].pad);
         }
-        const ray r = {vec3_from(at[0] + side / 4, at[1] + side / 4, at[2] + 1), {0, 0, -1}, INFINITY};
-        assert_int_equal(bis_accel_intersect(a, &r, &hit), side > 0);
-        assert_int_equal(bis_accel_occluded(a, &r), side > 0);
-        if (side > 0) assert_true(hit.t == 1);
+        const ray r = {vec3_from(eye[0], eye[1], eye[2]), vec3_from(down[0], down[1], down[2]), INFINITY};
+        const bool is_met = cases[i].side[0] > 0;
+        assert_int_equal(bis_accel_intersect(a, &r, &hit), is_met);
+        assert_int_equal(bis_accel_occluded(a, &r), is_met);
+        if (is_met) assert_true(hit.t == 1);
         bis_accel_free(a);
         bis_geometry_clear(&g);
     }

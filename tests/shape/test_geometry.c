@@ -885,6 +885,89 @@ static bis_mesh cube_mesh(void)
     return m;
 }
 
+/* Disks of radius 1 at the heights 0, 1, ..., behind a mesh: each has its own material, box, (u, v) and tangents. */
+static void a_quadric_behind_a_mesh_is_found_by_its_number(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = cube_mesh();
+    add_mesh(&g, &m, NULL, 7);
+    for (uint32_t i = 0; i < 14; i++) {
+        const bis_quadric q = {BIS_DISK, 2 + i, i, bis_xform_identity(), 20 + i};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    }
+    assert_int_equal(bis_geometry_primitives(&g), 12 + 14);
+    for (uint32_t i = 0; i < 14; i++) {
+        const uint32_t prim = 12 + i;
+        const ray r = {{0, 1, 99}, {0, 0, -1}, INFINITY};
+        bis_surface s;
+        bis_tangents t;
+        double uv[2];
+        const bis_box box = bis_geometry_bounds(&g, prim);
+        bis_geometry_surface(&g, prim, &r, &s);
+        bis_geometry_uv(&g, prim, &r, uv);
+        bis_geometry_tangents(&g, prim, &r, &t);
+        assert_int_equal(s.material, 20 + i);
+        assert_true(s.p.z == (float)i && s.p.y == 1 && s.ng.z == 1);
+        assert_true(fabs((double)box.hi.z - i) < 1e-5 && fabs((double)box.hi.x - (2 + i)) < 1e-5);
+        assert_true(fabs(uv[0] - 0.25) < 1e-9 && fabs(uv[1] - (1 - 1. / (2 + i))) < 1e-9);
+        assert_true(fabs(t.u[0] + 2 * PI) < 1e-9 && fabs(t.v[1] + 2 + i) < 1e-9);
+    }
+    bis_geometry_clear(&g);
+}
+
+/* At the weights 1/2, 1/8, 3/8 of the corners: from the corners' (u, v), or, if one of them has none, from pbrt's, (0,
+ * 0), (1, 0) and (1, 1). */
+static void a_corner_without_coordinates_gives_its_triangle_pbrts(void **state)
+{
+    const ray r = {{0.5f, 1.5f, 3}, {0, 0, -1}, INFINITY};
+    for (int without = 0; without < 5; without++) { /* a corner; 3: none; 4: there are no coordinates at all */
+        bis_geometry g = {0};
+        bis_mesh m = triangle_mesh((vec3){0, 0, 1}, (vec3){4, 0, 1}, (vec3){0, 4, 1});
+        bis_tangents t;
+        double uv[2];
+        if (without < 4) m.uv = bis_alloc(3, sizeof *m.uv);
+        for (int k = 0; k < 3 && m.uv; k++)
+            m.uv[k] = (bis_uv){k == without ? NAN : (float)(8 * k * k + 8), (float)(16 * k)};
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_uv(&g, 0, &r, uv);
+        assert_true(fabs(uv[0] - (without == 3 ? 4 + 2 + 15 : 0.5)) < 1e-12);
+        assert_true(fabs(uv[1] - (without == 3 ? 2 + 12 : 0.375)) < 1e-12);
+        bis_geometry_tangents(&g, 0, &r, &t);
+        /* u = x/4 + y/4 and v = y/4, so p_u = (4, 0) and p_v = (-4, 4); or u = 8 + 2 x + 8 y and v = 4 x + 8 y, so x =
+         * v/2 - u/2 + 4 and y = u/4 - v/8 - 2 */
+        const double u[2] = {without == 3 ? -0.5 : 4, without == 3 ? 0.25 : 0},
+                     v[2] = {without == 3 ? 0.5 : -4, without == 3 ? -0.125 : 4};
+        for (int c = 0; c < 2; c++) assert_true(fabs(t.u[c] - u[c]) < 1e-12 && fabs(t.v[c] - v[c]) < 1e-12);
+        assert_true(t.u[2] == 0 && t.v[2] == 0 && t.outside[2] == 1);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* The start of a shadow ray lies sum |n_c| e_c along the normal n, where e is the error, and 2^-20 of that more. Each
+ * coordinate is rounded away from the point: the float before is not as far. */
+static void a_shadow_ray_starts_beyond_the_error_along_the_normal(void **state)
+{
+    uint64_t seed = 12;
+    for (int i = 0; i < 2000; i++) {
+        const vec3 n = i % 8 ? random_direction(&seed) : (vec3){i % 24 == 0, i % 24 == 8, i % 24 == 16};
+        const vec3 p = random_point(&seed, -3, 3), error = random_point(&seed, 0, i % 2 ? 1 : 1e-6);
+        const bis_surface s = {.p = p, .p_error = error, .ng = i % 3 ? n : neg(n), .n = {9, 9, 9}};
+        const vec3 start = bis_surface_offset(&s);
+        const float from[3] = {p.x, p.y, p.z}, to[3] = {start.x, start.y, start.z}, e[3] = {error.x, error.y, error.z},
+                    along[3] = {s.ng.x, s.ng.y, s.ng.z};
+        long double step = 0;
+        for (int c = 0; c < 3; c++) step += fabsl((long double)along[c]) * (long double)e[c];
+        for (int c = 0; c < 3; c++) {
+            const long double exact = (long double)from[c] + (1 + 0x1p-20L) * step * (long double)along[c];
+            const double side = along[c] < 0 ? -1 : 1;
+            if (along[c] == 0) assert_true(to[c] == from[c]);
+            if (along[c] == 0) continue;
+            assert_true((double)(((long double)to[c] - exact) * side) > -1e-14);
+            assert_true((double)(((long double)nextafterf(to[c], from[c] - (float)side) - exact) * side) < 1e-14);
+        }
+    }
+}
+
 /* Scales and shifts of a scene; the body's size after a shift by 1e6 must be many ulps (1/16) there, or a mesh is not
  * convex. */
 static const struct {
@@ -1238,6 +1321,9 @@ int main(void)
         cmocka_unit_test(a_quadric_touches_a_box_between_its_nearest_and_its_farthest_point),
         cmocka_unit_test(normals_are_turned_to_the_eyes_side),
         cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
+        cmocka_unit_test(a_quadric_behind_a_mesh_is_found_by_its_number),
+        cmocka_unit_test(a_corner_without_coordinates_gives_its_triangle_pbrts),
+        cmocka_unit_test(a_shadow_ray_starts_beyond_the_error_along_the_normal),
         cmocka_unit_test(a_convex_mesh_never_shadows_itself_nor_leaks),
         cmocka_unit_test(a_turned_tetrahedron_never_shadows_itself),
         cmocka_unit_test(spheres_never_shadow_themselves_nor_leak_E37),
