@@ -568,6 +568,25 @@ static void the_error_of_a_triangles_point_is_the_sum_of_its_parts(void **state)
     }
 }
 
+/* From 10^13 radii away t is known to 10^-3 of a radius. The point lies on the ball all the same. */
+static void a_point_of_a_ball_is_at_its_radius_from_however_far(void **state)
+{
+    for (int i = 0; i < 6; i++) {
+        const double side = i < 3 ? 1 : -1;
+        double from[3], d[3];
+        bis_surface s;
+        for (int c = 0; c < 3; c++) {
+            from[c] = c == i % 3 ? 1e13 * side : c == (i + 1) % 3 ? 0.7 : 0.6;
+            d[c] = c == i % 3 ? -side : 0;
+        }
+        const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_identity(), 0};
+        const ray r = {vec3_from(from[0], from[1], from[2]), vec3_from(d[0], d[1], d[2]), INFINITY};
+        bis_quadric_surface(&q, &r, &s);
+        assert_true(fabs((double)length(s.p) - 1) < 2e-7 && fabs((double)length(s.ng) - 1) < 2e-7);
+        assert_true(fabs((double)dot(s.p, s.ng) - 1) < 2e-7 && (double)dot(s.ng, r.d) < 0);
+    }
+}
+
 /* In a plane across an axis nothing errs but the rounding of the point: at 0, the smallest denormal. */
 static void a_point_in_a_plane_across_an_axis_errs_by_its_rounding(void **state)
 {
@@ -1313,6 +1332,7 @@ int main(void)
         cmocka_unit_test(a_quadrics_range_is_open_and_tmax_is_kept),
         cmocka_unit_test(a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray),
         cmocka_unit_test(the_error_of_a_triangles_point_is_the_sum_of_its_parts),
+        cmocka_unit_test(a_point_of_a_ball_is_at_its_radius_from_however_far),
         cmocka_unit_test(a_point_in_a_plane_across_an_axis_errs_by_its_rounding),
         cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),
         cmocka_unit_test(a_quadrics_point_lies_within_its_error_of_the_surface),
