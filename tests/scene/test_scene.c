@@ -57,6 +57,27 @@ static void every_kind_of_shape_is_built(void **state)
     assert_non_null(b.scene->accel);
     assert_non_null(b.scene->light);
     assert_true(b.scene->seconds.load > 0 && b.scene->seconds.accel > 0 && b.scene->seconds.envmap >= 0);
+    /* triangles first, then the sphere and the disk */
+    static const size_t shape_of[9] = {0, 0, 0, 0, 1, 1, 4, 2, 3}, part_of[9] = {0, 1, 2, 3, 0, 1, 0, 0, 0};
+    for (uint32_t prim = 0; prim < 9; prim++) {
+        size_t part = 77;
+        assert_int_equal(bis_scene_shape_of(b.scene, prim, &part), shape_of[prim]);
+        assert_int_equal(part, part_of[prim]);
+    }
+    scene_clear(&b);
+}
+
+/* A mesh without faces is read and warned of, but nothing is lit, so that there is no table. */
+static void a_shape_that_turns_out_to_be_empty_needs_no_table(void **state)
+{
+    char text[256];
+    store(scratch("empty.obj"), "v 0 0 0\nv 1 0 0\n", 16);
+    snprintf(text, sizeof text, MAP "Shape \"objmesh\" \"string filename\" \"%s\"",
+             strrchr(scratch("empty.obj"), '/') + 1);
+    built b = build("Integrator \"em\"", text);
+    assert_int_equal(bis_geometry_primitives(&b.scene->geometry), 0);
+    assert_null(b.scene->accel);
+    assert_null(bis_light_importance(b.scene->light));
     scene_clear(&b);
 }
 
@@ -128,14 +149,26 @@ static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_
 /* By the file and no line: what places the camera may stand in several. */
 static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **state)
 {
-    built b;
-    char text[256];
-    const char *scene = "LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n";
-    assert_int_equal(scene_try(&b, scene), BIS_INPUT);
-    snprintf(text, sizeof text, "%s: error: the camera stands at y = 1e+39, beyond the largest float, 3.40282e+38: "
-             "scale the scene", scratch("scene.txt"));
-    assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
-    scene_clear(&b);
+    /* the window of a parallel projection, ten times as large in the world, on one side: x, y, and y turned to z */
+    static const struct { const char *camera, *place; } cases[] = {
+        {"LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"", "y = 1e+39"},
+        {"Scale 0.1 0.1 0.1 Camera \"orthographic\" \"float screenwindow\" [0 3e38 -1 1]", "x = 3e+39"},
+        {"Scale 0.1 0.1 0.1 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]", "y = 3e+39"},
+        {"Scale 0.1 0.1 0.1 Rotate -90 1 0 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]",
+         "z = 3e+39"},
+        {"Scale 0.1 0.1 0.1 Rotate 90 1 0 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]",
+         "z = -3e+39"},
+        {"Translate 0 -3.4028234663852886e38 0 Camera \"perspective\"", NULL}}; /* it is the largest float */
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b;
+        char scene[256], text[256];
+        snprintf(scene, sizeof scene, "Accelerator \"grid\" %s\nWorldBegin\nShape \"sphere\"\n", cases[i].camera);
+        assert_int_equal(scene_try(&b, scene), cases[i].place ? BIS_INPUT : BIS_OK);
+        snprintf(text, sizeof text, "%s: error: the camera stands at %s, beyond the largest float, 3.40282e+38: "
+                 "scale the scene", scratch("scene.txt"), cases[i].place ? cases[i].place : "");
+        if (cases[i].place) assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
+        scene_clear(&b);
+    }
 }
 
 /* ---- only what is required ---- */
@@ -543,6 +576,25 @@ static const char *eight(int width, int height)
     return strrchr(scratch("eight.pfm"), '/') + 1;
 }
 
+/* E3, as printed, forgets the solid angle of a pixel: of 4 rows the first has 1 - sqrt(1/2) of its half, the second
+ * sqrt(1/2). Their first pixels have 1 and 9. */
+static void a_scene_as_printed_draws_from_its_light_as_printed(void **state)
+{
+    for (int printed = 0; printed < 2; printed++) {
+        char light[200];
+        double pmf[8 * 4];
+        snprintf(light, sizeof light, "LightSource \"infinite\" \"float areaexponent\" 0 \"string filename\" "
+                 "\"%s\" Shape \"sphere\"", eight(8, 4));
+        built b = build(printed ? "Integrator \"em\"\nOption \"string asprinted\" \"E3\"" : "Integrator \"em\"",
+                        light);
+        assert_int_equal(bis_importance_implied_pmf(bis_light_importance(b.scene->light), pmf, NULL), BIS_OK);
+        const double expected = printed ? 1 / 9. : (1 - sqrt(.5)) / sqrt(.5) / 9;
+        if (!(fabs(pmf[0] / pmf[8] / expected - 1) < 1e-6))
+            fail_msg("printed %d: %.9g and %.9g, not %.9g", printed, pmf[0], pmf[8], expected);
+        scene_clear(&b);
+    }
+}
+
 /* phi and theta in parts of a turn and of half a turn */
 static double seen(const built *b, double turn, double fall)
 {
@@ -617,6 +669,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strangers_are_known_by_their_bytes_or_their_names),
         cmocka_unit_test(every_kind_of_shape_is_built),
+        cmocka_unit_test(a_shape_that_turns_out_to_be_empty_needs_no_table),
+        cmocka_unit_test(a_scene_as_printed_draws_from_its_light_as_printed),
         cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
         cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
