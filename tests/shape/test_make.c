@@ -345,6 +345,69 @@ static void b_splines_reproduce_the_line(void **state)
     }
 }
 
+/* N_i of this order by its definition (Cox and de Boor), right of x, or left of it at the end of the knots. */
+static double basis(const double *knot, size_t i, size_t order, double x, double last)
+{
+    if (order == 1) return knot[i] <= x && (x < knot[i + 1] || (x == last && knot[i] < x && knot[i + 1] == x));
+    const double left = knot[i + order - 1] - knot[i], right = knot[i + order] - knot[i + 1];
+    return (left > 0 ? (x - knot[i]) / left * basis(knot, i, order - 1, x, last) : 0) +
+           (right > 0 ? (knot[i + order] - x) / right * basis(knot, i + 1, order - 1, x, last) : 0);
+}
+
+static void nurbs_point(double p[3], const bis_nurbs *s, const double at[2])
+{
+    double h[4] = {0};
+    for (size_t j = 0; j < s->n[1]; j++)
+        for (size_t i = 0; i < s->n[0]; i++)
+            for (int c = 0; c < 4; c++)
+                h[c] += basis(s->knots[0], i, s->order[0], at[0], s->knots[0][s->n[0]]) *
+                        basis(s->knots[1], j, s->order[1], at[1], s->knots[1][s->n[1]]) * s->point[j * s->n[0] + i][c];
+    for (int c = 0; c < 3; c++) p[c] = h[c] / h[3];
+}
+
+/* 6 x 5 points at random heights and weights, orders 3 and 4; simple and double knots inside, one of them on a place
+ * where the surface is asked. The normal is by central differences, but at knots. */
+static void a_nurbs_surface_is_that_of_its_definition(void **state)
+{
+    static const double u[9] = {0, 0, 0, 1, 1, 2.5, 4, 4, 4}, v[9] = {-1, -1, -1, -1, 0.75, 2, 2, 2, 2};
+    static const double ends[2][2][2] = {{{0, 4}, {-1, 2}}, {{0.5, 3.25}, {-0.5, 1.5}}};
+    uint64_t random = 17;
+    double net[30][4];
+    for (int i = 0; i < 30; i++) {
+        const double w = random_between(&random, 0.5, 2);
+        const double p[4] = {w * (i % 6), w * (i / 6), w * random_between(&random, -1, 1), w};
+        memcpy(net[i], p, sizeof p);
+    }
+    for (int e = 0; e < 2; e++) {
+        bis_nurbs s = {{6, 5}, {3, 4}, {u, v}, (const double (*)[4])net, {{0}}};
+        bis_mesh m;
+        memcpy(s.end, ends[e], sizeof s.end);
+        assert_int_equal(bis_make_nurbs(&m, &s, (bis_loc){0}, NULL), BIS_OK);
+        for (size_t i = 0; i < m.n_vertices; i++) {
+            const double share[2] = {(double)(i % 65) / 64, (double)(i / 65) / 64}, h = 1e-5;
+            double at[2], p[3], q[2][3], n[3], along[2][3];
+            bool is_inside = true;
+            for (int k = 0; k < 2; k++) at[k] = s.end[k][0] + share[k] * (s.end[k][1] - s.end[k][0]);
+            nurbs_point(p, &s, at);
+            assert_true(fabs((double)m.p[i].x - p[0]) < 1e-6 && fabs((double)m.p[i].y - p[1]) < 1e-6);
+            assert_true(fabs((double)m.p[i].z - p[2]) < 1e-6);
+            for (int k = 0; k < 9; k++) is_inside &= fabs(at[0] - u[k]) > h && fabs(at[1] - v[k]) > h;
+            if (!is_inside) continue;
+            for (int k = 0; k < 2; k++) {
+                for (int side = 0; side < 2; side++)
+                    nurbs_point(q[side], &s, (double[]){at[0] + (k == 0 ? side ? h : -h : 0),
+                                                        at[1] + (k == 1 ? side ? h : -h : 0)});
+                for (int c = 0; c < 3; c++) along[k][c] = q[1][c] - q[0][c];
+            }
+            for (int c = 0; c < 3; c++)
+                n[c] = along[0][(c + 1) % 3] * along[1][(c + 2) % 3] - along[0][(c + 2) % 3] * along[1][(c + 1) % 3];
+            unit3(n);
+            assert_true((double)m.n[i].x * n[0] + (double)m.n[i].y * n[1] + (double)m.n[i].z * n[2] > 1 - 1e-6);
+        }
+        bis_mesh_clear(&m);
+    }
+}
+
 /* ---- subdivision ---- */
 
 enum { MOST = 13 };
@@ -596,8 +659,8 @@ static void every_allocation_may_fail(void **state)
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
     static const lacking all[4][6] = {
         {{9, "1 triangles"}, {1, "4 points"}, {9, "4 triangles"}, {9, "16 triangles"}, {2, "16 vertices"}},
-        {{4, "a mesh of 2 triangles"}}, {{4, "a mesh of 4 triangles"}}, {{4, "a mesh of 512 triangles"}}};
-    const double z[6] = {0};
+        {{4, "a mesh of 2 triangles"}}, {{4, "a mesh of 12 triangles"}}, {{4, "a mesh of 512 triangles"}}};
+    const double z[12] = {0};
     const bis_loc at = {"s.txt", 3, 1};
     for (int which = 0; which < 4; which++) {
         const lacking *row = all[which];
@@ -610,9 +673,9 @@ static void every_allocation_may_fail(void **state)
             if (which == 0) m.index[1] = 1, m.index[2] = 2;
             LACK(l, which == 0   ? bis_make_subdivided(&m, 2, at, &diag)
                     : which == 1 ? bis_make_patches(&m, corner, 1, at, &diag)
-                    : which == 2 ? bis_make_height_field(&m, z, 3, 2, at, &diag)
+                    : which == 2 ? bis_make_height_field(&m, z, 4, 3, at, &diag)
                                  : bis_make_revolved(&m, &shapes[0].r, at, &diag));
-            assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !m.p && !m.index));
+            assert_true(l.over ? l.status == BIS_OK : l.status == BIS_NOMEM && !m.p && !m.index);
             if (n == row->n) row++, n = 0;
             n++;
             assert_int_equal(l.over, row->n == 0);
@@ -638,6 +701,7 @@ int main(void)
         cmocka_unit_test(a_height_field_spans_the_unit_square),
         cmocka_unit_test(a_rational_patch_is_a_sphere),
         cmocka_unit_test(b_splines_reproduce_the_line),
+        cmocka_unit_test(a_nurbs_surface_is_that_of_its_definition),
         cmocka_unit_test(vertices_and_normals_are_the_limits_of_the_rules),
         cmocka_unit_test(the_test_tells_one_sixth_from_one_fifth),
         cmocka_unit_test(a_cube_becomes_round_and_closed),
