@@ -1260,6 +1260,23 @@ static bis_texture constant_of(double r, double g, double b)
     return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = {r, g, b}};
 }
 
+/* Each channel by itself: (1 - w) a + w b; a b; 0.5 w/(1 - 0.5 w); pbrt-v3's polynomial, as python computes it. */
+static void textures_of_textures_have_their_values_in_each_channel(void **state)
+{
+    bis_texture list[] = {
+        constant_of(0.5, 0.25, 2), constant_of(1, 2, 4), constant_of(0.25, 0.5, 0.75),
+        constant_of(1 / 32.0, 2 / 32.0, 4 / 32.0), {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 2}},
+        {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}}, {.kind = BIS_TEXTURE_COAT, .of = {2}, .scale = 0.5},
+        {.kind = BIS_TEXTURE_ALPHA, .of = {3}}};
+    static const double expected[4][3] = {{0.625, 1.125, 3.5}, {0.5, 0.5, 8}, {1 / 7.0, 1 / 3.0, 0.6},
+        {0.24219603187096084, 0.3539623122546913, 0.524208055445442}};
+    const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
+    for (uint32_t i = 0; i < 4; i++) {
+        const rgbd c = bis_textures_value(&t, NULL, 4 + i, (double[]){0, 0}, (vec3){0, 0, 0});
+        assert_rgbd(c, expected[i][0], expected[i][1], expected[i][2]);
+    }
+}
+
 /* Constants stand for all textures here: which are looked at, in which channel, and what is said. */
 static void textures_of_a_material_are_checked_one_by_one(void **state)
 {
@@ -1485,6 +1502,7 @@ int main(void)
         cmocka_unit_test(a_mapping_that_cannot_be_is_refused),
         cmocka_unit_test(an_image_that_is_no_square_has_its_rows_and_columns),
         cmocka_unit_test(the_range_of_each_kind_is_found_in_each_channel),
+        cmocka_unit_test(textures_of_textures_have_their_values_in_each_channel),
         cmocka_unit_test(textures_of_a_material_are_checked_one_by_one),
         cmocka_unit_test(a_material_takes_what_its_textures_give_and_keeps_the_rest),
         cmocka_unit_test(what_a_texture_needs_is_found_in_each_of_its_parts),

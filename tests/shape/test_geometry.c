@@ -54,7 +54,54 @@ static void the_first_mesh_is_moved_and_further_ones_are_copied(void **state)
     assert_true(g.box.lo.x == -1 && g.box.hi.x == 11 && g.box.lo.z == -1 && g.box.hi.z == 1);
     assert_int_equal(g.n_ranges, 2);
     assert_int_equal(g.ranges[1].first, nt);
+    /* twice as much room, or as much as is wanted where that is more */
+    assert_true(g.capacity_vertices == 2 * nv && g.capacity_triangles == 2 * nt);
+    for (int i = 0; i < 2; i++) {
+        bis_mesh c = sphere_mesh(i ? 30 : 3);
+        const size_t vertices = g.n_vertices + c.n_vertices, triangles = g.n_triangles + c.n_triangles;
+        add_mesh(&g, &c, NULL, 9);
+        assert_int_equal(g.capacity_vertices, i ? vertices : 2 * nv);
+        assert_int_equal(g.capacity_triangles, i ? triangles : 2 * nt);
+    }
+    assert_int_equal(g.n_ranges, 2);
     bis_geometry_clear(&g);
+}
+
+/* Points without triangles count: they are in the box, and the next mesh comes behind them. */
+static void a_mesh_of_points_alone_is_there(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh points = new_mesh(2, 0), m = triangle_mesh((vec3){1, 0, 0}, (vec3){0, 1, 0}, (vec3){0, 0, 1});
+    points.p[1] = (vec3){7, 8, 9};
+    add_mesh(&g, &points, NULL, 1);
+    add_mesh(&g, &m, NULL, 2);
+    assert_true(g.n_vertices == 5 && g.n_triangles == 1 && g.index[0] == 2 && g.index[2] == 4 && g.p[2].x == 1);
+    assert_true(g.box.lo.x == 0 && g.box.hi.x == 7 && g.box.hi.y == 8 && g.box.hi.z == 9);
+    bis_geometry_clear(&g);
+}
+
+/* What was got for a mesh that then lacked memory goes when the next one is moved. */
+static void a_mesh_is_moved_to_where_another_one_failed(void **state)
+{
+    const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
+    FOR_LACK(l) {
+        bis_mesh a = sphere_mesh(3), b = sphere_mesh(4);
+        bis_geometry g = {0};
+        const uint32_t *index = b.index;
+        const long live = bis_mem_live();
+        a.n = bis_alloc(a.n_vertices, sizeof *a.n);
+        a.uv = bis_alloc(a.n_vertices, sizeof *a.uv);
+        LACK(l, bis_geometry_add_mesh(&g, &a, &move, 1, NULL));
+        assert_int_equal(g.n_vertices, l.over ? a.n_vertices : 0);
+        bis_mesh_clear(&a);
+        if (!l.over) {
+            assert_int_equal(bis_geometry_add_mesh(&g, &b, &identity, 1, NULL), BIS_OK);
+            assert_true(g.index == index && !g.n && !g.uv && g.box.hi.x == 1);
+            assert_int_equal(bis_mem_live(), live - 1); /* a's two arrays less, a range more */
+        }
+        bis_mesh_clear(&b);
+        bis_geometry_clear(&g);
+    }
 }
 
 static void a_material_is_found_by_its_range(void **state)
@@ -102,20 +149,20 @@ static void normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order(v
     }
 }
 
-/* A cube's corner has three faces, cut into one or two triangles each: the angles, not the triangles, count. */
+/* A box's corner has three faces, of any size, cut into one or two triangles each: the angles alone count. */
 static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
 {
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     bis_mesh m = new_mesh(9, 13);
-    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), (float)(i >> 1 & 1), (float)(i >> 2)};
+    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), 2 * (float)(i >> 1 & 1), 4 * (float)(i >> 2)};
     memcpy(m.index, faces, sizeof faces);
     m.index[36] = m.index[37] = m.index[38] = 8; /* a point: vertex 8 has no proper face */
     assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
     for (size_t i = 0; i < 8; i++) {
         assert_true(fabs(dot(m.n[i], m.n[i]) - 1) < 1e-6);
-        assert_true(
-            dot(m.n[i], sub(m.p[i], (vec3){0.5f, 0.5f, 0.5f})) > 0.8660 - 1e-4); /* sqrt(3)/2: along the diagonal */
+        const vec3 out = {i & 1 ? 1 : -1, i >> 1 & 1 ? 1 : -1, i >> 2 ? 1 : -1}; /* all at right angles: sqrt(3) */
+        assert_true((double)dot(m.n[i], out) > sqrt(3) - 1e-6);
     }
     assert_true(m.n[8].x == 0 && m.n[8].y == 0 && m.n[8].z == 0);
     const long live = bis_mem_live();
@@ -229,7 +276,7 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
 {
     const bis_xform identity = bis_xform_identity(), huge = bis_xform_scale(1e38, 1, 1);
     bis_geometry g = {0};
-    bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 0, 0}, (vec3){0, 1, 0});
+    bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 2, 3}, (vec3){0, 1, 0});
     bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_scale(1, 1e39, 1), 0};
     bis_diag diag = {0};
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &huge, 0, &diag), BIS_INPUT);
@@ -240,7 +287,7 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     m.p[2].y = NAN;
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &identity, 0, &diag), BIS_INPUT);
     assert_string_equal(diag.messages[0].text,
-                        "error: vertex 1 (5, 0, 0) or its normal does not fit into a float after its transformation");
+                        "error: vertex 1 (5, 2, 3) or its normal does not fit into a float after its transformation");
     assert_string_equal(diag.messages[1].text, "error: a sphere of radius 1 does not fit into floats in world space");
     assert_string_equal(diag.messages[2].text, "error: triangle 0 has index 3, but the mesh has 3 vertices");
     assert_int_equal(diag.n, 4);
@@ -1210,13 +1257,14 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
 }
 
 /* Meshes with and without normals and (u, v), in each order: what one has is copied to its place, what it lacks is
- * (0,0,0), and (NaN, 0). Behind the last vertex stands (0,0,0). */
+ * (0,0,0), and (NaN, 0). Behind the last vertex stands (0,0,0). The fourth mesh fits into what the third made room
+ * for. */
 static void what_a_mesh_lacks_is_filled_in(void **state)
 {
     const bis_xform up = bis_xform_translate(0, 0, 5);
-    for (int has = 0; has < 8; has++) { /* bit k: mesh k has both */
+    for (int has = 0; has < 16; has++) { /* bit k: mesh k has both */
         bis_geometry g = {0};
-        for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t k = 0; k < 4; k++) {
             const bool own = has >> k & 1;
             bis_mesh m = {.p = bis_alloc(4, sizeof *m.p), .index = bis_alloc(3, sizeof *m.index), .n_vertices = 4,
                           .n_triangles = 1};
@@ -1230,20 +1278,20 @@ static void what_a_mesh_lacks_is_filled_in(void **state)
             assert_int_equal(bis_geometry_add_mesh(&g, &m, &up, k, NULL), BIS_OK);
             bis_mesh_clear(&m);
         }
-        assert_true(g.n_vertices == 12 && g.n_triangles == 3 && g.n_ranges == 3);
+        assert_true(g.n_vertices == 16 && g.n_triangles == 4 && g.n_ranges == 4);
         assert_true((g.n != NULL) == (has > 0) && (g.uv != NULL) == (has > 0));
-        assert_true(g.p[12].x == 0 && g.p[12].y == 0 && g.p[12].z == 0);
-        for (uint32_t i = 0; i < 12; i++) {
+        assert_true(g.p[16].x == 0 && g.p[16].y == 0 && g.p[16].z == 0);
+        for (uint32_t i = 0; i < 16; i++) {
             const float v = (float)(10 * (i / 4) + i % 4);
             const bool own = has >> i / 4 & 1;
             assert_true(g.p[i].x == v && g.p[i].y == v + 1 && g.p[i].z == v + 7);
-            if (i < 9) assert_int_equal(g.index[i], 4 * (i / 3) + 3 - i % 3);
+            if (i < 12) assert_int_equal(g.index[i], 4 * (i / 3) + 3 - i % 3);
             if (!has) continue;
             assert_true(g.n[i].x == 0 && g.n[i].y == 0 && g.n[i].z == (own ? 1 : 0));
             if (own) assert_true(g.uv[i].u == v && g.uv[i].v == v + 3);
             else assert_true(isnan(g.uv[i].u) && g.uv[i].v == 0);
         }
-        for (uint32_t k = 0; k < 3; k++) assert_true(g.ranges[k].first == k && g.ranges[k].material == k);
+        for (uint32_t k = 0; k < 4; k++) assert_true(g.ranges[k].first == k && g.ranges[k].material == k);
         bis_geometry_clear(&g);
     }
 }
@@ -1317,6 +1365,8 @@ int main(void)
         cmocka_unit_test(bytes_are_those_of_the_arrays),
         cmocka_unit_test(what_a_mesh_lacks_is_filled_in),
         cmocka_unit_test(the_first_mesh_is_moved_and_further_ones_are_copied),
+        cmocka_unit_test(a_mesh_of_points_alone_is_there),
+        cmocka_unit_test(a_mesh_is_moved_to_where_another_one_failed),
         cmocka_unit_test(a_material_is_found_by_its_range),
         cmocka_unit_test(normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order),
         cmocka_unit_test(smooth_normals_are_weighted_by_angle_not_by_triangles),
