@@ -595,6 +595,62 @@ static void a_scene_as_printed_draws_from_its_light_as_printed(void **state)
     }
 }
 
+/* The figures of a scene say what is not there by NaN and by no name. */
+static void figures_of_what_is_not_there_are_none(void **state)
+{
+    built b = build("", "");
+    bis_scene_figures f = bis_scene_figures_of(b.scene);
+    assert_true(f.triangles == 0 && f.mesh == 0 && isnan(f.accel) && isnan(f.envmap));
+    assert_string_equal(f.accelerator, "");
+    scene_clear(&b);
+    b = build("Accelerator \"grid\"", MAP TETRAHEDRON);
+    f = bis_scene_figures_of(b.scene);
+    assert_true(f.triangles == 4 && f.mesh == (double)bis_geometry_bytes(&b.scene->geometry));
+    assert_true(f.accel == (double)bis_accel_bytes(b.scene->accel) && f.accel > 0);
+    assert_true(f.envmap == (double)bis_light_bytes(b.scene->light) && f.envmap > 0);
+    assert_string_equal(f.accelerator, "grid");
+    scene_clear(&b);
+}
+
+/* A table of CDFs takes other bytes than alias tables do; the scene gets the one that its word names, or the one for
+ * who draws. */
+static void the_table_that_is_built_is_the_one_for_who_draws(void **state)
+{
+    static const struct { const char *sampler, *word; } cases[] = {
+        {"sobol", ""}, {"random", "\"string sampler\" \"cdf\""}, {"random", ""},
+        {"sobol", "\"string sampler\" \"alias\""}};
+    size_t size[4];
+    for (int i = 0; i < 4; i++) {
+        char before[100], light[300];
+        snprintf(before, sizeof before, "Integrator \"em\" Sampler \"%s\"", cases[i].sampler);
+        snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" %s Shape \"sphere\"",
+                 eight(8, 4), cases[i].word);
+        built b = build(before, light);
+        size[i] = bis_importance_bytes(bis_light_importance(b.scene->light));
+        scene_clear(&b);
+    }
+    assert_true(size[0] == size[1] && size[2] == size[3] && size[0] != size[2]);
+}
+
+/* The accelerator hears where the eye is: Embree's limit is told by the axis and the side on which it stands. */
+static void the_accelerator_knows_where_the_eye_is(void **state)
+{
+    if (!bis_accel_embree_version()) skip();
+    for (int i = 0; i < 6; i++) {
+        const int axis = i % 3, side = i < 3 ? 1 : -1; /* the world moves the other way */
+        char before[200], said[100];
+        snprintf(before, sizeof before, "Translate %s %s %s Camera \"perspective\"",
+                 axis == 0 ? side > 0 ? "-2e18" : "2e18" : "0", axis == 1 ? side > 0 ? "-2e18" : "2e18" : "0",
+                 axis == 2 ? side > 0 ? "-2e18" : "2e18" : "0");
+        built b = build(before, MAP "Shape \"sphere\"");
+        snprintf(said, sizeof said, "the scene or its camera reaches to %c = %s2e+18, and", 'x' + axis,
+                 side > 0 ? "" : "-");
+        assert_int_equal(b.diag.n, 1);
+        if (!strstr(b.diag.messages[0].text, said)) fail_msg("%s, not %s", b.diag.messages[0].text, said);
+        scene_clear(&b);
+    }
+}
+
 /* phi and theta in parts of a turn and of half a turn */
 static double seen(const built *b, double turn, double fall)
 {
@@ -671,6 +727,9 @@ int main(void)
         cmocka_unit_test(every_kind_of_shape_is_built),
         cmocka_unit_test(a_shape_that_turns_out_to_be_empty_needs_no_table),
         cmocka_unit_test(a_scene_as_printed_draws_from_its_light_as_printed),
+        cmocka_unit_test(figures_of_what_is_not_there_are_none),
+        cmocka_unit_test(the_table_that_is_built_is_the_one_for_who_draws),
+        cmocka_unit_test(the_accelerator_knows_where_the_eye_is),
         cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
         cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
