@@ -425,6 +425,8 @@ static void a_size_is_read_where_the_format_has_it(void **state)
         "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
     static const char turned[] =
         "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
+    static const char flat[] =
+        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\x05\0\0\0\x07\0\0\0\x04\0\0";
     /* 384 x 516 pixels are 8 times 1032 times the 24 bytes, the most that deflate makes of them; 385 are more */
     static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x80\0\0\x02\x04";
     static const char dense[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x81\0\0\x02\x04";
@@ -446,11 +448,13 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_true(peeked("p.exr", exr, sizeof exr, 259, 29486));
     assert_false(peeked("p.exr", tall, sizeof tall, 259, 69486)); /* more than any reader takes */
     assert_false(peeked("p.exr", turned, sizeof turned, 0, 8));
+    assert_false(peeked("p.exr", flat, sizeof flat, 8, 0));
     assert_true(peeked("p.png", png, 24, 384, 516));
     assert_false(peeked("p.png", dense, 24, 385, 516));
     assert_false(peeked("p.png", wide, 24, 0x01000001, 1));
     assert_false(peeked("p.png", png, 23, 384, 516));
     assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\0\0\0\0\1", 24, 0, 1));
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\1\0\0\0\0", 24, 1, 0));
     assert_true(peeked("p.pfm", "Pf\n30 70\n-1\n", 12, 30, 70));
     assert_true(peeked("p.pfm", "PF 30\n70 1.0\n", 13, 30, 70));
     assert_false(peeked("p.pfm", "PF\n0 7\n-1\n", 10, 0, 7));
@@ -488,6 +492,11 @@ static void a_size_of_a_screen_is_read_where_the_format_has_it(void **state)
     changed[26] = '\x04'; /* 1104 rows */
     assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 1104));
     memcpy(changed, jpeg, sizeof jpeg);
+    changed[27] = 0;
+    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 0));
+    changed[27] = jpeg[27], changed[29] = 0;
+    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 0, 80));
+    changed[29] = jpeg[29];
     for (int kind = 0; kind < 256; kind++) { /* SOF, by the list of markers in ITU-T T.81, table B.1 */
         changed[22] = (char)kind;
         assert_int_equal(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 80),
@@ -498,11 +507,22 @@ static void a_size_of_a_screen_is_read_where_the_format_has_it(void **state)
     memcpy(changed, bmp, 26);
     changed[18] = '\x0e'; /* 14 x 16 are more than 26 bytes of 8 */
     assert_false(peeked("p.bmp", changed, 26, 14, 16));
+    changed[18] = 0;
+    assert_false(peeked("p.bmp", changed, 26, 0, 16));
+    changed[18] = '\x0c';
+    assert_true(peeked("p.bmp", changed, 26, 12, 16));
+    memset(changed + 22, 0, 4);
+    assert_false(peeked("p.bmp", changed, 26, 12, 0));
     assert_true(peeked("p.tga", tga, 20, 32, 40));
     assert_false(peeked("p.tga", tga, 17, 32, 40));
     memcpy(changed, tga, 20);
     changed[14] = '\x29';
     assert_false(peeked("p.tga", changed, 20, 32, 41));
+    for (int tall = 0; tall < 2; tall++) { /* 300 needs the second byte */
+        static const char sides[2][4] = {{'\x2c', 1, 2, 0}, {2, 0, '\x2c', 1}};
+        memcpy(changed + 12, sides[tall], 4);
+        assert_true(peeked("p.tga", changed, 20, tall ? 2 : 300, tall ? 300 : 2));
+    }
 }
 
 /* What a file is that is no scene: by its first bytes, be they all of it; or else by its name. */
