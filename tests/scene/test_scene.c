@@ -452,6 +452,10 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_true(peeked("p.png", png, 24, 384, 516));
     assert_false(peeked("p.png", dense, 24, 385, 516));
     assert_false(peeked("p.png", wide, 24, 0x01000001, 1));
+    /* all four bytes count: 2^24 and more are refused, not taken for what their last bytes say */
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01", 24, 1, 1));
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x01\x01\0\0\x01", 24, 1, 1));
+    assert_true(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x20\x03\0\0\0\x03", 24, 0x2003, 3));
     assert_false(peeked("p.png", png, 23, 384, 516));
     assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\0\0\0\0\1", 24, 0, 1));
     assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\1\0\0\0\0", 24, 1, 0));

@@ -122,6 +122,7 @@ static void check_point(const shape *s, const sample *at, double *furthest, doub
     const double away = fabs(r - s->radius(z)) / hypot(1, slope), v = s->v(z, r);
     double n[3] = {at->p[0] / r, at->p[1] / r, -slope};
     unit3(n);
+    assert_true(isfinite(away) && isfinite(dot3(n, at->n))); /* fmax passes over what is not a number */
     *furthest = fmax(*furthest, away);
     *most_tilted = fmax(*most_tilted, acos(fmin(dot3(n, at->n), 1)));
     assert_true(fabs(at->uv[1] - v) < 2e-3);
@@ -144,8 +145,19 @@ static void revolved_meshes_lie_on_the_implicit_surfaces(void **state)
         assert_int_equal(m.n_triangles, 2 * s->pieces[0] * s->pieces[1]);
         assert_int_equal(m.n_vertices, (s->pieces[0] + 1) * (s->pieces[1] + 1));
         for (size_t k = 0; k < m.n_vertices; k++) size = fmax(size, hypot((double)m.p[k].x, (double)m.p[k].y));
-        for (int k = 0; k < N_POINTS; k++)
-            if (draw(&at, &m, &random) && hypot(at.p[0], at.p[1]) > 1e-3) check_point(s, &at, &furthest, &tilted);
+        const bool is_line = s->r.profile == BIS_PROFILE_LINE;
+        for (int end = 0; end < 2; end++) { /* the first and the last vertex lie at the ends of the profile */
+            const size_t k = end ? m.n_vertices - 1 : 0;
+            assert_true(fabs((double)m.p[k].z - (is_line ? s->r.p[end][2] : s->r.z[end])) < 1e-6);
+            assert_true(m.uv[k].u == (float)end && fabs((double)m.uv[k].v - end) < 1e-6);
+        }
+        int n_points = 0;
+        for (int k = 0; k < N_POINTS; k++) {
+            if (!draw(&at, &m, &random) || !(hypot(at.p[0], at.p[1]) > 1e-3)) continue;
+            check_point(s, &at, &furthest, &tilted);
+            n_points++;
+        }
+        assert_true(n_points > N_POINTS / 3); /* half of the triangles of a cone have no area */
         print_message("%-20s %6zu triangles, %.2e of its size away, normals %.4f degrees off\n", s->name, m.n_triangles,
                       furthest / size, tilted * 180 / PI);
         assert_true(furthest < BIS_MAKE_REVOLVED_ERROR * size);
