@@ -433,7 +433,6 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     static const char wide[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01";
     static const char *const hdr[] = {
         "-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
-    long v, f;
 
     for (size_t i = 0; i < 6; i++) {
         char text[100];
@@ -464,6 +463,12 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_false(peeked("p.pfm", "PF\n0 7\n-1\n", 10, 0, 7));
     assert_false(peeked("p.pfm", "PF\n7 0\n-1\n", 10, 7, 0));
     assert_false(peeked("p.pfm", "P6\n7 7\n255\n", 11, 7, 7));
+}
+
+/* The counts of a PLY stand in its head; a file of no byte has no size. */
+static void counts_of_a_mesh_are_read_from_its_head(void **state)
+{
+    long v, f;
     static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nelement face 7\n";
     store(scratch("p.ply"), ply, sizeof ply - 1);
     assert_true(bis_scene_peek_ply(scratch("p.ply"), &v, &f) && v == 12 && f == 7);
@@ -775,6 +780,7 @@ int main(void)
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(image_sizes_are_read_from_headers),
         cmocka_unit_test(a_size_is_read_where_the_format_has_it),
+        cmocka_unit_test(counts_of_a_mesh_are_read_from_its_head),
         cmocka_unit_test(a_size_of_a_screen_is_read_where_the_format_has_it),
     };
     return cmocka_run_group_tests_name("scene", tests, NULL, scratch_remove);

@@ -102,6 +102,10 @@ static const shape shapes[] = {
     {"sphere", {.profile = BIS_PROFILE_CIRCLE, .radius = 2, .z = {-1, 1.5}, .phi_max_deg = 270}, radius_sphere,
      v_sphere, 2, {192, 128}},
     {"hyperboloid", {.p = {{1, .5, -1}, {-.5, 1, 1}}, .phi_max_deg = 360}, radius_skew, v_skew, 2, {256, 256}},
+    /* in a plane with the axis, whichever plane that is */
+    {"cylinder over y", {.p = {{0, 2, -1}, {0, 2, 3}}, .phi_max_deg = 360}, radius_cylinder, v_cylinder, 4, {256, 1}},
+    {"cylinder between", {.p = {{1.6, -1.2, -1}, {1.6, -1.2, 3}}, .phi_max_deg = 360}, radius_cylinder, v_cylinder, 4,
+     {256, 1}},
 };
 
 /* The angle by which the profile's point at height z is turned to p, over phi_max. */
