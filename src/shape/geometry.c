@@ -134,7 +134,6 @@ static bis_status move_mesh(bis_geometry *g, bis_mesh *m, bis_diag *diag)
     vec3 *p = bis_realloc(m->p, m->n_vertices + 1, sizeof *p);
 
     if (!p) return no_memory(diag, "vertices", m->n_vertices);
-    m->p = NULL;
     bis_free(g->p);
     bis_free(g->n);
     bis_free(g->uv);

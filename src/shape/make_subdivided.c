@@ -39,24 +39,16 @@ typedef struct net {
     bool *is_border;
 } net;
 
-static void clear_edges(net *s)
+static void clear_net(net *s)
 {
+    bis_free(s->p);
+    bis_free(s->index);
     bis_free(s->edge);
     bis_free(s->twin);
     bis_free(s->sum);
     bis_free(s->valence);
     bis_free(s->start);
     bis_free(s->is_border);
-    s->edge = s->twin = s->valence = s->start = NULL;
-    s->sum = NULL;
-    s->is_border = NULL;
-}
-
-static void clear_net(net *s)
-{
-    clear_edges(s);
-    bis_free(s->p);
-    bis_free(s->index);
     *s = (net){0};
 }
 

@@ -74,38 +74,38 @@ static void a_slope_tilts_a_plane(void **state)
     scene_clear(&b);
 }
 
-/* 4 x 1 pixels of 0, 1/4, 1/2, 3/4. Returns the file's name. */
-static const char *store_ramp(void)
+/* 4 x 1 or, upwards, 1 x 4 pixels of 0, 1/4, 1/2, 3/4. Returns the file's name. */
+static const char *store_ramp(bool upwards)
 {
     bytes file = {0};
-    put_text(&file, "PF\n4 1\n-1.0\n");
+    put_text(&file, upwards ? "PF\n1 4\n-1.0\n" : "PF\n4 1\n-1.0\n");
     for (int i = 0; i < 12; i++) put_float(&file, (float)(i / 3) / 4);
     store(scratch("ramp.pfm"), file.data, file.n);
     bytes_clear(&file);
     return strrchr(scratch("ramp.pfm"), '/') + 1;
 }
 
-/* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s. */
+/* A texel ramp: 0, 0.25, 0.5, 0.75 over 4 texels; between their centres the slope is 1 in s, or in t. A u of 1 is 4 of
+ * the plane, a v of 1 is 2. */
 static void an_images_slope_is_taken_over_a_texel(void **state)
 {
-    const char *name = store_ramp();
-    double n[3];
-    built b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" "
-                    "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE, name);
-    assert_true(normal_at(n, &b, (vec3){2, 1, 5}, (vec3){2, 1, 0}));
-    assert_normal(n, -.25, 0, 1, 1e-4); /* du = dx/4 */
-    /* over the border's texel, half of the slope at u = 1/8: from -> u = 0 and 1/4: 0 and 0.125 */
-    assert_true(normal_at(n, &b, (vec3){.5f, 1, 5}, (vec3){.5f, 1, 0}));
-    assert_normal(n, -.125, 0, 1, 1e-4);
-    scene_clear(&b);
-    /* twice as often: uscale; a texel is half as wide */
-    b = build(
-        "Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"clamp\" \"float uscale\" 2 "
-        "Material \"diffuse\" \"texture displacement\" \"d\" " PLANE,
-        name);
-    assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1, 1, 0}));
-    assert_normal(n, -.5, 0, 1, 1e-4);
-    scene_clear(&b);
+    for (int axis = 0; axis < 2; axis++) {
+        const char *name = store_ramp(axis);
+        const double side = axis ? 2 : 4;
+        /* in the middle; over the border's texel, half of the slope at u = 1/8: from u = 0 and 1/4: 0 and 0.125; with a
+         * scale of 2 for this axis a texel is half as wide */
+        const struct { double at, slope; int scale; } cases[] = {{.5, 1, 1}, {.125, .5, 1}, {.25, 2, 2}};
+        for (int i = 0; i < 3; i++) {
+            double n[3];
+            built b = build("Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" "
+                            "\"clamp\" \"float %cscale\" %d Material \"diffuse\" \"texture displacement\" \"d\" "
+                            PLANE, name, axis ? 'v' : 'u', cases[i].scale);
+            const float x = axis ? 2 : (float)(side * cases[i].at), y = axis ? (float)(side * cases[i].at) : 1;
+            assert_true(normal_at(n, &b, (vec3){x, y, 5}, (vec3){x, y, 0}));
+            assert_normal(n, axis ? 0 : -cases[i].slope / side, axis ? -cases[i].slope / side : 0, 1, 1e-4);
+            scene_clear(&b);
+        }
+    }
 }
 
 /* An image of one colour all over. */
@@ -128,7 +128,7 @@ static void a_texel_counts_where_its_image_is_looked_up_by_uv(void **state)
 {
     static const struct { const char *mapping; double slope; } images[] = {
         {"", .6}, {"\"string mapping\" \"planar\" \"vector3 v1\" [0.25 0 0] \"vector3 v2\" [0 0.5 0]", 1}};
-    const char *name = store_ramp();
+    const char *name = store_ramp(false);
     double n[3];
     store_colour(scratch("one.pfm"), .5f, .5f, .5f);
     for (size_t i = 0; i < 2; i++) {
@@ -264,12 +264,19 @@ static void a_normal_map_turns_with_the_surface(void **state)
 {
     double n[3];
     store_colour(scratch("n.pfm"), .75f, .6f, .9f); /* (0.5, 0.2, 0.8) */
-    const char *name = strrchr(scratch("n.pfm"), '/') + 1;
+    char name[64]; /* scratch's own is soon overwritten */
+    snprintf(name, sizeof name, "%s", strrchr(scratch("n.pfm"), '/') + 1);
     built b = build("Material \"diffuse\" \"string normalmap\" \"%s\" " PLANE, name);
     assert_true(normal_at(n, &b, (vec3){1, 1, 5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, .5, .2, .8, 1e-4);
     assert_true(normal_at(n, &b, (vec3){1, 1, -5}, (vec3){1.1f, 0.9f, 0}));
     assert_normal(n, -.5, -.2, -.8, 1e-4);
+    scene_clear(&b);
+    /* however short dp/du is */
+    b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Shape \"trianglemesh\" \"point3 P\" "
+              "[0 0 0  4 0 0  4 2 0] \"point2 uv\" [0 0 32 0 32 32]", name);
+    assert_true(normal_at(n, &b, (vec3){3, 1, 5}, (vec3){3, 1, 0}));
+    assert_normal(n, .5, .2, .8, 1e-4);
     scene_clear(&b);
     /* on a sphere dp/du points along phi: at (1, 0, 0) it is y; n x y = z */
     b = build("Material \"diffuse\" \"string normalmap\" \"%s\" Shape \"sphere\"", name);
@@ -290,6 +297,27 @@ static void a_normal_map_turns_with_the_surface(void **state)
     assert_true(normal_at(n, &b, (vec3){1, 5, 1}, (vec3){1, 0, 1}));
     assert_normal(n, 0, 1, 0, 1e-4);
     scene_clear(&b);
+}
+
+/* A map's normal that points below the surface is turned over; one that is 0, or a p_u that is 0, gives the surface's
+ * own; and so does a displacement where p_u is 0. */
+static void a_bent_normal_is_on_the_side_of_the_surface(void **state)
+{
+    static const struct { rgb colour; double u[3], expected[3]; } cases[] = {
+        {{.75f, .625f, .9f}, {3, 0, 0}, {.5, .25, .8}}, {{.75f, .625f, .1f}, {3, 0, 0}, {-.5, -.25, .8}},
+        {{.75f, .625f, .9f}, {0, 3, 0}, {-.25, .5, .8}}, {{.5f, .5f, .5f}, {3, 0, 0}, {0, 0, 1}},
+        {{.75f, .625f, .9f}, {0, 0, 0}, {0, 0, 1}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rgb pixel = cases[i].colour;
+        const bis_texture_image image = {.image = {1, 1, &pixel}};
+        const bis_textures none = {0};
+        const bis_material_textures of = {.bump = BIS_NO_TEXTURE, .normals = 0};
+        const double *u = cases[i].u;
+        const bis_tangents t = {{u[0], u[1], 0.5}, {1, 1, 0}, {0, 0, 1}}; /* a part along the normal does not count */
+        const vec3 n = bis_bump_normal(&none, &image, &of, &t, (double[]){.3, .4}, (vec3){0, 0, 0});
+        assert_normal((double[]){(double)n.x, (double)n.y, (double)n.z}, cases[i].expected[0], cases[i].expected[1],
+                      cases[i].expected[2], 1e-4);
+    }
 }
 
 /* The tangents of quadrics are the differences of their coordinates: a point that moves by p_u du has u + du. */
@@ -443,6 +471,7 @@ int main(void)
         cmocka_unit_test(a_displaced_sphere_has_that_normal),
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
         cmocka_unit_test(a_normal_map_turns_with_the_surface),
+        cmocka_unit_test(a_bent_normal_is_on_the_side_of_the_surface),
         cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
         cmocka_unit_test(at_a_pole_and_in_a_discs_middle_phi_is_0),
         cmocka_unit_test(a_triangles_tangents_are_those_that_it_was_made_of),

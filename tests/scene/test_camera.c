@@ -169,11 +169,31 @@ static void scales_whose_squares_overflow_or_vanish_change_no_direction(void **s
     }
 }
 
+/* Of a window [x0, x1] x [y0, y1] that is turned and moved, each corner is an extreme of some axis: the least of a sum
+ * is the sum of the least parts. A perspective camera stands in one point. */
+static void the_box_of_the_eyes_holds_each_corner_of_the_window(void **state)
+{
+    for (int i = 0; i < 12; i++) {
+        const bis_xform turn = bis_xform_rotate(30 * i + 10, 1, 2, 5), move = bis_xform_translate(3, -7, 20);
+        const bis_camera c = {.orthographic = i % 3 > 0, .fov_deg = 50, .has_screen = true, .screen = {-1, 2, -3, 5},
+                              .to_world = bis_xform_compose(&move, &turn)};
+        double box[6];
+        bis_camera_eyes(&c, 40, 30, box);
+        for (int k = 0; k < 3; k++) {
+            const double *m = c.to_world.m[k], share = c.orthographic ? 1 : 0;
+            const double lo = share * (fmin(-m[0], 2 * m[0]) + fmin(-3 * m[1], 5 * m[1])) + m[3],
+                         hi = share * (fmax(-m[0], 2 * m[0]) + fmax(-3 * m[1], 5 * m[1])) + m[3];
+            assert_true(fabs(box[k] - lo) < 1e-12 && fabs(box[3 + k] - hi) < 1e-12);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_films_centre_looks_at_the_point_of_look_at),
         cmocka_unit_test(fov_spans_the_shorter_side),
+        cmocka_unit_test(the_box_of_the_eyes_holds_each_corner_of_the_window),
         cmocka_unit_test(x_is_right_y_is_up_and_z_is_forward),
         cmocka_unit_test(scale_minus_one_mirrors_the_picture),
         cmocka_unit_test(pixel_centres_have_pbrts_directions),

@@ -97,6 +97,32 @@ static void each_gradient_is_in_its_place_of_the_permutation(void **state)
     }
 }
 
+/* Between the corners of a cube stands the sum of their gradients times the way from them, by the weights of their
+ * distances. A gradient is found beside its corner. */
+static void noise_blends_the_gradients_of_eight_corners(void **state)
+{
+    const double h = 1e-7;
+    for (int n = 0; n < 300; n++) {
+        const double p[3] = {n * .37 - 40, n * 1.211 - 200, 300 - n * 2.0731};
+        double sum = 0;
+        for (int c = 0; c < 8; c++) {
+            double corner[3], share = 1, slope = 0;
+            for (int k = 0; k < 3; k++) {
+                const double d = p[k] - floor(p[k]), w = 6 * pow(d, 5) - 15 * pow(d, 4) + 10 * pow(d, 3);
+                corner[k] = floor(p[k]) + (c >> k & 1);
+                share *= c >> k & 1 ? w : 1 - w;
+            }
+            for (int k = 0; k < 3; k++) {
+                double beside[3] = {corner[0], corner[1], corner[2]};
+                beside[k] += h;
+                slope += round(bis_noise(beside) / h) * (p[k] - corner[k]);
+            }
+            sum += share * slope;
+        }
+        if (!(fabs(bis_noise(p) - sum) < 1e-12)) fail_msg("%d: %.15g, not %.15g", n, bis_noise(p), sum);
+    }
+}
+
 /* A corner's share is at most its weight times the two largest parts of the way to it. By symmetry an eighth of the
  * cube is enough. From a point of the lattice, which is at most 1/512 away along each axis, the bound changes by at
  * most 8.5 of that for each of the three axes: the weights of all corners change by at most 2 x 15/8 together, times
@@ -363,6 +389,7 @@ int main(void)
         cmocka_unit_test(noise_has_the_published_value),
         cmocka_unit_test(noise_is_0_at_whole_numbers_and_repeats_after_256),
         cmocka_unit_test(each_gradient_is_in_its_place_of_the_permutation),
+        cmocka_unit_test(noise_blends_the_gradients_of_eight_corners),
         cmocka_unit_test(noise_stays_below_its_bound),
         cmocka_unit_test(patterns_of_noise_are_sums_of_octaves),
         cmocka_unit_test(a_scene_of_pbrt_v2_turns_the_space_of_patterns_over),

@@ -57,6 +57,27 @@ static void every_kind_of_shape_is_built(void **state)
     assert_non_null(b.scene->accel);
     assert_non_null(b.scene->light);
     assert_true(b.scene->seconds.load > 0 && b.scene->seconds.accel > 0 && b.scene->seconds.envmap >= 0);
+    /* triangles first, then the sphere and the disk */
+    static const size_t shape_of[9] = {0, 0, 0, 0, 1, 1, 4, 2, 3}, part_of[9] = {0, 1, 2, 3, 0, 1, 0, 0, 0};
+    for (uint32_t prim = 0; prim < 9; prim++) {
+        size_t part = 77;
+        assert_int_equal(bis_scene_shape_of(b.scene, prim, &part), shape_of[prim]);
+        assert_int_equal(part, part_of[prim]);
+    }
+    scene_clear(&b);
+}
+
+/* A mesh without faces is read and warned of, but nothing is lit, so that there is no table. */
+static void a_shape_that_turns_out_to_be_empty_needs_no_table(void **state)
+{
+    char text[256];
+    store(scratch("empty.obj"), "v 0 0 0\nv 1 0 0\n", 16);
+    snprintf(text, sizeof text, MAP "Shape \"objmesh\" \"string filename\" \"%s\"",
+             strrchr(scratch("empty.obj"), '/') + 1);
+    built b = build("Integrator \"em\"", text);
+    assert_int_equal(bis_geometry_primitives(&b.scene->geometry), 0);
+    assert_null(b.scene->accel);
+    assert_null(bis_light_importance(b.scene->light));
     scene_clear(&b);
 }
 
@@ -128,14 +149,26 @@ static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_
 /* By the file and no line: what places the camera may stand in several. */
 static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **state)
 {
-    built b;
-    char text[256];
-    const char *scene = "LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n";
-    assert_int_equal(scene_try(&b, scene), BIS_INPUT);
-    snprintf(text, sizeof text, "%s: error: the camera stands at y = 1e+39, beyond the largest float, 3.40282e+38: "
-             "scale the scene", scratch("scene.txt"));
-    assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
-    scene_clear(&b);
+    /* the window of a parallel projection, ten times as large in the world, on one side: x, y, and y turned to z */
+    static const struct { const char *camera, *place; } cases[] = {
+        {"LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"", "y = 1e+39"},
+        {"Scale 0.1 0.1 0.1 Camera \"orthographic\" \"float screenwindow\" [0 3e38 -1 1]", "x = 3e+39"},
+        {"Scale 0.1 0.1 0.1 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]", "y = 3e+39"},
+        {"Scale 0.1 0.1 0.1 Rotate -90 1 0 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]",
+         "z = 3e+39"},
+        {"Scale 0.1 0.1 0.1 Rotate 90 1 0 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]",
+         "z = -3e+39"},
+        {"Translate 0 -3.4028234663852886e38 0 Camera \"perspective\"", NULL}}; /* it is the largest float */
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b;
+        char scene[256], text[256];
+        snprintf(scene, sizeof scene, "Accelerator \"grid\" %s\nWorldBegin\nShape \"sphere\"\n", cases[i].camera);
+        assert_int_equal(scene_try(&b, scene), cases[i].place ? BIS_INPUT : BIS_OK);
+        snprintf(text, sizeof text, "%s: error: the camera stands at %s, beyond the largest float, 3.40282e+38: "
+                 "scale the scene", scratch("scene.txt"), cases[i].place ? cases[i].place : "");
+        if (cases[i].place) assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
+        scene_clear(&b);
+    }
 }
 
 /* ---- only what is required ---- */
@@ -392,13 +425,14 @@ static void a_size_is_read_where_the_format_has_it(void **state)
         "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
     static const char turned[] =
         "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
+    static const char flat[] =
+        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\x05\0\0\0\x07\0\0\0\x04\0\0";
     /* 384 x 516 pixels are 8 times 1032 times the 24 bytes, the most that deflate makes of them; 385 are more */
     static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x80\0\0\x02\x04";
     static const char dense[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x81\0\0\x02\x04";
     static const char wide[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01";
     static const char *const hdr[] = {
         "-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
-    long v, f;
 
     for (size_t i = 0; i < 6; i++) {
         char text[100];
@@ -413,16 +447,28 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_true(peeked("p.exr", exr, sizeof exr, 259, 29486));
     assert_false(peeked("p.exr", tall, sizeof tall, 259, 69486)); /* more than any reader takes */
     assert_false(peeked("p.exr", turned, sizeof turned, 0, 8));
+    assert_false(peeked("p.exr", flat, sizeof flat, 8, 0));
     assert_true(peeked("p.png", png, 24, 384, 516));
     assert_false(peeked("p.png", dense, 24, 385, 516));
     assert_false(peeked("p.png", wide, 24, 0x01000001, 1));
+    /* all four bytes count: 2^24 and more are refused, not taken for what their last bytes say */
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01", 24, 1, 1));
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x01\x01\0\0\x01", 24, 1, 1));
+    assert_true(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x20\x03\0\0\0\x03", 24, 0x2003, 3));
     assert_false(peeked("p.png", png, 23, 384, 516));
     assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\0\0\0\0\1", 24, 0, 1));
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\1\0\0\0\0", 24, 1, 0));
     assert_true(peeked("p.pfm", "Pf\n30 70\n-1\n", 12, 30, 70));
     assert_true(peeked("p.pfm", "PF 30\n70 1.0\n", 13, 30, 70));
     assert_false(peeked("p.pfm", "PF\n0 7\n-1\n", 10, 0, 7));
     assert_false(peeked("p.pfm", "PF\n7 0\n-1\n", 10, 7, 0));
     assert_false(peeked("p.pfm", "P6\n7 7\n255\n", 11, 7, 7));
+}
+
+/* The counts of a PLY stand in its head; a file of no byte has no size. */
+static void counts_of_a_mesh_are_read_from_its_head(void **state)
+{
+    long v, f;
     static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nelement face 7\n";
     store(scratch("p.ply"), ply, sizeof ply - 1);
     assert_true(bis_scene_peek_ply(scratch("p.ply"), &v, &f) && v == 12 && f == 7);
@@ -455,6 +501,11 @@ static void a_size_of_a_screen_is_read_where_the_format_has_it(void **state)
     changed[26] = '\x04'; /* 1104 rows */
     assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 1104));
     memcpy(changed, jpeg, sizeof jpeg);
+    changed[27] = 0;
+    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 0));
+    changed[27] = jpeg[27], changed[29] = 0;
+    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 0, 80));
+    changed[29] = jpeg[29];
     for (int kind = 0; kind < 256; kind++) { /* SOF, by the list of markers in ITU-T T.81, table B.1 */
         changed[22] = (char)kind;
         assert_int_equal(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 80),
@@ -465,11 +516,22 @@ static void a_size_of_a_screen_is_read_where_the_format_has_it(void **state)
     memcpy(changed, bmp, 26);
     changed[18] = '\x0e'; /* 14 x 16 are more than 26 bytes of 8 */
     assert_false(peeked("p.bmp", changed, 26, 14, 16));
+    changed[18] = 0;
+    assert_false(peeked("p.bmp", changed, 26, 0, 16));
+    changed[18] = '\x0c';
+    assert_true(peeked("p.bmp", changed, 26, 12, 16));
+    memset(changed + 22, 0, 4);
+    assert_false(peeked("p.bmp", changed, 26, 12, 0));
     assert_true(peeked("p.tga", tga, 20, 32, 40));
     assert_false(peeked("p.tga", tga, 17, 32, 40));
     memcpy(changed, tga, 20);
     changed[14] = '\x29';
     assert_false(peeked("p.tga", changed, 20, 32, 41));
+    for (int tall = 0; tall < 2; tall++) { /* 300 needs the second byte */
+        static const char sides[2][4] = {{'\x2c', 1, 2, 0}, {2, 0, '\x2c', 1}};
+        memcpy(changed + 12, sides[tall], 4);
+        assert_true(peeked("p.tga", changed, 20, tall ? 2 : 300, tall ? 300 : 2));
+    }
 }
 
 /* What a file is that is no scene: by its first bytes, be they all of it; or else by its name. */
@@ -543,6 +605,81 @@ static const char *eight(int width, int height)
     return strrchr(scratch("eight.pfm"), '/') + 1;
 }
 
+/* E3, as printed, forgets the solid angle of a pixel: of 4 rows the first has 1 - sqrt(1/2) of its half, the second
+ * sqrt(1/2). Their first pixels have 1 and 9. */
+static void a_scene_as_printed_draws_from_its_light_as_printed(void **state)
+{
+    for (int printed = 0; printed < 2; printed++) {
+        char light[200];
+        double pmf[8 * 4];
+        snprintf(light, sizeof light, "LightSource \"infinite\" \"float areaexponent\" 0 \"string filename\" "
+                 "\"%s\" Shape \"sphere\"", eight(8, 4));
+        built b = build(printed ? "Integrator \"em\"\nOption \"string asprinted\" \"E3\"" : "Integrator \"em\"",
+                        light);
+        assert_int_equal(bis_importance_implied_pmf(bis_light_importance(b.scene->light), pmf, NULL), BIS_OK);
+        const double expected = printed ? 1 / 9. : (1 - sqrt(.5)) / sqrt(.5) / 9;
+        if (!(fabs(pmf[0] / pmf[8] / expected - 1) < 1e-6))
+            fail_msg("printed %d: %.9g and %.9g, not %.9g", printed, pmf[0], pmf[8], expected);
+        scene_clear(&b);
+    }
+}
+
+/* The figures of a scene say what is not there by NaN and by no name. */
+static void figures_of_what_is_not_there_are_none(void **state)
+{
+    built b = build("", "");
+    bis_scene_figures f = bis_scene_figures_of(b.scene);
+    assert_true(f.triangles == 0 && f.mesh == 0 && isnan(f.accel) && isnan(f.envmap));
+    assert_string_equal(f.accelerator, "");
+    scene_clear(&b);
+    b = build("Accelerator \"grid\"", MAP TETRAHEDRON);
+    f = bis_scene_figures_of(b.scene);
+    assert_true(f.triangles == 4 && f.mesh == (double)bis_geometry_bytes(&b.scene->geometry));
+    assert_true(f.accel == (double)bis_accel_bytes(b.scene->accel) && f.accel > 0);
+    assert_true(f.envmap == (double)bis_light_bytes(b.scene->light) && f.envmap > 0);
+    assert_string_equal(f.accelerator, "grid");
+    scene_clear(&b);
+}
+
+/* A table of CDFs takes other bytes than alias tables do; the scene gets the one that its word names, or the one for
+ * who draws. */
+static void the_table_that_is_built_is_the_one_for_who_draws(void **state)
+{
+    static const struct { const char *sampler, *word; } cases[] = {
+        {"sobol", ""}, {"random", "\"string sampler\" \"cdf\""}, {"random", ""},
+        {"sobol", "\"string sampler\" \"alias\""}};
+    size_t size[4];
+    for (int i = 0; i < 4; i++) {
+        char before[100], light[300];
+        snprintf(before, sizeof before, "Integrator \"em\" Sampler \"%s\"", cases[i].sampler);
+        snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" %s Shape \"sphere\"",
+                 eight(8, 4), cases[i].word);
+        built b = build(before, light);
+        size[i] = bis_importance_bytes(bis_light_importance(b.scene->light));
+        scene_clear(&b);
+    }
+    assert_true(size[0] == size[1] && size[2] == size[3] && size[0] != size[2]);
+}
+
+/* The accelerator hears where the eye is: Embree's limit is told by the axis and the side on which it stands. */
+static void the_accelerator_knows_where_the_eye_is(void **state)
+{
+    if (!bis_accel_embree_version()) skip();
+    for (int i = 0; i < 6; i++) {
+        const int axis = i % 3, side = i < 3 ? 1 : -1; /* the world moves the other way */
+        char before[200], said[100];
+        snprintf(before, sizeof before, "Translate %s %s %s Camera \"perspective\"",
+                 axis == 0 ? side > 0 ? "-2e18" : "2e18" : "0", axis == 1 ? side > 0 ? "-2e18" : "2e18" : "0",
+                 axis == 2 ? side > 0 ? "-2e18" : "2e18" : "0");
+        built b = build(before, MAP "Shape \"sphere\"");
+        snprintf(said, sizeof said, "the scene or its camera reaches to %c = %s2e+18, and", 'x' + axis,
+                 side > 0 ? "" : "-");
+        assert_int_equal(b.diag.n, 1);
+        if (!strstr(b.diag.messages[0].text, said)) fail_msg("%s, not %s", b.diag.messages[0].text, said);
+        scene_clear(&b);
+    }
+}
+
 /* phi and theta in parts of a turn and of half a turn */
 static double seen(const built *b, double turn, double fall)
 {
@@ -587,7 +724,8 @@ static void a_map_is_seen_smooth_if_the_scene_says_so(void **state)
         "false\n" SQUARE,
         eight(4, 2));
     b = build("", light);
-    assert_seen(&b, .24, .25, 0);
+    const rgb unseen = bis_light_seen(&b.desc->light, b.scene->light, (vec3){0, 0.6f, 0.8f});
+    assert_true(unseen.r == 0 && unseen.g == 0 && unseen.b == 0);
     scene_clear(&b);
     b = build("", "LightSource \"infinite\" \"rgb L\" [3 1 1] \"string filter\" \"bilinear\"\n" SQUARE);
     assert_seen(&b, .24, .25, 3);
@@ -616,6 +754,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strangers_are_known_by_their_bytes_or_their_names),
         cmocka_unit_test(every_kind_of_shape_is_built),
+        cmocka_unit_test(a_shape_that_turns_out_to_be_empty_needs_no_table),
+        cmocka_unit_test(a_scene_as_printed_draws_from_its_light_as_printed),
+        cmocka_unit_test(figures_of_what_is_not_there_are_none),
+        cmocka_unit_test(the_table_that_is_built_is_the_one_for_who_draws),
+        cmocka_unit_test(the_accelerator_knows_where_the_eye_is),
         cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
         cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
@@ -637,6 +780,7 @@ int main(void)
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(image_sizes_are_read_from_headers),
         cmocka_unit_test(a_size_is_read_where_the_format_has_it),
+        cmocka_unit_test(counts_of_a_mesh_are_read_from_its_head),
         cmocka_unit_test(a_size_of_a_screen_is_read_where_the_format_has_it),
     };
     return cmocka_run_group_tests_name("scene", tests, NULL, scratch_remove);

@@ -342,7 +342,10 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
             "vertex_indices\nend_header\n"
             "0 1 0 0 9 2\n1 3 0 0 9 5\n0 7 1 0 9 11\n3 0 1 2\n",
             names[i][0], names[i][1]);
-        b = scene_build(LIGHT BOARD "Shape \"plymesh\" \"string filename\" \"%s\"", store_text("uv.ply", text));
+        /* behind another mesh, which wants none */
+        b = scene_build(LIGHT "AttributeBegin Translate 50 0 0 Shape \"objmesh\" \"string filename\" \"%s\" "
+                        "AttributeEnd " BOARD "Shape \"plymesh\" \"string filename\" \"%s\"",
+                        beside(scratch("square.obj")), store_text("uv.ply", text));
         look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
         assert_uv(uv, 0.5 * 1 + 0.2 * 3 + 0.3 * 7, 0.5 * 2 + 0.2 * 5 + 0.3 * 11);
         assert_int_equal(b.diag.n, 0);
@@ -1456,6 +1459,23 @@ static bis_texture constant_of(double r, double g, double b)
     return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = {r, g, b}};
 }
 
+/* Each channel by itself: (1 - w) a + w b; a b; 0.5 w/(1 - 0.5 w); pbrt-v3's polynomial, as python computes it. */
+static void textures_of_textures_have_their_values_in_each_channel(void **state)
+{
+    bis_texture list[] = {
+        constant_of(0.5, 0.25, 2), constant_of(1, 2, 4), constant_of(0.25, 0.5, 0.75),
+        constant_of(1 / 32.0, 2 / 32.0, 4 / 32.0), {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 2}},
+        {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}}, {.kind = BIS_TEXTURE_COAT, .of = {2}, .scale = 0.5},
+        {.kind = BIS_TEXTURE_ALPHA, .of = {3}}};
+    static const double expected[4][3] = {{0.625, 1.125, 3.5}, {0.5, 0.5, 8}, {1 / 7.0, 1 / 3.0, 0.6},
+        {0.24219603187096084, 0.3539623122546913, 0.524208055445442}};
+    const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
+    for (uint32_t i = 0; i < 4; i++) {
+        const rgbd c = bis_textures_value(&t, NULL, 4 + i, (double[]){0, 0}, (vec3){0, 0, 0});
+        assert_rgbd(c, expected[i][0], expected[i][1], expected[i][2]);
+    }
+}
+
 /* Constants stand for all textures here: which are looked at, in which channel, and what is said. */
 static void textures_of_a_material_are_checked_one_by_one(void **state)
 {
@@ -1517,8 +1537,9 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
 static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **state)
 {
     bis_texture list[] = {constant_of(0.5, 0.25, 0.125), constant_of(0.25, 0.5, 0.75), constant_of(0.16, 0.5, 1),
-        constant_of(1.0000001, 1, 1), constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1)};
-    const bis_textures t = {.list = list, .n = 6};
+        constant_of(1.0000001, 1, 1), constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1),
+        constant_of(1.5, -0.5, 2), constant_of(-1, 1.25, -2)}; /* what is cut off */
+    const bis_textures t = {.list = list, .n = 8};
     const rgb Kd = {0.1f, 0.2f, 0.3f}, Ks = {0.3f, 0.2f, 0.1f};
     bis_material base = bis_phong(Kd, Ks, 7), m;
     const double uv[2] = {0, 0};
@@ -1534,6 +1555,8 @@ static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **st
                 m.Kd.b == 0.3f && m.exponent == 0.16);
     OF(NO, NO, 5, 1);
     assert_true(m.exponent == 0);
+    OF(6, 7, NO, 1);
+    assert_true(m.Kd.r == 1 && m.Kd.g == 0 && m.Kd.b == 1 && m.Ks.r == 0 && m.Ks.g == 1 && m.Ks.b == 0);
     base = bis_microfacet_metal(Ks, (rgb){1, 2, 3}, 0.5);
     OF(NO, 1, NO, 1);
     assert_true(
@@ -1680,6 +1703,7 @@ int main(void)
         cmocka_unit_test(a_mapping_that_cannot_be_is_refused),
         cmocka_unit_test(an_image_that_is_no_square_has_its_rows_and_columns),
         cmocka_unit_test(the_range_of_each_kind_is_found_in_each_channel),
+        cmocka_unit_test(textures_of_textures_have_their_values_in_each_channel),
         cmocka_unit_test(textures_of_a_material_are_checked_one_by_one),
         cmocka_unit_test(a_material_takes_what_its_textures_give_and_keeps_the_rest),
         cmocka_unit_test(what_a_texture_needs_is_found_in_each_of_its_parts),

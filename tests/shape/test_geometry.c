@@ -54,7 +54,54 @@ static void the_first_mesh_is_moved_and_further_ones_are_copied(void **state)
     assert_true(g.box.lo.x == -1 && g.box.hi.x == 11 && g.box.lo.z == -1 && g.box.hi.z == 1);
     assert_int_equal(g.n_ranges, 2);
     assert_int_equal(g.ranges[1].first, nt);
+    /* twice as much room, or as much as is wanted where that is more */
+    assert_true(g.capacity_vertices == 2 * nv && g.capacity_triangles == 2 * nt);
+    for (int i = 0; i < 2; i++) {
+        bis_mesh c = sphere_mesh(i ? 30 : 3);
+        const size_t vertices = g.n_vertices + c.n_vertices, triangles = g.n_triangles + c.n_triangles;
+        add_mesh(&g, &c, NULL, 9);
+        assert_int_equal(g.capacity_vertices, i ? vertices : 2 * nv);
+        assert_int_equal(g.capacity_triangles, i ? triangles : 2 * nt);
+    }
+    assert_int_equal(g.n_ranges, 2);
     bis_geometry_clear(&g);
+}
+
+/* Points without triangles count: they are in the box, and the next mesh comes behind them. */
+static void a_mesh_of_points_alone_is_there(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh points = new_mesh(2, 0), m = triangle_mesh((vec3){1, 0, 0}, (vec3){0, 1, 0}, (vec3){0, 0, 1});
+    points.p[1] = (vec3){7, 8, 9};
+    add_mesh(&g, &points, NULL, 1);
+    add_mesh(&g, &m, NULL, 2);
+    assert_true(g.n_vertices == 5 && g.n_triangles == 1 && g.index[0] == 2 && g.index[2] == 4 && g.p[2].x == 1);
+    assert_true(g.box.lo.x == 0 && g.box.hi.x == 7 && g.box.hi.y == 8 && g.box.hi.z == 9);
+    bis_geometry_clear(&g);
+}
+
+/* What was got for a mesh that then lacked memory goes when the next one is moved. */
+static void a_mesh_is_moved_to_where_another_one_failed(void **state)
+{
+    const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
+    FOR_LACK(l) {
+        bis_mesh a = sphere_mesh(3), b = sphere_mesh(4);
+        bis_geometry g = {0};
+        const uint32_t *index = b.index;
+        const long live = bis_mem_live();
+        a.n = bis_alloc(a.n_vertices, sizeof *a.n);
+        a.uv = bis_alloc(a.n_vertices, sizeof *a.uv);
+        LACK(l, bis_geometry_add_mesh(&g, &a, &move, 1, NULL));
+        assert_int_equal(g.n_vertices, l.over ? a.n_vertices : 0);
+        bis_mesh_clear(&a);
+        if (!l.over) {
+            assert_int_equal(bis_geometry_add_mesh(&g, &b, &identity, 1, NULL), BIS_OK);
+            assert_true(g.index == index && !g.n && !g.uv && g.box.hi.x == 1);
+            assert_int_equal(bis_mem_live(), live - 1); /* a's two arrays less, a range more */
+        }
+        bis_mesh_clear(&b);
+        bis_geometry_clear(&g);
+    }
 }
 
 static void a_material_is_found_by_its_range(void **state)
@@ -102,26 +149,107 @@ static void normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order(v
     }
 }
 
-/* A cube's corner has three faces, cut into one or two triangles each: the angles, not the triangles, count. */
+/* A box's corner has three faces, of any size, cut into one or two triangles each: the angles alone count. */
 static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
 {
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     bis_mesh m = new_mesh(9, 13);
-    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), (float)(i >> 1 & 1), (float)(i >> 2)};
+    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), 2 * (float)(i >> 1 & 1), 4 * (float)(i >> 2)};
     memcpy(m.index, faces, sizeof faces);
     m.index[36] = m.index[37] = m.index[38] = 8; /* a point: vertex 8 has no proper face */
     assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
     for (size_t i = 0; i < 8; i++) {
         assert_true(fabs(dot(m.n[i], m.n[i]) - 1) < 1e-6);
-        assert_true(
-            dot(m.n[i], sub(m.p[i], (vec3){0.5f, 0.5f, 0.5f})) > 0.8660 - 1e-4); /* sqrt(3)/2: along the diagonal */
+        const vec3 out = {i & 1 ? 1 : -1, i >> 1 & 1 ? 1 : -1, i >> 2 ? 1 : -1}; /* all at right angles: sqrt(3) */
+        assert_true((double)dot(m.n[i], out) > sqrt(3) - 1e-6);
     }
     assert_true(m.n[8].x == 0 && m.n[8].y == 0 && m.n[8].z == 0);
     const long live = bis_mem_live();
     assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK); /* once more: they replace those that were there */
     assert_int_equal(bis_mem_live(), live);
     bis_mesh_clear(&m);
+}
+
+/* Parts 2, 0, 3, 2, 0, 2 of four triangles' worth of vertices: sorted, each in its old order, and each part has its own
+ * vertices in the order in which it names them. Part 1 is empty. */
+static void parts_are_sorted_and_taken_with_their_vertices(void **state)
+{
+    static const uint32_t index[6][3] = {{0, 1, 2}, {3, 4, 5}, {5, 1, 0}, {2, 1, 6}, {4, 3, 6}, {6, 0, 2}},
+                          part[6] = {2, 0, 3, 2, 0, 2}, order[6] = {1, 4, 0, 3, 5, 2};
+    static const size_t first[5] = {0, 2, 2, 5, 6};
+    static const struct {
+        uint32_t n_vertices, vertex[4], index[9];
+    } taken[4] = {{4, {3, 4, 5, 6}, {0, 1, 2, 1, 0, 3}}, {0}, {4, {0, 1, 2, 6}, {0, 1, 2, 2, 1, 3, 3, 0, 2}},
+                  {3, {5, 1, 0}, {0, 1, 2}}};
+    for (int has = 0; has < 4; has++) { /* bits: normals, (u, v) */
+        bis_mesh m = new_mesh(7, 6);
+        bis_mesh_parts parts;
+        memcpy(m.index, index, sizeof index);
+        m.part = bis_alloc(6, sizeof *m.part);
+        memcpy(m.part, part, sizeof part);
+        if (has & 1) m.n = bis_alloc(7, sizeof *m.n);
+        if (has & 2) m.uv = bis_alloc(7, sizeof *m.uv);
+        for (int i = 0; i < 7; i++) {
+            m.p[i].x = (float)i;
+            if (m.n) m.n[i].y = (float)(10 + i);
+            if (m.uv) m.uv[i].v = (float)(20 + i);
+        }
+        assert_int_equal(bis_mesh_sort_parts(&parts, &m, 4, NULL), BIS_OK);
+        assert_int_equal(parts.n, 4);
+        assert_null(m.part);
+        assert_memory_equal(parts.first, first, sizeof first);
+        for (size_t i = 0; i < 6; i++) assert_memory_equal(m.index + 3 * i, index[order[i]], sizeof index[0]);
+        for (size_t k = 0; k < 8; k++) { /* twice: taking a part leaves nothing behind */
+            bis_mesh out;
+            const size_t at = k % 4, n = first[at + 1] - first[at];
+            assert_int_equal(bis_mesh_take_part(&out, &m, &parts, at, NULL), BIS_OK);
+            assert_int_equal(out.n_vertices, taken[at].n_vertices);
+            assert_int_equal(out.n_triangles, n);
+            assert_true(!out.n == !m.n && !out.uv == !m.uv && !out.part);
+            assert_memory_equal(out.index, taken[at].index, 3 * n * sizeof *out.index);
+            for (size_t i = 0; i < out.n_vertices; i++) {
+                const float v = (float)taken[at].vertex[i];
+                assert_true(out.p[i].x == v && (!out.n || out.n[i].y == 10 + v) && (!out.uv || out.uv[i].v == 20 + v));
+            }
+            bis_mesh_clear(&out);
+        }
+        bis_mesh_parts_clear(&parts);
+        assert_true(!parts.first && !parts.number && parts.n == 0);
+        bis_mesh_clear(&m);
+    }
+    assert_int_equal(bis_mem_live(), 0);
+}
+
+/* Without memory to sort, or for a part, the mesh is as it was, and the next try succeeds. */
+static void parts_without_memory_are_tried_again(void **state)
+{
+    bis_mesh m = new_mesh(4, 2);
+    bis_mesh_parts parts;
+    bis_diag diag = {0};
+    m.part = bis_alloc(2, sizeof *m.part);
+    m.n = bis_alloc(4, sizeof *m.n);
+    m.uv = bis_alloc(4, sizeof *m.uv);
+    m.part[0] = 1;
+    for (uint32_t i = 0; i < 6; i++) m.index[i] = i < 3 ? i : i - 2;
+    FOR_LACK(l) {
+        LACK(l, bis_mesh_sort_parts(&parts, &m, 2, &diag));
+        if (l.over) assert_int_equal(l.k, 4);
+        else assert_true(m.part && !parts.first && !parts.number);
+    }
+    FOR_LACK(l) {
+        bis_mesh out;
+        LACK(l, bis_mesh_take_part(&out, &m, &parts, 1, &diag));
+        if (l.over) assert_true(l.k == 5 && out.n_vertices == 3 && out.index[2] == 2);
+        else assert_true(!out.p && !out.index && out.n_triangles == 0);
+        bis_mesh_clear(&out);
+    }
+    assert_int_equal(diag.n, 3 + 4);
+    assert_string_equal(diag.messages[2].text, "error: no memory to sort 2 triangles");
+    assert_string_equal(diag.messages[3].text, "error: no memory for a part of 1 triangles");
+    bis_mesh_parts_clear(&parts);
+    bis_mesh_clear(&m);
+    bis_diag_clear(&diag);
 }
 
 /* A mesh that only says so: it is refused before anything of it is read. */
@@ -148,7 +276,7 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
 {
     const bis_xform identity = bis_xform_identity(), huge = bis_xform_scale(1e38, 1, 1);
     bis_geometry g = {0};
-    bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 0, 0}, (vec3){0, 1, 0});
+    bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 2, 3}, (vec3){0, 1, 0});
     bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_scale(1, 1e39, 1), 0};
     bis_diag diag = {0};
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &huge, 0, &diag), BIS_INPUT);
@@ -159,7 +287,7 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     m.p[2].y = NAN;
     assert_int_equal(bis_geometry_add_mesh(&g, &m, &identity, 0, &diag), BIS_INPUT);
     assert_string_equal(diag.messages[0].text,
-                        "error: vertex 1 (5, 0, 0) or its normal does not fit into a float after its transformation");
+                        "error: vertex 1 (5, 2, 3) or its normal does not fit into a float after its transformation");
     assert_string_equal(diag.messages[1].text, "error: a sphere of radius 1 does not fit into floats in world space");
     assert_string_equal(diag.messages[2].text, "error: triangle 0 has index 3, but the mesh has 3 vertices");
     assert_int_equal(diag.n, 4);
@@ -175,20 +303,33 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     bis_diag_clear(&diag);
 }
 
+/* Of the second mesh's normals; of a range and a vertex more for the first, which is moved; of each array of both, and
+ * of a quadric. */
 static void any_allocation_may_fail(void **state)
 {
+    static const char *const says[] = {
+        "the normals of 14 vertices", "the normals of 14 vertices", "ranges of materials: 1 in all",
+        "vertices: 26 in all", "ranges of materials: 2 in all", "vertices: 40 in all", "vertex normals: 40 in all",
+        "texture coordinates: 40 in all", "triangles: 72 in all", "spheres and disks: 1 in all"};
     FOR_LACK(l) {
         const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
         const bis_quadric q = {BIS_SPHERE, 1, 0, move, 0};
         bis_mesh a = sphere_mesh(4), b = sphere_mesh(3);
         bis_geometry g = {0};
         bis_diag diag = {0};
+        char text[100];
+        b.uv = bis_alloc(b.n_vertices, sizeof *b.uv);
         LACK(l, bis_mesh_smooth_normals(&b, &diag)
                     ?: bis_geometry_add_mesh(&g, &a, &identity, 1, &diag)
                     ?: bis_geometry_add_mesh(&g, &b, &move, 2, &diag)
                     ?: bis_geometry_add_quadric(&g, &q, &diag));
         assert_int_equal(l.status == BIS_OK, l.over);
         assert_int_equal(diag.n_errors, l.over ? 0 : 1);
+        assert_int_equal(l.over, l.k > (long)(sizeof says / sizeof *says));
+        if (!l.over) {
+            snprintf(text, sizeof text, "error: no memory for %s", says[l.k - 1]);
+            assert_string_equal(diag.messages[0].text, text);
+        }
         bis_mesh_clear(&a);
         bis_mesh_clear(&b);
         bis_geometry_clear(&g);
@@ -424,6 +565,92 @@ static void a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray(
     }
 }
 
+/* The triangle o, o + a(4, 0, -3) + (0, s b, 0), o + t a(4, 0, -3) + (0, b, 0), whose plane has the normal (0.6, 0,
+ * 0.8), and its point at the weights 1/2, 1/4, 1/4. Twice its area is 5 a b (1 - s t), its extents are 4 a, b and 3 a.
+ * So a vertex less the origin makes tilt = 0.6 (4 a) + 0.8 (3 a) = 4.8 a; the products of the edges make, along x and
+ * z, 1.2 a (1 + t)(1 + s t)/(1 - s t), and along y, b (1 + s)/4 times 24 t a/(5 b (1 - s t)). In all u (2 tilt + 6
+ * sums) along the normal, u = 2^-24, but no more than the largest extent. */
+static void the_error_of_a_triangles_point_is_the_sum_of_its_parts(void **state)
+{
+    static const struct {
+        double o[3], a, b, s, t;
+        bool is_known; /* floats know the plane */
+    } cases[] = {{{0, 0, 0}, 1, 1, 0, 0, true},         {{7, 9, 11}, 1, 4, 0.5, 0.5, true},
+                 {{-70, -9, -1}, 2, 1, 0.25, 0.75, true}, {{-1000, -600, 750}, 1000, 1600, 0.5, 0, true},
+                 {{0, 0, 0}, 1, 1, 1 - 0x1p-21, 1 - 0x1p-21, true}, {{0, 0, 0}, 1, 1, 1 - 0x1p-22, 1 - 0x1p-22, false},
+                 {{0, 0, 0}, 1, 64, 1 - 0x1p-18, 1 - 0x1p-22, true}};
+    for (size_t k = 0; k < 3 * 2 * sizeof cases / sizeof *cases; k++) {
+        const size_t i = k / 6;
+        const int turn = (int)(k % 3), back = (int)(k / 3 % 2);
+        const double *o = cases[i].o, a = cases[i].a, b = cases[i].b, s = cases[i].s, t = cases[i].t, gap = 1 - s * t;
+        const double x[3][3] = {{o[0], o[1], o[2]}, {o[0] + 4 * a, o[1] + s * b, o[2] - 3 * a},
+                                {o[0] + 4 * t * a, o[1] + b, o[2] - 3 * t * a}}, n[3] = {0.6, 0, 0.8};
+        const double sums = 1.2 * a * (1 + t) * (1 + s * t) / gap + 6 * (1 + s) * t * a / (5 * gap),
+                     distance = 0x1p-24 * (2 * 4.8 * a + 6 * sums), largest = fmax(4 * a, b);
+        double from[3], v[3][3];
+        for (int c = 0; c < 3; c++) { /* component c of these is `turn` components on */
+            const int w = (c + turn) % 3;
+            from[w] = x[0][c] / 2 + x[1][c] / 4 + x[2][c] / 4 + 10 * n[c];
+            for (int j = 0; j < 3; j++) v[j][w] = x[back && j ? 3 - j : j][c];
+        }
+        bis_geometry g = {0};
+        bis_mesh m = triangle_mesh(vec3_from(v[0][0], v[0][1], v[0][2]), vec3_from(v[1][0], v[1][1], v[1][2]),
+                                   vec3_from(v[2][0], v[2][1], v[2][2]));
+        bis_surface at;
+        float d[3];
+        for (int c = 0; c < 3; c++) d[(c + turn) % 3] = (float)-n[c];
+        const ray r = {vec3_from(from[0], from[1], from[2]), {d[0], d[1], d[2]}, INFINITY};
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_surface(&g, 0, &r, &at);
+        const float p[3] = {at.p.x, at.p.y, at.p.z}, error[3] = {at.p_error.x, at.p_error.y, at.p_error.z};
+        assert_true((distance < largest) == cases[i].is_known);
+        for (int c = 0; c < 3; c++) {
+            const int w = (c + turn) % 3;
+            const double most = fmax(fabs(x[0][c]), fmax(fabs(x[1][c]), fabs(x[2][c])));
+            const double expected = 0x1p-24 * fabs((double)p[w]) + 0x1p-48 * most + fmin(distance, largest) * n[c];
+            if (!(fabs((double)error[w] - expected) <= 1e-5 * expected + 0x1p-149))
+                fail_msg("case %zu, %d: %g, not %g", k, c, (double)error[w], expected);
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
+/* From 10^13 radii away t is known to 10^-3 of a radius. The point lies on the ball all the same. */
+static void a_point_of_a_ball_is_at_its_radius_from_however_far(void **state)
+{
+    for (int i = 0; i < 6; i++) {
+        const double side = i < 3 ? 1 : -1;
+        double from[3], d[3];
+        bis_surface s;
+        for (int c = 0; c < 3; c++) {
+            from[c] = c == i % 3 ? 1e13 * side : c == (i + 1) % 3 ? 0.7 : 0.6;
+            d[c] = c == i % 3 ? -side : 0;
+        }
+        const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_identity(), 0};
+        const ray r = {vec3_from(from[0], from[1], from[2]), vec3_from(d[0], d[1], d[2]), INFINITY};
+        bis_quadric_surface(&q, &r, &s);
+        assert_true(fabs((double)length(s.p) - 1) < 2e-7 && fabs((double)length(s.ng) - 1) < 2e-7);
+        assert_true(fabs((double)dot(s.p, s.ng) - 1) < 2e-7 && (double)dot(s.ng, r.d) < 0);
+    }
+}
+
+/* In a plane across an axis nothing errs but the rounding of the point: at 0, the smallest denormal. */
+static void a_point_in_a_plane_across_an_axis_errs_by_its_rounding(void **state)
+{
+    for (int k = 0; k < 2; k++) {
+        const float z = k ? 5 : 0;
+        bis_geometry g = {0};
+        bis_mesh m = triangle_mesh((vec3){-1, -1, z}, (vec3){2, -1, z}, (vec3){-1, 2, z});
+        const ray r = {{0, 0, 9}, {0, 0, -1}, INFINITY};
+        bis_surface s;
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_surface(&g, 0, &r, &s);
+        assert_true(k ? fabs((double)s.p_error.z / (5 * (0x1p-24 + 0x1p-48)) - 1) < 1e-6 : s.p_error.z == FLT_TRUE_MIN);
+        assert_true(fabs((double)s.p_error.x / (2 * 0x1p-48) - 1) < 1e-6 && s.p_error.y == s.p_error.x);
+        bis_geometry_clear(&g);
+    }
+}
+
 /* p must be off the plane by more than half the bound now and then, else the bound could be smaller. */
 static void the_error_of_a_triangles_point_is_no_larger_than_four_ulps(void **state)
 {
@@ -509,6 +736,88 @@ static void the_error_of_a_balls_point_knows_no_axis(void **state)
         const double bulge = fmin(3 * e * e / (2 * R), sqrt(3) * e / 2) / sqrt(3);
         assert_true((double)s.p_error.x >= e + bulge && (double)s.p_error.x < 2.01 * e);
         bis_geometry_clear(&g);
+    }
+}
+
+/* A box beside a sphere or disk of any size along each axis, any axes exchanged: in the object's space it is a box,
+ * too. A sphere touches it between its nearest and its farthest point from the middle; a disk does if it holds the
+ * height and its nearest point from the axis is within the radius. All this within 10^-9. */
+static void a_quadric_touches_a_box_between_its_nearest_and_its_farthest_point(void **state)
+{
+    uint64_t seed = 11;
+    for (int i = 0; i < 4000; i++) {
+        const int turn = i % 3, kind = i / 3 % 2, bound = i / 6 % 2, inside = i / 12 % 2;
+        double columns[16] = {0}, centre[3], half[3], near2 = 0, far2 = 0, across2 = 0, height = 0, thick = 0;
+        for (int a = 0; a < 3; a++) { /* object axis a is world axis w */
+            const int w = (a + turn) % 3;
+            const double scale = random_between(&seed, 0.5, 2) * (i & 1 ? -1 : 1), at = random_between(&seed, -4, 4),
+                         c = random_between(&seed, 0.1, 3) * (i & 2 ? -1 : 1), h = random_between(&seed, 0.05, 1),
+                         near = fmax(0, fabs(c) - h);
+            columns[4 * a + w] = scale, columns[12 + w] = at;
+            centre[w] = at + scale * c, half[w] = fabs(scale) * h;
+            near2 += near * near, far2 += (fabs(c) + h) * (fabs(c) + h);
+            if (a == 1) across2 = near2;
+            height = c, thick = h;
+        }
+        columns[15] = 1;
+        bis_quadric q = {kind ? BIS_DISK : BIS_SPHERE, 1, 0, bis_xform_identity(), 0};
+        const double little = inside ? -1e-9 : 1e-9;
+        bool expected;
+        assert_true(bis_xform_from_columns(&q.to_world, columns));
+        if (kind == 0) { /* a radius at the nearest or the farthest point */
+            q.radius = bound ? sqrt(near2) * (1 - little) : sqrt(far2) * (1 + little);
+            expected = inside && q.radius > 0;
+            if (near2 == 0 && bound) continue;
+        } else if (bound) { /* a radius at the nearest point, a height in the middle */
+            q.radius = sqrt(across2) * (1 - little), q.height = height;
+            expected = inside;
+            if (across2 == 0) continue;
+        } else { /* a large radius, a height at the box's side */
+            q.radius = 10, q.height = height + (i / 24 % 2 ? thick : -thick) * (1 + little);
+            expected = inside;
+        }
+        if (bis_quadric_may_touch(&q, centre, half) != expected) fail_msg("%d: %d", i, !expected);
+    }
+}
+
+/* A ball of radius r, scaled along each axis and moved, met by a ray through its middle. A point errs
+ * by 2^-24 of itself, and by 2^-48 of the terms that make it: itself there and back, and the two moves. With the root
+ * tau of the sum of their squares the surface bulges by tau^2 over its radius of curvature, which is at least r/(I
+ * sqrt(S)), S the sum of the squares of the scales, I that of their inverses, but by no more than tau. */
+static void the_error_of_an_ellipsoids_point_is_the_sum_of_its_parts(void **state)
+{
+    static const struct {
+        double at[3], scale[3], radius, d[3];
+        bool is_cut;
+    } cases[] = {{{0x1p20, 0x1p20, 0x1p20}, {1, 1, 1}, 8, {1, 1, 1}, false},
+                 {{0x1p20, -0x1p19, 0x1p18}, {2, 8, 4}, 1, {1, 2, 3}, false},
+                 {{-0x1p20, 0x1p18, 0x1p17}, {1, 0.5, 0.25}, 1, {-3, 1, 1}, true},
+                 {{0, 0, 4}, {1, 3, 4}, 1, {0, 0, 1}, false}, {{0, 6, 0}, {1, 3, 4}, 2, {0, 1, 0}, false},
+                 {{-8, 0, 0}, {4, 3, 1}, 2, {-1, 0, 0}, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double *at = cases[i].at, *scale = cases[i].scale, *d = cases[i].d;
+        const bis_xform size = bis_xform_scale(scale[0], scale[1], scale[2]), move = bis_xform_translate(at[0], at[1],
+                        at[2]);
+        const bis_quadric q = {BIS_SPHERE, cases[i].radius, 0, bis_xform_compose(&move, &size), 0};
+        const ray r = {vec3_from(at[0] - 64 * d[0], at[1] - 64 * d[1], at[2] - 64 * d[2]), vec3_from(d[0], d[1], d[2]),
+                       INFINITY};
+        bis_surface s;
+        double e[3], tau2 = 0, squares = 0, inverses = 0;
+        bis_quadric_surface(&q, &r, &s);
+        const double p[3] = {(double)s.p.x, (double)s.p.y, (double)s.p.z}, n[3] = {(double)s.ng.x, (double)s.ng.y,
+                     (double)s.ng.z}, error[3] = {(double)s.p_error.x, (double)s.p_error.y, (double)s.p_error.z};
+        for (int c = 0; c < 3; c++) {
+            e[c] = 0x1p-24 * fabs(p[c]) + 0x1p-48 * (fabs(p[c]) + 2 * fabs(at[c]));
+            tau2 += e[c] * e[c];
+            squares += scale[c] * scale[c], inverses += 1 / (scale[c] * scale[c]);
+        }
+        const double bulge = tau2 * inverses * sqrt(squares) / cases[i].radius, tau = sqrt(tau2);
+        assert_true((bulge > tau) == cases[i].is_cut);
+        for (int c = 0; c < 3; c++) {
+            const double expected = e[c] + fmin(bulge, tau) * fabs(n[c]);
+            if (!(fabs(error[c] - expected) <= 1e-5 * expected + 0x1p-149))
+                fail_msg("case %zu, %d: %g, not %g", i, c, error[c], expected);
+        }
     }
 }
 
@@ -640,6 +949,89 @@ static bis_mesh cube_mesh(void)
         m.p[i] = (vec3){(float)(i & 1) - 0.5f, (float)(i >> 1 & 1) - 0.5f, (float)(i >> 2) - 0.5f};
     memcpy(m.index, faces, sizeof faces);
     return m;
+}
+
+/* Disks of radius 1 at the heights 0, 1, ..., behind a mesh: each has its own material, box, (u, v) and tangents. */
+static void a_quadric_behind_a_mesh_is_found_by_its_number(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = cube_mesh();
+    add_mesh(&g, &m, NULL, 7);
+    for (uint32_t i = 0; i < 14; i++) {
+        const bis_quadric q = {BIS_DISK, 2 + i, i, bis_xform_identity(), 20 + i};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    }
+    assert_int_equal(bis_geometry_primitives(&g), 12 + 14);
+    for (uint32_t i = 0; i < 14; i++) {
+        const uint32_t prim = 12 + i;
+        const ray r = {{0, 1, 99}, {0, 0, -1}, INFINITY};
+        bis_surface s;
+        bis_tangents t;
+        double uv[2];
+        const bis_box box = bis_geometry_bounds(&g, prim);
+        bis_geometry_surface(&g, prim, &r, &s);
+        bis_geometry_uv(&g, prim, &r, uv);
+        bis_geometry_tangents(&g, prim, &r, &t);
+        assert_int_equal(s.material, 20 + i);
+        assert_true(s.p.z == (float)i && s.p.y == 1 && s.ng.z == 1);
+        assert_true(fabs((double)box.hi.z - i) < 1e-5 && fabs((double)box.hi.x - (2 + i)) < 1e-5);
+        assert_true(fabs(uv[0] - 0.25) < 1e-9 && fabs(uv[1] - (1 - 1. / (2 + i))) < 1e-9);
+        assert_true(fabs(t.u[0] + 2 * PI) < 1e-9 && fabs(t.v[1] + 2 + i) < 1e-9);
+    }
+    bis_geometry_clear(&g);
+}
+
+/* At the weights 1/2, 1/8, 3/8 of the corners: from the corners' (u, v), or, if one of them has none, from pbrt's, (0,
+ * 0), (1, 0) and (1, 1). */
+static void a_corner_without_coordinates_gives_its_triangle_pbrts(void **state)
+{
+    const ray r = {{0.5f, 1.5f, 3}, {0, 0, -1}, INFINITY};
+    for (int without = 0; without < 5; without++) { /* a corner; 3: none; 4: there are no coordinates at all */
+        bis_geometry g = {0};
+        bis_mesh m = triangle_mesh((vec3){0, 0, 1}, (vec3){4, 0, 1}, (vec3){0, 4, 1});
+        bis_tangents t;
+        double uv[2];
+        if (without < 4) m.uv = bis_alloc(3, sizeof *m.uv);
+        for (int k = 0; k < 3 && m.uv; k++)
+            m.uv[k] = (bis_uv){k == without ? NAN : (float)(8 * k * k + 8), (float)(16 * k)};
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_uv(&g, 0, &r, uv);
+        assert_true(fabs(uv[0] - (without == 3 ? 4 + 2 + 15 : 0.5)) < 1e-12);
+        assert_true(fabs(uv[1] - (without == 3 ? 2 + 12 : 0.375)) < 1e-12);
+        bis_geometry_tangents(&g, 0, &r, &t);
+        /* u = x/4 + y/4 and v = y/4, so p_u = (4, 0) and p_v = (-4, 4); or u = 8 + 2 x + 8 y and v = 4 x + 8 y, so x =
+         * v/2 - u/2 + 4 and y = u/4 - v/8 - 2 */
+        const double u[2] = {without == 3 ? -0.5 : 4, without == 3 ? 0.25 : 0},
+                     v[2] = {without == 3 ? 0.5 : -4, without == 3 ? -0.125 : 4};
+        for (int c = 0; c < 2; c++) assert_true(fabs(t.u[c] - u[c]) < 1e-12 && fabs(t.v[c] - v[c]) < 1e-12);
+        assert_true(t.u[2] == 0 && t.v[2] == 0 && t.outside[2] == 1);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* The start of a shadow ray lies sum |n_c| e_c along the normal n, where e is the error, and 2^-20 of that more. Each
+ * coordinate is rounded away from the point: the float before is not as far. */
+static void a_shadow_ray_starts_beyond_the_error_along_the_normal(void **state)
+{
+    uint64_t seed = 12;
+    for (int i = 0; i < 2000; i++) {
+        const vec3 n = i % 8 ? random_direction(&seed) : (vec3){i % 24 == 0, i % 24 == 8, i % 24 == 16};
+        const vec3 p = random_point(&seed, -3, 3), error = random_point(&seed, 0, i % 2 ? 1 : 1e-6);
+        const bis_surface s = {.p = p, .p_error = error, .ng = i % 3 ? n : neg(n), .n = {9, 9, 9}};
+        const vec3 start = bis_surface_offset(&s);
+        const float from[3] = {p.x, p.y, p.z}, to[3] = {start.x, start.y, start.z}, e[3] = {error.x, error.y, error.z},
+                    along[3] = {s.ng.x, s.ng.y, s.ng.z};
+        long double step = 0;
+        for (int c = 0; c < 3; c++) step += fabsl((long double)along[c]) * (long double)e[c];
+        for (int c = 0; c < 3; c++) {
+            const long double exact = (long double)from[c] + (1 + 0x1p-20L) * step * (long double)along[c];
+            const double side = along[c] < 0 ? -1 : 1;
+            if (along[c] == 0) assert_true(to[c] == from[c]);
+            if (along[c] == 0) continue;
+            assert_true((double)(((long double)to[c] - exact) * side) > -1e-14);
+            assert_true((double)(((long double)nextafterf(to[c], from[c] - (float)side) - exact) * side) < 1e-14);
+        }
+    }
 }
 
 /* Scales and shifts of a scene; the body's size after a shift by 1e6 must be many ulps (1/16) there, or a mesh is not
@@ -865,13 +1257,14 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
 }
 
 /* Meshes with and without normals and (u, v), in each order: what one has is copied to its place, what it lacks is
- * (0,0,0), and (NaN, 0). Behind the last vertex stands (0,0,0). */
+ * (0,0,0), and (NaN, 0). Behind the last vertex stands (0,0,0). The fourth mesh fits into what the third made room
+ * for. */
 static void what_a_mesh_lacks_is_filled_in(void **state)
 {
     const bis_xform up = bis_xform_translate(0, 0, 5);
-    for (int has = 0; has < 8; has++) { /* bit k: mesh k has both */
+    for (int has = 0; has < 16; has++) { /* bit k: mesh k has both */
         bis_geometry g = {0};
-        for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t k = 0; k < 4; k++) {
             const bool own = has >> k & 1;
             bis_mesh m = {.p = bis_alloc(4, sizeof *m.p), .index = bis_alloc(3, sizeof *m.index), .n_vertices = 4,
                           .n_triangles = 1};
@@ -885,20 +1278,20 @@ static void what_a_mesh_lacks_is_filled_in(void **state)
             assert_int_equal(bis_geometry_add_mesh(&g, &m, &up, k, NULL), BIS_OK);
             bis_mesh_clear(&m);
         }
-        assert_true(g.n_vertices == 12 && g.n_triangles == 3 && g.n_ranges == 3);
+        assert_true(g.n_vertices == 16 && g.n_triangles == 4 && g.n_ranges == 4);
         assert_true((g.n != NULL) == (has > 0) && (g.uv != NULL) == (has > 0));
-        assert_true(g.p[12].x == 0 && g.p[12].y == 0 && g.p[12].z == 0);
-        for (uint32_t i = 0; i < 12; i++) {
+        assert_true(g.p[16].x == 0 && g.p[16].y == 0 && g.p[16].z == 0);
+        for (uint32_t i = 0; i < 16; i++) {
             const float v = (float)(10 * (i / 4) + i % 4);
             const bool own = has >> i / 4 & 1;
             assert_true(g.p[i].x == v && g.p[i].y == v + 1 && g.p[i].z == v + 7);
-            if (i < 9) assert_int_equal(g.index[i], 4 * (i / 3) + 3 - i % 3);
+            if (i < 12) assert_int_equal(g.index[i], 4 * (i / 3) + 3 - i % 3);
             if (!has) continue;
             assert_true(g.n[i].x == 0 && g.n[i].y == 0 && g.n[i].z == (own ? 1 : 0));
             if (own) assert_true(g.uv[i].u == v && g.uv[i].v == v + 3);
             else assert_true(isnan(g.uv[i].u) && g.uv[i].v == 0);
         }
-        for (uint32_t k = 0; k < 3; k++) assert_true(g.ranges[k].first == k && g.ranges[k].material == k);
+        for (uint32_t k = 0; k < 4; k++) assert_true(g.ranges[k].first == k && g.ranges[k].material == k);
         bis_geometry_clear(&g);
     }
 }
@@ -972,9 +1365,13 @@ int main(void)
         cmocka_unit_test(bytes_are_those_of_the_arrays),
         cmocka_unit_test(what_a_mesh_lacks_is_filled_in),
         cmocka_unit_test(the_first_mesh_is_moved_and_further_ones_are_copied),
+        cmocka_unit_test(a_mesh_of_points_alone_is_there),
+        cmocka_unit_test(a_mesh_is_moved_to_where_another_one_failed),
         cmocka_unit_test(a_material_is_found_by_its_range),
         cmocka_unit_test(normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order),
         cmocka_unit_test(smooth_normals_are_weighted_by_angle_not_by_triangles),
+        cmocka_unit_test(parts_are_sorted_and_taken_with_their_vertices),
+        cmocka_unit_test(parts_without_memory_are_tried_again),
         cmocka_unit_test(more_than_an_index_can_count_is_refused),
         cmocka_unit_test(what_does_not_fit_into_a_float_or_an_index_is_refused),
         cmocka_unit_test(any_allocation_may_fail),
@@ -984,11 +1381,19 @@ int main(void)
         cmocka_unit_test(a_quadrics_point_is_where_the_ray_was_aimed),
         cmocka_unit_test(a_quadrics_range_is_open_and_tmax_is_kept),
         cmocka_unit_test(a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray),
+        cmocka_unit_test(the_error_of_a_triangles_point_is_the_sum_of_its_parts),
+        cmocka_unit_test(a_point_of_a_ball_is_at_its_radius_from_however_far),
+        cmocka_unit_test(a_point_in_a_plane_across_an_axis_errs_by_its_rounding),
         cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),
         cmocka_unit_test(a_quadrics_point_lies_within_its_error_of_the_surface),
         cmocka_unit_test(the_error_of_a_balls_point_knows_no_axis),
+        cmocka_unit_test(the_error_of_an_ellipsoids_point_is_the_sum_of_its_parts),
+        cmocka_unit_test(a_quadric_touches_a_box_between_its_nearest_and_its_farthest_point),
         cmocka_unit_test(normals_are_turned_to_the_eyes_side),
         cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
+        cmocka_unit_test(a_quadric_behind_a_mesh_is_found_by_its_number),
+        cmocka_unit_test(a_corner_without_coordinates_gives_its_triangle_pbrts),
+        cmocka_unit_test(a_shadow_ray_starts_beyond_the_error_along_the_normal),
         cmocka_unit_test(a_convex_mesh_never_shadows_itself_nor_leaks),
         cmocka_unit_test(a_turned_tetrahedron_never_shadows_itself),
         cmocka_unit_test(spheres_never_shadow_themselves_nor_leak_E37),

@@ -102,6 +102,10 @@ static const shape shapes[] = {
     {"sphere", {.profile = BIS_PROFILE_CIRCLE, .radius = 2, .z = {-1, 1.5}, .phi_max_deg = 270}, radius_sphere,
      v_sphere, 2, {192, 128}},
     {"hyperboloid", {.p = {{1, .5, -1}, {-.5, 1, 1}}, .phi_max_deg = 360}, radius_skew, v_skew, 2, {256, 256}},
+    /* in a plane with the axis, whichever plane that is */
+    {"cylinder over y", {.p = {{0, 2, -1}, {0, 2, 3}}, .phi_max_deg = 360}, radius_cylinder, v_cylinder, 4, {256, 1}},
+    {"cylinder between", {.p = {{1.6, -1.2, -1}, {1.6, -1.2, 3}}, .phi_max_deg = 360}, radius_cylinder, v_cylinder, 4,
+     {256, 1}},
 };
 
 /* The angle by which the profile's point at height z is turned to p, over phi_max. */
@@ -122,6 +126,7 @@ static void check_point(const shape *s, const sample *at, double *furthest, doub
     const double away = fabs(r - s->radius(z)) / hypot(1, slope), v = s->v(z, r);
     double n[3] = {at->p[0] / r, at->p[1] / r, -slope};
     unit3(n);
+    assert_true(isfinite(away) && isfinite(dot3(n, at->n))); /* fmax passes over what is not a number */
     *furthest = fmax(*furthest, away);
     *most_tilted = fmax(*most_tilted, acos(fmin(dot3(n, at->n), 1)));
     assert_true(fabs(at->uv[1] - v) < 2e-3);
@@ -144,8 +149,19 @@ static void revolved_meshes_lie_on_the_implicit_surfaces(void **state)
         assert_int_equal(m.n_triangles, 2 * s->pieces[0] * s->pieces[1]);
         assert_int_equal(m.n_vertices, (s->pieces[0] + 1) * (s->pieces[1] + 1));
         for (size_t k = 0; k < m.n_vertices; k++) size = fmax(size, hypot((double)m.p[k].x, (double)m.p[k].y));
-        for (int k = 0; k < N_POINTS; k++)
-            if (draw(&at, &m, &random) && hypot(at.p[0], at.p[1]) > 1e-3) check_point(s, &at, &furthest, &tilted);
+        const bool is_line = s->r.profile == BIS_PROFILE_LINE;
+        for (int end = 0; end < 2; end++) { /* the first and the last vertex lie at the ends of the profile */
+            const size_t k = end ? m.n_vertices - 1 : 0;
+            assert_true(fabs((double)m.p[k].z - (is_line ? s->r.p[end][2] : s->r.z[end])) < 1e-6);
+            assert_true(m.uv[k].u == (float)end && fabs((double)m.uv[k].v - end) < 1e-6);
+        }
+        int n_points = 0;
+        for (int k = 0; k < N_POINTS; k++) {
+            if (!draw(&at, &m, &random) || !(hypot(at.p[0], at.p[1]) > 1e-3)) continue;
+            check_point(s, &at, &furthest, &tilted);
+            n_points++;
+        }
+        assert_true(n_points > N_POINTS / 3); /* half of the triangles of a cone have no area */
         print_message("%-20s %6zu triangles, %.2e of its size away, normals %.4f degrees off\n", s->name, m.n_triangles,
                       furthest / size, tilted * 180 / PI);
         assert_true(furthest < BIS_MAKE_REVOLVED_ERROR * size);
@@ -328,12 +344,81 @@ static void b_splines_reproduce_the_line(void **state)
             const double p[4] = {x, (double)(i / n), 0, 1};
             memcpy(net[i], p, sizeof p);
         }
-        const bis_nurbs s = {{n, 2}, {order, 2}, {knot, flat}, (const double (*)[4])net, {{0, 5}, {0, 1}}};
+        const double first = order % 2 ? 0 : 0.25, last = order % 2 ? 1 : 0.75; /* all of them, or a part */
+        const bis_nurbs s = {{n, 2}, {order, 2}, {knot, flat}, (const double (*)[4])net,
+                             {{first, 4 + last}, {first, last}}};
         bis_mesh m;
         assert_int_equal(bis_make_nurbs(&m, &s, (bis_loc){0}, NULL), BIS_OK);
         for (size_t i = 0; i < m.n_vertices; i++) {
-            assert_true(fabs((double)m.p[i].x - (double)m.uv[i].u) < 1e-6 && m.p[i].y == m.uv[i].v);
+            const double u = (double)(i % 65) / 64, v = (double)(i / 65) / 64;
+            assert_true(fabs((double)m.uv[i].u - (first + u * (4 + last - first))) < 1e-6);
+            assert_true(fabs((double)m.uv[i].v - (first + v * (last - first))) < 1e-6);
+            assert_true(fabs((double)m.p[i].x - (double)m.uv[i].u) < 1e-6);
+            assert_true(fabs((double)m.p[i].y - (double)m.uv[i].v) < 1e-6);
             assert_true(m.n[i].z == 1);
+        }
+        bis_mesh_clear(&m);
+    }
+}
+
+/* N_i of this order by its definition (Cox and de Boor), right of x, or left of it at the end of the knots. */
+static double basis(const double *knot, size_t i, size_t order, double x, double last)
+{
+    if (order == 1) return knot[i] <= x && (x < knot[i + 1] || (x == last && knot[i] < x && knot[i + 1] == x));
+    const double left = knot[i + order - 1] - knot[i], right = knot[i + order] - knot[i + 1];
+    return (left > 0 ? (x - knot[i]) / left * basis(knot, i, order - 1, x, last) : 0) +
+           (right > 0 ? (knot[i + order] - x) / right * basis(knot, i + 1, order - 1, x, last) : 0);
+}
+
+static void nurbs_point(double p[3], const bis_nurbs *s, const double at[2])
+{
+    double h[4] = {0};
+    for (size_t j = 0; j < s->n[1]; j++)
+        for (size_t i = 0; i < s->n[0]; i++)
+            for (int c = 0; c < 4; c++)
+                h[c] += basis(s->knots[0], i, s->order[0], at[0], s->knots[0][s->n[0]]) *
+                        basis(s->knots[1], j, s->order[1], at[1], s->knots[1][s->n[1]]) * s->point[j * s->n[0] + i][c];
+    for (int c = 0; c < 3; c++) p[c] = h[c] / h[3];
+}
+
+/* 6 x 5 points at random heights and weights, orders 3 and 4; simple and double knots inside, one of them on a place
+ * where the surface is asked. The normal is by central differences, but at knots. */
+static void a_nurbs_surface_is_that_of_its_definition(void **state)
+{
+    static const double u[9] = {0, 0, 0, 1, 1, 2.5, 4, 4, 4}, v[9] = {-1, -1, -1, -1, 0.75, 2, 2, 2, 2};
+    static const double ends[2][2][2] = {{{0, 4}, {-1, 2}}, {{0.5, 3.25}, {-0.5, 1.5}}};
+    uint64_t random = 17;
+    double net[30][4];
+    for (int i = 0; i < 30; i++) {
+        const double w = random_between(&random, 0.5, 2);
+        const double p[4] = {w * (i % 6), w * (i / 6), w * random_between(&random, -1, 1), w};
+        memcpy(net[i], p, sizeof p);
+    }
+    for (int e = 0; e < 2; e++) {
+        bis_nurbs s = {{6, 5}, {3, 4}, {u, v}, (const double (*)[4])net, {{0}}};
+        bis_mesh m;
+        memcpy(s.end, ends[e], sizeof s.end);
+        assert_int_equal(bis_make_nurbs(&m, &s, (bis_loc){0}, NULL), BIS_OK);
+        for (size_t i = 0; i < m.n_vertices; i++) {
+            const double share[2] = {(double)(i % 65) / 64, (double)(i / 65) / 64}, h = 1e-5;
+            double at[2], p[3], q[2][3], n[3], along[2][3];
+            bool is_inside = true;
+            for (int k = 0; k < 2; k++) at[k] = s.end[k][0] + share[k] * (s.end[k][1] - s.end[k][0]);
+            nurbs_point(p, &s, at);
+            assert_true(fabs((double)m.p[i].x - p[0]) < 1e-6 && fabs((double)m.p[i].y - p[1]) < 1e-6);
+            assert_true(fabs((double)m.p[i].z - p[2]) < 1e-6);
+            for (int k = 0; k < 9; k++) is_inside &= fabs(at[0] - u[k]) > h && fabs(at[1] - v[k]) > h;
+            if (!is_inside) continue;
+            for (int k = 0; k < 2; k++) {
+                for (int side = 0; side < 2; side++)
+                    nurbs_point(q[side], &s, (double[]){at[0] + (k == 0 ? side ? h : -h : 0),
+                                                        at[1] + (k == 1 ? side ? h : -h : 0)});
+                for (int c = 0; c < 3; c++) along[k][c] = q[1][c] - q[0][c];
+            }
+            for (int c = 0; c < 3; c++)
+                n[c] = along[0][(c + 1) % 3] * along[1][(c + 2) % 3] - along[0][(c + 2) % 3] * along[1][(c + 1) % 3];
+            unit3(n);
+            assert_true((double)m.n[i].x * n[0] + (double)m.n[i].y * n[1] + (double)m.n[i].z * n[2] > 1 - 1e-6);
         }
         bis_mesh_clear(&m);
     }
@@ -438,10 +523,10 @@ static void check_limit(uint32_t k, bool closed, unsigned levels, uint64_t seed)
     d3(at, m.p[0]);
     d3(normal, m.n[0]);
     for (int c = 0; c < 3; c++) assert_true(fabs(at[c] - limit[c]) < 2e-7);
-    if (!(fabs(dot3(normal, expected)) > 1 - 1e-5))
-        print_error("%s fan of %u, %u levels: 1 - cos = %g\n", closed ? "closed" : "open", k, levels,
-                    1 - fabs(dot3(normal, expected)));
-    assert_true(fabs(dot3(normal, expected)) > 1 - 1e-5);
+    /* pbrt's side: against the order of the corners; e x f is along it in a closed fan, and f x e is in an open one */
+    const double cosine = dot3(normal, expected) * (closed ? -1 : 1);
+    if (!(cosine > 1 - 1e-5))
+        fail_msg("%s fan of %u, %u levels: 1 - cos = %g", closed ? "closed" : "open", k, levels, 1 - cosine);
     bis_mesh_clear(&m);
 }
 
@@ -505,6 +590,8 @@ static void what_is_no_surface_is_refused(void **state)
          "more than two triangles share the edge between points 0 and 1: split the surface there"},
         {4, 2, {0, 1, 2, 0, 1, 3},
          "triangles 0 and 1 (counted from 0) turn against each other: exchange two indices of one of them"},
+        {7, 3, {0, 1, 2, 3, 4, 5, 3, 4, 6},
+         "triangles 1 and 2 (counted from 0) turn against each other: exchange two indices of one of them"},
         {5, 2, {0, 1, 2, 0, 3, 4}, "two surfaces touch in point 0: give each a point of its own there"},
         {6, 4, {0, 1, 2, 0, 2, 3, 0, 3, 1, 0, 4, 5}, "two surfaces touch in point 0: give each a point of its own "
          "there"},
@@ -534,23 +621,84 @@ static void a_point_of_no_triangle_stays(void **state)
     bis_mesh_clear(&m);
     assert_int_equal(bis_make_subdivided(&m, 2, (bis_loc){0}, NULL), BIS_OK); /* nothing stays nothing */
     bis_mesh_clear(&m);
+    m = new_mesh(3, 1); /* a triangle that is a point has no normals */
+    for (uint32_t i = 0; i < 3; i++) m.index[i] = i, m.p[i] = (vec3){4, 5, 6};
+    assert_int_equal(bis_make_subdivided(&m, 1, (bis_loc){0}, NULL), BIS_OK);
+    for (int i = 0; i < 6; i++)
+        assert_true(m.p[i].x == 4 && m.p[i].y == 5 && m.p[i].z == 6 && m.n[i].x == 0 && m.n[i].y == 0);
+    bis_mesh_clear(&m);
 }
 
+/* Patches that are a point are two triangles each, without normals, and none are none. Two corners at one place and two
+ * at another have a twist of two diagonals: ceil(sqrt(2/4e-4)) = 71. 106501 times 71^2 pieces are more than 2^29. */
+static void patches_of_no_size_and_too_many_patches(void **state)
+{
+    enum { MANY = 106501 };
+    uint32_t (*corner)[4] = bis_alloc(MANY, sizeof *corner);
+    bis_mesh m = new_mesh(2, 0);
+    bis_diag diag = {0};
+    assert_int_equal(bis_make_patches(&m, (const uint32_t (*)[4])corner, 0, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(m.n_vertices == 0 && m.n_triangles == 0);
+    bis_mesh_clear(&m);
+    m = new_mesh(2, 0);
+    m.p[0] = (vec3){1, 2, 3};
+    assert_int_equal(bis_make_patches(&m, (const uint32_t (*)[4])corner, 2, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(m.n_vertices == 8 && m.n_triangles == 4);
+    for (int i = 0; i < 8; i++) assert_true(m.p[i].y == 2 && m.n[i].x == 0 && m.n[i].y == 0 && m.n[i].z == 0);
+    bis_mesh_clear(&m);
+    for (size_t i = 0; i < MANY; i++) corner[i][1] = corner[i][2] = 1;
+    for (int many = 0; many < 2; many++) {
+        m = new_mesh(2, 0);
+        m.p[1].x = 1;
+        const bis_status status = bis_make_patches(&m, (const uint32_t (*)[4])corner, many ? MANY : 1,
+                                                   (bis_loc){"s.txt", 3, 1}, &diag);
+        assert_int_equal(status, many ? BIS_INPUT : BIS_OK);
+        assert_int_equal(m.n_triangles, many ? 0 : 2 * 71 * 71);
+        bis_mesh_clear(&m);
+    }
+    assert_string_equal(diag.messages[0].text, "s.txt:3:1: error: the patches make more than 2^30 triangles: give "
+                        "fewer of them to a shape");
+    bis_diag_clear(&diag);
+    bis_free(corner);
+}
+
+/* How many allocations in a row fail with which words. */
+typedef struct lacking {
+    int n;
+    const char *words;
+} lacking;
+
+/* Subdivision takes the mesh (2 arrays), finds its edges (7) and counts its fans; each step makes a mesh (2) and finds
+ * its edges. One triangle, three edges and a point beside them: 4, 7, and after two steps 16 points. */
 static void every_allocation_may_fail(void **state)
 {
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
-    const double z[4] = {0};
+    static const lacking all[4][6] = {
+        {{9, "1 triangles"}, {1, "4 points"}, {9, "4 triangles"}, {9, "16 triangles"}, {2, "16 vertices"}},
+        {{4, "a mesh of 2 triangles"}}, {{4, "a mesh of 12 triangles"}}, {{4, "a mesh of 512 triangles"}}};
+    const double z[12] = {0};
+    const bis_loc at = {"s.txt", 3, 1};
     for (int which = 0; which < 4; which++) {
+        const lacking *row = all[which];
+        int n = 0;
         FOR_LACK(l) {
             bis_mesh m = {0};
+            bis_diag diag = {0};
+            char text[100];
             if (which < 2) m = new_mesh(4, 1);
             if (which == 0) m.index[1] = 1, m.index[2] = 2;
-            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, (bis_loc){0}, NULL)
-                    : which == 1 ? bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL)
-                    : which == 2 ? bis_make_height_field(&m, z, 2, 2, (bis_loc){0}, NULL)
-                                 : bis_make_revolved(&m, &shapes[0].r, (bis_loc){0}, NULL));
-            assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !m.p && !m.index));
+            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, at, &diag)
+                    : which == 1 ? bis_make_patches(&m, corner, 1, at, &diag)
+                    : which == 2 ? bis_make_height_field(&m, z, 4, 3, at, &diag)
+                                 : bis_make_revolved(&m, &shapes[0].r, at, &diag));
+            assert_true(l.over ? l.status == BIS_OK : l.status == BIS_NOMEM && !m.p && !m.index);
+            if (n == row->n) row++, n = 0;
+            n++;
+            assert_int_equal(l.over, row->n == 0);
+            snprintf(text, sizeof text, "s.txt:3:1: error: no memory for %s", row->words);
+            if (!l.over) assert_string_equal(diag.messages[0].text, text);
             bis_mesh_clear(&m);
+            bis_diag_clear(&diag);
         }
     }
     assert_int_equal(bis_mem_live(), 0);
@@ -565,9 +713,11 @@ int main(void)
         cmocka_unit_test(patches_lie_on_the_hyperbolic_paraboloid),
         cmocka_unit_test(the_size_of_patches_is_that_of_all_corners),
         cmocka_unit_test(patches_interpolate_normals_and_coordinates),
+        cmocka_unit_test(patches_of_no_size_and_too_many_patches),
         cmocka_unit_test(a_height_field_spans_the_unit_square),
         cmocka_unit_test(a_rational_patch_is_a_sphere),
         cmocka_unit_test(b_splines_reproduce_the_line),
+        cmocka_unit_test(a_nurbs_surface_is_that_of_its_definition),
         cmocka_unit_test(vertices_and_normals_are_the_limits_of_the_rules),
         cmocka_unit_test(the_test_tells_one_sixth_from_one_fifth),
         cmocka_unit_test(a_cube_becomes_round_and_closed),

@@ -281,7 +281,7 @@ static bis_image grey(int width, int height, float value)
 }
 
 /* Load image as a light; expect this status and this exact last message (NULL: none at all). %s in the message is the
- * path. */
+ * path, twice. */
 static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected, const char *message)
 {
     char text[1024], path[64];
@@ -300,7 +300,7 @@ static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected
     if (message) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
-        snprintf(text, sizeof text, message, path);
+        snprintf(text, sizeof text, message, path, path);
 #pragma GCC diagnostic pop
         assert_string_equal(diag.messages[0].text, text);
     }
@@ -340,6 +340,11 @@ static void a_black_map_warns_that_there_is_no_light(void **state)
     bis_light *light = load(grey(8, 4, 0), desc_of(bis_xform_identity()), BIS_OK,
                             "s.txt:7:3: warning: \"%s\" gives no light: none of its pixels is positive");
     assert_true(bis_light_is_black(light));
+    bis_light_free(light);
+    bis_light_desc nowhere = desc_of(bis_xform_identity()); /* of a map that no line names, the map is the place */
+    nowhere.loc = (bis_loc){0};
+    light = load(grey(8, 4, 0), nowhere, BIS_OK,
+                 "%s: warning: \"%s\" gives no light: none of its pixels is positive");
     bis_light_free(light);
 }
 
