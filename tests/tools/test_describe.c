@@ -338,6 +338,7 @@ int main(void)
         {"claim of mis", bis_mis.claim},
         {"claim of em", bis_em.claim},
         {"claim of rejection", bis_rejection.claim},
+        {"claim of exact", bis_exact.claim},
         {"section of E6", e6->section},
         {"effect of E6", e6->effect},
         {"accelerator", bis_accel_embree_version() ? "embree" : "grid, default density"},
