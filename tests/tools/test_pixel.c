@@ -244,14 +244,6 @@ static void mis_gets_nothing_where_nothing_is_drawn(void **state)
     bis_light_free(light);
 }
 
-/* ---- candidates ---- */
-
-static bis_sampler one_sample(uint64_t seed)
-{
-    return (bis_sampler){
-        .kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
-}
-
 /* phat and q_f by eq. 3.14, 3.15 and E35, with pow. */
 static double product_of(const lit *l, vec3 wi, double *q_f)
 {
@@ -262,6 +254,108 @@ static double product_of(const lit *l, vec3 wi, double *q_f)
     const rgb Le = bis_light_Le(l->light, wi);
     *q_f = (ks * lobe + kd * c_i / PI) / (ks + kd);
     return c_i * (rgb_sum(rgb_mul(m->Ks, Le)) * lobe + rgb_sum(rgb_mul(m->Kd, Le)) / PI);
+}
+
+/* Under a constant light L a diffuse surface reflects F = rho L q_f, rho = 0.5: a mixture of the two densities, so that
+ * the best weights leave no variance. With them each sample is the same number k = rho L/N, because F - beta times
+ * (q_L - q_f) is k c: beta = -k n1. The integrals of the balance heuristic, over the cosine, by midpoints; they are
+ * told to 2 % by 2^14 times 16 samples. */
+static void the_best_weights_leave_nothing_of_a_mixture(void **state)
+{
+    enum { N = 16, STEPS = 10000, RUNS = 1 << 14 };
+    bis_settings s = bis_settings_default(&bis_mis);
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false); /* r+g+b: 1.75 */
+    const double L = 0.5 * 1.75;
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), slanted(), 40, LIT_OPEN);
+    for (int n1 = 4; n1 <= 12; n1 += 8) {
+        bis_pixel_mis mis;
+        const double n2 = N - n1;
+        double both = 0, square = 0, by_map = 0, by_brdf = 0;
+        for (int i = 0; i < STEPS; i++) {
+            const double z = (i + 0.5) / STEPS, q1 = 1 / (4 * PI), q2 = z / PI, F = L * q2, c = n1 * q1 + n2 * q2;
+            const double d = 2 * PI / STEPS;
+            both += N * q1 * q2 / c * d;
+            square += F * F / c * d;
+            by_map += F / c * q1 * d;
+            by_brdf += F / c * q2 * d;
+        }
+        const double variance = square - n1 * by_map * by_map - n2 * by_brdf * by_brdf;
+        s.samples = N;
+        s.split = n1 / 16.0;
+        assert_int_equal(bis_pixel_mis_of(&mis, &l.pt, &s, RUNS, 1, NULL), BIS_OK);
+        assert_near(mis.beta / (-L * n1 / N), 1, 1e-5);
+        assert_true(mis.variance[1] >= 0 && mis.variance[1] < 1e-9 * mis.variance[0]);
+        assert_near(mis.variance[0] / variance, 1, 0.02);
+        assert_near(mis.overlap / both, 1, 0.02);
+        assert_near(mis.mean, L, 5 * sqrt(variance / RUNS));
+    }
+    bis_light_free(light);
+}
+
+/* The samples anew, by the same numbers: what each says, its variance among those of its technique, unbiased, and beta
+ * by least squares. */
+static void figures_of_mis_are_those_of_its_samples(void **state)
+{
+    enum { N = 5, N1 = 2, RUNS = 40 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_mis);
+    double F[2][RUNS * N], d[2][RUNS * N], mean[2][2] = {{0}}, products = 0, squares = 0, by_hand[2] = {0, 0};
+    int n[2] = {0, 0};
+    bis_pixel_mis mis;
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    s.samples = N;
+    s.split = 0.4;
+    assert_int_equal(bis_pixel_mis_of(&mis, &l.pt, &s, RUNS, 9, NULL), BIS_OK);
+    for (uint64_t i = 0; i < RUNS; i++) {
+        bis_rng rng;
+        bis_rng_init(&rng, 9, i, 0, (uint64_t)0x7a << 40);
+        for (int j = 0; j < N; j++) {
+            const int k = j >= N1;
+            bis_light_point y = {.pdf = 0};
+            double u[4], q_f;
+            for (int a = 0; a < 4; a++) u[a] = bis_rng_double(&rng);
+            const bool drawn =
+                k ? bis_bsdf_draw(&l.pt.bsdf, u, &y.wi) : bis_light_sample(light, u, &y);
+            const double product = product_of(&l, y.wi, &q_f), q_L = bis_light_pdf(light, y.wi);
+            const bool is_seen = drawn && dot(l.pt.n, y.wi) > 0 && y.wi.y <= 0;
+            if (drawn) q_f = bis_bsdf_pdf(&l.pt.bsdf, y.wi); /* below the horizon, too */
+            F[k][n[k]] = is_seen ? product / (N1 * q_L + (N - N1) * q_f) : 0;
+            d[k][n[k]++] = drawn ? (q_L - q_f) / (N1 * q_L + (N - N1) * q_f) : 0;
+        }
+    }
+    assert_true(n[0] == RUNS * N1 && n[1] == RUNS * (N - N1));
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < n[k]; i++) {
+            mean[k][0] += F[k][i] / n[k];
+            mean[k][1] += d[k][i] / n[k];
+        }
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < n[k]; i++) {
+            products += (F[k][i] - mean[k][0]) * (d[k][i] - mean[k][1]);
+            squares += pow(d[k][i] - mean[k][1], 2);
+        }
+    for (int way = 0; way < 2; way++)
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; i < n[k]; i++) {
+                const double x = F[k][i] - mean[k][0] - way * products / squares * (d[k][i] - mean[k][1]);
+                by_hand[way] += (k ? N - N1 : N1) * x * x / (n[k] - 1);
+            }
+    assert_near(mis.mean / (N1 * mean[0][0] + (N - N1) * mean[1][0]), 1, 1e-4); /* the lobe is a float's, in double */
+    assert_near(mis.beta / (products / squares), 1, 1e-3);
+    assert_near(mis.overlap, 1 - N1 * (N - N1) * (mean[0][1] - mean[1][1]) / N, 1e-4);
+    for (int way = 0; way < 2; way++) assert_near(mis.variance[way] / by_hand[way], 1, 1e-3);
+    assert_true(mis.variance[1] < mis.variance[0]);
+    bis_light_free(light);
+}
+
+/* ---- candidates ---- */
+
+static bis_sampler one_sample(uint64_t seed)
+{
+    return (bis_sampler){
+        .kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
 }
 
 /* What the figures of one estimate must be, whatever q is. Returns how many candidates are from the map. */
@@ -980,6 +1074,8 @@ static void as_many_runs_are_shown_as_make_150_rays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_best_weights_leave_nothing_of_a_mixture),
+        cmocka_unit_test(figures_of_mis_are_those_of_its_samples),
         cmocka_unit_test(exact_is_what_brute_force_gives),
         cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
         cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),
