@@ -219,6 +219,103 @@ static void figures_of_a_method_are_those_of_its_estimates(void **state)
     bis_light_free(light);
 }
 
+/* The same of each channel, and what is said beside a truth that stands here: z and the error of one from lit, or from
+ * open where shadows are left out; skewness by the moments of one sample, of q_L for em, of q_f for brdf, of both for
+ * mis, each of 16 samples. */
+static void figures_of_a_method_follow_from_the_truth(void **state)
+{
+    enum { N = 30 };
+    static const bis_integrator *const of[] = {&bis_em, &bis_brdf, &bis_mis, &bis_rejection, &bis_unoccluded};
+    const bis_pixel_exact right = {.by_patches = true, .lit = {{1, 2, 3, 6}, {0.1, 0.2, 0.3, 0.5}},
+        .open = {{2, 4, 6, 12}, {0.4, 0.5, 0.6, 0.25}}, .variance = {4, 9, 16}, .third = {2, 3, -8}};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    l.kind = BIS_SAMPLER_SOBOL;
+    for (int i = 0; i < 5; i++) {
+        bis_pixel_method m = {.settings = bis_settings_default(of[i]), .is_open = i == 4};
+        bis_scratch scratch;
+        double x[4][N], mean[4] = {0}, m2[4] = {0};
+        const double truth = i == 4 ? 12 : 6, se = i == 4 ? 0.25 : 0.5;
+        m.settings.candidates = 100;
+        assert_int_equal(bis_pixel_method_run(&m, &l.pt, &right, BIS_SAMPLER_SOBOL, N, 9, NULL), BIS_OK);
+        l.counters = (bis_counters){0};
+        assert_int_equal(bis_scratch_init(&scratch, &m.settings, NULL), BIS_OK);
+        for (uint64_t run = 0; run < N; run++) {
+            const rgb L = lit_once(&l, &m.settings, &scratch, 9, run);
+            const double c[4] = {(double)L.r, (double)L.g, (double)L.b, rgb_sum(L)};
+            for (int k = 0; k < 4; k++) x[k][run] = c[k];
+        }
+        bis_scratch_clear(&scratch);
+        for (int k = 0; k < 4; k++) {
+            for (int run = 0; run < N; run++) mean[k] += x[k][run] / N;
+            for (int run = 0; run < N; run++) m2[k] += pow(x[k][run] - mean[k], 2) / (N - 1);
+            assert_near(m.L.mean[k] / mean[k], 1, 1e-9);
+            assert_near(m.L.se[k] / sqrt(m2[k] / N), 1, 1e-9);
+        }
+        assert_int_equal(m.repeats, N);
+        assert_near(m.z, (mean[3] - truth) / sqrt(m2[3] / N + se * se), 1e-9 * fabs(m.z));
+        assert_near(m.error, sqrt(m2[3] + pow(mean[3] - truth, 2)) / truth, 1e-9 * m.error);
+        assert_near(m.rays, (double)l.counters.shadow_rays / N, 1e-12);
+        assert_near(m.accepted, (double)l.counters.accepted / N, 1e-12);
+        assert_true((m.accepted > 0) == (i == 3));
+        const double skewness[] = {2 / 8.0, 3 / 27.0, -8 / 64.0};
+        if (i < 3) assert_near(m.true_skewness, skewness[i] / sqrt(N * 16), 1e-12);
+        else assert_true(isnan(m.true_skewness));
+    }
+    bis_light_free(light);
+}
+
+/* What cannot be said is NAN: a skewness of em by mis, of samples that do not scatter or whose square has no mean; an
+ * error beside a truth of 0; z where nothing scatters. */
+static void what_has_no_figure_is_not_a_number(void **state)
+{
+    static const struct { bool by_patches; double variance; bool is_known; } cases[] = {
+        {true, 4, true}, {false, 4, false}, {true, 0, false}, {true, (double)INFINITY, false}};
+    bis_light *light = lit_new_light(LIT_BLACK, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
+    for (int i = 0; i < 4; i++) {
+        bis_pixel_method m = {.settings = bis_settings_default(&bis_em)};
+        const bis_pixel_exact e = {.by_patches = cases[i].by_patches, .variance = {cases[i].variance, 1, 1},
+                                   .third = {1, 1, 1}, .lit = {{0, 0, 0, i == 3}, {0}}};
+        assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 4, 1, NULL), BIS_OK);
+        assert_int_equal(isnan(m.true_skewness), !cases[i].is_known);
+        assert_true(isnan(m.z) && m.skewness == 0 && m.L.mean[3] == 0 && m.L.se[3] == 0);
+        if (i == 3) assert_near(m.error, 1, 1e-12);
+        else assert_true(isnan(m.error));
+    }
+    bis_light_free(light);
+}
+
+/* Numbers of the scene's own integrator go to all that have them, within what these may have: mis needs two samples. */
+static void methods_have_the_scenes_numbers(void **state)
+{
+    bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
+    bis_settings own = bis_settings_default(&bis_em);
+    own.samples = 1;
+    own.as_printed = BIS_E34;
+    own.stratify = true;
+    const size_t n = bis_pixel_methods(list, &own);
+    assert_int_equal(n, n_methods());
+    for (size_t i = 0; i < n; i++) {
+        const bis_settings *s = &list[i].settings, usual = bis_settings_default(s->integrator);
+        assert_true(s->as_printed == BIS_E34 && !s->compensate);
+        if (s->integrator == &bis_em) assert_true(s->samples == 1 && s->stratify);
+        if (s->integrator == &bis_brdf) assert_int_equal(s->samples, 1);
+        if (s->integrator == &bis_mis) assert_true(s->samples == 2 && s->stratify == usual.stratify);
+        if (s->integrator == &bis_sir) assert_true(s->candidates == usual.candidates);
+    }
+    own = bis_settings_default(&bis_mis);
+    own.compensate = true;
+    own.samples = 9;
+    assert_int_equal(bis_pixel_methods(list, &own), n);
+    for (size_t i = 0; i < n; i++) {
+        assert_false(list[i].settings.compensate);
+        if (bis_parameter_of(list[i].settings.integrator, "samples")) assert_int_equal(list[i].settings.samples, 9);
+    }
+}
+
 static rgb f_without_density(const bis_bsdf *b, vec3 wi, double *pdf)
 {
     *pdf = 0;
@@ -1076,6 +1173,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_best_weights_leave_nothing_of_a_mixture),
         cmocka_unit_test(figures_of_mis_are_those_of_its_samples),
+        cmocka_unit_test(figures_of_a_method_follow_from_the_truth),
+        cmocka_unit_test(what_has_no_figure_is_not_a_number),
+        cmocka_unit_test(methods_have_the_scenes_numbers),
         cmocka_unit_test(exact_is_what_brute_force_gives),
         cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
         cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),
