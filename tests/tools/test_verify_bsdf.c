@@ -4,11 +4,8 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "claim.h"
-#include "lit.h"
-#include "map_help.h"
 #include "verify_help.h"
 
-#include <stdatomic.h>
 #include <string.h>
 
 static void right_materials_pass(void **state)
@@ -24,6 +21,8 @@ static void right_materials_pass(void **state)
             assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"right", &m, degrees[k]}, s, 2, NULL), BIS_OK);
         }
         assert_int_equal(v.n, 12);
+        /* quadrature is as good as it was measured; its limit is three times that */
+        for (int k = 0; k < 3; k++) assert_true(v.tests[4 * k].statistic < 1.7e-5 + 1e-7 * sqrt(exponents[i]));
         verify_assert_accepted(&v);
     }
 }
@@ -113,68 +112,9 @@ static void forged_materials_are_rejected(void **state)
     }
 }
 
-/* What any run of a forged integrator gives, and how often it is asked. */
-static struct {
-    rgb L;
-    atomic_uint calls, draws;
-} forgery;
-
-static rgb Lo_forged(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    forgery.calls++;
-    return forgery.L;
-}
-
-static bool draw_counted(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
-{
-    forgery.draws++;
-    return bis_phong_model.sample(b, u0, u1, u2, wi);
-}
-
-/* Under light (1, 1/2, 1/4) a diffuse surface reflects Kd times that, weighted 4, 2 and 1. Quadrature, measured to
- * 1.6e-5 at most, is allowed 5e-5 and 1e-7 sqrt(n): runs that all give what is 3e-5 off are right, 7e-5 off are wrong.
- * Draws and runs are halved. */
-static void the_furnace_is_told_to_the_error_of_its_quadrature(void **state)
-{
-    static const double off[] = {-7e-5, -3e-5, 3e-5, 7e-5};
-    bis_bsdf_model counted = bis_phong_model;
-    bis_integrator forged = bis_brdf;
-    counted.sample = draw_counted;
-    forged.Lo = Lo_forged;
-    bis_material m = bis_phong((rgb){0.25f, 0.5f, 0.75f}, (rgb){0, 0, 0}, 4);
-    m.model = &counted;
-    bis_settings s = bis_settings_default(&bis_brdf);
-    s.integrator = &forged;
-    for (unsigned i = 0; i < 4; i++)
-        for (int degrees = 0; degrees <= 80; degrees += 40) {
-            bis_verify v = {.seed = 1, .halvings = 2 + i};
-            const double k = 1 + off[i];
-            forgery.L = rgb_from(0.25 * k, 0.25 * k, 0.1875 * k);
-            forgery.calls = forgery.draws = 0;
-            assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"m", &m, degrees}, &s, 1, NULL), BIS_OK);
-            assert_int_equal(v.n, 3);
-            assert_string_equal(v.tests[0].name, "m: density integrates to 1");
-            assert_string_equal(v.tests[2].name, "m: furnace, brdf");
-            assert_true(v.tests[0].statistic < 2e-5);
-            assert_near(v.tests[0].threshold, 5e-5 + 2e-7, 1e-12);
-            assert_true(v.tests[2].p == (fabs(off[i]) < 5e-5));
-            assert_int_equal(forgery.calls, 2048 >> v.halvings);
-            assert_int_equal(forgery.draws, (1 << 17) >> v.halvings);
-            bis_verify_clear(&v);
-        }
-    const bis_material rough = bis_microfacet(grey(0.1), grey(0.5), 0.25); /* alpha 1/16 */
-    bis_verify v = {.seed = 1, .halvings = 5};
-    assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"m", &rough, 45}, &s, 0, NULL), BIS_OK);
-    assert_int_equal(v.n, 2);
-    assert_true(v.tests[0].statistic < 2.5e-5);
-    assert_near(v.tests[0].threshold, 5e-5 + 1e-8 * 16, 1e-12);
-    bis_verify_clear(&v);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_furnace_is_told_to_the_error_of_its_quadrature),
         cmocka_unit_test(right_materials_pass),
         cmocka_unit_test(right_microfacets_pass),
         cmocka_unit_test(forged_materials_are_rejected),
