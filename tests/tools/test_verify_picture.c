@@ -5,9 +5,11 @@
 #include "bis/base/mem.h"
 #include "claim.h"
 #include "map_help.h"
+#include "mesh_help.h"
 #include "program.h"
 #include "verify_help.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 /* Two renders, of five sums each: all pixels, three of outlines, the material. */
@@ -428,6 +430,57 @@ static void renders_pixels_and_passes_are_those_worked_out(void **state)
     }
 }
 
+/* Counts the camera rays. */
+static atomic_uint camera_rays;
+
+static bool counted_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    camera_rays++;
+    return right_intersect(a, r, hit);
+}
+
+static bool seen_as_before(const bis_accel *a, const ray *r)
+{
+    return bis_accel_occluded(((const accel_twin *)a)->right, r);
+}
+
+/* What is expected of a picture is made of 8 batches that tell weights and outlines, and of 32 for the sums, with 2^21
+ * samples in 32, halved so often: as many for each pixel, 1 to 4096. In pixels that an outline crosses the 32 have
+ * eight times as many. Floors fill all pixels, or all but one that one of them ends in. */
+static void a_reference_has_its_samples(void **state)
+{
+    static const bis_accel_ops ops = {.name = "counted", .intersect = counted_intersect, .occluded = seen_as_before};
+    static const struct { int width, height; double right; unsigned halvings, samples, outlines; } cases[] = {
+        {1, 1, 9, 3, 4096, 0}, {1, 1, 9, 7, 512, 0}, {1, 1, 0, 8, 256, 1}, {2, 2, 9, 7, 128, 0}, {4, 1, 0.5, 8, 64, 1},
+        {3, 1, 9, 8, 85, 0}, {4, 4, 9, 20, 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        const unsigned n = (unsigned)(cases[i].width * cases[i].height);
+        bis_verify v = {.seed = 1, .halvings = cases[i].halvings};
+        bool tested;
+        snprintf(text, sizeof text,
+            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\nIntegrator "
+            "\"em\" \"integer samples\" 1\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial "
+            "\"diffuse\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %g -9 2  %g "
+            "9 2  -9 9 2]\n",
+            cases[i].width, cases[i].height, cases[i].right, cases[i].right);
+        program_folder(VERIFY_DIR);
+        program_write_file(VERIFY_DIR "/samples.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/samples.txt");
+        accel_twin twin = {{&ops, &b.scene->geometry}, b.scene->accel};
+        b.scene->accel = &twin.accel;
+        camera_rays = 0;
+        assert_int_equal(
+            bis_verify_picture(&v, render_nothing, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        b.scene->accel = (bis_accel *)(uintptr_t)twin.right;
+        assert_true(tested);
+        const unsigned expected = cases[i].samples * (8 * n + 32 * (n + 7 * cases[i].outlines));
+        if (camera_rays != expected) fail_msg("case %zu: %u rays, must be %u", i, (unsigned)camera_rays, expected);
+        bis_verify_clear(&v);
+        verify_clear(&b);
+    }
+}
+
 /* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half
  * of 7. Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
 static void a_reference_is_the_mean_over_the_pixel(void **state)
@@ -597,6 +650,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(z_and_p_of_a_picture_are_those_by_hand),
+        cmocka_unit_test(a_reference_has_its_samples),
         cmocka_unit_test(a_right_picture_passes),
         cmocka_unit_test(what_is_skipped_by_chance_counts_among_the_p_values),
         cmocka_unit_test(a_mean_that_is_not_a_number_fails),
