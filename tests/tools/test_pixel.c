@@ -82,6 +82,25 @@ static void exact_is_what_brute_force_gives(void **state)
     }
 }
 
+/* One lit patch has all of the bound: cut in four eight times it has the 2^16 cells that are asked for, with two rays
+ * each. */
+static void a_sum_has_its_cells(void **state)
+{
+    bis_envmap em = map_new(16, 8);
+    const bis_light_desc desc = {.to_world = bis_xform_identity()};
+    bis_light *light;
+    bis_pixel_exact e;
+    lit l;
+    em.pixels[40] = grey(1);
+    const vec3 n = bis_envmap_direction(&em, 8, 2, 0.5, 0.5);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE, NULL), BIS_OK);
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), n, 40, LIT_OPEN);
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    assert_int_equal(e.patches, 128);
+    assert_int_equal(e.rays, 2 << 16);
+    bis_light_free(light);
+}
+
 static void a_long_mis_stands_in_for_huge_maps(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
@@ -1176,6 +1195,7 @@ int main(void)
         cmocka_unit_test(figures_of_a_method_follow_from_the_truth),
         cmocka_unit_test(what_has_no_figure_is_not_a_number),
         cmocka_unit_test(methods_have_the_scenes_numbers),
+        cmocka_unit_test(a_sum_has_its_cells),
         cmocka_unit_test(exact_is_what_brute_force_gives),
         cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
         cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),
