@@ -253,6 +253,57 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_film_clear(&film);
 }
 
+/* What a scene with shapes, replaced parts and missing samples says beside that, number by number; the seconds of the
+ * render are the result's. */
+static void what_a_scene_has_stands_under_its_key(void **state)
+{
+    static const struct { const char *path, *value; } told[] = {
+        {"accelerator", "\"grid\""}, {"triangles", "12"}, {"width", "2"}, {"height", "1"}, {"extent.low.0", "1"},
+        {"extent.low.1", "2"}, {"extent.low.2", "3"}, {"extent.high.0", "4"}, {"extent.high.1", "5"},
+        {"extent.high.2", "6"}, {"memory.mesh", "100"}, {"memory.accel", "200"}, {"memory.envmap", "300"},
+        {"seconds.parse", "1"}, {"seconds.load", "2"}, {"seconds.envmap", "3"}, {"seconds.accel", "4"},
+        {"seconds.render", "5"}, {"seconds.write", "6"}, {"seconds.total", "7"}, {"candidates_drawn", "103"},
+        {"accepted", "null"}, {"fallbacks", "null"}, {"samples", "8"}, {"candidates", "null"}, {"proposal", "null"},
+        {"approximated.0.kind", "\"cone\""}, {"approximated.0.count", "3"}, {"approximated.0.consequence", "\"none\""},
+        {"approximated.1.kind", "\"hair\""}, {"approximated.1.count", "1"}, {"approximated.2.kind", ""},
+        {"estimated_relative_rmse", "null"}, {"interrupted", "false"}, {"missing", "0.25"}};
+    bis_approximation replaced[] = {{.kind = "cone", .consequence = "none", .effect = BIS_EFFECT_SHAPE, .n = 3},
+                                    {.kind = "hair", .consequence = "skin", .effect = BIS_EFFECT_MATERIAL, .n = 1}};
+    bis_attribute attributes[BIS_MAX_ATTRIBUTES];
+    bis_scene_desc desc = small_scene();
+    const bis_scene_figures figures = {12, "grid", 100, 200, 300};
+    const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .missing = 0.25,
+        .error = {.relative_rmse = 0.5}, .spp = 12, .n_threads = 1};
+    const bis_box extent = {{1, 2, 3}, {4, 5, 6}};
+    char value[256], all[1024];
+    bis_film film;
+    desc.approximations = replaced;
+    desc.n_approximations = 2;
+    desc.view.settings.as_printed = BIS_E34;
+    assert_int_equal(bis_film_init(&film, 2, 1, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
+    bis_stats s = bis_stats_of(&desc, figures, (bis_scene_seconds){1, 2, 3, 4, 99, 6, 7}, &film, &result);
+    s.extent = &extent;
+    assert_string_equal(s.line, "Integrator \"em\" \"integer samples\" 8 \"bool stratify\" false");
+    assert_string_equal(s.as_printed, "E34");
+    assert_string_equal(s.approximated, "3 x cone: none; 1 x hair: skin");
+    char *text = stats_of(&s);
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++)
+        if (strcmp(json_value(value, sizeof value, text, told[i].path), told[i].value) != 0)
+            fail_msg("%s is %s, must be %s", told[i].path, value, told[i].value);
+    free(text);
+    const int n = bis_describe_picture(&s, attributes);
+    assert_string_equal(join(all, sizeof all, attributes, n),
+        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E34 bis:approximated=3 x cone: none; 1 x "
+        "hair: skin spp=12 bis:missing=0.25 seed=0 render_seconds=5 bis:version=" BIS_VERSION " ");
+    bis_film_clear(&film);
+
+    /* of parts that were put together the text alone is known */
+    desc.n_approximations = 0;
+    text = stats_of(&s);
+    assert_string_equal(json_value(value, sizeof value, text, "approximated"), "\"3 x cone: none; 1 x hair: skin\"");
+    free(text);
+}
+
 /* ---- the plan ---- */
 
 /* `plan` of the input as a scene. */
@@ -322,6 +373,7 @@ int main(void)
         cmocka_unit_test(a_short_line_leaves_out_what_has_its_default),
         cmocka_unit_test(the_stats_are_those_by_hand),
         cmocka_unit_test(a_pictures_attributes_are_those_by_hand),
+        cmocka_unit_test(what_a_scene_has_stands_under_its_key),
         cmocka_unit_test(distant_lights_are_planned_as_a_map),
         cmocka_unit_test(a_file_that_tells_nothing_has_its_bytes),
     };
@@ -338,6 +390,7 @@ int main(void)
         {"claim of mis", bis_mis.claim},
         {"claim of em", bis_em.claim},
         {"claim of rejection", bis_rejection.claim},
+        {"claim of exact", bis_exact.claim},
         {"section of E6", e6->section},
         {"effect of E6", e6->effect},
         {"accelerator", bis_accel_embree_version() ? "embree" : "grid, default density"},

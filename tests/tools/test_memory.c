@@ -412,6 +412,46 @@ static void a_map_takes_what_its_integrator_needs(void **state)
     assert_true(m.map == 0);
 }
 
+/* The file stands beside the map while it is read, 12 bytes a pixel and its head, "PF\n64 32\n-1.0\n" of 14: all of it
+ * beside the pixels alone, 5.5 less beside a curve, and nothing beside a table, which is larger. */
+static void a_file_stands_beside_its_map_while_it_is_read(void **state)
+{
+    static const struct { const char *integrator; double a_pixel, beside; } cases[] = {
+        {"\"brdf\"", 12, 64 * 32 * 12 + 14}, {"\"em\" \"bool stratify\" true", 12 + 5.5, 64 * 32 * (12 - 5.5) + 14},
+        {"\"em\" \"bool stratify\" false", 12 + 14.4, 0}};
+    write_map(64, 32);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char before[256];
+        snprintf(before, sizeof before,
+            "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 Integrator %s", cases[i].integrator);
+        const bis_memory m =
+            foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\"");
+        assert_bytes(m.map, 64 * 32 * cases[i].a_pixel);
+        assert_bytes(m.before, 14e6 + m.map + cases[i].beside);
+        /* a pixel's film is written with a chunk of 16 rows, three times, of 16 bytes, for each thread that has one */
+        assert_bytes(m.peak, fmax(m.before, 14e6 + m.map + 52 + 16 + 3 * 16 * 16));
+        assert_bytes(m.merged, 14e6 + 52 + 16 + 3 * 16 * 16);
+    }
+}
+
+/* By the same file of the system, within a third: other programs come and go. */
+static void free_memory_is_what_the_system_says(void **state)
+{
+    double kilobytes[2] = {0, 0}, found;
+    for (int i = 0; i < 2; i++) {
+        char line[256];
+        FILE *in = popen("awk '/^MemAvailable:/ { print $2 }' /proc/meminfo", "r");
+        assert_non_null(in);
+        if (fgets(line, sizeof line, in)) kilobytes[i] = atof(line);
+        pclose(in);
+        if (i == 0) found = bis_memory_free();
+    }
+    if (kilobytes[0] <= 0) skip();
+    const double least = fmin(kilobytes[0], kilobytes[1]), most = fmax(kilobytes[0], kilobytes[1]);
+    if (!(found >= 0.75 * 1024 * least && found <= 1024 * most / 0.75))
+        fail_msg("%g bytes are free, must be %g to %g kB", found, least, most);
+}
+
 /* A probe becomes a map of the width that the scene names, made even, or of the usual one. */
 static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
 {
@@ -523,6 +563,8 @@ int main(void)
         cmocka_unit_test(advice_names_what_takes_less_and_how_much),
         cmocka_unit_test(a_picture_takes_a_chunk_for_each_thread_while_it_is_written),
         cmocka_unit_test(a_map_takes_what_its_integrator_needs),
+        cmocka_unit_test(a_file_stands_beside_its_map_while_it_is_read),
+        cmocka_unit_test(free_memory_is_what_the_system_says),
         cmocka_unit_test(a_probe_has_the_size_of_the_map_that_it_becomes),
         cmocka_unit_test(a_large_picture_takes_what_was_foretold),
         cmocka_unit_test(a_large_map_takes_what_was_foretold),

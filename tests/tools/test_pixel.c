@@ -82,6 +82,25 @@ static void exact_is_what_brute_force_gives(void **state)
     }
 }
 
+/* One lit patch has all of the bound: cut in four eight times it has the 2^16 cells that are asked for, with two rays
+ * each. */
+static void a_sum_has_its_cells(void **state)
+{
+    bis_envmap em = map_new(16, 8);
+    const bis_light_desc desc = {.to_world = bis_xform_identity()};
+    bis_light *light;
+    bis_pixel_exact e;
+    lit l;
+    em.pixels[40] = grey(1);
+    const vec3 n = bis_envmap_direction(&em, 8, 2, 0.5, 0.5);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE, NULL), BIS_OK);
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), n, 40, LIT_OPEN);
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    assert_int_equal(e.patches, 128);
+    assert_int_equal(e.rays, 2 << 16);
+    bis_light_free(light);
+}
+
 static void a_long_mis_stands_in_for_huge_maps(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
@@ -219,6 +238,103 @@ static void figures_of_a_method_are_those_of_its_estimates(void **state)
     bis_light_free(light);
 }
 
+/* The same of each channel, and what is said beside a truth that stands here: z and the error of one from lit, or from
+ * open where shadows are left out; skewness by the moments of one sample, of q_L for em, of q_f for brdf, of both for
+ * mis, each of 16 samples. */
+static void figures_of_a_method_follow_from_the_truth(void **state)
+{
+    enum { N = 30 };
+    static const bis_integrator *const of[] = {&bis_em, &bis_brdf, &bis_mis, &bis_rejection, &bis_unoccluded};
+    const bis_pixel_exact right = {.by_patches = true, .lit = {{1, 2, 3, 6}, {0.1, 0.2, 0.3, 0.5}},
+        .open = {{2, 4, 6, 12}, {0.4, 0.5, 0.6, 0.25}}, .variance = {4, 9, 16}, .third = {2, 3, -8}};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    l.kind = BIS_SAMPLER_SOBOL;
+    for (int i = 0; i < 5; i++) {
+        bis_pixel_method m = {.settings = bis_settings_default(of[i]), .is_open = i == 4};
+        bis_scratch scratch;
+        double x[4][N], mean[4] = {0}, m2[4] = {0};
+        const double truth = i == 4 ? 12 : 6, se = i == 4 ? 0.25 : 0.5;
+        m.settings.candidates = 100;
+        assert_int_equal(bis_pixel_method_run(&m, &l.pt, &right, BIS_SAMPLER_SOBOL, N, 9, NULL), BIS_OK);
+        l.counters = (bis_counters){0};
+        assert_int_equal(bis_scratch_init(&scratch, &m.settings, NULL), BIS_OK);
+        for (uint64_t run = 0; run < N; run++) {
+            const rgb L = lit_once(&l, &m.settings, &scratch, 9, run);
+            const double c[4] = {(double)L.r, (double)L.g, (double)L.b, rgb_sum(L)};
+            for (int k = 0; k < 4; k++) x[k][run] = c[k];
+        }
+        bis_scratch_clear(&scratch);
+        for (int k = 0; k < 4; k++) {
+            for (int run = 0; run < N; run++) mean[k] += x[k][run] / N;
+            for (int run = 0; run < N; run++) m2[k] += pow(x[k][run] - mean[k], 2) / (N - 1);
+            assert_near(m.L.mean[k] / mean[k], 1, 1e-9);
+            assert_near(m.L.se[k] / sqrt(m2[k] / N), 1, 1e-9);
+        }
+        assert_int_equal(m.repeats, N);
+        assert_near(m.z, (mean[3] - truth) / sqrt(m2[3] / N + se * se), 1e-9 * fabs(m.z));
+        assert_near(m.error, sqrt(m2[3] + pow(mean[3] - truth, 2)) / truth, 1e-9 * m.error);
+        assert_near(m.rays, (double)l.counters.shadow_rays / N, 1e-12);
+        assert_near(m.accepted, (double)l.counters.accepted / N, 1e-12);
+        assert_true((m.accepted > 0) == (i == 3));
+        const double skewness[] = {2 / 8.0, 3 / 27.0, -8 / 64.0};
+        if (i < 3) assert_near(m.true_skewness, skewness[i] / sqrt(N * 16), 1e-12);
+        else assert_true(isnan(m.true_skewness));
+    }
+    bis_light_free(light);
+}
+
+/* What cannot be said is NAN: a skewness of em by mis, of samples that do not scatter or whose square has no mean; an
+ * error beside a truth of 0; z where nothing scatters. */
+static void what_has_no_figure_is_not_a_number(void **state)
+{
+    static const struct { bool by_patches; double variance; bool is_known; } cases[] = {
+        {true, 4, true}, {false, 4, false}, {true, 0, false}, {true, (double)INFINITY, false}};
+    bis_light *light = lit_new_light(LIT_BLACK, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
+    for (int i = 0; i < 4; i++) {
+        bis_pixel_method m = {.settings = bis_settings_default(&bis_em)};
+        const bis_pixel_exact e = {.by_patches = cases[i].by_patches, .variance = {cases[i].variance, 1, 1},
+                                   .third = {1, 1, 1}, .lit = {{0, 0, 0, i == 3}, {0}}};
+        assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 4, 1, NULL), BIS_OK);
+        assert_int_equal(isnan(m.true_skewness), !cases[i].is_known);
+        assert_true(isnan(m.z) && m.skewness == 0 && m.L.mean[3] == 0 && m.L.se[3] == 0);
+        if (i == 3) assert_near(m.error, 1, 1e-12);
+        else assert_true(isnan(m.error));
+    }
+    bis_light_free(light);
+}
+
+/* Numbers of the scene's own integrator go to all that have them, within what these may have: mis needs two samples. */
+static void methods_have_the_scenes_numbers(void **state)
+{
+    bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
+    bis_settings own = bis_settings_default(&bis_em);
+    own.samples = 1;
+    own.as_printed = BIS_E34;
+    own.stratify = true;
+    const size_t n = bis_pixel_methods(list, &own);
+    assert_int_equal(n, n_methods());
+    for (size_t i = 0; i < n; i++) {
+        const bis_settings *s = &list[i].settings, usual = bis_settings_default(s->integrator);
+        assert_true(s->as_printed == BIS_E34 && !s->compensate);
+        if (s->integrator == &bis_em) assert_true(s->samples == 1 && s->stratify);
+        if (s->integrator == &bis_brdf) assert_int_equal(s->samples, 1);
+        if (s->integrator == &bis_mis) assert_true(s->samples == 2 && s->stratify == usual.stratify);
+        if (s->integrator == &bis_sir) assert_true(s->candidates == usual.candidates);
+    }
+    own = bis_settings_default(&bis_mis);
+    own.compensate = true;
+    own.samples = 9;
+    assert_int_equal(bis_pixel_methods(list, &own), n);
+    for (size_t i = 0; i < n; i++) {
+        assert_false(list[i].settings.compensate);
+        if (bis_parameter_of(list[i].settings.integrator, "samples")) assert_int_equal(list[i].settings.samples, 9);
+    }
+}
+
 static rgb f_without_density(const bis_bsdf *b, vec3 wi, double *pdf)
 {
     *pdf = 0;
@@ -244,14 +360,6 @@ static void mis_gets_nothing_where_nothing_is_drawn(void **state)
     bis_light_free(light);
 }
 
-/* ---- candidates ---- */
-
-static bis_sampler one_sample(uint64_t seed)
-{
-    return (bis_sampler){
-        .kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
-}
-
 /* phat and q_f by eq. 3.14, 3.15 and E35, with pow. */
 static double product_of(const lit *l, vec3 wi, double *q_f)
 {
@@ -262,6 +370,108 @@ static double product_of(const lit *l, vec3 wi, double *q_f)
     const rgb Le = bis_light_Le(l->light, wi);
     *q_f = (ks * lobe + kd * c_i / PI) / (ks + kd);
     return c_i * (rgb_sum(rgb_mul(m->Ks, Le)) * lobe + rgb_sum(rgb_mul(m->Kd, Le)) / PI);
+}
+
+/* Under a constant light L a diffuse surface reflects F = rho L q_f, rho = 0.5: a mixture of the two densities, so that
+ * the best weights leave no variance. With them each sample is the same number k = rho L/N, because F - beta times
+ * (q_L - q_f) is k c: beta = -k n1. The integrals of the balance heuristic, over the cosine, by midpoints; they are
+ * told to 2 % by 2^14 times 16 samples. */
+static void the_best_weights_leave_nothing_of_a_mixture(void **state)
+{
+    enum { N = 16, STEPS = 10000, RUNS = 1 << 14 };
+    bis_settings s = bis_settings_default(&bis_mis);
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false); /* r+g+b: 1.75 */
+    const double L = 0.5 * 1.75;
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), slanted(), 40, LIT_OPEN);
+    for (int n1 = 4; n1 <= 12; n1 += 8) {
+        bis_pixel_mis mis;
+        const double n2 = N - n1;
+        double both = 0, square = 0, by_map = 0, by_brdf = 0;
+        for (int i = 0; i < STEPS; i++) {
+            const double z = (i + 0.5) / STEPS, q1 = 1 / (4 * PI), q2 = z / PI, F = L * q2, c = n1 * q1 + n2 * q2;
+            const double d = 2 * PI / STEPS;
+            both += N * q1 * q2 / c * d;
+            square += F * F / c * d;
+            by_map += F / c * q1 * d;
+            by_brdf += F / c * q2 * d;
+        }
+        const double variance = square - n1 * by_map * by_map - n2 * by_brdf * by_brdf;
+        s.samples = N;
+        s.split = n1 / 16.0;
+        assert_int_equal(bis_pixel_mis_of(&mis, &l.pt, &s, RUNS, 1, NULL), BIS_OK);
+        assert_near(mis.beta / (-L * n1 / N), 1, 1e-5);
+        assert_true(mis.variance[1] >= 0 && mis.variance[1] < 1e-9 * mis.variance[0]);
+        assert_near(mis.variance[0] / variance, 1, 0.02);
+        assert_near(mis.overlap / both, 1, 0.02);
+        assert_near(mis.mean, L, 5 * sqrt(variance / RUNS));
+    }
+    bis_light_free(light);
+}
+
+/* The samples anew, by the same numbers: what each says, its variance among those of its technique, unbiased, and beta
+ * by least squares. */
+static void figures_of_mis_are_those_of_its_samples(void **state)
+{
+    enum { N = 5, N1 = 2, RUNS = 40 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_mis);
+    double F[2][RUNS * N], d[2][RUNS * N], mean[2][2] = {{0}}, products = 0, squares = 0, by_hand[2] = {0, 0};
+    int n[2] = {0, 0};
+    bis_pixel_mis mis;
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    s.samples = N;
+    s.split = 0.4;
+    assert_int_equal(bis_pixel_mis_of(&mis, &l.pt, &s, RUNS, 9, NULL), BIS_OK);
+    for (uint64_t i = 0; i < RUNS; i++) {
+        bis_rng rng;
+        bis_rng_init(&rng, 9, i, 0, (uint64_t)0x7a << 40);
+        for (int j = 0; j < N; j++) {
+            const int k = j >= N1;
+            bis_light_point y = {.pdf = 0};
+            double u[4], q_f;
+            for (int a = 0; a < 4; a++) u[a] = bis_rng_double(&rng);
+            const bool drawn =
+                k ? bis_bsdf_draw(&l.pt.bsdf, u, &y.wi) : bis_light_sample(light, u, &y);
+            const double product = product_of(&l, y.wi, &q_f), q_L = bis_light_pdf(light, y.wi);
+            const bool is_seen = drawn && dot(l.pt.n, y.wi) > 0 && y.wi.y <= 0;
+            if (drawn) q_f = bis_bsdf_pdf(&l.pt.bsdf, y.wi); /* below the horizon, too */
+            F[k][n[k]] = is_seen ? product / (N1 * q_L + (N - N1) * q_f) : 0;
+            d[k][n[k]++] = drawn ? (q_L - q_f) / (N1 * q_L + (N - N1) * q_f) : 0;
+        }
+    }
+    assert_true(n[0] == RUNS * N1 && n[1] == RUNS * (N - N1));
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < n[k]; i++) {
+            mean[k][0] += F[k][i] / n[k];
+            mean[k][1] += d[k][i] / n[k];
+        }
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < n[k]; i++) {
+            products += (F[k][i] - mean[k][0]) * (d[k][i] - mean[k][1]);
+            squares += pow(d[k][i] - mean[k][1], 2);
+        }
+    for (int way = 0; way < 2; way++)
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; i < n[k]; i++) {
+                const double x = F[k][i] - mean[k][0] - way * products / squares * (d[k][i] - mean[k][1]);
+                by_hand[way] += (k ? N - N1 : N1) * x * x / (n[k] - 1);
+            }
+    assert_near(mis.mean / (N1 * mean[0][0] + (N - N1) * mean[1][0]), 1, 1e-4); /* the lobe is a float's, in double */
+    assert_near(mis.beta / (products / squares), 1, 1e-3);
+    assert_near(mis.overlap, 1 - N1 * (N - N1) * (mean[0][1] - mean[1][1]) / N, 1e-4);
+    for (int way = 0; way < 2; way++) assert_near(mis.variance[way] / by_hand[way], 1, 1e-3);
+    assert_true(mis.variance[1] < mis.variance[0]);
+    bis_light_free(light);
+}
+
+/* ---- candidates ---- */
+
+static bis_sampler one_sample(uint64_t seed)
+{
+    return (bis_sampler){
+        .kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
 }
 
 /* What the figures of one estimate must be, whatever q is. Returns how many candidates are from the map. */
@@ -980,6 +1190,12 @@ static void as_many_runs_are_shown_as_make_150_rays(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_best_weights_leave_nothing_of_a_mixture),
+        cmocka_unit_test(figures_of_mis_are_those_of_its_samples),
+        cmocka_unit_test(figures_of_a_method_follow_from_the_truth),
+        cmocka_unit_test(what_has_no_figure_is_not_a_number),
+        cmocka_unit_test(methods_have_the_scenes_numbers),
+        cmocka_unit_test(a_sum_has_its_cells),
         cmocka_unit_test(exact_is_what_brute_force_gives),
         cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
         cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),

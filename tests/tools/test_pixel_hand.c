@@ -16,6 +16,7 @@
 #include "html_check.h"
 #include "json_check.h"
 #include "lit.h"
+#include "map_help.h"
 #include "page_help.h"
 #include "program.h"
 
@@ -551,6 +552,41 @@ static void rays_candidates_and_marks_are_those_of_the_report(void **state)
     clear(&f);
 }
 
+/* The page shows 4096 rays of each method and 4096 of the candidates that were not chosen, in their order; those that
+ * were chosen are beside the limit, and those without weight nowhere. */
+static void the_page_has_the_first_of_many(void **state)
+{
+    enum { MOST = 4096, RAYS = MOST + 2, CANDIDATES = MOST + 6 };
+    forged f;
+    char path[64];
+    forge(&f);
+    bis_pixel_ray *rays = bis_alloc(RAYS, sizeof *rays);
+    bis_pixel_candidate *c = bis_alloc(CANDIDATES, sizeof *c);
+    for (uint32_t i = 0; i < RAYS; i++) rays[i] = (bis_pixel_ray){{0.6f, 0, 0.8f}, i, true};
+    for (uint32_t i = 0; i < CANDIDATES; i++)
+        c[i] = (bis_pixel_candidate){.wi = {0.6f, 0, 0.8f}, .w = i == 2 ? 0 : 1, .chosen = i == 0 || i == MOST + 5};
+    f.r.rays[0] = (bis_pixel_rays){.ray = rays, .n = RAYS, .runs = RAYS};
+    f.r.rays[2] = (bis_pixel_rays){.ray = rays, .n = MOST, .runs = MOST};
+    f.r.candidates.c = c;
+    f.r.candidates.M = CANDIDATES;
+    char *text = page_of(&f);
+    assert_near(json_number(text, "shown.0.rays"), RAYS, 0);
+    static const struct { const char *list, *key; int at; double is; } shown[] = {
+        {"rays", "sample", MOST - 1, MOST - 1}, {"rays", "sample", MOST, 0}, {"rays", "sample", 2 * MOST - 1, MOST - 1},
+        {"candidate_list", "candidate", 0, 0}, {"candidate_list", "candidate", 2, 3},
+        {"candidate_list", "candidate", MOST, MOST + 1}, {"candidate_list", "candidate", MOST + 1, MOST + 5}};
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
+        snprintf(path, sizeof path, "%s.%d.%s", shown[i].list, shown[i].at, shown[i].key);
+        if (json_number(text, path) != shown[i].is) fail_msg("%s is %g", path, json_number(text, path));
+    }
+    assert_text(text, "rays.8192.sample", "");
+    assert_text(text, "candidate_list.4098.candidate", "");
+    free(text);
+    bis_free(rays);
+    bis_free(c);
+    clear(&f);
+}
+
 #define NIGHT "#05050d"
 #define DISC(x, y, r, fill) "<circle cx=`" x "` cy=`" y "` r=`" r "` fill=`" fill "`/>"
 #define RING(x, y, r, stroke) \
@@ -637,6 +673,7 @@ int main(void)
         cmocka_unit_test(the_sphere_has_the_densities_in_the_lights_frame),
         cmocka_unit_test(a_lamp_of_one_pixel_is_in_its_place),
         cmocka_unit_test(rays_candidates_and_marks_are_those_of_the_report),
+        cmocka_unit_test(the_page_has_the_first_of_many),
         cmocka_unit_test(the_page_has_dots_where_the_rays_go),
         cmocka_unit_test(without_a_script_the_page_is_the_text),
     };

@@ -81,6 +81,22 @@ static void a_lobe_far_narrower_than_a_patch_is_found(void **state)
     bis_light_free(light);
 }
 
+/* A lobe that only the direction r itself meets, of those that floats can name: the cells in it are as small as cells
+ * get, and each has more than its share. Then a ray may have what its cell may have, and no more. */
+static void a_lobe_narrower_than_a_float_is_within_its_bound(void **state)
+{
+    bis_envmap em = map_new(32, 16);
+    bis_light *light;
+    const bis_light_desc desc = {.to_world = bis_xform_identity()};
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = grey(1);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, NULL), BIS_OK);
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0), grey(1), 1e19), normalize(vec3_from(0.2, -0.3, 0.8)), 10, LIT_OPEN);
+    const bis_truth t = truth_of(&l.pt, 3);
+    assert_true(t.rays > 0 && t.worst > 0.5 && t.worst <= 1);
+    bis_light_free(light);
+}
+
 /* Nothing is reflected: no ray is above its bound, which is 0 (make asan divides by no 0). */
 static void what_is_black_has_a_sum_of_0(void **state)
 {
@@ -154,6 +170,209 @@ typedef struct curtain {
 } curtain;
 
 static bool is_behind(const bis_accel *a, const ray *r) { return (double)r->d.x > ((const curtain *)a)->x; }
+
+/* ---- sums by hand ---- */
+
+/* A pixel of a map of 512 x 256: 0.7 degrees wide, so that f cos is next to constant in it. */
+typedef struct lamp {
+    int x, y;
+    double Le, seen; /* seen: the share of it that no curtain hides */
+} lamp;
+
+enum { FINE_WIDTH = 512, FINE_HEIGHT = 256, LAMPS = 3 };
+
+/* Hidden is what lies beyond a meridian. */
+typedef struct meridian {
+    bis_accel accel;
+    vec3 across;
+} meridian;
+
+static bool is_across(const bis_accel *a, const ray *r) { return dot(r->d, ((const meridian *)a)->across) > 0; }
+
+static const bis_accel_ops meridian_ops = {.name = "meridian", .occluded = is_across};
+
+/* A light of these pixels alone, of the colour (1, 1/2, 1/4); *middle is the direction of the first. */
+static bis_light *light_of_lamps(const lamp *lamps, int n, vec3 *middle)
+{
+    bis_envmap em = map_new(FINE_WIDTH, FINE_HEIGHT);
+    const bis_light_desc desc = {.to_world = bis_xform_identity()};
+    bis_light *light;
+    for (int i = 0; i < n; i++)
+        em.pixels[lamps[i].y * FINE_WIDTH + lamps[i].x] = rgb_from(lamps[i].Le, lamps[i].Le / 2, lamps[i].Le / 4);
+    *middle = bis_envmap_direction(&em, lamps[0].x, lamps[0].y, 0.5, 0.5);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE, NULL), BIS_OK);
+    return light;
+}
+
+static double size_of(const lamp *p)
+{
+    return 2 * PI / FINE_WIDTH * (cos(PI * p->y / FINE_HEIGHT) - cos(PI * (p->y + 1) / FINE_HEIGHT));
+}
+
+/* Mean, variance and third central moment of what has the value x[i] with the chance p[i], and else 0. */
+static void moments_by_hand(double m[3], const double *x, const double *p, int n)
+{
+    double rest = 1;
+    m[0] = m[1] = m[2] = 0;
+    for (int i = 0; i < n; i++) m[0] += p[i] * x[i];
+    for (int i = 0; i < n; i++) {
+        m[1] += p[i] * pow(x[i] - m[0], 2);
+        m[2] += p[i] * pow(x[i] - m[0], 3);
+        rest -= p[i];
+    }
+    m[1] += rest * m[0] * m[0];
+    m[2] -= rest * m[0] * m[0] * m[0];
+}
+
+static void assert_share(const char *what, double found, double expected, double scale)
+{
+    if (!(fabs(found - expected) <= 2e-3 * scale)) fail_msg("%s: %g, must be %g", what, found, expected);
+}
+
+/* Three lamps about the normal, two in one block of patches and one in another: in all of a lamp F is Le (4 0.7 + 2 0.6
+ * / 2 + 0.5 / 4)/pi but for the cosine, 2e-4. The last quarter of the first one is hidden, on a border of cells, so
+ * that V is constant in each, too: no pair of rays differs by more than the cosine does. No ray may have more than
+ * 0.7/pi (4 + 2/2 + 1/4) Le. In units of that of the first lamp, the bounds are 1, 3 and 2; of 300 cells each has a
+ * 50th: so 64, 256 and 256 cells are made. */
+static void a_few_small_lamps_have_the_sums_by_hand(void **state)
+{
+    static const lamp lamps[LAMPS] = {{300, 100, 1, 0.75}, {299, 100, 3, 1}, {299, 101, 2, 1}};
+    static const bis_truth_density q[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.25, 0.5, 0.25}};
+    const double product = (4 * 0.7 + 2 * 0.6 / 2 + 0.5 / 4) / PI, most = 0.7 * (4 + 2 / 2.0 + 1 / 4.0) / PI;
+    const double channel[3] = {0.7 / PI, 0.6 / PI / 2, 0.5 / PI / 4}, phi = 2 * PI * (300 + 0.75) / FINE_WIDTH;
+    meridian m = {{&meridian_ops, NULL}, vec3_from(-sin(phi), cos(phi), 0)};
+    double seen = 0, all = 0, weight = 0, variance = 0, third = 0;
+    vec3 n;
+    bis_light *light = light_of_lamps(lamps, LAMPS, &n);
+    bis_truth t;
+    lit l;
+    lit_init(&l, light, bis_phong(rgb_from(0.7, 0.6, 0.5), grey(0), 1), n, 20, LIT_OPEN);
+    l.pt.accel = &m.accel;
+    assert_int_equal(bis_truth_of(&t, &(bis_truth_question){&l.pt, {4, 2, 1}, 300, 1, q, 4}, NULL), BIS_OK);
+    assert_int_equal(t.patches, FINE_WIDTH * FINE_HEIGHT);
+    assert_int_equal(t.rays, 2 * (64 + 256 + 256));
+    for (int i = 0; i < LAMPS; i++) {
+        const double F = lamps[i].Le * size_of(&lamps[i]), share = lamps[i].seen;
+        all += F;
+        seen += F * share;
+        weight += F; /* the map's table, too, is by Le and size */
+        variance += pow(product * F, 2) * share * (1 - share);
+        third += pow(product * F, 3) * share * (1 - share) * (1 - 2 * share);
+    }
+    assert_share("lit", t.lit.mean[3], product * seen, product * seen);
+    assert_share("open", t.open.mean[3], product * all, product * all);
+    for (int k = 0; k < 3; k++) {
+        assert_share("a channel, lit", t.lit.mean[k], channel[k] * seen, channel[k] * seen);
+        assert_share("a channel, open", t.open.mean[k], channel[k] * all, channel[k] * all);
+    }
+    for (int k = 0; k < 4; k++) /* a pair differs by 2e-4 at most, and there are 576 */
+        assert_true(sqrt(t.lit.variance[k]) < 2e-5 * t.lit.mean[k] && t.open.variance[k] <= 2 * t.lit.variance[k]);
+    const double bound = most * lamps[0].Le * size_of(&lamps[0]) / 64;
+    assert_share("largest of a cell", t.lit.most, bound / 2, bound / 2);
+    assert_share("largest of a cell, open", t.open.most, bound / 2, bound / 2);
+    const double B = most * all / 300, worst = product * size_of(&lamps[0]) / 64 / B;
+    assert_share("worst", t.worst, worst, worst);
+    assert_share("variance of a ray in each", t.one_ray.variance, variance, variance);
+    assert_share("third moment of a ray in each", t.one_ray.third, third, fabs(third));
+    assert_share("largest ray", t.one_ray.most, product * 3 * size_of(&lamps[1]), product * 3 * size_of(&lamps[1]));
+
+    /* a sample of density q meets a lamp, where it is seen, with the chance q times its size, and then it is F/q */
+    for (int k = 0; k < 4; k++) {
+        double x[LAMPS], p[LAMPS], by_hand[3], largest = 0;
+        for (int i = 0; i < LAMPS; i++) {
+            const double size = size_of(&lamps[i]), q_L = lamps[i].Le / weight;
+            const double d = q[k].from_map * q_L + q[k].from_bsdf / PI + q[k].uniform / (4 * PI);
+            x[i] = product * lamps[i].Le / d;
+            p[i] = d * size * lamps[i].seen;
+            largest = fmax(largest, x[i]);
+        }
+        moments_by_hand(by_hand, x, p, LAMPS);
+        assert_share("mean", t.lit.mean[3], by_hand[0], by_hand[0]);
+        assert_share("variance of a sample", t.sample[k].variance, by_hand[1], by_hand[1]);
+        const double scale = fabs(by_hand[2]) + pow(by_hand[1], 1.5);
+        assert_share("third moment of a sample", t.sample[k].third, by_hand[2], scale);
+        assert_share("largest sample", t.sample[k].most, largest, largest);
+    }
+    bis_light_free(light);
+}
+
+/* One patch that is one cell: of its two rays a and b the mean is (a + b)/2, the variance of that ((a - b)/2)^2, the
+ * larger one (a + b)/2 + |a - b|/2. A ray anywhere in it has those two values: half the square of their difference is
+ * its variance, unbiased, and two values have no skewness. Each channel has its share of all of these. */
+static void two_rays_tell_mean_variance_and_the_larger_one(void **state)
+{
+    static const lamp one = {300, 100, 1, 1};
+    vec3 n;
+    bis_light *light = light_of_lamps(&one, 1, &n);
+    lit l;
+    lit_init(&l, light, bis_phong(rgb_from(0.7, 0.6, 0.5), grey(0), 1), cross(n, (vec3){0, 0, 1}), 20, LIT_OPEN);
+    l.pt.n = l.pt.ng = normalize(add(mul(n, 0.02), l.pt.n)); /* a degree above the horizon: the cosine varies */
+    bis_bsdf_init(&l.pt.bsdf, &l.material, l.pt.n, l.pt.wo);
+    static const double shares[4] = {0.7 / 3.525, 0.3 / 3.525, 0.125 / 3.525, 1};
+    for (uint64_t seed = 0; seed < 20; seed++) {
+        bis_truth t;
+        assert_int_equal(bis_truth_of(&t, &(bis_truth_question){&l.pt, {4, 2, 1}, 1, seed, NULL, 0}, NULL), BIS_OK);
+        const double mean = t.lit.mean[3], deviation = sqrt(t.lit.variance[3]);
+        assert_int_equal(t.rays, 2);
+        assert_true(deviation > 0 && deviation < mean);
+        assert_near(t.one_ray.most / (mean + deviation), 1, 1e-9);
+        assert_near(t.one_ray.variance / (2 * t.lit.variance[3]), 1, 1e-9);
+        assert_near(t.one_ray.third, 0, 1e-9 * mean * mean * mean);
+        for (int k = 0; k < 4; k++) {
+            const double share = t.lit.mean[k] / mean;
+            assert_near(share, shares[k], 1e-6);
+            assert_near(t.lit.variance[k] / (share * share * t.lit.variance[3]), 1, 1e-5);
+            assert_near(t.open.mean[k] / t.lit.mean[k], 1, 1e-12);
+            assert_near(t.open.variance[k] / t.lit.variance[k], 1, 1e-12);
+        }
+    }
+    bis_light_free(light);
+}
+
+/* The bound of a patch that is one cell, which is not met but for its half: `most`. Of a lobe of exponent 8 with Ks
+ * (0.5, 0.4, 0.3) and Kd 0.1, in r+g+b weighted by Le: the largest F of its corners and its middle, twice, by the
+ * textbook's f (lit_f). But the largest that it can be anywhere, 9/(2 pi) Ks + Kd/pi at most, where r lies within three
+ * radii of the middle, or where that is less. */
+static void a_cells_bound_is_twice_its_corners_or_the_largest_f(void **state)
+{
+    static const double place[5][2] = {{0.5, 0.5}, {0, 0}, {0, 1}, {1, 0}, {1, 1}};
+    bool near = false, far = false, cut = false;
+    vec3 middle;
+    bis_light *light = light_of_patches(1, &middle);
+    const frame about = frame_about(middle);
+    for (int tilt = 0; tilt < 100; tilt += 7) { /* of the normal, from the middle of the patch */
+        for (int turn = 0; turn < 360; turn += 45) {
+            const double a = tilt * PI / 180, b = turn * PI / 180;
+            bis_truth t;
+            double largest = 0, radius = 0, size = 0;
+            lit l;
+            lit_init(&l, light, bis_phong(grey(0.1), rgb_from(0.5, 0.4, 0.3), 8),
+                normalize(to_world(&about, vec3_from(sin(a) * cos(b), sin(a) * sin(b), cos(a)))), 20, LIT_OPEN);
+            for (int i = 0; i < 5; i++) {
+                bis_light_point y;
+                double q;
+                bis_light_patch(light, 32, place[i], &y);
+                const double wi[3] = {(double)y.wi.x, (double)y.wi.y, (double)y.wi.z};
+                const double F = measure(lit_f(&l, wi, &q)) * fmax(0, dot(l.pt.n, y.wi));
+                largest = fmax(largest, F);
+                radius = fmax(radius, length(sub(y.wi, middle)));
+                size = 1 / y.pdf;
+                cut |= dot(l.pt.n, y.wi) <= 0;
+            }
+            const double any = 7 * (0.5 * 9 / (2 * PI) + 0.1 / PI);
+            const bool is_near = length(sub(middle, l.pt.bsdf.r)) <= 3 * radius;
+            const double bound = is_near ? any : fmin(2 * largest, any);
+            assert_int_equal(bis_truth_of(&t, &(bis_truth_question){&l.pt, {4, 2, 1}, 1, 1, NULL, 0}, NULL), BIS_OK);
+            if (largest <= 0) continue;
+            if (!(fabs(t.open.most / (bound * size / 2) - 1) < 1e-4) || t.open.most != t.lit.most)
+                fail_msg("tilt %d, turn %d: %g, must be %g", tilt, turn, t.open.most, bound * size / 2);
+            near |= is_near && 2 * largest < any;
+            far |= !is_near && 2 * largest < any;
+        }
+    }
+    assert_true(near && far && cut);
+    bis_light_free(light);
+}
 
 /* What `bis verify` did before: four rays in each patch, and their scatter. Returns z. */
 static double four_rays(const bis_point *pt, double truth, uint64_t seed)
@@ -312,9 +531,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_brute_force_within_its_bound),
         cmocka_unit_test(a_lobe_far_narrower_than_a_patch_is_found),
+        cmocka_unit_test(a_lobe_narrower_than_a_float_is_within_its_bound),
         cmocka_unit_test(what_is_black_has_a_sum_of_0),
         cmocka_unit_test(the_worst_ray_is_that_of_the_largest_cosine),
         cmocka_unit_test(either_ray_of_a_cell_may_be_the_worst),
+        cmocka_unit_test(a_few_small_lamps_have_the_sums_by_hand),
+        cmocka_unit_test(two_rays_tell_mean_variance_and_the_larger_one),
+        cmocka_unit_test(a_cells_bound_is_twice_its_corners_or_the_largest_f),
         cmocka_unit_test(a_patch_hidden_by_a_tenth_does_not_look_exact),
         cmocka_unit_test(a_scatter_of_0_promises_no_error_of_0),
         cmocka_unit_test(moments_are_those_of_draws),

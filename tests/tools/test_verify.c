@@ -80,6 +80,42 @@ static void a_larger_distance_is_never_more_likely(void **state)
     assert_near(bis_verify_t(4, HUGE_VAL, 0.05) / (6.3342484e-5 * exp(3.2 / 3)), 1, 1e-6);
 }
 
+/* A bound is met from 0 to itself; a p is at most 1, and one that is none is 0. What is cleared keeps what it was asked
+ * with. */
+static void a_bound_a_p_and_a_run_have_their_ends(void **state)
+{
+    static const struct { double value; bis_verdict verdict; } cases[] = {
+        {-1e-9, BIS_VERDICT_FAILED}, {0, BIS_VERDICT_PASSED}, {2, BIS_VERDICT_PASSED}, {2.001, BIS_VERDICT_FAILED}};
+    static const double given[] = {-0.5, 0, 0.5, 1, 1.5, (double)NAN}, taken[] = {0, 0, 0.5, 1, 1, 0};
+    int user;
+    bis_verify v = {.seed = 7, .as_printed = BIS_E34, .halvings = 3, .user = &user};
+    for (int i = 0; i < 4; i++) {
+        bis_verify_test *t = bis_verify_new(&v, "g", "%d", i);
+        bis_verify_bound(t, cases[i].value, 2, "n");
+        assert_true(t->verdict == cases[i].verdict && t->threshold == 2 && t->statistic == cases[i].value);
+        assert_string_equal(t->note, "n");
+    }
+    for (int i = 0; i < 6; i++) {
+        bis_verify_test *t = bis_verify_new(&v, "g", "p %d", i);
+        bis_verify_p(t, i, given[i], "n");
+        assert_true(t->p == taken[i] && t->statistic == i);
+    }
+    assert_int_equal(v.n, 10);
+    assert_string_equal(v.tests[9].name, "p 5");
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    assert_int_equal(v.n_statistical, 6);
+    assert_int_equal(v.n_failed, 2 + 3);
+    assert_true(bis_verify_seed(&v, "%s", "a") == bis_verify_seed(&v, "a"));
+    const uint64_t seed = bis_verify_seed(&v, "a");
+    assert_true(seed != bis_verify_seed(&v, "b"));
+    bis_verify_clear(&v);
+    assert_true(v.seed == 7 && v.as_printed == BIS_E34 && v.halvings == 3 && v.user == &user);
+    assert_true(v.n == 0 && v.capacity == 0 && !v.tests && v.n_failed == 0 && v.threshold == 0);
+    assert_true(bis_verify_judge(&v, NULL) == BIS_OK && v.threshold == BIS_VERIFY_ALPHA);
+    v.seed = 8;
+    assert_true(seed != bis_verify_seed(&v, "a"));
+}
+
 /* Means of 400 exponential variables, of skewness 0.1: p is below 0.001 in at most 0.1 % of 40000 experiments, but for
  * 4 standard errors, and by t alone, the twin, more often. */
 static void skewed_means_do_not_accuse(void **state)
@@ -156,6 +192,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thresholds_are_sidaks_and_p_is_never_from_the_wrong_side),
         cmocka_unit_test(a_larger_distance_is_never_more_likely),
+        cmocka_unit_test(a_bound_a_p_and_a_run_have_their_ends),
         cmocka_unit_test(skewed_means_do_not_accuse),
         cmocka_unit_test(small_cells_do_not_accuse),
         cmocka_unit_test(every_allocation_may_fail),

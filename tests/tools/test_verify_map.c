@@ -7,6 +7,7 @@
 #include "map_help.h"
 #include "verify_help.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static void upside_down(bis_envmap *to, const bis_envmap *from)
@@ -298,6 +299,61 @@ static void neighbours_share_a_group_until_each_place_expects_five(void **state)
     }
 }
 
+/* What stands in front of the word "draws" of a test that has failed at once; 0: of another. */
+static double draws_that_fell(const bis_verify_test *t)
+{
+    double n = 0;
+    return sscanf(t->note, "chi-square; %lf draws fell where nothing can be drawn", &n) == 1 ? n : 0;
+}
+
+static bool draw_the_same(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    *s = *(const bis_map_sample *)self;
+    return true;
+}
+
+/* Whether a pixel is said to have a direction at the shares u of its longitudes and w of its solid angle. */
+static bool lies_in(const bis_envmap *em, int x, int y, double u, double w)
+{
+    const double t[2] = {cos(PI * y / em->height), cos(PI * (y + 1) / em->height)};
+    const double z = t[0] + w * (t[1] - t[0]), side = sqrt(1 - z * z), phi = 2 * PI * (x + u) / em->width;
+    const bis_map_sample s = {.pixel = (size_t)(y * em->width + x),
+                              .w_local = vec3_from(side * cos(phi), side * sin(phi), z)};
+    const bis_verify_sampler sampler = {"same", draw_the_same, &s};
+    double *pmf = bis_alloc(map_n(em), sizeof *pmf);
+    bis_verify v = {.seed = 1, .halvings = 5};
+    pmf[s.pixel] = 1;
+    assert_int_equal(bis_verify_draws(&v, &sampler, em, pmf, NULL), BIS_OK);
+    const double n = draws_that_fell(&v.tests[0]);
+    assert_true(n == 0 || n == 16384);
+    bis_verify_clear(&v);
+    bis_free(pmf);
+    return n == 0;
+}
+
+/* A direction of three floats may miss its pixel by 2^-22 of the map's longer side: by 0.7 of that it does not, by 1.4
+ * it does, on each of the four edges, wherever the pixel is, also where the longitudes begin anew. */
+static void a_draw_lies_in_its_pixel_but_for_its_rounding(void **state)
+{
+    static const int sizes[][2] = {{64, 32}, {16, 64}};
+    for (int k = 0; k < 2; k++) {
+        const int W = sizes[k][0], H = sizes[k][1], columns[] = {0, 5, W / 2 - 1, W / 2, W - 1};
+        bis_envmap em = map_new(W, H);
+        for (int i = 0; i < 5; i++)
+            for (int y = H / 4; y < H; y += H / 4) {
+                const int x = columns[i];
+                for (int off = 0; off < 2; off++) {
+                    const double m = (off ? 1.4 : 0.7) * 0x1p-22 * 64;
+                    if (lies_in(&em, x, y, -m, 0.4) == off || lies_in(&em, x, y, 1 + m, 0.4) == off ||
+                        lies_in(&em, x, y, 0.3, -m) == off || lies_in(&em, x, y, 0.3, 1 + m) == off)
+                        fail_msg("%d x %d, pixel (%d, %d), off by %g", W, H, x, y, m);
+                }
+                assert_true(lies_in(&em, x, y, 0.5, 0.5) && !lies_in(&em, x, y, 0.5 + W / 2, 0.5));
+            }
+        bis_envmap_clear(&em);
+    }
+}
+
 static bool draw_next_column(const void *self, bis_rng *rng, bis_map_sample *s)
 {
     const bis_envmap *em = ((const wrong_sampler *)self)->em;
@@ -386,6 +442,7 @@ static void wrong_samplers_of_a_map_are_rejected(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_draw_lies_in_its_pixel_but_for_its_rounding),
         cmocka_unit_test(right_maps_pass),
         cmocka_unit_test(odd_maps_pass),
         cmocka_unit_test(neighbours_share_a_group_until_each_place_expects_five),

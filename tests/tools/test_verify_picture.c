@@ -5,9 +5,11 @@
 #include "bis/base/mem.h"
 #include "claim.h"
 #include "map_help.h"
+#include "mesh_help.h"
 #include "program.h"
 #include "verify_help.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 /* Two renders, of five sums each: all pixels, three of outlines, the material. */
@@ -316,6 +318,61 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
     }
 }
 
+/* Renders by turns brighter and darker than `swing.mean` by `swing.share` of it: one of `every` is the brighter. */
+static struct { double mean, share; unsigned every, calls; } swing;
+
+static bis_status render_by_turns(bis_render_result *result, bis_film *f, const bis_scene *scene,
+    const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const double L = swing.mean * (1 + (swing.calls++ % swing.every == 0 ? swing.share : -swing.share));
+    *result = (bis_render_result){.counters = {0}};
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] = 4 * L / 7;
+    f->weight = 4;
+    return BIS_OK;
+}
+
+/* A floor of reflectance 1/2 fills a picture that is right at 7/2, which the reference's batches know to 1e-3. So the
+ * scatter is that of the renders: 128 of them, half above and half below, have a standard error of the swing over the
+ * root of 127, and Student's t tells p. Of one in 8 above, the skewness of the mean is 0.75 over the root of 14: 0.2 is
+ * too much. */
+static void z_and_p_of_a_picture_are_those_by_hand(void **state)
+{
+    static const struct { double mean, share; } cases[] = {{1.0625, 0.25}, {0.9375, 0.25}, {1.125, 0.5}};
+    program_folder(VERIFY_DIR);
+    program_write_file(VERIFY_DIR "/swing.txt",
+        "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\n"
+        "Integrator \"em\" \"integer samples\" 8\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+        "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  9 -9 2  9 9 2  -9 9 2]\n");
+    verify_built b = verify_build(VERIFY_DIR "/swing.txt");
+    for (int i = 0; i < 4; i++) {
+        bis_verify v = {.seed = 1, .halvings = 3};
+        bool tested;
+        swing.mean = 3.5 * cases[i % 3].mean;
+        swing.share = cases[i % 3].share;
+        swing.every = i < 3 ? 2 : 8;
+        swing.calls = 0;
+        assert_int_equal(
+            bis_verify_picture(&v, render_by_turns, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested && swing.calls == 128);
+        const bis_verify_test *t = &v.tests[0];
+        assert_string_equal(t->name, "all pixels: em");
+        if (i == 3) {
+            assert_int_equal(t->verdict, BIS_VERDICT_SKIPPED);
+            assert_string_equal(t->note, "a few renders outweigh all others here: too few to judge");
+        } else {
+            char note[80];
+            const double se = swing.mean * swing.share / sqrt(127), z = (swing.mean - 3.5) / se;
+            if (!(fabs(t->statistic / z - 1) < 0.02 && fabs(log(t->p / bis_verify_t(z, 127, 0))) < 0.1))
+                fail_msg("case %d: z %g, p %g, must be %g, %g", i, t->statistic, t->p, z, bis_verify_t(z, 127, 0));
+            snprintf(note, sizeof note, " %% +- %.2g %%; 128 renders of 1 pixels, 256 passes", 100 * se / 3.5);
+            if (!strstr(t->note, note)) fail_msg("\"%s\" has no \"%s\"", t->note, note);
+        }
+        bis_verify_clear(&v);
+    }
+    verify_clear(&b);
+}
+
 /* Counts its calls, and whether each had so many samples a pixel. */
 static struct { uint64_t spp; unsigned calls, wrong; } asked;
 
@@ -368,6 +425,57 @@ static void renders_pixels_and_passes_are_those_worked_out(void **state)
         if (!strstr(v.tests[0].note, cases[i].note)) fail_msg("case %zu: %s", i, v.tests[0].note);
         assert_int_equal(asked.calls, cases[i].renders);
         assert_int_equal(asked.wrong, 0);
+        bis_verify_clear(&v);
+        verify_clear(&b);
+    }
+}
+
+/* Counts the camera rays. */
+static atomic_uint camera_rays;
+
+static bool counted_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    camera_rays++;
+    return right_intersect(a, r, hit);
+}
+
+static bool seen_as_before(const bis_accel *a, const ray *r)
+{
+    return bis_accel_occluded(((const accel_twin *)a)->right, r);
+}
+
+/* What is expected of a picture is made of 8 batches that tell weights and outlines, and of 32 for the sums, with 2^21
+ * samples in 32, halved so often: as many for each pixel, 1 to 4096. In pixels that an outline crosses the 32 have
+ * eight times as many. Floors fill all pixels, or all but one that one of them ends in. */
+static void a_reference_has_its_samples(void **state)
+{
+    static const bis_accel_ops ops = {.name = "counted", .intersect = counted_intersect, .occluded = seen_as_before};
+    static const struct { int width, height; double right; unsigned halvings, samples, outlines; } cases[] = {
+        {1, 1, 9, 3, 4096, 0}, {1, 1, 9, 7, 512, 0}, {1, 1, 0, 8, 256, 1}, {2, 2, 9, 7, 128, 0}, {4, 1, 0.5, 8, 64, 1},
+        {3, 1, 9, 8, 85, 0}, {4, 4, 9, 20, 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        const unsigned n = (unsigned)(cases[i].width * cases[i].height);
+        bis_verify v = {.seed = 1, .halvings = cases[i].halvings};
+        bool tested;
+        snprintf(text, sizeof text,
+            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\nIntegrator "
+            "\"em\" \"integer samples\" 1\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial "
+            "\"diffuse\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %g -9 2  %g "
+            "9 2  -9 9 2]\n",
+            cases[i].width, cases[i].height, cases[i].right, cases[i].right);
+        program_folder(VERIFY_DIR);
+        program_write_file(VERIFY_DIR "/samples.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/samples.txt");
+        accel_twin twin = {{&ops, &b.scene->geometry}, b.scene->accel};
+        b.scene->accel = &twin.accel;
+        camera_rays = 0;
+        assert_int_equal(
+            bis_verify_picture(&v, render_nothing, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        b.scene->accel = (bis_accel *)(uintptr_t)twin.right;
+        assert_true(tested);
+        const unsigned expected = cases[i].samples * (8 * n + 32 * (n + 7 * cases[i].outlines));
+        if (camera_rays != expected) fail_msg("case %zu: %u rays, must be %u", i, (unsigned)camera_rays, expected);
         bis_verify_clear(&v);
         verify_clear(&b);
     }
@@ -541,6 +649,8 @@ static void every_allocation_of_a_picture_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(z_and_p_of_a_picture_are_those_by_hand),
+        cmocka_unit_test(a_reference_has_its_samples),
         cmocka_unit_test(a_right_picture_passes),
         cmocka_unit_test(what_is_skipped_by_chance_counts_among_the_p_values),
         cmocka_unit_test(a_mean_that_is_not_a_number_fails),

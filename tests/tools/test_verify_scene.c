@@ -170,6 +170,63 @@ static void metals_that_differ_in_one_number_are_others(void **state)
     bis_verify_clear(&v);
 }
 
+/* Textures count as they are in the middle, u = v = 1/2, and at the origin: there a checkerboard of squares of 1/2 has
+ * its first colour, 0.25, and so has one that a plane maps, whose squares have a corner half a unit before the origin,
+ * along each of the three axes. Both are then the material of that colour, and a board of which it is the second one is
+ * not. */
+static void textures_are_as_they_are_in_the_middle(void **state)
+{
+    static const char *const boards[] = {
+        "\"float uscale\" 2 \"float vscale\" 2 ",
+        "\"string mapping\" \"planar\" \"vector3 v1\" [1 0 0] \"vector3 v2\" [0 1 0] \"float udelta\" 0.5 \"float "
+        "vdelta\" 0.5 ",
+        "\"string mapping\" \"planar\" \"vector3 v1\" [0 0 1] \"vector3 v2\" [0 1 0] \"float udelta\" 0.5 \"float "
+        "vdelta\" 0.5 "};
+    for (size_t i = 0; i < sizeof boards / sizeof *boards; i++)
+        for (int other = 0; other < 2; other++) {
+            char world[1024];
+            bis_verify v = {.seed = 2, .halvings = 8};
+            snprintf(world, sizeof world,
+                "LightSource \"infinite\" \"rgb L\" [0 0 0] Translate 50 0 0\nTexture \"t\" \"spectrum\" "
+                "\"checkerboard\" \"rgb tex%d\" [0.25 0.25 0.25] \"rgb tex%d\" [0.75 0.75 0.75] %s\n"
+                "Material \"diffuse\" \"rgb reflectance\" [0.25 0.25 0.25] Shape \"sphere\"\n"
+                "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"\n",
+                1 + other, 2 - other, boards[i]);
+            run_text(&v, verify_one_pixel, world);
+            assert_true(count(&v, "materials", "1, ") > 0);
+            if ((count(&v, "materials", "2, ") > 0) != other) fail_msg("board %zu, colour %d", i, other);
+            bis_verify_clear(&v);
+        }
+}
+
+/* No more than 4096 samples or candidates and 1024 shadow rays are taken of the scene's own numbers. So a scene that
+ * asks for more has as many renders, pixels and passes compared as one that asks for these, and the same of them. */
+static void numbers_that_are_too_dear_are_cut(void **state)
+{
+    static const char *const integrators[][2] = {
+        {"\"em\" \"integer samples\" 4096", "\"em\" \"integer samples\" 100000"},
+        {"\"sir\" \"integer candidates\" 4096 \"integer shadowrays\" 1024",
+         "\"sir\" \"integer candidates\" 50000 \"integer shadowrays\" 30000"}};
+    for (int i = 0; i < 2; i++) {
+        char notes[2][160];
+        for (int k = 0; k < 2; k++) {
+            char options[512];
+            bis_verify v = {.seed = 1, .halvings = 7};
+            snprintf(options, sizeof options,
+                "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 4 Integrator %s", integrators[i][k]);
+            run_text(&v, options, "LightSource \"infinite\" Material \"diffuse\" Translate 0 0 3 Shape \"disk\" "
+                     "\"float radius\" 1000");
+            assert_true(count(&v, "picture", "all pixels") == 1);
+            for (size_t j = 0; j < v.n; j++)
+                if (strncmp(v.tests[j].name, "all pixels", 10) == 0)
+                    snprintf(notes[k], sizeof notes[k], "%s", v.tests[j].note);
+            bis_verify_clear(&v);
+        }
+        assert_string_equal(notes[0], notes[1]);
+        assert_non_null(strstr(notes[0], " renders of "));
+    }
+}
+
 /* Three columns of the table as the numbers that JSON has, "-" for none. */
 static void assert_columns(const char *line, const char *json, int test)
 {
@@ -321,6 +378,8 @@ static void our_own_files_pass(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(textures_are_as_they_are_in_the_middle),
+        cmocka_unit_test(numbers_that_are_too_dear_are_cut),
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
         cmocka_unit_test(a_pixel_is_looked_at_once),
         cmocka_unit_test(what_a_scene_lacks_is_skipped_and_says_why),

@@ -2,15 +2,19 @@
 /* `bis verify` of a point in view: right integrators pass. Those that are wrong are in test_verify_wrong,
  * test_verify_exact and test_verify_printed. */
 #include "tools/pixel/pixel.h"
+#include "tools/truth.h"
 #include "tools/verify/verify.h"
+#include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/warp.h"
 #include "thesis/proposal.h"
 #include "claim.h"
 #include "lit.h"
+#include "map_help.h"
 #include "program.h"
 #include "verify_help.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 static const bis_settings *all_settings(void)
@@ -347,6 +351,195 @@ static void the_density_of_its_samples_decides_how_an_integrator_is_judged(void 
     }
 }
 
+/* ---- z, p and the number of runs, by hand ---- */
+
+/* What the reference says of a point by these halvings: q is the density of the one integrator that is tested. */
+static bis_truth reference_of(const lit *l, const bis_verify *v, const bis_truth_density *q)
+{
+    bis_truth t;
+    const bis_truth_question asked = {&l->pt, {4, 2, 1}, (1 << 15) >> v->halvings / 2,
+                                      bis_verify_seed(v, "p: reference"), q, q ? 1 : 0};
+    assert_int_equal(bis_truth_of(&t, &asked, NULL), BIS_OK);
+    return t;
+}
+
+/* The difference that neither floats, 2e-6, nor the reference's error explains. */
+static double excess_by_hand(const bis_truth *t, double mean)
+{
+    const double difference = mean - t->lit.mean[3];
+    const double rest = fabs(difference) - 2e-6 * t->lit.mean[3] - bis_truth_bound(&t->lit, 1e-7);
+    return rest > 0 ? copysign(rest, difference) : 0;
+}
+
+/* Bernstein: 2 exp(-n e^2 / (2 E[X^2] + 2 B e/3)), with a tenth more for E[X^2], and twice the largest sample for B. */
+static double bernstein_by_hand(const bis_truth *t, double n, double e, double samples_in_one)
+{
+    const double square = 1.1 * (t->sample[0].variance + pow(t->lit.mean[3], 2));
+    const double B = 2 * t->sample[0].most * samples_in_one;
+    return 2 * exp(-n * e * e / (2 * square + 2 * B * fabs(e) / 3));
+}
+
+/* A stranger whose run r is known, `base` (1 + `amplitude`) for one of `every` and `base` (1 - `amplitude`) for the
+ * others. Every run casts three shadow rays. */
+static struct {
+    double base, amplitude;
+    uint64_t every;
+    atomic_uint calls;
+} told;
+
+static rgb Lo_as_told(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const double L = told.base * (1 + (stream->pixel % told.every == 0 ? told.amplitude : -told.amplitude));
+    told.calls++;
+    pt->counters->shadow_rays += 3;
+    return rgb_from(L, L, L);
+}
+
+/* What is said of the stranger. */
+static bis_verify_test judged_as_told(const lit *l, bis_sampler_kind kind, unsigned halvings)
+{
+    bis_integrator stranger = bis_brdf;
+    bis_settings s = bis_settings_default(&bis_brdf);
+    bis_verify v = {.seed = 1, .halvings = halvings};
+    bool tested;
+    stranger.Lo = Lo_as_told;
+    s.integrator = &stranger;
+    s.samples = 16; /* 8 units each: 2^21 >> 8 pay for 64 runs */
+    told.calls = 0;
+    assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l->pt, kind}, &s, 1, &tested, NULL), BIS_OK);
+    assert_true(tested && v.n == 1);
+    const bis_verify_test t = v.tests[0];
+    bis_verify_clear(&v);
+    return t;
+}
+
+/* 64 runs, half of them above their mean by d and half below: a standard error of d/sqrt(63), no skewness. Where they
+ * are too dark, p is at least that of uniform directions, three in a run, which are independent only where the sampler
+ * says so. Runs that are all alike are infinitely many standard errors away, or none. */
+static void z_and_p_of_a_stranger_are_those_by_hand(void **state)
+{
+    enum { RUNS = 64 };
+    static const bis_truth_density uniform = {0, 0, 1};
+    static const struct { double off, amplitude; bis_sampler_kind kind; bool is_dark; } cases[] = {
+        {1.1, 0.125, BIS_SAMPLER_RANDOM, false}, {1.07, 0.25, BIS_SAMPLER_SOBOL, false},
+        {0.9, 0.125, BIS_SAMPLER_RANDOM, true}, {0.9, 0.125, BIS_SAMPLER_SOBOL, true},
+        {0.25, 1, BIS_SAMPLER_RANDOM, true}, {1, 0.125, BIS_SAMPLER_RANDOM, false},
+        {1.1, 0, BIS_SAMPLER_RANDOM, false}};
+    const bis_verify v = {.seed = 1, .halvings = 8};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 3), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    const bis_truth t = reference_of(&l, &v, &uniform);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        told.base = t.lit.mean[3] / 7 * cases[i].off;
+        told.amplitude = cases[i].amplitude;
+        told.every = 2;
+        const bis_verify_test found = judged_as_told(&l, cases[i].kind, v.halvings);
+        const double e = excess_by_hand(&t, 7 * told.base), se = 7 * told.base * told.amplitude / sqrt(RUNS - 1);
+        const double z = e == 0 ? 0 : e / se, by_t = e == 0 ? 1 : bis_verify_t(z, RUNS - 1, 0);
+        const double by_uniform =
+            fmin(1, bernstein_by_hand(&t, 3 * RUNS, e, cases[i].kind == BIS_SAMPLER_SOBOL ? 3 : 1));
+        const bool may_miss = cases[i].is_dark && by_uniform > by_t;
+        char note[120];
+        assert_int_equal(told.calls, RUNS);
+        assert_int_equal(cases[i].is_dark, z < 0);
+        if (isinf(z)) assert_true(found.statistic == z);
+        else assert_near(found.statistic, z, 1e-5 * fabs(z));
+        assert_near(found.p / fmin(1, 1e-7 + (may_miss ? by_uniform : by_t)), 1, 1e-4);
+        snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%",
+                 may_miss ? "p is that of uniform directions, which may miss what is bright; " : "",
+                 100 * bis_truth_bound(&t.lit, 1e-7) / t.lit.mean[3]);
+        assert_string_equal(found.note, note);
+    }
+    bis_light_free(light);
+}
+
+/* Of 64 runs a share f is brighter: the skewness of their mean is (1 - 2f)/sqrt(64 f (1 - f)), 0.1443 for a quarter and
+ * 0.2835 for every 8th. The former widens p, the latter leaves no verdict. */
+static void runs_that_are_too_skew_are_not_judged(void **state)
+{
+    const bis_verify v = {.seed = 1, .halvings = 8};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 3), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    const bis_truth t = reference_of(&l, &v, &(bis_truth_density){0, 0, 1});
+    told.base = t.lit.mean[3] / 7 * 1.25;
+    told.amplitude = 0.25;
+    told.every = 4;
+    bis_verify_test found = judged_as_told(&l, BIS_SAMPLER_RANDOM, v.halvings);
+    /* mean 1 - 1/8 of the base, deviation sqrt(3)/8 */
+    const double z = excess_by_hand(&t, 7 * told.base * 0.875) / (7 * told.base * sqrt(3) / 8 / sqrt(63));
+    assert_near(found.statistic, z, 1e-5 * z);
+    assert_near(found.p / (bis_verify_t(z, 63, 0.5 / sqrt(12)) + 1e-7), 1, 1e-4);
+    assert_true(found.p > 1.01 * (bis_verify_t(z, 63, 0) + 1e-7));
+    told.every = 8;
+    found = judged_as_told(&l, BIS_SAMPLER_RANDOM, v.halvings);
+    assert_int_equal(found.verdict, BIS_VERDICT_SKIPPED);
+    assert_string_equal(found.note, "a few runs outweigh all others here: too few to judge");
+    bis_light_free(light);
+}
+
+/* Our own integrators: z and p from their runs, as bis_verify_runs makes them, and from what the reference says of one
+ * sample of their density: third/variance^1.5 over the root of all samples is the skewness of the mean. Up to 0.05 of
+ * it t judges, beyond Bernstein. Runs of `exact` have the deviation that the reference has found, but for 1e-7, of a
+ * ray in each patch, where no ray is more than twice what one can add to a pair's mean. */
+static void z_and_p_of_ours_are_those_by_hand(void **state)
+{
+    const struct {
+        const bis_integrator *of;
+        lit_map map;
+        double exponent, degrees;
+        bis_truth_density q;
+        bool by_bernstein;
+    } cases[] = {{&bis_em, LIT_SMOOTH, 20, 40, {1, 0, 0}, false}, {&bis_brdf, LIT_SMOOTH, 20, 40, {0, 1, 0}, false},
+                 {&bis_mis, LIT_SMOOTH, 20, 40, {0.25, 0.75, 0}, false},
+                 {&bis_em, LIT_SMOOTH, 300, 40, {1, 0, 0}, true},
+                 {&bis_brdf, LIT_ONE_BLOCK, 10, 84, {0, 1, 0}, true},
+                 {&bis_exact, LIT_SMOOTH, 20, 40, {0, 0, 0}, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bool is_exact = cases[i].of == &bis_exact;
+        const uint32_t samples = is_exact ? 1 : 16, n = is_exact ? 4 : 2048; /* 2^18 rays, 2^18 samples */
+        bis_light *light = lit_new_light(cases[i].map, 1, 0.15, false);
+        const bis_material m = bis_phong((rgb){0.05f, 0.05f, 0.05f}, (rgb){0.9f, 0.9f, 0.9f}, cases[i].exponent);
+        bis_settings s = bis_settings_default(cases[i].of);
+        bis_verify v = {.seed = 5, .halvings = 3};
+        bis_verify_moments runs = {0};
+        bis_counters counters = {0};
+        rgb *estimate = bis_alloc(n, sizeof *estimate);
+        bool tested;
+        lit l;
+        s.samples = 16;
+        s.split = 0.25;
+        s.as_printed = cases[i].by_bernstein ? BIS_E34 : 0; /* wrong, so that p is not 1 */
+        lit_init(&l, light, m, lit_tilted(), cases[i].degrees, LIT_OPEN);
+        const bis_truth t = reference_of(&l, &v, is_exact ? NULL : &cases[i].q);
+        const uint64_t seed = bis_verify_seed(&v, "p: %s", s.integrator->name);
+        const bis_verify_job job = {&l.pt, &s, BIS_SAMPLER_STRATIFIED, n, seed};
+        assert_int_equal(bis_verify_runs(estimate, &job, &counters, NULL), BIS_OK);
+        for (uint32_t r = 0; r < n; r++)
+            bis_verify_add(&runs, 4 * (double)estimate[r].r + 2 * (double)estimate[r].g + (double)estimate[r].b);
+        bis_free(estimate);
+        const bis_truth_moments *one = is_exact ? &t.one_ray : &t.sample[0];
+        const double skewness = one->third / pow(one->variance, 1.5) / sqrt((double)samples * n);
+        const bis_truth_sum patches = {.variance = {0, 0, 0, t.one_ray.variance}, .most = 2 * t.lit.most};
+        const double e = excess_by_hand(&t, runs.mean),
+                     se = is_exact                ? bis_truth_deviation(&patches, 1e-7) / sqrt(n)
+                          : cases[i].by_bernstein ? sqrt(1.1 * (one->variance + pow(t.lit.mean[3], 2)) / (16.0 * n))
+                                                  : sqrt(runs.m2 / (n - 1) / n);
+        const double most = fmax(fabs(skewness), is_exact ? 0 : fabs(bis_verify_skewness(&runs)));
+        const double p = cases[i].by_bernstein ? bernstein_by_hand(&t, 16.0 * n, e, 1)
+                         : e == 0              ? 1 : bis_verify_t(e / se, is_exact ? (double)INFINITY : n - 1, most);
+        assert_int_equal(most > 0.05, cases[i].by_bernstein);
+        assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested,
+                                          NULL), BIS_OK);
+        const double off = fabs(v.tests[0].statistic - e / se), share = v.tests[0].p / fmin(1, p + 1e-7);
+        if (!(off <= 1e-9 * fabs(e / se) && fabs(share - 1) < 1e-6))
+            fail_msg("case %zu: z %g, p %g, must be %g, %g", i, v.tests[0].statistic, v.tests[0].p, e / se, p);
+        bis_verify_clear(&v);
+        bis_light_free(light);
+    }
+}
+
 /* Where four rays a patch accused five of seven integrators (seed 17 of 40, z = 9): a wall's edge across bright
  * patches. The point of pixel (12, 8) of the scene of verify_help, 40 seeds. */
 static void seeds_that_were_accused_pass(void **state)
@@ -376,6 +569,9 @@ static void seeds_that_were_accused_pass(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(z_and_p_of_a_stranger_are_those_by_hand),
+        cmocka_unit_test(runs_that_are_too_skew_are_not_judged),
+        cmocka_unit_test(z_and_p_of_ours_are_those_by_hand),
         cmocka_unit_test(right_integrators_pass),
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(the_error_of_the_reference_is_told_as_a_share),
