@@ -14,6 +14,8 @@
 #include "bis/thesis/importance.h"
 #include "bis/scene/light_load.h"
 
+#include <string.h>
+
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
 static double alpha(void) { return stat_level(1e-3, 4 * 4 * 2 * 4 + 1 + 3 + 17 + 3); }
@@ -698,6 +700,83 @@ static void a_tile_expects_what_its_square_has_seen(void **state)
     bis_visibility_clear(&v);
 }
 
+/* Of n clusters below 128 each is a part, and the tree has as few leaves as hold them; nothing is known of the cells
+ * before the first rays, nor is a ray counted before a cell is looked at. */
+static void few_clusters_have_a_small_tree(void **state)
+{
+    static const struct { uint32_t n; int leaves; } trees[] = {{1, 1}, {2, 2}, {3, 4}, {4, 4}, {40, 64}, {65, 128},
+                                                               {128, 128}};
+
+    for (size_t t = 0; t < sizeof trees / sizeof *trees; t++) {
+        const uint32_t n = trees[t].n;
+        bis_visibility v;
+        bis_visibility_guess f;
+        assert_int_equal(bis_visibility_init(&v, 1, 0, 1, NULL), BIS_OK);
+        assert_int_equal(bis_guess_init(&f, n, NULL), BIS_OK);
+        for (uint32_t k = 0; k < n; k++) assert_true(f.own[k] == 0.5f && f.g[k] == 0 && !bis_guess_count(&f, k, n));
+        assert_true(!f.knows && !f.has_square && bis_guess_bytes(n) == 5 * sizeof(float) * ((n + 15) / 16 * 16));
+        bis_guess_look(&f, n, &v, 0);
+        assert_false(f.knows);
+        for (int i = 0; i < 9; i++) {
+            uint16_t *seen = bis_guess_count(&f, n / 2, n);
+            assert_non_null(seen);
+            *seen = (uint16_t)(*seen + i % 3 / 2);
+        }
+        bis_guess_look(&f, n, &v, 1);
+        assert_true(f.knows);
+        for (int part = 0; part < (int)n; part++) {
+            double m = 4 / 11.0; /* (3 + 1)/(9 + 2) */
+            for (int size = trees[t].leaves / 2; size > 0; size /= 2)
+                m = part / size == (int)(n / 2) / size ? (3 + 3 * size * m) / (9 + 3 * size) : m;
+            const double g = part == (int)(n / 2) ? 1 / 3.0 : m;
+            assert_true(fabs((double)f.own[part] - sqrt(m * (1 - 0.8 * m))) <= 1e-6);
+            assert_true(fabs((double)f.g[part] - g) <= 1e-6);
+            assert_true(f.of_square[part] == 0);
+        }
+        bis_guess_clear(&f);
+        bis_visibility_clear(&v);
+    }
+}
+
+/* A square that is not closed is passed over: the next larger one is asked, or none. */
+static void the_smallest_closed_square_is_asked(void **state)
+{
+    enum { N = 128 };
+    bis_visibility v;
+    bis_visibility_guess f;
+
+    assert_int_equal(bis_visibility_init(&v, 2, 3, 1, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
+    for (int place = 0; place < 5; place++) assert_true(v.above[place] == BIS_NO_SQUARE);
+    v.above[1] = 2; /* tile 1 in square 2, in square 0, in square 1; tile 0 in none */
+    v.above[2 + 2] = 0;
+    v.above[2 + 0] = 1;
+    for (int closed = 0; closed < 4; closed++) {
+        static const uint32_t order[] = {1, 0, 2};
+        if (closed > 0) {
+            const uint32_t k = order[closed - 1];
+            const int place = 2 + (int)k;
+            bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 2 + k));
+            f.counted->rays[3] = 100;
+            f.counted->seen[3] = (uint16_t)(20 * closed);
+            bis_visibility_learn(&v, &place, 1, 1);
+            bis_visibility_close(&v, k, N);
+        }
+        bis_guess_look(&f, N, &v, 16);
+        assert_true(f.has_square == (closed > 0) && f.knows == (closed > 0));
+        for (uint32_t i = 0; i < N; i++)
+            assert_true(f.of_square[i] == (closed ? v.squares[order[closed - 1]].h[i] : 0));
+        bis_guess_look(&f, N, &v, 0);
+        assert_false(f.has_square || f.knows);
+    }
+    assert_true(v.squares[1].mean[3] < 0.25f && v.squares[2].mean[3] > 0.55f);
+    assert_true(bis_visibility_bytes(&v) ==
+                2 * (2 * 16 + 3) * sizeof(bis_seen) + 5 * sizeof(uint32_t) + 3 * sizeof(bis_square));
+    bis_guess_clear(&f);
+    bis_visibility_clear(&v);
+    assert_true(bis_visibility_bytes(&v) == 0);
+}
+
 /* Candidates are drawn in proportion to b h. Of them, 8/15 go where the cell alone would send them, 4/15 where the
  * square would, 3/15 where they would go without knowledge; without a square 12/15 and 3/15. */
 static void each_knowledge_has_its_share_of_the_candidates(void **state)
@@ -738,6 +817,13 @@ static void each_knowledge_has_its_share_of_the_candidates(void **state)
         }
         assert_true(!with || unlike > 0.3);
     }
+    /* a square that sees nothing where the point does: as if there were none, with its share left out */
+    float b[16] = {1, 2, 3};
+    memset(f.of_square, 0, 16 * sizeof *f.of_square);
+    for (int k = 0; k < 3; k++) f.own[k] = 0.25f;
+    f.has_square = true;
+    bis_guess_mix(&f, b, 6, 3);
+    for (int k = 0; k < 3; k++) assert_true(fabs((double)f.h[k] - 0.25 * 1.25 * 11 / 15) < 1e-6);
     bis_guess_clear(&f);
 }
 
@@ -972,6 +1058,8 @@ int main(void)
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(a_tile_expects_what_its_square_has_seen),
+        cmocka_unit_test(few_clusters_have_a_small_tree),
+        cmocka_unit_test(the_smallest_closed_square_is_asked),
         cmocka_unit_test(each_knowledge_has_its_share_of_the_candidates),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(rays_are_counted_and_V_1_of_a_layer_is_not_learned_from),
