@@ -133,6 +133,84 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
     bis_light_free(light);
 }
 
+/* Each run of tiles ends with the tile that brings it a K-th of the importance or of the sphere, and not before; only
+ * what holds no importance, at the curve's begin or end, makes a run longer. K is 2 M, from 64 to 256. Clusters that
+ * are few have more directions: 4096 in all, if 64 of each are fewer. */
+static void a_run_ends_with_the_tile_that_completes_it(void **state)
+{
+    static const struct { uint32_t M, K; } sizes[] = {{1, 64}, {31, 64}, {32, 64}, {33, 66}, {100, 200}, {127, 254},
+                                                      {128, 256}, {1000, 256}};
+    static const lit_map lights[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK};
+    int n_by_importance = 0, n_by_sphere = 0, n_few = 0;
+
+    for (int i = 0; i < 8 * 3; i++) {
+        bis_light *light = lit_new_light(lights[i / 8], 1, 0.15, false);
+        const bis_importance *im = bis_light_importance(light);
+        const double K = sizes[i % 8].K;
+        bis_clusters c;
+        uint32_t side, k = 0, D = 64;
+        assert_int_equal(bis_clusters_init(&c, light, sizes[i % 8].M, NULL), BIS_OK);
+        const size_t n_tiles = bis_importance_n_tiles(im, &side);
+        double angle = 0;
+        assert_true(c.side == side && c.width == (uint32_t)bis_light_envmap(light)->width);
+        for (size_t j = 0; j < n_tiles; j++) {
+            const bis_curve_tile tile = bis_importance_tile(im, j);
+            angle += tile.solid_angle;
+            const bool by_importance = K * (tile.end - c.t[k]) >= 1, by_sphere = K * angle >= 4 * PI;
+            assert_int_equal(c.of_tile[tile.tile], k);
+            if (tile.end == c.t[k] || tile.end == 1 || !(by_importance || by_sphere)) continue;
+            n_by_importance += by_importance;
+            n_by_sphere += !by_importance;
+            assert_true(c.t[++k] == tile.end);
+            angle = 0;
+        }
+        assert_true(k + 1 == c.n && c.t[0] == 0 && c.t[c.n] == 1 && c.n <= 2 * K + 2);
+        while (c.n * D < 4096) D *= 2;
+        assert_int_equal(c.directions, D);
+        n_few += D > 64;
+        bis_clusters_clear(&c);
+        bis_light_free(light);
+    }
+    assert_true(n_by_importance > 100 && n_by_sphere > 100 && n_few > 0);
+}
+
+/* A cone's axis is the mean of its directions, its edge the farthest of them, its energy the cluster's share of the
+ * importance times the mean of Le/q_L; a direction has the radiance and the density of the light there. */
+static void a_cone_is_the_narrowest_about_the_mean_direction(void **state)
+{
+    for (int map = 0; map < 2; map++) {
+        bis_light *light = lit_new_light(maps[map], 1, 0.15, false);
+        bis_clusters c;
+        assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
+        bis_clusters_fill(&c, light, SEED, 4, 1);
+        for (uint32_t k = 0; k < c.n; k++) {
+            const bis_cluster_point *y = &c.y[(size_t)k * c.directions];
+            const vec3 axis = {c.cone.x[k], c.cone.y[k], c.cone.z[k]};
+            double sum[3] = {0}, E[3] = {0}, least = 1;
+            for (uint32_t i = 0; i < c.directions; i++) {
+                const double w[3] = {(double)y[i].wi.x, (double)y[i].wi.y, (double)y[i].wi.z};
+                const double Le[3] = {(double)y[i].Le.r, (double)y[i].Le.g, (double)y[i].Le.b};
+                const rgb L = bis_light_Le(light, y[i].wi);
+                for (int j = 0; j < 3; j++)
+                    sum[j] += w[j], E[j] += Le[j] / (double)y[i].q_L * bis_cluster_share(&c, k) / c.directions;
+                least = fmin(least, dot(axis, y[i].wi));
+                if (fabs((double)y[i].q_L / bis_light_pdf(light, y[i].wi) - 1) > 1e-6) continue; /* next to an edge */
+                assert_true(fabs(Le[1] * bis_light_mean(light) - (double)L.g) <= 1e-6 * (double)L.g);
+            }
+            const double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+            assert_true(fabs((double)axis.x - sum[0] / length) < 1e-7 && fabs((double)axis.y - sum[1] / length) < 1e-7);
+            assert_true(fabs((double)axis.z - sum[2] / length) < 1e-7);
+            assert_true(fabs((double)c.cone.cosine[k] - least) < 1e-7);
+            assert_true(fabs((double)c.cone.sine[k] - sqrt(1 - least * least)) < 1e-7);
+            assert_true(fabs((double)c.cone.r[k] - E[0]) <= 1e-6 * E[0]);
+            assert_true(fabs((double)c.cone.g[k] - E[1]) <= 1e-6 * E[1]);
+            assert_true(fabs((double)c.cone.b[k] - E[2]) <= 1e-6 * E[2]);
+        }
+        bis_clusters_clear(&c);
+        bis_light_free(light);
+    }
+}
+
 /* ---- the bound ---- */
 
 static void new_product(bis_product *p)
@@ -1046,6 +1124,8 @@ int main(void)
         cmocka_unit_test(directions_fill_their_pixels_and_are_drawn_anew_in_each_pass),
         cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
+        cmocka_unit_test(a_run_ends_with_the_tile_that_completes_it),
+        cmocka_unit_test(a_cone_is_the_narrowest_about_the_mean_direction),
         cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(candidates_have_the_density_that_they_say),
