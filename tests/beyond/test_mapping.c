@@ -531,6 +531,150 @@ static bis_envmap grey_map(int width, float grey)
     return em;
 }
 
+/* ---- the mean of k x k places ---- */
+
+/* The solid angle of a pixel, where all together are 4 pi. */
+static double share_of_sphere(const bis_raster *r, int i)
+{
+    const bis_mapping_model *const m = &bis_mapping_models[r->mapping];
+    double sum = 0;
+    for (int k = 0; k < r->width * r->height; k++) sum += m->solid_angle(r, k % r->width, k / r->width);
+    return m->solid_angle(r, i % r->width, i / r->width) / sum * 4 * PI;
+}
+
+/* Stores the integrals of the channels. */
+static void integrals(double sum[3], const bis_raster *r)
+{
+    for (int c = 0; c < 3; c++) sum[c] = 0;
+    for (int i = 0; i < r->width * r->height; i++) {
+        const double area = share_of_sphere(r, i);
+        for (int c = 0; c < 3 && area > 0; c++) sum[c] += area * channel_of(r->pixels[i], c);
+    }
+}
+
+/* What pixel i of `to` is before energies are made equal: the mean over k x k places, each by its solid angle. */
+static rgb mean_of_places(const bis_raster *to, const bis_raster *from, int k, int i)
+{
+    double sum[3] = {0}, weights = 0;
+    for (int first = 0; first < k * k; first += BLOCK) {
+        float dx[BLOCK] = {0}, dy[BLOCK] = {0};
+        const bis_places places = {dx, dy, BLOCK};
+        bis_samples s;
+        for (int j = 0; j < BLOCK; j++) {
+            dx[j] = (float)(((first + j) / k + 0.5) / k - 0.5);
+            dy[j] = (float)(((first + j) % k + 0.5) / k - 0.5);
+        }
+        bis_mapping_models[to->mapping].directions(&s, to, i % to->width, i / to->width, &places);
+        bis_mapping_models[from->mapping].pixels(from, &s, BLOCK);
+        for (int j = 0; j < BLOCK && first + j < k * k; j++) {
+            const double w = (double)s.weight[j];
+            for (int c = 0; c < 3 && w > 0; c++) sum[c] += w * channel_of(from->pixels[s.pixel[j]], c);
+            weights += w;
+        }
+    }
+    return rgb_from(sum[0] / weights, sum[1] / weights, sum[2] / weights);
+}
+
+/* From picture to picture, k by hand: 4 places for a pixel of the source along the densest way around the sphere, of an
+ * angular map 8, rounded up, at least 2. How many pixels the map or the cell counts as around the sphere stands in
+ * a_picture_is_as_large_as_its_map. */
+static const struct { bis_mapping to; int width, height; bis_mapping from; int from_width, from_height, k; }
+    resamplings[] = {
+        {BIS_MAPPING_ANGULAR, 13, 13, BIS_MAPPING_LATLONG, 18, 9, 6},         /* 72/13 */
+        {BIS_MAPPING_MIRRORBALL, 12, 12, BIS_MAPPING_LATLONG, 18, 9, 4},      /* 72/18.8 */
+        {BIS_MAPPING_EQUALAREA, 14, 14, BIS_MAPPING_LATLONG, 18, 9, 3},       /* 72/24.8 */
+        {BIS_MAPPING_VERTICAL_CROSS, 12, 16, BIS_MAPPING_LATLONG, 18, 9, 5},  /* 72/16 */
+        {BIS_MAPPING_HORIZONTAL_CROSS, 12, 9, BIS_MAPPING_LATLONG, 18, 9, 6}, /* 72/12 */
+        {BIS_MAPPING_CUBE_STRIP, 24, 4, BIS_MAPPING_LATLONG, 18, 9, 5},       /* 72/16 */
+        {BIS_MAPPING_LATLONG, 32, 16, BIS_MAPPING_LATLONG, 8, 4, 2},          /* 32/32 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_LATLONG, 8, 16, 8}, /* 128/16: rows are as dense as columns */
+        {BIS_MAPPING_ANGULAR, 6, 6, BIS_MAPPING_LATLONG, 66, 33, 44},         /* 264/6: each pixel in two portions */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_ANGULAR, 11, 11, 6},         /* 88/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_EQUALAREA, 10, 10, 5},       /* 70.9/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_MIRRORBALL, 10, 10, 4},      /* 62.8/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_VERTICAL_CROSS, 9, 12, 3},   /* 48/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_HORIZONTAL_CROSS, 20, 15, 5}, /* 80/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_CUBE_STRIP, 18, 3, 3},       /* 48/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_CUBE_STRIP, 5, 30, 5},       /* 80/16 */
+};
+
+/* Resamples an image to a raster of another mapping and stores the powers before and after. */
+static bis_raster resampled(bis_mapping mapping, int width, bis_image *image, bis_mapping from, double power[2])
+{
+    bis_envmap em;
+    bis_raster to = {.mapping = mapping, .scale = 1};
+    if (mapping == BIS_MAPPING_LATLONG && from != BIS_MAPPING_LATLONG) {
+        assert_int_equal(bis_envmap_from_mapping(&em, image, from, width, NULL), BIS_OK);
+        bis_image_clear(image);
+        power[0] = em.power_before, power[1] = em.power_after;
+        *image = (bis_image){em.width, em.height, em.pixels};
+        em.pixels = NULL;
+    } else {
+        assert_int_equal(bis_envmap_from_latlong(&em, image, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_to_mapping(image, &em, mapping, width, power, NULL), BIS_OK);
+    }
+    bis_envmap_clear(&em);
+    to.width = image->width, to.height = image->height, to.pixels = image->pixels;
+    return to;
+}
+
+/* No pixel is a lamp: all are between 1.4 and 1.6. Afterwards each channel has the energy that it had. */
+static void a_pixel_is_the_mean_of_k_x_k_places(void **state)
+{
+    for (size_t n = 0; n < sizeof resamplings / sizeof *resamplings; n++) {
+        bis_image image = black(resamplings[n].from_width, resamplings[n].from_height);
+        bis_image source = black(image.width, image.height);
+        const bis_raster from = {resamplings[n].from, image.width, image.height, 1, source.pixels};
+        double power[2], before[3], after[3];
+        for (int i = 0; i < image.width * image.height; i++)
+            source.pixels[i] = rgb_from(1.4 + 0.2 * fmod(0.618 * i, 1), 1.4 + 0.2 * fmod(0.755 * i, 1),
+                                        1.6 - 0.2 * fmod(0.570 * i, 1));
+        memcpy(image.pixels, source.pixels, (size_t)image.width * (size_t)image.height * sizeof *image.pixels);
+        integrals(before, &from);
+        const bis_raster to = resampled(resamplings[n].to, resamplings[n].width, &image, from.mapping, power);
+        assert_true(to.width == resamplings[n].width && to.height == resamplings[n].height);
+        bis_image other = black(to.width, to.height);
+        const bis_raster expected = {to.mapping, to.width, to.height, 1, other.pixels};
+        for (int i = 0; i < to.width * to.height; i++)
+            if (share_of_sphere(&to, i) > 0) other.pixels[i] = mean_of_places(&to, &from, resamplings[n].k, i);
+        integrals(after, &expected);
+        for (int i = 0; i < 3 * to.width * to.height; i++)
+            assert_near(channel_of(to.pixels[i / 3], i % 3),
+                        channel_of(other.pixels[i / 3], i % 3) * before[i % 3] / after[i % 3], 2e-6);
+        assert_near(power[0] / (before[0] + before[1] + before[2]), 1, 1e-12);
+        assert_near(power[1] / power[0], 1, 1e-6);
+        bis_image_clear(&other);
+        bis_image_clear(&image);
+        bis_image_clear(&source);
+    }
+}
+
+/* A pixel is a lamp if it has a thousandth of a channel's energy, or in a small map four times its share. What the
+ * picture's pixels give to it, too much or too little, is made up for by itself; else by the sky around it, the more
+ * the brighter it is. So the sky tells on which side of the limit it was. */
+static void a_thousandth_of_a_channel_is_a_lamp(void **state)
+{
+    static const struct { int width, x, y; double limit; } maps[] = {{128, 33, 21, 1e-3}, {32, 9, 5, 4 / 512.}};
+    static const double shares[] = {0.7, 0.95, 1.05, 1.4};
+    for (int i = 0; i < 2 * 3; i++) {
+        const int width = maps[i % 2].width, c = i / 2;
+        double sky[4];
+        for (int k = 0; k < 4; k++) {
+            bis_envmap em = grey_map(width, 1);
+            bis_image image;
+            double power[2];
+            const double area = em.row_solid_angle[maps[i % 2].y], share = maps[i % 2].limit * shares[k];
+            const float L = (float)(share * (4 * PI - area) / (area * (1 - share))); /* share: L A/(4 pi - A + L A) */
+            em.pixels[width * maps[i % 2].y + maps[i % 2].x] = (rgb){c == 0 ? L : 1, c == 1 ? L : 1, c == 2 ? L : 1};
+            assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_ANGULAR, 23, power, NULL), BIS_OK);
+            sky[k] = channel_of(image.pixels[23 * 11 + 4], c);
+            bis_image_clear(&image);
+            bis_envmap_clear(&em);
+        }
+        assert_true(fabs(sky[1] - sky[0]) > 6e-7 && fabs(sky[3] - sky[2]) < 2.5e-7);
+    }
+}
+
 /* The map goes to the mapping and comes back: means by hand of each channel, there and back, are those of the map.
  * Returns the map that came back. */
 static bis_envmap there_and_back(const bis_envmap *em, size_t k, int width, double *worst)
@@ -855,6 +999,8 @@ int main(void)
         cmocka_unit_test(solid_angles_are_those_of_the_words),
         cmocka_unit_test(a_shape_fits_or_not),
         cmocka_unit_test(a_picture_is_as_large_as_its_map),
+        cmocka_unit_test(a_pixel_is_the_mean_of_k_x_k_places),
+        cmocka_unit_test(a_thousandth_of_a_channel_is_a_lamp),
         cmocka_unit_test(a_constant_stays_constant_there_and_back),
         cmocka_unit_test(a_smooth_map_comes_back),
         cmocka_unit_test(a_sun_of_one_pixel_keeps_its_energy),
