@@ -835,9 +835,14 @@ static void the_smallest_closed_square_is_asked(void **state)
             const uint32_t k = order[closed - 1];
             const int place = 2 + (int)k;
             bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 2 + k));
+            assert_true(f.has_square == (closed > 1) && f.knows == (closed > 1));
+            for (uint32_t i = 0; i < N; i++)
+                assert_true(f.of_square[i] == (closed > 1 ? v.squares[order[closed - 2]].h[i] : 0));
             f.counted->rays[3] = 100;
             f.counted->seen[3] = (uint16_t)(20 * closed);
             bis_visibility_learn(&v, &place, 1, 1);
+            bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 2 + k));
+            assert_true(f.knows && fabs((double)f.g[3] - 0.2 * closed) < 1e-6);
             bis_visibility_close(&v, k, N);
         }
         bis_guess_look(&f, N, &v, 16);
@@ -927,6 +932,12 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
     }
     bis_guess_look(&f, 128, &v, 0);
     assert_true(fabs((double)f.g[9] - 0.25) <= 1e-4);
+    for (uint32_t part = 0; part < 128; part++) { /* one ray of any part is something to learn */
+        const uint16_t before = v.known[0].rays[part];
+        bis_guess_count(&f, part, 128);
+        bis_visibility_learn(&v, NULL, 1, 1);
+        assert_true(v.counted[0].rays[part] == 0 && (v.known[0].rays[part] == before + 1 || part == 9));
+    }
     bis_guess_clear(&f);
     bis_visibility_clear(&v);
 }
