@@ -333,6 +333,88 @@ static bis_settings product(uint32_t M, uint32_t N, bool learn)
     return s;
 }
 
+/* ---- what is needed, and how candidates are divided ---- */
+
+/* Clusters serve sir alone, with stratified candidates of the product and nothing as printed; visibility needs them. A
+ * pool serves stratified candidates from the map, up to its longest set. */
+static void needs_are_those_of_what_the_settings_use(void **state)
+{
+    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX,
+                                             BIS_PROPOSAL_PRODUCT};
+    bis_light *spotty = lit_new_light(LIT_SPOTTY, 1, 0, false), *constant = lit_new_light(LIT_CONSTANT, 1, 0, false),
+              *black = lit_new_light(LIT_BLACK, 1, 0, false);
+
+    for (int i = 0; i < 2 * 4 * 2 * 2 * 2 * 3; i++) {
+        static const uint32_t Ms[] = {64, BIS_POOL_MAX_SET, BIS_POOL_MAX_SET + 1};
+        bis_settings s = lit_settings(i % 2 ? &bis_sir : &bis_unoccluded, proposals[i / 2 % 4], Ms[i / 64], 5);
+        s.stratify = i / 8 % 2;
+        s.learn = i / 16 % 2;
+        s.as_printed = i / 32 % 2 ? BIS_E13 : 0;
+        const bool from_map = s.proposal == BIS_PROPOSAL_EM || s.proposal == BIS_PROPOSAL_MIX;
+        const bool clusters = i % 2 && s.proposal == BIS_PROPOSAL_PRODUCT && s.stratify && !s.as_printed;
+        const uint32_t n_pool = s.stratify && from_map && i / 64 < 2 ? Ms[i / 64] : 0;
+        const bis_beyond_needs any = bis_beyond_needs_of(&s), here = bis_beyond_needs_under(&s, spotty),
+                               even = bis_beyond_needs_under(&s, constant), dark = bis_beyond_needs_under(&s, black);
+        assert_true(any.clusters == clusters && any.visibility == (clusters && s.learn) && any.n_pool == n_pool);
+        assert_true(here.clusters == clusters && here.visibility == any.visibility && here.n_pool == n_pool);
+        assert_true(!even.clusters && !even.visibility && !even.n_pool);
+        assert_true(!dark.clusters && !dark.visibility && !dark.n_pool);
+    }
+    bis_light_free(spotty);
+    bis_light_free(constant);
+    bis_light_free(black);
+}
+
+/* The BRDF's share of M candidates of a mixture: by the squares of the bounds, or half of the lobe's probability over
+ * 1 + k, where k candidates would fall into the lobe. Of the product only the latter, as if there were 64 k. */
+static void the_brdf_has_its_share_of_the_candidates(void **state)
+{
+    static const uint32_t Ms[] = {2, 3, 17, 64, 800};
+    static const double exponents[] = {1, 20, 500, 3e4, 1e6};
+    int by_bounds = 0, by_lobe = 0, some = 0;
+
+    for (int i = 0; i < 2 * 5 * 5 * 3; i++) {
+        const uint32_t M = Ms[i / 2 % 5];
+        const rgb Kd = grey(i / 50 == 0 ? 0.5 : i / 50 == 1 ? 0.2 : 0), Ks = grey(i / 50 == 0 ? 0 : 0.4);
+        bis_light *light = lit_new_light(i % 2 ? LIT_SMOOTH : LIT_SPOTTY, 1, 0.15, false);
+        const bis_settings s = product(M, 3, false);
+        workspace w;
+        lit l;
+        open_workspace(&w, light, &s, false);
+        lit_init(&l, light, bis_phong(Kd, Ks, exponents[i / 10 % 5]), tilted(), 40, LIT_OPEN);
+        const bis_bsdf *b = &l.pt.bsdf;
+        const double c_em = bis_bsdf_max_f_cos(b) * bis_light_max_ratio(light),
+                     c_brdf = bis_bsdf_max_ratio(b) * bis_light_max_intensity(light);
+        const double k = M / (4 * PI * bis_bsdf_pdf(b, b->r));
+        const double of_bounds = c_em * c_em / (c_em * c_em + c_brdf * c_brdf), of_lobe = b->p_specular / (2 + 2 * k);
+        const double share = fmax(of_bounds, of_lobe), n = fmin(M - 1, floor(share * M + 0.5));
+        const bis_mixture mix = bis_candidates_divide(M, BIS_PROPOSAL_MIX, &l.pt, NULL);
+        assert_int_equal(mix.n_brdf, fmax(n, b->p_specular > 0 ? 1 : 0));
+        assert_true(mix.n_em + mix.n_brdf == M && fabs(mix.beta - (double)mix.n_em / M) < 1e-15);
+        const bis_mixture narrow = w.guide.steps.divide(&w.guide.steps, M, &l.pt);
+        assert_int_equal(narrow.n_brdf, floor(M * b->p_specular / (2 + 128 * k)));
+        assert_true(narrow.n_em + narrow.n_brdf == M && fabs(narrow.beta - (double)narrow.n_em / M) < 1e-15);
+        bis_stream stream, same;
+        bis_stream_init(&stream, &(bis_sampler){.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1}, (uint64_t)i, 0);
+        same = stream;
+        const bis_mixture one = bis_candidates_divide(1, BIS_PROPOSAL_MIX, &l.pt, &stream);
+        const double k1 = k / M, share1 = fmax(of_bounds, b->p_specular / (2 + 2 * k1));
+        assert_true(one.n_brdf == (bis_stream_random(&same) < share1) && one.n_em + one.n_brdf == 1);
+        assert_true(fabs(one.beta - (1 - share1)) < 1e-12);
+        w.c.n = BIS_CLUSTERS_FEW - 1; /* wide ones find no lobes: as of a mixture, but for one alone */
+        const bis_mixture wide = w.guide.steps.divide(&w.guide.steps, M, &l.pt),
+                          alone = w.guide.steps.divide(&w.guide.steps, 1, &l.pt);
+        assert_true(wide.n_brdf == mix.n_brdf && wide.n_em == mix.n_em && wide.beta == mix.beta);
+        assert_true(alone.n_em == 1 && alone.n_brdf == 0 && alone.beta == 1);
+        by_bounds += of_bounds > of_lobe && n > 1;
+        by_lobe += of_bounds < of_lobe && n > 1;
+        some += narrow.n_brdf > 1;
+        close_workspace(&w);
+        bis_light_free(light);
+    }
+    assert_true(by_bounds > 10 && by_lobe > 10 && some > 10);
+}
+
 /* A thread's workspace serves point after point, of other materials, of which other shares of M come from the map:
  * what one point has left there changes no bit of the next. */
 static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
@@ -1138,6 +1220,8 @@ int main(void)
         cmocka_unit_test(a_run_ends_with_the_tile_that_completes_it),
         cmocka_unit_test(a_cone_is_the_narrowest_about_the_mean_direction),
         cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
+        cmocka_unit_test(needs_are_those_of_what_the_settings_use),
+        cmocka_unit_test(the_brdf_has_its_share_of_the_candidates),
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(candidates_have_the_density_that_they_say),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
