@@ -5,6 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "claim.h"
+#include "lack.h"
 #include "lit.h"
 #include "set_help.h"
 #include "thesis/proposal.h"
@@ -954,7 +955,7 @@ static void each_knowledge_has_its_share_of_the_candidates(void **state)
         float b[160] = {0}, bound[160];
         double sum[4] = {0}, unlike = 0; /* of b times what the cell, the square, nothing and the point say */
         for (uint32_t k = 0; k < N; k++) {
-            b[k] = bound[k] = k % 11 ? 0.3f + (float)(k % 17) : 0;
+            b[k] = bound[k] = k % 11 ? 0x1p-10f * (0.3f + (float)(k % 17)) : 0;
             f.own[k] = k < 140 ? 1e-3f : 0.6f; /* the cell knows another window than the square */
             f.of_square[k] = k < 10 ? 0.5f : 1e-4f;
             f.g[k] = 0.01f * (float)(k % 90);
@@ -1142,20 +1143,37 @@ static void without_memory_nothing_is_held(void **state)
 
     assert_int_equal(bis_clusters_init(&whole, light, 256, NULL), BIS_OK);
     assert_int_equal(bis_visibility_init(&seen, 3, 0, 1, NULL), BIS_OK);
-    for (long k = 1; k < 40; k++) {
+    FOR_LACK(l) {
         bis_clusters c;
+        LACK(l, bis_clusters_init(&c, light, 256, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (c.n > 0) == l.over);
+        bis_clusters_clear(&c);
+    }
+    FOR_LACK(l) {
         bis_visibility v;
-        bis_product_guide g;
-        bis_mem_fail_at(k);
-        if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
-        bis_mem_fail_at(k);
-        if (bis_visibility_init(&v, 3, 0, 1, NULL) == BIS_OK) bis_visibility_clear(&v);
+        LACK(l, bis_visibility_init(&v, 3, 0, 1, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (v.n_tiles > 0) == l.over);
+        bis_visibility_clear(&v);
+    }
+    FOR_LACK(l) {
         bis_visibility_guess f;
-        bis_mem_fail_at(k);
-        if (bis_guess_init(&f, 100, NULL) == BIS_OK) bis_guess_clear(&f);
-        bis_mem_fail_at(k);
-        if (bis_product_guide_init(&g, &whole, &seen, NULL) == BIS_OK) bis_product_guide_clear(&g);
-        bis_mem_fail_at(0);
+        LACK(l, bis_guess_init(&f, 100, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (f.memory != NULL) == l.over);
+        bis_guess_clear(&f);
+    }
+    FOR_LACK(l) {
+        bis_product_guide g;
+        LACK(l, bis_product_guide_init(&g, &whole, &seen, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (g.clusters != NULL) == l.over);
+        assert_true((bis_product_guide_bytes(&g) > 0) == l.over);
+        bis_product_guide_clear(&g);
+    }
+    FOR_LACK(l) {
+        const bis_settings s = product(64, 3, true);
+        bis_probe p;
+        LACK(l, bis_probe_init(&p, &s, light, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (p.clusters.n > 0) == l.over);
+        bis_probe_clear(&p);
     }
     bis_clusters_clear(&whole);
     bis_visibility_clear(&seen);

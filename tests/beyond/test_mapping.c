@@ -654,18 +654,19 @@ static void a_pixel_is_the_mean_of_k_x_k_places(void **state)
  * the brighter it is. So the sky tells on which side of the limit it was. */
 static void a_thousandth_of_a_channel_is_a_lamp(void **state)
 {
-    static const struct { int width, x, y; double limit; } maps[] = {{128, 33, 21, 1e-3}, {32, 9, 5, 4 / 512.}};
+    static const struct { int width, x, y; double limit; } maps[] = {
+        {128, 33, 21, 1e-3}, {32, 9, 5, 4 / 512.}, {32, 31, 15, 4 / 512.}, {32, 0, 0, 4 / 512.}};
     static const double shares[] = {0.7, 0.95, 1.05, 1.4};
-    for (int i = 0; i < 2 * 3; i++) {
-        const int width = maps[i % 2].width, c = i / 2;
+    for (int i = 0; i < 4 * 3; i++) {
+        const int width = maps[i % 4].width, c = i / 4;
         double sky[4];
         for (int k = 0; k < 4; k++) {
             bis_envmap em = grey_map(width, 1);
             bis_image image;
             double power[2];
-            const double area = em.row_solid_angle[maps[i % 2].y], share = maps[i % 2].limit * shares[k];
+            const double area = em.row_solid_angle[maps[i % 4].y], share = maps[i % 4].limit * shares[k];
             const float L = (float)(share * (4 * PI - area) / (area * (1 - share))); /* share: L A/(4 pi - A + L A) */
-            em.pixels[width * maps[i % 2].y + maps[i % 2].x] = (rgb){c == 0 ? L : 1, c == 1 ? L : 1, c == 2 ? L : 1};
+            em.pixels[width * maps[i % 4].y + maps[i % 4].x] = (rgb){c == 0 ? L : 1, c == 1 ? L : 1, c == 2 ? L : 1};
             assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_ANGULAR, 23, power, NULL), BIS_OK);
             sky[k] = channel_of(image.pixels[23 * 11 + 4], c);
             bis_image_clear(&image);
@@ -986,6 +987,14 @@ static void every_allocation_may_fail(void **state)
         }
     }
     bis_envmap_clear(&map);
+    bis_image image = black(8, 8);
+    bis_diag diag = {0};
+    bis_mem_fail_at(1);
+    assert_int_equal(bis_envmap_from_mapping(&map, &image, BIS_MAPPING_ANGULAR, 18, &diag), BIS_NOMEM);
+    bis_mem_fail_at(0);
+    assert_non_null(strstr(diag.messages[0].text, "no memory for a map of 8 x 8 and its lat-long of 18 x 9"));
+    bis_diag_clear(&diag);
+    bis_image_clear(&image);
     assert_int_equal(bis_mem_live(), 0);
 }
 
