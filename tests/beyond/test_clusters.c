@@ -5,6 +5,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "claim.h"
+#include "lack.h"
 #include "lit.h"
 #include "set_help.h"
 #include "thesis/proposal.h"
@@ -13,6 +14,8 @@
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
 #include "bis/scene/light_load.h"
+
+#include <string.h>
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
@@ -129,6 +132,84 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
     assert_true(elsewhere < (int)c.n * BIS_CLUSTER_DIRECTIONS / 1000);
     bis_clusters_clear(&c);
     bis_light_free(light);
+}
+
+/* Each run of tiles ends with the tile that brings it a K-th of the importance or of the sphere, and not before; only
+ * what holds no importance, at the curve's begin or end, makes a run longer. K is 2 M, from 64 to 256. Clusters that
+ * are few have more directions: 4096 in all, if 64 of each are fewer. */
+static void a_run_ends_with_the_tile_that_completes_it(void **state)
+{
+    static const struct { uint32_t M, K; } sizes[] = {{1, 64}, {31, 64}, {32, 64}, {33, 66}, {100, 200}, {127, 254},
+                                                      {128, 256}, {1000, 256}};
+    static const lit_map lights[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK};
+    int n_by_importance = 0, n_by_sphere = 0, n_few = 0;
+
+    for (int i = 0; i < 8 * 3; i++) {
+        bis_light *light = lit_new_light(lights[i / 8], 1, 0.15, false);
+        const bis_importance *im = bis_light_importance(light);
+        const double K = sizes[i % 8].K;
+        bis_clusters c;
+        uint32_t side, k = 0, D = 64;
+        assert_int_equal(bis_clusters_init(&c, light, sizes[i % 8].M, NULL), BIS_OK);
+        const size_t n_tiles = bis_importance_n_tiles(im, &side);
+        double angle = 0;
+        assert_true(c.side == side && c.width == (uint32_t)bis_light_envmap(light)->width);
+        for (size_t j = 0; j < n_tiles; j++) {
+            const bis_curve_tile tile = bis_importance_tile(im, j);
+            angle += tile.solid_angle;
+            const bool by_importance = K * (tile.end - c.t[k]) >= 1, by_sphere = K * angle >= 4 * PI;
+            assert_int_equal(c.of_tile[tile.tile], k);
+            if (tile.end == c.t[k] || tile.end == 1 || !(by_importance || by_sphere)) continue;
+            n_by_importance += by_importance;
+            n_by_sphere += !by_importance;
+            assert_true(c.t[++k] == tile.end);
+            angle = 0;
+        }
+        assert_true(k + 1 == c.n && c.t[0] == 0 && c.t[c.n] == 1 && c.n <= 2 * K + 2);
+        while (c.n * D < 4096) D *= 2;
+        assert_int_equal(c.directions, D);
+        n_few += D > 64;
+        bis_clusters_clear(&c);
+        bis_light_free(light);
+    }
+    assert_true(n_by_importance > 100 && n_by_sphere > 100 && n_few > 0);
+}
+
+/* A cone's axis is the mean of its directions, its edge the farthest of them, its energy the cluster's share of the
+ * importance times the mean of Le/q_L; a direction has the radiance and the density of the light there. */
+static void a_cone_is_the_narrowest_about_the_mean_direction(void **state)
+{
+    for (int map = 0; map < 2; map++) {
+        bis_light *light = lit_new_light(maps[map], 1, 0.15, false);
+        bis_clusters c;
+        assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
+        bis_clusters_fill(&c, light, SEED, 4, 1);
+        for (uint32_t k = 0; k < c.n; k++) {
+            const bis_cluster_point *y = &c.y[(size_t)k * c.directions];
+            const vec3 axis = {c.cone.x[k], c.cone.y[k], c.cone.z[k]};
+            double sum[3] = {0}, E[3] = {0}, least = 1;
+            for (uint32_t i = 0; i < c.directions; i++) {
+                const double w[3] = {(double)y[i].wi.x, (double)y[i].wi.y, (double)y[i].wi.z};
+                const double Le[3] = {(double)y[i].Le.r, (double)y[i].Le.g, (double)y[i].Le.b};
+                const rgb L = bis_light_Le(light, y[i].wi);
+                for (int j = 0; j < 3; j++)
+                    sum[j] += w[j], E[j] += Le[j] / (double)y[i].q_L * bis_cluster_share(&c, k) / c.directions;
+                least = fmin(least, dot(axis, y[i].wi));
+                if (fabs((double)y[i].q_L / bis_light_pdf(light, y[i].wi) - 1) > 1e-6) continue; /* next to an edge */
+                assert_true(fabs(Le[1] * bis_light_mean(light) - (double)L.g) <= 1e-6 * (double)L.g);
+            }
+            const double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+            assert_true(fabs((double)axis.x - sum[0] / length) < 1e-7 && fabs((double)axis.y - sum[1] / length) < 1e-7);
+            assert_true(fabs((double)axis.z - sum[2] / length) < 1e-7);
+            assert_true(fabs((double)c.cone.cosine[k] - least) < 1e-7);
+            assert_true(fabs((double)c.cone.sine[k] - sqrt(1 - least * least)) < 1e-7);
+            assert_true(fabs((double)c.cone.r[k] - E[0]) <= 1e-6 * E[0]);
+            assert_true(fabs((double)c.cone.g[k] - E[1]) <= 1e-6 * E[1]);
+            assert_true(fabs((double)c.cone.b[k] - E[2]) <= 1e-6 * E[2]);
+        }
+        bis_clusters_clear(&c);
+        bis_light_free(light);
+    }
 }
 
 /* ---- the bound ---- */
@@ -251,6 +332,88 @@ static bis_settings product(uint32_t M, uint32_t N, bool learn)
     bis_settings s = lit_settings(&bis_sir, BIS_PROPOSAL_PRODUCT, M, N);
     s.learn = learn;
     return s;
+}
+
+/* ---- what is needed, and how candidates are divided ---- */
+
+/* Clusters serve sir alone, with stratified candidates of the product and nothing as printed; visibility needs them. A
+ * pool serves stratified candidates from the map, up to its longest set. */
+static void needs_are_those_of_what_the_settings_use(void **state)
+{
+    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX,
+                                             BIS_PROPOSAL_PRODUCT};
+    bis_light *spotty = lit_new_light(LIT_SPOTTY, 1, 0, false), *constant = lit_new_light(LIT_CONSTANT, 1, 0, false),
+              *black = lit_new_light(LIT_BLACK, 1, 0, false);
+
+    for (int i = 0; i < 2 * 4 * 2 * 2 * 2 * 3; i++) {
+        static const uint32_t Ms[] = {64, BIS_POOL_MAX_SET, BIS_POOL_MAX_SET + 1};
+        bis_settings s = lit_settings(i % 2 ? &bis_sir : &bis_unoccluded, proposals[i / 2 % 4], Ms[i / 64], 5);
+        s.stratify = i / 8 % 2;
+        s.learn = i / 16 % 2;
+        s.as_printed = i / 32 % 2 ? BIS_E13 : 0;
+        const bool from_map = s.proposal == BIS_PROPOSAL_EM || s.proposal == BIS_PROPOSAL_MIX;
+        const bool clusters = i % 2 && s.proposal == BIS_PROPOSAL_PRODUCT && s.stratify && !s.as_printed;
+        const uint32_t n_pool = s.stratify && from_map && i / 64 < 2 ? Ms[i / 64] : 0;
+        const bis_beyond_needs any = bis_beyond_needs_of(&s), here = bis_beyond_needs_under(&s, spotty),
+                               even = bis_beyond_needs_under(&s, constant), dark = bis_beyond_needs_under(&s, black);
+        assert_true(any.clusters == clusters && any.visibility == (clusters && s.learn) && any.n_pool == n_pool);
+        assert_true(here.clusters == clusters && here.visibility == any.visibility && here.n_pool == n_pool);
+        assert_true(!even.clusters && !even.visibility && !even.n_pool);
+        assert_true(!dark.clusters && !dark.visibility && !dark.n_pool);
+    }
+    bis_light_free(spotty);
+    bis_light_free(constant);
+    bis_light_free(black);
+}
+
+/* The BRDF's share of M candidates of a mixture: by the squares of the bounds, or half of the lobe's probability over
+ * 1 + k, where k candidates would fall into the lobe. Of the product only the latter, as if there were 64 k. */
+static void the_brdf_has_its_share_of_the_candidates(void **state)
+{
+    static const uint32_t Ms[] = {2, 3, 17, 64, 800};
+    static const double exponents[] = {1, 20, 500, 3e4, 1e6};
+    int by_bounds = 0, by_lobe = 0, some = 0;
+
+    for (int i = 0; i < 2 * 5 * 5 * 3; i++) {
+        const uint32_t M = Ms[i / 2 % 5];
+        const rgb Kd = grey(i / 50 == 0 ? 0.5 : i / 50 == 1 ? 0.2 : 0), Ks = grey(i / 50 == 0 ? 0 : 0.4);
+        bis_light *light = lit_new_light(i % 2 ? LIT_SMOOTH : LIT_SPOTTY, 1, 0.15, false);
+        const bis_settings s = product(M, 3, false);
+        workspace w;
+        lit l;
+        open_workspace(&w, light, &s, false);
+        lit_init(&l, light, bis_phong(Kd, Ks, exponents[i / 10 % 5]), tilted(), 40, LIT_OPEN);
+        const bis_bsdf *b = &l.pt.bsdf;
+        const double c_em = bis_bsdf_max_f_cos(b) * bis_light_max_ratio(light),
+                     c_brdf = bis_bsdf_max_ratio(b) * bis_light_max_intensity(light);
+        const double k = M / (4 * PI * bis_bsdf_pdf(b, b->r));
+        const double of_bounds = c_em * c_em / (c_em * c_em + c_brdf * c_brdf), of_lobe = b->p_specular / (2 + 2 * k);
+        const double share = fmax(of_bounds, of_lobe), n = fmin(M - 1, floor(share * M + 0.5));
+        const bis_mixture mix = bis_candidates_divide(M, BIS_PROPOSAL_MIX, &l.pt, NULL);
+        assert_int_equal(mix.n_brdf, fmax(n, b->p_specular > 0 ? 1 : 0));
+        assert_true(mix.n_em + mix.n_brdf == M && fabs(mix.beta - (double)mix.n_em / M) < 1e-15);
+        const bis_mixture narrow = w.guide.steps.divide(&w.guide.steps, M, &l.pt);
+        assert_int_equal(narrow.n_brdf, floor(M * b->p_specular / (2 + 128 * k)));
+        assert_true(narrow.n_em + narrow.n_brdf == M && fabs(narrow.beta - (double)narrow.n_em / M) < 1e-15);
+        bis_stream stream, same;
+        bis_stream_init(&stream, &(bis_sampler){.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1}, (uint64_t)i, 0);
+        same = stream;
+        const bis_mixture one = bis_candidates_divide(1, BIS_PROPOSAL_MIX, &l.pt, &stream);
+        const double k1 = k / M, share1 = fmax(of_bounds, b->p_specular / (2 + 2 * k1));
+        assert_true(one.n_brdf == (bis_stream_random(&same) < share1) && one.n_em + one.n_brdf == 1);
+        assert_true(fabs(one.beta - (1 - share1)) < 1e-12);
+        w.c.n = BIS_CLUSTERS_FEW - 1; /* wide ones find no lobes: as of a mixture, but for one alone */
+        const bis_mixture wide = w.guide.steps.divide(&w.guide.steps, M, &l.pt),
+                          alone = w.guide.steps.divide(&w.guide.steps, 1, &l.pt);
+        assert_true(wide.n_brdf == mix.n_brdf && wide.n_em == mix.n_em && wide.beta == mix.beta);
+        assert_true(alone.n_em == 1 && alone.n_brdf == 0 && alone.beta == 1);
+        by_bounds += of_bounds > of_lobe && n > 1;
+        by_lobe += of_bounds < of_lobe && n > 1;
+        some += narrow.n_brdf > 1;
+        close_workspace(&w);
+        bis_light_free(light);
+    }
+    assert_true(by_bounds > 10 && by_lobe > 10 && some > 10);
 }
 
 /* A thread's workspace serves point after point, of other materials, of which other shares of M come from the map:
@@ -698,6 +861,88 @@ static void a_tile_expects_what_its_square_has_seen(void **state)
     bis_visibility_clear(&v);
 }
 
+/* Of n clusters below 128 each is a part, and the tree has as few leaves as hold them; nothing is known of the cells
+ * before the first rays, nor is a ray counted before a cell is looked at. */
+static void few_clusters_have_a_small_tree(void **state)
+{
+    static const struct { uint32_t n; int leaves; } trees[] = {{1, 1}, {2, 2}, {3, 4}, {4, 4}, {40, 64}, {65, 128},
+                                                               {128, 128}};
+
+    for (size_t t = 0; t < sizeof trees / sizeof *trees; t++) {
+        const uint32_t n = trees[t].n;
+        bis_visibility v;
+        bis_visibility_guess f;
+        assert_int_equal(bis_visibility_init(&v, 1, 0, 1, NULL), BIS_OK);
+        assert_int_equal(bis_guess_init(&f, n, NULL), BIS_OK);
+        for (uint32_t k = 0; k < n; k++) assert_true(f.own[k] == 0.5f && f.g[k] == 0 && !bis_guess_count(&f, k, n));
+        assert_true(!f.knows && !f.has_square && bis_guess_bytes(n) == 5 * sizeof(float) * ((n + 15) / 16 * 16));
+        bis_guess_look(&f, n, &v, 0);
+        assert_false(f.knows);
+        for (int i = 0; i < 9; i++) {
+            uint16_t *seen = bis_guess_count(&f, n / 2, n);
+            assert_non_null(seen);
+            *seen = (uint16_t)(*seen + i % 3 / 2);
+        }
+        bis_guess_look(&f, n, &v, 1);
+        assert_true(f.knows);
+        for (int part = 0; part < (int)n; part++) {
+            double m = 4 / 11.0; /* (3 + 1)/(9 + 2) */
+            for (int size = trees[t].leaves / 2; size > 0; size /= 2)
+                m = part / size == (int)(n / 2) / size ? (3 + 3 * size * m) / (9 + 3 * size) : m;
+            const double g = part == (int)(n / 2) ? 1 / 3.0 : m;
+            assert_true(fabs((double)f.own[part] - sqrt(m * (1 - 0.8 * m))) <= 1e-6);
+            assert_true(fabs((double)f.g[part] - g) <= 1e-6);
+            assert_true(f.of_square[part] == 0);
+        }
+        bis_guess_clear(&f);
+        bis_visibility_clear(&v);
+    }
+}
+
+/* A square that is not closed is passed over: the next larger one is asked, or none. */
+static void the_smallest_closed_square_is_asked(void **state)
+{
+    enum { N = 128 };
+    bis_visibility v;
+    bis_visibility_guess f;
+
+    assert_int_equal(bis_visibility_init(&v, 2, 3, 1, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, N, NULL), BIS_OK);
+    for (int place = 0; place < 5; place++) assert_true(v.above[place] == BIS_NO_SQUARE);
+    v.above[1] = 2; /* tile 1 in square 2, in square 0, in square 1; tile 0 in none */
+    v.above[2 + 2] = 0;
+    v.above[2 + 0] = 1;
+    for (int closed = 0; closed < 4; closed++) {
+        static const uint32_t order[] = {1, 0, 2};
+        if (closed > 0) {
+            const uint32_t k = order[closed - 1];
+            const int place = 2 + (int)k;
+            bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 2 + k));
+            assert_true(f.has_square == (closed > 1) && f.knows == (closed > 1));
+            for (uint32_t i = 0; i < N; i++)
+                assert_true(f.of_square[i] == (closed > 1 ? v.squares[order[closed - 2]].h[i] : 0));
+            f.counted->rays[3] = 100;
+            f.counted->seen[3] = (uint16_t)(20 * closed);
+            bis_visibility_learn(&v, &place, 1, 1);
+            bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 2 + k));
+            assert_true(f.knows && fabs((double)f.g[3] - 0.2 * closed) < 1e-6);
+            bis_visibility_close(&v, k, N);
+        }
+        bis_guess_look(&f, N, &v, 16);
+        assert_true(f.has_square == (closed > 0) && f.knows == (closed > 0));
+        for (uint32_t i = 0; i < N; i++)
+            assert_true(f.of_square[i] == (closed ? v.squares[order[closed - 1]].h[i] : 0));
+        bis_guess_look(&f, N, &v, 0);
+        assert_false(f.has_square || f.knows);
+    }
+    assert_true(v.squares[1].mean[3] < 0.25f && v.squares[2].mean[3] > 0.55f);
+    assert_true(bis_visibility_bytes(&v) ==
+                2 * (2 * 16 + 3) * sizeof(bis_seen) + 5 * sizeof(uint32_t) + 3 * sizeof(bis_square));
+    bis_guess_clear(&f);
+    bis_visibility_clear(&v);
+    assert_true(bis_visibility_bytes(&v) == 0);
+}
+
 /* Candidates are drawn in proportion to b h. Of them, 8/15 go where the cell alone would send them, 4/15 where the
  * square would, 3/15 where they would go without knowledge; without a square 12/15 and 3/15. */
 static void each_knowledge_has_its_share_of_the_candidates(void **state)
@@ -710,7 +955,7 @@ static void each_knowledge_has_its_share_of_the_candidates(void **state)
         float b[160] = {0}, bound[160];
         double sum[4] = {0}, unlike = 0; /* of b times what the cell, the square, nothing and the point say */
         for (uint32_t k = 0; k < N; k++) {
-            b[k] = bound[k] = k % 11 ? 0.3f + (float)(k % 17) : 0;
+            b[k] = bound[k] = k % 11 ? 0x1p-10f * (0.3f + (float)(k % 17)) : 0;
             f.own[k] = k < 140 ? 1e-3f : 0.6f; /* the cell knows another window than the square */
             f.of_square[k] = k < 10 ? 0.5f : 1e-4f;
             f.g[k] = 0.01f * (float)(k % 90);
@@ -738,6 +983,13 @@ static void each_knowledge_has_its_share_of_the_candidates(void **state)
         }
         assert_true(!with || unlike > 0.3);
     }
+    /* a square that sees nothing where the point does: as if there were none, with its share left out */
+    float b[16] = {1, 2, 3};
+    memset(f.of_square, 0, 16 * sizeof *f.of_square);
+    for (int k = 0; k < 3; k++) f.own[k] = 0.25f;
+    f.has_square = true;
+    bis_guess_mix(&f, b, 6, 3);
+    for (int k = 0; k < 3; k++) assert_true(fabs((double)f.h[k] - 0.25 * 1.25 * 11 / 15) < 1e-6);
     bis_guess_clear(&f);
 }
 
@@ -763,6 +1015,12 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
     }
     bis_guess_look(&f, 128, &v, 0);
     assert_true(fabs((double)f.g[9] - 0.25) <= 1e-4);
+    for (uint32_t part = 0; part < 128; part++) { /* one ray of any part is something to learn */
+        const uint16_t before = v.known[0].rays[part];
+        bis_guess_count(&f, part, 128);
+        bis_visibility_learn(&v, NULL, 1, 1);
+        assert_true(v.counted[0].rays[part] == 0 && (v.known[0].rays[part] == before + 1 || part == 9));
+    }
     bis_guess_clear(&f);
     bis_visibility_clear(&v);
 }
@@ -885,20 +1143,37 @@ static void without_memory_nothing_is_held(void **state)
 
     assert_int_equal(bis_clusters_init(&whole, light, 256, NULL), BIS_OK);
     assert_int_equal(bis_visibility_init(&seen, 3, 0, 1, NULL), BIS_OK);
-    for (long k = 1; k < 40; k++) {
+    FOR_LACK(l) {
         bis_clusters c;
+        LACK(l, bis_clusters_init(&c, light, 256, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (c.n > 0) == l.over);
+        bis_clusters_clear(&c);
+    }
+    FOR_LACK(l) {
         bis_visibility v;
-        bis_product_guide g;
-        bis_mem_fail_at(k);
-        if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
-        bis_mem_fail_at(k);
-        if (bis_visibility_init(&v, 3, 0, 1, NULL) == BIS_OK) bis_visibility_clear(&v);
+        LACK(l, bis_visibility_init(&v, 3, 0, 1, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (v.n_tiles > 0) == l.over);
+        bis_visibility_clear(&v);
+    }
+    FOR_LACK(l) {
         bis_visibility_guess f;
-        bis_mem_fail_at(k);
-        if (bis_guess_init(&f, 100, NULL) == BIS_OK) bis_guess_clear(&f);
-        bis_mem_fail_at(k);
-        if (bis_product_guide_init(&g, &whole, &seen, NULL) == BIS_OK) bis_product_guide_clear(&g);
-        bis_mem_fail_at(0);
+        LACK(l, bis_guess_init(&f, 100, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (f.memory != NULL) == l.over);
+        bis_guess_clear(&f);
+    }
+    FOR_LACK(l) {
+        bis_product_guide g;
+        LACK(l, bis_product_guide_init(&g, &whole, &seen, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (g.clusters != NULL) == l.over);
+        assert_true((bis_product_guide_bytes(&g) > 0) == l.over);
+        bis_product_guide_clear(&g);
+    }
+    FOR_LACK(l) {
+        const bis_settings s = product(64, 3, true);
+        bis_probe p;
+        LACK(l, bis_probe_init(&p, &s, light, NULL));
+        assert_true((l.status == BIS_OK) == l.over && (p.clusters.n > 0) == l.over);
+        bis_probe_clear(&p);
     }
     bis_clusters_clear(&whole);
     bis_visibility_clear(&seen);
@@ -960,7 +1235,11 @@ int main(void)
         cmocka_unit_test(directions_fill_their_pixels_and_are_drawn_anew_in_each_pass),
         cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
+        cmocka_unit_test(a_run_ends_with_the_tile_that_completes_it),
+        cmocka_unit_test(a_cone_is_the_narrowest_about_the_mean_direction),
         cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
+        cmocka_unit_test(needs_are_those_of_what_the_settings_use),
+        cmocka_unit_test(the_brdf_has_its_share_of_the_candidates),
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(candidates_have_the_density_that_they_say),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
@@ -972,6 +1251,8 @@ int main(void)
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(a_tile_expects_what_its_square_has_seen),
+        cmocka_unit_test(few_clusters_have_a_small_tree),
+        cmocka_unit_test(the_smallest_closed_square_is_asked),
         cmocka_unit_test(each_knowledge_has_its_share_of_the_candidates),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(rays_are_counted_and_V_1_of_a_layer_is_not_learned_from),

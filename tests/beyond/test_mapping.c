@@ -3,7 +3,9 @@
  * tests/thesis/test_envmap.c. */
 #include "bis/beyond/mapping.h"
 
+#include "beyond/mapping_models.h"
 #include "bis/base/mem.h"
+#include "bis/thesis/lanes.h"
 #include "claim.h"
 #include "lack.h"
 #include "map_help.h"
@@ -113,6 +115,295 @@ static void a_lit_pixel_shines_from_its_direction(void **state)
         assert_true(off < .04);
         bis_envmap_clear(&em);
         bis_image_clear(&image);
+    }
+}
+
+/* ---- each mapping's formula ---- */
+
+/* Where a face of a cube looks, what is to its right, and what above: Front, Back, Right, Left, Up, Down. By cells of
+ * the picture, row by row; "" is empty. */
+static const char *const cells_of[][12] = {
+    [BIS_MAPPING_VERTICAL_CROSS] = {"", "URB", "", "LFU", "FRU", "RBU", "", "DRF", "", "", "BRD", ""},
+    [BIS_MAPPING_HORIZONTAL_CROSS] = {"", "URB", "", "", "LFU", "FRU", "RBU", "BLU", "", "DRF", "", ""},
+    [BIS_MAPPING_CUBE_STRIP] = {"RBU", "LFU", "URB", "DRF", "FRU", "BLU"},
+};
+
+/* Adds to w as much of one of the six directions, in the light's frame. */
+static void go(double w[3], char where, double much)
+{
+    const char *const ways = "BFLRUD", *const way = strchr(ways, where);
+    w[(way - ways) / 2] += (way - ways) % 2 ? -much : much;
+}
+
+/* The direction at an angle from the front, towards the azimuth a from the right, counter-clockwise. */
+static void turned(double w[3], double angle, double a)
+{
+    go(w, 'F', cos(angle));
+    go(w, 'R', sin(angle) * cos(a));
+    go(w, 'U', sin(angle) * sin(a));
+}
+
+/* What a place of a picture shows, in double: (x, y) pixels from its upper left corner. false: nothing. */
+static bool shown_at(const bis_raster *r, double x, double y, double w[3])
+{
+    const double u = 2 * x / r->width - 1, v = 1 - 2 * y / r->height, from_middle = hypot(u, v), a = atan2(v, u);
+    const int columns[] = {1, 1, 1, 1, 3, 4, r->height > r->width ? 1 : 6}, side = r->width / columns[r->mapping];
+    w[0] = w[1] = w[2] = 0;
+    if (r->mapping == BIS_MAPPING_LATLONG) {
+        const double theta = PI * y / r->height, phi = 2 * PI * x / r->width;
+        w[0] = sin(theta) * cos(phi), w[1] = sin(theta) * sin(phi), w[2] = cos(theta);
+    } else if (r->mapping == BIS_MAPPING_ANGULAR) {
+        turned(w, PI * from_middle, a);
+    } else if (r->mapping == BIS_MAPPING_MIRRORBALL) {
+        turned(w, 2 * asin(fmin(from_middle, 1)), a);
+    } else if (r->mapping == BIS_MAPPING_EQUALAREA) {
+        /* the lower hemisphere is folded back first: one quarter of one hemisphere is left */
+        const bool below = fabs(u) + fabs(v) > 1;
+        const double p = below ? 1 - fabs(v) : fabs(u), q = below ? 1 - fabs(u) : fabs(v), t = p + q;
+        const double phi = t > 0 ? PI / 2 * q / t : 0, z = 1 - t * t;
+        w[0] = copysign(sqrt(1 - z * z) * cos(phi), u);
+        w[1] = copysign(sqrt(1 - z * z) * sin(phi), -v);
+        w[2] = below ? -z : z;
+    } else {
+        const int column = (int)x / side, row = (int)y / side;
+        const char *const face = cells_of[r->mapping][row * columns[r->mapping] + column];
+        const double across = 2 * (x / side - column) - 1, up = 1 - 2 * (y / side - row);
+        const double length = sqrt(1 + across * across + up * up);
+        if (!*face) return false;
+        go(w, face[0], 1 / length);
+        go(w, face[1], across / length);
+        go(w, face[2], up / length);
+    }
+    return from_middle <= 1 || (r->mapping != BIS_MAPPING_ANGULAR && r->mapping != BIS_MAPPING_MIRRORBALL);
+}
+
+/* The solid angle by area there, in sr for a pixel: the area of a small parallelogram on the sphere. */
+static double spread_at(const bis_raster *r, double x, double y)
+{
+    const double h = 1e-5;
+    double a[3], b[3], c[3], d[3];
+    shown_at(r, x + h, y, a);
+    shown_at(r, x - h, y, b);
+    shown_at(r, x, y + h, c);
+    shown_at(r, x, y - h, d);
+    for (int i = 0; i < 3; i++) a[i] = (a[i] - b[i]) / (2 * h), c[i] = (c[i] - d[i]) / (2 * h);
+    return sqrt(pow(a[1] * c[2] - a[2] * c[1], 2) + pow(a[2] * c[0] - a[0] * c[2], 2) +
+                pow(a[0] * c[1] - a[1] * c[0], 2));
+}
+
+/* Odd and even sides: with a pixel in the middle and without. */
+static const bis_raster small_pictures[] = {
+    {.mapping = BIS_MAPPING_LATLONG, .width = 12, .height = 6},
+    {.mapping = BIS_MAPPING_LATLONG, .width = 9, .height = 5},
+    {.mapping = BIS_MAPPING_ANGULAR, .width = 9, .height = 9},
+    {.mapping = BIS_MAPPING_ANGULAR, .width = 14, .height = 14},
+    {.mapping = BIS_MAPPING_EQUALAREA, .width = 9, .height = 9},
+    {.mapping = BIS_MAPPING_EQUALAREA, .width = 14, .height = 14},
+    {.mapping = BIS_MAPPING_MIRRORBALL, .width = 9, .height = 9},
+    {.mapping = BIS_MAPPING_MIRRORBALL, .width = 14, .height = 14},
+    {.mapping = BIS_MAPPING_VERTICAL_CROSS, .width = 9, .height = 12},
+    {.mapping = BIS_MAPPING_VERTICAL_CROSS, .width = 12, .height = 16},
+    {.mapping = BIS_MAPPING_HORIZONTAL_CROSS, .width = 20, .height = 15},
+    {.mapping = BIS_MAPPING_HORIZONTAL_CROSS, .width = 8, .height = 6},
+    {.mapping = BIS_MAPPING_CUBE_STRIP, .width = 18, .height = 3},
+    {.mapping = BIS_MAPPING_CUBE_STRIP, .width = 4, .height = 24},
+};
+enum { N_SMALL = sizeof small_pictures / sizeof *small_pictures, BLOCK = BIS_LANES_BLOCK };
+
+/* The centre of a pixel and 15 other places in it. */
+static void spread_places(float dx[BLOCK], float dy[BLOCK])
+{
+    for (int i = 0; i < BLOCK; i++) {
+        dx[i] = i ? (float)(0.96 * (fmod(0.61803 * i, 1) - 0.5)) : 0;
+        dy[i] = i ? (float)(0.96 * (fmod(0.75488 * i, 1) - 0.5)) : 0;
+    }
+}
+
+/* Directions and weights: each place shows what the mapping's words say, and counts by its solid angle. */
+static void a_place_shows_what_the_words_say(void **state)
+{
+    float dx[BLOCK], dy[BLOCK];
+    const bis_places places = {dx, dy, BLOCK};
+    spread_places(dx, dy);
+    for (int k = 0; k < N_SMALL; k++) {
+        const bis_raster *const r = &small_pictures[k];
+        const bis_mapping_model *const m = &bis_mapping_models[r->mapping];
+        bis_samples s;
+        const int x0 = r->width / 2, y0 = r->height / 2; /* by which the weights' unit is known */
+        m->directions(&s, r, x0, y0, &places);
+        const double unit = (double)s.weight[1] / spread_at(r, x0 + .5 + (double)dx[1], y0 + .5 + (double)dy[1]);
+        const double most = unit * 4 * PI * PI / r->width / r->height; /* about: of an angular map's middle */
+        for (int i = 0; i < r->width * r->height; i++) {
+            const int x = i % r->width, y = i / r->width;
+            m->directions(&s, r, x, y, &places);
+            for (int j = 0; j < BLOCK; j++) {
+                const double px = x + .5 + (double)dx[j], py = y + .5 + (double)dy[j];
+                double w[3];
+                if (!shown_at(r, px, py, w)) {
+                    assert_true(s.weight[j] == 0);
+                    continue;
+                }
+                assert_near((double)s.x[j], w[0], 4e-6);
+                assert_near((double)s.y[j], w[1], 4e-6);
+                assert_near((double)s.z[j], w[2], 4e-6);
+                assert_true(s.weight[j] > 0); /* the centre of a pixel may lie on a fold of the equal-area square */
+                if (j > 0) assert_near((double)s.weight[j], unit * spread_at(r, px, py), 1e-5 * most);
+            }
+        }
+    }
+}
+
+/* The pixel of a disc that a place belongs to: its own, or, if the centre of that lies outside, the one half a diagonal
+ * nearer to the middle. */
+static int pixel_of_disc(const bis_raster *r, double x, double y)
+{
+    const double half = r->width / 2.0, d = hypot(x - half, y - half), nearer = d - half * 1.4143 / r->width;
+    if (hypot((int)x + .5 - half, (int)y + .5 - half) <= half) return (int)y * r->width + (int)x;
+    return (int)(half + (y - half) * nearer / d) * r->width + (int)(half + (x - half) * nearer / d);
+}
+
+/* Pixels of directions, the other way round. Those within are found wherever the direction is among others. */
+static void a_direction_is_found_in_its_pixel(void **state)
+{
+    float dx[BLOCK], dy[BLOCK];
+    int elsewhere = 0;
+    spread_places(dx, dy);
+    for (int k = 0; k < N_SMALL; k++) {
+        const bis_raster *const r = &small_pictures[k];
+        const bool is_disc = r->mapping == BIS_MAPPING_ANGULAR || r->mapping == BIS_MAPPING_MIRRORBALL;
+        for (int i = 0; i < r->width * r->height; i++) {
+            const int x = i % r->width, y = i / r->width;
+            bis_samples s;
+            bool shown[BLOCK];
+            for (int j = 0; j < BLOCK; j++) {
+                double w[3];
+                shown[j] = shown_at(r, x + .5 + (double)dx[j], y + .5 + (double)dy[j], w);
+                s.x[j] = (float)w[0], s.y[j] = (float)w[1], s.z[j] = (float)w[2];
+                s.pixel[j] = 0xaaaaaaaa;
+            }
+            bis_mapping_models[r->mapping].pixels(r, &s, BLOCK);
+            for (int j = 0; j < BLOCK; j++) {
+                if (!shown[j]) continue;
+                const int pixel = is_disc ? pixel_of_disc(r, x + .5 + (double)dx[j], y + .5 + (double)dy[j]) : i;
+                elsewhere += pixel != i;
+                assert_int_equal(s.pixel[j], pixel);
+            }
+        }
+    }
+    assert_true(elsewhere > 100);
+}
+
+/* Directions on the edges of pixels, faces and hemispheres belong to a pixel next to them. */
+static void a_direction_on_an_edge_is_found_next_to_it(void **state)
+{
+    for (int k = 0; k < N_SMALL; k++) {
+        const bis_raster *const r = &small_pictures[k];
+        const bool is_disc = r->mapping == BIS_MAPPING_ANGULAR || r->mapping == BIS_MAPPING_MIRRORBALL;
+        for (int i = 0; i < 125; i++) {
+            double w[3], n[3] = {i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2};
+            bis_samples s;
+            if (i == 62 || (is_disc && n[0] > 0 && n[1] == 0 && n[2] == 0)) continue; /* 0; all of the rim */
+            const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+            for (int j = 0; j < BLOCK; j++) {
+                s.x[j] = (float)(n[0] / length), s.y[j] = (float)(n[1] / length), s.z[j] = (float)(n[2] / length);
+                s.pixel[j] = 0xaaaaaaaa;
+            }
+            bis_mapping_models[r->mapping].pixels(r, &s, BLOCK);
+            assert_in_range(s.pixel[BLOCK - 1], 0, r->width * r->height - 1);
+            const int x = (int)s.pixel[0] % r->width, y = (int)s.pixel[0] / r->width;
+            assert_true(shown_at(r, x + .5, y + .5, w));
+            const double off = acos(fmin(1, (w[0] * n[0] + w[1] * n[1] + w[2] * n[2]) / length));
+            if (off >= .95) print_message("picture %d, direction %d: %g\n", k, i, off);
+            assert_true(off < .95);
+        }
+    }
+}
+
+/* The solid angle of the spherical triangle of three unit vectors (Van Oosterom and Strackee 1983). */
+static double triangle(const double a[3], const double b[3], const double c[3])
+{
+    const double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                       a[2] * (b[0] * c[1] - b[1] * c[0]);
+    const double ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2], bc = b[0] * c[0] + b[1] * c[1] + b[2] * c[2],
+                 ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2];
+    return 2 * atan2(fabs(det), 1 + ab + bc + ca);
+}
+
+/* Of cubes a pixel's edges are great circles; of a disc the formula is that of its centre; the others are bands. */
+static void solid_angles_are_those_of_the_words(void **state)
+{
+    for (int k = 0; k < N_SMALL; k++) {
+        const bis_raster *const r = &small_pictures[k];
+        const double e = 1e-9; /* within the face */
+        for (int i = 0; i < r->width * r->height; i++) {
+            const int x = i % r->width, y = i / r->width;
+            double centre[3], corner[4][3], expected = 0;
+            const bool shown = shown_at(r, x + .5, y + .5, centre);
+            for (int j = 0; j < 4; j++)
+                shown_at(r, x + (j % 3 ? 1 - e : e), y + (j > 1 ? 1 - e : e), corner[j]);
+            if (shown && r->mapping == BIS_MAPPING_LATLONG)
+                expected = 2 * PI / r->width * (cos(PI * y / r->height) - cos(PI * (y + 1) / r->height));
+            else if (shown && r->mapping == BIS_MAPPING_EQUALAREA) expected = 4 * PI / r->width / r->height;
+            else if (shown && r->mapping >= BIS_MAPPING_VERTICAL_CROSS)
+                expected = triangle(corner[0], corner[1], corner[2]) + triangle(corner[0], corner[2], corner[3]);
+            else if (shown) expected = spread_at(r, x + .5, y + .5);
+            assert_near(bis_mapping_models[r->mapping].solid_angle(r, x, y), expected, 1e-7);
+        }
+    }
+}
+
+/* Shapes that a mapping takes, and the lat-long map that shows all of them. */
+static void a_shape_fits_or_not(void **state)
+{
+    static const struct { bis_mapping mapping; int width, height, to; } rows[] = { /* to 0: does not fit */
+        {BIS_MAPPING_LATLONG, 7, 3, 7}, {BIS_MAPPING_LATLONG, 1, 1, 1}, {BIS_MAPPING_LATLONG, 3, 9, 3},
+        {BIS_MAPPING_LATLONG, 0, 1, 0}, {BIS_MAPPING_LATLONG, 1, 0, 0},
+        {BIS_MAPPING_ANGULAR, 1, 1, 2}, {BIS_MAPPING_ANGULAR, 9, 9, 18}, {BIS_MAPPING_ANGULAR, 2, 1, 0},
+        {BIS_MAPPING_ANGULAR, 0, 0, 0}, {BIS_MAPPING_EQUALAREA, 7, 7, 14}, {BIS_MAPPING_EQUALAREA, 7, 8, 0},
+        {BIS_MAPPING_MIRRORBALL, 8, 8, 16}, {BIS_MAPPING_MIRRORBALL, 8, 7, 0},
+        {BIS_MAPPING_VERTICAL_CROSS, 3, 4, 4}, {BIS_MAPPING_VERTICAL_CROSS, 9, 12, 12},
+        {BIS_MAPPING_VERTICAL_CROSS, 4, 3, 0}, {BIS_MAPPING_VERTICAL_CROSS, 4, 5, 0},
+        {BIS_MAPPING_VERTICAL_CROSS, 0, 0, 0}, {BIS_MAPPING_VERTICAL_CROSS, 6, 9, 0},
+        {BIS_MAPPING_HORIZONTAL_CROSS, 4, 3, 4}, {BIS_MAPPING_HORIZONTAL_CROSS, 20, 15, 20},
+        {BIS_MAPPING_HORIZONTAL_CROSS, 3, 4, 0}, {BIS_MAPPING_HORIZONTAL_CROSS, 8, 7, 0},
+        {BIS_MAPPING_CUBE_STRIP, 6, 1, 4}, {BIS_MAPPING_CUBE_STRIP, 1, 6, 4}, {BIS_MAPPING_CUBE_STRIP, 30, 5, 20},
+        {BIS_MAPPING_CUBE_STRIP, 5, 30, 20}, {BIS_MAPPING_CUBE_STRIP, 5, 1, 0}, {BIS_MAPPING_CUBE_STRIP, 1, 5, 0},
+        {BIS_MAPPING_CUBE_STRIP, 6, 6, 0}, {BIS_MAPPING_CUBE_STRIP, 12, 1, 0}, {BIS_MAPPING_CUBE_STRIP, 1, 12, 0},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const bool is_latlong = rows[i].mapping == BIS_MAPPING_LATLONG;
+        assert_int_equal(bis_mapping_fits(rows[i].mapping, rows[i].width, rows[i].height), rows[i].to > 0);
+        if (rows[i].to == 0) continue;
+        assert_int_equal(bis_mapping_width(rows[i].mapping, rows[i].width, rows[i].height, 0), rows[i].to);
+        assert_int_equal(bis_mapping_width(rows[i].mapping, rows[i].width, rows[i].height, 10),
+                         is_latlong ? rows[i].to : 10);
+        assert_int_equal(bis_mapping_width(rows[i].mapping, rows[i].width, rows[i].height, 11),
+                         is_latlong ? rows[i].to : 12);
+    }
+    for (int i = 0; i < BIS_N_MAPPINGS; i++) assert_int_equal(bis_mapping_find(bis_mapping_names[i]), i);
+    assert_int_equal(bis_mapping_find("cube"), BIS_N_MAPPINGS);
+    assert_string_equal(bis_mapping_shape(BIS_MAPPING_LATLONG), "twice as wide as high");
+}
+
+/* As many pixels around the sphere as the map has, where they are densest: a disc's whole width is one turn of an
+ * angular map; a ball's middle pixel is 4/n wide, an equal-area one 2 sqrt(pi)/n, and four faces make a turn. */
+static void a_picture_is_as_large_as_its_map(void **state)
+{
+    static const struct { bis_mapping mapping; int from, width, height; } rows[] = {
+        {BIS_MAPPING_LATLONG, 100, 100, 50}, {BIS_MAPPING_LATLONG, 18, 18, 9}, {BIS_MAPPING_ANGULAR, 100, 100, 100},
+        {BIS_MAPPING_MIRRORBALL, 100, 64, 64}, {BIS_MAPPING_EQUALAREA, 100, 57, 57}, /* 63.7, 56.4 */
+        {BIS_MAPPING_VERTICAL_CROSS, 100, 75, 100}, {BIS_MAPPING_VERTICAL_CROSS, 102, 78, 104},
+        {BIS_MAPPING_HORIZONTAL_CROSS, 100, 100, 75}, {BIS_MAPPING_CUBE_STRIP, 100, 150, 25},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        bis_envmap em = map_new(rows[i].from, rows[i].from / 2);
+        bis_image image;
+        double power[2];
+        assert_int_equal(bis_envmap_to_mapping(&image, &em, rows[i].mapping, 0, power, NULL), BIS_OK);
+        assert_int_equal(image.width, rows[i].width);
+        assert_int_equal(image.height, rows[i].height);
+        bis_image_clear(&image);
+        bis_envmap_clear(&em);
     }
 }
 
@@ -238,6 +529,151 @@ static bis_envmap grey_map(int width, float grey)
     bis_envmap em = map_new(width, width / 2);
     for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){grey, grey, grey};
     return em;
+}
+
+/* ---- the mean of k x k places ---- */
+
+/* The solid angle of a pixel, where all together are 4 pi. */
+static double share_of_sphere(const bis_raster *r, int i)
+{
+    const bis_mapping_model *const m = &bis_mapping_models[r->mapping];
+    double sum = 0;
+    for (int k = 0; k < r->width * r->height; k++) sum += m->solid_angle(r, k % r->width, k / r->width);
+    return m->solid_angle(r, i % r->width, i / r->width) / sum * 4 * PI;
+}
+
+/* Stores the integrals of the channels. */
+static void integrals(double sum[3], const bis_raster *r)
+{
+    for (int c = 0; c < 3; c++) sum[c] = 0;
+    for (int i = 0; i < r->width * r->height; i++) {
+        const double area = share_of_sphere(r, i);
+        for (int c = 0; c < 3 && area > 0; c++) sum[c] += area * channel_of(r->pixels[i], c);
+    }
+}
+
+/* What pixel i of `to` is before energies are made equal: the mean over k x k places, each by its solid angle. */
+static rgb mean_of_places(const bis_raster *to, const bis_raster *from, int k, int i)
+{
+    double sum[3] = {0}, weights = 0;
+    for (int first = 0; first < k * k; first += BLOCK) {
+        float dx[BLOCK] = {0}, dy[BLOCK] = {0};
+        const bis_places places = {dx, dy, BLOCK};
+        bis_samples s;
+        for (int j = 0; j < BLOCK; j++) {
+            dx[j] = (float)(((first + j) / k + 0.5) / k - 0.5);
+            dy[j] = (float)(((first + j) % k + 0.5) / k - 0.5);
+        }
+        bis_mapping_models[to->mapping].directions(&s, to, i % to->width, i / to->width, &places);
+        bis_mapping_models[from->mapping].pixels(from, &s, BLOCK);
+        for (int j = 0; j < BLOCK && first + j < k * k; j++) {
+            const double w = (double)s.weight[j];
+            for (int c = 0; c < 3 && w > 0; c++) sum[c] += w * channel_of(from->pixels[s.pixel[j]], c);
+            weights += w;
+        }
+    }
+    return rgb_from(sum[0] / weights, sum[1] / weights, sum[2] / weights);
+}
+
+/* From picture to picture, k by hand: 4 places for a pixel of the source along the densest way around the sphere, of an
+ * angular map 8, rounded up, at least 2. How many pixels the map or the cell counts as around the sphere stands in
+ * a_picture_is_as_large_as_its_map. */
+static const struct { bis_mapping to; int width, height; bis_mapping from; int from_width, from_height, k; }
+    resamplings[] = {
+        {BIS_MAPPING_ANGULAR, 13, 13, BIS_MAPPING_LATLONG, 18, 9, 6},         /* 72/13 */
+        {BIS_MAPPING_MIRRORBALL, 12, 12, BIS_MAPPING_LATLONG, 18, 9, 4},      /* 72/18.8 */
+        {BIS_MAPPING_EQUALAREA, 14, 14, BIS_MAPPING_LATLONG, 18, 9, 3},       /* 72/24.8 */
+        {BIS_MAPPING_VERTICAL_CROSS, 12, 16, BIS_MAPPING_LATLONG, 18, 9, 5},  /* 72/16 */
+        {BIS_MAPPING_HORIZONTAL_CROSS, 12, 9, BIS_MAPPING_LATLONG, 18, 9, 6}, /* 72/12 */
+        {BIS_MAPPING_CUBE_STRIP, 24, 4, BIS_MAPPING_LATLONG, 18, 9, 5},       /* 72/16 */
+        {BIS_MAPPING_LATLONG, 32, 16, BIS_MAPPING_LATLONG, 8, 4, 2},          /* 32/32 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_LATLONG, 8, 16, 8}, /* 128/16: rows are as dense as columns */
+        {BIS_MAPPING_ANGULAR, 6, 6, BIS_MAPPING_LATLONG, 66, 33, 44},         /* 264/6: each pixel in two portions */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_ANGULAR, 11, 11, 6},         /* 88/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_EQUALAREA, 10, 10, 5},       /* 70.9/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_MIRRORBALL, 10, 10, 4},      /* 62.8/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_VERTICAL_CROSS, 9, 12, 3},   /* 48/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_HORIZONTAL_CROSS, 20, 15, 5}, /* 80/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_CUBE_STRIP, 18, 3, 3},       /* 48/16 */
+        {BIS_MAPPING_LATLONG, 16, 8, BIS_MAPPING_CUBE_STRIP, 5, 30, 5},       /* 80/16 */
+};
+
+/* Resamples an image to a raster of another mapping and stores the powers before and after. */
+static bis_raster resampled(bis_mapping mapping, int width, bis_image *image, bis_mapping from, double power[2])
+{
+    bis_envmap em;
+    bis_raster to = {.mapping = mapping, .scale = 1};
+    if (mapping == BIS_MAPPING_LATLONG && from != BIS_MAPPING_LATLONG) {
+        assert_int_equal(bis_envmap_from_mapping(&em, image, from, width, NULL), BIS_OK);
+        bis_image_clear(image);
+        power[0] = em.power_before, power[1] = em.power_after;
+        *image = (bis_image){em.width, em.height, em.pixels};
+        em.pixels = NULL;
+    } else {
+        assert_int_equal(bis_envmap_from_latlong(&em, image, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_to_mapping(image, &em, mapping, width, power, NULL), BIS_OK);
+    }
+    bis_envmap_clear(&em);
+    to.width = image->width, to.height = image->height, to.pixels = image->pixels;
+    return to;
+}
+
+/* No pixel is a lamp: all are between 1.4 and 1.6. Afterwards each channel has the energy that it had. */
+static void a_pixel_is_the_mean_of_k_x_k_places(void **state)
+{
+    for (size_t n = 0; n < sizeof resamplings / sizeof *resamplings; n++) {
+        bis_image image = black(resamplings[n].from_width, resamplings[n].from_height);
+        bis_image source = black(image.width, image.height);
+        const bis_raster from = {resamplings[n].from, image.width, image.height, 1, source.pixels};
+        double power[2], before[3], after[3];
+        for (int i = 0; i < image.width * image.height; i++)
+            source.pixels[i] = rgb_from(1.4 + 0.2 * fmod(0.618 * i, 1), 1.4 + 0.2 * fmod(0.755 * i, 1),
+                                        1.6 - 0.2 * fmod(0.570 * i, 1));
+        memcpy(image.pixels, source.pixels, (size_t)image.width * (size_t)image.height * sizeof *image.pixels);
+        integrals(before, &from);
+        const bis_raster to = resampled(resamplings[n].to, resamplings[n].width, &image, from.mapping, power);
+        assert_true(to.width == resamplings[n].width && to.height == resamplings[n].height);
+        bis_image other = black(to.width, to.height);
+        const bis_raster expected = {to.mapping, to.width, to.height, 1, other.pixels};
+        for (int i = 0; i < to.width * to.height; i++)
+            if (share_of_sphere(&to, i) > 0) other.pixels[i] = mean_of_places(&to, &from, resamplings[n].k, i);
+        integrals(after, &expected);
+        for (int i = 0; i < 3 * to.width * to.height; i++)
+            assert_near(channel_of(to.pixels[i / 3], i % 3),
+                        channel_of(other.pixels[i / 3], i % 3) * before[i % 3] / after[i % 3], 2e-6);
+        assert_near(power[0] / (before[0] + before[1] + before[2]), 1, 1e-12);
+        assert_near(power[1] / power[0], 1, 1e-6);
+        bis_image_clear(&other);
+        bis_image_clear(&image);
+        bis_image_clear(&source);
+    }
+}
+
+/* A pixel is a lamp if it has a thousandth of a channel's energy, or in a small map four times its share. What the
+ * picture's pixels give to it, too much or too little, is made up for by itself; else by the sky around it, the more
+ * the brighter it is. So the sky tells on which side of the limit it was. */
+static void a_thousandth_of_a_channel_is_a_lamp(void **state)
+{
+    static const struct { int width, x, y; double limit; } maps[] = {
+        {128, 33, 21, 1e-3}, {32, 9, 5, 4 / 512.}, {32, 31, 15, 4 / 512.}, {32, 0, 0, 4 / 512.}};
+    static const double shares[] = {0.7, 0.95, 1.05, 1.4};
+    for (int i = 0; i < 4 * 3; i++) {
+        const int width = maps[i % 4].width, c = i / 4;
+        double sky[4];
+        for (int k = 0; k < 4; k++) {
+            bis_envmap em = grey_map(width, 1);
+            bis_image image;
+            double power[2];
+            const double area = em.row_solid_angle[maps[i % 4].y], share = maps[i % 4].limit * shares[k];
+            const float L = (float)(share * (4 * PI - area) / (area * (1 - share))); /* share: L A/(4 pi - A + L A) */
+            em.pixels[width * maps[i % 4].y + maps[i % 4].x] = (rgb){c == 0 ? L : 1, c == 1 ? L : 1, c == 2 ? L : 1};
+            assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_ANGULAR, 23, power, NULL), BIS_OK);
+            sky[k] = channel_of(image.pixels[23 * 11 + 4], c);
+            bis_image_clear(&image);
+            bis_envmap_clear(&em);
+        }
+        assert_true(fabs(sky[1] - sky[0]) > 6e-7 && fabs(sky[3] - sky[2]) < 2.5e-7);
+    }
 }
 
 /* The map goes to the mapping and comes back: means by hand of each channel, there and back, are those of the map.
@@ -551,6 +987,14 @@ static void every_allocation_may_fail(void **state)
         }
     }
     bis_envmap_clear(&map);
+    bis_image image = black(8, 8);
+    bis_diag diag = {0};
+    bis_mem_fail_at(1);
+    assert_int_equal(bis_envmap_from_mapping(&map, &image, BIS_MAPPING_ANGULAR, 18, &diag), BIS_NOMEM);
+    bis_mem_fail_at(0);
+    assert_non_null(strstr(diag.messages[0].text, "no memory for a map of 8 x 8 and its lat-long of 18 x 9"));
+    bis_diag_clear(&diag);
+    bis_image_clear(&image);
     assert_int_equal(bis_mem_live(), 0);
 }
 
@@ -558,6 +1002,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lit_pixel_shines_from_its_direction),
+        cmocka_unit_test(a_place_shows_what_the_words_say),
+        cmocka_unit_test(a_direction_is_found_in_its_pixel),
+        cmocka_unit_test(a_direction_on_an_edge_is_found_next_to_it),
+        cmocka_unit_test(solid_angles_are_those_of_the_words),
+        cmocka_unit_test(a_shape_fits_or_not),
+        cmocka_unit_test(a_picture_is_as_large_as_its_map),
+        cmocka_unit_test(a_pixel_is_the_mean_of_k_x_k_places),
+        cmocka_unit_test(a_thousandth_of_a_channel_is_a_lamp),
         cmocka_unit_test(a_constant_stays_constant_there_and_back),
         cmocka_unit_test(a_smooth_map_comes_back),
         cmocka_unit_test(a_sun_of_one_pixel_keeps_its_energy),

@@ -651,7 +651,14 @@ static void what_reflects_below_1e_20_is_black(void **state)
 {
     const bis_material m = bis_microfacet((rgb){1e-45f, 0.5f, 0.5f}, (rgb){1e-30f, 1, 1e-19f}, 0.5);
 
+    const bis_material turned = bis_microfacet((rgb){0.5f, 1e-45f, 0.5f}, (rgb){1, 1e-19f, 1e-30f}, 0.5);
+    const bis_material again = bis_microfacet((rgb){0.5f, 0.5f, 1e-45f}, (rgb){1e-19f, 1e-30f, 1}, 0.5);
+
     assert_true(m.Ks.r == 0 && m.Ks.g == 1 && m.Ks.b == 1e-19f);
+    assert_true(turned.Ks.r == 1 && turned.Ks.g == 1e-19f && turned.Ks.b == 0);
+    assert_true(again.Ks.r == 1e-19f && again.Ks.g == 0 && again.Ks.b == 1);
+    assert_true(turned.Kd.r == 0 && turned.Kd.g == 0 && turned.Kd.b == 0.5f);
+    assert_true(again.Kd.r == 0.5f && again.Kd.g == 0.5f && again.Kd.b == 0);
     assert_true(m.Kd.r == 0 && m.Kd.g == 0 && m.Kd.b == 0.5f); /* under Ks = 1 no light reaches the base */
 }
 

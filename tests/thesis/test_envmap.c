@@ -365,6 +365,29 @@ static void power_of_huge_and_of_denormal_maps_is_right(void **state)
     bis_envmap_clear(&em);
 }
 
+/* Maps of more rows than are summed together: all count once, and the brightest may be in any. */
+static void power_of_a_high_map_counts_every_row(void **state)
+{
+    static const int heights[] = {1023, 1024, 1025, 2047, 2048, 2049, 3000};
+    for (size_t k = 0; k < sizeof heights / sizeof *heights; k++) {
+        bis_envmap em = map_new(2, heights[k]);
+        double power = 0;
+        for (int i = 0; i < 2 * heights[k]; i++) {
+            em.pixels[i] = (rgb){(float)(1 + i % 7), (float)(i % 3), 0.5f};
+            power += (1.5 + i % 7 + i % 3) * em.row_solid_angle[i / 2];
+        }
+        assert_near(bis_envmap_power(&em), power, 1e-12 * power);
+        const int places[] = {0, 1, 2 * heights[k] - 1, 2 * (heights[k] / 1024 * 1024) - 1, 2 * heights[k] / 2};
+        for (int j = 0; j < 5; j++) {
+            rgb *const brightest = &em.pixels[places[j] < 0 ? 7 : places[j]], before = *brightest;
+            *brightest = (rgb){1, 2, (float)(20 + j)};
+            assert_true(bis_envmap_max_intensity(&em) == 23 + j);
+            *brightest = before;
+        }
+        bis_envmap_clear(&em);
+    }
+}
+
 static void scaling_multiplies_channels_and_refuses_to_overflow(void **state)
 {
     bis_envmap em = map_new(4, 2);
@@ -628,6 +651,7 @@ int main(void)
         cmocka_unit_test(bad_values_are_set_to_zero_counted_by_kind_and_the_first_is_named_E7),
         cmocka_unit_test(a_bad_value_that_is_kept_spoils_the_light_of_the_whole_map_E7),
         cmocka_unit_test(power_of_huge_and_of_denormal_maps_is_right),
+        cmocka_unit_test(power_of_a_high_map_counts_every_row),
         cmocka_unit_test(scaling_multiplies_channels_and_refuses_to_overflow),
         cmocka_unit_test(a_constant_probe_makes_a_constant_map),
         cmocka_unit_test(the_picture_is_not_mirrored),
