@@ -4,11 +4,12 @@
 # mutation below.
 #     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
 #     scripts/check/mutate.sh -a              tells which no longer apply; changes and runs nothing
-# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/, with its folder where two have the
-# name; .c is understood), "- the text as it stands", "+ the text instead", an empty one. The first place where the text
-# stands is changed. The copy is build/mutants; objects are made once and only what a mutation touches is made anew.
-# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some forty minutes: no part
-# of make test.
+# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/, with its folder where two have
+# the name; .c is understood), "- the text as it stands", "+ the text instead", an empty one. The first place where the
+# text stands is changed. The copy is build/mutants; objects are made once, and only what a mutation touches is made
+# anew.
+# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Half an hour: no part of
+# make test.
 mutations() {
     sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
 }
@@ -30,7 +31,7 @@ if [ "$1" = -a ]; then
     exit
 fi
 
-case $1 in -*) sed -n '3,11s/^# //p' "$0"; exit 2 ;; esac
+case $1 in -*) sed -n '3,12s/^# //p' "$0"; exit 2 ;; esac
 copy=build/mutants
 word=$1
 log=$copy/log

@@ -381,8 +381,8 @@ static void draws_are_those_of_single_directions(void **state)
     free_lanes(&l);
 }
 
-/* The direction of (u1, u2), in double and without rounding to floats: wo is mirrored about a visible facet, which is the
- * sum of wo and a point of the sphere's cap, both stretched to alpha = 1 (Dupuy and Benyoub, Sampling Visible GGX
+/* The direction of (u1, u2), in double and without rounding to floats: wo is mirrored about a visible facet, which is
+ * the sum of wo and a point of the sphere's cap, both stretched to alpha = 1 (Dupuy and Benyoub, Sampling Visible GGX
  * Normals with Spherical Caps, 2023). */
 static void mirrored_about_a_facet(double wi[3], const bis_bsdf *b, double u1, double u2)
 {
