@@ -478,6 +478,7 @@ static void the_images_of_pbrt_v2_stand_on_their_head(void **state)
     /* linear, unless gamma says otherwise; Integrator is v3's word */
     static const struct { const char *before, *gamma; double is; } gammas[] = {
         {"SurfaceIntegrator \"path\"", "", 1}, {"SurfaceIntegrator \"path\"", "\"float gamma\" 2.2", 2.2},
+        {"SurfaceIntegrator \"path\"", "\"float gamma\" 0.25", 0.25},
         {"Integrator \"path\"", "", BIS_GAMMA_SRGB}, {"SurfaceIntegrator \"path\" Integrator \"path\"", "",
          BIS_GAMMA_SRGB},
         {"Sampler \"bestcandidate\"", "", 1}, {"VolumeIntegrator \"emission\"", "", 1},

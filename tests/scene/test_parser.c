@@ -1261,6 +1261,27 @@ static const char *repeated(char buf[256], const char *head, const char *unit, s
     return buf;
 }
 
+/* What follows would close other blocks than its author means: nothing of it is read, and all blocks are open. */
+static void what_follows_blocks_that_nest_too_deeply_is_not_read(void **state)
+{
+    static const char unit[] = "AttributeBegin ";
+    const size_t length = strlen(unit);
+    char *text = malloc(4097 * length + 64), *out = text;
+    bis_scene_desc *d;
+    bis_diag diag;
+
+    out += sprintf(out, "WorldBegin ");
+    for (int i = 0; i < 4097; i++, out += length) memcpy(out, unit, length);
+    strcpy(out, "AttributeEnd Nonsense Nonsense");
+    assert_int_equal(parse_text(&d, &diag, text), BIS_INPUT);
+    assert_int_equal(diag.n, 2);
+    assert_non_null(strstr(diag.messages[0].text, "blocks nest deeper than 4096"));
+    assert_non_null(strstr(diag.messages[1].text, "AttributeBegin has no AttributeEnd"));
+    assert_non_null(strstr(diag.messages[1].text, "(4096 like it"));
+    bis_diag_clear(&diag);
+    free(text);
+}
+
 static void limits_are_errors_and_not_exhausted_memory(void **state)
 {
     char buf[256];
@@ -1485,6 +1506,7 @@ int main(void)
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
         cmocka_unit_test(damaged_scenes_are_survived),
+        cmocka_unit_test(what_follows_blocks_that_nest_too_deeply_is_not_read),
         cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
         cmocka_unit_test(includes_that_double_are_stopped),
         cmocka_unit_test(an_included_map_gives_one_error),

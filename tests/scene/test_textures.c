@@ -1486,6 +1486,8 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
          "its \"float scale\", or by a Texture \"scale\" or \"mix\"", false},
         {NO, 1, NO, true, 1, "x:7: error: the texture of \"Ks\" has values up to 1.5, must be in [0, 1]", false},
         {2, NO, NO, true, 1, "the texture of \"Kd\" has values down to -0.25, must be in [0, 1]", false},
+        {11, NO, NO, false, 1, "the texture of \"Kd\" has values up to 1.25, must be in [0, 1]", false}, /* in red */
+        {NO, 12, NO, false, 1, "the texture of \"Ks\" has values down to -0.5, must be in [0, 1]", false},
         {NO, 3, NO, false, 1, "the texture of \"Ks\" has values up to 3, must be in [0, 1]", false},
         {1, 2, NO, false, 1, "\"Kd\" has values up to 1.5", false},
         {0, 2, NO, false, 1, "\"Ks\" has values down to -0.25", false},
@@ -1507,7 +1509,8 @@ static void textures_of_a_material_are_checked_one_by_one(void **state)
     };
     bis_texture list[] = {constant_of(0, 0.5, 0), constant_of(0.5, 1.5, 1), constant_of(0.5, 0.5, -0.25),
         constant_of(0, 0, 3), constant_of(0.01, 1, 0.5), constant_of(1, 1, 1), constant_of(1, 0.009, 1),
-        constant_of(1, 1, 9e-5), constant_of(1, 0.5, 0), constant_of(0.5, 1, 0), constant_of(0.5, 0.5, 1)};
+        constant_of(1, 1, 9e-5), constant_of(1, 0.5, 0), constant_of(0.5, 1, 0), constant_of(0.5, 0.5, 1),
+        constant_of(1.25, 0.5, 0.5), constant_of(-0.5, 0.5, 0.5)};
     const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const rgb Kd = {0.1875f, 0.125f, 0.0625f}, Ks = {0.25f, 0.1875f, 0.125f};

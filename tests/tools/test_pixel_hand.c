@@ -464,6 +464,12 @@ static void the_sphere_has_the_densities_in_the_lights_frame(void **state)
     assert_density(q[0], 0.5 / PI * cos(0.5 / 360 * PI) * cos(PI / 1440), 0, 0);
     free(q);
     free(text);
+
+    /* the product is the largest: 0.5/pi over 0.001 is 159 */
+    f.r.exact.open = (bis_pixel_value){{0, 0, 0, 0.001}, {0}};
+    text = page_of(&f);
+    assert_true(json_number(text, "sphere.top") == 3);
+    free(text);
     clear(&f);
 }
 

@@ -121,6 +121,8 @@ static void constant_and_black_maps_have_plain_surveys(void **state)
     assert_near(s.mean_rgb[2], 4, 1e-12);
     assert_int_equal(s.n_regions, 1);
     assert_true(s.largest[0].direction.x == 0 && s.largest[0].direction.z == 0); /* the whole sphere has no centre */
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){0, 0x1p-149f, 0}; /* the smallest float */
+    assert_true(survey_of(&em, 8).median == 0x1p-149);
     bis_envmap_clear(&em);
 }
 

@@ -279,7 +279,8 @@ static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **st
     clear(&t);
 }
 
-/* Two equal points hide neither the other; all come in the order of time. */
+/* Two equal points hide neither the other; one as fast and less right, or as right and slower, is hidden; all come in
+ * the order of time. */
 static void equal_points_are_both_on_the_front(void **state)
 {
     bis_trade t;
@@ -290,6 +291,8 @@ static void equal_points_are_both_on_the_front(void **state)
     add_runs(&t, EM, 0, 1, (double[]){2}, (double[]){0.5});
     add_runs(&t, MIS, 0, 1, (double[]){1}, (double[]){1});
     add_runs(&t, SIR, 0, 1, (double[]){2}, (double[]){0.5});
+    add_runs(&t, REJECTION, 0, 1, (double[]){1}, (double[]){2});
+    add_runs(&t, REJECTION, 1, 1, (double[]){1.5}, (double[]){1});
     assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
     static const int order[] = {MIS, EM, SIR};
     int n = 0;
