@@ -182,6 +182,7 @@ static void textures_are_as_they_are_in_the_middle(void **state)
         "vdelta\" 0.5 ",
         "\"string mapping\" \"planar\" \"vector3 v1\" [0 0 1] \"vector3 v2\" [0 1 0] \"float udelta\" 0.5 \"float "
         "vdelta\" 0.5 "};
+    program_folder(VERIFY_DIR);
     for (size_t i = 0; i < sizeof boards / sizeof *boards; i++)
         for (int other = 0; other < 2; other++) {
             char world[1024];
@@ -207,6 +208,7 @@ static void numbers_that_are_too_dear_are_cut(void **state)
         {"\"em\" \"integer samples\" 4096", "\"em\" \"integer samples\" 100000"},
         {"\"sir\" \"integer candidates\" 4096 \"integer shadowrays\" 1024",
          "\"sir\" \"integer candidates\" 50000 \"integer shadowrays\" 30000"}};
+    program_folder(VERIFY_DIR);
     for (int i = 0; i < 2; i++) {
         char notes[2][160];
         for (int k = 0; k < 2; k++) {
