@@ -434,22 +434,28 @@ static void a_file_stands_beside_its_map_while_it_is_read(void **state)
     }
 }
 
-/* By the same file of the system, within a third: other programs come and go. */
+/* What the system has free, in kilobytes, by the system's own file; 0 where there is none. */
+static double kilobytes_free(void)
+{
+    char line[256];
+    double kilobytes = 0;
+    FILE *in = fopen("/proc/meminfo", "r");
+    while (in && fgets(line, sizeof line, in))
+        if (sscanf(line, "MemAvailable: %lf", &kilobytes) == 1) break;
+    if (in) fclose(in);
+    return kilobytes;
+}
+
+/* Within a third of what is free before and after; up to 20 times, because other programs come and go. */
 static void free_memory_is_what_the_system_says(void **state)
 {
-    double kilobytes[2] = {0, 0}, found;
-    for (int i = 0; i < 2; i++) {
-        char line[256];
-        FILE *in = popen("awk '/^MemAvailable:/ { print $2 }' /proc/meminfo", "r");
-        assert_non_null(in);
-        if (fgets(line, sizeof line, in)) kilobytes[i] = atof(line);
-        pclose(in);
-        if (i == 0) found = bis_memory_free();
+    bool is_near = false;
+    if (kilobytes_free() <= 0) skip();
+    for (int i = 0; i < 20 && !is_near; i++) {
+        const double before = kilobytes_free(), found = bis_memory_free(), after = kilobytes_free();
+        is_near = found >= 0.75 * 1024 * fmin(before, after) && found <= 1024 * fmax(before, after) / 0.75;
     }
-    if (kilobytes[0] <= 0) skip();
-    const double least = fmin(kilobytes[0], kilobytes[1]), most = fmax(kilobytes[0], kilobytes[1]);
-    if (!(found >= 0.75 * 1024 * least && found <= 1024 * most / 0.75))
-        fail_msg("%g bytes are free, must be %g to %g kB", found, least, most);
+    assert_true(is_near);
 }
 
 /* A probe becomes a map of the width that the scene names, made even, or of the usual one. */
