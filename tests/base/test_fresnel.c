@@ -119,6 +119,10 @@ static void the_index_is_found_from_both_reflectances(void **state)
     assert_near(bis_fresnel_eta(0.04, 0), 1.5, 1e-12);
     assert_near(bis_fresnel_eta(0.04, 1), 1 / 1.5, 1e-12);
     assert_near(bis_fresnel_k2(0.04, 3), 0, 0);
+    /* k = 30000: eta is looked for up to 10^12, and 48 halvings and the middle of what is left are as near as this */
+    const double R = bis_fresnel(0.001, 9e8, 1), most = (1 + sqrt(R)) / (1 - sqrt(R));
+    assert_true(most > 8e11);
+    assert_near(bis_fresnel_eta(R, bis_fresnel_mean(0.001, 9e8)), 0.001, most * 0x1p-49);
 }
 
 int main(void)

@@ -398,6 +398,8 @@ static void layers_of_no_pass_are_black_and_passes_count_by_their_weight(void **
     bis_channel channels[BIS_FILM_MAX_CHANNELS];
     assert_int_equal(bis_film_init(&f, 1, 1, whole, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want(&f, asked, NULL), BIS_OK);
+    for (int i = 0; i < BIS_N_LAYERS; i++) /* the header's word for what is not asked for, or has no values */
+        if (!(asked >> i & 1)) assert_int_equal(f.layers.first[i], -1);
     assert_int_equal(bis_film_layers(&f, channels, planes), 12);
     for (int i = 0; i < 12; i++)
         if (!(channels[i].data[0] == 0)) fail_msg("%s: %g", channels[i].name, (double)channels[i].data[0]);

@@ -237,6 +237,10 @@ static void a_constant_is_drawn_from_by_its_two_numbers(void **state)
     assert_true(bis_light_sample_curve(light, 0, (double[]){0, 0}, &s) && s.wi.z == 1);
     assert_true(bis_light_sample_curve(light, 1 - 0x1p-53, (double[]){0.5, 0.5}, &s));
     assert_near((double)s.wi.z, -1, 1e-7);
+    /* within the last cell, 2^-26 wide: three quarters of it, as a share of the turn */
+    assert_true(bis_light_sample_curve(light, 0, (double[]){0.5, 0.75}, &s));
+    assert_near(atan2((double)s.wi.y, (double)s.wi.x) / (2 * PI), 0.75 * 0x1p-26, 1e-6 * 0x1p-26);
+    assert_near((double)s.wi.x * (double)s.wi.x, 2 * 0x1p-26, 1e-6 * 0x1p-26); /* 4 u (1 - u) of half of it */
     bis_light_free(light);
 }
 
