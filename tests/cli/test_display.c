@@ -302,7 +302,9 @@ static void the_first_picture_waits_for_nothing(void **state)
     float *shown;
     int width = 0, height = 0;
     assert_int_equal(bis_film_init(&f, 1600, 1200, whole, (bis_loc){0}, NULL), BIS_OK);
-    float *rgba = calloc((size_t)f.width * (size_t)f.height, 4 * sizeof *rgba);
+    const size_t n = (size_t)f.width * (size_t)f.height;
+    float *rgba = calloc(n, 4 * sizeof *rgba);
+    for (size_t i = 0; i < 4 * n; i++) rgba[i] = i % 4 == 3 ? 1 : (float)(i % 9973);
     open_viewer(&v, READS);
     snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
     assert_int_equal(bis_display_open(&d, where, "first", &f, NULL), BIS_OK);
@@ -312,6 +314,8 @@ static void the_first_picture_waits_for_nothing(void **state)
     close_viewer(&v);
     assert_int_equal(diag.n, 0);
     assert_int_equal(read_messages(&v, &shown, &width, &height, "first"), 3 * 1200 / 16);
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++) assert_true(shown[3 * i + c] == rgba[4 * i + c]);
     free(shown);
     free(rgba);
     free(v.data);

@@ -842,6 +842,31 @@ static void the_pixels_that_a_disc_covers_are_equally_bright(void **state)
     bis_envmap_clear(&em);
 }
 
+/* Irradiance over the disc's projected solid angle, wherever the disc stands. A pixel is covered where points of a grid
+ * of its are, so some hundred of the disc's thousand points may be on the wrong side: 10 % at most. A row of pixels left
+ * out would make the rest brighter by a quarter and more. */
+static void a_disc_has_its_radiance_in_all_directions(void **state)
+{
+    enum { W = BIS_DISTANT_WIDTH, H = W / 2 };
+    static const int rows[] = {0, 1, 60, 500, 780, H - 1}; /* the poles, too */
+    const double radiance = 1 / (PI * pow(sin(BIS_DISTANT_HALF_ANGLE), 2));
+    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels)};
+    bis_envmap em;
+    assert_int_equal(bis_envmap_from_latlong(&em, &black, NULL), BIS_OK);
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        for (int column = 37; column < W; column += 511) {
+            const vec3 towards = bis_envmap_direction(&em, column, rows[k], 0.3, 0.6);
+            const bis_distant sun = {.irradiance = {1, 1, 1},
+                                     .towards = {(double)towards.x, (double)towards.y, (double)towards.z}};
+            float brightest = 0;
+            assert_true(bis_distant_add(&em, &sun));
+            for (size_t i = 0; i < (size_t)W * H; i++) brightest = fmaxf(brightest, em.pixels[i].r);
+            assert_true(fabs((double)brightest / radiance - 1) < 0.1);
+            memset(em.pixels, 0, (size_t)W * H * sizeof *em.pixels);
+        }
+    bis_envmap_clear(&em);
+}
+
 /* A constant light is the sky around the disc: the map holds its radiance everywhere else, and a surface that faces the
  * disc receives pi L more. */
 static void a_constant_light_is_the_sky_around_a_distant_one(void **state)
@@ -958,6 +983,7 @@ int main(void)
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
         cmocka_unit_test(the_pixels_that_a_disc_covers_are_equally_bright),
+        cmocka_unit_test(a_disc_has_its_radiance_in_all_directions),
         cmocka_unit_test(a_constant_light_is_the_sky_around_a_distant_one),
         cmocka_unit_test(distant_lights_are_all_there_in_one_frame),
         cmocka_unit_test(another_light_takes_the_place_of_all),

@@ -169,6 +169,13 @@ static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **sta
         if (cases[i].place) assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
         scene_clear(&b);
     }
+    /* also of another accelerator over the same scene; there is none then */
+    built b = build("Integrator \"em\"", "Shape \"sphere\"");
+    bis_accel *other = b.scene->accel;
+    b.desc->view.camera.to_world.m[0][3] = 1e39;
+    assert_int_equal(bis_scene_accel(&other, b.scene, b.desc, BIS_ACCEL_GRID, &b.diag), BIS_INPUT);
+    assert_null(other);
+    scene_clear(&b);
 }
 
 /* ---- only what is required ---- */
