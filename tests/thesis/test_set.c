@@ -11,6 +11,7 @@
 #include "clones.h"
 #include "lit.h"
 #include "set_help.h"
+#include "thesis/as_printed.h"
 
 #include <string.h>
 
@@ -469,6 +470,30 @@ static void candidates_need_what_their_proposal_draws_with(void **state)
         for (int j = 0; j < 4; j++) assert_true(((bits[i] & bits[j]) != 0) == (i == j));
 }
 
+/* Kd = (0.2, 0.1, 0.3), Ks = (0.1, 0.4, 0.2), n = 9: f cos is at most Ks 10/(2 pi) + Kd/pi, in green 2.1/pi. A
+ * constant light (1, 0.5, 0.25): I = 1.75 everywhere, I/q = 7 pi. As E27 prints them: f_max over the albedo, 0.5, times
+ * L_ns; and L_max over the power, 7 pi, times L_ns. */
+static void bounds_are_those_of_the_largest_channel(void **state)
+{
+    const double slack = 2e-6; /* a bound may be larger by 2^-21 and by the rounding of floats */
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    lit l;
+    lit_init(&l, light, bis_phong((rgb){0.2f, 0.1f, 0.3f}, (rgb){0.1f, 0.4f, 0.2f}, 9), lit_tilted(), 30, LIT_OPEN);
+    const double em = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM);
+    assert_true(em >= 2.1 * 7 * (1 - 1e-7) && em <= 2.1 * 7 * (1 + slack));
+    const double printed_em = bis_as_printed_bound(&l.pt, BIS_PROPOSAL_EM, 3),
+                 printed_brdf = bis_as_printed_bound(&l.pt, BIS_PROPOSAL_BRDF, 3);
+    assert_true(fabs(printed_em / (4.2 / PI * 3) - 1) <= slack);
+    assert_true(fabs(printed_brdf / (1.75 / (7 * PI) * 3) - 1) <= slack);
+    lit_init(&l, light, bis_phong((rgb){0.2f, 0.1f, 0.3f}, grey(0), 9), lit_tilted(), 30, LIT_OPEN);
+    const double brdf = bis_candidates_bound(&l.pt, BIS_PROPOSAL_BRDF); /* f cos/q = Kd */
+    assert_true(brdf >= 0.3 * 1.75 * (1 - 1e-7) && brdf <= 0.3 * 1.75 * (1 + slack));
+    /* of 30 directions over the sphere 1.5 fall into the lobe, whose density is 10/(2 pi) on its axis */
+    lit_init(&l, light, bis_phong(grey(0), grey(0.5), 9), lit_tilted(), 30, LIT_OPEN);
+    assert_true(fabs(bis_candidates_in_lobe(30, &l.pt) - 1.5) < 1e-5);
+    bis_light_free(light);
+}
+
 /* All from the map, or all from the BRDF, as the proposal or a constant light says; a mixture leaves the map one, and
  * a lobe gets one however small its share. */
 static void candidates_are_divided_at_the_ends_of_the_range(void **state)
@@ -504,6 +529,7 @@ int main(void)
         cmocka_unit_test(a_workspace_takes_the_bytes_that_are_foretold),
         cmocka_unit_test(some_of_a_set_are_evenly_spread_from_their_phase),
         cmocka_unit_test(candidates_need_what_their_proposal_draws_with),
+        cmocka_unit_test(bounds_are_those_of_the_largest_channel),
         cmocka_unit_test(candidates_are_divided_at_the_ends_of_the_range),
         cmocka_unit_test(any_allocation_may_fail),
     };
