@@ -432,6 +432,11 @@ static void one_file_under_two_names_is_known(void **state)
         if (bis_file_is_same(a, b) != cases[i].same || bis_file_is_same(b, a) != cases[i].same)
             fail_msg("%s and %s", a, b);
     }
+    /* names without a folder, of files to come: they stand in the working folder */
+    assert_true(bis_file_is_same("no_such_file", "./no_such_file"));
+    assert_true(bis_file_is_same("no_such_file", "no_such_file"));
+    assert_false(bis_file_is_same("no_such_file", "no_such_filf"));
+    assert_false(bis_file_is_same("no_such_file", DIR_NAME "/no_such_file"));
 }
 
 static bool has_unnamed_files(void)

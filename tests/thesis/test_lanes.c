@@ -12,6 +12,7 @@
 #include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "bis/base/xform.h"
+#include "bis/thesis/cone.h"
 #include "bis/thesis/envmap.h"
 #include "claim.h"
 #include "clones.h"
@@ -169,6 +170,49 @@ static void atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes(void **state)
     assert_true(
         bis_lanes_atan2(least, -1) == p && bis_lanes_atan2(-least, -1) == -p && bis_lanes_atan2(-1, least) == -h);
     assert_true(worst_atan2(atan2_off, 1, 10000) >= 4e-7);
+}
+
+/* ---- cones ---- */
+
+/* cos max(0, theta - a) for a cone with the half angle a, theta from its axis: 2^-20 more but for the rounding of four
+ * products, and never above 1. Directions that lie within, on the edge, beside and opposite. The sine of theta is the
+ * root of 1 - c^2, in which c is off by up to 2^-21, because the lengths of the vectors are: so the root is off by
+ * 2^-20/sine or 2^-10, whichever is less, at most, and that times sin a is allowed on either side. */
+static void the_largest_cosine_of_a_cone_is_that_of_its_nearest_direction(void **state)
+{
+    bis_rng r;
+    bis_rng_init(&r, SEED, 9, 0, 0);
+    for (int i = 0; i < 20000; i++) {
+        const frame f = frame_about(bis_warp_sphere(bis_rng_double(&r), bis_rng_double(&r)));
+        const double half = i % 10 ? PI * bis_rng_double(&r) : 1e-3 * bis_rng_double(&r),
+                     theta = i % 7 ? PI * bis_rng_double(&r) : half * (0.9 + 0.2 * (i % 2)), phi = 2 * PI * i / 64;
+        const vec3 c = to_world(&f, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)));
+        const double angle = atan2(length(cross(c, f.z)), dot(c, f.z)), expected = cos(fmax(0, angle - half));
+        const float found = bis_cone_cosine(f.z, c.x, c.y, c.z, (float)cos(half), (float)sin(half));
+        const double slack = sin(half) * fmin(0x1p-10, 0x1p-20 / sin(angle));
+        if (!((double)found >= expected - slack && (double)found <= fmin(1, expected + 0x1p-19 + slack)))
+            fail_msg("half angle %g, axis at %g: %.8g, must be %.8g", half, angle, (double)found, expected);
+    }
+    assert_true(bis_cone_cosine((vec3){0, 0, 1}, 0, 0, 1, 0.5f, sqrtf(0.75f)) == 1);
+    assert_true(bis_cone_cosine((vec3){0, 0, 1}, 0, 1, 0, 1, 0) == 0x1p-20f); /* a ray across */
+}
+
+/* Array after array, n numbers each. */
+static void the_arrays_of_lanes_and_cones_lie_one_after_the_other(void **state)
+{
+    static const uint32_t counts[][2] = {{0, 0}, {1, 1}, {15, 1}, {16, 1}, {17, 2}, {32, 2}, {33, 3}, {1000, 63}};
+    float memory[BIS_CONES_ARRAYS * 32];
+    const bis_lanes l = bis_lanes_in(memory, 32);
+    const bis_cones c = bis_cones_in(memory, 32);
+    const float *const lanes[] = {l.x, l.y, l.z, l.r, l.g, l.b, l.q},
+                *const cones[] = {c.x, c.y, c.z, c.cosine, c.sine, c.r, c.g, c.b};
+    for (int i = 0; i < 7; i++) assert_ptr_equal(lanes[i], memory + 32 * i);
+    for (int i = 0; i < 8; i++) assert_ptr_equal(cones[i], memory + 32 * i);
+    assert_true(sizeof lanes / sizeof *lanes == BIS_LANES_ARRAYS && sizeof cones / sizeof *cones == BIS_CONES_ARRAYS);
+    for (int i = 0; i < 8; i++) {
+        assert_int_equal(bis_lanes_blocks(counts[i][0]), counts[i][1]);
+        assert_int_equal(bis_lanes_round_up(counts[i][0]), 16 * counts[i][1]);
+    }
 }
 
 /* ---- points ---- */
@@ -616,6 +660,8 @@ int main(void)
         cmocka_unit_test(one_minus_exp_is_good_to_2_to_the_minus_22_down_to_0),
         cmocka_unit_test(sine_and_cosine_are_good_to_2_to_the_minus_22),
         cmocka_unit_test(atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes),
+        cmocka_unit_test(the_largest_cosine_of_a_cone_is_that_of_its_nearest_direction),
+        cmocka_unit_test(the_arrays_of_lanes_and_cones_lie_one_after_the_other),
         cmocka_unit_test(the_curve_of_these_tests_is_that_of_curve),
         cmocka_unit_test(one_point_lies_in_each_nth_of_the_curve_in_its_order),
         cmocka_unit_test(points_are_a_function_of_the_key_and_fill_the_last_block_and_no_more),
