@@ -529,11 +529,24 @@ static void compensation_leaves_only_what_exceeds_the_mean(void **state)
     }
     assert_near(sum, 1, 1e-12);
     assert_true(bis_importance_max_ratio(im) == (double)INFINITY);
+    for (int k = -1; k <= 1; k += 2) { /* whatever the exposure: a power of two rounds nothing */
+        bis_envmap scaled = map_random(32, 16, 3, 0.1, 6);
+        for (size_t i = 0; i < map_n(&em); i++) scaled.pixels[i] = rgb_scale(scaled.pixels[i], ldexp(1, 70 * k));
+        bis_importance *other = importance_of(&scaled, o);
+        for (size_t i = 0; i < map_n(&em); i++)
+            assert_true(bis_importance_pdf_pixel(other, i) == bis_importance_pdf_pixel(im, i));
+        bis_importance_free(other);
+        bis_envmap_clear(&scaled);
+    }
     bis_importance_free(im);
 
     for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){0.1f, 0.7f, 0.3f};
     im = importance_of(&em, o); /* nothing exceeds the mean */
     assert_near(bis_importance_pdf_pixel(im, 7) * 4 * PI, 1, 1e-12);
+    bis_importance_free(im);
+    em.pixels[40].g = nextafterf(0.7f, 1); /* the least step of a float exceeds it */
+    im = importance_of(&em, o);
+    assert_near(bis_importance_pdf_pixel(im, 40) * map_solid_angle(&em, 40), 1, 1e-12);
     bis_importance_free(im);
     bis_envmap_clear(&em);
 }
