@@ -579,8 +579,8 @@ static void the_cosine_is_drawn_in_the_normals_frame(void **state)
     assert_true(fabs((double)dot(wi, b.local.z) - sqrt(0.7)) < 1e-6);
 }
 
-/* Each channel in turn is the largest. n = 9: f cos <= 5 Ks/pi + Kd/pi; f cos/q <= Ks/p_s and Kd/(1 - p_s), with p_s the
- * share of Ks in the sum of both. Each bound may be larger by 2^-21 and by the rounding of floats. */
+/* Each channel in turn is the largest. n = 9: f cos <= 5 Ks/pi + Kd/pi; f cos/q <= Ks/p_s and Kd/(1 - p_s), with p_s
+ * the share of Ks in the sum of both. Each bound may be larger by 2^-21 and by the rounding of floats. */
 static void bounds_are_those_of_the_largest_channel(void **state)
 {
     static const struct { double Kd[3], Ks[3], f_cos, ratio; } cases[] = {
