@@ -150,7 +150,6 @@ bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double *row_weight
     if (!status) status = sum_tiles(t, row_weight);
     if (!status) status = make_guide(t);
     if (!status) return BIS_OK;
-    bis_curve_clear(t);
     return bis_error(diag, status, (bis_loc){0}, "no memory for the curve through a %d x %d environment map",
                      w->em->width, w->em->height);
 }

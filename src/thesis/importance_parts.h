@@ -51,7 +51,7 @@ typedef struct bis_table {
 } bis_table;
 
 /* bis_table_init builds the tables. row_weight[height] is the sum of weight * solid angle over each row. Errors:
- * BIS_NOMEM. */
+ * BIS_NOMEM; what was built is then still to be freed. */
 bis_status bis_table_init(bis_table *t, const bis_weights *w, const double *row_weight, bis_table_kind kind,
                           bis_diag *diag);
 
@@ -87,7 +87,7 @@ typedef struct bis_curve {
 } bis_curve;
 
 /* bis_curve_init builds the curve, and stores in row_weight[height] the sum of the weights of each row, because it adds
- * up all pixels. Errors: BIS_NOMEM. */
+ * up all pixels. Errors: BIS_NOMEM; what was built is then still to be freed. */
 bis_status bis_curve_init(bis_curve *t, const bis_weights *w, double *row_weight, bis_diag *diag);
 
 /* bis_curve_clear frees the curve. */

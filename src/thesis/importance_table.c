@@ -97,7 +97,6 @@ bis_status bis_table_init(bis_table *t, const bis_weights *w, const double *row_
     assert(t->width <= (size_t)UINT16_MAX + 1); /* at most twice BIS_IMAGE_MAX_SIDE: the resampling of an angular map */
     const bis_status status = kind == BIS_TABLE_ALIAS ? init_alias(t, w, row_weight) : init_cdf(t, w, row_weight);
     if (!status) return BIS_OK;
-    bis_table_clear(t);
     return bis_error(diag, status, (bis_loc){0}, "no memory for the %s of a %d x %d environment map",
                      kind == BIS_TABLE_ALIAS ? "alias tables" : "CDFs", w->em->width, w->em->height);
 }

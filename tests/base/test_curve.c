@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Another road: the definition. Quarters of the curve are copies of it: mirrored at the diagonal, as it is, as it is,
  * mirrored at the other diagonal. */
@@ -136,6 +137,45 @@ static void a_rectangles_curve_is_compact(void **state)
     bis_free(order);
 }
 
+/* Every step, E(ast), S(outh), W(est) or N(orth), worked out by the rules that curve.c states: the ends of each of them
+ * (2 w = 3 h; halves that are odd, even and 1; both sides the longer one) lie among these rectangles. */
+static void a_rectangle_is_cut_by_the_stated_rules(void **state)
+{
+    static const struct { uint32_t width, height; const char *steps; } cases[] = {
+        {1, 3, "SS"}, {3, 1, "EE"}, {2, 2, "SEN"}, {3, 2, "SEENW"}, {2, 3, "ESSWN"}, {4, 2, "SENESEN"},
+        {6, 4, "EESWWSSENESENESENNWWNEE"}, {4, 6, "SSENNEESWSESWSESWWNNWSS"},
+        {7, 5, "EESWWSESWSEEENWNEESSEENWNENWWWNEEE"}, {5, 7, "SSENNESENESSSWNWSSEESSWNWSWNNNWSSS"},
+        {12, 3, "ESWSEEENWNEESSENNEESWSEEENWNEESSENN"},
+        {12, 8, "SENESENEESWSESWWNWSWNWSSEESWWSSENESENESENNWWNEEEEESWWSSENESENESENNWWNEENNWSWNWSWWNENWNEESENESEN"},
+        {3, 9, "SENESSSWNWSSEESWWSEESSWNWS"}};
+    static const char *const names = "ESWN";
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const uint32_t width = cases[k].width, n = width * cases[k].height;
+        uint32_t *order = bis_alloc(n, sizeof *order);
+        const uint32_t step[] = {1, width, 0u - 1, 0u - width};
+        uint32_t at = 0;
+        bis_curve_rectangle(order, width, cases[k].height);
+        assert_int_equal(strlen(cases[k].steps), n - 1);
+        for (uint32_t i = 0; i < n; i++) {
+            if (order[i] != at)
+                fail_msg("%u x %u, step %u: %u, must be %u", width, cases[k].height, i, order[i], at);
+            if (i + 1 < n) at += step[strchr(names, cases[k].steps[i]) - names];
+        }
+        bis_free(order);
+    }
+}
+
+/* (3 + 1/2)/8; a place so near the end of the last stratum that the sum rounds to n stays below 1. */
+static void a_stratum_s_place_is_a_number_below_1(void **state)
+{
+    static const uint32_t n[] = {1, 3, 10, 4096, UINT32_MAX};
+    assert_true(bis_stratum(3, 0.5, 8) == 0.4375);
+    assert_true(bis_stratum(0, 0, 7) == 0 && bis_stratum(0, 0.25, 1) == 0.25);
+    assert_true(bis_stratum(5, 0.75, 1000) == 5.75 / 1000);
+    assert_true(bis_stratum(0, 1 - 0x1p-53, 1) == 1 - 0x1p-53);
+    for (int i = 1; i < 5; i++) assert_true(bis_stratum(n[i] - 1, 1 - 0x1p-53, n[i]) == 1 - 0x1p-53);
+}
+
 static void an_empty_rectangle_is_left_alone(void **state)
 {
     uint32_t canary = 12345;
@@ -153,6 +193,8 @@ int main(void)
         cmocka_unit_test(neighbours_on_the_curve_are_neighbours_in_the_plane),
         cmocka_unit_test(a_rectangle_is_walked_cell_by_cell),
         cmocka_unit_test(a_rectangles_curve_is_compact),
+        cmocka_unit_test(a_rectangle_is_cut_by_the_stated_rules),
+        cmocka_unit_test(a_stratum_s_place_is_a_number_below_1),
         cmocka_unit_test(an_empty_rectangle_is_left_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -341,6 +341,60 @@ static void a_ring_of_links_and_a_long_name_are_refused(void **state)
     bis_diag_clear(&d);
 }
 
+/* As many links as the kernel follows are followed, and no more: a chain that ends in no file is ENOENT to it while it
+ * is not too long. */
+static void a_chain_of_links_is_followed_as_far_as_the_kernel_does(void **state)
+{
+    char name[64], next[64], target[PATH_MAX];
+    int followed = 0;
+    for (int k = 1; k <= 50; k++) {
+        snprintf(name, sizeof name, DIR_NAME "/chain%d", k);
+        snprintf(next, sizeof next, k == 1 ? "chain_end" : "chain%d", k - 1);
+        assert_int_equal(symlink(next, name), 0);
+        struct stat info;
+        bis_diag d = {0};
+        assert_int_equal(stat(name, &info), -1);
+        const bool ends = errno == ENOENT;
+        followed += ends;
+        assert_int_equal(bis_file_target(target, name, &d), ends ? BIS_OK : BIS_IO);
+        if (ends) assert_string_equal(target, DIR_NAME "/chain_end");
+        else assert_non_null(strstr(d.messages[0].text, "Too many levels of symbolic links"));
+        bis_diag_clear(&d);
+    }
+    assert_in_range(followed, 8, 49); /* the chain is longer than what any kernel follows */
+}
+
+/* "./././NAME", n letters. */
+static void long_way_to(char *path, size_t n, const char *name)
+{
+    const size_t rest = n - strlen(name);
+    for (size_t i = 0; i < rest; i++) path[i] = i % 2 ? '/' : '.';
+    if (rest % 2) path[rest - 1] = '/'; /* the last slash twice */
+    strcpy(path + rest, name);
+}
+
+/* A path has room for PATH_MAX bytes with its zero: the given one, and what a link makes of it. */
+static void a_target_has_room_for_the_longest_path_and_no_more(void **state)
+{
+    char path[PATH_MAX + 8], target[PATH_MAX];
+    for (size_t n = PATH_MAX - 3; n <= PATH_MAX + 1; n++) {
+        long_way_to(path, n, DIR_NAME "/new");
+        assert_int_equal(bis_file_target(target, path, NULL), n < PATH_MAX ? BIS_OK : BIS_IO);
+        if (n < PATH_MAX) assert_string_equal(target, path);
+    }
+    const size_t folder = strlen(DIR_NAME "/");
+    for (size_t n = PATH_MAX - 3; n <= PATH_MAX + 1; n++) {
+        long_way_to(path, n - folder, "new");
+        assert_int_equal(symlink(path, DIR_NAME "/winding"), 0);
+        assert_int_equal(bis_file_target(target, DIR_NAME "/winding", NULL), n < PATH_MAX ? BIS_OK : BIS_IO);
+        if (n < PATH_MAX) assert_true(strncmp(target, DIR_NAME "/", folder) == 0 && !strcmp(target + folder, path));
+        assert_int_equal(unlink(DIR_NAME "/winding"), 0);
+    }
+    assert_int_equal(symlink("/no/such/place", DIR_NAME "/absolute"), 0);
+    assert_int_equal(bis_file_target(target, DIR_NAME "/absolute", NULL), BIS_OK);
+    assert_string_equal(target, "/no/such/place");
+}
+
 static void an_older_file_keeps_its_mode(void **state)
 {
     static const mode_t modes[] = {0600, 0644, 0400, 0755, 0666};
@@ -378,6 +432,11 @@ static void one_file_under_two_names_is_known(void **state)
         if (bis_file_is_same(a, b) != cases[i].same || bis_file_is_same(b, a) != cases[i].same)
             fail_msg("%s and %s", a, b);
     }
+    /* names without a folder, of files to come: they stand in the working folder */
+    assert_true(bis_file_is_same("no_such_file", "./no_such_file"));
+    assert_true(bis_file_is_same("no_such_file", "no_such_file"));
+    assert_false(bis_file_is_same("no_such_file", "no_such_filf"));
+    assert_false(bis_file_is_same("no_such_file", DIR_NAME "/no_such_file"));
 }
 
 static bool has_unnamed_files(void)
@@ -775,6 +834,8 @@ int main(void)
         cmocka_unit_test(through_a_link_the_linked_file_is_replaced),
         cmocka_unit_test(through_a_dangling_link_its_target_is_made),
         cmocka_unit_test(a_ring_of_links_and_a_long_name_are_refused),
+        cmocka_unit_test(a_chain_of_links_is_followed_as_far_as_the_kernel_does),
+        cmocka_unit_test(a_target_has_room_for_the_longest_path_and_no_more),
         cmocka_unit_test(an_older_file_keeps_its_mode),
         cmocka_unit_test(one_file_under_two_names_is_known),
         cmocka_unit_test(a_killed_process_leaves_the_old_file_and_nothing_else),

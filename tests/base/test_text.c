@@ -33,7 +33,8 @@ static void a_percentage_is_written_as_a_person_writes_it(void **state)
         {0.0123, "1.2%"},
         {0.0994, "9.9%"}, {0.0996, "10%"}, {0.12, "12%"}, {0.994, "99%"}, {0.996, "100%"}, {1.7, "170%"},
         {1.704, "170%"}, {123.4, "12340%"},
-        {9999.9, "999990%"}, {10001, "over 1000000%"}, {1e300, "over 1000000%"}, {(double)INFINITY, "over 1000000%"}};
+        {9999.9, "999990%"}, {10000, "1000000%"}, {10001, "over 1000000%"}, {1e300, "over 1000000%"},
+        {(double)INFINITY, "over 1000000%"}};
     char text[BIS_PERCENT];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_ptr_equal(bis_percent(text, cases[i].share), text);

@@ -152,6 +152,34 @@ static void an_impossible_camera_is_refused(void **state)
     assert_true(bis_xform_look_at(&t, eye, far_eye, oblique));
 }
 
+/* The sine of the angle between `up` and the view may not be below 4 ulps of 1; all of it is exact here. */
+static void an_up_beside_the_view_is_refused_up_to_four_ulps(void **state)
+{
+    static const struct { double ulps; bool is_camera; } cases[] = {{0, false}, {1, false}, {3, false}, {4, false},
+        {4.25, true}, {4.75, true}, {6, true}, {9, true}};
+    const double eye[3] = {0, 0, 0}, look[3] = {0, 0, 2};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double up[3] = {cases[i].ulps * 0x1p-52, 0, 1};
+        bis_xform t;
+        assert_int_equal(bis_xform_look_at(&t, eye, look, up), cases[i].is_camera);
+        if (cases[i].is_camera) assert_vec3(bis_xform_vector(&t, (vec3){1, 0, 0}), 0, 1, 0); /* up, seen */
+    }
+}
+
+/* One element of the diagonal is so small that its inverse is infinite and every other element finite. */
+static void one_element_that_is_not_finite_is_enough_to_refuse(void **state)
+{
+    for (int k = 0; k < 4; k++) {
+        double v[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+        bis_xform t;
+        v[5 * k] = 0x1p-1030;
+        assert_false(bis_xform_from_columns(&t, v));
+        v[5 * k] = 0x1p-1020;
+        assert_true(bis_xform_from_columns(&t, v));
+        assert_true(t.inv[k][k] == 0x1p1020);
+    }
+}
+
 static void sixteen_numbers_are_read_column_by_column(void **state)
 {
     const double v[16] = {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1};
@@ -313,6 +341,8 @@ int main(void)
         cmocka_unit_test(look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right),
         cmocka_unit_test(look_at_follows_pbrts_worked_matrix),
         cmocka_unit_test(an_impossible_camera_is_refused),
+        cmocka_unit_test(an_up_beside_the_view_is_refused_up_to_four_ulps),
+        cmocka_unit_test(one_element_that_is_not_finite_is_enough_to_refuse),
         cmocka_unit_test(sixteen_numbers_are_read_column_by_column),
         cmocka_unit_test(any_regular_matrix_is_inverted),
         cmocka_unit_test(the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not),

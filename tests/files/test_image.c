@@ -77,6 +77,12 @@ static void a_new_image_is_black_and_of_a_sane_size(void **state)
         assert_int_equal(bis_image_init(&image, bad[i][0], bad[i][1], NULL), BIS_INPUT);
         assert_null(image.pixels);
     }
+    const int long_sides[][2] = {{32768, 1}, {1, 32768}};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(bis_image_init(&image, long_sides[i][0], long_sides[i][1], NULL), BIS_OK);
+        assert_true(image.width == long_sides[i][0] && image.height == long_sides[i][1]);
+        bis_image_clear(&image);
+    }
     bis_diag diag = {0};
     bis_image_init(&image, 0, 1, &diag);
     assert_string_equal(diag.messages[0].text, "error: an image of 0 x 1 pixels: a side must be 1 to 32768");

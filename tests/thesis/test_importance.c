@@ -4,6 +4,12 @@
 #include "bis/thesis/importance.h"
 
 #include "bis/base/mem.h"
+#include "bis/base/image.h"
+#include "bis/base/xform.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/cdf.h"
+#include "bis/thesis/light.h"
+#include "bis/thesis/marsaglia.h"
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
@@ -170,6 +176,7 @@ static void a_map_without_light_draws_nothing(void **state)
         assert_false(bis_importance_sample(im, u, &s));
         assert_false(bis_importance_sample_curve(im, 0.5, u, &s));
         assert_true(bis_importance_pdf_pixel(im, 3) == 0);
+        assert_true(bis_importance_max_ratio(im) == 0);
         bis_importance_free(im);
     }
     bis_envmap_clear(&em);
@@ -522,11 +529,24 @@ static void compensation_leaves_only_what_exceeds_the_mean(void **state)
     }
     assert_near(sum, 1, 1e-12);
     assert_true(bis_importance_max_ratio(im) == (double)INFINITY);
+    for (int k = -1; k <= 1; k += 2) { /* whatever the exposure: a power of two rounds nothing */
+        bis_envmap scaled = map_random(32, 16, 3, 0.1, 6);
+        for (size_t i = 0; i < map_n(&em); i++) scaled.pixels[i] = rgb_scale(scaled.pixels[i], ldexp(1, 70 * k));
+        bis_importance *other = importance_of(&scaled, o);
+        for (size_t i = 0; i < map_n(&em); i++)
+            assert_true(bis_importance_pdf_pixel(other, i) == bis_importance_pdf_pixel(im, i));
+        bis_importance_free(other);
+        bis_envmap_clear(&scaled);
+    }
     bis_importance_free(im);
 
     for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){0.1f, 0.7f, 0.3f};
     im = importance_of(&em, o); /* nothing exceeds the mean */
     assert_near(bis_importance_pdf_pixel(im, 7) * 4 * PI, 1, 1e-12);
+    bis_importance_free(im);
+    em.pixels[40].g = nextafterf(0.7f, 1); /* the least step of a float exceeds it */
+    im = importance_of(&em, o);
+    assert_near(bis_importance_pdf_pixel(im, 40) * map_solid_angle(&em, 40), 1, 1e-12);
     bis_importance_free(im);
     bis_envmap_clear(&em);
 }
@@ -571,6 +591,51 @@ static void only_what_is_asked_for_is_built(void **state)
     assert_near((double)bis_importance_bytes(im) / n, 1.5, 0.05);
     bis_importance_free(im);
     bis_envmap_clear(&em);
+}
+
+/* The bytes that a map of `lit` pixels takes beyond what one without light does, which has no table and no curve. */
+static size_t bytes_beyond_a_black_map(int width, int height, bis_importance_options o, int lit)
+{
+    size_t bytes[2];
+    for (int k = 0; k < 2; k++) {
+        bis_envmap em = map_new(width, height);
+        for (int i = 0; k && i < lit; i++) em.pixels[i].g = 1;
+        bis_importance *im = importance_of(&em, o);
+        bytes[k] = bis_importance_bytes(im);
+        bis_importance_free(im);
+        bis_envmap_clear(&em);
+    }
+    return bytes[1] - bytes[0];
+}
+
+/* Counted by hand. Alias tables: a double and 2 bytes a pixel, a double and 4 bytes a row. CDFs of n items: n + 1
+ * doubles and a guide of 4 bytes, one more than a power of two above n/4: 2 of 5 items and 4 of 9; a row without light
+ * has none, but each has its struct. The curve: 20 bytes a tile and 4 for each part of the guide: 32 of 45 tiles. 257 x
+ * 256 pixels make 65 x 64 tiles, and so 4096 parts. */
+static void the_bytes_of_tables_and_of_the_curve_are_those_that_they_hold(void **state)
+{
+    bis_importance_options o = {.table = true, .levels = 8};
+    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 45 * 10 + 5 * 12);
+    o.table_kind = BIS_TABLE_CDF;
+    const size_t of_5 = 6 * 8 + 3 * 4, of_9 = 10 * 8 + 5 * 4;
+    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 5 * sizeof(bis_cdf) + of_5 + 5 * of_9);
+    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 19), 5 * sizeof(bis_cdf) + of_5 + 3 * of_9);
+    o.table = false;
+    o.curve = true;
+    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 45 * 20 + 32 * 4);
+    assert_int_equal(bytes_beyond_a_black_map(257, 256, o, 1), 65 * 64 * 20 + 4096 * 4);
+    o.curve = false;
+    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 0);
+    size_t with_area[2];
+    for (int k = 0; k < 2; k++) {
+        bis_envmap em = map_new(9, 5);
+        o.area_exponent = k ? 0.15 : 0;
+        bis_importance *im = importance_of(&em, o);
+        with_area[k] = bis_importance_bytes(im);
+        bis_importance_free(im);
+        bis_envmap_clear(&em);
+    }
+    assert_int_equal(with_area[1] - with_area[0], 45 * 4);
 }
 
 /* Every pixel of a map with tiles that are cut off has the share of the curve that its density says: exactly, by the
@@ -689,6 +754,106 @@ static void every_allocation_may_fail(void **state)
     bis_envmap_clear(&em);
 }
 
+/* What is made of a map of 9 x 5 pixels, and of weights, until memory lacks. */
+static bis_status make_importance(const bis_envmap *em, bis_importance_options o, bis_diag *diag)
+{
+    bis_importance *im;
+    const bis_status status = bis_importance_new(&im, em, &o, diag);
+    bis_importance_free(im);
+    return status;
+}
+
+static bis_status make_alias_tables(const bis_envmap *em, bis_diag *diag)
+{
+    return make_importance(em, both(BIS_TABLE_ALIAS, 0.15), diag);
+}
+
+static bis_status make_cdfs(const bis_envmap *em, bis_diag *diag)
+{
+    return make_importance(em, both(BIS_TABLE_CDF, 0), diag);
+}
+
+static bis_status ask_pmf(const bis_envmap *em, bis_diag *diag)
+{
+    static double pmf[45];
+    static bis_importance *im;
+    if (!im) bis_importance_new(&im, em, &(bis_importance_options){.table = true}, NULL);
+    const bis_status status = im ? bis_importance_implied_pmf(im, pmf, diag) : BIS_OK;
+    if (status) return status;
+    bis_importance_free(im);
+    im = NULL;
+    return BIS_OK;
+}
+
+static bis_status make_discrete(const bis_envmap *em, bis_diag *diag)
+{
+    static const double w[7] = {1, 2, 3, 4, 5, 6, 7};
+    static const uint64_t whole[7] = {2, 4, 6, 8, 10, 12, 14};
+    bis_alias alias = {0};
+    bis_cdf cdf = {0};
+    bis_marsaglia list = {0};
+    (void)em;
+    bis_status status = bis_alias_init(&alias, w, 7, diag);
+    if (!status) status = bis_cdf_init(&cdf, w, 6, diag);
+    if (!status) status = bis_marsaglia_init(&list, whole, 7, diag);
+    bis_alias_clear(&alias);
+    bis_cdf_clear(&cdf);
+    bis_marsaglia_clear(&list);
+    return status;
+}
+
+static bis_status make_light(const bis_envmap *em, bis_diag *diag)
+{
+    bis_light *light = NULL;
+    bis_image image;
+    bis_envmap copy = {0};
+    const bis_xform straight = bis_xform_identity();
+    (void)em;
+    bis_status status = bis_image_init(&image, 9, 5, diag);
+    if (!status) status = bis_envmap_from_latlong(&copy, &image, diag);
+    if (!status) status = bis_light_new(&light, &copy, &straight, NULL, diag);
+    bis_light_free(light);
+    return status;
+}
+
+/* The messages of all allocations, in their order, each once: one for each that failed. */
+static void a_lack_of_memory_is_told_with_what_lacked(void **state)
+{
+    static const struct {
+        bis_status (*make)(const bis_envmap *em, bis_diag *diag);
+        const char *messages[5];
+    } cases[] = {
+        {make_alias_tables, {"the importance of a map", "the regions of a 9 x 5 map",
+                             "the curve through a 9 x 5 environment map",
+                             "the alias tables of a 9 x 5 environment map"}},
+        {make_cdfs, {"the importance of a map", "the curve through a 9 x 5 environment map",
+                     "the CDFs of a 9 x 5 environment map"}},
+        {ask_pmf, {"the probabilities of a row"}},
+        {make_discrete, {"an alias table of 7 items", "a distribution of 6 items",
+                         "Marsaglia's list of 28 elements"}},
+        {make_light, {"9 x 5 pixels", "the 5 rows of an environment map", "a light"}},
+    };
+    bis_envmap em = map_random(9, 5, 2, 0, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        size_t next = 0;
+        char expected[80] = "";
+        FOR_LACK(l) {
+            bis_diag diag = {0};
+            LACK(l, cases[i].make(&em, &diag));
+            if (l.status) {
+                assert_int_equal(diag.n, 1);
+                if (next < 5 && cases[i].messages[next] && strcmp(diag.messages[0].text, expected) != 0)
+                    snprintf(expected, sizeof expected, "error: no memory for %s", cases[i].messages[next++]);
+                assert_string_equal(diag.messages[0].text, expected);
+            }
+            bis_diag_clear(&diag);
+        }
+        assert_true(next == 5 || !cases[i].messages[next]);
+    }
+    bis_envmap_clear(&em);
+    assert_int_equal(bis_mem_live(), 0);
+}
+
 static void real_maps_are_drawn_as_told(void **state)
 {
     const char *names[] = {"env/grace_latlong_fyp_extreme.hdr", "env/uffizi_latlong_1200x600.hdr", "env/spot1Lux.hdr"};
@@ -726,10 +891,12 @@ int main(void)
         cmocka_unit_test(compensation_leaves_only_what_exceeds_the_mean),
         cmocka_unit_test(sixteen_bytes_a_pixel_are_enough),
         cmocka_unit_test(only_what_is_asked_for_is_built),
+        cmocka_unit_test(the_bytes_of_tables_and_of_the_curve_are_those_that_they_hold),
         cmocka_unit_test(a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable),
         cmocka_unit_test(a_tile_has_the_solid_angle_and_the_share_of_its_pixels),
         cmocka_unit_test(any_number_of_threads_builds_the_same_bits),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(a_lack_of_memory_is_told_with_what_lacked),
         cmocka_unit_test(real_maps_are_drawn_as_told),
     };
     return cmocka_run_group_tests_name("importance", tests, NULL, NULL);

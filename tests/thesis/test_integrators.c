@@ -709,9 +709,60 @@ static void mis_divides_its_samples(void **state)
     }
 }
 
+/* By hand: the points of the sampler that are alive at a time, the candidates, those that are traced, and the
+ * directions of a shared set. mis splits its samples by the nearest number, and leaves each technique one. */
+static void an_integrator_has_room_for_what_it_draws(void **state)
+{
+    static const struct {
+        const bis_integrator *integrator;
+        bis_proposal proposal;
+        bool stratify, learn;
+        double split;
+        bis_needs needs; /* n_points, n_candidates, n_traced, n_set */
+    } cases[] = {
+        {&bis_em, BIS_PROPOSAL_EM, false, false, 0.5, {10, 0, 0, 0}},
+        {&bis_em, BIS_PROPOSAL_EM, true, false, 0.5, {0, 0, 0, 10}},
+        {&bis_brdf, BIS_PROPOSAL_EM, true, false, 0.5, {10, 0, 0, 0}},
+        {&bis_mis, BIS_PROPOSAL_EM, false, false, 0.3, {7, 0, 0, 0}},
+        {&bis_mis, BIS_PROPOSAL_EM, false, false, 0.8, {8, 0, 0, 0}},
+        {&bis_mis, BIS_PROPOSAL_EM, true, false, 0.3, {7, 0, 0, 3}},
+        {&bis_mis, BIS_PROPOSAL_EM, true, false, 0.26, {7, 0, 0, 3}},
+        {&bis_mis, BIS_PROPOSAL_EM, true, false, 0.24, {8, 0, 0, 2}},
+        {&bis_mis, BIS_PROPOSAL_EM, true, false, 0.8, {2, 0, 0, 8}},
+        {&bis_mis, BIS_PROPOSAL_EM, true, false, 0, {9, 0, 0, 1}},
+        {&bis_mis, BIS_PROPOSAL_EM, true, false, 1, {1, 0, 0, 9}},
+        {&bis_rejection, BIS_PROPOSAL_MIX, true, true, 0.5, {0, 64, 5, 0}},
+        {&bis_sir, BIS_PROPOSAL_MIX, true, false, 0.5, {0, 64, 5, 64}},
+        {&bis_sir, BIS_PROPOSAL_EM, false, false, 0.5, {0, 64, 5, 0}},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, true, 0.5, {0, 64, 15, 0}},
+        {&bis_exact, BIS_PROPOSAL_EM, true, false, 0.5, {0, 0, 0, 0}},
+        {&bis_unoccluded, BIS_PROPOSAL_EM, true, false, 0.5, {0, 64, 0, 64}},
+        {&bis_unoccluded, BIS_PROPOSAL_BRDF, true, false, 0.5, {0, 64, 0, 0}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_settings s = bis_settings_default(cases[i].integrator);
+        bis_needs need = {0, 0, 0, 0};
+        const bis_needs expected = cases[i].needs;
+        s.samples = 10;
+        s.candidates = 64;
+        s.shadowrays = 5;
+        s.proposal = cases[i].proposal;
+        s.stratify = cases[i].stratify;
+        s.learn = cases[i].learn;
+        s.split = cases[i].split;
+        s.integrator->scratch_needs(&s, &need);
+        if (need.n_points != expected.n_points || need.n_candidates != expected.n_candidates ||
+            need.n_traced != expected.n_traced || need.n_set != expected.n_set)
+            fail_msg("case %zu, %s: points %u, candidates %u, traced %u, set %u", i, s.integrator->name,
+                     (unsigned)need.n_points, (unsigned)need.n_candidates, (unsigned)need.n_traced,
+                     (unsigned)need.n_set);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_integrator_has_room_for_what_it_draws),
         cmocka_unit_test(mis_scatters_as_the_weights_of_its_heuristic_say),
         cmocka_unit_test(em_and_brdf_are_unbiased),
         cmocka_unit_test(mis_is_unbiased_for_each_heuristic_and_split),

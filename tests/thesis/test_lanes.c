@@ -11,9 +11,13 @@
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
+#include "bis/base/xform.h"
+#include "bis/thesis/cone.h"
+#include "bis/thesis/envmap.h"
 #include "claim.h"
 #include "clones.h"
 #include "lit.h"
+#include "map_help.h"
 #include "stat.h"
 
 #include <float.h>
@@ -166,6 +170,49 @@ static void atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes(void **state)
     assert_true(
         bis_lanes_atan2(least, -1) == p && bis_lanes_atan2(-least, -1) == -p && bis_lanes_atan2(-1, least) == -h);
     assert_true(worst_atan2(atan2_off, 1, 10000) >= 4e-7);
+}
+
+/* ---- cones ---- */
+
+/* cos max(0, theta - a) for a cone with the half angle a, theta from its axis: 2^-20 more but for the rounding of four
+ * products, and never above 1. Directions that lie within, on the edge, beside and opposite. The sine of theta is the
+ * root of 1 - c^2, in which c is off by up to 2^-21, because the lengths of the vectors are: so the root is off by
+ * 2^-20/sine or 2^-10, whichever is less, at most, and that times sin a is allowed on either side. */
+static void the_largest_cosine_of_a_cone_is_that_of_its_nearest_direction(void **state)
+{
+    bis_rng r;
+    bis_rng_init(&r, SEED, 9, 0, 0);
+    for (int i = 0; i < 20000; i++) {
+        const frame f = frame_about(bis_warp_sphere(bis_rng_double(&r), bis_rng_double(&r)));
+        const double half = i % 10 ? PI * bis_rng_double(&r) : 1e-3 * bis_rng_double(&r),
+                     theta = i % 7 ? PI * bis_rng_double(&r) : half * (0.9 + 0.2 * (i % 2)), phi = 2 * PI * i / 64;
+        const vec3 c = to_world(&f, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)));
+        const double angle = atan2(length(cross(c, f.z)), dot(c, f.z)), expected = cos(fmax(0, angle - half));
+        const float found = bis_cone_cosine(f.z, c.x, c.y, c.z, (float)cos(half), (float)sin(half));
+        const double slack = sin(half) * fmin(0x1p-10, 0x1p-20 / sin(angle));
+        if (!((double)found >= expected - slack && (double)found <= fmin(1, expected + 0x1p-19 + slack)))
+            fail_msg("half angle %g, axis at %g: %.8g, must be %.8g", half, angle, (double)found, expected);
+    }
+    assert_true(bis_cone_cosine((vec3){0, 0, 1}, 0, 0, 1, 0.5f, sqrtf(0.75f)) == 1);
+    assert_true(bis_cone_cosine((vec3){0, 0, 1}, 0, 1, 0, 1, 0) == 0x1p-20f); /* a ray across */
+}
+
+/* Array after array, n numbers each. */
+static void the_arrays_of_lanes_and_cones_lie_one_after_the_other(void **state)
+{
+    static const uint32_t counts[][2] = {{0, 0}, {1, 1}, {15, 1}, {16, 1}, {17, 2}, {32, 2}, {33, 3}, {1000, 63}};
+    float memory[BIS_CONES_ARRAYS * 32];
+    const bis_lanes l = bis_lanes_in(memory, 32);
+    const bis_cones c = bis_cones_in(memory, 32);
+    const float *const lanes[] = {l.x, l.y, l.z, l.r, l.g, l.b, l.q},
+                *const cones[] = {c.x, c.y, c.z, c.cosine, c.sine, c.r, c.g, c.b};
+    for (int i = 0; i < 7; i++) assert_ptr_equal(lanes[i], memory + 32 * i);
+    for (int i = 0; i < 8; i++) assert_ptr_equal(cones[i], memory + 32 * i);
+    assert_true(sizeof lanes / sizeof *lanes == BIS_LANES_ARRAYS && sizeof cones / sizeof *cones == BIS_CONES_ARRAYS);
+    for (int i = 0; i < 8; i++) {
+        assert_int_equal(bis_lanes_blocks(counts[i][0]), counts[i][1]);
+        assert_int_equal(bis_lanes_round_up(counts[i][0]), 16 * counts[i][1]);
+    }
 }
 
 /* ---- points ---- */
@@ -490,6 +537,58 @@ static void a_look_at_the_light_gives_each_direction_its_radiance_and_density(vo
     bis_light_free(light);
 }
 
+/* Of a constant each direction has its radiance over its mean, 7/8; of a map for which nothing was built, the density
+ * is 1. */
+static void a_look_at_a_light_without_an_importance_finds_the_density_1(void **state)
+{
+    enum { N = 5, ROOM = 16 };
+    float memory[BIS_LANES_ARRAYS * ROOM];
+    uint32_t pixel[ROOM];
+    const bis_lanes l = bis_lanes_in(memory, ROOM);
+    const float unit = 0.5f + 0.25f + 0.125f;
+    bis_light *light[2];
+    bis_envmap em = map_new(4, 2);
+    for (int i = 0; i < 8; i++) em.pixels[i] = (rgb){(float)i, 2, (float)(i % 2)};
+    assert_int_equal(bis_light_constant(&light[0], (rgb){0.5f, 0.25f, 0.125f}, NULL), BIS_OK);
+    const bis_xform straight = bis_xform_identity();
+    assert_int_equal(bis_light_new(&light[1], &em, &straight, NULL, NULL), BIS_OK);
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < BIS_LANES_ARRAYS * ROOM; i++) memory[i] = NAN;
+        for (uint32_t i = 0; i < ROOM; i++) l.x[i] = 0.6f, l.y[i] = 0, l.z[i] = i % 2 ? 0.8f : -0.8f;
+        bis_light_look(light[k], &l, pixel, N);
+        for (uint32_t i = 0; i < ROOM; i++) {
+            const double mean = bis_light_mean(light[1]);
+            const rgb of_map = i % 2 ? (rgb){0, 2, 0} : (rgb){4, 2, 0};
+            const rgb c = i >= N ? (rgb){0, 0, 0} : k ? rgb_scale(of_map, 1 / mean)
+                                                      : (rgb){0.5f / unit, 0.25f / unit, 0.125f / unit};
+            assert_true(l.q[i] == 1);
+            assert_true(fabsf(l.r[i] - c.r) <= 1e-6f && fabsf(l.g[i] - c.g) <= 1e-6f && fabsf(l.b[i] - c.b) <= 1e-6f);
+        }
+        bis_light_free(light[k]);
+    }
+}
+
+/* What is drawn too rarely for a float's density, and what is not drawn at all, weighs nothing: Le = 0, q = 1. */
+static void a_drawn_direction_becomes_a_lane_if_its_density_is_a_normal_float(void **state)
+{
+    enum { ROOM = 16 };
+    float memory[BIS_LANES_ARRAYS * ROOM];
+    const bis_lanes l = bis_lanes_in(memory, ROOM);
+    const double least = 0x1p-126, pdfs[] = {3, least, least * 0.999, 0};
+    for (int i = 0; i < BIS_LANES_ARRAYS * ROOM; i++) memory[i] = -1;
+    for (uint32_t i = 0; i < 5; i++) {
+        const bis_light_point y = {{0.36f, 0.48f, 0.8f}, {2, 6, 10}, i < 4 ? pdfs[i] : 0};
+        const bool counts = i < 2;
+        bis_lanes_put(&l, 3 + i, i < 4 ? &y : NULL, 4);
+        assert_true(l.r[3 + i] == (counts ? 0.5f : 0) && l.g[3 + i] == (counts ? 1.5f : 0) &&
+                    l.b[3 + i] == (counts ? 2.5f : 0));
+        assert_true((double)l.q[3 + i] == (counts ? pdfs[i] : 1));
+        if (counts) assert_true(l.x[3 + i] == 0.36f && l.y[3 + i] == 0.48f && l.z[3 + i] == 0.8f);
+    }
+    const float *const arrays[] = {l.x, l.y, l.z, l.r, l.g, l.b, l.q};
+    for (int a = 0; a < BIS_LANES_ARRAYS; a++) assert_true(arrays[a][2] == -1 && arrays[a][8] == -1);
+}
+
 /* ---- the same bits ---- */
 
 static void points_and_pixels_have_the_same_bits_on_every_processor(void **state)
@@ -561,12 +660,16 @@ int main(void)
         cmocka_unit_test(one_minus_exp_is_good_to_2_to_the_minus_22_down_to_0),
         cmocka_unit_test(sine_and_cosine_are_good_to_2_to_the_minus_22),
         cmocka_unit_test(atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes),
+        cmocka_unit_test(the_largest_cosine_of_a_cone_is_that_of_its_nearest_direction),
+        cmocka_unit_test(the_arrays_of_lanes_and_cones_lie_one_after_the_other),
         cmocka_unit_test(the_curve_of_these_tests_is_that_of_curve),
         cmocka_unit_test(one_point_lies_in_each_nth_of_the_curve_in_its_order),
         cmocka_unit_test(points_are_a_function_of_the_key_and_fill_the_last_block_and_no_more),
         cmocka_unit_test(points_are_uniform_in_the_square_and_inside_the_last_cells),
         cmocka_unit_test(every_cell_is_drawn_as_often_as_any_other),
         cmocka_unit_test(a_look_at_the_light_gives_each_direction_its_radiance_and_density),
+        cmocka_unit_test(a_look_at_a_light_without_an_importance_finds_the_density_1),
+        cmocka_unit_test(a_drawn_direction_becomes_a_lane_if_its_density_is_a_normal_float),
         cmocka_unit_test(pixels_are_those_of_envmap_within_a_microradian_of_their_edges),
         cmocka_unit_test(points_and_pixels_have_the_same_bits_on_every_processor),
     };

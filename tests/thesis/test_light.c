@@ -88,6 +88,20 @@ static void a_frame_that_is_no_rotation_is_an_error_with_its_place(void **state)
     }
 }
 
+/* s^2 - 1 of a scale s is the error: 2e-3 is what three digits after the point need. */
+static void a_frame_may_be_off_by_two_thousandths(void **state)
+{
+    static const struct { double scale; bis_status status; } cases[] = {{1.0009, BIS_OK}, {1.0011, BIS_INPUT},
+        {0.9991, BIS_OK}, {0.9989, BIS_INPUT}};
+    for (int k = 0; k < 4; k++) {
+        bis_envmap em = map_new(4, 2);
+        bis_light *light;
+        const bis_light_desc desc = desc_of(bis_xform_scale(1, cases[k].scale, 1));
+        assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, NULL), cases[k].status);
+        bis_light_free(light);
+    }
+}
+
 /* A matrix printed with four digits is a rotation to 1e-4; the light makes it one exactly: lengths stay 1. */
 static void a_rotation_printed_with_four_digits_is_straightened(void **state)
 {
@@ -220,6 +234,41 @@ static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(voi
     }
     assert_true(rgb_sum((rgb){1, 1, 1}) / bis_light_pdf(light, (vec3){0, 0, 1}) <= bis_light_max_ratio(light));
     bis_light_free(light);
+}
+
+/* Patch 512 y + x lies between the heights 1 - 2 x/512 and 1 - 2 (x + 1)/512 and in the y-th 256th of a turn. */
+static void a_patch_of_a_constant_lies_in_its_ring_and_slice(void **state)
+{
+    static const struct { int x, y; double u[2]; } cases[] = {{0, 0, {0.5, 0.5}}, {511, 0, {0.25, 0.75}},
+        {3, 200, {0.75, 0.125}}, {300, 255, {0.5, 0.25}}, {128, 127, {0, 0}}};
+    bis_light *light;
+    assert_int_equal(bis_light_constant(&light, (rgb){2, 3, 4}, NULL), BIS_OK);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        bis_light_point s;
+        bis_light_patch(light, (size_t)(512 * cases[k].y + cases[k].x), cases[k].u, &s);
+        const double turn = atan2((double)s.wi.y, (double)s.wi.x) / (2 * PI);
+        assert_near((double)s.wi.z, 1 - 2 * (cases[k].x + cases[k].u[0]) / 512, 1e-7);
+        assert_near(turn < 0 ? turn + 1 : turn, (cases[k].y + cases[k].u[1]) / 256, 1e-6);
+        assert_near(s.pdf, 131072 / (4 * PI), 1e-9);
+        assert_true(s.Le.r == 2 && s.Le.g == 3 && s.Le.b == 4);
+    }
+    bis_light_free(light);
+}
+
+/* Whatever the radiance, I over the density in double is not above the bound, which is not loose either. */
+static void a_constant_s_bound_holds_to_the_last_bit(void **state)
+{
+    bis_rng g;
+    bis_rng_init(&g, 15, 0, 0, 0);
+    for (int i = 0; i < 2000; i++) {
+        bis_light *light;
+        const rgb L = rgb_from(bis_rng_double(&g), bis_rng_double(&g), bis_rng_double(&g));
+        assert_int_equal(bis_light_constant(&light, L, NULL), BIS_OK);
+        const double ratio = rgb_sum(L) / bis_light_pdf(light, (vec3){0, 0, 1}), bound = bis_light_max_ratio(light);
+        assert_true(ratio <= bound && bound <= ratio * (1 + 1e-14));
+        assert_true(bis_light_max_intensity(light) == rgb_sum(L));
+        bis_light_free(light);
+    }
 }
 
 /* By u[0] the height and by u[1] the azimuth: z = 1 - 2/4, phi = 60 degrees. The curve begins in the corner of both
@@ -457,11 +506,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_rotation_turns_the_light_and_a_reflection_mirrors_it),
         cmocka_unit_test(a_frame_that_is_no_rotation_is_an_error_with_its_place),
+        cmocka_unit_test(a_frame_may_be_off_by_two_thousandths),
         cmocka_unit_test(a_rotation_printed_with_four_digits_is_straightened),
         cmocka_unit_test(a_sample_has_the_radiance_and_density_of_its_direction),
         cmocka_unit_test(power_is_the_same_by_every_road),
         cmocka_unit_test(patches_of_a_map_are_its_pixels),
         cmocka_unit_test(a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing),
+        cmocka_unit_test(a_patch_of_a_constant_lies_in_its_ring_and_slice),
+        cmocka_unit_test(a_constant_s_bound_holds_to_the_last_bit),
         cmocka_unit_test(a_constant_is_drawn_from_by_its_two_numbers),
         cmocka_unit_test(lights_without_light_draw_nothing),
         cmocka_unit_test(a_good_map_loads_without_a_word_and_is_multiplied),

@@ -579,9 +579,51 @@ static void the_cosine_is_drawn_in_the_normals_frame(void **state)
     assert_true(fabs((double)dot(wi, b.local.z) - sqrt(0.7)) < 1e-6);
 }
 
+/* Each channel in turn is the largest. n = 9: f cos <= 5 Ks/pi + Kd/pi; f cos/q <= Ks/p_s and Kd/(1 - p_s), with p_s
+ * the share of Ks in the sum of both. Each bound may be larger by 2^-21 and by the rounding of floats. */
+static void bounds_are_those_of_the_largest_channel(void **state)
+{
+    static const struct { double Kd[3], Ks[3], f_cos, ratio; } cases[] = {
+        {{0.25, 0.125, 0.0625}, {0.5, 0.25, 0.125}, 2.75 / PI, 0.75},     /* p_s = 2/3: Ks/p_s = Kd/p_d = 3/4 */
+        {{0.125, 0.5, 0.125}, {0.125, 0.0625, 0.0625}, 0.8125 / PI, 0.5 / 0.75}, /* p_s = 1/4 */
+        {{0.5, 0.125, 0.125}, {0.0625, 0.0625, 0.125}, 0.8125 / PI, 0.5 / 0.75},
+        {{0.125, 0, 0.125}, {0.25, 0.5, 0}, 2.5 / PI, 0.5 / 0.75},
+        {{0, 0.125, 0.125}, {0, 0.25, 0.5}, 2.625 / PI, 0.5 / 0.75},
+        {{0, 0, 0}, {0.125, 0.5, 0.25}, 2.5 / PI, 0.5},
+        {{0.25, 0.5, 0.125}, {0, 0, 0}, 0.5 / PI, 0.5}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const double *d = cases[k].Kd, *s = cases[k].Ks;
+        const bis_material m = bis_phong(rgb_from(d[0], d[1], d[2]), rgb_from(s[0], s[1], s[2]), 9);
+        bis_bsdf b;
+        bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, (vec3){0.6f, 0, 0.8f});
+        const double f_cos = bis_bsdf_max_f_cos(&b) / cases[k].f_cos,
+                     ratio = bis_bsdf_max_ratio(&b) / cases[k].ratio;
+        if (!(f_cos >= 1 - 1e-7 && f_cos <= 1 + 1e-6 && ratio >= 1 && ratio <= 1 + 1e-6))
+            fail_msg("case %zu: %.9g and %.9g times the bounds", k, f_cos, ratio);
+    }
+}
+
+/* A channel below 2^-67 counts as 0, each by itself. */
+static void a_channel_too_small_for_a_float_s_f_counts_as_black(void **state)
+{
+    const float least = 0x1p-67f, below = nextafterf(least, 0);
+    for (int k = 0; k < 3; k++) {
+        float c[3] = {least, least, least};
+        c[k] = below;
+        const bis_material m = bis_phong((rgb){c[0], c[1], c[2]}, (rgb){c[1], c[2], c[0]}, 9);
+        const float Kd[3] = {m.Kd.r, m.Kd.g, m.Kd.b}, Ks[3] = {m.Ks.r, m.Ks.g, m.Ks.b};
+        for (int i = 0; i < 3; i++) {
+            assert_true(Kd[i] == (i == k ? 0 : least));
+            assert_true(Ks[i] == ((i + 1) % 3 == k ? 0 : least));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bounds_are_those_of_the_largest_channel),
+        cmocka_unit_test(a_channel_too_small_for_a_float_s_f_counts_as_black),
         cmocka_unit_test(lobe_is_drawn_with_density_of_eq_3_15),
         cmocka_unit_test(mixture_of_lobes_is_drawn_with_its_density_E35),
         cmocka_unit_test(density_integrates_to_1_over_the_sphere),

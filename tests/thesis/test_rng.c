@@ -219,6 +219,83 @@ static void below_a_huge_n_is_not_folded(void **state)
     assert_int_equal(bis_rng_below(&r, 1), 0);
 }
 
+/* ---- exact numbers ---- */
+
+/* Counted from key 0, the numbers are those of SplitMix64 (Steele, Lea and Flood 2014): the published first ones of its
+ * seeds 0 and 1234567. */
+static void the_mixer_gives_the_published_numbers(void **state)
+{
+    static const uint64_t of_0[] = {0xe220a8397b1dcdafu, 0x6e789e6aa1b965f4u, 0x06c45d188009454fu};
+    static const uint64_t of_1234567[] = {6457827717110365317u, 3203168211198807973u, 9817491932198370423u,
+        4593380528125082431u, 16408922859458223821u};
+    bis_rng r = {0, 1};
+    for (int i = 0; i < 3; i++) assert_true(bis_rng_u64(&r) == of_0[i]);
+    for (uint64_t i = 0; i < 5; i++)
+        assert_true(bis_hash(1234567 + (i + 1) * UINT64_C(0x9e3779b97f4a7c15)) == of_1234567[i]);
+    assert_true(bis_hash(0) == 0);
+    r = (bis_rng){0, 1};
+    assert_true(bis_rng_double(&r) == (double)(of_0[0] >> 11) / 9007199254740992.0);
+}
+
+/* A key is the hash of (the hash of what came before) + a coordinate. With g, whose hash is h, and coordinates g - h,
+ * each sum is g again, so that the key is h; the seed has g added. */
+static void a_coordinate_is_added_to_the_hash_of_those_before(void **state)
+{
+    const uint64_t g = 0x9e3779b97f4a7c15u, h = 0xe220a8397b1dcdafu;
+    bis_rng r;
+    bis_rng_init(&r, 0, g - h, g - h, g - h);
+    assert_true(r.key == h && r.counter == 0);
+    bis_rng_init(&r, 0 - g, 0, 0, g); /* hashes of 0 are 0 */
+    assert_true(r.key == h && r.counter == 0);
+}
+
+/* The number that an odd one takes to 1: each step doubles the bits that are right (Newton). */
+static uint64_t reciprocal(uint64_t odd)
+{
+    uint64_t x = odd;
+    for (int i = 0; i < 5; i++) x *= 2 - odd * x;
+    return x;
+}
+
+/* Undoes x ^ x >> k. */
+static uint64_t unshifted(uint64_t x, int k)
+{
+    uint64_t y = x;
+    for (int i = 0; i < 64; i += k) y = x ^ y >> k;
+    return y;
+}
+
+/* A stream whose first number is x. */
+static bis_rng beginning_with(uint64_t x)
+{
+    x = unshifted(x, 31) * reciprocal(UINT64_C(0x94d049bb133111eb));
+    x = unshifted(x, 27) * reciprocal(UINT64_C(0xbf58476d1ce4e5b9));
+    return (bis_rng){unshifted(x, 30), 0};
+}
+
+/* 2^64 = q n + rest: the last number of the last whole block is q n - 1, and gives n - 1. The one after it is the first
+ * that is refused, for the stream's second number. */
+static void below_n_refuses_just_the_last_partial_block(void **state)
+{
+    static const struct { uint64_t n, rest; } cases[] = {{3, 1}, {10, 6}, {UINT64_C(1) << 40, 0}, {UINT64_MAX, 1},
+        {(UINT64_C(1) << 63) + 1, (UINT64_C(1) << 63) - 1}, {UINT64_C(3) << 62, UINT64_C(1) << 62}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const uint64_t n = cases[i].n, last = UINT64_MAX - cases[i].rest;
+        bis_rng r = beginning_with(last), second;
+        assert_true(bis_rng_below(&r, n) == n - 1);
+        assert_true(r.counter == 1);
+        r = beginning_with(n / 2);
+        assert_true(bis_rng_below(&r, n) == n / 2);
+        if (!cases[i].rest) continue;
+        r = second = beginning_with(last + 1);
+        bis_rng_u64(&second);
+        const uint64_t after = bis_rng_u64(&second);
+        if (after > last) continue; /* refused, too */
+        assert_true(bis_rng_below(&r, n) == after % n);
+        assert_true(r.counter == 2);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -231,6 +308,9 @@ int main(void)
         cmocka_unit_test(keys_of_a_million_streams_are_distinct),
         cmocka_unit_test(below_n_is_uniform_for_any_n),
         cmocka_unit_test(below_a_huge_n_is_not_folded),
+        cmocka_unit_test(the_mixer_gives_the_published_numbers),
+        cmocka_unit_test(a_coordinate_is_added_to_the_hash_of_those_before),
+        cmocka_unit_test(below_n_refuses_just_the_last_partial_block),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

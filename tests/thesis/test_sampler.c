@@ -522,6 +522,28 @@ static void a_set_depends_on_its_coordinates_and_not_on_what_was_drawn_before(vo
     }
 }
 
+/* Each run of 2^32 points is a sequence: it fills the boxes by itself, and no point of it is that of another run. (The
+ * first of Halton's has too few digits for that, because one sample was foretold.) */
+static void after_2_to_the_32_points_a_sequence_is_new(void **state)
+{
+    enum { RUNS = 4, N = 36 };
+    double u[RUNS][N][2];
+    for (int kind = BIS_SAMPLER_SOBOL; kind <= BIS_SAMPLER_HALTON; kind++) {
+        const bis_sampler p = {.kind = (bis_sampler_kind)kind, .seed = 42, .spp = 1};
+        for (uint64_t run = 0; run < RUNS; run++) {
+            for (uint64_t i = 0; i < N; i++) {
+                bis_stream s;
+                bis_stream_init(&s, &p, 17, run << 32 | i);
+                bis_stream_points(&s, 3, 1, &u[run][i]);
+                for (uint64_t other = 0; other < run; other++)
+                    for (int k = 0; k < 2; k++) assert_true(fabs(u[run][i][k] - u[other][i][k]) > 1e-8);
+            }
+            if (kind == BIS_SAMPLER_SOBOL) assert_true(is_net_in_base_2(u[run], 32));
+            else if (run > 0) assert_true(one_in_each_box(u[run], 36, 4, 9));
+        }
+    }
+}
+
 static void the_last_sample_of_2_to_the_32_is_still_a_net(void **state)
 {
     static double u[1024][2];
@@ -591,6 +613,7 @@ int main(void)
         cmocka_unit_test(two_dims_of_one_pixel_fill_the_square_together),
         cmocka_unit_test(the_error_falls_with_the_exponent_of_its_kind),
         cmocka_unit_test(a_set_depends_on_its_coordinates_and_not_on_what_was_drawn_before),
+        cmocka_unit_test(after_2_to_the_32_points_a_sequence_is_new),
         cmocka_unit_test(the_last_sample_of_2_to_the_32_is_still_a_net),
         cmocka_unit_test(kinds_have_their_names_and_sobol_and_halton_are_low_discrepancy),
     };

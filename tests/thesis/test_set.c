@@ -11,6 +11,7 @@
 #include "clones.h"
 #include "lit.h"
 #include "set_help.h"
+#include "thesis/as_printed.h"
 
 #include <string.h>
 
@@ -436,6 +437,86 @@ static void any_allocation_may_fail(void **state)
     assert_true(k > 8);
 }
 
+/* The i-th of n is (i + phase) M/n, cut to a whole number; phase is a fraction of 2^32. */
+static void some_of_a_set_are_evenly_spread_from_their_phase(void **state)
+{
+    static const struct { uint32_t n, M, phase, expected[5]; } cases[] = {
+        {5, 10, 0, {0, 2, 4, 6, 8}}, {5, 10, 0x7fffffff, {0, 2, 4, 6, 8}}, {5, 10, 0x80000000, {1, 3, 5, 7, 9}},
+        {5, 10, UINT32_MAX, {1, 3, 5, 7, 9}}, {3, 7, 0, {0, 2, 4}}, {3, 7, 0xc0000000, {1, 4, 6}},
+        {3, 7, UINT32_MAX, {2, 4, 6}}, {1, 16384, 0xffff0000, {16383}}, {1, 16384, 0x00040000, {1}},
+        {1, 16384, 0x0003ffff, {0}}, {2, 3, 0x55555555, {0, 1}}, {2, 3, 0x55555556, {0, 2}}, {4, 4, 12, {0, 1, 2, 3}}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        for (uint32_t i = 0; i < cases[k].n; i++)
+            assert_int_equal(bis_one_of_set(i, cases[k].n, cases[k].M, cases[k].phase), cases[k].expected[i]);
+}
+
+/* A light is asked for a table where directions are drawn one by one, and for the curve where they are stratified. */
+static void candidates_need_what_their_proposal_draws_with(void **state)
+{
+    static const bis_proposal all[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_CHOOSE,
+        BIS_PROPOSAL_PRODUCT};
+    for (int k = 0; k < 5; k++) {
+        const bool from_brdf = all[k] == BIS_PROPOSAL_BRDF, takes_set = k == 0 || k == 2;
+        assert_int_equal(bis_candidates_light_needs(all[k], false), from_brdf ? 0 : BIS_NEED_TABLE);
+        assert_int_equal(bis_candidates_light_needs(all[k], true), from_brdf ? 0 : BIS_NEED_CURVE);
+        bis_settings s = lit_settings(&bis_sir, all[k], 37, 3);
+        s.stratify = true;
+        assert_int_equal(bis_candidates_set_needs(&s), takes_set ? 37 : 0);
+        s.stratify = false;
+        assert_int_equal(bis_candidates_set_needs(&s), 0);
+    }
+    const unsigned bits[] = {BIS_NEED_TABLE, BIS_NEED_CURVE, BIS_NEED_COMPENSATED, BIS_NEED_SPREAD};
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) assert_true(((bits[i] & bits[j]) != 0) == (i == j));
+}
+
+/* Kd = (0.2, 0.1, 0.3), Ks = (0.1, 0.4, 0.2), n = 9: f cos is at most Ks 10/(2 pi) + Kd/pi, in green 2.1/pi. A
+ * constant light (1, 0.5, 0.25): I = 1.75 everywhere, I/q = 7 pi. As E27 prints them: f_max over the albedo, 0.5, times
+ * L_ns; and L_max over the power, 7 pi, times L_ns. */
+static void bounds_are_those_of_the_largest_channel(void **state)
+{
+    const double slack = 2e-6; /* a bound may be larger by 2^-21 and by the rounding of floats */
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    lit l;
+    lit_init(&l, light, bis_phong((rgb){0.2f, 0.1f, 0.3f}, (rgb){0.1f, 0.4f, 0.2f}, 9), lit_tilted(), 30, LIT_OPEN);
+    const double em = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM);
+    assert_true(em >= 2.1 * 7 * (1 - 1e-7) && em <= 2.1 * 7 * (1 + slack));
+    const double printed_em = bis_as_printed_bound(&l.pt, BIS_PROPOSAL_EM, 3),
+                 printed_brdf = bis_as_printed_bound(&l.pt, BIS_PROPOSAL_BRDF, 3);
+    assert_true(fabs(printed_em / (4.2 / PI * 3) - 1) <= slack);
+    assert_true(fabs(printed_brdf / (1.75 / (7 * PI) * 3) - 1) <= slack);
+    lit_init(&l, light, bis_phong((rgb){0.2f, 0.1f, 0.3f}, grey(0), 9), lit_tilted(), 30, LIT_OPEN);
+    const double brdf = bis_candidates_bound(&l.pt, BIS_PROPOSAL_BRDF); /* f cos/q = Kd */
+    assert_true(brdf >= 0.3 * 1.75 * (1 - 1e-7) && brdf <= 0.3 * 1.75 * (1 + slack));
+    /* of 30 directions over the sphere 1.5 fall into the lobe, whose density is 10/(2 pi) on its axis */
+    lit_init(&l, light, bis_phong(grey(0), grey(0.5), 9), lit_tilted(), 30, LIT_OPEN);
+    assert_true(fabs(bis_candidates_in_lobe(30, &l.pt) - 1.5) < 1e-5);
+    bis_light_free(light);
+}
+
+/* All from the map, or all from the BRDF, as the proposal or a constant light says; a mixture leaves the map one, and
+ * a lobe gets one however small its share. */
+static void candidates_are_divided_at_the_ends_of_the_range(void **state)
+{
+    static const struct { lit_map map; bis_proposal proposal; float Kd, Ks; uint32_t M, n_brdf; } cases[] = {
+        {LIT_SPOTTY, BIS_PROPOSAL_EM, 0.5f, 0.5f, 7, 0}, {LIT_SPOTTY, BIS_PROPOSAL_BRDF, 0.5f, 0.5f, 7, 7},
+        {LIT_CONSTANT, BIS_PROPOSAL_MIX, 0.5f, 0.5f, 7, 7}, {LIT_CONSTANT, BIS_PROPOSAL_EM, 0.5f, 0.5f, 7, 0},
+        {LIT_SPOTTY, BIS_PROPOSAL_MIX, 0.5f, 0, 7, 0}, {LIT_SPOTTY, BIS_PROPOSAL_MIX, 0.9f, 0.01f, 7, 1},
+        {LIT_SMOOTH, BIS_PROPOSAL_MIX, 0, 0.5f, 2, 1}, {LIT_SMOOTH, BIS_PROPOSAL_MIX, 0, 0.5f, 3, 2}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const uint32_t M = cases[k].M, n = cases[k].n_brdf;
+        bis_light *light = lit_new_light(cases[k].map, 1, 0, false);
+        lit l;
+        lit_init(&l, light, bis_phong(grey((double)cases[k].Kd), grey((double)cases[k].Ks), 20), lit_tilted(), 30,
+                 LIT_OPEN);
+        const bis_mixture mix = bis_candidates_divide(M, cases[k].proposal, &l.pt, NULL);
+        assert_int_equal(mix.n_brdf, n);
+        assert_int_equal(mix.n_em, M - n);
+        assert_true(mix.beta == (double)(M - n) / M);
+        bis_light_free(light);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -446,6 +527,10 @@ int main(void)
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(what_reflects_nothing_draws_nothing),
         cmocka_unit_test(a_workspace_takes_the_bytes_that_are_foretold),
+        cmocka_unit_test(some_of_a_set_are_evenly_spread_from_their_phase),
+        cmocka_unit_test(candidates_need_what_their_proposal_draws_with),
+        cmocka_unit_test(bounds_are_those_of_the_largest_channel),
+        cmocka_unit_test(candidates_are_divided_at_the_ends_of_the_range),
         cmocka_unit_test(any_allocation_may_fail),
     };
 
