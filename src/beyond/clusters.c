@@ -124,7 +124,7 @@ static void put_cone(bis_clusters *c, uint32_t k)
     c->cone.g[k] = (float)energy.g;
     c->cone.b[k] = (float)energy.b;
     c->cone.cosine[k] = (float)least;
-    c->cone.sine[k] = (float)sqrt(1 - least * least);
+    c->cone.sine[k] = bis_cone_sine((float)least);
 }
 
 void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)

@@ -24,14 +24,21 @@ static inline bis_cones bis_cones_in(float *memory, uint32_t n)
                        memory + 4 * m, memory + 5 * m, memory + 6 * m, memory + 7 * m};
 }
 
-/* bis_cone_cosine returns the largest cosine about a unit axis over the directions of a cone: that of the angle between
- * the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because rounding must not make the
- * bound too small: each of c, s and the two products is off by less than 2^-22. */
+/* bis_cone_sine returns at least the sine of an angle whose cosine c, of two unit vectors of floats, was rounded by at
+ * most 2^-22. So 1 - c^2 is off by less than 2^-20, which is added. It must be: of an angle near 0 or pi the sine is the
+ * root of the error. */
+static inline BIS_INLINE float bis_cone_sine(float c)
+{
+    return sqrtf(1 + 0x1p-20f - c * c);
+}
+
+/* bis_cone_cosine returns at least the largest cosine about a unit axis over the directions of a cone: that of the angle
+ * between the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because rounding must not
+ * make the bound too small: c and the two products are each off by less than 2^-22. */
 static inline BIS_INLINE float bis_cone_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
 {
-    const float c = axis.x * x + axis.y * y + axis.z * z, s2 = 1 - c * c;
-    const float s = sqrtf(bis_lanes_choose(s2 > 0, s2, 0));
-    const float most = c * cosine + s * sine + 0x1p-20f;
+    const float c = axis.x * x + axis.y * y + axis.z * z;
+    const float most = c * cosine + bis_cone_sine(c) * sine + 0x1p-20f;
     const float bounded = bis_lanes_choose(most < 1, most, 1);
 
     return bis_lanes_choose(c > cosine, 1, bounded);
