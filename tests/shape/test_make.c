@@ -310,8 +310,9 @@ static void a_normal_that_the_errors_can_make_is_none(void **state)
 }
 
 /* Squares of side s, of which the largest coordinate is 1. Their normal is s^2, and none if s^2 <= 2 (e s + e s), where
- * e is the error of a tangent's part. A patch: e = 2^-23, so s = 2^-21. A NURBS surface at its first corner, (1, 1): the
- * sizes are 1 + (1 - s), and 1 + 1 of the weights, so e = 2^-44 (4 - s), and s is 2^-40 but for a share of 2^-42. */
+ * e is the error of a tangent's part. A patch: e = 2^-23, so s = 2^-21. A NURBS surface at its first corner, which is
+ * (1, 1): the sizes are 1 + (1 - s), and 1 + 1 of the weights, so e = 2^-44 (4 - s), and s is 2^-40 but for a share of
+ * 2^-42. */
 static void squares_as_small_as_their_errors_have_no_normal(void **state)
 {
     static const double flat[4] = {0, 0, 1, 1}, sides[2][2] = {{0x1p-21, 0x1.2p-21}, {0x0.fp-40, 0x1.1p-40}};
