@@ -691,7 +691,8 @@ static void a_lamp_has_four_candidates_at_most(void **state)
     bis_clusters_fill(&c, light, SEED, 0, 1);
     new_product(&p);
     assert_true(bis_product_weigh(&p, &c, &l.pt.bsdf));
-    for (uint32_t k = 0; k < c.n; k++) c.cone.sine[k] = k % 2 ? 0.0046f : 0.0047f; /* every second is a lamp */
+    for (uint32_t k = 0; k < c.n; k++) /* every second is a lamp, just not larger than one */
+        c.cone.sine[k] = k % 2 ? 0.00466f : nextafterf(0.00466f, 1);
     assert_int_equal(bis_product_draw(&p, &c, &all, part[0], NULL, M, 0.3, 0.6, 7), M);
     const uint32_t n = bis_product_draw(&p, &c, &x, part[1], stands_for, M, 0.3, 0.6, 7);
     for (uint32_t i = 0, j = 0; i < M;) {
