@@ -1091,6 +1091,78 @@ static void more_rays_are_cast_where_little_light_is_expected(void **state)
     bis_light_free(light);
 }
 
+/* Under a mirror's lobe the BRDF gives candidates as well: there, and where nothing is known, N rays are cast and there
+ * is no control. A surface without a diffuse part has no control either, but more rays. All controls are 1/4. */
+static void under_a_mirror_s_lobe_nothing_that_was_learned_is_used(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(64, 8, true);
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    workspace w;
+
+    open_workspace(&w, light, &s, true);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    for (uint32_t k = 0; k < w.c.n; k++) {
+        w.guide.guess.own[k] = w.guide.guess.of_square[k] = 1;
+        w.guide.guess.g[k] = 1.25f / 4;
+    }
+    for (int i = 0; i < 8; i++) {
+        const bool mirrors = i & 1, diffuse = i & 2, knows = i & 4;
+        const bis_guide *steps = &w.guide.steps;
+        bis_set *x = w.scratch.set;
+        bis_stream stream;
+        lit l;
+        lit_init(&l, light, bis_phong(grey(diffuse ? 0.3 : 0), grey(0.5), mirrors ? 1e6 : 20), tilted(), 40, LIT_OPEN);
+        bis_stream_init(&stream, &sampler, (uint64_t)i, 0);
+        assert_true(bis_set_draw(x, s.candidates, s.proposal, true, &l.pt, &stream));
+        assert_true(bis_set_weigh(x, &l.pt) > 0);
+        assert_int_equal(x->brdf.n > 0, mirrors);
+        w.guide.guess.knows = knows;
+        assert_int_equal(steps->rays(steps, x, s.shadowrays), knows && !mirrors ? 24 : 8);
+        assert_int_equal(steps->has_control(steps, x, &l.pt), knows && !mirrors && diffuse);
+    }
+    close_workspace(&w);
+    bis_light_free(light);
+}
+
+/* The marks over the clusters, the place in them and the marks over the candidates are three numbers of the stream, of
+ * the two dimensions that are named for them; with another one for two of these the choices would go together. */
+static void marks_and_phase_are_numbers_of_their_own(void **state)
+{
+    enum { M = 64 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(M, 4, false);
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    float *memory = bis_alloc(BIS_LANES_ARRAYS * M, sizeof *memory);
+    const bis_lanes same = bis_lanes_in(memory, M);
+    workspace w;
+    lit l;
+
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), tilted(), 40, LIT_OPEN);
+    open_workspace(&w, light, &s, false);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    for (uint64_t pixel = 0; pixel < 5; pixel++) {
+        bis_set *x = w.scratch.set;
+        bis_stream stream, again;
+        double marks[1][2], phase[1][2];
+        uint16_t part[M];
+        bis_stream_init(&stream, &sampler, pixel, 0);
+        again = stream;
+        assert_true(bis_set_draw(x, M, s.proposal, true, &l.pt, &stream));
+        bis_stream_points(&again, BIS_DIM_MARKS, 1, marks);
+        bis_stream_points(&again, BIS_DIM_PHASE, 1, phase);
+        assert_int_equal(
+            bis_product_draw(&w.guide.product, &w.c, &same, part, NULL, M, marks[0][0], phase[0][0], pixel), M);
+        assert_true(x->map.n == M && x->map.first == 0 && x->brdf.n == 0 && x->mark == marks[0][1]);
+        assert_memory_equal(x->part, part, sizeof part);
+        assert_memory_equal(x->map.x.x, same.x, M * sizeof *same.x);
+        assert_memory_equal(x->map.x.q, same.q, M * sizeof *same.q);
+    }
+    bis_free(memory);
+    close_workspace(&w);
+    bis_light_free(light);
+}
+
 /* Rays are counted for the part of the map that their candidate comes from, and what light arrives, too; but not while
  * learns is false, as where V = 1 is asked for (the layers of src/render/gather.c). */
 static void rays_are_counted_and_V_1_of_a_layer_is_not_learned_from(void **state)
@@ -1249,6 +1321,8 @@ int main(void)
         cmocka_unit_test(few_candidates_of_a_lamp_leave_the_mean_where_it_is),
         cmocka_unit_test(a_lamp_has_four_candidates_at_most),
         cmocka_unit_test(more_rays_are_cast_where_little_light_is_expected),
+        cmocka_unit_test(under_a_mirror_s_lobe_nothing_that_was_learned_is_used),
+        cmocka_unit_test(marks_and_phase_are_numbers_of_their_own),
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(a_tile_expects_what_its_square_has_seen),
