@@ -325,7 +325,7 @@ static void squares_as_small_as_their_errors_have_no_normal(void **state)
             if (kind == 0) m = new_mesh(4, 0);
             for (int k = 0; k < 4; k++) {
                 const double p[4] = {k % 2 ? 1 - s : 1, k / 2 ? 1 - s : 1, 0.5, 1};
-                memcpy(net[k], p, sizeof p);
+                for (int c = 0; c < 4; c++) net[k][c] = 2 * p[c]; /* all weights are 2, which changes nothing */
                 if (kind == 0) m.p[k] = vec3_from(p[0], p[1], p[2]);
             }
             const bis_nurbs n = {{2, 2}, {2, 2}, {flat, flat}, (const double (*)[4])net, {{0, 1}, {0, 1}}};
@@ -358,17 +358,21 @@ static void patches_interpolate_normals_and_coordinates(void **state)
 
 static void a_height_field_spans_the_unit_square(void **state)
 {
-    static const double z[6] = {0, 1, 2, 3, 4, 5};
+    static const double z[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+    static const uint32_t least[6] = {0, 1, 2, 4, 5, 6}; /* the corner of each piece */
     bis_mesh m;
-    assert_int_equal(bis_make_height_field(&m, z, 3, 2, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(m.n_triangles, 4);
+    assert_int_equal(bis_make_height_field(&m, z, 4, 3, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(m.n_vertices, 12);
+    assert_int_equal(m.n_triangles, 12);
     assert_null(m.n);
-    for (size_t i = 0; i < 6; i++) {
-        assert_true(m.p[i].x == (float)(i % 3) / 2 && m.p[i].y == (float)(i / 3) && m.p[i].z == (float)i);
+    for (size_t i = 0; i < 12; i++) {
+        assert_true(m.p[i].x == (float)(i % 4) / 3 && m.p[i].y == (float)(i / 4) / 2 && m.p[i].z == (float)i);
         assert_true(m.uv[i].u == m.p[i].x && m.uv[i].v == m.p[i].y);
     }
-    assert_triangle(&m, 0, 0, 1, 4);
-    assert_triangle(&m, 1, 0, 4, 3);
+    for (size_t i = 0; i < 6; i++) {
+        assert_triangle(&m, 2 * i, least[i], least[i] + 1, least[i] + 5);
+        assert_triangle(&m, 2 * i + 1, least[i], least[i] + 5, least[i] + 4);
+    }
     bis_mesh_clear(&m);
 }
 
