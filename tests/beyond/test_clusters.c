@@ -52,6 +52,24 @@ static void clusters_share_the_curve_and_none_is_empty(void **state)
     }
 }
 
+/* K is 2 M, between 64 and 256: the same cut for all M to either side of these, and another one just between. */
+static void the_number_of_clusters_follows_M_between_its_limits(void **state)
+{
+    static const struct { uint32_t M, like; bool same; } cases[] = {
+        {1, 32, true}, {16, 32, true}, {31, 32, true}, {33, 32, false}, {64, 128, false},
+        {127, 128, false}, {129, 128, true}, {200, 128, true}, {256, 128, true}, {1000, 128, true}};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_clusters c[2];
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(bis_clusters_init(&c[k], light, k ? cases[i].like : cases[i].M, NULL), BIS_OK);
+        const bool same = c[0].n == c[1].n && memcmp(c[0].t, c[1].t, (c[0].n + 1) * sizeof *c[0].t) == 0;
+        if (same != cases[i].same) fail_msg("%u candidates: %u clusters", cases[i].M, c[0].n);
+        for (int k = 0; k < 2; k++) bis_clusters_clear(&c[k]);
+    }
+    bis_light_free(light);
+}
+
 /* Where inside its pixel a direction lies: its two places are independent, so that half of all lie in the two quarters
  * of the diagonal, wherever each of them has its middle, since the azimuth is even. Other passes have other
  * directions. The twin takes one number for both. */
@@ -1305,6 +1323,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clusters_share_the_curve_and_none_is_empty),
+        cmocka_unit_test(the_number_of_clusters_follows_M_between_its_limits),
         cmocka_unit_test(directions_fill_their_pixels_and_are_drawn_anew_in_each_pass),
         cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
