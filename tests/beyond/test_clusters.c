@@ -876,6 +876,16 @@ static void a_tile_expects_what_its_square_has_seen(void **state)
         assert_true(fabs((double)f.own[i] - sqrt(v_of_tile * (1 - 0.8 * v_of_tile))) < 1e-6);
         assert_true(f.of_square[i] == v.squares[0].h[i]);
     }
+    /* the square itself is one place, which has no cells: its rays are those of the whole place, and count once; those
+     * of the next square do not */
+    v.known[bis_visibility_first_cell(&v, 2)].rays[0] = 7;
+    bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 1));
+    for (int i = 0; i < N; i++) {
+        const double mean = (double)v.squares[0].mean[i];
+        assert_true(fabs((double)f.g[i] - (rays[i] > 0 ? (double)seen[i] / rays[i] : mean)) < 1e-6);
+        assert_true(fabs((double)f.own[i] - sqrt(mean * (1 - 0.8 * mean))) < 1e-6);
+        assert_true(f.of_square[i] == v.squares[1].h[i]);
+    }
     bis_guess_clear(&f);
     bis_visibility_clear(&v);
 }
@@ -1039,6 +1049,32 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
         bis_guess_count(&f, part, 128);
         bis_visibility_learn(&v, NULL, 1, 1);
         assert_true(v.counted[0].rays[part] == 0 && (v.known[0].rays[part] == before + 1 || part == 9));
+    }
+    bis_guess_clear(&f);
+    bis_visibility_clear(&v);
+}
+
+/* 65535 rays are the most that fit: they stay, and one more is halved, as is what came through. One ray is known. */
+static void a_count_is_halved_where_it_would_not_fit(void **state)
+{
+    static const uint16_t rows[][3][2] = { /* rays and those that came through: known, counted, and what they make */
+        {{65530, 40001}, {5, 2}, {65535, 40003}}, {{65530, 40001}, {6, 2}, {32768, 20001}},
+        {{65535, 65535}, {65535, 65535}, {65535, 65535}}, {{0, 0}, {1, 0}, {1, 0}}};
+    bis_visibility v;
+    bis_visibility_guess f;
+
+    assert_int_equal(bis_visibility_init(&v, 1, 0, (1 << 23) + 1, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, 128, NULL), BIS_OK);
+    bis_guess_look(&f, 128, &v, 0);
+    assert_false(f.knows);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        v.known[0].rays[31] = rows[i][0][0], v.known[0].seen[31] = rows[i][0][1];
+        v.counted[0].rays[31] = rows[i][1][0], v.counted[0].seen[31] = rows[i][1][1];
+        bis_visibility_learn(&v, NULL, 1, 1);
+        assert_int_equal(v.known[0].rays[31], rows[i][2][0]);
+        assert_int_equal(v.known[0].seen[31], rows[i][2][1]);
+        bis_guess_look(&f, 128, &v, 0);
+        assert_true(f.knows && !f.has_square);
     }
     bis_guess_clear(&f);
     bis_visibility_clear(&v);
@@ -1344,6 +1380,7 @@ int main(void)
         cmocka_unit_test(marks_and_phase_are_numbers_of_their_own),
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
+        cmocka_unit_test(a_count_is_halved_where_it_would_not_fit),
         cmocka_unit_test(a_tile_expects_what_its_square_has_seen),
         cmocka_unit_test(few_clusters_have_a_small_tree),
         cmocka_unit_test(the_smallest_closed_square_is_asked),
