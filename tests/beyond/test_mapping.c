@@ -684,8 +684,8 @@ static void make_lamps_whole(const bis_raster *source, const two_lamps *l, const
     }
 }
 
-/* As a_pixel_is_the_mean_of_k_x_k_places, with two lamps side by side, one of them in green alone. Where a pixel shows
- * both, or an edge of them, it is the mean of 32 x 32 places, or of k x k if these are more. What a lamp has received is
+/* As a_pixel_is_the_mean_of_k_x_k_places, with two lamps side by side, one of them in green alone. A pixel that shows
+ * both, or an edge of them, is the mean of 32 x 32 places, or of k x k if these are more. What a lamp has received is
  * made up for in its radiance, and only what is left of the error in all pixels. */
 static void a_pixel_with_an_edge_of_a_lamp_is_the_mean_of_32_x_32_places(void **state)
 {
