@@ -22,7 +22,7 @@ bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, size_t n_squar
     v->known = bis_alloc(n_tiles * v->cells + n_squares, sizeof *v->known);
     v->counted = bis_alloc(n_tiles * v->cells + n_squares, sizeof *v->counted);
     v->above = bis_alloc(n_tiles + n_squares, sizeof *v->above);
-    v->squares = bis_alloc(n_squares + 1, sizeof *v->squares); /* 0 bytes would be no memory */
+    v->squares = bis_alloc(n_squares, sizeof *v->squares);
     for (size_t i = 0; v->above && i < n_tiles + n_squares; i++) v->above[i] = BIS_NO_SQUARE;
     if (v->known && v->counted && v->above && v->squares) return BIS_OK;
     bis_visibility_clear(v);

@@ -27,8 +27,8 @@
 #include <math.h>
 #include <string.h>
 
-/* How many pixels of a thin film lie before pixel `at` of the picture: ceil((at - k/2) / k), none below 0. */
-static int thin(int at, int step) { return at <= step / 2 ? 0 : (at - step / 2 + step - 1) / step; }
+/* How many pixels of a thin film lie before pixel `at` of the picture: ceil((at - k/2) / k), which is not below 0. */
+static int thin(int at, int step) { return (at - step / 2 + step - 1) / step; }
 
 /* One side of the crop, pbrt's rounding: neighbouring crops (0,0.3) and (0.3,1) meet without overlap or gap. */
 static void crop_side(int full, double lo, double hi, int step, int *first, int *n)

@@ -19,6 +19,15 @@ static vec3 unit_or_zero(const double n[3])
     return size > 0 && isfinite(size) ? vec3_from(n[0] / size, n[1] / size, n[2] / size) : (vec3){0, 0, 0};
 }
 
+static double size_of(const double a[3]) { return hypot(hypot(a[0], a[1]), a[2]); }
+
+/* A tangent a is off by less than 2 noise, as sqrt 3 < 2, and so a x b by less than 2 (noise_a |b| + noise_b |a|). */
+void bis_grid_normal(double out[3], const double along[3], const double across[3], const double noise[2])
+{
+    bis_grid_cross(out, along, across);
+    if (size_of(out) <= 2 * (noise[0] * size_of(across) + noise[1] * size_of(along))) out[0] = out[1] = out[2] = 0;
+}
+
 void bis_grid_add(bis_mesh *m, size_t ns, size_t nt, bis_grid_at *at, const void *surface)
 {
     const size_t first = m->n_vertices;

@@ -21,6 +21,11 @@ bis_status bis_grid_room(bis_mesh *m, size_t n_vertices, size_t n_triangles, bis
  * corner of least s and t. */
 void bis_grid_add(bis_mesh *m, size_t ns, size_t nt, bis_grid_at *at, const void *surface);
 
+/* bis_grid_normal stores in out along x across, the normal of a surface's two tangents. It stores (0,0,0) where that is
+ * rounding noise, as where two sides of a patch cross, or at a pole, because the direction of noise means nothing.
+ * noise: how far a part of each tangent may be off. */
+void bis_grid_normal(double out[3], const double along[3], const double across[3], const double noise[2]);
+
 /* bis_grid_cross stores a x b in out, which is neither of them. */
 static inline void bis_grid_cross(double out[3], const double a[3], const double b[3])
 {

@@ -36,6 +36,17 @@ static void bilinear_vector(double out[3], const vec3 *list, const uint32_t corn
     for (int c = 0; c < 3; c++) out[c] = bilinear(v[0][c], v[1][c], v[2][c], v[3][c], s, t);
 }
 
+/* The largest of the corners' coordinates. */
+static double largest(const vec3 *list, const uint32_t corner[4])
+{
+    double v[3], most = 0;
+    for (int k = 0; k < 4; k++) {
+        coordinates(v, list[corner[k]]);
+        for (int c = 0; c < 3; c++) most = fmax(most, fabs(v[c]));
+    }
+    return most;
+}
+
 static void patch_at(bis_grid_point *out, const void *surface, double s, double t)
 {
     const patch *x = surface;
@@ -60,7 +71,9 @@ static void patch_at(bis_grid_point *out, const void *surface, double s, double 
     bilinear_vector(a, m->p, k, s, 0);
     bilinear_vector(b, m->p, k, s, 1);
     for (int c = 0; c < 3; c++) across[c] = b[c] - a[c];
-    bis_grid_cross(out->n, along, across);
+    /* a coordinate may be off by half of its last bit, and a tangent by twice that */
+    const double noise = 0x1p-23 * largest(m->p, k);
+    bis_grid_normal(out->n, along, across, (double[2]){noise, noise});
 }
 
 /* The length of a box's diagonal. */
@@ -160,11 +173,15 @@ static void b_splines(double *b, double *d, size_t *first, const bis_nurbs *surf
         }
 }
 
+/* A sum of 16 x 16 products loses 256 halves of a last bit at most, and its point as much again. */
+#define NURBS_NOISE 0x1p-44
+
 static void nurbs_at(bis_grid_point *out, const void *surface, double s, double t)
 {
     const bis_nurbs *x = surface;
     const double w[2] = {(1 - s) * x->end[0][0] + s * x->end[0][1], (1 - t) * x->end[1][0] + t * x->end[1][1]};
     double b[2][BIS_MAKE_MAX_ORDER], d[2][BIS_MAKE_MAX_ORDER], h[3][4] = {{0}}, tangent[2][3];
+    double size[2][4] = {{0}}, noise[2] = {0}; /* size: the sums of the tangents' parts without their signs */
     size_t first[2];
 
     assert(x->order[0] <= BIS_MAKE_MAX_ORDER && x->order[1] <= BIS_MAKE_MAX_ORDER);
@@ -176,13 +193,18 @@ static void nurbs_at(bis_grid_point *out, const void *surface, double s, double 
                 h[0][c] += b[0][i] * b[1][j] * p;
                 h[1][c] += d[0][i] * b[1][j] * p;
                 h[2][c] += b[0][i] * d[1][j] * p;
+                size[0][c] += fabs(d[0][i] * b[1][j] * p);
+                size[1][c] += fabs(b[0][i] * d[1][j] * p);
             }
     for (int c = 0; c < 3; c++) {
         out->p[c] = h[0][c] / h[0][3];
-        for (int k = 0; k < 2; k++) tangent[k][c] = (h[k + 1][c] - out->p[c] * h[k + 1][3]) / h[0][3];
+        for (int k = 0; k < 2; k++) {
+            tangent[k][c] = (h[k + 1][c] - out->p[c] * h[k + 1][3]) / h[0][3];
+            noise[k] = fmax(noise[k], NURBS_NOISE * (size[k][c] + fabs(out->p[c]) * size[k][3]) / h[0][3]);
+        }
     }
     out->uv = (bis_uv){(float)w[0], (float)w[1]};
-    bis_grid_cross(out->n, tangent[0], tangent[1]);
+    bis_grid_normal(out->n, tangent[0], tangent[1], noise);
 }
 
 bis_status bis_make_nurbs(bis_mesh *m, const bis_nurbs *s, bis_loc at, bis_diag *diag)

@@ -140,7 +140,7 @@ static point3 object_hit(const bis_quadric *q, const ray *r, point3 *normal)
         return (point3){o.x + root[0] * d.x, o.y + root[0] * d.y, q->height};
     }
     sphere_roots(q, o, d, root);
-    double t = root[0] > 0 && (float)root[0] > 0 ? root[0] : root[1];
+    double t = (float)root[0] > 0 ? root[0] : root[1];
     point3 p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
     double scale = q->radius / sqrt(dot3(p, p));
     *normal = p;

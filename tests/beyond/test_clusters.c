@@ -52,6 +52,24 @@ static void clusters_share_the_curve_and_none_is_empty(void **state)
     }
 }
 
+/* K is 2 M, between 64 and 256: the same cut for all M to either side of these, and another one just between. */
+static void the_number_of_clusters_follows_M_between_its_limits(void **state)
+{
+    static const struct { uint32_t M, like; bool same; } cases[] = {
+        {1, 32, true}, {16, 32, true}, {31, 32, true}, {33, 32, false}, {64, 128, false},
+        {127, 128, false}, {129, 128, true}, {200, 128, true}, {256, 128, true}, {1000, 128, true}};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_clusters c[2];
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(bis_clusters_init(&c[k], light, k ? cases[i].like : cases[i].M, NULL), BIS_OK);
+        const bool same = c[0].n == c[1].n && memcmp(c[0].t, c[1].t, (c[0].n + 1) * sizeof *c[0].t) == 0;
+        if (same != cases[i].same) fail_msg("%u candidates: %u clusters", cases[i].M, c[0].n);
+        for (int k = 0; k < 2; k++) bis_clusters_clear(&c[k]);
+    }
+    bis_light_free(light);
+}
+
 /* Where inside its pixel a direction lies: its two places are independent, so that half of all lie in the two quarters
  * of the diagonal, wherever each of them has its middle, since the azimuth is even. Other passes have other
  * directions. The twin takes one number for both. */
@@ -691,7 +709,8 @@ static void a_lamp_has_four_candidates_at_most(void **state)
     bis_clusters_fill(&c, light, SEED, 0, 1);
     new_product(&p);
     assert_true(bis_product_weigh(&p, &c, &l.pt.bsdf));
-    for (uint32_t k = 0; k < c.n; k++) c.cone.sine[k] = k % 2 ? 0.0046f : 0.0047f; /* every second is a lamp */
+    for (uint32_t k = 0; k < c.n; k++) /* every second is a lamp, just not larger than one */
+        c.cone.sine[k] = k % 2 ? 0.00466f : nextafterf(0.00466f, 1);
     assert_int_equal(bis_product_draw(&p, &c, &all, part[0], NULL, M, 0.3, 0.6, 7), M);
     const uint32_t n = bis_product_draw(&p, &c, &x, part[1], stands_for, M, 0.3, 0.6, 7);
     for (uint32_t i = 0, j = 0; i < M;) {
@@ -856,6 +875,16 @@ static void a_tile_expects_what_its_square_has_seen(void **state)
         const double v_of_tile = (0.5 + (double)v.squares[0].mean[i]) / 2;
         assert_true(fabs((double)f.own[i] - sqrt(v_of_tile * (1 - 0.8 * v_of_tile))) < 1e-6);
         assert_true(f.of_square[i] == v.squares[0].h[i]);
+    }
+    /* the square itself is one place, which has no cells: its rays are those of the whole place, and count once; those
+     * of the next square do not */
+    v.known[bis_visibility_first_cell(&v, 2)].rays[0] = 7;
+    bis_guess_look(&f, N, &v, bis_visibility_first_cell(&v, 1));
+    for (int i = 0; i < N; i++) {
+        const double mean = (double)v.squares[0].mean[i];
+        assert_true(fabs((double)f.g[i] - (rays[i] > 0 ? (double)seen[i] / rays[i] : mean)) < 1e-6);
+        assert_true(fabs((double)f.own[i] - sqrt(mean * (1 - 0.8 * mean))) < 1e-6);
+        assert_true(f.of_square[i] == v.squares[1].h[i]);
     }
     bis_guess_clear(&f);
     bis_visibility_clear(&v);
@@ -1025,6 +1054,32 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
     bis_visibility_clear(&v);
 }
 
+/* 65535 rays are the most that fit: they stay, and one more is halved, as is what came through. One ray is known. */
+static void a_count_is_halved_where_it_would_not_fit(void **state)
+{
+    static const uint16_t rows[][3][2] = { /* rays and those that came through: known, counted, and what they make */
+        {{65530, 40001}, {5, 2}, {65535, 40003}}, {{65530, 40001}, {6, 2}, {32768, 20001}},
+        {{65535, 65535}, {65535, 65535}, {65535, 65535}}, {{0, 0}, {1, 0}, {1, 0}}};
+    bis_visibility v;
+    bis_visibility_guess f;
+
+    assert_int_equal(bis_visibility_init(&v, 1, 0, (1 << 23) + 1, NULL), BIS_OK);
+    assert_int_equal(bis_guess_init(&f, 128, NULL), BIS_OK);
+    bis_guess_look(&f, 128, &v, 0);
+    assert_false(f.knows);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        v.known[0].rays[31] = rows[i][0][0], v.known[0].seen[31] = rows[i][0][1];
+        v.counted[0].rays[31] = rows[i][1][0], v.counted[0].seen[31] = rows[i][1][1];
+        bis_visibility_learn(&v, NULL, 1, 1);
+        assert_int_equal(v.known[0].rays[31], rows[i][2][0]);
+        assert_int_equal(v.known[0].seen[31], rows[i][2][1]);
+        bis_guess_look(&f, 128, &v, 0);
+        assert_true(f.knows && !f.has_square);
+    }
+    bis_guess_clear(&f);
+    bis_visibility_clear(&v);
+}
+
 /* Where all rays are known to come through, an estimate is the mean of all candidates, whatever N is: the control
  * leaves nothing for the rays. Without the control it depends on which N were chosen. */
 static void control_of_1_leaves_no_noise_to_the_choice(void **state)
@@ -1086,6 +1141,78 @@ static void more_rays_are_cast_where_little_light_is_expected(void **state)
         bis_set_choose(x, BIS_MORE_RAYS * s.shadowrays, s.resampling, &stream);
         assert_true(x->choice.n_chosen <= x->y.room);
     }
+    close_workspace(&w);
+    bis_light_free(light);
+}
+
+/* Under a mirror's lobe the BRDF gives candidates as well: there, and where nothing is known, N rays are cast and there
+ * is no control. A surface without a diffuse part has no control either, but more rays. All controls are 1/4. */
+static void under_a_mirror_s_lobe_nothing_that_was_learned_is_used(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(64, 8, true);
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    workspace w;
+
+    open_workspace(&w, light, &s, true);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    for (uint32_t k = 0; k < w.c.n; k++) {
+        w.guide.guess.own[k] = w.guide.guess.of_square[k] = 1;
+        w.guide.guess.g[k] = 1.25f / 4;
+    }
+    for (int i = 0; i < 8; i++) {
+        const bool mirrors = i & 1, diffuse = i & 2, knows = i & 4;
+        const bis_guide *steps = &w.guide.steps;
+        bis_set *x = w.scratch.set;
+        bis_stream stream;
+        lit l;
+        lit_init(&l, light, bis_phong(grey(diffuse ? 0.3 : 0), grey(0.5), mirrors ? 1e6 : 20), tilted(), 40, LIT_OPEN);
+        bis_stream_init(&stream, &sampler, (uint64_t)i, 0);
+        assert_true(bis_set_draw(x, s.candidates, s.proposal, true, &l.pt, &stream));
+        assert_true(bis_set_weigh(x, &l.pt) > 0);
+        assert_int_equal(x->brdf.n > 0, mirrors);
+        w.guide.guess.knows = knows;
+        assert_int_equal(steps->rays(steps, x, s.shadowrays), knows && !mirrors ? 24 : 8);
+        assert_int_equal(steps->has_control(steps, x, &l.pt), knows && !mirrors && diffuse);
+    }
+    close_workspace(&w);
+    bis_light_free(light);
+}
+
+/* The marks over the clusters, the place in them and the marks over the candidates are three numbers of the stream, of
+ * the two dimensions that are named for them; with another one for two of these the choices would go together. */
+static void marks_and_phase_are_numbers_of_their_own(void **state)
+{
+    enum { M = 64 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(M, 4, false);
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    float *memory = bis_alloc(BIS_LANES_ARRAYS * M, sizeof *memory);
+    const bis_lanes same = bis_lanes_in(memory, M);
+    workspace w;
+    lit l;
+
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), tilted(), 40, LIT_OPEN);
+    open_workspace(&w, light, &s, false);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    for (uint64_t pixel = 0; pixel < 5; pixel++) {
+        bis_set *x = w.scratch.set;
+        bis_stream stream, again;
+        double marks[1][2], phase[1][2];
+        uint16_t part[M];
+        bis_stream_init(&stream, &sampler, pixel, 0);
+        again = stream;
+        assert_true(bis_set_draw(x, M, s.proposal, true, &l.pt, &stream));
+        bis_stream_points(&again, BIS_DIM_MARKS, 1, marks);
+        bis_stream_points(&again, BIS_DIM_PHASE, 1, phase);
+        assert_int_equal(
+            bis_product_draw(&w.guide.product, &w.c, &same, part, NULL, M, marks[0][0], phase[0][0], pixel), M);
+        assert_true(x->map.n == M && x->map.first == 0 && x->brdf.n == 0 && x->mark == marks[0][1]);
+        assert_memory_equal(x->part, part, sizeof part);
+        assert_memory_equal(x->map.x.x, same.x, M * sizeof *same.x);
+        assert_memory_equal(x->map.x.q, same.q, M * sizeof *same.q);
+    }
+    bis_free(memory);
     close_workspace(&w);
     bis_light_free(light);
 }
@@ -1232,6 +1359,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clusters_share_the_curve_and_none_is_empty),
+        cmocka_unit_test(the_number_of_clusters_follows_M_between_its_limits),
         cmocka_unit_test(directions_fill_their_pixels_and_are_drawn_anew_in_each_pass),
         cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
@@ -1248,8 +1376,11 @@ int main(void)
         cmocka_unit_test(few_candidates_of_a_lamp_leave_the_mean_where_it_is),
         cmocka_unit_test(a_lamp_has_four_candidates_at_most),
         cmocka_unit_test(more_rays_are_cast_where_little_light_is_expected),
+        cmocka_unit_test(under_a_mirror_s_lobe_nothing_that_was_learned_is_used),
+        cmocka_unit_test(marks_and_phase_are_numbers_of_their_own),
         cmocka_unit_test(guess_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
+        cmocka_unit_test(a_count_is_halved_where_it_would_not_fit),
         cmocka_unit_test(a_tile_expects_what_its_square_has_seen),
         cmocka_unit_test(few_clusters_have_a_small_tree),
         cmocka_unit_test(the_smallest_closed_square_is_asked),

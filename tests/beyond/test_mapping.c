@@ -649,6 +649,79 @@ static void a_pixel_is_the_mean_of_k_x_k_places(void **state)
     }
 }
 
+/* What places count of two lamps: red and green of a picture that is black but for these two pixels. */
+typedef struct two_lamps {
+    bis_image image;
+    bis_raster marks;
+    int at[2];
+} two_lamps;
+
+/* How much of pixel i the two lamps are, and how many places along a side it needs to say so: 32 where they are neither
+ * all of it nor nothing of k x k. */
+static int shares_of_lamps(double share[2], const two_lamps *l, const bis_raster *to, int k, int i)
+{
+    rgb seen = mean_of_places(to, &l->marks, k, i);
+    const bool is_plain = (seen.r == 0 && seen.g == 0) || seen.r == 1 || seen.g == 1;
+    if (!is_plain && k < 32) seen = mean_of_places(to, &l->marks, k = 32, i);
+    share[0] = (double)seen.r, share[1] = (double)seen.g;
+    return k;
+}
+
+/* Stores in `source` each lamp's radiance times its solid angle over the one that it has received. */
+static void make_lamps_whole(const bis_raster *source, const two_lamps *l, const bis_raster *to, int k)
+{
+    double received[2] = {0}, share[2];
+    for (int i = 0; i < to->width * to->height; i++) {
+        const double area = share_of_sphere(to, i);
+        if (!(area > 0)) continue;
+        shares_of_lamps(share, l, to, k, i);
+        for (int j = 0; j < 2; j++) received[j] += share[j] * area;
+    }
+    for (int j = 0; j < 2; j++) {
+        rgb *const c = &source->pixels[l->at[j]];
+        assert_true(received[j] > 0);
+        *c = rgb_scale(*c, share_of_sphere(source, l->at[j]) / received[j]);
+    }
+}
+
+/* As a_pixel_is_the_mean_of_k_x_k_places, with two lamps side by side, one of them in green alone. A pixel that shows
+ * both, or an edge of them, is the mean of 32 x 32 places, or of k x k if these are more. What a lamp has received is
+ * made up for in its radiance, and only what is left of the error in all pixels. */
+static void a_pixel_with_an_edge_of_a_lamp_is_the_mean_of_32_x_32_places(void **state)
+{
+    for (size_t n = 0; n < sizeof resamplings / sizeof *resamplings; n++) {
+        const int width = resamplings[n].from_width, height = resamplings[n].from_height, k = resamplings[n].k;
+        const int at = 2 * height / 5 * width + 2 * width / 5;
+        bis_image image = black(width, height), source = black(width, height);
+        two_lamps l = {black(width, height), {resamplings[n].from, width, height, 1, NULL}, {at, at + 1}};
+        const bis_raster from = {resamplings[n].from, width, height, 1, source.pixels};
+        double power[2], before[3], after[3], share[2];
+        l.marks.pixels = l.image.pixels;
+        l.image.pixels[at].r = l.image.pixels[at + 1].g = 1;
+        for (int i = 0; i < width * height; i++) source.pixels[i] = (rgb){1.5f + 0.01f * (float)(i % 7), 1.5f, 1.25f};
+        source.pixels[at] = (rgb){300, 400, 200};
+        source.pixels[at + 1].g = 700;
+        memcpy(image.pixels, source.pixels, (size_t)(width * height) * sizeof *image.pixels);
+        integrals(before, &from);
+        const bis_raster to = resampled(resamplings[n].to, resamplings[n].width, &image, from.mapping, power);
+        bis_image other = black(to.width, to.height);
+        const bis_raster expected = {to.mapping, to.width, to.height, 1, other.pixels};
+        make_lamps_whole(&from, &l, &to, k);
+        for (int i = 0; i < to.width * to.height; i++)
+            if (share_of_sphere(&to, i) > 0)
+                other.pixels[i] = mean_of_places(&to, &from, shares_of_lamps(share, &l, &to, k, i), i);
+        integrals(after, &expected);
+        for (int i = 0; i < 3 * to.width * to.height; i++) {
+            const double value = channel_of(other.pixels[i / 3], i % 3) * before[i % 3] / after[i % 3];
+            assert_near(channel_of(to.pixels[i / 3], i % 3), value, 3e-6 * value);
+        }
+        bis_image_clear(&other);
+        bis_image_clear(&image);
+        bis_image_clear(&source);
+        bis_image_clear(&l.image);
+    }
+}
+
 /* A pixel is a lamp if it has a thousandth of a channel's energy, or in a small map four times its share. What the
  * picture's pixels give to it, too much or too little, is made up for by itself; else by the sky around it, the more
  * the brighter it is. So the sky tells on which side of the limit it was. */
@@ -1009,6 +1082,7 @@ int main(void)
         cmocka_unit_test(a_shape_fits_or_not),
         cmocka_unit_test(a_picture_is_as_large_as_its_map),
         cmocka_unit_test(a_pixel_is_the_mean_of_k_x_k_places),
+        cmocka_unit_test(a_pixel_with_an_edge_of_a_lamp_is_the_mean_of_32_x_32_places),
         cmocka_unit_test(a_thousandth_of_a_channel_is_a_lamp),
         cmocka_unit_test(a_constant_stays_constant_there_and_back),
         cmocka_unit_test(a_smooth_map_comes_back),

@@ -98,6 +98,75 @@ static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
     }
 }
 
+/* Pixel i of a thin film stands for pixel k i + k/2 of the picture, and a crop has those that it would have there. */
+static void a_thin_film_has_the_middle_one_of_each_k_pixels(void **state)
+{
+    for (int step = 1; step <= 6; step++)
+        for (int n = 1; n < 30; n++)
+            for (int lo = 0; lo < n; lo += 3) {
+                const double crop[4] = {(double)lo / n, 1, 0, (double)(lo + 1) / n};
+                const int first = (int)ceil(n * crop[0]), end = (int)ceil((n + 5) * crop[3]);
+                int before = 0, all = 0, rows = 0, all_rows = 0;
+                for (int at = step / 2; at < n + 5; at += step) {
+                    before += at < first, all += at < n;
+                    rows += at < end, all_rows++;
+                }
+                const bis_film f = bis_film_place(n, n + 5, crop, step);
+                assert_true(f.full_width == all && f.full_height == all_rows && f.step == step);
+                assert_true(f.x0 == before && f.width == all - before && f.y0 == 0 && f.height == rows);
+            }
+}
+
+/* The tile that a pixel of a crop lies in is the one whose pixels it is among. */
+static void a_pixel_is_found_in_its_tile(void **state)
+{
+    for (int x0 = 0; x0 < 9; x0++)
+        for (int y0 = 0; y0 < 6; y0++) {
+            int across;
+            const bis_film f = {.full_width = 13, .full_height = 9, .x0 = x0, .y0 = y0, .width = 13 - x0,
+                                .height = 9 - y0, .step = 1};
+            const int n = bis_film_tiles(&f, 4, &across);
+            for (int t = 0; t < n; t++) {
+                const bis_rect r = bis_film_tile_of_crop(&f, 4, t);
+                for (int y = r.y0; y < r.y1; y++)
+                    for (int x = r.x0; x < r.x1; x++) assert_int_equal(bis_film_tile_at(&f, 4, x, y), t);
+            }
+        }
+}
+
+/* Passes of weights 1, 1, 2, 4, 4. The deviation is the root of the mean of (L - mean)^2, weighted. The first half is
+ * kept before each pass that finds twice the weight of the half before: at 1, 2, 4 and 8, but not at 8 if fewer than 12
+ * are to come in all. A twin has its halves likewise. */
+static void passes_have_a_deviation_and_a_first_half(void **state)
+{
+    static const double weights[5] = {1, 1, 2, 4, 4}, values[5] = {3, 1, 7, 2, 5};
+    static const struct { double most, half, mean; } cases[] = {
+        {0, 8, 26 / 8.0}, {12, 8, 26 / 8.0}, {11, 4, 18 / 4.0}, {40, 8, 26 / 8.0}, {5, 2, 4 / 2.0}};
+    for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+        bis_film f;
+        double squares = 0;
+        init(&f, 1, 1);
+        assert_int_equal(bis_film_want_twins(&f, NULL), BIS_OK);
+        f.most = cases[n].most;
+        for (int k = 0; k < 5; k++) {
+            const rgb L = rgb_from(values[k], 2 * values[k], 1);
+            bis_film_add(&f, 0, 0, L, 1, weights[k]);
+            bis_film_add_twin(&f, &(bis_twin){.at = 0}, rgb_from(1, values[k], 3 * values[k]), weights[k]);
+            bis_film_end_pass(&f, weights[k]);
+        }
+        for (int k = 0; k < 5; k++) squares += weights[k] * pow(values[k] - 46 / 12.0, 2) / 12;
+        assert_true(f.sum[0] == 46 && f.sum[1] == 92 && f.sum[2] == 12 && f.weight == 12 && f.passes == 5);
+        assert_true(fabs((double)f.deviation[0] - sqrt(squares)) < 1e-6);
+        assert_true(fabs((double)f.deviation[1] - 2 * sqrt(squares)) < 1e-6 && f.deviation[2] == 0);
+        assert_true(fabs(bis_film_variance(&f, 1) - 4 * squares / 4) < 1e-6);
+        assert_true(f.half_weight == cases[n].half);
+        assert_true(fabs((double)f.half[0] - cases[n].mean) < 1e-6 && f.half[2] == 1);
+        assert_true(f.twin[1] == 46 && f.twin[2] == 138 && fabs(f.twin[4] - cases[n].mean) < 1e-12);
+        assert_true(f.twin[3] == 1 && fabs(f.twin[5] - 3 * cases[n].mean) < 1e-12);
+        bis_film_clear(&f);
+    }
+}
+
 /* Of a picture of 400 x 240: sides of sqrt(96000 / 1500) = 8 pixels. All crops and tiles find the twins that the
  * picture has there, each once, and none elsewhere. */
 static void crops_and_tiles_have_the_twins_of_their_picture(void **state)
@@ -322,6 +391,9 @@ int main(void)
         cmocka_unit_test(a_crop_is_read_from_four_numbers),
         cmocka_unit_test(crop_is_rounded_as_pbrt_does),
         cmocka_unit_test(the_tiles_of_a_crop_are_those_of_its_picture),
+        cmocka_unit_test(a_thin_film_has_the_middle_one_of_each_k_pixels),
+        cmocka_unit_test(a_pixel_is_found_in_its_tile),
+        cmocka_unit_test(passes_have_a_deviation_and_a_first_half),
         cmocka_unit_test(crops_and_tiles_have_the_twins_of_their_picture),
         cmocka_unit_test(twins_lie_anywhere_in_their_squares),
         cmocka_unit_test(small_pictures_have_a_twin_for_9_pixels),

@@ -801,6 +801,34 @@ static void reports_say_what_is_done_and_what_is_left(void **state)
     }
 }
 
+static rgb dark_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    ticking_Lo(s, pt, stream, scratch);
+    return (rgb){0, 0, 0};
+}
+
+/* The error of a black picture is 0, so its third pass reaches any error budget, and the last report says that nothing
+ * is left. Before it nothing is known: a share of 0, and seconds that are not a number. */
+static void an_error_of_0_is_the_whole_budget(void **state)
+{
+    telling t = {0};
+    const bis_render_options options = {.budget = {.error = 1e-9}, .n_threads = 1, .progress = note_report, .user = &t};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    bis_integrator dark = ticking;
+    dark.Lo = dark_Lo;
+    make_ticking(&w, 1, FOR_EVER);
+    w.desc.view.settings.integrator = &dark;
+    render_part(&film, &result, &w, one_pixel, &options);
+    assert_int_equal(result.passes, 3);
+    assert_int_equal(t.n, 4);
+    for (int k = 0; k < 3; k++) assert_true(t.reports[k].share == 0 && isnan(t.reports[k].seconds_left));
+    assert_true(t.reports[3].share == 1 && t.reports[3].seconds_left == 0 && t.reports[3].passes_done == 3);
+    bis_film_clear(&film);
+    clear_ticking(&w);
+}
+
 static uint64_t kept_samples(const char *path, double *seconds)
 {
     bis_checkpoint c = {0};
@@ -1561,6 +1589,7 @@ int main(void)
         cmocka_unit_test(progress_grows_to_the_whole_budget),
         cmocka_unit_test(time_is_used_up_as_by_hand),
         cmocka_unit_test(reports_say_what_is_done_and_what_is_left),
+        cmocka_unit_test(an_error_of_0_is_the_whole_budget),
         cmocka_unit_test(the_result_so_far_is_told_once_in_an_interval),
         cmocka_unit_test(the_film_is_told_how_many_samples_are_expected),
         cmocka_unit_test(a_checkpoint_is_kept_once_in_an_interval),

@@ -423,6 +423,7 @@ typedef struct fake_ranks {
     bool ends;               /* once no message is left for rank 0, no rank holds a tile */
     bool answers_all, gives; /* each message is answered in its turn; or only where tiles are to go to rank 0 */
     int n_answered;
+    int n_waits, n_looks; /* how often rank 0 has waited for a message, and looked for one */
     bis_sched_step step; /* the last that was broadcast */
     double progress;
 } fake_ranks;
@@ -507,6 +508,8 @@ static unsigned char *answer(bis_ranks *ranks, int *from, size_t *n, bool wait)
 {
     fake_ranks *d = (fake_ranks *)ranks;
 
+    d->n_waits += wait;
+    d->n_looks += !wait;
     while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
         answer_message(d, &d->sent[d->n_answered++]);
     if (!d->n_answer && d->stops) {
@@ -894,6 +897,7 @@ static void what_others_have_learned_is_asked_for(void **state)
     expect_message(&d, &at, 2, BIS_SCHED_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
     expect_message(&d, &at, 2, BIS_SCHED_STOP, 0, false, tiles, 0);
     assert_int_equal(d.n_sent, at);
+    assert_true(d.n_waits == 3 && d.n_looks == 0); /* the other ranks need time to answer */
     assert_true(d.step.next == BIS_SCHED_GATHER && d.step.passes == 7 && d.step.status == BIS_OK);
     const unsigned char *known = (const unsigned char *)d.w.visibility.known;
     for (size_t i = 0; i < 49 * LEARNED; i++) {

@@ -792,32 +792,34 @@ static void a_sliver_too_thin_for_the_rounding_is_in_more_cells(void **state)
 
 /* A unit ball in 8 x 8 x 8 cells, so of radius 4, and a disk of radius 3.2 in the layer above the middle. A cell at |i|
  * to |i| + 1 from the middle along each axis holds the ball where its nearest corner is within 4 and its farthest is
- * not; no corner of a cell lies at 4. */
+ * not; no corner of a cell lies at 4. Around the origin, and far to either side of it along each axis. */
 static void quadrics_are_in_the_cells_that_they_meet(void **state)
 {
-    const bis_quadric q[2] = {{BIS_SPHERE, 1, 0, bis_xform_identity(), 0},
-                              {BIS_DISK, 0.8, 0.125, bis_xform_identity(), 0}};
-    bis_geometry g = {0};
-    bis_accel *a;
-    for (int k = 0; k < 2; k++) assert_int_equal(bis_geometry_add_quadric(&g, &q[k], NULL), BIS_OK);
-    const bis_grid *grid = grid_of(&a, &g, 256);
-    assert_int_equal(grid->n_cells, 512);
-    for (int c = 0; c < 512; c++) {
-        const int at[3] = {c % 8 - 4, c / 8 % 8 - 4, c / 64 - 4};
-        int near = 0, far = 0, beside = 0;
-        for (int k = 0; k < 3; k++) {
-            const int i = at[k] < 0 ? -1 - at[k] : at[k];
-            near += i * i, far += (i + 1) * (i + 1);
-            if (k == 1) beside = near;
+    for (int side = -1; side <= 1; side++) {
+        const bis_xform there = bis_xform_translate(2 * side, 3 * side, 5 * side);
+        const bis_quadric q[2] = {{BIS_SPHERE, 1, 0, there, 0}, {BIS_DISK, 0.8, 0.125, there, 0}};
+        bis_geometry g = {0};
+        bis_accel *a;
+        for (int k = 0; k < 2; k++) assert_int_equal(bis_geometry_add_quadric(&g, &q[k], NULL), BIS_OK);
+        const bis_grid *grid = grid_of(&a, &g, 256);
+        assert_int_equal(grid->n_cells, 512);
+        for (int c = 0; c < 512; c++) {
+            const int at[3] = {c % 8 - 4, c / 8 % 8 - 4, c / 64 - 4};
+            int near = 0, far = 0, beside = 0;
+            for (int k = 0; k < 3; k++) {
+                const int i = at[k] < 0 ? -1 - at[k] : at[k];
+                near += i * i, far += (i + 1) * (i + 1);
+                if (k == 1) beside = near;
+            }
+            const uint32_t *item = grid->items + grid->offsets[c];
+            const bool ball = near < 16 && far > 16, disk = at[2] == 0 && beside < 10.24;
+            assert_int_equal(grid->offsets[c + 1] - grid->offsets[c], ball + disk);
+            if (ball) assert_int_equal(item[0], 0);
+            if (disk) assert_int_equal(item[ball], 1);
         }
-        const uint32_t *item = grid->items + grid->offsets[c];
-        const bool ball = near < 16 && far > 16, disk = at[2] == 0 && beside < 10.24;
-        assert_int_equal(grid->offsets[c + 1] - grid->offsets[c], ball + disk);
-        if (ball) assert_int_equal(item[0], 0);
-        if (disk) assert_int_equal(item[ball], 1);
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
     }
-    bis_accel_free(a);
-    bis_geometry_clear(&g);
 }
 
 static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)

@@ -6,6 +6,7 @@
 #include "claim.h"
 #include "lack.h"
 #include "mesh_help.h"
+#include "shape/make_grid.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -265,6 +266,76 @@ static void the_size_of_patches_is_that_of_all_corners(void **state)
     }
 }
 
+/* A side of a patch that turns around at v = 1/3, as far as floats tell: (1 - 3v) d (1, 0, 0.7) beside (0.3f.., 1, ..).
+ * The other rows have the normal of one or the other side, and that row has the faces'. d is 0.1: 30 x 30 pieces. */
+static void where_the_sides_of_a_patch_cross_the_normals_are_the_faces(void **state)
+{
+    static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
+    const float d = .1f;
+    const vec3 points[4] = {{.1f, 0, 0}, {.1f + d, 0, .7f * d}, {.3f, 1, 0}, {.3f - 2 * d, 1, -1.4f * d}};
+    bis_mesh m = new_mesh(4, 0);
+    memcpy(m.p, points, sizeof points);
+    assert_int_equal(bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(m.n_vertices, 31 * 31);
+    for (size_t i = 0; i < m.n_vertices; i++) {
+        const double u = (double)(i % 31) / 30, v = (double)(i / 31) / 30, turn = 1 - 3 * v;
+        const double along[3] = {turn, 0, .7 * turn}, across[3] = {.2 - .3 * u, 1, -.21 * u};
+        double n[3], at[3];
+        d3(at, m.n[i]);
+        if (i / 31 == 10) {
+            assert_true(at[0] == 0 && at[1] == 0 && at[2] == 0);
+            continue;
+        }
+        for (int c = 0; c < 3; c++)
+            n[c] = along[(c + 1) % 3] * across[(c + 2) % 3] - along[(c + 2) % 3] * across[(c + 1) % 3];
+        unit3(n);
+        assert_true(dot3(at, n) > 1 - 1e-6);
+    }
+    bis_mesh_clear(&m);
+}
+
+/* Tangents of lengths 3 and 5, whose product is 12: errors a and b can make 2 (5 a + 3 b) of them. */
+static void a_normal_that_the_errors_can_make_is_none(void **state)
+{
+    static const double along[3] = {0, 3, 0}, across[3] = {0, 3, 4};
+    static const struct {
+        double noise[2], x;
+    } rows[] = {{{0, 0}, 12},     {{1.2, 0}, 0},    {{1.1875, 0}, 12}, {{0, 2}, 0},
+                {{0, 1.9375}, 12}, {{0.6, 1}, 0},   {{0.625, 1}, 0},   {{0.5625, 1}, 12}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        double n[3];
+        bis_grid_normal(n, along, across, rows[i].noise);
+        assert_true(n[0] == rows[i].x && n[1] == 0 && n[2] == 0);
+    }
+}
+
+/* Squares of side s, of which the largest coordinate is 1. Their normal is s^2, and none if s^2 <= 2 (e s + e s), where
+ * e is the error of a tangent's part. A patch: e = 2^-23, so s = 2^-21. A NURBS surface at its first corner, which is
+ * (1, 1): the sizes are 1 + (1 - s), and 1 + 1 of the weights, so e = 2^-44 (4 - s), and s is 2^-40 but for a share of
+ * 2^-42. */
+static void squares_as_small_as_their_errors_have_no_normal(void **state)
+{
+    static const double flat[4] = {0, 0, 1, 1}, sides[2][2] = {{0x1p-21, 0x1.2p-21}, {0x0.fp-40, 0x1.1p-40}};
+    static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
+    for (int kind = 0; kind < 2; kind++)
+        for (int larger = 0; larger < 2; larger++) {
+            const double s = sides[kind][larger];
+            double net[4][4];
+            bis_mesh m = {0};
+            if (kind == 0) m = new_mesh(4, 0);
+            for (int k = 0; k < 4; k++) {
+                const double p[4] = {k % 2 ? 1 - s : 1, k / 2 ? 1 - s : 1, 0.5, 1};
+                for (int c = 0; c < 4; c++) net[k][c] = 2 * p[c]; /* all weights are 2, which changes nothing */
+                if (kind == 0) m.p[k] = vec3_from(p[0], p[1], p[2]);
+            }
+            const bis_nurbs n = {{2, 2}, {2, 2}, {flat, flat}, (const double (*)[4])net, {{0, 1}, {0, 1}}};
+            if (kind == 0) assert_int_equal(bis_make_patches(&m, corner, 1, (bis_loc){0}, NULL), BIS_OK);
+            else assert_int_equal(bis_make_nurbs(&m, &n, (bis_loc){0}, NULL), BIS_OK);
+            assert_true(m.n[0].x == 0 && m.n[0].y == 0 && m.n[0].z == (float)larger);
+            bis_mesh_clear(&m);
+        }
+}
+
 static void patches_interpolate_normals_and_coordinates(void **state)
 {
     static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
@@ -287,17 +358,21 @@ static void patches_interpolate_normals_and_coordinates(void **state)
 
 static void a_height_field_spans_the_unit_square(void **state)
 {
-    static const double z[6] = {0, 1, 2, 3, 4, 5};
+    static const double z[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+    static const uint32_t least[6] = {0, 1, 2, 4, 5, 6}; /* the corner of each piece */
     bis_mesh m;
-    assert_int_equal(bis_make_height_field(&m, z, 3, 2, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(m.n_triangles, 4);
+    assert_int_equal(bis_make_height_field(&m, z, 4, 3, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(m.n_vertices, 12);
+    assert_int_equal(m.n_triangles, 12);
     assert_null(m.n);
-    for (size_t i = 0; i < 6; i++) {
-        assert_true(m.p[i].x == (float)(i % 3) / 2 && m.p[i].y == (float)(i / 3) && m.p[i].z == (float)i);
+    for (size_t i = 0; i < 12; i++) {
+        assert_true(m.p[i].x == (float)(i % 4) / 3 && m.p[i].y == (float)(i / 4) / 2 && m.p[i].z == (float)i);
         assert_true(m.uv[i].u == m.p[i].x && m.uv[i].v == m.p[i].y);
     }
-    assert_triangle(&m, 0, 0, 1, 4);
-    assert_triangle(&m, 1, 0, 4, 3);
+    for (size_t i = 0; i < 6; i++) {
+        assert_triangle(&m, 2 * i, least[i], least[i] + 1, least[i] + 5);
+        assert_triangle(&m, 2 * i + 1, least[i], least[i] + 5, least[i] + 4);
+    }
     bis_mesh_clear(&m);
 }
 
@@ -328,6 +403,36 @@ static void a_rational_patch_is_a_sphere(void **state)
         if (m.uv[i].v < 4) assert_true(dot3(p, n) > 1 - 1e-6); /* at the pole dpdu is 0 */
     }
     bis_mesh_clear(&m);
+}
+
+/* The octant above, a tenth as large, and not around the origin, so that the pole's tangent is rounding noise: the row
+ * there has the normals of the faces, the other rows have those of the sphere. pole = 0 has the pole at v = 0. */
+static void the_pole_of_a_nurbs_surface_has_the_normals_of_the_faces(void **state)
+{
+    static const double knots[6] = {2, 2, 2, 4, 4, 4}, quarter[3][2] = {{1, 0}, {1, 1}, {0, 1}};
+    static const double centre[3] = {.3, -.7, 1.9};
+    for (int pole = 0; pole < 2; pole++) {
+        double net[9][4];
+        bis_mesh m;
+        for (int k = 0; k < 9; k++) {
+            const double *up = quarter[pole ? k / 3 : 2 - k / 3], *round = quarter[k % 3];
+            const double w = (k % 3 == 1 ? sqrt(.5) : 1) * (k / 3 == 1 ? sqrt(.5) : 1);
+            const double p[3] = {up[0] * round[0], up[0] * round[1], up[1]};
+            for (int c = 0; c < 3; c++) net[k][c] = w * (centre[c] + .1 * p[c]);
+            net[k][3] = w;
+        }
+        const bis_nurbs s = {{3, 3}, {3, 3}, {knots, knots}, (const double (*)[4])net, {{2, 4}, {2, 4}}};
+        assert_int_equal(bis_make_nurbs(&m, &s, (bis_loc){0}, NULL), BIS_OK);
+        for (size_t i = 0; i < m.n_vertices; i++) {
+            double p[3], n[3];
+            d3(p, m.p[i]);
+            d3(n, m.n[i]);
+            for (int c = 0; c < 3; c++) p[c] = (p[c] - centre[c]) * (pole ? 10 : -10);
+            if (i / 65 == (pole ? 64 : 0)) assert_true(n[0] == 0 && n[1] == 0 && n[2] == 0);
+            else assert_true(dot3(p, n) > 1 - 1e-5);
+        }
+        bis_mesh_clear(&m);
+    }
 }
 
 /* Greville's abscissae as points: x(u) = u for every order, also between knots of all kinds. */
@@ -712,10 +817,14 @@ int main(void)
         cmocka_unit_test(a_tip_has_the_normals_of_the_lines_that_meet_there),
         cmocka_unit_test(patches_lie_on_the_hyperbolic_paraboloid),
         cmocka_unit_test(the_size_of_patches_is_that_of_all_corners),
+        cmocka_unit_test(where_the_sides_of_a_patch_cross_the_normals_are_the_faces),
+        cmocka_unit_test(a_normal_that_the_errors_can_make_is_none),
+        cmocka_unit_test(squares_as_small_as_their_errors_have_no_normal),
         cmocka_unit_test(patches_interpolate_normals_and_coordinates),
         cmocka_unit_test(patches_of_no_size_and_too_many_patches),
         cmocka_unit_test(a_height_field_spans_the_unit_square),
         cmocka_unit_test(a_rational_patch_is_a_sphere),
+        cmocka_unit_test(the_pole_of_a_nurbs_surface_has_the_normals_of_the_faces),
         cmocka_unit_test(b_splines_reproduce_the_line),
         cmocka_unit_test(a_nurbs_surface_is_that_of_its_definition),
         cmocka_unit_test(vertices_and_normals_are_the_limits_of_the_rules),
