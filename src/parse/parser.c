@@ -235,10 +235,11 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     }
 }
 
-/* A word that is likely a directive's name: after a mistake we go on there. */
+/* A word that is likely a directive's name: after a mistake we go on there. Infinity is a number's, and was told. */
 static bool starts_directive(const bis_token *t)
 {
-    return t->kind == BIS_TOKEN_WORD && t->text[0] >= 'A' && t->text[0] <= 'Z' && t->length >= 4;
+    return t->kind == BIS_TOKEN_WORD && t->text[0] >= 'A' && t->text[0] <= 'Z' && t->length >= 4 &&
+           !bis_token_is_nonfinite(t);
 }
 
 /* Takes one directive, or one token more of what is lost. */
