@@ -152,8 +152,8 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
 #define IMAGE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" "
-    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
-    assert_true(d->n_missing == 2 && d->textures.n_files == 2); /* the same name is the same image */
+    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b\" " IMAGE "\"c\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
+    assert_true(d->n_missing == 3 && d->textures.n_files == 3); /* the same name is the same image */
     bis_scene_desc_free(d);
 #undef IMAGE
 }
