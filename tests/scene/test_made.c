@@ -357,8 +357,8 @@ static void each_nurbs_has_its_net_and_its_ends(void **state)
 }
 
 /* With --approximate a texture as u0 becomes three numbers behind all others, which move where there is no room, the
- * knots with them. One of the cases meets the end of the room for 128 numbers, because each has two more behind them. The
- * net takes as much memory as these: it may lie where they were. */
+ * knots with them. One of the cases meets the end of the room for 128 numbers, because each has two more behind it.
+ * The net takes as much memory as these: it may lie where they were. */
 static void knots_stay_what_they_are_where_an_end_is_a_texture(void **state)
 {
     char text[4096], net[1024] = "";
