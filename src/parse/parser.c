@@ -80,6 +80,7 @@ static void directive_world_begin(bis_parser *p, bis_loc at)
     p->in_world = true;
     p->is_v2 = p->v2_word && !p->seen[BIS_SINGLE_INTEGRATOR].line; /* Integrator came with v3 */
     p->now.ctm = bis_xform_identity();
+    p->now.is_flat = p->now.at_end = false; /* as in pbrt: what follows is of both ends of a motion again */
     bis_parser_name_system(p, "world", &p->now.ctm, at);
 }
 
