@@ -196,9 +196,16 @@ static bool grow_table(reader *r)
     return true;
 }
 
-static uint32_t no_memory(reader *r)
+static void no_memory(reader *r, size_t n, const char *what)
 {
-    r->status = bis_mesh_refuse(&r->in, r->line, BIS_NOMEM, "no memory for %zu vertices", r->mesh->n_vertices + 1);
+    r->status = bis_mesh_refuse(&r->in, r->line, BIS_NOMEM, "no memory for %zu %s", n, what);
+}
+
+static void no_vertices(reader *r) { no_memory(r, r->mesh->n_vertices, "vertices"); }
+
+static uint32_t no_further_vertex(reader *r)
+{
+    no_memory(r, r->mesh->n_vertices + 1, "vertices");
     return 0;
 }
 
@@ -221,14 +228,14 @@ static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
     if (vt != NONE) r->any_uv = true;
     if (!r->first_vn && !r->first_vt) return v;
     if (is_first(r, v, vt, vn)) return v;
-    if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_memory(r);
+    if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_further_vertex(r);
     obj_corner *p = find_corner(r->table, r->table_size, v, vt, vn);
     if (p->vertex != FREE) return p->vertex;
     if (m->n_vertices >= UINT32_MAX - 1) {
         r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
         return 0;
     }
-    if (!BIS_ROOM(m->p, r->capacity_vertices, m->n_vertices)) return no_memory(r);
+    if (!BIS_ROOM(m->p, r->capacity_vertices, m->n_vertices)) return no_further_vertex(r);
     r->n_pairs++;
     /* The source position may not have been read yet: finish_vertices copies it. */
     *p = (obj_corner){v, vt, vn, (uint32_t)m->n_vertices++};
@@ -303,22 +310,24 @@ static char *take_rest(reader *r)
     skip_blanks(r);
     const unsigned char *start = r->p, *end;
     while (!is_line_end(r)) r->p++;
-    for (end = r->p; end > start && is_blank(end[-1]);) end--;
-    char *text = bis_strndup((const char *)start, (size_t)(end - start));
-    if (!text) no_memory(r);
-    return text;
+    end = r->p;
+    if (r->p < r->end && end > start && end[-1] == '\\') end--; /* it says that the line goes on, and is no text */
+    while (end > start && is_blank(end[-1])) end--;
+    return bis_strndup((const char *)start, (size_t)(end - start));
 }
 
 /* The faces that come are of another part. */
 static void read_usemtl(reader *r)
 {
     char *name = take_rest(r);
+    const size_t n = r->parts.n + 1;
+    bool ok = name != NULL;
 
-    if (!name) return;
-    if (!bis_names_find(&r->parts, name, &r->part)) {
-        r->part = (uint32_t)r->parts.n + 1;
-        if (!bis_names_set(&r->parts, name, r->part)) no_memory(r);
+    if (ok && !bis_names_find(&r->parts, name, &r->part)) {
+        r->part = (uint32_t)n;
+        ok = bis_names_set(&r->parts, name, r->part);
     }
+    if (!ok) no_memory(r, n, "materials");
     bis_free(name);
 }
 
@@ -329,7 +338,7 @@ static void set_parts(reader *r, size_t first)
 
     for (size_t i = first; i < m->n_triangles && !r->status; i++) {
         if (BIS_ROOM(m->part, r->capacity_part, i)) m->part[i] = r->part;
-        else no_memory(r);
+        else no_memory(r, m->n_triangles, "triangles");
     }
 }
 
@@ -385,7 +394,7 @@ static void allocate(reader *r)
         r->first_vt = bis_alloc(r->n_v, sizeof *r->first_vt);
     }
     if (!m->p || !r->normals || (r->n_vn > 0 && !r->first_vn) || (r->n_vt > 0 && !(r->uv && r->first_vt)))
-        no_memory(r);
+        no_vertices(r);
     for (size_t i = 0; r->first_vt && i < r->n_v; i++) r->first_vt[i] = FREE;
     for (size_t i = 0; r->first_vn && i < r->n_v; i++) r->first_vn[i] = FREE;
 }
@@ -411,7 +420,7 @@ static void finish_uv(reader *r)
 
     m->uv = bis_alloc(m->n_vertices, sizeof *m->uv);
     if (!m->uv) {
-        no_memory(r);
+        no_vertices(r);
         return;
     }
     for (size_t i = 0; i < m->n_vertices; i++) m->uv[i] = (bis_uv){NAN, 0};
@@ -431,7 +440,7 @@ static void finish_vertices(reader *r)
         if (r->table[i].vertex != FREE) m->p[r->table[i].vertex] = m->p[r->table[i].v];
     if (r->any_uv) finish_uv(r);
     if (r->any_normal) m->n = bis_alloc(m->n_vertices, sizeof *m->n);
-    if (r->any_normal && !m->n) no_memory(r);
+    if (r->any_normal && !m->n) no_vertices(r);
     if (!m->n) return;
     for (size_t i = 0; i < r->n_v; i++)
         if (r->first_vn[i] != FREE && r->first_vn[i] != NONE) m->n[i] = r->normals[r->first_vn[i] - 1];
@@ -512,12 +521,11 @@ static void read_mtllib(reader *r, bis_obj_materials *out)
     const int line = r->line;
     char *name = take_rest(r);
 
-    if (!name) return;
-    if (BIS_ROOM(out->libraries, out->capacity_libraries, out->n_libraries)) {
+    if (name && BIS_ROOM(out->libraries, out->capacity_libraries, out->n_libraries)) {
         out->libraries[out->n_libraries++] = (bis_obj_library){name, line};
     } else {
         bis_free(name);
-        no_memory(r);
+        no_memory(r, out->n_libraries + 1, "libraries of materials");
     }
 }
 
@@ -525,7 +533,7 @@ static void note_face(reader *r, bis_obj_materials *out)
 {
     while (out->n_shown <= r->part && !r->status) {
         if (BIS_ROOM(out->is_shown, out->capacity_shown, out->n_shown)) out->is_shown[out->n_shown++] = false;
-        else no_memory(r);
+        else no_memory(r, r->part + (size_t)1, "materials");
     }
     if (!r->status) out->is_shown[r->part] = true;
 }

@@ -369,13 +369,13 @@ static bis_status skip_element(reader *r, const ply_element *e)
 
 static bis_status read_element(reader *r, const ply_element *e)
 {
-    /* the last white space may lack */
-    const size_t least = bis_ply_least_row(r->header, e), left = (size_t)(r->end - r->p) + 1;
+    const size_t least = bis_ply_least_row(r->header, e), left = (size_t)(r->end - r->p);
+    const size_t lacks = r->header->format == PLY_ASCII; /* the last white space may lack */
 
-    if (least > 0 && e->count > left / least)
+    if (least > 0 && e->count > (left + lacks) / least)
         return bis_mesh_refuse(r->in, 0, BIS_INPUT,
                                "%zu rows of \"%.*s\" of at least %zu bytes each, but the file has %zu bytes left",
-                               e->count, e->name.length, e->name.text, least, left - 1);
+                               e->count, e->name.length, e->name.text, least, left);
     if (e->count == 0) return BIS_OK;
     if (ply_word_is(e->name, "vertex")) return read_vertices(r, e);
     if (ply_word_is(e->name, "face")) return read_faces(r, e, false);

@@ -80,6 +80,7 @@ static void directive_world_begin(bis_parser *p, bis_loc at)
     p->in_world = true;
     p->is_v2 = p->v2_word && !p->seen[BIS_SINGLE_INTEGRATOR].line; /* Integrator came with v3 */
     p->now.ctm = bis_xform_identity();
+    p->now.is_flat = p->now.at_end = false; /* as in pbrt: what follows is of both ends of a motion again */
     bis_parser_name_system(p, "world", &p->now.ctm, at);
 }
 
@@ -235,10 +236,11 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     }
 }
 
-/* A word that is likely a directive's name: after a mistake we go on there. */
+/* A word that is likely a directive's name: after a mistake we go on there. Infinity is a number's, and was told. */
 static bool starts_directive(const bis_token *t)
 {
-    return t->kind == BIS_TOKEN_WORD && t->text[0] >= 'A' && t->text[0] <= 'Z' && t->length >= 4;
+    return t->kind == BIS_TOKEN_WORD && t->text[0] >= 'A' && t->text[0] <= 'Z' && t->length >= 4 &&
+           !bis_token_is_nonfinite(t);
 }
 
 /* Takes one directive, or one token more of what is lost. */

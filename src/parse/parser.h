@@ -42,6 +42,12 @@ typedef struct bis_object {
     size_t first, n;
 } bis_object;
 
+/* A coordinate system with a name. */
+typedef struct bis_system {
+    bis_xform ctm;
+    bool is_flat;
+} bis_system;
+
 /* A named material. pbrt-v4 lets a scene use one before it is made. */
 typedef struct bis_named_material {
     uint32_t index;     /* in desc->materials */
@@ -129,7 +135,7 @@ struct bis_parser {
     };
     struct { /* parser_transform.c */
         bis_names system_names;
-        bis_xform *systems;
+        bis_system *systems;
         size_t n_systems, capacity_systems;
         double up[3]; /* of the last LookAt before WorldBegin; 0: there was none */
     };

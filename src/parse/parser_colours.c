@@ -60,7 +60,8 @@ static bool read_spd(bis_parser *p, bis_parser_spectrum *s, const char *path, bi
     const bis_status status = bis_file_read(&data, &size, path, at, p->diag);
     bis_parser_note(p, status);
     if (status) return false;
-    bool ok = true;
+    bool ok = strlen((const char *)data) == size ||
+              bis_parser_error(p, at, "%s is no spectrum: there is a zero byte in it", path);
     for (const char *c = (const char *)data; ok && *c;) {
         const char *end;
         c += strspn(c, " \t\r\n,");

@@ -211,7 +211,8 @@ static bool need_count(bis_parser *p, const char *shape, const char *name, size_
     return given ? false : bis_parser_error(p, p->name_at, "%s needs \"integer %s\"", shape, name);
 }
 
-/* So many numbers; NULL: complained. They stay until the next directive. */
+/* So many numbers; NULL: complained. They stay until another parameter is asked for, because that may be a texture,
+ * which becomes further numbers (bis_parser_convert). */
 static const double *need_numbers(bis_parser *p, const char *shape, const char *name, unsigned type, size_t n)
 {
     const bool given = bis_params_has(p, name);
@@ -238,19 +239,20 @@ static bool read_height_field(bis_parser *p, bis_shape_desc *shape)
 
 /* ---- NURBS ---- */
 
-/* One of the two parameters: its points, order, knots and ends. */
+static const char *const nurbs_names[2][5] = {{"nu", "uorder", "uknots", "u0", "u1"},
+                                              {"nv", "vorder", "vknots", "v0", "v1"}};
+
+/* One of the two parameters: its points, order and ends. Its knots are looked at, but may move before they are used. */
 static bool read_parameter(bis_parser *p, bis_nurbs *s, int k)
 {
-    static const char *const names[2][5] = {{"nu", "uorder", "uknots", "u0", "u1"},
-                                            {"nv", "vorder", "vknots", "v0", "v1"}};
-    const char *const *name = names[k];
+    const char *const *name = nurbs_names[k];
     const bool ok = need_count(p, "nurbs", name[0], 1, 1u << 15, &s->n[k]);
     if (!need_count(p, "nurbs", name[1], 2, BIS_MAKE_MAX_ORDER, &s->order[k]) || !ok) return false;
     const size_t n = s->n[k], order = s->order[k];
     if (n < order)
         return bis_parser_error(p, bis_params_at(p, name[0]), "\"%s\" is %zu, must be at least \"%s\", %zu", name[0], n,
                                 name[1], order);
-    const double *knot = s->knots[k] = need_numbers(p, "nurbs", name[2], BIS_TYPE_FLOAT, n + order);
+    const double *knot = need_numbers(p, "nurbs", name[2], BIS_TYPE_FLOAT, n + order);
     if (!knot) return false;
     for (size_t i = 1; i < n + order; i++)
         if (knot[i] < knot[i - 1])
@@ -284,6 +286,8 @@ static bool read_net(bis_parser *p, bis_nurbs *s, double (**list)[4])
                                     (*list)[i][3]);
     }
     s->point = (const double (*)[4])*list;
+    /* the last to be asked for was the net: from here on no number moves */
+    for (int k = 0; k < 2; k++) s->knots[k] = p->params.numbers + bis_params_find(p, nurbs_names[k][2])->first;
     return true;
 }
 

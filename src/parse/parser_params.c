@@ -105,8 +105,7 @@ static bool is_value(const bis_token *t)
     return t->kind == BIS_TOKEN_NUMBER || t->kind == BIS_TOKEN_STRING || is_truth(t);
 }
 
-/* A word and no number: the lexer's numbers are finite. It is known here, so that the message can say what it is. */
-static bool is_nonfinite_word(const bis_token *t)
+bool bis_token_is_nonfinite(const bis_token *t)
 {
     static const char *const words[] = {"nan", "NaN", "NAN", "inf", "Inf", "INF", "infinity", "Infinity"};
     for (size_t i = 0; t->kind == BIS_TOKEN_WORD && i < BIS_COUNT(words); i++)
@@ -161,7 +160,7 @@ static bool lost_value(bis_parser *p, const char *name, value_class wanted)
     char found[64];
     p->lost = true;
     bis_token_name(found, t);
-    if (is_nonfinite_word(t)) bis_parser_error(p, t->at, "non-finite number %s", found);
+    if (bis_token_is_nonfinite(t)) bis_parser_error(p, t->at, "non-finite number %s", found);
     else if (t->kind != BIS_TOKEN_BAD)
         bis_parser_error(p, t->at, "\"%s\" wants %s, found %s", name, wants[wanted], found);
     return false;
@@ -213,7 +212,7 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
     for (; p->token.kind != BIS_TOKEN_CLOSE; n++) {
         /* a word begins the next directive: the ] was forgotten, and the place to name is that of the [ */
         if (p->token.kind == BIS_TOKEN_END ||
-            (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token)))
+            (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !bis_token_is_nonfinite(&p->token)))
             return bis_parser_lose(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));
         if (!read_value(p, param, values)) return false;
     }
@@ -287,7 +286,7 @@ static bool read_param(bis_parser *p)
     if (before) bis_approximate_pass(p, param.at, "the last one counts", "\"%s\" given twice", name);
     bis_parser_advance(p);
     if (p->token.kind != BIS_TOKEN_OPEN && !is_value(&p->token) && p->token.kind != BIS_TOKEN_BAD &&
-        !is_nonfinite_word(&p->token))
+        !bis_token_is_nonfinite(&p->token))
         return bis_parser_lose(p, param.at, "\"%s\" has no value", name);
     if (!read_values(p, &param, type->values)) return false;
     if (!before) before = &p->params.list[p->params.n++]; /* else the last one counts, in the place of the first */

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "bis/base/status.h"
+#include "lexer.h"
 
 #define BIS_MAX_PARAMS 64
 
@@ -75,6 +76,10 @@ const char *bis_parser_text(const bis_parser *p, size_t offset);
 /* bis_params_read reads all "type name" value ... up to the next directive. Returns false after a complaint, with
  * p->lost. */
 bool bis_params_read(bis_parser *p);
+
+/* bis_token_is_nonfinite tells whether a word is a number that is not finite, as others write it. The lexer's numbers
+ * are finite: it is a word for it, and known here, so that a message can say what it is. */
+bool bis_token_is_nonfinite(const bis_token *t);
 
 /* bis_params_find returns the parameter with this name, or NULL if it is not given. */
 bis_param *bis_params_find(bis_parser *p, const char *name);

@@ -145,7 +145,7 @@ void bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t,
 {
     if (BIS_ROOM(p->systems, p->capacity_systems, p->n_systems) &&
         bis_names_set(&p->system_names, name, (uint32_t)p->n_systems))
-        p->systems[p->n_systems++] = *t;
+        p->systems[p->n_systems++] = (bis_system){*t, p->now.is_flat};
     else bis_parser_nomem(p, at);
 }
 
@@ -163,8 +163,8 @@ void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
     const char *name = bis_parser_text(p, p->name);
     if (bis_names_find(&p->system_names, name, &i)) {
         if (p->now.at_end) return;
-        p->now.ctm = p->systems[i];
-        p->now.is_flat = false;
+        p->now.ctm = p->systems[i].ctm;
+        p->now.is_flat = p->systems[i].is_flat;
         return;
     }
     bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s", bis_parser_word(p, name),

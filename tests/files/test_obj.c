@@ -304,6 +304,23 @@ static void a_library_has_the_line_of_its_word(void **state)
     assert_true(o.n_libraries == 0 && o.libraries == NULL);
 }
 
+/* One at the end of the file continues nothing, and none that stands within a name does. */
+static void a_name_ends_before_the_backslash_that_continues_its_line(void **state)
+{
+    static const char text[] =
+        "mtllib a\\b.mtl \\\n\nusemtl red\\\r\n\r\nf 1 2 3\nusemtl \\\n blue\\\\\n\nf 1 2 3\nusemtl end\\";
+    static const char *const names[] = {"red", "blue\\", "end\\"};
+    bis_obj_materials o;
+    store(scratch("backslash.obj"), text, sizeof text - 1);
+    assert_int_equal(bis_obj_read_materials(&o, scratch("backslash.obj"), (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(o.n_libraries, 1);
+    assert_string_equal(o.libraries[0].name, "a\\b.mtl");
+    assert_int_equal(o.parts.n, 3);
+    for (uint32_t i = 0; i < 3; i++) assert_string_equal(o.parts.names[i], names[i]);
+    assert_true(o.n_shown == 3 && !o.is_shown[0] && o.is_shown[1] && o.is_shown[2]);
+    bis_obj_materials_clear(&o);
+}
+
 static void a_file_that_is_not_there_has_no_materials(void **state)
 {
     bis_obj_materials o;
@@ -371,6 +388,35 @@ static void any_allocation_for_materials_may_fail(void **state)
     assert_int_equal(bis_mem_live(), 0);
 }
 
+/* What there is no room for, and how many there would be: 3 vertices are of the file, and 3 further corners follow. */
+static void a_lack_of_memory_names_what_and_how_many(void **state)
+{
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 1 2\nvt 3 4\nvn 0 0 1\nusemtl a\n"
+                               "f 1/1/1 2/2/1 3/1/1\nf 1/2/1 2/1/1 3/2/1\n";
+    static const char expected[] =
+        ":10 3 vertices\n:7 1 materials\n 1 triangles\n:8 1 triangles\n:9 4 vertices\n:10 6 vertices\n 2 triangles\n";
+    const char *const path = scratch("room.obj"), *const says = ": error: no memory for ";
+    char all[512] = "", last[128] = "";
+    store(path, text, sizeof text - 1);
+    FOR_LACK(l) {
+        bis_diag diag = {0};
+        bis_mesh m;
+        LACK(l, read_parts(&m, path, (bis_loc){0}, &diag));
+        const char *said = diag.n ? strstr(diag.messages[0].text, says) : NULL;
+        if (said) {
+            char place[16] = "", now[128];
+            const char *const line = diag.messages[0].text + strlen(path);
+            snprintf(place, sizeof place, "%.*s", (int)(said - line), line);
+            snprintf(now, sizeof now, "%s %s\n", place, said + strlen(says));
+            if (strcmp(now, last) != 0) strcat(all, now);
+            strcpy(last, now);
+        }
+        bis_mesh_clear(&m);
+        bis_diag_clear(&diag);
+    }
+    assert_string_equal(all, expected);
+}
+
 /* Vertices: of the file, and one for each further pair with a normal. */
 static void files_of_the_wild_are_read_right(void **state)
 {
@@ -398,6 +444,8 @@ int main(void)
         cmocka_unit_test(damaged_files_never_crash),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(any_allocation_for_materials_may_fail),
+        cmocka_unit_test(a_lack_of_memory_names_what_and_how_many),
+        cmocka_unit_test(a_name_ends_before_the_backslash_that_continues_its_line),
         cmocka_unit_test(files_of_the_wild_are_read_right),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

@@ -394,6 +394,20 @@ static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **sta
 
 /* ---- short cuts ---- */
 
+/* No white space ends a binary file: one that lacks its last byte is cut off, also where rows are copied whole and
+ * nothing follows them. */
+static void a_binary_file_that_lacks_its_last_byte_is_refused(void **state)
+{
+    for (int i = 0; i < 2; i++) {
+        bytes b = binary_of("element face 1\nproperty list uchar int vertex_indices\n" VERTICES(3)
+                            "end_header\n3 2 1 0\n1 2 3\n4 5 6\n7 8 9\n", i == 1);
+        b.n--;
+        expect_mesh_refusal_of(bis_ply_read, &b, "lacks.ply", 0,
+                               "3 rows of \"vertex\" of at least 12 bytes each, but the file has 35 bytes left");
+        bytes_clear(&b);
+    }
+}
+
 /* Faces that are lists and nothing else: rows of three indices of 4 bytes behind a count of one are copied whole, any
  * other type, order of bytes or length is read by itself. A triangle without area, whose zeros look the same at any
  * width, two triangles, a quad, a triangle. */
@@ -626,6 +640,7 @@ int main(void)
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),
         cmocka_unit_test(damaged_files_never_crash),
+        cmocka_unit_test(a_binary_file_that_lacks_its_last_byte_is_refused),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(a_lack_of_memory_names_the_number_of_triangles),
         cmocka_unit_test(files_of_the_wild_have_the_counts_that_another_reader_finds),

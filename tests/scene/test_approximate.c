@@ -790,6 +790,10 @@ static void what_is_flat_at_the_end_alone_is_shown(void **state)
         {"CoordinateSystem \"c\" Scale 1 1 0 ActiveTransform EndTime Transform " WHOLE, 0},
         {"CoordinateSystem \"c\" Scale 1 1 0 ActiveTransform EndTime Identity ", 0},
         {"CoordinateSystem \"c\" Scale 1 1 0 ActiveTransform EndTime CoordSysTransform \"c\" ", 0},
+        {"CoordinateSystem \"c\" Scale 1 1 0 CoordSysTransform \"c\" ", 1},
+        {"Scale 1 1 0 CoordinateSystem \"c\" Identity ", 1}, /* a system of what is flat is flat */
+        {"Scale 1 1 0 CoordinateSystem \"c\" Identity CoordSysTransform \"c\" ", 0},
+        {"Scale 1 1 0 CoordinateSystem \"c\" CoordSysTransform \"world\" ", 1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[400];
@@ -800,6 +804,25 @@ static void what_is_flat_at_the_end_alone_is_shown(void **state)
     }
 #undef FLAT
 #undef WHOLE
+}
+
+/* As in pbrt: neither a flat space nor the choice of a motion's end outlives the options. */
+static void the_world_begins_with_the_identity_of_all_transformations(void **state)
+{
+    static const char *const before[] = {"", "Scale 1 1 0 ", "ActiveTransform EndTime ", "Translate 9 9 9 ",
+                                         "ActiveTransform EndTime Scale 0 0 0 "};
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "%sWorldBegin Translate 1 2 3 Shape \"sphere\" CoordSysTransform \"world\" "
+                 "Shape \"sphere\"", before[i]);
+        bis_scene_desc *d = approximated(text);
+        if (d->n_shapes != 2) fail_msg("%s: %zu shapes", before[i], d->n_shapes);
+        for (int k = 0; k < 3; k++) {
+            assert_true(d->shapes[0].to_world.m[k][3] == k + 1);
+            assert_true(d->shapes[1].to_world.m[k][3] == 0);
+        }
+        bis_scene_desc_free(d);
+    }
 }
 
 static void what_is_unknown_to_pbrt_too_stays_an_error(void **state)
@@ -1093,6 +1116,7 @@ int main(void)
         cmocka_unit_test(a_material_made_again_counts_from_there_on),
         cmocka_unit_test(what_moves_stands_where_it_is_at_first),
         cmocka_unit_test(what_is_flat_at_the_end_alone_is_shown),
+        cmocka_unit_test(the_world_begins_with_the_identity_of_all_transformations),
         cmocka_unit_test(what_is_unknown_to_pbrt_too_stays_an_error),
         cmocka_unit_test(an_import_is_read_as_an_include),
         cmocka_unit_test(a_plan_lists_what_is_missing_each_once),

@@ -152,9 +152,14 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
     assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
     bis_scene_desc_free(d);
 #define IMAGE "Texture \"t\" \"float\" \"imagemap\" \"string filename\" "
-    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
-    assert_true(d->n_missing == 2 && d->textures.n_files == 2); /* the same name is the same image */
+    d = good(LIT IMAGE "\"a.png\" " IMAGE "\"b\" " IMAGE "\"c\" " IMAGE "\"a.png\"", BIS_PARSE_LIST_MISSING, said);
+    assert_true(d->n_missing == 3 && d->textures.n_files == 3); /* the same name is the same image */
     bis_scene_desc_free(d);
+#define MESH(name) "Shape \"plymesh\" \"string filename\" \"" name "\" "
+    d = good(LIT MESH("a") MESH("b") MESH("a"), BIS_PARSE_LIST_MISSING, said); /* and mesh, however short */
+    assert_true(d->n_missing == 2 && d->n_meshes == 2 && d->shapes[1].mesh == 1 && d->shapes[2].mesh == 0);
+    bis_scene_desc_free(d);
+#undef MESH
 #undef IMAGE
 }
 

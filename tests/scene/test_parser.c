@@ -152,7 +152,8 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
 /* All messages of a scene of one line; "": none. Places are counted by hand. */
 static const struct { const char *scene, *said; } sayings[] = {
     INFINITE("nan"), INFINITE("NaN"), INFINITE("NAN"), INFINITE("inf"), INFINITE("Inf"), INFINITE("INF"),
-    INFINITE("infinity"),
+    INFINITE("infinity"), INFINITE("Infinity"), /* of which the last looks like a directive's name */
+    {"Translate 1 Infinity 3" L, "1:13: error: Translate wants 3 numbers, found \"Infinity\" after 1"},
     {FOV("Nan"), "1:22: error: \"fov\" has no value"},
     {FOV("[Nan]"), "1:34: error: the [ of \"fov\" has no ]"},
     {FOV("3.5e38"), "1:34: error: non-finite number \"3.5e38\": the largest float is 3.4e38"},
@@ -1192,6 +1193,7 @@ static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
             /* a message lost for lack of memory is no failure of the parse */
             assert_true((d == NULL) == (status != BIS_OK));
             if (status) assert_true(diag.n_errors > 0);
+            if (i < 2) assert_int_equal(diag.n_errors, status != BIS_OK); /* what comes after it is not looked at */
             bis_scene_desc_free(d);
             bis_diag_clear(&diag);
             assert_true(k < 10000);

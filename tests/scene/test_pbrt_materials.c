@@ -160,6 +160,8 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
     store(scratch("bad.spd"), "400 x", 5);
     snprintf(text, sizeof text, "Material \"phong\" \"spectrum Kd\" \"%s\"", strrchr(scratch("bad.spd"), '/') + 1);
     refuse(text, "is no spectrum: its value 2 is no number");
+    store(scratch("bad.spd"), "300 0.75 900 0.75\0", 18); /* what follows a zero byte would be lost without a word */
+    refuse(text, "bad.spd is no spectrum: there is a zero byte in it");
     const rgbd glow = bis_spectrum_blackbody(3000); /* in pbrt any colour may be one; this one is brighter than white */
     assert_rgb(material("Material \"diffuse\" \"blackbody reflectance\" 3000", "it is cut off to [0, 1]").Kd, 1, glow.g,
         glow.b, 1e-6);

@@ -463,6 +463,7 @@ static void mistakes_of_a_library_are_found_in_it(void **state)
         assert_int_equal(scene_try(&b, scene), BIS_INPUT);
         if (!strstr(b.diag.messages[0].text, cases[i].message))
             fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
+        if (b.diag.n != 1) fail_msg("%s: and %s", cases[i].message, b.diag.messages[1].text); /* no second mistake */
         scene_clear(&b);
     }
 }
@@ -994,6 +995,7 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
         built b;
         LACK(l, scene_try(&b, text));
         assert_true((l.status == BIS_OK) == l.over && (b.scene != NULL) == l.over);
+        assert_int_equal(b.diag.n_errors, !l.over); /* what comes after it would be wrong by it alone */
         scene_clear(&b);
     }
 }
