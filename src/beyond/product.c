@@ -72,8 +72,8 @@ static uint32_t put_chosen(const bis_lanes *to, uint32_t i, chosen_points *c)
     return i;
 }
 
-/* A lamp: all that was drawn in a cluster lies in a disk no larger than the sun's, whose radius is 0.2665 degrees. */
-static bool is_lamp(const bis_clusters *c, uint32_t k) { return c->cone.sine[k] <= 0.00466f; }
+/* A lamp: all that was drawn in a cluster lies in a disk no larger than the sun's, whose radius is 0.267 degrees. */
+static bool is_lamp(const bis_clusters *c, uint32_t k) { return c->cone.cosine[k] >= 0.99998914f; }
 
 uint32_t bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, float *stands_for,
                           uint32_t n, double offset, double phase, uint64_t pixel)

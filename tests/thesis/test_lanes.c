@@ -174,23 +174,28 @@ static void atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes(void **state)
 
 /* ---- cones ---- */
 
-/* cos max(0, theta - a) for a cone with the half angle a, theta from its axis: 2^-20 more but for the rounding of four
- * products, and never above 1. Directions that lie within, on the edge, beside and opposite. The sine of theta is the
- * root of 1 - c^2, in which c is off by up to 2^-21, because the lengths of the vectors are: so the root is off by
- * 2^-20/sine or 2^-10, whichever is less, at most, and that times sin a is allowed on either side. */
+/* cos max(0, theta - a) for a cone with the half angle a, theta from its axis: never too small, not even where the axes
+ * are parallel or opposite and a is nearly a right angle, and never above 1. The square of the sine of theta has up to
+ * 2^-19 too much, so the root has 2^-20/sine or 2^-9, whichever is less; that times sin a and 2^-19 may be too much. */
 static void the_largest_cosine_of_a_cone_is_that_of_its_nearest_direction(void **state)
 {
     bis_rng r;
     bis_rng_init(&r, SEED, 9, 0, 0);
     for (int i = 0; i < 20000; i++) {
         const frame f = frame_about(bis_warp_sphere(bis_rng_double(&r), bis_rng_double(&r)));
-        const double half = i % 10 ? PI * bis_rng_double(&r) : 1e-3 * bis_rng_double(&r),
-                     theta = i % 7 ? PI * bis_rng_double(&r) : half * (0.9 + 0.2 * (i % 2)), phi = 2 * PI * i / 64;
+        const bool is_opposite = i % 4 == 3;
+        const double half = is_opposite ? PI / 2 - 2e-3 * bis_rng_double(&r)
+                            : i % 10    ? PI * bis_rng_double(&r)
+                                        : 1e-3 * bis_rng_double(&r),
+                     theta = is_opposite ? PI - 2e-3 * bis_rng_double(&r)
+                             : i % 7     ? PI * bis_rng_double(&r)
+                                         : half * (0.9 + 0.2 * (i % 2)),
+                     phi = 2 * PI * i / 64;
         const vec3 c = to_world(&f, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)));
         const double angle = atan2(length(cross(c, f.z)), dot(c, f.z)), expected = cos(fmax(0, angle - half));
         const float found = bis_cone_cosine(f.z, c.x, c.y, c.z, (float)cos(half), (float)sin(half));
-        const double slack = sin(half) * fmin(0x1p-10, 0x1p-20 / sin(angle));
-        if (!((double)found >= expected - slack && (double)found <= fmin(1, expected + 0x1p-19 + slack)))
+        const double slack = sin(half) * fmin(0x1p-9, 0x1p-20 / sin(angle));
+        if (!((double)found >= expected && (double)found <= fmin(1, expected + 0x1p-19 + slack)))
             fail_msg("half angle %g, axis at %g: %.8g, must be %.8g", half, angle, (double)found, expected);
     }
     assert_true(bis_cone_cosine((vec3){0, 0, 1}, 0, 0, 1, 0.5f, sqrtf(0.75f)) == 1);
