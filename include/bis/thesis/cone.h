@@ -6,8 +6,8 @@
 #include "bis/base/vec.h"
 #include "bis/thesis/lanes.h"
 
-/* Cones of directions with the light that comes from each: the axis, a unit vector, in x, y, z; the cosine and the sine
- * of the half angle; the energy in r, g, b, which is the integral of Le over the cone's part of the map, over the
+/* Cones of directions with the light that comes from each: the axis, a unit vector, in x, y, z; the cosine of the
+ * half angle and what is at least its sine; the energy in r, g, b, which is the integral of Le over the cone's part of the map, over the
  * light's mean radiance. Arrays hold whole blocks of lanes. */
 typedef struct bis_cones {
     float *x, *y, *z, *cosine, *sine, *r, *g, *b;
@@ -25,16 +25,16 @@ static inline bis_cones bis_cones_in(float *memory, uint32_t n)
 }
 
 /* bis_cone_sine returns at least the sine of an angle whose cosine c, of two unit vectors of floats, was rounded by at
- * most 2^-22. So 1 - c^2 is off by less than 2^-20, which is added. It must be: of an angle near 0 or pi the sine is the
- * root of the error. */
+ * most 2^-22. So 1 - c^2 is off by less than 2^-20, which is added, because the sine of an angle near 0 or pi is the
+ * root of that error. */
 static inline BIS_INLINE float bis_cone_sine(float c)
 {
     return sqrtf(1 + 0x1p-20f - c * c);
 }
 
-/* bis_cone_cosine returns at least the largest cosine about a unit axis over the directions of a cone: that of the angle
- * between the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because rounding must not
- * make the bound too small: c and the two products are each off by less than 2^-22. */
+/* bis_cone_cosine returns at least the largest cosine about a unit axis over the directions of a cone: that of the
+ * angle between the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because rounding must
+ * not make the bound too small: c and the two products are each off by less than 2^-22. */
 static inline BIS_INLINE float bis_cone_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
 {
     const float c = axis.x * x + axis.y * y + axis.z * z;
