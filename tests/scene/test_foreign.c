@@ -847,8 +847,8 @@ static void the_pixels_that_a_disc_covers_are_equally_bright(void **state)
     bis_envmap_clear(&em);
 }
 
-/* Irradiance over the disc's projected solid angle, wherever the disc stands. A pixel is covered where points of a grid
- * of its are, so some hundred of the disc's thousand points may be on the wrong side: 10 % at most. A row of pixels left
+/* Irradiance over the disc's projected solid angle, wherever the disc stands. A pixel is covered where points of its
+ * grid are, so some hundred of the disc's thousand points may be on the wrong side: 10 % at most. A row of pixels left
  * out would make the rest brighter by a quarter and more. */
 static void a_disc_has_its_radiance_in_all_directions(void **state)
 {

@@ -6,9 +6,9 @@
 #include "bis/base/vec.h"
 #include "bis/thesis/lanes.h"
 
-/* Cones of directions with the light that comes from each: the axis, a unit vector, in x, y, z; the cosine of the
- * half angle and what is at least its sine; the energy in r, g, b, which is the integral of Le over the cone's part of the map, over the
- * light's mean radiance. Arrays hold whole blocks of lanes. */
+/* Cones of directions with the light that comes from each: the axis, a unit vector, in x, y, z; the cosine of the half
+ * angle, and at least its sine; the energy in r, g, b, which is the integral of Le over the cone's part of the map,
+ * over the light's mean radiance. Arrays hold whole blocks of lanes. */
 typedef struct bis_cones {
     float *x, *y, *z, *cosine, *sine, *r, *g, *b;
 } bis_cones;
@@ -33,8 +33,8 @@ static inline BIS_INLINE float bis_cone_sine(float c)
 }
 
 /* bis_cone_cosine returns at least the largest cosine about a unit axis over the directions of a cone: that of the
- * angle between the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because rounding must
- * not make the bound too small: c and the two products are each off by less than 2^-22. */
+ * angle between the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because c and the
+ * two products are each off by less than 2^-22. */
 static inline BIS_INLINE float bis_cone_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
 {
     const float c = axis.x * x + axis.y * y + axis.z * z;
