@@ -253,7 +253,7 @@ static void every_command_and_option_is_in_the_man_page(void **state)
 }
 
 /* The lines of an example stand together: a paragraph begins before the first and after the last, none between. Notes of
- * a command begin one where they have an empty line. */
+ * a command begin one where they have an empty line. A term begins its own. */
 static void lines_of_an_example_are_one_paragraph_of_the_man_page(void **state)
 {
     static program_run man;
@@ -288,6 +288,7 @@ static void lines_of_an_example_are_one_paragraph_of_the_man_page(void **state)
         snprintf(wanted + n, sizeof wanted - (size_t)n, "%s", blocks[i].after);
         if (!strstr(man.output, wanted)) fail_msg("not in the man page:\n%s", wanted);
     }
+    assert_null(strstr(man.output, ".PP\n.TP\n"));
 }
 
 static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **state)
