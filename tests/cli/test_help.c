@@ -252,8 +252,8 @@ static void every_command_and_option_is_in_the_man_page(void **state)
     assert_true(n > 50);
 }
 
-/* The lines of an example stand together: a paragraph begins before the first and after the last, none between. Notes of
- * a command begin one where they have an empty line. A term begins its own. */
+/* The lines of an example stand together: a paragraph begins before the first and after the last, none between. Notes
+ * of a command begin one where they have an empty line. A term begins its own. */
 static void lines_of_an_example_are_one_paragraph_of_the_man_page(void **state)
 {
     static program_run man;
