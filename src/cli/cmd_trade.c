@@ -23,7 +23,7 @@ typedef struct trade_options {
     const char *output, *reference;
     bis_texts integrators;
     bool quick, resume, quiet, approximate;
-    bool has_seconds, has_seed, has_seeds, has_passes, has_error;
+    bool has_seconds, has_seed, has_seeds, has_passes;
     bool has_size;
     double seconds, error;
     uint64_t seed, seeds, passes, threads;
@@ -168,8 +168,8 @@ int bis_cmd_trade(int argc, char **argv)
         {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o.quick},
         {.name = "error", .argument = "E",
          .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot "
-                 "where that is out of reach", .kind = BIS_OPTION_SHARE, .value = &o.error, .given = &o.has_error,
-         .above = true, .hi = 10},
+                 "where that is out of reach", .kind = BIS_OPTION_SHARE, .value = &o.error, .above = true,
+         .hi = 10},
         {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)",
          .kind = BIS_OPTION_COUNT, .value = &o.seeds, .given = &o.has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
         {.name = "passes", .argument = "N",

@@ -252,6 +252,45 @@ static void every_command_and_option_is_in_the_man_page(void **state)
     assert_true(n > 50);
 }
 
+/* The lines of an example stand together: a paragraph begins before the first and after the last, none between. Notes
+ * of a command begin one where they have an empty line. A term begins its own. */
+static void lines_of_an_example_are_one_paragraph_of_the_man_page(void **state)
+{
+    static program_run man;
+    static const struct {
+        const char *before, *lines[8], *after;
+    } blocks[] = {
+        {"that says so.\n.PP\n",
+         {"Camera \"perspective\" \"float fov\" 45", "Sampler \"sobol\" \"integer pixelsamples\" 64",
+          "Integrator \"sir\" \"integer candidates\" 256", "WorldBegin",
+          "LightSource \"infinite\" \"string filename\" \"map.exr\"",
+          "Material \"phong\" \"rgb Kd\" [0.1 0.1 0.2] \"float Ks\" 0.6",
+          "Shape \"plymesh\" \"string filename\" \"dragon.ply\""}, ".PP\n"},
+        {"the second:\n.PP\n",
+         {"Sampler \"sobol\" \"integer pixelsamples\" 16 \"integer seed\" 0",
+          "  \"integer edgesamples\" 8 \"float edgelight\" 0.25",
+          "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64",
+          "  \"integer shadowrays\" 24 \"bool learn\" true"}, ".PP\n"},
+        {"not finite\n.PP\nPrinted: mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite.\n",
+         {"  bias     mean_a - mean_b",
+          "  bias_se  standard deviation of the pixels\\(aq differences / sqrt(pixels)",
+          "  relmse   mean of (a-b)\\(ha2 / (b\\(ha2 + m\\(ha2/100) over pixels and channels,",
+          "           m the mean of b"}, "Pixels with a NaN"},
+    };
+
+    program_expect(&man, 0, "help --man");
+    unescape(man.output);
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) {
+        char wanted[2048];
+        int n = snprintf(wanted, sizeof wanted, "%s", blocks[i].before);
+        for (const char *const *line = blocks[i].lines; *line; line++)
+            n += snprintf(wanted + n, sizeof wanted - (size_t)n, ".nf\n%s\n.fi\n", *line);
+        snprintf(wanted + n, sizeof wanted - (size_t)n, "%s", blocks[i].after);
+        if (!strstr(man.output, wanted)) fail_msg("not in the man page:\n%s", wanted);
+    }
+    assert_null(strstr(man.output, ".PP\n.TP\n"));
+}
+
 static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **state)
 {
     program_run r;
@@ -311,6 +350,7 @@ int main(void)
         cmocka_unit_test(every_topic_and_command_fits_80_columns),
         cmocka_unit_test(a_name_is_looked_up_in_all_topics),
         cmocka_unit_test(every_command_and_option_is_in_the_man_page),
+        cmocka_unit_test(lines_of_an_example_are_one_paragraph_of_the_man_page),
         cmocka_unit_test(the_man_page_is_formatted_without_a_warning_in_80_columns),
         cmocka_unit_test(the_examples_work),
     };

@@ -427,6 +427,24 @@ class Mistakes(unittest.TestCase):
             ])
 
 
+    def test_a_member_of_a_camera_that_is_no_place_is_told_by_its_name(self):
+        right = dict(eye=(1, -5, 2), to=(3, 4, 6), up=(0.5, 7, 8), fov=9)
+        self.assertEqual(str(bis.Camera(**right)),
+                         'LookAt 1.0 -5.0 2.0 3.0 4.0 6.0 0.5 7.0 8.0\nCamera "perspective" "float fov" 9.0')
+        self.assertEqual(str(bis.Camera(*map(np.array, right.values()))), str(bis.Camera(**right)))  # twin
+        for name in ("eye", "to", "up"):
+            for value, text, is_type in ((3, "3: give three numbers", True), (None, "None: give three numbers", True),
+                                         ((1, "2", 3), "'2': give a number", True),
+                                         ((1, 2), "(1, 2): give three numbers", False),
+                                         ((1, 2, 3, 4), "(1, 2, 3, 4): give three numbers", False)):
+                with self.subTest(name=name, value=value), self.assertRaises(bis.Error) as e:
+                    bis.render(SCENE, camera=bis.Camera(**{**right, name: value}))
+                self.assertEqual(str(e.exception), "camera.%s is %s" % (name, text))
+                self.assertIs(isinstance(e.exception, TypeError), is_type)
+        with self.assertRaises(bis.WrongType) as e:
+            bis.render(SCENE, camera=bis.Camera(**{**right, "fov": (40,)}))
+        self.assertEqual(str(e.exception), "camera.fov is (40,): give a number")
+
     def test_a_wrong_type_is_a_type_error_and_a_wrong_value_is_none(self):
         for values, text in (
             (dict(spp=None), "spp is None: give a number, a text, True or False"),

@@ -2,12 +2,12 @@
 """What a scene is made of, as text in the format of scenes: a mesh of arrays, a camera."""
 from __future__ import annotations
 
-from typing import NamedTuple, Optional
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import Error, WrongType, array
+from ._library import Error, WrongType, array, real
 
 
 def _words(a: NDArray[np.generic]) -> str:
@@ -63,6 +63,17 @@ class Mesh:
         return text
 
 
+def _place(name: str, value: Any) -> list[float]:
+    """Three numbers of a camera. What is none is told by its name, because float() would not say where it stands."""
+    try:
+        values = list(value)
+    except TypeError:
+        raise WrongType("%s is %r: give three numbers" % (name, value)) from None
+    if len(values) != 3:
+        raise Error("%s is %r: give three numbers" % (name, value))
+    return [real(name, x) for x in values]
+
+
 class Camera(NamedTuple):
     """A perspective camera. ``str(camera)`` is its text in a scene; `render` takes it, or such a text.
 
@@ -74,6 +85,11 @@ class Camera(NamedTuple):
         The direction that is upright in the picture.
     fov : float
         Degrees along the shorter side of the picture.
+
+    Raises
+    ------
+    Error
+        By ``str(camera)`` and `render`: a member is no number, or no three numbers.
     """
 
     eye: tuple[float, float, float]
@@ -82,5 +98,6 @@ class Camera(NamedTuple):
     fov: float = 40
 
     def __str__(self) -> str:
-        places = [float(x) for v in (self.eye, self.to, self.up) for x in v]
-        return 'LookAt %s\nCamera "perspective" "float fov" %r' % (" ".join(map(repr, places)), float(self.fov))
+        places = _place("camera.eye", self.eye) + _place("camera.to", self.to) + _place("camera.up", self.up)
+        fov = real("camera.fov", self.fov)
+        return 'LookAt %s\nCamera "perspective" "float fov" %r' % (" ".join(map(repr, places)), fov)
