@@ -394,8 +394,8 @@ static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **sta
 
 /* ---- short cuts ---- */
 
-/* No white space ends a binary file: one that lacks its last byte is cut off, also where rows are copied whole and where
- * nothing follows them. */
+/* No white space ends a binary file: one that lacks its last byte is cut off, also where rows are copied whole and
+ * where nothing follows them. */
 static void a_binary_file_that_lacks_its_last_byte_is_refused(void **state)
 {
     for (int i = 0; i < 2; i++) {
