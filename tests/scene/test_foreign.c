@@ -191,6 +191,31 @@ static void errors_of_one_cause_are_one_message_with_their_number(void **state)
     assert_says(said, expected);
 }
 
+/* Four others have their places, of a fifth there are dots; a name of a file is cut off behind its 200th letter. */
+static void the_places_of_four_other_errors_are_told(void **state)
+{
+    static const char *const others[] = {
+        "\n", " (2 like it: also in line 3)\n", " (3 like it: also in line 3, line 4)\n",
+        " (4 like it: also in line 3, line 4, line 5)\n", " (5 like it: also in line 3, line 4, line 5, line 6)\n",
+        " (6 like it: also in line 3, line 4, line 5, line 6, ...)\n",
+    };
+    char said[8192], text[1024] = LIT, name[241], expected[512];
+    bis_scene_desc *d;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        strcat(text, "Shape \"sphere\" \"float radius\" -1\n");
+        assert_int_equal(parse(&d, text, 0, said), BIS_INPUT);
+        snprintf(expected, sizeof expected, "main.txt:2:16: error: \"radius\" is -1, must be > 0%s", others[i]);
+        assert_true(ends(said, expected));
+    }
+    for (size_t i = 0; i < sizeof name; i++) name[i] = (char)(i + 1 < sizeof name ? 'a' + i % 26 : '\0');
+    write_file(name, "\n\nShape \"sphere\" \"float radius\" -1\n");
+    snprintf(text, sizeof text, "%sShape \"sphere\" \"float radius\" -1\nInclude \"%s\"\n", LIT, name);
+    assert_int_equal(parse(&d, text, 0, said), BIS_INPUT);
+    snprintf(expected, sizeof expected, "> 0 (2 like it: also in %.200s:3)\n", place(name));
+    assert_true(ends(said, expected));
+    unlink(place(name));
+}
+
 /* ---- what pbrt lets pass ---- */
 
 /* pbrt-v1 to v3 say nothing, so bis renders without --approximate, and says it. */
@@ -971,6 +996,7 @@ int main(void)
         cmocka_unit_test(an_include_may_be_compressed),
         cmocka_unit_test(a_missing_spectrum_is_one_of_the_missing_files),
         cmocka_unit_test(errors_of_one_cause_are_one_message_with_their_number),
+        cmocka_unit_test(the_places_of_four_other_errors_are_told),
         cmocka_unit_test(what_pbrt_passes_over_in_silence_is_a_warning),
         cmocka_unit_test(what_pbrt_goes_on_after_is_approximated),
         cmocka_unit_test(what_is_replaced_has_the_values_of_the_scene),

@@ -1263,6 +1263,32 @@ static const char *repeated(char buf[256], const char *head, const char *unit, s
     return buf;
 }
 
+/* Errors of the words and of the lexer count alike; those of one cause count once. What follows the fiftieth is not
+ * read, and the 49th is not the last. */
+static void a_scene_is_read_to_its_fiftieth_error(void **state)
+{
+    for (int i = 0; i < 3 * 6; i++) {
+        const int n = 48 + i % 6, kind = i / 6; /* kind 0: unknown words; 1: malformed numbers; 2: in turn */
+        char text[4096] = "WorldBegin LightSource \"infinite\"\nXagain\n";
+        bis_scene_desc *d;
+        bis_diag diag;
+        for (int k = 1; k < n; k++)
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%s%c%c\nXagain\n",
+                     kind == 1 || (kind == 2 && k % 2) ? "1" : "Xword", 'a' + k / 26, 'a' + k % 26);
+        assert_int_equal(parse_text(&d, &diag, text), BIS_INPUT);
+        assert_null(d);
+        if (diag.n != (size_t)(n < 50 ? n : 51)) fail_msg("%d errors of kind %d: %zu messages", n, kind, diag.n);
+        const bool stopped = strstr(diag.messages[diag.n - 1].text, ": error: stopped after 50 errors") != NULL;
+        if (stopped != (n >= 50)) fail_msg("%d errors of kind %d: %s", n, kind, diag.messages[diag.n - 1].text);
+        char again[64]; /* with the first it is as many as errors were read, but where the last is the fiftieth */
+        snprintf(again, sizeof again, " (%d like it: also in line 4, line 6, line 8, line 10, ...)", n < 50 ? n : 49);
+        /* a malformed number is complained of before the word that stands before it */
+        const char *const first = diag.messages[kind > 0].text;
+        if (!strstr(first, again)) fail_msg("%d errors of kind %d: %s", n, kind, first);
+        bis_diag_clear(&diag);
+    }
+}
+
 /* What follows would close other blocks than its author means: nothing of it is read, and all blocks are open. */
 static void what_follows_blocks_that_nest_too_deeply_is_not_read(void **state)
 {
@@ -1508,6 +1534,7 @@ int main(void)
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
         cmocka_unit_test(damaged_scenes_are_survived),
+        cmocka_unit_test(a_scene_is_read_to_its_fiftieth_error),
         cmocka_unit_test(what_follows_blocks_that_nest_too_deeply_is_not_read),
         cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
         cmocka_unit_test(includes_that_double_are_stopped),
