@@ -469,7 +469,7 @@ exit
 # + u1[i]
 #
 # * cone.h test_clusters : the lobe's largest cosine over a cone is that of its axis
-# - const float most = c * cosine + s * sine + 0x1p-20f;
+# - const float most = c * cosine + bis_cone_sine(c) * sine + 0x1p-20f;
 # + const float most = c + 0x1p-20f;
 #
 # * microfacet_formulas.h test_microfacet : the mixture's density without the cosine lobe
@@ -713,5 +713,5 @@ exit
 # + for (size_t i = 0; i + 1 < p->n_distants; i++) {
 #
 # * render test_budgets : the progress of an error budget is not told
-# - if (r->budget.error > 0 && r->done.rmse_upper > 0)
-# + if (r->budget.error > 0 && !(r->done.rmse_upper > 0))
+# - if (wanted > 0) p.share = fmax(p.share, found <= wanted ? 1 : pow(wanted / found, 2));
+# + if (wanted > 0) p.share = fmax(p.share, found <= wanted ? 1 : 0);

@@ -94,9 +94,10 @@ static void report(render *r, double share)
     p.seconds = r->last_report - r->start;
     if (r->most) p.share = ((double)r->done.spp + share * r->size) / (double)r->most;
     if (r->budget.seconds > 0) p.share = fmax(p.share, p.seconds / r->budget.seconds);
-    /* The error falls with the root of the number of passes (docs/errata.md E9). Where it is 0, all is done. fmax
-     * passes over what is not a number: an error that is not known yet. */
-    if (r->budget.error > 0) p.share = fmax(p.share, pow(r->budget.error / r->done.rmse_upper, 2));
+    /* The error falls with the root of the number of passes (docs/errata.md E9). fmax passes over what is not a number:
+     * an error that is not known yet. */
+    const double wanted = r->budget.error, found = r->done.rmse_upper;
+    if (wanted > 0) p.share = fmax(p.share, found <= wanted ? 1 : pow(wanted / found, 2));
     p.share = fmin(p.share, 1); /* the first pass may exceed the time */
     if (p.share > 0) p.seconds_left = p.seconds * (1 - p.share) / p.share;
     options->progress(&p, options->user);
