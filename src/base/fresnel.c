@@ -15,7 +15,8 @@ double bis_fresnel(double eta, double k2, double c)
     const double more = (sqrt(real * real + 4 * half) + fabs(real)) / 2, less = more > 0 ? half / more : 0;
     const double a = sqrt(real >= 0 ? more : less), b2 = real >= 0 ? less : more;
     const double R_s = ((c - a) * (c - a) + b2) / ((c + a) * (c + a) + b2);
-    const double p_over_s = ((a * c - s2) * (a * c - s2) + b2 * c * c) / ((a * c + s2) * (a * c + s2) + b2 * c * c);
+    const double of_p = (a * c + s2) * (a * c + s2) + b2 * c * c; /* 0: head on, where both are alike */
+    const double p_over_s = of_p > 0 ? ((a * c - s2) * (a * c - s2) + b2 * c * c) / of_p : 1;
 
     return R_s * (1 + p_over_s) / 2;
 }

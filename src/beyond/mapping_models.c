@@ -122,7 +122,7 @@ static void angular_lanes(bis_samples *s, float u0, float v0, float pixel, const
         const float u = u0 + p.dx[i] * pixel, v = v0 - p.dy[i] * pixel, radius = sqrtf(u * u + v * v);
         float sine, cosine;
         bis_lanes_sincos2pi(radius / 2, &sine, &cosine);
-        const float times = bis_lanes_choose(radius > 0, sine / radius, 3.14159265f);
+        const float times = bis_lanes_choose(radius > 0, sine / bis_lanes_choose(radius > 0, radius, 1), 3.14159265f);
         s->x[i] = -cosine;
         s->y[i] = -times * u;
         s->z[i] = times * v;

@@ -363,11 +363,12 @@ int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n,
     if (status) return bis_flat_end(status, &diag, say, size);
     const double B = bis_candidates_bound(&stage->pt, *proposal == 'e' ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF);
     *accepted = 0;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; !status && i < n; i++) {
         height[i] = u[i] * B;
         *accepted += taken[i] = height[i] < w[i];
+        if (isnan(u[i]) || isnan(w[i])) status = bis_error(&diag, BIS_INPUT, nowhere, "candidate %zu is no number", i);
     }
-    return bis_flat_end(BIS_OK, &diag, say, size);
+    return bis_flat_end(status, &diag, say, size);
 }
 
 int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *count,

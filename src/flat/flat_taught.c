@@ -240,6 +240,7 @@ int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, doub
     bis_status status = BIS_FLAT_GIVEN(&diag, P, observed, fit);
 
     if (!status && m > 0) status = BIS_FLAT_GIVEN(&diag, item);
+    if (!status) status = bis_flat_weights(n, P, &diag);
     double *expected = status ? NULL : bis_alloc(n, sizeof *expected);
 
     if (!status && !expected) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for %zu items", n);
@@ -464,12 +465,12 @@ int bis_flat_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint8_t
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, wi, below);
     if (status) return bis_flat_end(status, &diag, say, size);
     *count = 0;
-    for (size_t i = 0; i < n; i++) {
-        const bool is_below = !(bis_bsdf_cos(bsdf, (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]}) > 0);
-        below[i] = is_below;
-        *count += is_below;
+    for (size_t i = 0; !status && i < n; i++) {
+        const double cosine = bis_bsdf_cos(bsdf, (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]});
+        if (isnan(cosine)) status = bis_error(&diag, BIS_INPUT, nowhere, "direction %zu is no number", i);
+        *count += below[i] = cosine <= 0;
     }
-    return bis_flat_end(BIS_OK, &diag, say, size);
+    return bis_flat_end(status, &diag, say, size);
 }
 
 /* ---- pictures ---- */

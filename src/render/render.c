@@ -33,6 +33,7 @@
 enum { MIN_ERROR_PASSES = 3, MOST_SAMPLES = 4 };
 
 static const double seconds_between_reports = 0.2, seconds_between_glimpses = 0.5;
+static const double share_of_glimpses = 0.02; /* of the time, at most, as a display takes */
 
 typedef struct render {
     bis_workspace work;
@@ -45,7 +46,7 @@ typedef struct render {
     uint32_t kept;    /* passes in the last checkpoint that this process has written */
     double last_kept; /* when that was */
     float *glimpse;   /* glimpse[height][width][4], for options->glimpse; NULL: nobody looks */
-    double last_glimpse, last_so_far;
+    double next_glimpse, last_so_far;
     double missing;   /* share of pixels that the first pass did not reach */
     uint32_t size; /* camera samples of a pixel in the pass under way */
     bool has_forecast; /* what the error will take was told; the figure may become unknown and known again */
@@ -110,10 +111,11 @@ static void report_tile(double share, void *user)
     const double now = bis_clock_now();
 
     if (now - r->last_report > seconds_between_reports) report(r, share);
-    if (!r->glimpse || r->done.spp || now - r->last_glimpse < seconds_between_glimpses) return;
-    if (!bis_first_light_show(&r->work, r->glimpse)) return;
-    r->last_glimpse = now;
-    r->work.options->glimpse(r->glimpse, r->work.options->user);
+    if (!r->glimpse || r->done.spp || now < r->next_glimpse) return;
+    const bool shows = bis_first_light_show(&r->work, r->glimpse);
+    if (shows) r->work.options->glimpse(r->glimpse, r->work.options->user);
+    const double cost = bis_clock_now() - now; /* to look in vain takes time, too */
+    r->next_glimpse = now + fmax(shows ? seconds_between_glimpses : 0, cost / share_of_glimpses);
 }
 
 /* What the error budget will take, as far as the first passes know: the error falls with the root of the number of
@@ -319,7 +321,8 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
     r->done.counters.camera_rays = bis_workspace_edge_rays(&r->work);
     bis_status status = resume(r, diag);
     r->start = start - r->done.seconds;
-    r->last_report = r->last_kept = r->last_glimpse = r->last_so_far = start;
+    r->last_report = r->last_kept = r->last_so_far = start;
+    r->next_glimpse = start + seconds_between_glimpses;
     if (r->budget.seconds > 0) r->work.late = r->start + r->budget.seconds;
     if (!status) render_passes(r, result);
     if (r->work.sched) bis_sched_call(r->work.sched, NULL, status);

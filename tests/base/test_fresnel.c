@@ -60,6 +60,13 @@ static void angles_of_the_textbooks_have_their_reflectances(void **state)
     assert_near(bis_fresnel(1, 0, 0.5), 0, 0); /* no surface */
 }
 
+/* Its square is 0 in double: head on, both polarizations would be 0/0. */
+static void an_index_of_next_to_nothing_reflects_all(void **state)
+{
+    assert_true(bis_fresnel(1e-300, 0, 1) == 1);
+    assert_true(bis_fresnel(1e-300, 0, 0.5) == 1);
+}
+
 /* What the bounds of src/beyond/microfacet.c and the precision of its lanes rest on: from the normal to grazing F falls
  * and then rises, and is never below half of what it is at the normal. */
 static void the_largest_reflectance_of_a_range_is_at_an_end_of_it(void **state)
@@ -130,6 +137,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reflectances_are_those_of_complex_numbers),
         cmocka_unit_test(angles_of_the_textbooks_have_their_reflectances),
+        cmocka_unit_test(an_index_of_next_to_nothing_reflects_all),
         cmocka_unit_test(the_largest_reflectance_of_a_range_is_at_an_end_of_it),
         cmocka_unit_test(the_mean_is_walshs),
         cmocka_unit_test(the_index_is_found_from_both_reflectances),

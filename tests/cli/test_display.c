@@ -80,8 +80,10 @@ static void open_viewer(viewer *v, behaviour b)
     assert_int_equal(pthread_create(&v->thread, NULL, serve, v), 0);
 }
 
+/* Whoever has connected is waited for, because a shut listener loses what it has not yet taken. */
 static void close_viewer(viewer *v)
 {
+    for (int k = 0; k < 20000 && !v->connections; k++) usleep(1000);
     shutdown(v->listener, SHUT_RDWR);
     pthread_join(v->thread, NULL);
     close(v->listener);
@@ -268,7 +270,6 @@ static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
         }
         bis_display_close(d, cases[i].meanwhile ? NULL : &f, &diag);
         slow.is_on = false;
-        for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000); /* what is not taken yet would be lost */
         close_viewer(&v);
         if (cases[i].arrives) {
             assert_int_equal(diag.n, 0);
@@ -388,7 +389,6 @@ static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
     assert_int_equal(bis_display_open(&d, where, "broken", &f, NULL), BIS_OK);
     bis_display_close(d, &f, &diag);
     slow.is_on = slow.breaks = false;
-    for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
     close_viewer(&v);
     assert_int_equal(slow.calls, 2);
     assert_int_equal(diag.n, 1);
@@ -425,7 +425,6 @@ static void a_name_server_that_is_silent_is_not_waited_for(void **state)
             assert_non_null(strstr(diag.messages[0].text, "no answer from the name server or the viewer; the render "
                                                           "went on without"));
         resolver.hangs = false;
-        for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
         close_viewer(&v);
         assert_int_equal(v.n > 0, !hangs);
         free(v.data);

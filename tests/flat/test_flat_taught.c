@@ -114,6 +114,8 @@ static void the_fit_is_pearsons(void **state)
     assert_int_equal(bis_flat_fit(2, (double[]){0.5, 0.5}, 40, item, observed, fit, SAY), 0);
     assert_true(fit[0] == 0 && fit[2] > 0.9);
     refuses(bis_flat_fit(1, (double[]){1}, 40, item, observed, fit, SAY), "item 1 is 1, not below 1");
+    refuses(bis_flat_fit(2, (double[]){0.5, NAN}, 40, item, observed, fit, SAY), "weight 1 is nan");
+    refuses(bis_flat_fit(2, (double[]){-0.5, 1.5}, 40, item, observed, fit, SAY), "weight 0 is -0.5");
 }
 
 /* 8 items, the even ones of weight 0, and u of 3 + k bits: the fraction of a black bin has 2^k values, of which the 0
@@ -512,6 +514,10 @@ static void a_point_of_a_diffuse_floor_is_known(void **state)
         }
         assert_true(accepted == n && n > 0);
     }
+    refuses(bis_flat_stage_accept(stage, "em", 1, (double[]){NAN}, u, height, taken, &accepted, SAY),
+        "candidate 0 is no number");
+    refuses(bis_flat_stage_accept(stage, "em", 1, w, (double[]){NAN}, height, taken, &accepted, SAY),
+        "candidate 0 is no number");
     refuses(bis_flat_stage_accept(stage, "mix", 64, w, u, height, taken, &accepted, SAY),
         "proposal \"mix\" has no bound: give em or brdf");
     refuses(bis_flat_stage_candidates(stage, sir, 1, 63, wi, w, chosen, kind, sum, SAY),
@@ -948,6 +954,8 @@ static void what_lies_below_the_horizon_is_counted(void **state)
     assert_int_equal(bis_flat_bsdf_below(bsdf, 4, wi, below, &count, SAY), 0);
     assert_memory_equal(below, ((uint8_t[]){0, 1, 1, 0}), sizeof below);
     assert_int_equal(count, 2);
+    refuses(bis_flat_bsdf_below(bsdf, 2, (float[]){0, 0, 1, 0, NAN, 0}, below, &count, SAY),
+        "direction 1 is no number");
     bis_flat_bsdf_close(bsdf);
 }
 

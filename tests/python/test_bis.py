@@ -302,7 +302,8 @@ class Objects(unittest.TestCase):
     def test_an_object_that_was_never_made_says_so(self):
         for kind, uses in (
             (bis.AliasTable, (lambda t: t.sample(1), lambda t: t.prob, lambda t: t.total)),
-            (bis.Envmap, (lambda t: t.sample(1), lambda t: t.shape, lambda t: t.pixels, lambda t: t.power)),
+            (bis.Envmap, (lambda t: t.sample(1), lambda t: t.shape, lambda t: t.pixels, lambda t: t.power,
+                          lambda t: bis.render(SCENE, spp=1, light=t))),
             (bis.Material, (lambda t: t.sample(1), lambda t: t.look([[0, 0, 1]]))),
         ):
             for use in uses:
@@ -369,6 +370,7 @@ class Mistakes(unittest.TestCase):
             (lambda: table(prob=[1, nan]).sample(1), "prob of bin 1 is nan"),
             (lambda: table(alias=[0, 2]).sample(1), "alias of bin 1 is 2"),
             (lambda: table(alias=[0, -1]).sample(1), "no item"),
+            (lambda: table(alias=[0, 1 << 32]).sample(1), "no item"),
             (lambda: table(alias=[0, 0.5]).sample(1), "no item"),
             (lambda: em.look([[0, 0, 0]]), "direction 0 is (0, 0, 0)"),
             (lambda: em.look([[0, 0, 1], [0, nan, 0]]), "direction 1 is (0, nan, 0)"),

@@ -1037,6 +1037,34 @@ static void what_there_is_is_shown_every_half_second_of_the_first_pass(void **st
     }
 }
 
+static double seconds_of_a_glimpse;
+
+static void note_slow_glimpse(const float *rgba, void *user)
+{
+    note_glimpse(rgba, user);
+    pass_time(seconds_of_a_glimpse);
+}
+
+/* The row of 0.1 s a sample again, in 4 s: 0.01 s for a look leaves four of them, and after 0.1 s the next one waits
+ * for 5 s. Else a picture so large that a look takes half a second would be looked at after each tile. */
+static void looks_take_a_fiftieth_of_the_time(void **state)
+{
+    for (int slow = 0; slow < 2; slow++) {
+        telling t = {0};
+        world w;
+        bis_film film;
+        bis_render_result result;
+        seconds_of_a_glimpse = slow ? 0.1 : 0.01;
+        make_ticking(&w, 0.1, FOR_EVER);
+        render_part(&film, &result, &w, one_row,
+                    &(bis_render_options){.budget = {.spp = 2}, .n_threads = 1, .first_light = true,
+                                          .glimpse = note_slow_glimpse, .user = &t});
+        assert_int_equal(t.n_glimpses, slow ? 1 : 4);
+        bis_film_clear(&film);
+        clear_ticking(&w);
+    }
+}
+
 /* The same row, 1 s a sample: the glimpse is there after 5 s, and tiles of 16 and 16 pixels end after 21 and 37 s. None
  * begins when the time is over; those that have not begun miss all but every 8th pixel. */
 static void the_first_pass_ends_with_the_time(void **state)
@@ -1595,6 +1623,7 @@ int main(void)
         cmocka_unit_test(a_checkpoint_is_kept_once_in_an_interval),
         cmocka_unit_test(a_later_process_knows_the_seconds_and_finds_its_own_speed),
         cmocka_unit_test(what_there_is_is_shown_every_half_second_of_the_first_pass),
+        cmocka_unit_test(looks_take_a_fiftieth_of_the_time),
         cmocka_unit_test(the_first_pass_ends_with_the_time),
         cmocka_unit_test(a_forecast_is_the_square_of_the_errors_times_what_was_taken),
         cmocka_unit_test(who_interrupts_a_finished_render_comes_too_late),

@@ -206,6 +206,30 @@ static int json_word(const expect_command *c)
     return 0;
 }
 
+static bis_bsdf_width own_width(const bis_material *m)
+{
+    return (bis_bsdf_width){"spread", "spread", m->alpha, m->alpha, 0, 1};
+}
+
+/* The width of a model that calls it otherwise stands under its name. */
+static void the_json_has_the_width_of_another_model(void **state)
+{
+    bis_bsdf_model model = bis_microfacet_model;
+    forged f;
+    forge(&f);
+    f.l.material = bis_microfacet((rgb){0.25f, 0.5f, 0.75f}, (rgb){0.125f, 0, 0}, 0.5);
+    f.l.material.model = &model;
+    f.r.pt.bsdf.p_specular = 0.375;
+    for (int twin = 0; twin < 2; twin++) {
+        if (!twin) model.width = own_width;
+        else model.width = bis_microfacet_model.width;
+        char *text = json_of(&f.r);
+        assert_true((strstr(text, "\"alpha\": null,\"p_specular\": 0.375,\"spread\": 0.25}") != NULL) == !twin);
+        free(text);
+    }
+    clear(&f);
+}
+
 static void the_json_knows_other_shapes_and_materials(void **state)
 {
     forged f;
@@ -672,6 +696,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_text_knows_other_shapes_and_what_is_not_known),
         cmocka_unit_test(the_json_knows_other_shapes_and_materials),
+        cmocka_unit_test(the_json_has_the_width_of_another_model),
         cmocka_unit_test(nothing_is_said_with_its_radiance),
         cmocka_unit_test(each_estimator_has_a_row_of_its_own),
         cmocka_unit_test(tables_have_each_figure_in_its_column),

@@ -222,7 +222,8 @@ static void a_median_does_not_depend_on_the_order(void **state)
         const int n = 5 - k;
         for (int order = 0; order < (k ? 24 : 120); order++) {
             double left[5];
-            bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .plan = {.n_seeds = n}};
+            bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)),
+                           .plan = {.full_width = 1, .full_height = 1, .width = 1, .height = 1, .n_seeds = n}};
             assert_non_null(t.desc);
             memcpy(left, seconds[k], sizeof left);
             add_setting(&t, "em 16", &bis_em, 1);

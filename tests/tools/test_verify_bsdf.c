@@ -112,12 +112,79 @@ static void forged_materials_are_rejected(void **state)
     }
 }
 
+/* ---- a width in a field of its own ---- */
+
+/* Microfacets that keep alpha in `exponent`, as a model may that has its number in a field of its own. */
+static bis_material usual(const bis_material *m)
+{
+    bis_material other = *m;
+    other.model = &bis_microfacet_model;
+    other.alpha = m->exponent;
+    return other;
+}
+
+static bool own_sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    const bis_material m = usual(b->material);
+    bis_bsdf other = *b;
+    other.material = &m;
+    return bis_microfacet_model.sample(&other, u0, u1, u2, wi);
+}
+
+static rgb own_f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const bis_material m = usual(b->material);
+    bis_bsdf other = *b;
+    other.material = &m;
+    return bis_microfacet_model.f_pdf(&other, wi, pdf);
+}
+
+static rgb own_pdf_too_large(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const rgb f = own_f_pdf(b, wi, pdf);
+    *pdf *= 3;
+    return f;
+}
+
+static bis_bsdf_width own_width(const bis_material *m)
+{
+    const bis_material other = usual(m);
+    return bis_microfacet_model.width(&other);
+}
+
+static void a_width_is_what_the_model_says(void **state)
+{
+    const bis_settings s = bis_settings_default(&bis_brdf);
+    for (int twin = 0; twin < 2; twin++) {
+        bis_bsdf_model model = bis_microfacet_model;
+        bis_material m = bis_microfacet((rgb){0.1f, 0.3f, 0.2f}, (rgb){0.6f, 0.4f, 0.5f}, 0.5);
+        bis_verify v = {.seed = 1};
+        model.sample = own_sample;
+        model.f_pdf = twin ? own_pdf_too_large : own_f_pdf;
+        model.width = own_width;
+        m.model = &model;
+        m.exponent = m.alpha;
+        m.alpha = 0;
+        assert_int_equal(bis_verify_material(&v, &(bis_verify_lobe){"own", &m, 30}, &s, 1, NULL), BIS_OK);
+        assert_int_equal(v.n, 3);
+        if (!twin) {
+            verify_assert_accepted(&v);
+            continue;
+        }
+        assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+        assert_int_equal(v.tests[0].verdict, BIS_VERDICT_FAILED); /* it integrates to 3 */
+        assert_int_equal(v.tests[2].verdict, BIS_VERDICT_FAILED); /* and reflects a third */
+        bis_verify_clear(&v);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(right_materials_pass),
         cmocka_unit_test(right_microfacets_pass),
         cmocka_unit_test(forged_materials_are_rejected),
+        cmocka_unit_test(a_width_is_what_the_model_says),
     };
     return cmocka_run_group_tests_name("verify_bsdf", tests, NULL, NULL);
 }

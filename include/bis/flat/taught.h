@@ -62,8 +62,8 @@ int bis_flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, ui
                         uint32_t *first, char *say, size_t size);
 
 /* bis_flat_fit counts m draws item[m] in observed[n] and holds them against the probabilities P[n] by Pearson's
- * chi-square: fit[3] is the statistic, its degrees of freedom and p. Errors: BIS_INPUT (an item not below n),
- * BIS_NOMEM. */
+ * chi-square: fit[3] is the statistic, its degrees of freedom and p. Errors: BIS_INPUT (an item not below n; P as the
+ * weights of bis_flat_alias_build), BIS_NOMEM. */
 int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, double *observed, double *fit, char *say,
                  size_t size);
 
@@ -114,7 +114,7 @@ int bis_flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, co
                         double *pdf, char *say, size_t size);
 
 /* bis_flat_bsdf_below stores 1 in below[n] where a direction wi[n][3] lies on or below the horizon, else 0, and their
- * number in *count. Errors: BIS_INPUT. */
+ * number in *count. Errors: BIS_INPUT (wi is NaN). */
 int bis_flat_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint8_t *below, uint32_t *count, char *say,
                         size_t size);
 
@@ -182,7 +182,7 @@ int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_
 
 /* bis_flat_stage_accept holds candidates of weight w[n] against the bound of their proposal, "em" or "brdf": height[n]
  * receives u times the bound, taken[n] 1 where it lies below w, else 0, and *accepted the number of the former.
- * Errors: BIS_INPUT (another proposal). */
+ * Errors: BIS_INPUT (another proposal, w or u is NaN). */
 int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
                           double *height, uint32_t *taken, uint32_t *accepted, char *say, size_t size);
 

@@ -40,7 +40,8 @@ typedef struct bis_bsdf {
 
 /* What the width of a material's lobe depends on: the name and value in formulas; those in scenes, where a texture may
  * take the value's place, and the range of the latter. scene_name is NULL where there is no lobe: scenes then give Kd
- * alone. */
+ * alone. By the value `bis verify` places its cells: it is n where the lobe is nearly cos^n over wi, and alpha where it
+ * is nearly GGX's over the half vector. */
 typedef struct bis_bsdf_width {
     const char *name, *scene_name;
     double value, scene_value, least, most; /* the last three are in the scene's unit */

@@ -185,8 +185,8 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
         A mistake in the scene or in a setting; the message names file, line and column.
     """
     path, texts = _settings(scene, layers, approximate, crop, camera, progress, settings)
-    if light is not None and not isinstance(light, Envmap):
-        light = Envmap(light)
+    sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
+    given = sky and sky._handle  # here, because nobody hears what a thread raises
     wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
     handle, stop, said, seen = P(), ctypes.c_int(0), [], []  # type: ignore[var-annotated]
 
@@ -196,8 +196,8 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
     watcher = _WATCHER(look_on) if progress else _WATCHER()
     try:
         _wait(threading.Thread(target=lambda: said.append(run(
-            _render, ctypes.byref(handle), path, wanted, light._handle if light is not None else None, watcher, None,
-            ctypes.byref(stop)))), stop, seen, progress)
+            _render, ctypes.byref(handle), path, wanted, given, watcher, None, ctypes.byref(stop)))),
+              stop, seen, progress)
         judge(*said[0])
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)

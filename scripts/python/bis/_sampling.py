@@ -188,8 +188,9 @@ class AliasTable(Made):
         array (n,)
             Items from 0.
         """
-        if np.asarray(self.alias).dtype.kind not in "iu" or np.any(np.asarray(self.alias) < 0):
-            raise Error("alias holds what is no item: give integers >= 0")
+        given = np.asarray(self.alias)
+        if given.dtype.kind not in "iu" or np.any(given < 0) or np.any(given >= 1 << 32):  # uint32 would wrap
+            raise Error("alias holds what is no item: give integers in [0, 4294967295]")
         prob, alias = array(self.prob, 0, np.float64, "prob"), array(self.alias, 0, np.uint32, "alias")
         if len(prob) != len(alias):
             raise Error("prob has %d items and alias has %d" % (len(prob), len(alias)))

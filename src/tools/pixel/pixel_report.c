@@ -212,9 +212,10 @@ static void json_hit(bis_json *j, const bis_pixel_report *r)
     bis_json_text(j, "model", r->hit.material->model->name);
     json_colour(j, "Kd", r->hit.material->Kd);
     json_colour(j, "Ks", r->hit.material->Ks);
-    BIS_JSON_NUMBERS(j, {"exponent", strcmp(w.name, "exponent") == 0 ? w.value : (double)NAN},
-                     {"alpha", strcmp(w.name, "alpha") == 0 ? w.value : (double)NAN},
-                     {"p_specular", r->pt.bsdf.p_specular});
+    const bool has_exponent = strcmp(w.name, "exponent") == 0, has_alpha = strcmp(w.name, "alpha") == 0;
+    BIS_JSON_NUMBERS(j, {"exponent", has_exponent ? w.value : (double)NAN},
+                     {"alpha", has_alpha ? w.value : (double)NAN}, {"p_specular", r->pt.bsdf.p_specular});
+    if (w.scene_name && !has_exponent && !has_alpha) bis_json_number(j, w.name, w.value); /* of a model of one's own */
     bis_json_close(j);
     bis_json_close(j);
 }

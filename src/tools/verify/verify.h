@@ -152,6 +152,10 @@ typedef struct bis_verify_lobe {
     double degrees;
 } bis_verify_lobe;
 
+/* bis_verify_width returns what the model tells of its lobe's width: n of a lobe over wi, alpha of one over the half
+ * vector (at least 1e-4). Without a lobe n is 0. */
+double bis_verify_width(const bis_material *m);
+
 /* bis_verify_material tests that the density of a lobe integrates to 1 and that its sampler draws by it; under a
  * constant light the integrators (n of them) give what quadrature gives. */
 bis_status bis_verify_material(bis_verify *v, const bis_verify_lobe *lobe, const bis_settings *settings, size_t n,

@@ -7,7 +7,7 @@
  * density is smooth for any exponent, but for the horizon's kink, and Gauss's rule on a few pieces integrates it. A
  * lobe of microfacets is smooth over the half vector h, about the normal, and only there where the view is grazing:
  * then the rings are those of h, at quantiles of GGX, tan^2 = a^2 u/(1 - u), and d wi = 4 (wo h) dh.
- * Nothing of the model is used but f, pdf and sample, and n or alpha to place the rings.
+ * Nothing of the model is used but f, pdf and sample, and the width that it tells, n or alpha, to place the rings.
  *
  * The furnace: under a constant light the reflected radiance is L times the integral of f cos, by the same quadrature.
  * Cost: 10^5 densities and 10^5 draws for each angle. */
@@ -21,13 +21,22 @@
 enum { OCTILES = 8, HALVINGS = 30, STEPS = 24, MAX_EDGES = OCTILES + HALVINGS + STEPS + 2, SECTORS = 8 };
 enum { PIECES = 4, NODES = 4, NODES_PHI = 32 };
 enum { MOST_DRAWS = 1 << 17, MOST_RUNS = 2048 };
+static const double least_alpha = 1e-4; /* of microfacets; below it no rounding is bounded */
+
+double bis_verify_width(const bis_material *m)
+{
+    const bis_bsdf_width w = m->model->width(m);
+    const double width = w.scene_name ? w.value : 0; /* no lobe: n = 0 */
+    return m->model->of_half_vector ? fmax(width, least_alpha) : width;
+}
 
 /* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to
  * 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1 up to 89 degrees; unit vectors in float add 1e-7 sqrt(n)
  * (src/thesis/phong.c), or 1e-8/alpha (3.3e-5 in all at 1e-4 and 89 degrees). */
 static double quadrature_error(const bis_material *m)
 {
-    return 5e-5 + (m->model->of_half_vector ? 1e-8 / m->alpha : 1e-7 * sqrt(m->exponent));
+    const double width = bis_verify_width(m);
+    return 5e-5 + (m->model->of_half_vector ? 1e-8 / width : 1e-7 * sqrt(width));
 }
 
 static const uint64_t purpose_lobes = (uint64_t)0x77 << 40;
@@ -46,8 +55,9 @@ static int by_value(const void *a, const void *b)
 /* t outside of which the lobe has a share of exp(log_rest). */
 static double quantile(const bis_material *m, double log_rest)
 {
-    if (!m->model->of_half_vector) return -expm1(log_rest / (m->exponent + 1));
-    const double tan2 = m->alpha * m->alpha * expm1(-log_rest), secant = sqrt(1 + tan2);
+    const double width = bis_verify_width(m);
+    if (!m->model->of_half_vector) return -expm1(log_rest / (width + 1));
+    const double tan2 = width * width * expm1(-log_rest), secant = sqrt(1 + tan2);
     return tan2 / (secant * (1 + secant));
 }
 

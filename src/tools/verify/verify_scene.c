@@ -75,8 +75,8 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
         bis_verify_skip(bis_verify_new(v, "materials", "%zu", number), "it is black: nothing is drawn");
         return BIS_OK;
     }
-    if (m->exponent > 1e8) {
-        bis_verify_skip(bis_verify_new(v, "materials", "%zu, n %g", number, m->exponent),
+    if (!m->model->of_half_vector && bis_verify_width(m) > 1e8) {
+        bis_verify_skip(bis_verify_new(v, "materials", "%zu, n %g", number, bis_verify_width(m)),
                         "unit vectors in float cannot resolve exponents beyond 1e8");
         return BIS_OK;
     }
