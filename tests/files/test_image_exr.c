@@ -838,7 +838,11 @@ static void dwa_in_a_layer_is_refused(void **state)
     *value_in(&file, BYTES("compression\0compression\0")) = EXR_COMPRESSION_DWAA;
     file.n -= 4;
     file.data[file.n - 24] = 20; /* of its length */
+#if OPENEXR_VERSION_MAJOR == 3 && OPENEXR_VERSION_MINOR == 1 && OPENEXR_VERSION_PATCH <= 5
     expect_refusal_of(&file, "layer.exr", NOT_AT_TOP("DWA compression"));
+#else /* the library knows it, and that this is none */
+    expect_refusal_of(&file, "layer.exr", "Unable to decompress image data 20 -> 24");
+#endif
     bytes_clear(&file);
 }
 
