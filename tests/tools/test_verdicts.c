@@ -549,6 +549,33 @@ static void too_few_accepted_candidates_are_counted(void **state)
     bis_light_free(light);
 }
 
+/* Two seeds, which were searched for: the runs by one accept 999 candidates, those by the other 1000. */
+static void a_thousand_accepted_candidates_are_enough(void **state)
+{
+    enum { RUNS = 228 };
+    static const struct { unsigned seed; uint64_t accepted; } cases[] = {{423, 999}, {67, 1000}};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_rejection);
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.2), 5), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    s.candidates = 10;
+    s.shadowrays = 1;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_verify v = {.seed = cases[i].seed, .halvings = 9};
+        const bis_verify_place place = {"p", &l.pt, BIS_SAMPLER_RANDOM};
+        const bis_verify_job job = {&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")};
+        bis_counters counters = {0};
+        rgb estimate[RUNS];
+        bool tested;
+        assert_int_equal(bis_verify_point(&v, &place, &s, 1, &tested, NULL), BIS_OK);
+        assert_int_equal(bis_verify_runs(estimate, &job, &counters, NULL), BIS_OK);
+        assert_int_equal(counters.accepted, cases[i].accepted);
+        assert_int_equal(v.tests[0].verdict == BIS_VERDICT_SKIPPED, cases[i].accepted < 1000);
+        bis_verify_clear(&v);
+    }
+    bis_light_free(light);
+}
+
 static atomic_uint n_estimates;
 
 static rgb Lo_counted(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -1276,6 +1303,7 @@ int main(void)
         cmocka_unit_test(the_number_of_draws_follows_the_pixels),
         cmocka_unit_test(a_materials_limits_draws_and_furnace_are_those_by_hand),
         cmocka_unit_test(too_few_accepted_candidates_are_counted),
+        cmocka_unit_test(a_thousand_accepted_candidates_are_enough),
         cmocka_unit_test(the_number_of_runs_follows_the_cost),
         cmocka_unit_test(a_sample_is_judged_by_its_own_density),
         cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
