@@ -591,7 +591,7 @@ static double bound_by_the_words(const bis_bsdf *b, const bis_cones *c, uint32_t
     const vec3 s = add((vec3){c->x[i], c->y[i], c->z[i]}, b->wo);
     const double across = hypot(dot(s, b->local.x), dot(s, b->local.y)), up = dot(s, b->local.z) + chord;
     const double t = fmax(fmax(0, across - chord) / up, tan(acos(fmin(1, c_r)) / 2)), c_h = 1 / sqrt(1 + t * t);
-    const double D = a * a / (PI * pow(c_h, 4) * pow(a * a + t * t, 2));
+    const double D = is_phong(b) ? 0 : a * a / (PI * pow(c_h, 4) * pow(a * a + t * t, 2)); /* Phong has no alpha */
     const double facets = D / (4 * c_i * c_o * (1 + smith(a, c_i) + smith(a, c_o)));
     const double A = 28 / 23.0 * (1 - pow(1 - c_i / 2, 5)) * (1 - pow(1 - c_o / 2, 5));
 
