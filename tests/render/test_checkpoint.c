@@ -301,8 +301,10 @@ static void numbers_that_make_no_sense_are_refused(void **state)
         bis_diag diag = {0};
         memcpy(copy, data, size);
         if (!is_longer) {
-            uint64_t bits = (uint64_t)cases[i].number;
-            if (!cases[i].is_whole) memcpy(&bits, &cases[i].number, 8);
+            const double number = cases[i].number;
+            uint64_t bits;
+            if (!cases[i].is_whole) memcpy(&bits, &number, 8);
+            else bits = number < 0 ? (uint64_t)(int64_t)number : (uint64_t)number;
             for (int k = 0; k < cases[i].bytes; k++)
                 copy[(long)at + cases[i].at + k] = (unsigned char)(bits >> 8 * k);
         }

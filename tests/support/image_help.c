@@ -66,7 +66,7 @@ void put(bytes *b, const void *data, size_t n)
         b->data = realloc(b->data, b->capacity);
         assert_non_null(b->data);
     }
-    memcpy(b->data + b->n, data, n);
+    if (n > 0) memcpy(b->data + b->n, data, n);
     b->n += n;
 }
 
@@ -75,7 +75,7 @@ void put_text(bytes *b, const char *text) { put(b, text, strlen(text)); }
 void put_int(bytes *b, uint64_t v, int n_bytes)
 {
     for (int i = 0; i < n_bytes; i++) {
-        unsigned char byte = (unsigned char)(v >> 8 * i);
+        unsigned char byte = i < 8 ? (unsigned char)(v >> 8 * i) : 0;
         put(b, &byte, 1);
     }
 }
