@@ -786,6 +786,35 @@ static void a_head_is_read_up_to_its_limits(void **state)
     clear_world(&w);
 }
 
+/* A file of the other kind is told from one that is cut short as soon as it is as long as the shortest. */
+static void the_shortest_file_of_the_other_kind_is_known(void **state)
+{
+    enum { SHORTEST = 8 + 4 + 16 + 8 };
+    static const char *const path[] = {BAD},
+                      *const of_part[] = {BAD ": error: this is no part of bis, or it is cut short; `bis SCENE "
+                                          "--part K/N --outfile F` makes parts\n",
+                                          BAD ": error: this is a checkpoint, not a part of a picture: --resume goes "
+                                          "on from it\n"},
+                      *const of_checkpoint[] = {BAD ": error: this is no checkpoint of bis, or it is cut short; "
+                                                "without --resume, or with another file, the render starts afresh",
+                                                BAD ": error: this is no checkpoint of bis but a part of a picture: "
+                                                "`bis merge` puts parts together"};
+    unsigned char checkpoint[SHORTEST] = "\x89" "bisck\r\n", part[SHORTEST] = "\x89" "bispt\r\n";
+    char text[4096];
+
+    for (size_t more = 0; more < 2; more++) {
+        bis_checkpoint c = {0};
+        bis_diag diag = {0};
+        store(BAD, checkpoint, SHORTEST - 1 + more);
+        assert_string_equal(told(text, path, 1), of_part[more]);
+        store(BAD, part, SHORTEST - 1 + more);
+        assert_int_equal(bis_checkpoint_read(&c, BAD, &diag), BIS_INPUT);
+        assert_string_equal(diag.messages[0].text, of_checkpoint[more]);
+        bis_diag_clear(&diag);
+    }
+    unlink(BAD);
+}
+
 /* Part k of n of a picture of n tiles in a row, one pass of nothing. */
 static void write_empty(const char *path, uint32_t k, uint32_t n)
 {
@@ -911,6 +940,7 @@ int main(void)
         cmocka_unit_test(of_unlike_parts_the_larger_figures_stand),
         cmocka_unit_test(numbers_that_make_no_sense_are_refused),
         cmocka_unit_test(a_head_is_read_up_to_its_limits),
+        cmocka_unit_test(the_shortest_file_of_the_other_kind_is_known),
         cmocka_unit_test(a_text_ends_where_it_was_read_to),
         cmocka_unit_test(messages_stand_alone),
         cmocka_unit_test(a_picture_has_at_most_a_hundred_thousand_parts),

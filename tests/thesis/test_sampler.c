@@ -274,6 +274,29 @@ static void without_jitter_camera_samples_lie_in_the_middle(void **state)
     assert_true(u[0] == 0.5 && u[1] == 0.5);
 }
 
+/* Of 2^53 cells in a row the last one's number plus 1/2 or more is no double: it rounds up to 2^53. Digit by digit we
+ * find the sample that visits it, the lowest digit first, which decides the half that it lies in. */
+static void a_camera_sample_in_the_last_of_many_cells_stays_below_1(void **state)
+{
+    const uint64_t n = (uint64_t)1 << 53;
+    for (uint64_t pixel = 0; pixel < 16; pixel++)
+        for (int axis = 0; axis < 2; axis++) {
+            const bis_sampler p = {BIS_SAMPLER_STRATIFIED, 42, n, axis ? 1 : n, axis ? n : 1, true};
+            uint64_t sample = 0;
+            double u[2], width = 1;
+            bis_stream s;
+            for (uint64_t bit = 1; bit < n; bit *= 2) {
+                width /= 2;
+                bis_stream_init(&s, &p, pixel, sample);
+                bis_stream_camera(&s, u);
+                if (u[axis] < 1 - width) sample |= bit;
+            }
+            bis_stream_init(&s, &p, pixel, sample);
+            bis_stream_camera(&s, u);
+            assert_true(u[axis] > 1 - 0x1p-48 && u[axis] < 1);
+        }
+}
+
 /* The cell that camera sample i visits. */
 static uint64_t cell_of(const bis_sampler *p, uint64_t pixel, uint64_t i)
 {
@@ -606,6 +629,7 @@ int main(void)
         cmocka_unit_test(stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_order),
         cmocka_unit_test(stratified_camera_samples_visit_each_cell_once_in_each_round),
         cmocka_unit_test(without_jitter_camera_samples_lie_in_the_middle),
+        cmocka_unit_test(a_camera_sample_in_the_last_of_many_cells_stays_below_1),
         cmocka_unit_test(no_cell_is_visited_twice_whatever_their_number),
         cmocka_unit_test(every_cell_is_equally_likely_for_every_sample),
         cmocka_unit_test(the_halves_of_the_camera_samples_interleave),

@@ -263,15 +263,17 @@ static void a_mean_is_judged_by_what_is_beyond_its_slack(void **state)
         {"no scatter and right", "z; equal up to rounding and quadrature", 0, 0, 1, no, BIS_VERDICT_PASSED},
         {"not a number", "not a number", no, 0, 0, no, BIS_VERDICT_PASSED},
         {"not a number expected", "not a number", no, 0, 0, no, BIS_VERDICT_PASSED},
-        {"without an error", "not a number", -2, 0, 0, no, BIS_VERDICT_PASSED}};
+        {"without an error", "not a number", -2, 0, 0, no, BIS_VERDICT_PASSED},
+        {"hardly a scatter", "z", -all, 1, 0, no, BIS_VERDICT_PASSED}};
     bis_verify v = {.seed = 1};
-    bis_verify_moments m = {0}, still = {0}, sick = {0}, one = {0};
+    bis_verify_moments m = {0}, still = {0}, sick = {0}, one = {0}, hardly = {0};
     for (int i = 1; i <= 3; i++) {
         bis_verify_add(&m, i);
         bis_verify_add(&still, 2);
         bis_verify_add(&sick, i == 2 ? no : i);
     }
     bis_verify_add(&one, 1);
+    for (int i = 0; i < 2; i++) bis_verify_add(&hardly, i * 3e-162); /* its error is 0, its skewness 0 over 0 */
     bis_verify_mean(bis_verify_new(&v, "g", "above"), &m, 1, 0.25);
     bis_verify_mean(bis_verify_new(&v, "g", "below"), &m, 3, 0.25);
     bis_verify_mean(bis_verify_new(&v, "g", "within"), &m, 1, 1);
@@ -280,7 +282,8 @@ static void a_mean_is_judged_by_what_is_beyond_its_slack(void **state)
     bis_verify_mean(bis_verify_new(&v, "g", "not a number"), &sick, 2, 0);
     bis_verify_mean(bis_verify_new(&v, "g", "not a number expected"), &m, no, 0);
     bis_verify_mean(bis_verify_new(&v, "g", "without an error"), &one, 3, 0); /* one run has no scatter */
-    for (int i = 0; i < 8; i++) assert_test(&v.tests[i], "g", &expected[i]);
+    bis_verify_mean(bis_verify_new(&v, "g", "hardly a scatter"), &hardly, 1, 0);
+    for (int i = 0; i < 9; i++) assert_test(&v.tests[i], "g", &expected[i]);
     bis_verify_clear(&v);
 }
 
