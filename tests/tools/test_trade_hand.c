@@ -57,8 +57,7 @@ static void assert_near(double a, double b)
 /* This program's own clock, which the library reads: once it is set, it stands where it was put, and goes on by `step`
  * whenever the thread that set it reads it. Nanoseconds. From `alarm` on there is a signal. Other threads read the true
  * one, because those of Embree's scheduler read it whenever they wait. */
-static _Thread_local bool watches;
-static struct {
+static _Thread_local struct {
     bool is_set;
     int64_t now, step, alarm;
     volatile sig_atomic_t signal;
@@ -68,7 +67,7 @@ int clock_gettime(clockid_t of, struct timespec *t)
 {
     static int (*real)(clockid_t, struct timespec *);
     if (!real) *(void **)&real = dlsym(RTLD_NEXT, "clock_gettime");
-    if (!watch.is_set || !watches || of != CLOCK_MONOTONIC) return real(of, t);
+    if (!watch.is_set || of != CLOCK_MONOTONIC) return real(of, t);
     *t = (struct timespec){watch.now / 1000000000, watch.now % 1000000000};
     watch.now += watch.step;
     watch.signal |= watch.now > watch.alarm;
@@ -78,7 +77,7 @@ int clock_gettime(clockid_t of, struct timespec *t)
 /* The clock shows 1000 s, and each reading takes so many seconds. */
 static void set_watch(double step)
 {
-    watch.is_set = watches = true;
+    watch.is_set = true;
     watch.now = 1000 * (int64_t)1000000000;
     watch.step = (int64_t)(1e9 * step);
     watch.alarm = INT64_MAX;
