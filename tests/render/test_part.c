@@ -789,7 +789,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
 /* A file of the other kind is told from one that is cut short as soon as it is as long as the shortest. */
 static void the_shortest_file_of_the_other_kind_is_known(void **state)
 {
-    enum { SHORTEST = 8 + 4 + 16 + 8 };
+    enum { SHORTEST = 8 + 4 + 16 + 8 }; /* magic, format, a name, the checksum */
     static const char *const path[] = {BAD},
                       *const of_part[] = {BAD ": error: this is no part of bis, or it is cut short; `bis SCENE "
                                           "--part K/N --outfile F` makes parts\n",
