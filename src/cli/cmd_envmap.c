@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text, JSON or a page, and its levels,
  * regions and importance as pictures (thesis figures 3.5 and 3.6). */
+#include "base/text.h"
 #include "bis/base/file.h"
 #include "bis/scene/light_load.h"
 #include "bis/base/mem.h"
@@ -61,6 +62,7 @@ static double change(double before, double after) { return before > 0 ? 100 * (a
 static void print_text(FILE *out, const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
 {
     const char *from = em->resampled_from;
+    char black[BIS_PERCENT];
     fprintf(out, "map         %s, %d x %d, %s%s\n", path, em->width, em->height, from ? "resampled from " : "",
            from ? from : bis_mapping_names[BIS_MAPPING_LATLONG]);
     if (from)
@@ -73,7 +75,7 @@ static void print_text(FILE *out, const char *path, const bis_survey *s, const b
     fprintf(out, "power       %.6g (r+g+b integrated over the sphere)\n", s->power);
     fprintf(out, "bad values  %zu NaN, %zu infinite, %zu negative, set to 0\n", em->defects.n_nan,
             em->defects.n_infinite, em->defects.n_negative);
-    fprintf(out, "black       %.4g%% of the sphere\n", 100 * s->black);
+    fprintf(out, "black       %s of the sphere\n", bis_percent(black, s->black));
     if (s->power > 0) {
         const vec3 w = pixel_direction(em, s->peak);
         const bis_pixel_direction d = bis_pixel_angles(w);

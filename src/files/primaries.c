@@ -3,6 +3,8 @@
  * its luminance, and these luminances are what makes R = G = B = 1 the white of luminance 1. */
 #include "primaries.h"
 
+#include "base/text.h"
+
 #include <math.h>
 
 const float bis_rec709[8] = {.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
@@ -79,7 +81,8 @@ void bis_primaries_convert(bis_image *image, const double m[3][3], const image_i
         bis_image_remark(in, "its colours are converted from its own primaries to those of Rec. 709");
         return;
     }
-    const double share = (double)n_outside / (double)n;
-    bis_image_remark(in, "its colours are converted from its own primaries to those of Rec. 709; %.3g%% of its pixels "
-                     "lie outside of these, and their negative parts are set to 0", 100 * share);
+    char share[BIS_PERCENT];
+    bis_image_remark(in, "its colours are converted from its own primaries to those of Rec. 709; %s of its pixels "
+                     "lie outside of these, and their negative parts are set to 0",
+                     bis_percent(share, (double)n_outside / (double)n));
 }

@@ -3,6 +3,7 @@
  * the description multiplies it by. The light itself (thesis 3.1) knows pixels and a frame, no files. */
 #include "bis/scene/light_load.h"
 
+#include "base/text.h"
 #include "bis/base/clock.h"
 #include "bis/files/image_file.h"
 #include "distant.h"
@@ -15,7 +16,7 @@ static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_
 {
     const size_t counts[] = {d->n_nan, d->n_infinite, d->n_negative};
     const char *const kinds[] = {"NaN", "infinite", "negative"};
-    char list[128] = "";
+    char list[128] = "", share[BIS_PERCENT];
     size_t used = 0;
     for (int i = 0; i < 3; i++) {
         if (counts[i] == 0) continue;
@@ -24,8 +25,9 @@ static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_
     if (used == 0) return;
     bis_warn(
         diag, at,
-        "\"%s\": bad channel values set to 0: %s; the first is %c of pixel (%d, %d); they cover %.3g%% of the sphere",
-        filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
+        "\"%s\": bad channel values set to 0: %s; the first is %c of pixel (%d, %d); they cover %s of the sphere",
+        filename, list, d->first_channel, d->first_x, d->first_y,
+        bis_percent(share, d->solid_angle / (4 * PI)));
 }
 
 bis_status bis_light_check_size(const bis_light_desc *desc, int width, int height, bis_diag *diag)

@@ -383,7 +383,7 @@ static void bad_values_are_one_warning_with_counts_and_share(void **state)
     bis_light *light = load(image, desc_of(bis_xform_identity()), BIS_OK,
                             "s.txt:7:3: warning: \"%s\": bad channel values set to 0: 1 NaN, 2 infinite, 1 negative; "
                             "the first is G of "
-                            "pixel (2, 1); they cover 8.84%% of the sphere");
+                            "pixel (2, 1); they cover 8.8%% of the sphere");
     assert_non_null(light);
     bis_light_free(light);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* `bis verify` of a point in view: right integrators pass. Those that are wrong are in test_verify_wrong,
  * test_verify_exact and test_verify_printed. */
+#include "base/text.h"
 #include "tools/pixel/pixel.h"
 #include "tools/truth.h"
 #include "tools/verify/verify.h"
@@ -441,15 +442,15 @@ static void z_and_p_of_a_stranger_are_those_by_hand(void **state)
         const double by_uniform =
             fmin(1, bernstein_by_hand(&t, 3 * RUNS, e, cases[i].kind == BIS_SAMPLER_SOBOL ? 3 : 1));
         const bool may_miss = cases[i].is_dark && by_uniform > by_t;
-        char note[120];
+        char note[120], bound[BIS_PERCENT];
         assert_int_equal(told.calls, RUNS);
         assert_int_equal(cases[i].is_dark, z < 0);
         if (isinf(z)) assert_true(found.statistic == z);
         else assert_near(found.statistic, z, 1e-5 * fabs(z));
         assert_near(found.p / fmin(1, 1e-7 + (may_miss ? by_uniform : by_t)), 1, 1e-4);
-        snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%",
+        snprintf(note, sizeof note, "z; %ssum over patches +- %s",
                  may_miss ? "p is that of uniform directions, which may miss what is bright; " : "",
-                 100 * bis_truth_bound(&t.lit, 1e-7) / t.lit.mean[3]);
+                 bis_percent(bound, bis_truth_bound(&t.lit, 1e-7) / t.lit.mean[3]));
         assert_string_equal(found.note, note);
     }
     bis_light_free(light);

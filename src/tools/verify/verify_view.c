@@ -16,6 +16,7 @@
  * would do: where it is too dark, p is at least their Bernstein's bound. */
 #include "verify.h"
 
+#include "base/text.h"
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
 
@@ -122,9 +123,9 @@ static double excess_of(const comparison *c)
 
 static void put(bis_verify_test *t, const comparison *c, double z, double p, const char *what)
 {
-    char note[120];
-    snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%", what,
-             100 * bis_truth_bound(c->truth, chance) / c->truth->mean[3]);
+    char note[120], bound[BIS_PERCENT];
+    snprintf(note, sizeof note, "z; %ssum over patches +- %s", what,
+             bis_percent(bound, bis_truth_bound(c->truth, chance) / c->truth->mean[3]));
     bis_verify_p(t, z, p + chance, note);
 }
 
