@@ -2160,6 +2160,40 @@ static void what_is_close_enough_is_not_rendered_again(void **state)
     }
 }
 
+/* What a check has found of one advice may serve another: the cheapest that keeps an error is its advice. No render is
+ * made here, because the checks are interrupted. Rows: seconds and error of each before; which one is taken. */
+static void the_cheapest_that_keeps_an_error_is_advised(void **state)
+{
+    static const struct { double seconds[3], error[3]; bool is_law; int taken[3]; } cases[] = {
+        {{1, 2, 9}, {.4, .12, .05}, false, {0, 1, 2}}, {{1, 2, 9}, {.14, .15, .05}, false, {0, 0, 2}},
+        {{2, 1, 9}, {.4, .12, .05}, false, {1, 1, 2}}, {{3, 2, 1}, {.4, .12, .05}, false, {2, 2, 2}},
+        {{2, 2, 2}, {.4, .12, .05}, false, {2, 2, 2}}, {{1, 2, 9}, {.151, .15, .05}, false, {0, 1, 2}},
+        {{1, 2, 9}, {.14, .15, .05}, true, {0, 1, 2}}};
+    const double error[] = {.5, .15, .05};
+    const char *const purpose[] = {"preview", "good picture", "final picture"};
+    const sig_atomic_t signal = 1;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        load(&t);
+        plan_two(&t);
+        t.o.interrupted = &signal;
+        for (int k = 0; k < BIS_TRADE_ADVICE; k++)
+            t.result.advice[k] = (bis_trade_advice){.purpose = purpose[k], .error = error[k], .setting = k == 1,
+                                                    .passes = 5 + (uint32_t)k, .seconds = cases[i].seconds[k],
+                                                    .expected_error = cases[i].error[k],
+                                                    .is_extrapolated = k == 0 && cases[i].is_law};
+        assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+        for (int k = 0; k < BIS_TRADE_ADVICE; k++) {
+            const bis_trade_advice *a = &t.result.advice[k];
+            const int from = cases[i].taken[k];
+            assert_string_equal(a->purpose, purpose[k]);
+            assert_true(a->error == error[k] && a->setting == (from == 1) && a->passes == 5 + (uint32_t)from &&
+                        a->seconds == cases[i].seconds[from] && a->expected_error == cases[i].error[from]);
+        }
+        bis_trade_clear(&t);
+    }
+}
+
 /* All renders of an attempt have at most 64 times the passes of --passes together: with 1, four of 16 and eight of 4,
  * the most there are. With 7, four of 90, because five have two passes too many. */
 static void renders_are_as_many_as_64_budgets_allow(void **state)
@@ -2872,6 +2906,7 @@ int main(void)
         cmocka_unit_test(runs_are_begun_that_fit_and_written_by_the_second),
         cmocka_unit_test(advice_is_put_to_the_proof),
         cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
+        cmocka_unit_test(the_cheapest_that_keeps_an_error_is_advised),
         cmocka_unit_test(renders_are_as_many_as_64_budgets_allow),
         cmocka_unit_test(the_promise_is_what_half_of_the_pictures_have),
         cmocka_unit_test(renders_of_an_advice_take_half_of_what_time_is_left),

@@ -179,6 +179,21 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
     return status;
 }
 
+/* A check may find that the advice for another error keeps this one, too, in less time. */
+static void take_cheapest(bis_trade_advice *a, const bis_trade_advice *others)
+{
+    for (const bis_trade_advice *b = others; b < others + BIS_TRADE_ADVICE; b++) {
+        const bool is_cheaper =
+            b->seconds < a->seconds || (b->seconds == a->seconds && b->expected_error < a->expected_error);
+        if (a->setting < 0 || b->setting < 0 || b->expected_error > a->error || !is_cheaper) continue;
+        if (b->is_extrapolated && !a->is_extrapolated) continue;
+        const bis_trade_advice for_a = *a;
+        *a = *b;
+        a->purpose = for_a.purpose;
+        a->error = for_a.error;
+    }
+}
+
 bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag)
 {
     const double start = bis_clock_now(), share = check_share * t->o.seconds;
@@ -191,5 +206,6 @@ bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag)
         bis_trade_tell(t, "error of the advice", (double)i / BIS_TRADE_ADVICE, share * (BIS_TRADE_ADVICE - i));
         status = check_advice(a, t, &c, diag);
     }
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) take_cheapest(&t->result.advice[i], t->result.advice);
     return status;
 }
