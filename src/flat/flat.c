@@ -278,12 +278,16 @@ static bis_status check_colour(const char *name, const double *c, bis_diag *diag
 
 bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *diag)
 {
-    const double l = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const bool is_finite = isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+    const double most = fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2]));
+    int e;
 
-    if (!(isfinite(l) && l > 0))
+    if (!(is_finite && most > 0))
         return bis_error(diag, BIS_INPUT, nowhere, "%s is (%g, %g, %g): give a finite vector that is not 0", name,
                          v[0], v[1], v[2]);
-    *w = vec3_from(v[0] / l, v[1] / l, v[2] / l);
+    frexp(most, &e); /* a power of two changes no bit, but squares of 1e200 would be infinite, those of 1e-200 be 0 */
+    const double x = ldexp(v[0], -e), y = ldexp(v[1], -e), z = ldexp(v[2], -e), l = sqrt(x * x + y * y + z * z);
+    *w = vec3_from(x / l, y / l, z / l);
     return BIS_OK;
 }
 

@@ -360,6 +360,7 @@ int bis_flat_light_rows(const bis_light *light, size_t n, const uint32_t *pixel,
     bis_status status = BIS_FLAT_GIVEN(&diag, light, count, polar);
 
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, pixel);
+    if (!status && isnan(degrees)) status = bis_error(&diag, BIS_INPUT, nowhere, "degrees is not a number");
     if (status) return bis_flat_end(status, &diag, say, size);
     const bis_envmap *em = bis_light_envmap(light);
     const size_t width = (size_t)em->width, height = (size_t)em->height;

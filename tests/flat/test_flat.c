@@ -958,6 +958,27 @@ static void materials_are_taken_up_to_their_limits(void **state)
     assert_null(b);
 }
 
+/* Of a vector of any length the direction counts, also where its square would be 0 or infinite. */
+static void a_vector_may_have_any_length(void **state)
+{
+    static const double lengths[] = {1, 1e200, 1e-200, 5e-320, 1.7e308};
+    const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125};
+    const float wi[3] = {0.1f, 0.2f, 0.9f};
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        const double l = lengths[i];
+        bis_bsdf *b;
+        float f[3];
+        double pdf;
+        assert_int_equal(bis_flat_bsdf_open(&b, "phong", Kd, Ks, 20, (double[]){0, 0, l}, (double[]){0, l, l}, SAY), 0);
+        assert_int_equal(bis_flat_bsdf_look(b, 1, wi, f, &pdf, SAY), 0);
+        /* thesis eq. 2.12: wo at 45 degrees, mirrored at the normal, is (0, -1, 1) / sqrt 2 */
+        const double cos_alpha = 0.7 / sqrt(0.86) / sqrt(2);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs((double)f[c] - (Kd[c] / PI + Ks[c] * 22 / (2 * PI) * pow(cos_alpha, 20))) < 1e-6);
+        bis_flat_bsdf_close(b);
+    }
+}
+
 /* ---- pictures by hand ---- */
 
 static void the_version_is_the_headers(void **state) { assert_string_equal(bis_flat_version(), BIS_VERSION); }
@@ -1142,6 +1163,7 @@ int main(void)
         cmocka_unit_test(each_channel_of_a_material_is_its_own),
         cmocka_unit_test(each_component_of_a_vector_is_its_own),
         cmocka_unit_test(materials_are_taken_up_to_their_limits),
+        cmocka_unit_test(a_vector_may_have_any_length),
         cmocka_unit_test(the_version_is_the_headers),
         cmocka_unit_test(alpha_is_the_share_that_hits_a_surface),
         cmocka_unit_test(settings_have_their_limits),

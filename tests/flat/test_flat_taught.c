@@ -274,6 +274,8 @@ static void a_white_map_is_one_light(void **state)
     assert_true(polar[0] == 4 && fabs(polar[1] - 4) < 1e-12);
     refuses(bis_flat_light_rows(light, 2, (uint32_t[]){127, 128}, 30, count, polar, SAY),
         "pixel 1 is 128, not below 128");
+    refuses(bis_flat_light_rows(light, 4, (uint32_t[]){0, 15, 16, 127}, NAN, count, polar, SAY),
+        "degrees is not a number");
     bis_flat_light_close(light);
     /* without the solid angle each row is drawn equally often, so that 1/16 is the middle of row 0, else in row 1 */
     const char *const printed[] = {"kind=cdf", "as_printed=E3", NULL};

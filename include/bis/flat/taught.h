@@ -88,7 +88,7 @@ int bis_flat_light_density(const bis_light *light, double *pdf, double *peak, do
 
 /* bis_flat_light_rows counts in count[height] how many of pixel[n] lie in each row. polar[2] receives how many of them
  * lie in rows whose middle is within `degrees` of a pole, and how many should by the density. Errors: BIS_INPUT (a
- * pixel that the map does not have). */
+ * pixel that the map does not have; degrees is NaN). */
 int bis_flat_light_rows(const bis_light *light, size_t n, const uint32_t *pixel, double degrees, uint32_t *count,
                         double *polar, char *say, size_t size);
 
