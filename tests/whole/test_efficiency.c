@@ -397,6 +397,8 @@ static const claim claims[] = {
      PICTURE(ONE PRODUCT("64", "15"), HALL(SHINY("50"))), PICTURE(ONE SIR("64", "15"), HALL(SHINY("50")))},
     {"`sir` with the product, n = 2000: 24/128", 64, pictures_of,
      PICTURE(ONE PRODUCT("128", "24"), HALL(SHINY("2000"))), PICTURE(ONE PRODUCT("64", "24"), HALL(SHINY("2000")))},
+    {"`sir` with the product, dull: 24 shadow rays for 16", 16, pictures_of, PICTURE(ONE PRODUCT("64", "24"), HALL(DULL)),
+     PICTURE(ONE PRODUCT("64", "16"), HALL(DULL))},
     {"`sir` 24/64 with the product, dull, 8 passes: `learn`", 12, pictures_of, PICTURE(EIGHT LEARN, HALL(DULL)),
      PICTURE(EIGHT PRODUCT("64", "24"), HALL(DULL))},
     {"points, half of the light hidden, 4/8: h in the choice of clusters", 400, points_of,
