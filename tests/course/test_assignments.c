@@ -348,6 +348,29 @@ static void no_cheat_is_worth_a_point(void **state)
                            "grep -q 'a loop without end' " DIR "/*_loop/marks"), 0);
 }
 
+/* Lines that a compiler reads and we would take for a comment or a string, or the other way round. The last two are
+ * plain. */
+static void what_a_compiler_reads_otherwise_than_we_is_refused(void **state)
+{
+    static const char *const ends[] = {"// \\ \r \n__asm__(\"\");\n", "// \\ \r\nint x;\n",  "// \\ \nint x;\n",
+                                       "// \\\f\nint x;\n",           "// \\\r\r\nint x;\n", "// \r int x;\n",
+                                       "// what??" "/\nint x;\n",
+                                       "char *s = \"??" "/\", \" }; x { \", /* \" /* */ }\n",
+                                       "// \\\r\nstill a comment\r\r\n", "#define TWO \\\n 2\n"};
+    enum { N = sizeof ends / sizeof *ends };
+    static char text[1 << 17];
+
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    for (int i = 0; i < N; i++) {
+        snprintf(text, sizeof text, "%s%s", contents("src/thesis/alias.c"), ends[i]);
+        program_write_file(DIR "/file.c", text);
+        const int status = shell("\"$BIS_BUILD/grade\" look src/thesis/alias.c " DIR "/file.c > " DIR "/out");
+        if (status != (i < N - 2 ? 4 : 0)) fail_msg("%s: %d, %s", ends[i], status, contents(DIR "/out"));
+    }
+}
+
 /* Eight others want the one processor that it has: a loop is still a loop, because time that others took is not
  * counted. */
 static void a_busy_machine_changes_no_word(void **state)
@@ -737,7 +760,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 24];
+    struct CMUnitTest tests[N_NAMES + 25];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -759,6 +782,7 @@ int main(void)
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
+        cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
