@@ -348,6 +348,27 @@ static void no_cheat_is_worth_a_point(void **state)
                            "grep -q 'a loop without end' " DIR "/*_loop/marks"), 0);
 }
 
+/* No name that is refused, no filter of before: what writes the marks while the sanitizers look. */
+static void no_cheat_writes_a_file_while_the_sanitizers_look(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    if (shell("test -x " SHOP "/ours-clean") != 0) {
+        print_message("no sanitizers\n");
+        skip();
+    }
+    assert_int_equal(
+        shell("set -e; for c in 33_write_by_our_library 34_find_the_c_library; do mkdir " DIR "/$c; "
+              "sh scripts/course/splice.sh tests/course/handed_in/cheats/$c.c " DIR "/$c > " DIR "/spliced; "
+              "$BIS_COMPILE $BIS_SANITIZE -w -iquote src/thesis -c -o " DIR "/$c/o.o " DIR "/$c/thesis/alias.c; "
+              "$BIS_LINK $BIS_SANITIZE -o " DIR "/$c/student $BIS_SERVER " DIR "/$c/o.o " SHOP "/lib.a $BIS_LIBS; "
+              "BIS_SANDBOX=none \"$BIS_BUILD/grade\" claims -a -s 1 \"$PWD/" DIR "/$c/student\" "
+              SHOP "/claims > " DIR
+              "/$c/marks; test \"$(grep -c '^wrong' " DIR "/$c/marks)\" -eq 6; test ! -e " DIR "/$c/lines; done"),
+        0);
+}
+
 /* Lines that a compiler reads and we would take for a comment or a string, or the other way round. The last two are
  * plain. */
 static void what_a_compiler_reads_otherwise_than_we_is_refused(void **state)
@@ -760,7 +781,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 25];
+    struct CMUnitTest tests[N_NAMES + 26];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -782,6 +803,7 @@ int main(void)
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
+        cmocka_unit_test(no_cheat_writes_a_file_while_the_sanitizers_look),
         cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
