@@ -451,6 +451,19 @@ static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
                            "-eq 11"), 0);
 }
 
+/* A folder whose name is no UTF-8, as a ZIP of Windows has it; an archive that has the name of the file. */
+static void a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("cd " DIR " && d=$(printf 'in/J\\374rgen\\n2') && mkdir -p \"$d\" zip && "
+                           "cp ../../src/thesis/alias.c \"$d\" && printf 'PK\\003\\004\\000' > zip/alias.c"), 0);
+    assert_int_equal(shell("export LC_ALL=C.UTF-8; for d in in zip; do " GRADE " " DIR "/$d; done > " DIR "/out"), 0);
+    assert_has(contents(DIR "/out"), " 20 of  20  every_table_gives_the_weights\n");
+    assert_has(contents(DIR "/out"), "remark: alias.c: it is an archive: unpack it, and mark the folder\n");
+}
+
 /* What `make check` runs in a kit: ours has all points, but for those of speed, which a test cannot know. */
 static void points_can_be_seen_before_handing_in(void **state)
 {
@@ -781,7 +794,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 26];
+    struct CMUnitTest tests[N_NAMES + 27];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -807,6 +820,7 @@ int main(void)
         cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
+        cmocka_unit_test(a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
         cmocka_unit_test(what_make_grade_refuses_make_check_tells),
         cmocka_unit_test(what_is_left_behind_is_ended),
