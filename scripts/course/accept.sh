@@ -36,7 +36,7 @@ MOST_LEVELS=12
 list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
-    (ulimit -t 10 && find "$given/" -maxdepth $MOST_LEVELS -path '*/tests/given' -prune -o -type f \
+    (ulimit -t 10 && LC_ALL=C find "$given/" -maxdepth $MOST_LEVELS -path '*/tests/given' -prune -o -type f \
         \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' \
         -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
@@ -45,7 +45,7 @@ list_files() {
 }
 # Those of the list whose path ends so.
 ending() {
-    grep -z "$(printf '%s' "$1" | sed 's/\./\\./g')\$" "$work/list"
+    LC_ALL=C grep -z "$(printf '%s' "$1" | sed 's/\./\\./g')\$" "$work/list" # a name may be no UTF-8
 }
 
 # Their FILE below $work/src: of a kit, src/FILE; else the one file of that name in any depth; else the one that has
@@ -112,6 +112,7 @@ read_it() {
     0) return 0 ;;
     3) ;;
     *)
+        is_archive "$work/src/$file" && said="it is an archive: unpack it, and mark the folder"
         remark "${file##*/}: $said"
         return 1
         ;;
@@ -165,8 +166,8 @@ look_at_object() {
         remark "$file${where:+, line $where}: \"$word\" is refused"
     done
     [ -z "$used" ] || return 1
-    starts=$(readelf -SW "$object" 2>/dev/null | grep -c 'init_array\|fini_array\|\.ctors\|\.dtors')
-    if [ "$starts" -gt "$(cat "$shop/refer/$file.starts")" ]; then
+    starts=$(readelf -SW "$object" 2>/dev/null | grep -c '\.[a-z_]*init\|\.fini\|\.ctors\|\.dtors')
+    if [ "$starts" -gt "$(cat "$shop/refer/$file.starts")" ] || nm "$object" | grep -q ' i '; then
         remark "$file: what runs before or after the tests is refused"
         return 1
     fi

@@ -115,7 +115,10 @@ grade_memory() {
         return
     fi
     # shellcheck disable=SC2086
-    run "$tool" claims -a $secrets -k "$work/marks" "$work/clean" "$shop/claims" >"$work/clean.marks"
+    if ! run "$tool" claims -a $secrets -k "$work/marks" "$work/clean" "$shop/claims" >"$work/clean.marks"; then
+        line 0 10 "clean memory" "who marks was ended"
+        return
+    fi
     found=$(awk -F '\t' '$1 == "wrong" { print $3 ": " $4; exit }' "$work/clean.marks")
     if [ -z "$found" ]; then
         points=$(awk -F '\t' '$1 == "ok" { got += $2 } END { print int(got / 8) }' "$work/marks")

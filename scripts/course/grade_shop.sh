@@ -75,6 +75,12 @@ for try in 1 2 3 4 5 6; do
     "$BIS_BUILD/grade" claims -s "$secret" "$shop/ours" "$shop/claims" >"$shop/ours.marks" || exit 1
     grep -q '^wrong' "$shop/ours.marks" || echo "$secret" >>"$shop/secrets"
 done
+# The sanitizers of this system may want what the filter of scripts/course/server.c refuses.
+if [ -f "$shop/ours-clean" ] && [ -s "$shop/secrets" ] &&
+    "$BIS_BUILD/grade" claims -a -s "$(sed -n 1p "$shop/secrets")" "$shop/ours-clean" "$shop/claims" |
+    grep -q '^wrong'; then
+    rm "$shop/ours-clean"
+fi
 [ -s "$shop/secrets" ] || fail "our own code fails: $(grep '^wrong' "$shop/ours.marks")"
 awk -F '\t' '{ all += $2 } END { exit all != 80 }' "$shop/ours.marks" ||
     fail "the points of tests/course/$name.c do not sum to 80"

@@ -23,8 +23,28 @@ static void set_fault(token_file *f, unsigned line, const char *what)
     if (!f->fault[0]) snprintf(f->fault, sizeof f->fault, "line %u: %s", line, what);
 }
 
-/* The file without its continued lines (the compiler takes blanks after the backslash, too), and the line of each byte.
- */
+/* What compilers do not read alike, or not as below, is a fault: who writes it may hide a line from one of us. */
+static void find_ambiguous(token_file *f, const char *raw, size_t n)
+{
+    unsigned line = 1;
+
+    for (size_t i = 0; i < n; i++) {
+        const char next = i + 1 < n ? raw[i + 1] : '\n';
+        if (raw[i] == '\r' && next != '\n' && next != '\r') set_fault(f, line, "a carriage return that ends no line");
+        if (raw[i] == '?' && next == '?' && i + 2 < n && raw[i + 2] == '/') set_fault(f, line, "a trigraph");
+        if (raw[i] == '\\') {
+            size_t j = i + 1;
+            while (j < n && strchr(" \t\v\f\r", raw[j]))
+                j++;
+            const bool plain = j == i + 1 || (j == i + 2 && next == '\r');
+            if (!plain && (j == n || raw[j] == '\n'))
+                set_fault(f, line, "blanks between a backslash and the end of the line");
+        }
+        line += raw[i] == '\n';
+    }
+}
+
+/* The file without its continued lines, and the line of each byte. */
 static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
 {
     char *text = malloc(n + 2);
@@ -33,15 +53,11 @@ static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
 
     if (!text) return NULL;
     for (size_t i = 0; i < n; i++) {
-        if (raw[i] == '\\') {
-            size_t j = i + 1;
-            while (j < n && (raw[j] == ' ' || raw[j] == '\t' || raw[j] == '\r'))
-                j++;
-            if (j < n && raw[j] == '\n') {
-                i = j;
-                line++;
-                continue;
-            }
+        const size_t end = i + 1 < n && raw[i + 1] == '\r' ? i + 2 : i + 1;
+        if (raw[i] == '\\' && end < n && raw[end] == '\n') {
+            i = end;
+            line++;
+            continue;
         }
         lines[k] = line;
         text[k++] = raw[i] == '\r' ? ' ' : raw[i];
@@ -235,6 +251,7 @@ bool tokens_read(token_file *f, const char *path, bool is_template)
         snprintf(f->fault, sizeof f->fault, "it has more than a million bytes");
     else if (memchr(raw, '\0', n))
         snprintf(f->fault, sizeof f->fault, "it is no text");
+    if (!f->fault[0]) find_ambiguous(f, raw, n);
     if (!f->fault[0]) f->text = unfold(raw, n, lines, &length);
     if (f->text) {
         f->tokens = calloc(length + 8, sizeof *f->tokens);

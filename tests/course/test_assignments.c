@@ -348,6 +348,50 @@ static void no_cheat_is_worth_a_point(void **state)
                            "grep -q 'a loop without end' " DIR "/*_loop/marks"), 0);
 }
 
+/* No name that is refused, no filter of before: what writes the marks while the sanitizers look. */
+static void no_cheat_writes_a_file_while_the_sanitizers_look(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    if (shell("test -x " SHOP "/ours-clean") != 0) {
+        print_message("no sanitizers\n");
+        skip();
+    }
+    assert_int_equal(
+        shell("set -e; for c in 33_write_by_our_library 34_find_the_c_library; do mkdir " DIR "/$c; "
+              "sh scripts/course/splice.sh tests/course/handed_in/cheats/$c.c " DIR "/$c > " DIR "/spliced; "
+              "$BIS_COMPILE $BIS_SANITIZE -w -iquote src/thesis -c -o " DIR "/$c/o.o " DIR "/$c/thesis/alias.c; "
+              "$BIS_LINK $BIS_SANITIZE -o " DIR "/$c/student $BIS_SERVER " DIR "/$c/o.o " SHOP "/lib.a $BIS_LIBS; "
+              "BIS_SANDBOX=none \"$BIS_BUILD/grade\" claims -a -s 1 \"$PWD/" DIR "/$c/student\" "
+              SHOP "/claims > " DIR
+              "/$c/marks; test \"$(grep -c '^wrong' " DIR "/$c/marks)\" -eq 6; test ! -e " DIR "/$c/lines; done"),
+        0);
+}
+
+/* Lines that a compiler reads and we would take for a comment or a string, or the other way round. The last two are
+ * plain. */
+static void what_a_compiler_reads_otherwise_than_we_is_refused(void **state)
+{
+    static const char *const ends[] = {"// \\ \r \n__asm__(\"\");\n", "// \\ \r\nint x;\n",  "// \\ \nint x;\n",
+                                       "// \\\f\nint x;\n",           "// \\\r\r\nint x;\n", "// \r int x;\n",
+                                       "// what??" "/\nint x;\n",
+                                       "char *s = \"??" "/\", \" }; x { \", /* \" /* */ }\n",
+                                       "// \\\r\nstill a comment\r\r\n", "#define TWO \\\n 2\n"};
+    enum { N = sizeof ends / sizeof *ends };
+    static char text[1 << 17];
+
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    for (int i = 0; i < N; i++) {
+        snprintf(text, sizeof text, "%s%s", contents("src/thesis/alias.c"), ends[i]);
+        program_write_file(DIR "/file.c", text);
+        const int status = shell("\"$BIS_BUILD/grade\" look src/thesis/alias.c " DIR "/file.c > " DIR "/out");
+        if (status != (i < N - 2 ? 4 : 0)) fail_msg("%s: %d, %s", ends[i], status, contents(DIR "/out"));
+    }
+}
+
 /* Eight others want the one processor that it has: a loop is still a loop, because time that others took is not
  * counted. */
 static void a_busy_machine_changes_no_word(void **state)
@@ -405,6 +449,19 @@ static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
     assert_has(out, "remark: there are more than 2000 files");
     assert_int_equal(shell("test $(grep -c '^== ' " DIR "/out) -eq 11 && test $(grep -c ' of 100  alias' " DIR "/out) "
                            "-eq 11"), 0);
+}
+
+/* A folder whose name is no UTF-8, as a ZIP of Windows has it; an archive that has the name of the file. */
+static void a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("cd " DIR " && d=$(printf 'in/J\\374rgen\\n2') && mkdir -p \"$d\" zip && "
+                           "cp ../../src/thesis/alias.c \"$d\" && printf 'PK\\003\\004\\000' > zip/alias.c"), 0);
+    assert_int_equal(shell("export LC_ALL=C.UTF-8; for d in in zip; do " GRADE " " DIR "/$d; done > " DIR "/out"), 0);
+    assert_has(contents(DIR "/out"), " 20 of  20  every_table_gives_the_weights\n");
+    assert_has(contents(DIR "/out"), "remark: alias.c: it is an archive: unpack it, and mark the folder\n");
 }
 
 /* What `make check` runs in a kit: ours has all points, but for those of speed, which a test cannot know. */
@@ -737,7 +794,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 24];
+    struct CMUnitTest tests[N_NAMES + 27];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -759,8 +816,11 @@ int main(void)
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
+        cmocka_unit_test(no_cheat_writes_a_file_while_the_sanitizers_look),
+        cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
+        cmocka_unit_test(a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
         cmocka_unit_test(what_make_grade_refuses_make_check_tells),
         cmocka_unit_test(what_is_left_behind_is_ended),
