@@ -314,7 +314,7 @@ static int envmap(void *options, const char *const *operands, bis_diag *diag)
     bis_light_desc desc = bis_light_desc_default();
     bis_light *light;
     char out[4096];
-    bool any;
+    bool any = false;
 
     const bis_status status =
         o->to ? check_conversion(o, operands[0], diag) : find_out(out, o, operands[0], &any, diag);
