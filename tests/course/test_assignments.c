@@ -348,8 +348,9 @@ static void no_cheat_is_worth_a_point(void **state)
                            "grep -q 'a loop without end' " DIR "/*_loop/marks"), 0);
 }
 
-/* No name that is refused, no filter of before: what writes the marks while the sanitizers look. */
-static void no_cheat_writes_a_file_while_the_sanitizers_look(void **state)
+/* No name that is refused: what stops or ends who marks or writes the marks while the sanitizers look, and what sleeps
+ * under a name that reads as if it worked. */
+static void no_cheat_reaches_out_while_the_sanitizers_look(void **state)
 {
     (void)state;
     need_a_compiler();
@@ -359,13 +360,17 @@ static void no_cheat_writes_a_file_while_the_sanitizers_look(void **state)
         skip();
     }
     assert_int_equal(
-        shell("set -e; for c in 33_write_by_our_library 34_find_the_c_library; do mkdir " DIR "/$c; "
+        shell("set -e; for c in 24_trace_the_judge 25_kill_the_judge 33_write_by_our_library 34_find_the_c_library "
+              "35_signal_by_a_descriptor 36_a_name_that_runs; do mkdir " DIR "/$c; "
               "sh scripts/course/splice.sh tests/course/handed_in/cheats/$c.c " DIR "/$c > " DIR "/spliced; "
               "$BIS_COMPILE $BIS_SANITIZE -w -iquote src/thesis -c -o " DIR "/$c/o.o " DIR "/$c/thesis/alias.c; "
               "$BIS_LINK $BIS_SANITIZE -o " DIR "/$c/student $BIS_SERVER " DIR "/$c/o.o " SHOP "/lib.a $BIS_LIBS; "
+              "case $c in 36*) export BIS_CLAIM_SECONDS=0.03 ;; esac; "
               "BIS_SANDBOX=none \"$BIS_BUILD/grade\" claims -a -s 1 \"$PWD/" DIR "/$c/student\" "
               SHOP "/claims > " DIR
-              "/$c/marks; test \"$(grep -c '^wrong' " DIR "/$c/marks)\" -eq 6; test ! -e " DIR "/$c/lines; done"),
+              "/$c/marks; test \"$(grep -c '^wrong' " DIR "/$c/marks)\" -eq 6; test ! -e " DIR "/$c/lines; "
+              "! grep 'attached\\|came to no end' " DIR "/$c/marks >&2; done; "
+              "grep -q 'no work either' " DIR "/36*/marks"),
         0);
 }
 
@@ -816,7 +821,7 @@ int main(void)
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
-        cmocka_unit_test(no_cheat_writes_a_file_while_the_sanitizers_look),
+        cmocka_unit_test(no_cheat_reaches_out_while_the_sanitizers_look),
         cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
