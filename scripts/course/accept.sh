@@ -37,8 +37,9 @@ list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
     (ulimit -t 10 && LC_ALL=C find "$given/" -maxdepth $MOST_LEVELS -path '*/tests/given' -prune -o -type f \
-        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' \
-        -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.t[gx]z' \
+        -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.zst' -o -iname '*.lzma' \
+        -o -iname '*.tar.z' -o -iname '*.rar' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
     [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
         remark "there are more than $MOST_FILES files; only so many are looked at"
@@ -86,10 +87,11 @@ collect() {
     name_archives
     cp "$shop/blank/$file" "$to"
 }
-# What is packed (zip, gzip, bzip2, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
+# What is packed (zip, gzip, bzip2, xz, 7z, rar, zstd, compress, lzma) is not unpacked here, because it may be of any
+# size then. It is named.
 is_archive() {
     case $(head -c 6 "$1" | od -A n -t x1 | tr -d ' \n') in
-    504b0304* | 1f8b* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
+    504b0304* | 1f8b* | 1f9d* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07 | 28b52ffd* | 5d0000*) return 0 ;;
     esac
     return 1
 }

@@ -439,7 +439,8 @@ static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
               "d=in/deep; for k in $(seq 100); do d=$d/deeper; done; mkdir -p $d; cp ../../src/thesis/alias.c $d; "
               "(cd in/many; seq -f '%04.0f.c' 3000 | xargs touch); printf 'PK\\003\\004' > in/packed/alias.zip; cp "
                   "in/packed/alias.zip in/alias.c; mkdir in/bz2 in/tbz2; printf 'BZh9' | tee in/bz2/alias.tar.bz2 "
-                  "in/tbz2/alias.tbz2 > in/bz.c"),
+                  "in/tbz2/alias.tbz2 > in/bz.c; for e in tar.zst tar.Z txz; do mkdir in/$e; echo x > in/$e/alias.$e; "
+                  "done; printf '(\\265/\\375' > in/zst.c"),
         0);
     assert_int_equal(shell("(ulimit -t 20; ulimit -v 400000; for f in " DIR "/in/*; do echo \"== $f\"; " GRADE " "
                            "\"$f\" || exit 1; done) > " DIR "/out 2>&1 || true"), 0);
@@ -449,11 +450,15 @@ static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
     assert_has(out, "remark: alias.zip is an archive: unpack it, and mark the folder");
     assert_has(out, "remark: alias.tar.bz2 is an archive: unpack it, and mark the folder");
     assert_has(out, "remark: alias.tbz2 is an archive: unpack it, and mark the folder");
+    assert_has(out, "remark: alias.tar.zst is an archive: unpack it, and mark the folder");
+    assert_has(out, "remark: alias.tar.Z is an archive: unpack it, and mark the folder");
+    assert_has(out, "remark: alias.txz is an archive: unpack it, and mark the folder");
+    assert_has(strstr(out, "in/zst.c"), "\nremark: it is an archive: unpack it, and mark the folder");
     assert_has(out, "alias.c is missing (or a link, of more than a million bytes, or deeper than 12 levels)");
     assert_has(out, "remark: it has more than a million bytes");
     assert_has(out, "remark: there are more than 2000 files");
-    assert_int_equal(shell("test $(grep -c '^== ' " DIR "/out) -eq 11 && test $(grep -c ' of 100  alias' " DIR "/out) "
-                           "-eq 11"), 0);
+    assert_int_equal(shell("test $(grep -c '^== ' " DIR "/out) -eq 15 && test $(grep -c ' of 100  alias' " DIR "/out) "
+                           "-eq 15"), 0);
 }
 
 /* A folder whose name is no UTF-8, as a ZIP of Windows has it; an archive that has the name of the file. */
