@@ -19,7 +19,7 @@ run() {
 # What a hand-in makes a tool say, as a line that scripts/course/short.awk cuts. What the judge says is whole: its hint
 # may stand at the end.
 short() {
-    printf '%s' "$*" | tr '\t\n' '  ' | awk "$(cat scripts/course/short.awk) { print short(\$0) }"
+    printf '%s' "$*" | tr '\t\n' '  ' | awk "$(cat scripts/course/short.awk) { print short(\$0, 200) }"
 }
 remark() {
     short "$*" >>"$work/remarks"

@@ -174,7 +174,7 @@ grade() {
 
 warnings=0
 grade
-[ "$warnings" -eq 0 ] || remark "$warnings compiler warnings"
+[ "$warnings" -eq 0 ] || remark "$warnings compiler warning$([ "$warnings" -eq 1 ] || echo s)"
 [ -z "$BIS_RESULT" ] || cp "$work/remarks" "$work/prints" "$result"
 
 # The table is ours, and so is the sum: more than it says is nobody's.
