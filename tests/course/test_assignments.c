@@ -771,6 +771,12 @@ static void what_a_service_needs_is_in_its_kit(void **state)
               "test -f autograder.py -a -f setup.sh -a -f bis/tests/course/alias.c -a ! -e bis/tests/course/cdf.c && "
               "make -n -C bis grader A=alias > /dev/null"),
         0);
+    /* what a student has put there is no result, not even where the marking fails */
+    assert_int_equal(
+        shell("command -v python3 > /dev/null || exit 0; mkdir " DIR "/checkout && cd " DIR "/checkout && "
+              "echo '{\"score\": 100}' > result.json && mv ../box/setup.sh .. && echo 'exit 1' > ../box/setup.sh && "
+              "! python3 ../box/autograder.py 2> ../err && test ! -e result.json && mv ../setup.sh ../box"),
+        0);
     if (shell("command -v zip > /dev/null && command -v unzip > /dev/null") != 0) {
         print_message("no zip\n");
         skip();
