@@ -8,12 +8,14 @@ function csv(s) {
     gsub(/"/, "\"\"", s)
     return "\"" s "\""
 }
-# Moodle names the folder of a submission NAME_NUMBER_assignsubmission_..., and the student "Participant NUMBER". It
-# takes the feedback as HTML.
+# Moodle names the folder of a submission NAME_NUMBER_assignsubmission_..., and the student "Participant NUMBER". The
+# last such number counts, because NAME, which a student may choose, can look so. Moodle takes the feedback as HTML.
 function identifier(s) {
-    if (!match(s, /_[0-9]+_assignsubmission/)) return s
-    s = substr(s, RSTART + 1)
-    return "Participant " substr(s, 1, index(s, "_") - 1)
+    if (!match(s, /.*_[0-9]+_assignsubmission/)) return s
+    s = substr(s, 1, RLENGTH)
+    sub(/_assignsubmission$/, "", s)
+    sub(/.*_/, "", s)
+    return "Participant " s
 }
 function html(s) {
     gsub(/&/, "\\&amp;", s)
