@@ -1,5 +1,5 @@
-/* Has the kernel send SIGKILL to the process that asks when its next question comes. Without bubblewrap it did, while the
- * sanitizers looked. */
+/* Has the kernel send SIGKILL to the process that asks when its next question comes. Without bubblewrap it did, while
+ * the sanitizers looked. */
 /* [alias-build] */
 int fcntl(int fd, int command, ...);
 int getppid(void);
