@@ -6,6 +6,7 @@
 #     out:  accept returns 0, or 1 and $reason; in $work: remarks, messages of the compiler, prints, src/, objects/
 
 child=""
+. scripts/course/starts.sh
 # In the background, so that a signal is answered at once.
 run() {
     "$@" &
@@ -168,8 +169,7 @@ look_at_object() {
         remark "$file${where:+, line $where}: \"$word\" is refused"
     done
     [ -z "$used" ] || return 1
-    starts=$(readelf -SW "$object" 2>/dev/null | grep -c '\.[a-z_]*init\|\.fini\|\.ctors\|\.dtors')
-    if [ "$starts" -gt "$(cat "$shop/refer/$file.starts")" ] || nm "$object" | grep -q ' i '; then
+    if [ -n "$(starts "$object" | LC_ALL=C comm -13 "$shop/refer/$file.starts" -)" ]; then
         remark "$file: what runs before or after the tests is refused"
         return 1
     fi

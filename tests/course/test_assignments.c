@@ -760,6 +760,30 @@ static void a_flood_of_remarks_fits_into_a_cell(void **state)
     assert_has(contents(DIR "/csv"), row);
 }
 
+/* Of no assignment a right solution is refused, by its text or by its object: open has loops for AVX2, which are chosen
+ * when the program is loaded. */
+static void what_we_have_written_is_accepted_in_each(void **state)
+{
+    char command[1024];
+
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/headers.sh " DIR "/headers"), 0);
+    for (int i = 0; i < N_NAMES; i++) {
+        snprintf(command, sizeof command,
+                 "{ name=%s; shop=$PWD/" DIR "/$name; given=$shop/in; work=$shop/work; tool=$BIS_BUILD/grade; "
+                 "BIS_SANDBOX=none; export BIS_SANDBOX; sh scripts/course/given.sh $name \"$shop\" && "
+                 "mkdir $shop/in $work && cp -R " DIR "/headers $shop && for f in $(cat $shop/files); do "
+                 "sed '/^ *#pragma GCC unroll/d' src/$f > $shop/in/${f##*/}; "
+                 "case $f in *.h) cp $shop/blank/$f $shop/headers/src/$f ;; esac; done && "
+                 ". scripts/course/accept.sh && accept || { echo $reason; cat $work/remarks; exit 1; }; } > "
+                 DIR "/said 2>&1",
+                 names[i]);
+        if (shell(command) != 0) fail_msg("%s: %s", names[i], contents(DIR "/said"));
+    }
+}
+
 /* All that Gradescope unpacks and calls is in the archive, and no other assignment's solution test. */
 static void what_a_service_needs_is_in_its_kit(void **state)
 {
@@ -813,7 +837,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 27];
+    struct CMUnitTest tests[N_NAMES + 28];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -839,6 +863,7 @@ int main(void)
         cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
+        cmocka_unit_test(what_we_have_written_is_accepted_in_each),
         cmocka_unit_test(a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
         cmocka_unit_test(what_make_grade_refuses_make_check_tells),
