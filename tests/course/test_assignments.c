@@ -760,6 +760,18 @@ static void a_flood_of_remarks_fits_into_a_cell(void **state)
     assert_has(contents(DIR "/csv"), row);
 }
 
+/* The program of bis trade has no filter of the kernel: what is handed in could write its own report. */
+static void bis_trade_is_not_run_without_a_sandbox(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("mkdir " DIR "/in && cp src/beyond/microfacet.c src/beyond/microfacet_formulas.h " DIR "/in "
+                           "&& BIS_SANDBOX=none sh scripts/course/grade.sh open " DIR "/in > " DIR "/out"), 0);
+    assert_has(contents(DIR "/out"), "bis trade is not run: it needs bubblewrap\n");
+    assert_false(program_exists(DIR "/in/trade-mine"));
+}
+
 /* Of no assignment a right solution is refused, by its text or by its object: open has loops for AVX2, which are chosen
  * when the program is loaded. */
 static void what_we_have_written_is_accepted_in_each(void **state)
@@ -837,7 +849,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 28];
+    struct CMUnitTest tests[N_NAMES + 29];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -864,6 +876,7 @@ int main(void)
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
         cmocka_unit_test(what_we_have_written_is_accepted_in_each),
+        cmocka_unit_test(bis_trade_is_not_run_without_a_sandbox),
         cmocka_unit_test(a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
         cmocka_unit_test(what_make_grade_refuses_make_check_tells),
