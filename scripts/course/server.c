@@ -13,6 +13,11 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#if defined(__clang__) && defined(_OPENMP)
+#include <omp.h>
+#include <stdio.h>
+#include <sys/mman.h>
+#endif
 #include <sched.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -107,8 +112,22 @@ static void give_up_rights(void)
 static void give_up_rights(void) {}
 #endif
 
+/* clang's OpenMP makes a file of shared memory when it is first used, which is refused later on, and only it removes
+ * the file when it ends well. */
+static void start_openmp(void)
+{
+#if defined(__clang__) && defined(_OPENMP)
+    char name[64];
+
+    omp_get_max_threads();
+    snprintf(name, sizeof name, "/__KMP_REGISTERED_LIB_%d_%d", (int)getpid(), (int)getuid());
+    shm_unlink(name);
+#endif
+}
+
 int main(void)
 {
+    start_openmp();
     give_up_rights();
     return answers_serve();
 }
