@@ -6,6 +6,7 @@
 #     out:  accept returns 0, or 1 and $reason; in $work: remarks, messages of the compiler, prints, src/, objects/
 
 child=""
+. scripts/course/starts.sh
 # In the background, so that a signal is answered at once.
 run() {
     "$@" &
@@ -19,7 +20,7 @@ run() {
 # What a hand-in makes a tool say, as a line that scripts/course/short.awk cuts. What the judge says is whole: its hint
 # may stand at the end.
 short() {
-    printf '%s' "$*" | tr '\t\n' '  ' | awk "$(cat scripts/course/short.awk) { print short(\$0) }"
+    printf '%s' "$*" | tr '\t\n' '  ' | awk "$(cat scripts/course/short.awk) { print short(\$0, 200) }"
 }
 remark() {
     short "$*" >>"$work/remarks"
@@ -37,8 +38,9 @@ list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
     (ulimit -t 10 && LC_ALL=C find "$given/" -maxdepth $MOST_LEVELS -path '*/tests/given' -prune -o -type f \
-        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' \
-        -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.t[gx]z' \
+        -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.zst' -o -iname '*.lzma' \
+        -o -iname '*.tar.z' -o -iname '*.rar' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
     [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
         remark "there are more than $MOST_FILES files; only so many are looked at"
@@ -86,10 +88,11 @@ collect() {
     name_archives
     cp "$shop/blank/$file" "$to"
 }
-# What is packed (zip, gzip, bzip2, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
+# What is packed (zip, gzip, bzip2, xz, 7z, rar, zstd, compress, lzma) is not unpacked here, because it may be of any
+# size then. It is named.
 is_archive() {
     case $(head -c 6 "$1" | od -A n -t x1 | tr -d ' \n') in
-    504b0304* | 1f8b* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
+    504b0304* | 1f8b* | 1f9d* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07 | 28b52ffd* | 5d0000*) return 0 ;;
     esac
     return 1
 }
@@ -166,8 +169,7 @@ look_at_object() {
         remark "$file${where:+, line $where}: \"$word\" is refused"
     done
     [ -z "$used" ] || return 1
-    starts=$(readelf -SW "$object" 2>/dev/null | grep -c '\.[a-z_]*init\|\.fini\|\.ctors\|\.dtors')
-    if [ "$starts" -gt "$(cat "$shop/refer/$file.starts")" ] || nm "$object" | grep -q ' i '; then
+    if [ -n "$(starts "$object" | LC_ALL=C comm -13 "$shop/refer/$file.starts" -)" ]; then
         remark "$file: what runs before or after the tests is refused"
         return 1
     fi

@@ -6,10 +6,10 @@
 # From the root, once its objects are built.
 #     files    the files under study, below src/       units                what is compiled of src/ with them
 #     blank/   these files as they are given out       refer/FILE.defined   what an object must define
-#                                                         refer/FILE.starts    how many sections run by themselves
+#                                                         refer/FILE.starts    what runs by itself, a line each
 #     allowed  what any may use
 build=${BIS_BUILD:-build/release}
-by_itself='\.[a-z_]*init\|\.fini\|\.ctors\|\.dtors'  # sections of what runs before or after main, as in accept.sh
+. scripts/course/starts.sh
 folder=$2
 mkdir -p "$folder/blank" || exit 1
 sh scripts/course/splice.sh "tests/course/${1}_blank.c" "$folder/blank" >"$folder/files" || exit 1
@@ -23,7 +23,7 @@ while IFS= read -r file; do
     [ -f "$object" ] || { echo "given: $object is not built: run make first" >&2; exit 1; }
     mkdir -p "$folder/refer/${file%/*}"
     nm -P -g "$object" | awk '$2 != "U" && $2 != "w" { print $1 }' | sort >"$folder/refer/$file.defined"
-    readelf -SW "$object" | grep -c "$by_itself" >"$folder/refer/$file.starts"  # 0, but for what a sanitizer adds
+    starts "$object" >"$folder/refer/$file.starts"  # nothing, but for what a sanitizer adds, and loops for AVX2
     nm -P -g "$object" | awk '$2 == "U" { print $1 }'
 done <"$folder/units" >"$folder/uses" || exit 1
 for object in "$build"/src/base/*.o "$build/src/thesis/rng.o" "$build/src/thesis/warp.o"; do

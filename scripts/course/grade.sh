@@ -129,9 +129,13 @@ grade_memory() {
 }
 
 # bis trade with the student's material and with ours: both pages are put into FOLDER for a look; no points, since a
-# machine at work is no judge.
+# machine at work is no judge. Their code is in a program with all rights here, so it needs the sandbox.
 trade_pages() {
     [ "$name" = open ] && [ -f "$work/marks" ] && ! grep -q '^wrong' "$work/marks" || return
+    if [ "$BIS_SANDBOX" != bwrap ]; then
+        echo "bis trade is not run: it needs bubblewrap"
+        return
+    fi
     for who in mine ours; do
         objects=""
         [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/units"
@@ -174,7 +178,7 @@ grade() {
 
 warnings=0
 grade
-[ "$warnings" -eq 0 ] || remark "$warnings compiler warnings"
+[ "$warnings" -eq 0 ] || remark "$warnings compiler warning$([ "$warnings" -eq 1 ] || echo s)"
 [ -z "$BIS_RESULT" ] || cp "$work/remarks" "$work/prints" "$result"
 
 # The table is ours, and so is the sum: more than it says is nobody's.

@@ -109,8 +109,10 @@ done
     while [ $i -lt "$n" ]; do
         i=$((i + 1))
         printf 'N\t%s\n' "$(tr '\t' ' ' <"$work/$i/name")"
-        sed '/^$/d; s/^/R\t/' "$work/$i/remarks" 2>/dev/null
+        warned='^[0-9]* compiler warnings*$' # behind what failed, because a cell has little room
+        sed "/^\$/d; /$warned/d; s/^/R\t/" "$work/$i/remarks" 2>/dev/null
         sed 's/^/L\t/' "$work/$i/lines"
+        sed -n "/$warned/s/^/R\t/p" "$work/$i/remarks" 2>/dev/null
     done
     tr ' ' '\t' <"$work/alike" | sed 's/^/A\t/'
 } >"$work/all"

@@ -8,12 +8,14 @@ function csv(s) {
     gsub(/"/, "\"\"", s)
     return "\"" s "\""
 }
-# Moodle names the folder of a submission NAME_NUMBER_assignsubmission_..., and the student "Participant NUMBER". It
-# takes the feedback as HTML.
+# Moodle names the folder of a submission NAME_NUMBER_assignsubmission_..., and the student "Participant NUMBER". The
+# last such number counts, because NAME, which a student may choose, can look so. Moodle takes the feedback as HTML.
 function identifier(s) {
-    if (!match(s, /_[0-9]+_assignsubmission/)) return s
-    s = substr(s, RSTART + 1)
-    return "Participant " substr(s, 1, index(s, "_") - 1)
+    if (!match(s, /.*_[0-9]+_assignsubmission/)) return s
+    s = substr(s, 1, RLENGTH)
+    sub(/_assignsubmission$/, "", s)
+    sub(/.*_/, "", s)
+    return "Participant " s
 }
 function html(s) {
     gsub(/&/, "\\&amp;", s)
@@ -27,14 +29,16 @@ function note(i, s) { remark[i, ++n_remarks[i]] = s }
 # It comes first, as number 0. The student reads Moodle's, where it is not said.
 function note_likeness(i, s) { if (kind != "moodle") remark[i, 0] = remark[i, 0] (remark[i, 0] == "" ? "" : "; ") s }
 # The remarks on student i: all, or for a cell of a spreadsheet as many as 200 characters hold, and of the first one
-# what they hold.
-function remarks(i, is_cell,    s, j) {
+# what they hold behind who wrote the same.
+function remarks(i, is_cell,    s, j, one) {
     s = remark[i, 0]
     for (j = 1; j <= n_remarks[i]; j++) {
-        if (is_cell && s != "" && length(s) + 2 + length(remark[i, j]) > 200) break
-        s = s (s == "" ? "" : "; ") remark[i, j]
+        one = remark[i, j]
+        if (is_cell && j == 1 && length(s) < 150) one = short(one, s == "" ? 200 : 198 - length(s))
+        if (is_cell && s != "" && length(s) + 2 + length(one) > 200) break
+        s = s (s == "" ? "" : "; ") one
     }
-    return (is_cell ? short(s) : s) (j <= n_remarks[i] ? "; and " n_remarks[i] - j + 1 " more, in the .html" : "")
+    return (is_cell ? short(s, 200) : s) (j <= n_remarks[i] ? "; and " n_remarks[i] - j + 1 " more, in the .html" : "")
 }
 BEGIN { FS = "\t" }
 $1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }

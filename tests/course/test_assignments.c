@@ -348,8 +348,9 @@ static void no_cheat_is_worth_a_point(void **state)
                            "grep -q 'a loop without end' " DIR "/*_loop/marks"), 0);
 }
 
-/* No name that is refused, no filter of before: what writes the marks while the sanitizers look. */
-static void no_cheat_writes_a_file_while_the_sanitizers_look(void **state)
+/* No name that is refused: what stops or ends who marks or writes the marks while the sanitizers look, and what sleeps
+ * under a name that reads as if it worked. */
+static void no_cheat_reaches_out_while_the_sanitizers_look(void **state)
 {
     (void)state;
     need_a_compiler();
@@ -359,13 +360,17 @@ static void no_cheat_writes_a_file_while_the_sanitizers_look(void **state)
         skip();
     }
     assert_int_equal(
-        shell("set -e; for c in 33_write_by_our_library 34_find_the_c_library; do mkdir " DIR "/$c; "
+        shell("set -e; for c in 24_trace_the_judge 25_kill_the_judge 33_write_by_our_library 34_find_the_c_library "
+              "35_signal_by_a_descriptor 36_a_name_that_runs; do mkdir " DIR "/$c; "
               "sh scripts/course/splice.sh tests/course/handed_in/cheats/$c.c " DIR "/$c > " DIR "/spliced; "
               "$BIS_COMPILE $BIS_SANITIZE -w -iquote src/thesis -c -o " DIR "/$c/o.o " DIR "/$c/thesis/alias.c; "
               "$BIS_LINK $BIS_SANITIZE -o " DIR "/$c/student $BIS_SERVER " DIR "/$c/o.o " SHOP "/lib.a $BIS_LIBS; "
+              "case $c in 36*) export BIS_CLAIM_SECONDS=0.03 ;; esac; "
               "BIS_SANDBOX=none \"$BIS_BUILD/grade\" claims -a -s 1 \"$PWD/" DIR "/$c/student\" "
               SHOP "/claims > " DIR
-              "/$c/marks; test \"$(grep -c '^wrong' " DIR "/$c/marks)\" -eq 6; test ! -e " DIR "/$c/lines; done"),
+              "/$c/marks; test \"$(grep -c '^wrong' " DIR "/$c/marks)\" -eq 6; test ! -e " DIR "/$c/lines; "
+              "! grep 'attached\\|came to no end' " DIR "/$c/marks >&2; done; "
+              "grep -q 'no work either' " DIR "/36*/marks"),
         0);
 }
 
@@ -434,7 +439,8 @@ static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
               "d=in/deep; for k in $(seq 100); do d=$d/deeper; done; mkdir -p $d; cp ../../src/thesis/alias.c $d; "
               "(cd in/many; seq -f '%04.0f.c' 3000 | xargs touch); printf 'PK\\003\\004' > in/packed/alias.zip; cp "
                   "in/packed/alias.zip in/alias.c; mkdir in/bz2 in/tbz2; printf 'BZh9' | tee in/bz2/alias.tar.bz2 "
-                  "in/tbz2/alias.tbz2 > in/bz.c"),
+                  "in/tbz2/alias.tbz2 > in/bz.c; for e in tar.zst tar.Z txz; do mkdir in/$e; echo x > in/$e/alias.$e; "
+                  "done; printf '(\\265/\\375' > in/zst.c"),
         0);
     assert_int_equal(shell("(ulimit -t 20; ulimit -v 400000; for f in " DIR "/in/*; do echo \"== $f\"; " GRADE " "
                            "\"$f\" || exit 1; done) > " DIR "/out 2>&1 || true"), 0);
@@ -444,11 +450,15 @@ static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
     assert_has(out, "remark: alias.zip is an archive: unpack it, and mark the folder");
     assert_has(out, "remark: alias.tar.bz2 is an archive: unpack it, and mark the folder");
     assert_has(out, "remark: alias.tbz2 is an archive: unpack it, and mark the folder");
+    assert_has(out, "remark: alias.tar.zst is an archive: unpack it, and mark the folder");
+    assert_has(out, "remark: alias.tar.Z is an archive: unpack it, and mark the folder");
+    assert_has(out, "remark: alias.txz is an archive: unpack it, and mark the folder");
+    assert_has(strstr(out, "in/zst.c"), "\nremark: it is an archive: unpack it, and mark the folder");
     assert_has(out, "alias.c is missing (or a link, of more than a million bytes, or deeper than 12 levels)");
     assert_has(out, "remark: it has more than a million bytes");
     assert_has(out, "remark: there are more than 2000 files");
-    assert_int_equal(shell("test $(grep -c '^== ' " DIR "/out) -eq 11 && test $(grep -c ' of 100  alias' " DIR "/out) "
-                           "-eq 11"), 0);
+    assert_int_equal(shell("test $(grep -c '^== ' " DIR "/out) -eq 15 && test $(grep -c ' of 100  alias' " DIR "/out) "
+                           "-eq 15"), 0);
 }
 
 /* A folder whose name is no UTF-8, as a ZIP of Windows has it; an archive that has the name of the file. */
@@ -616,7 +626,7 @@ static void make_hostile_kit(void)
     program_write_file(
         DIR "/hostile.sed",
         "s|^    while (s->n_large > 0 \\&\\& s->n_small > 0) {|    fputs(\"=1+1,\\\\\"<b>\\\\\\\\;\\\\001\\\\303\\\\n"
-        "{\\\\t</script>'\", stderr);\\\n    abort();\\\n&|\n"
+        "{\\\\t</script>'\", stderr);\\\n    int spare;\\\n    abort();\\\n&|\n"
         "s|^/\\* \\[alias-build\\] \\*/|&\\\n#include <stdio.h>\\\n#include <stdlib.h>|\n"
         "s/pairwise_sum/sum_by_halves/g\n");
     assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && sed -f " DIR
@@ -685,7 +695,8 @@ static void moodle_gets_the_same_marks(void **state)
     need_a_compiler();
     clean_folder();
     make_hostile_kit();
-    assert_int_equal(shell("mkdir " DIR "/in && mv " DIR "/kit '" DIR "/in/A, B_4711_assignsubmission_file' && "
+    assert_int_equal(shell("mkdir " DIR "/in && mv " DIR "/kit '" DIR
+                           "/in/A, B_12_assignsubmission_file_4711_assignsubmission_file' && "
                            "cp src/thesis/alias.c '" DIR "/in/=me@example.org' && "
                            "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR
                            "/in 2 moodle > " DIR "/out"),
@@ -693,12 +704,13 @@ static void moodle_gets_the_same_marks(void **state)
     const char *table = contents(DIR "/in.alias.moodle.csv");
     assert_has(table,
                "Identifier,Grade,Maximum Grade,Last modified (grade),Feedback comments\r\n\"'=me@example.org\",");
-    assert_has(table, "\r\n\"Participant 4711\",");
+    assert_has(table, "\r\n\"Participant 4711\","); /* and not 12, which the name has */
     assert_has(table, "0 of 20  every_table_gives_the_weights<br>");
     assert_null(strstr(table, "like")); /* who else wrote so is for the teacher alone */
     assert_has(contents(DIR "/in.alias.csv"), " % like ");
     table = contents(DIR "/in.alias.moodle.csv");
     assert_has(table, "It printed: =1+1,&quot;&lt;b&gt;\\;");
+    assert_has(table, "; 1 compiler warning\"\r\n"); /* behind what failed */
     assert_null(strstr(table, "<b>"));
     assert_int_equal(shell("for kind in moodle. ''; do sed 's/^\"[^\"]*\",\\([0-9]*\\),.*/\\1/' " DIR
                            "/in.alias.${kind}csv | sed 1d > " DIR "/points.$kind; done; cmp " DIR "/points.moodle. " DIR
@@ -707,7 +719,8 @@ static void moodle_gets_the_same_marks(void **state)
 }
 
 /* Fifty remarks of three words of 96 letters: each is cut at 200 characters on its last word, a cell of the CSV holds
- * one of them and says how many more there are, and who wrote the same comes first. The page and Moodle have all. */
+ * one of them, cut to the room behind who wrote the same, and says how many more there are. The page and Moodle have
+ * all. */
 static void a_flood_of_remarks_fits_into_a_cell(void **state)
 {
     (void)state;
@@ -723,7 +736,7 @@ static void a_flood_of_remarks_fits_into_a_cell(void **state)
         0);
     char cut[256], row[1024];
     snprintf(cut, sizeof cut, "%096d %096d ...", 7, 7);
-    snprintf(row, sizeof row, "\"Ann\",5,5,\"70 %% like Ben; and 51 more, in the .html\"\r\n");
+    snprintf(row, sizeof row, "\"Ann\",5,5,\"70 %% like Ben; %096d ...; and 50 more, in the .html\"\r\n", 7);
     assert_has(contents(DIR "/csv"), row);
     snprintf(row, sizeof row, "%s; %s; %s", cut, cut, cut);
     assert_has(contents(DIR "/html"), row);
@@ -747,6 +760,42 @@ static void a_flood_of_remarks_fits_into_a_cell(void **state)
     assert_has(contents(DIR "/csv"), row);
 }
 
+/* The program of bis trade has no filter of the kernel: what is handed in could write its own report. */
+static void bis_trade_is_not_run_without_a_sandbox(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("mkdir " DIR "/in && cp src/beyond/microfacet.c src/beyond/microfacet_formulas.h " DIR "/in "
+                           "&& BIS_SANDBOX=none sh scripts/course/grade.sh open " DIR "/in > " DIR "/out"), 0);
+    assert_has(contents(DIR "/out"), "bis trade is not run: it needs bubblewrap\n");
+    assert_false(program_exists(DIR "/in/trade-mine"));
+}
+
+/* Of no assignment a right solution is refused, by its text or by its object: open has loops for AVX2, which are chosen
+ * when the program is loaded. */
+static void what_we_have_written_is_accepted_in_each(void **state)
+{
+    char command[1024];
+
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/headers.sh " DIR "/headers"), 0);
+    for (int i = 0; i < N_NAMES; i++) {
+        snprintf(command, sizeof command,
+                 "{ name=%s; shop=$PWD/" DIR "/$name; given=$shop/in; work=$shop/work; tool=$BIS_BUILD/grade; "
+                 "BIS_SANDBOX=none; export BIS_SANDBOX; sh scripts/course/given.sh $name \"$shop\" && "
+                 "mkdir $shop/in $work && cp -R " DIR "/headers $shop && for f in $(cat $shop/files); do "
+                 "sed '/^ *#pragma GCC unroll/d' src/$f > $shop/in/${f##*/}; "
+                 "case $f in *.h) cp $shop/blank/$f $shop/headers/src/$f ;; esac; done && "
+                 ". scripts/course/accept.sh && accept || { echo $reason; cat $work/remarks; exit 1; }; } > "
+                 DIR "/said 2>&1",
+                 names[i]);
+        if (shell(command) != 0) fail_msg("%s: %s", names[i], contents(DIR "/said"));
+    }
+}
+
 /* All that Gradescope unpacks and calls is in the archive, and no other assignment's solution test. */
 static void what_a_service_needs_is_in_its_kit(void **state)
 {
@@ -758,6 +807,12 @@ static void what_a_service_needs_is_in_its_kit(void **state)
         shell("sh scripts/course/kit.sh alias classroom50 " DIR "/box > /dev/null && cd " DIR "/box && "
               "test -f autograder.py -a -f setup.sh -a -f bis/tests/course/alias.c -a ! -e bis/tests/course/cdf.c && "
               "make -n -C bis grader A=alias > /dev/null"),
+        0);
+    /* what a student has put there is no result, not even where the marking fails */
+    assert_int_equal(
+        shell("command -v python3 > /dev/null || exit 0; mkdir " DIR "/checkout && cd " DIR "/checkout && "
+              "echo '{\"score\": 100}' > result.json && mv ../box/setup.sh .. && echo 'exit 1' > ../box/setup.sh && "
+              "! python3 ../box/autograder.py 2> ../err && test ! -e result.json && mv ../setup.sh ../box"),
         0);
     if (shell("command -v zip > /dev/null && command -v unzip > /dev/null") != 0) {
         print_message("no zip\n");
@@ -794,7 +849,7 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 27];
+    struct CMUnitTest tests[N_NAMES + 29];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -816,10 +871,12 @@ int main(void)
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
         cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
         cmocka_unit_test(no_cheat_is_worth_a_point),
-        cmocka_unit_test(no_cheat_writes_a_file_while_the_sanitizers_look),
+        cmocka_unit_test(no_cheat_reaches_out_while_the_sanitizers_look),
         cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
+        cmocka_unit_test(what_we_have_written_is_accepted_in_each),
+        cmocka_unit_test(bis_trade_is_not_run_without_a_sandbox),
         cmocka_unit_test(a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
         cmocka_unit_test(what_make_grade_refuses_make_check_tells),

@@ -113,12 +113,13 @@ static double kept_waiting(void)
  * seconds, which no account of who waits tells. */
 static bool sleeps(void)
 {
-    char path[64], state = 'S';
+    char path[64], line[256];
 
     snprintf(path, sizeof path, "/proc/%d/stat", (int)student.pid);
     FILE *f = fopen(path, "r");
-    if (f && fscanf(f, "%*d (%*[^)]) %c", &state) != 1) state = 'S';
+    const char *name_end = f && fgets(line, sizeof line, f) ? strrchr(line, ')') : NULL; /* a name may have its own */
     if (f) fclose(f);
+    const char state = name_end && name_end[1] ? name_end[2] : 'S';
     return state != 'R' && state != 'D'; /* nor waits for a page */
 }
 
