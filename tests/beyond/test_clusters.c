@@ -102,6 +102,45 @@ static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **
     bis_light_free(light);
 }
 
+/* Where one pixel of a small map is a wide lamp and a cluster of its own, its directions have each of 8 x 8 cells of
+ * it equally often, but for those that floats take over an edge. Directions at random would have a quarter of the cells
+ * so, and all points of a pass would share what that does to them. */
+static void the_directions_of_a_wide_lamp_are_spread_over_it(void **state)
+{
+    enum { X = 2, Y = 1, CELLS = 8 };
+    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .to_world = bis_xform_identity()};
+    bis_image image;
+    bis_envmap map;
+    bis_light *light;
+    bis_clusters c;
+    uint32_t count[CELLS * CELLS] = {0};
+    int even = 0;
+
+    assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
+    for (int i = 0; i < 8 * 4; i++) image.pixels[i] = grey(i == Y * 8 + X ? 100 : 1);
+    assert_int_equal(bis_envmap_from_latlong(&map, &image, NULL), BIS_OK);
+    assert_int_equal(bis_light_from_envmap(&light, &map, &desc, BIS_NEED_CURVE, NULL), BIS_OK);
+    assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
+    assert_true(bis_clusters_are_wide(&c));
+    bis_clusters_fill(&c, light, SEED, 0, 1);
+    const uint32_t lamp = bis_cluster_of_pixel(&c, Y * 8 + X), each = c.directions / (CELLS * CELLS);
+    assert_true(each >= 1 && (lamp == 0 || bis_cluster_of_pixel(&c, Y * 8 + X - 1) != lamp));
+    for (uint32_t i = 0; i < c.directions; i++) {
+        const vec3 wi = c.y[lamp * c.directions + i].wi;
+        /* the place in the pixel: evenly by azimuth and by the cosine, as solid angle is */
+        const double turns = atan2((double)wi.y, (double)wi.x) / (2 * PI), top = cos(PI / 4 * Y);
+        const double x = (turns < 0 ? turns + 1 : turns) * 8 - X;
+        const double y = (top - (double)wi.z) / (top - cos(PI / 4 * (Y + 1)));
+        const int column = (int)(x * CELLS), row = (int)(y * CELLS);
+        assert_true(column >= 0 && column <= CELLS && row >= 0 && row <= CELLS);
+        if (column < CELLS && row < CELLS) count[row * CELLS + column]++;
+    }
+    for (int i = 0; i < CELLS * CELLS; i++) even += count[i] == each;
+    assert_true(even > CELLS * CELLS * 9 / 10);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
 /* Each cluster is compact, so that one cone describes it: K of them would share the sphere evenly, and a piece of the
  * curve is cut when it has a K-th of the sphere, which one tile of 4 x 4 pixels may exceed. Where the map has light
  * everywhere; the dark half has a hundredth of the importance, and cut by importance alone it would be one or two
@@ -1363,6 +1402,7 @@ int main(void)
         cmocka_unit_test(clusters_share_the_curve_and_none_is_empty),
         cmocka_unit_test(the_number_of_clusters_follows_M_between_its_limits),
         cmocka_unit_test(directions_fill_their_pixels_and_are_drawn_anew_in_each_pass),
+        cmocka_unit_test(the_directions_of_a_wide_lamp_are_spread_over_it),
         cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
         cmocka_unit_test(a_run_ends_with_the_tile_that_completes_it),
