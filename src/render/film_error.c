@@ -31,6 +31,12 @@
  * brighter one, d^2 is too large by the variance, and one bright sample makes all of it; so d^2 less the variance is
  * taken, and its root added to the mean around. A darker pixel stands for itself. How far apart the picture's sums are
  * with the pixel's square in place of b^2 and with that square less its variance, tells how far this may be off.
+ * Between bright pixels a rare sample still hides. So where the halves of a pixel differ far more than those of the
+ * pixels around it, the figure must hold with the darker half for b, too (see is_alone).
+ *
+ * What pixels have in common. All pixels of a pass share directions (bis/beyond/clusters.h), which may be wrong for all
+ * of them in the same way. The error of one picture is then not the mean of many independent ones. The halves of
+ * neighbours tell that part, because they differ alike (see in_common).
  *
  * No estimate knows of lights that no pass has found yet. */
 #include "bis/render/film.h"
@@ -48,6 +54,10 @@ static const double halves_spread = 0.25;
 
 /* No pixel counts for more than this many times the mean in what twins tell, nor in what noise does to the sum. */
 static const double most_of_mean = 20;
+
+/* How many times as much the halves of a pixel differ that holds a rare sample: a normal value's square exceeds this
+ * many times its mean once in 130,000. */
+static const double far_more = 20;
 
 /* Relative variance of what stands for b^2 where single pixels have large errors, measured (docs/budgets.md). */
 static const double truth_spread = 0.4;
@@ -98,50 +108,95 @@ static double floor_of(const bis_film *f)
     return mean * mean / 100;
 }
 
-/* The mean of the pixels around pixel i, at most 8; its own where there are none. */
-static void means_around(const bis_film *f, size_t i, double mean[3])
+/* By how much the first half of value k differs from the mean. */
+static double apart(const bis_film *f, size_t k) { return (double)f->half[k] - f->sum[k] / f->weight; }
+
+static double apart_squared(const bis_film *f, size_t i)
+{
+    double sum = 0;
+    for (size_t c = 0; c < 3; c++) sum += apart(f, 3 * i + c) * apart(f, 3 * i + c);
+    return sum;
+}
+
+/* The pixels around one, at most 8; the pixel itself where there are none. */
+typedef struct surroundings {
+    double mean[3], apart_squared; /* means; the latter is 0 where samples are independent */
+} surroundings;
+
+static surroundings around(const bis_film *f, size_t i)
 {
     const size_t width = (size_t)f->width, height = (size_t)f->height, x = i % width, y = i / width;
     const size_t x0 = x ? x - 1 : 0, x1 = x + 1 < width ? x + 2 : width;
-    double sum[3] = {0, 0, 0}, n = 0;
+    surroundings a = {0};
+    double n = 0;
 
     for (size_t v = y ? y - 1 : 0; v < height && v <= y + 1; v++)
         for (size_t u = x0; u < x1; u++) {
             if (u == x && v == y) continue;
-            for (size_t c = 0; c < 3; c++) sum[c] += f->sum[3 * (v * width + u) + c];
+            for (size_t c = 0; c < 3; c++) a.mean[c] += f->sum[3 * (v * width + u) + c];
+            if (!f->independent) a.apart_squared += apart_squared(f, v * width + u);
             n++;
         }
-    for (size_t c = 0; c < 3; c++) mean[c] = (n > 0 ? sum[c] / n : f->sum[3 * i + c]) / f->weight;
+    for (size_t c = 0; c < 3; c++) a.mean[c] = (n > 0 ? a.mean[c] / n : f->sum[3 * i + c]) / f->weight;
+    a.apart_squared = n > 0 ? a.apart_squared / n : HUGE_VAL;
+    return a;
+}
+
+/* Does a rare sample make pixel i bright? */
+static bool is_alone(const bis_film *f, size_t i, const surroundings *a)
+{
+    return !f->independent && apart_squared(f, i) > far_more * a->apart_squared;
 }
 
 /* What stands for b^2, where a mean has this variance, and the pixels around it have the mean `around`. */
-static double truth(double mean, double variance, double around)
+static double truth(double mean, double variance, double mean_around)
 {
-    const double apart = mean - around;
-    const double b = apart > 0 ? around + sqrt(fmax(0, apart * apart - variance)) : mean;
+    const double more = mean - mean_around;
+    const double b = more > 0 ? mean_around + sqrt(fmax(0, more * more - variance)) : mean;
     return b * b;
 }
 
-/* Expected (a-b)^2 / (b^2 + m^2/100) of a pixel or a picture; then with the two ends for b^2; and the first one by the
- * scatter of the passes. */
+/* Expected (a-b)^2 / (b^2 + m^2/100) of a pixel or a picture; then with the two ends for b^2; the first one by the
+ * scatter of the passes; with the darker half for b where the pixel is alone; and its part that the pixel has in common
+ * with those beside it. */
 typedef struct errors {
-    double likely, least, most, scatter;
+    double likely, least, most, scatter, alone, common;
 } errors;
+
+/* The square of the darker half of value k. */
+static double darker(const bis_film *f, size_t k)
+{
+    const double P = f->half_weight, W = f->weight, A = (double)f->half[k], B = (f->sum[k] - P * A) / (W - P);
+    return fmin(A * A, B * B);
+}
+
+/* By how much the halves of value k of pixel i differ like those of the pixels on its right and below, squared. */
+static double in_common(const bis_film *f, size_t i, size_t c)
+{
+    const size_t width = (size_t)f->width;
+    double sum = 0;
+
+    if (i % width + 1 < width) sum += apart(f, 3 * (i + 1) + c);
+    if (i / width + 1 < (size_t)f->height) sum += apart(f, 3 * (i + width) + c);
+    return apart(f, 3 * i + c) * sum / 2;
+}
 
 /* Those of a pixel, the means over its channels, by its passes or its halves. */
 static errors errors_of_pixel(const bis_film *f, size_t i, double floor)
 {
-    errors e = {0, 0, 0, 0};
-    double around[3];
+    const surroundings a = around(f, i);
+    const bool alone = is_alone(f, i, &a);
+    errors e = {0};
 
-    means_around(f, i, around);
     for (size_t c = 0; c < 3; c++) {
         const size_t k = 3 * i + c;
         const double mean = f->sum[k] / f->weight, square = mean * mean, scatter = bis_film_variance(f, k);
         const double variance = f->independent ? scatter : variance_of_halves((double)f->half[k], mean, f->half_weight,
                                                                                f->weight);
-        const double larger = fmax(scatter, variance), scale = 3 * (truth(mean, larger, around[c]) + floor);
+        const double larger = fmax(scatter, variance), b2 = truth(mean, larger, a.mean[c]), scale = 3 * (b2 + floor);
         e.likely += variance / scale;
+        e.alone += variance / (3 * ((alone ? fmin(b2, darker(f, k)) : b2) + floor));
+        if (!f->independent) e.common += in_common(f, i, c) * f->half_weight / (f->weight - f->half_weight) / scale;
         e.scatter += scatter / scale;
         e.least += variance / (3 * (square + floor));
         e.most += variance / (3 * (fmax(0, square - larger) + floor));
@@ -151,8 +206,9 @@ static errors errors_of_pixel(const bis_film *f, size_t i, double floor)
 
 /* Sums over pixels. */
 typedef struct total {
-    errors sum;
-    double q; /* of the likely errors, none above `most`: the sum of their squares over the square of their sum */
+    errors sum; /* the common ones with errors of at most `most` */
+    double q;   /* of the likely errors, none above `most`: the sum of their squares over the square of their sum */
+    double q_alone; /* the same of all errors, with those of pixels that are alone */
 } total;
 
 /* Threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits. */
@@ -160,8 +216,8 @@ static total sum_over(const bis_film *f, double floor, double most)
 {
     enum { BLOCK = 1024 };
     const size_t n = (size_t)f->width * (size_t)f->height;
-    errors all = {0, 0, 0, 0};
-    double sum = 0, squares = 0;
+    errors all = {0};
+    double sum = 0, squares = 0, squares_alone = 0;
 
 #pragma omp parallel for ordered schedule(dynamic)
     for (size_t first = 0; first < n; first += BLOCK) {
@@ -175,11 +231,14 @@ static total sum_over(const bis_film *f, double floor, double most)
             all.least += e[i].least;
             all.most += e[i].most;
             all.scatter += e[i].scatter;
+            all.alone += e[i].alone;
+            if (e[i].likely > 0) all.common += e[i].common * counts / e[i].likely;
             sum += counts;
             squares += counts * counts;
+            squares_alone += e[i].alone * e[i].alone;
         }
     }
-    return (total){all, sum > 0 ? squares / sum / sum : 0};
+    return (total){all, sum > 0 ? squares / sum / sum : 0, sum > 0 ? squares_alone / all.alone / all.alone : 0};
 }
 
 /* May a sum of that doubt be weighed? Squares of tiny terms underflow; a forged file may hold anything. */
@@ -205,12 +264,12 @@ static verdict of_twins(const bis_film *f, double q, double floor, double most)
     for (bis_twin t = {0}; f->twin && bis_film_next_twin(f, bis_film_crop(f), &t); n++) {
         const size_t i = (size_t)(t.y - f->y0) * (size_t)f->width + (size_t)(t.x - f->x0);
         const double *const twin = f->twin + BIS_TWIN_VALUES * t.at;
-        double of_twin = 0, of_halves = 0, around[3];
-        means_around(f, i, around);
+        const surroundings a = around(f, i);
+        double of_twin = 0, of_halves = 0;
         for (size_t c = 0; c < 3; c++) {
             const double A = f->sum[3 * i + c] / W, B = twin[c] / W, mean = (A + B) / 2;
             const double variance = (A - B) * (A - B) / 4; /* of this mean; that of A is twice as large */
-            const double weight = 1 / (truth(mean, variance, around[c]) + floor);
+            const double weight = 1 / (truth(mean, variance, a.mean[c]) + floor);
             of_twin += 2 * variance * weight / 3;
             of_halves += (variance_of_halves((double)f->half[3 * i + c], A, P, W) +
                           variance_of_halves(twin[3 + c], B, P, W)) * weight / 6;
@@ -247,9 +306,11 @@ static verdict both(verdict a, verdict b)
  * Z has 2 Y^2, if all is normal. Where samples are not, as where few are bright, X and Z both have more, but Z - X has
  * the same (2 + 2/d) Y^2: of the means A and B of two halves it is A B, and E (A B)^2 = E A^2 E B^2. The mean of X^2 is
  * (1 + 2/d) Y^2 for normal values, and more otherwise; so errors count for at most 20 times their mean there.
- * Three things add to it: what is known of the ratio; the truth of single pixels, by how much more these carry if they
- * count in full; and that of all, by the width between the two ends, which is taken for 10 standard deviations. The
- * bound is e to 1.645 standard deviations of all times R, where halves count as if all were noise.
+ * Four things add to it: what is known of the ratio; the truth of single pixels, by how much more these carry if they
+ * count in full, and those that are alone with the darker half for b; the truth of all, by the width between the two
+ * ends, which is taken for 10 standard deviations; and what pixels have in common. If all of them had a share r of the
+ * squared error in common, as one normal value, this would have the variance 2 r^2, which is taken. The bound is e to
+ * 1.645 standard deviations of all times R, where halves count as if all were noise.
  *
  * But with few samples R is too low where noise is skewed: pixels whose mean came out low show little scatter,
  * and are weighed most. The loss falls with 1/n; R (1 + 0.5/n) made good for it with exponential noise of 40% on every
@@ -257,7 +318,8 @@ static verdict both(verdict a, verdict b)
  *
  * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
  * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/budgets.md).
- * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. Neither holds
+ * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4, of which r is no
+ * part: more samples need not make it less, and --error would not end. Neither holds
  * where R is more than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of
  * the pixels cannot stand for the truth. */
 bis_film_error bis_film_estimate_error(const bis_film *f)
@@ -271,7 +333,9 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     if (floor == 0) return (bis_film_error){0, 0, 0, true, true}; /* black, hence without scatter */
     const total all = sum_over(f, floor, HUGE_VAL);
     if (all.sum.likely == 0) return (bis_film_error){0, 0, 0, true, true};
-    const double most = most_of_mean * all.sum.likely / n, q = sum_over(f, floor, most).q;
+    const double most = most_of_mean * all.sum.likely / n;
+    const total usual = sum_over(f, floor, most);
+    const double q = usual.q, r = fmax(0, usual.sum.common / all.sum.likely);
     if (!is_weighable(q)) return (bis_film_error){nan, nan, nan, false, false};
     verdict ratio = {0, 0}, high = {0, 0};
     if (!f->independent) {
@@ -281,10 +345,11 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     }
     const double mean = all.sum.likely / n, rmse = sqrt(mean * exp(ratio.log));
     const double noise = q / (1 + 2 / dof) * (2 + 2 / dof), ends = log(all.sum.most / all.sum.least) / 10;
-    const double doubt = sqrt(noise + ratio.doubt + truth_spread * fmax(0, all.q - q) + ends * ends);
+    const double own = noise + ratio.doubt + truth_spread * fmax(0, all.q_alone - q) + ends * ends;
+    const double doubt = sqrt(own + 2 * r * r);
     return (bis_film_error){.relative_rmse = rmse,
                             .upper = sqrt(mean * exp(high.log + normal_95 * doubt) * (1 + skew / f->weight)),
                             .scatter = sqrt(all.sum.scatter / n),
                             .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
-                            .is_bounded = doubt <= doubt_of_bound && rmse <= most_rmse};
+                            .is_bounded = sqrt(own) <= doubt_of_bound && rmse <= most_rmse};
 }

@@ -63,20 +63,23 @@ static const bis_twin *twin_at(const bis_twin *twins, int n, int x, int y)
 /* The mean of a pixel's camera samples. */
 static rgb mean_of(const bis_pixel_sum *sum) { return rgbd_round(rgbd_scale(sum->L, 1 / (double)sum->n)); }
 
+static uint64_t seed_of_twins(const bis_workspace *w) { return bis_hash(w->view->sampler.seed ^ purpose_twin); }
+
 /* The twins of tile t, in the order of its pixels. Nothing is learned from them, and their rays are not counted, so
- * picture and counters are those of a render without twins. Both take their directions from the pass's clusters. Of
- * the 256 of a cluster a point takes a few, so hardly any of the error is common to the two. */
+ * picture and counters are those of a render without twins. All pixels take their directions from the pass's clusters,
+ * and have some of their error in common. Twins have clusters of their own, because they would not tell it otherwise. */
 static void render_twins(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass)
 {
     const bis_rect full = bis_film_tile(w->film, BIS_RENDER_TILE, t),
                    kept = bis_film_tile_of_crop(w->film, BIS_RENDER_TILE, t);
-    const uint64_t seed = bis_hash(w->view->sampler.seed ^ purpose_twin);
+    const uint64_t seed = seed_of_twins(w);
     const bis_counters of_picture = me->counters;
     bis_twin twins[BIS_RENDER_TILE_TWINS];
     int n = 0;
 
     for (bis_twin twin = {0}; bis_film_next_twin(w->film, kept, &twin);) twins[n++] = twin;
     if (me->scratch.guide) me->scratch.guide->learns = false;
+    if (w->of_twins.n) me->guide.clusters = &w->of_twins;
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
         int x, y;
         bis_survey_pixel(i, &x, &y);
@@ -87,6 +90,7 @@ static void render_twins(const bis_workspace *w, bis_worker *me, int t, const bi
         add_samples(w, me->wave, twin->x, twin->y, pass, seed, sum);
     }
     bis_wave_end(me->wave);
+    if (w->of_twins.n) me->guide.clusters = &w->clusters;
     for (int k = 0; k < n; k++) w->pass_twins[twins[k].at] = mean_of(&me->pixels[k]);
     me->counters = of_picture;
 }
@@ -174,6 +178,8 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
     if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
     if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, looks ? 0 : pass->number, w->n_threads);
+    if (w->of_twins.n)
+        bis_clusters_fill(&w->of_twins, w->scene->light, seed_of_twins(w), pass->number, w->n_threads);
     if (looks) bis_survey(w, false, is_first, progress, user);
     if (w->fine && is_first) sweep(w, pass, true, progress, user);
     if (looks) bis_survey(w, true, is_first, progress, user);

@@ -76,6 +76,8 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     if (needs.n_pool == 0 && !needs.clusters) return BIS_OK;
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, diag);
     if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
+    if (!status && needs.clusters && w->film->twin)
+        status = bis_clusters_init(&w->of_twins, light, w->view->settings.candidates, diag);
     if (!status && needs.visibility)
         status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, bis_survey_squares(w->film),
                                      pixels_of(w->film), diag);
@@ -224,8 +226,8 @@ size_t bis_workspace_bytes(const bis_workspace *w)
     const size_t thread = sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) +
                           bis_product_guide_bytes(&w->workers[0].guide);
 
-    return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
-           (size_t)w->n_threads * thread + n_pixels * pixel +
+    return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_clusters_bytes(&w->of_twins) +
+           bis_visibility_bytes(&w->visibility) + (size_t)w->n_threads * thread + n_pixels * pixel +
            (w->pass_twins ? bis_film_twins(w->film) * sizeof *w->pass_twins : 0);
 }
 
@@ -238,6 +240,7 @@ void bis_workspace_clear(bis_workspace *w)
     }
     bis_pool_clear(&w->pool);
     bis_clusters_clear(&w->clusters);
+    bis_clusters_clear(&w->of_twins);
     bis_visibility_clear(&w->visibility);
     bis_free(w->own);
     bis_free(w->workers);

@@ -124,18 +124,21 @@ static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
     }
 }
 
-/* Where nothing is learned. Independent passes have no twins. The twin of this test: with its own seed the bits
- * differ. */
+/* Where nothing is learned, also where all pixels of a pass share directions (the product's). Independent passes have no
+ * twins. The twin of this test: with its own seed the bits differ. */
 static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
 {
     const uint64_t seed = 7, other = bis_hash(seed ^ 0x7477696e); /* "twin" */
-    for (uint32_t edge_samples = 1; edge_samples <= 4; edge_samples += 3) {
+    for (int k = 0; k < 4; k++) {
+        const bool product = k >= 2;
         world w;
         bis_film film, another;
         bis_render_result result;
         int n = 0, as_own = 0;
-        make_world(&w, &bis_mis);
-        w.desc.view.edge_samples = edge_samples;
+        make_world(&w, product ? &bis_sir : &bis_mis);
+        w.desc.view.settings.proposal = product ? BIS_PROPOSAL_PRODUCT : BIS_PROPOSAL_MIX;
+        w.desc.view.settings.candidates = 64;
+        w.desc.view.edge_samples = k % 2 ? 4 : 1;
         w.desc.view.sampler.seed = seed;
         render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
         w.desc.view.sampler.seed = other;
