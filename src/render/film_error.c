@@ -318,10 +318,10 @@ static verdict both(verdict a, verdict b)
  *
  * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
  * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/budgets.md).
- * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4, of which r is no
- * part: more samples need not make it less, and --error would not end. Neither holds
- * where R is more than (1/2)^2: pixels that have not yet found their light look black and exact, so that the means of
- * the pixels cannot stand for the truth. */
+ * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. What pixels have
+ * in common, and those that are alone, are no part of this 0.4, because --error would not end where more samples do not
+ * make them less. Neither holds where R is more than (1/2)^2: pixels that have not yet found their light look black and
+ * exact, so that the means of the pixels cannot stand for the truth. */
 bis_film_error bis_film_estimate_error(const bis_film *f)
 {
     const double n = (double)f->width * f->height, nan = (double)NAN, skew = 0.5, most_rmse = 0.5;
@@ -334,8 +334,8 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     const total all = sum_over(f, floor, HUGE_VAL);
     if (all.sum.likely == 0) return (bis_film_error){0, 0, 0, true, true};
     const double most = most_of_mean * all.sum.likely / n;
-    const total usual = sum_over(f, floor, most);
-    const double q = usual.q, r = fmax(0, usual.sum.common / all.sum.likely);
+    const total capped = sum_over(f, floor, most);
+    const double q = capped.q, r = fmax(0, capped.sum.common / all.sum.likely);
     if (!is_weighable(q)) return (bis_film_error){nan, nan, nan, false, false};
     verdict ratio = {0, 0}, high = {0, 0};
     if (!f->independent) {
@@ -345,11 +345,11 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     }
     const double mean = all.sum.likely / n, rmse = sqrt(mean * exp(ratio.log));
     const double noise = q / (1 + 2 / dof) * (2 + 2 / dof), ends = log(all.sum.most / all.sum.least) / 10;
-    const double own = noise + ratio.doubt + truth_spread * fmax(0, all.q_alone - q) + ends * ends;
-    const double doubt = sqrt(own + 2 * r * r);
+    const double usual = noise + ratio.doubt + truth_spread * fmax(0, all.q - q) + ends * ends;
+    const double doubt = sqrt(usual + truth_spread * fmax(0, all.q_alone - all.q) + 2 * r * r);
     return (bis_film_error){.relative_rmse = rmse,
                             .upper = sqrt(mean * exp(high.log + normal_95 * doubt) * (1 + skew / f->weight)),
                             .scatter = sqrt(all.sum.scatter / n),
                             .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
-                            .is_bounded = sqrt(own) <= doubt_of_bound && rmse <= most_rmse};
+                            .is_bounded = sqrt(usual) <= doubt_of_bound && rmse <= most_rmse};
 }
