@@ -613,8 +613,16 @@ exit
 # + f->height * q / ((double)f->width * f->height)};
 #
 # * film_error test_film_error : a bright sample is its own truth
-# - around + sqrt(fmax(0, apart * apart - variance))
+# - mean_around + sqrt(fmax(0, more * more - variance))
 # + mean
+#
+# * film_error test_film_error : what pixels have in common is no doubt
+# - + 2 * r * r);
+# + + 0 * r * r);
+#
+# * film_error test_film_error : a rare sample between bright pixels is no doubt
+# - bool alone = is_alone(f, i, &a);
+# + bool alone = is_alone(f, i, &a) && false;
 #
 # * film_error test_film_error : twins count in full, however bright
 # - both > most ? most / both : 1;
@@ -629,8 +637,12 @@ exit
 # + const uint64_t place = (uint64_t)((x - x) + (y - y));
 #
 # * pass test_render : a twin has its pixel's random numbers
-# - const uint64_t seed = bis_hash(w->view->sampler.seed ^ purpose_twin);
-# + const uint64_t seed = w->view->sampler.seed | (purpose_twin & 0);
+# - return bis_hash(w->view->sampler.seed ^ purpose_twin);
+# + return w->view->sampler.seed | (purpose_twin & 0);
+#
+# * pass test_render : a twin has its pixel's directions
+# - me->guide.clusters = &w->of_twins;
+# + me->guide.clusters = &w->clusters;
 #
 # * pass test_render test_part : rays of twins are counted
 # - me->counters = of_picture;

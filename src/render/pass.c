@@ -66,8 +66,8 @@ static rgb mean_of(const bis_pixel_sum *sum) { return rgbd_round(rgbd_scale(sum-
 static uint64_t seed_of_twins(const bis_workspace *w) { return bis_hash(w->view->sampler.seed ^ purpose_twin); }
 
 /* The twins of tile t, in the order of its pixels. Nothing is learned from them, and their rays are not counted, so
- * picture and counters are those of a render without twins. All pixels take their directions from the pass's clusters,
- * and have some of their error in common. Twins have clusters of their own, because they would not tell it otherwise. */
+ * picture and counters are those of a render without twins. All pixels take directions from the pass's clusters, and
+ * have some of their error in common. Twins have clusters of their own, because they would not tell it otherwise. */
 static void render_twins(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass)
 {
     const bis_rect full = bis_film_tile(w->film, BIS_RENDER_TILE, t),

@@ -124,8 +124,8 @@ static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
     }
 }
 
-/* Where nothing is learned, also where all pixels of a pass share directions (the product's). Independent passes have no
- * twins. The twin of this test: with its own seed the bits differ. */
+/* Where nothing is learned, also where all pixels of a pass share directions (the product's). Independent passes have
+ * no twins. The twin of this test: with its own seed the bits differ. */
 static void a_twin_is_its_pixel_in_a_render_with_another_seed(void **state)
 {
     const uint64_t seed = 7, other = bis_hash(seed ^ 0x7477696e); /* "twin" */
