@@ -113,12 +113,13 @@ static void give_up_rights(void) {}
 #endif
 
 /* clang's OpenMP makes a file of shared memory when it is first used, which is refused later on, and only it removes
- * the file when it ends well. */
+ * the file when it ends well. It would choose the processors of its threads, too, which is refused. */
 static void start_openmp(void)
 {
 #if defined(__clang__) && defined(_OPENMP)
     char name[64];
 
+    setenv("KMP_AFFINITY", "disabled", 1);
     omp_get_max_threads();
     snprintf(name, sizeof name, "/__KMP_REGISTERED_LIB_%d_%d", (int)getpid(), (int)getuid());
     shm_unlink(name);
