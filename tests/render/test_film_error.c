@@ -320,6 +320,14 @@ static rgb radiance(double value)
     return rgb_from(L, L, L);
 }
 
+/* An empty film with twins, and the random numbers that fill it. */
+static void begin(bis_film *f, bis_rng *rng, uint64_t seed)
+{
+    bis_rng_init(rng, seed, 0, 0, 0);
+    assert_int_equal(bis_film_init(f, SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want_twins(f, NULL), BIS_OK);
+}
+
 /* A film of radiance 1 and W passes with twins, whose mean over n samples has amount^2 of that variance. With `most` it
  * knows its end. Returns the error of this very picture. */
 static double stratified_film(bis_film *f, int kind, int W, bool most, uint64_t seed)
@@ -328,9 +336,7 @@ static double stratified_film(bis_film *f, int kind, int W, bool most, uint64_t 
     double squares = 0;
     bis_rng rng;
 
-    bis_rng_init(&rng, seed, 0, 0, 0);
-    assert_int_equal(bis_film_init(f, SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_film_want_twins(f, NULL), BIS_OK);
+    begin(f, &rng, seed);
     assert_int_equal(bis_film_twins(f), PIXELS / 9);
     if (most) f->most = W;
     for (int i = 0; i < PIXELS; i++) make_pixel(values[i], kind, &rng);
@@ -443,9 +449,7 @@ static double skewed_film(bis_film *f, int W, uint64_t seed, double *by_own)
     double squares = 0, own = 0;
     bis_rng rng;
 
-    bis_rng_init(&rng, seed, 0, 0, 0);
-    assert_int_equal(bis_film_init(f, SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_film_want_twins(f, NULL), BIS_OK);
+    begin(f, &rng, seed);
     f->most = W;
     for (int pass = 0; pass < W; pass++) {
         for (int i = 0; i < PIXELS; i++) {
@@ -500,9 +504,7 @@ static double film_of_passes(bis_film *f, double share, bool rare, uint64_t seed
     double squares = 0;
     bis_rng rng;
 
-    bis_rng_init(&rng, seed, 0, 0, 0);
-    assert_int_equal(bis_film_init(f, SIDE, SIDE, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_film_want_twins(f, NULL), BIS_OK);
+    begin(f, &rng, seed);
     f->most = W;
     for (int pass = 0; pass < W; pass++) {
         const double common = all * normal(&rng), of_twins = all * normal(&rng);
