@@ -131,20 +131,6 @@ static void put_cone(bis_clusters *c, uint32_t k)
  * directions, and so the error of directions that lie anywhere in it: under such a lamp it was half of the squared
  * error of 8 samples, and no twin saw it (film_twins.c). There the curve goes on inside the pixel. A tile is a pixel
  * then. */
-typedef struct walk {
-    size_t tile;
-    double begin; /* of the tile on the curve */
-} walk;
-
-/* u is the place at t in the pixel that lies there; t is that of the last call or more. */
-static void place_in_pixel(walk *w, const bis_importance *im, double t, double u[2])
-{
-    double end;
-
-    for (; (end = bis_importance_tile(im, w->tile).end) <= t; w->tile++) w->begin = end;
-    bis_curve_hilbert(fmin((t - w->begin) / (end - w->begin), 1 - 0x1p-53), u);
-}
-
 void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)
 {
     const double unit = bis_light_mean(light);
@@ -154,7 +140,6 @@ void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, u
 #pragma omp parallel for schedule(static) num_threads(n_threads)
     for (uint32_t k = 0; k < c->n; k++) {
         bis_rng rng; /* each cluster has a stream of its own, so the threads may share the clusters in any way */
-        walk w = {0, 0};
         bis_rng_init(&rng, seed, k, pass, purpose_clusters);
         for (uint32_t i = 0; i < c->directions; i++) {
             const double t = c->t[k] + bis_cluster_share(c, k) * bis_stratum(i, bis_rng_double(&rng), c->directions);
@@ -162,7 +147,7 @@ void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, u
             const double s = fmin(t, 1 - 0x1p-53);
             double u[2] = {bis_rng_double(&rng), bis_rng_double(&rng)};
             bis_light_point y;
-            if (ordered) place_in_pixel(&w, bis_light_importance(light), s, u);
+            if (ordered) bis_curve_hilbert(bis_importance_in_tile(bis_light_importance(light), s), u);
             const bool drawn = bis_light_sample_curve(light, s, u, &y);
             assert(drawn);
             (void)drawn;

@@ -217,6 +217,8 @@ size_t bis_importance_n_tiles(const bis_importance *im, uint32_t *side)
 
 bis_curve_tile bis_importance_tile(const bis_importance *im, size_t i) { return bis_curve_tile_at(&im->curve, i); }
 
+double bis_importance_in_tile(const bis_importance *im, double t) { return bis_curve_in_tile(&im->curve, t); }
+
 void bis_importance_measured(const bis_importance *im, double *power, double *most)
 {
     *power = im->power;

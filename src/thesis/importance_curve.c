@@ -210,6 +210,13 @@ size_t bis_curve_bytes(const bis_curve *t)
     return t->n_tiles * (sizeof *t->tile + sizeof *t->before) + t->n_guide * sizeof *t->guide;
 }
 
+double bis_curve_in_tile(const bis_curve *t, double s)
+{
+    const size_t i = find_tile(t, s);
+    const double begin = share_before(t, i), end = share_before(t, i + 1);
+    return fmin((s - begin) / (end - begin), 1 - 0x1p-53);
+}
+
 bis_curve_tile bis_curve_tile_at(const bis_curve *t, size_t i)
 {
     const block b = block_of(t, t->tile[i]);

@@ -101,3 +101,6 @@ size_t bis_curve_bytes(const bis_curve *t);
 
 /* bis_curve_tile_at does the work of bis_importance_tile. */
 bis_curve_tile bis_curve_tile_at(const bis_curve *t, size_t i);
+
+/* bis_curve_in_tile does the work of bis_importance_in_tile. */
+double bis_curve_in_tile(const bis_curve *t, double s);

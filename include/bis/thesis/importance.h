@@ -98,6 +98,10 @@ size_t bis_importance_n_tiles(const bis_importance *im, uint32_t *side);
 /* bis_importance_tile returns the i-th tile of the curve. */
 bis_curve_tile bis_importance_tile(const bis_importance *im, size_t i);
 
+/* bis_importance_in_tile returns which share of the importance of the tile at position t of the curve lies before t, in
+ * [0,1). t is in [0,1). Needs options.curve and a map with light. */
+double bis_importance_in_tile(const bis_importance *im, double t);
+
 /* bis_importance_measured stores what bis_envmap_measure found when im was made. A light needs the same numbers, and a
  * pass over a large map takes a tenth of a second. */
 void bis_importance_measured(const bis_importance *im, double *power, double *most);
