@@ -122,10 +122,10 @@ static void poor_environment(void)
     setenv("CCACHE_DISABLE", "1", 1);
     setenv("OMP_NUM_THREADS", "1", 1);
     /* without a sandbox no program may be run to find the names of functions (scripts/course/server.c) */
-    setenv("ASAN_OPTIONS",
-           has_bwrap() ? "hard_rss_limit_mb=2000:allocator_may_return_null=1:color=never"
-                       : "hard_rss_limit_mb=2000:allocator_may_return_null=1:color=never:external_symbolizer_path=",
-           1);
+    char asan[128];
+    snprintf(asan, sizeof asan, "hard_rss_limit_mb=2000:allocator_may_return_null=1:color=never%s",
+             has_bwrap() ? "" : ":external_symbolizer_path=");
+    setenv("ASAN_OPTIONS", asan, 1);
 }
 
 /* The limits are of the processor's time, because the machine may have other work; the clock's only ends what no other
