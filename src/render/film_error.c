@@ -71,11 +71,14 @@ double bis_film_variance(const bis_film *f, size_t i)
     return deviation * deviation / (f->passes - 1.0);
 }
 
+/* The covariance of the means of two values, whose first halves differ from them by a and b: see below. */
+static double covariance_of_halves(double a, double b, double P, double W) { return a * b * (P / (W - P)); }
+
 /* The variance by the difference of A, the mean of samples of weight P, and B, the mean of those that follow, W in all:
  * (A - B)^2 P (W - P) / W^2, where A - B = (A - both) W / (W - P). */
 static double variance_of_halves(double A, double both, double P, double W)
 {
-    return (A - both) * (A - both) * (P / (W - P));
+    return covariance_of_halves(A - both, A - both, P, W);
 }
 
 /* What is expected of a film of W samples. */
@@ -170,7 +173,7 @@ static double darker(const bis_film *f, size_t k)
     return fmin(A * A, B * B);
 }
 
-/* By how much the halves of value k of pixel i differ like those of the pixels on its right and below, squared. */
+/* The variance that value c of pixel i has in common with those of the pixels on its right and below, by the halves. */
 static double in_common(const bis_film *f, size_t i, size_t c)
 {
     const size_t width = (size_t)f->width;
@@ -178,7 +181,7 @@ static double in_common(const bis_film *f, size_t i, size_t c)
 
     if (i % width + 1 < width) sum += apart(f, 3 * (i + 1) + c);
     if (i / width + 1 < (size_t)f->height) sum += apart(f, 3 * (i + width) + c);
-    return apart(f, 3 * i + c) * sum / 2;
+    return covariance_of_halves(apart(f, 3 * i + c), sum / 2, f->half_weight, f->weight);
 }
 
 /* Those of a pixel, the means over its channels, by its passes or its halves. */
@@ -196,7 +199,7 @@ static errors errors_of_pixel(const bis_film *f, size_t i, double floor)
         const double larger = fmax(scatter, variance), b2 = truth(mean, larger, a.mean[c]), scale = 3 * (b2 + floor);
         e.likely += variance / scale;
         e.alone += variance / (3 * ((alone ? fmin(b2, darker(f, k)) : b2) + floor));
-        if (!f->independent) e.common += in_common(f, i, c) * f->half_weight / (f->weight - f->half_weight) / scale;
+        if (!f->independent) e.common += in_common(f, i, c) / scale;
         e.scatter += scatter / scale;
         e.least += variance / (3 * (square + floor));
         e.most += variance / (3 * (fmax(0, square - larger) + floor));
