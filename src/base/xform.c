@@ -150,15 +150,22 @@ static bool invert(double inv[4][4], const double m[4][4])
     return finite;
 }
 
-static bool is_affine(const double m[4][4]) { return m[3][0] == 0 && m[3][1] == 0 && m[3][2] == 0 && m[3][3] == 1; }
+bool bis_xform_is_affine(const bis_xform *t)
+{
+    return t->m[3][0] == 0 && t->m[3][1] == 0 && t->m[3][2] == 0 && t->m[3][3] == 1;
+}
 
+/* A last row 0 0 0 w divides every point by w, and so can the matrix. The three zeros of an exporter's matrix may be the
+ * rounding of a float product: 1e-6 of w is eight times the epsilon of float. */
 bool bis_xform_from_columns(bis_xform *out, const double v[16])
 {
     bis_xform t;
+    const double w = v[15], zero = 1e-6 * fabs(w);
+    const bool is_affine = w != 0 && fabs(v[3]) <= zero && fabs(v[7]) <= zero && fabs(v[11]) <= zero;
     for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++) t.m[i][j] = v[4 * j + i];
+        for (int j = 0; j < 4; j++) t.m[i][j] = !is_affine ? v[4 * j + i] : i == 3 ? j == 3 : v[4 * j + i] / w;
     if (!invert(t.inv, (const double(*)[4])t.m)) return false;
-    if (is_affine((const double(*)[4])t.m)) { /* so is the inverse; rounding may have left 1 by an ulp */
+    if (is_affine) { /* so is the inverse; rounding may have left 1 by an ulp */
         t.inv[3][0] = t.inv[3][1] = t.inv[3][2] = 0;
         t.inv[3][3] = 1;
     }

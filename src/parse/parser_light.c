@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* parser_light: LightSource.
  *
- * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
- * Exporters write matrices with few digits, so an error up to BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is
- * made exactly orthonormal. */
+ * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection. A
+ * uniform scale changes no direction. Exporters write matrices with few digits, so an error up to
+ * BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is made exactly orthonormal. */
 #include "base/grow.h"
 #include "approximate.h"
 #include "directives.h"
@@ -96,6 +96,18 @@ static void light_filter(bis_parser *p, bis_light_desc *light)
     light->is_smooth = i == 1;
 }
 
+/* The light's frame, which is the CTM without its scale. False: it stretches or shears. */
+static bool light_frame(const bis_parser *p, bis_xform *turn)
+{
+    bis_xform t = p->now.ctm;
+    const double scale = hypot(hypot(t.m[0][0], t.m[1][0]), t.m[2][0]);
+    if (!bis_xform_is_orthonormal(&t, BIS_XFORM_FRAME_TOLERANCE))
+        for (int i = 0; i < 9; i++) t.m[i / 3][i % 3] /= scale;
+    if (!bis_xform_is_orthonormal(&t, BIS_XFORM_FRAME_TOLERANCE)) return false;
+    *turn = bis_xform_rotation(&t);
+    return true;
+}
+
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
@@ -106,9 +118,7 @@ static bool light_may_stand(bis_parser *p, bis_loc at)
                                 bis_approximate_hint(p, "LightSource", "a second"));
     if (p->in_object)
         return bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
-    if (bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return true;
-    return bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and "
-                                   "reflections are allowed");
+    return true;
 }
 
 /* The frame of a map of the scene tells where its "up" is, for the map that takes its place. */
@@ -116,9 +126,7 @@ static void pass_over(bis_parser *p)
 {
     if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
     const bool is_map = bis_params_has(p, "filename") || bis_params_has(p, "mapname");
-    if (!is_map || p->desc->has_light || !bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return;
-    p->desc->light.to_world = bis_xform_rotation(&p->now.ctm);
-    p->desc->has_light = true;
+    if (is_map && !p->desc->has_light) p->desc->has_light = light_frame(p, &p->desc->light.to_world);
 }
 
 static void read_point(bis_parser *p, const char *name, double v[3])
@@ -173,7 +181,9 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     if (!chosen || chosen->value == BIS_FOREIGN || !light_may_stand(p, at)) return;
     bis_light_desc light = bis_light_desc_default();
     light.loc = at;
-    light.to_world = bis_xform_rotation(&p->now.ctm);
+    if (!light_frame(p, &light.to_world))
+        bis_parser_error(p, at, "LightSource under a transformation that stretches or shears: only rotations, "
+                         "reflections and a uniform scale are allowed");
     light_filename(p, &light);
     light_radiance(p, &light);
     light_map(p, &light);

@@ -49,11 +49,18 @@ static bool flatten(bis_parser *p)
     return p->approximate;
 }
 
+/* A camera may have a perspective matrix; shapes and lights have none. */
 static void set(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
 {
     if (p->now.at_end) return; /* of a motion the start is shown */
-    if (bis_parser_is_usable(t)) p->now.ctm = *t;
-    else if (!flatten(p)) bis_parser_error(p, at, "%s makes the transformation singular or infinite", directive);
+    if (bis_parser_is_usable(t) && (!p->in_world || bis_xform_is_affine(t))) p->now.ctm = *t;
+    else if (flatten(p)) return;
+    else if (!bis_parser_is_usable(t))
+        bis_parser_error(p, at, "%s makes the transformation singular or infinite", directive);
+    else
+        bis_parser_error(p, at, "%s makes a transformation with a perspective: the last row of its matrix is %g %g %g "
+                         "%g, must be 0 0 0 1 (numbers 4, 8, 12, 16) for shapes and lights; with --approximate: the "
+                         "shapes under it are left out", directive, t->m[3][0], t->m[3][1], t->m[3][2], t->m[3][3]);
 }
 
 static void concat(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
@@ -158,13 +165,11 @@ void bis_directive_coordinate_system(bis_parser *p, bis_loc at)
 void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
 {
     uint32_t i;
-    (void)at;
     if (!bis_parser_name(p, "CoordSysTransform")) return;
     const char *name = bis_parser_text(p, p->name);
     if (bis_names_find(&p->system_names, name, &i)) {
-        if (p->now.at_end) return;
-        p->now.ctm = p->systems[i].ctm;
-        p->now.is_flat = p->systems[i].is_flat;
+        if (!p->now.at_end) p->now.is_flat = p->systems[i].is_flat;
+        set(p, "CoordSysTransform", at, &p->systems[i].ctm);
         return;
     }
     bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s", bis_parser_word(p, name),

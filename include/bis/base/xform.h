@@ -28,9 +28,12 @@ bis_xform bis_xform_rotate(double degrees, double x, double y, double z);
 bool bis_xform_look_at(bis_xform *out, const double eye[3], const double look[3], const double up[3]);
 
 /* bis_xform_from_columns makes a transformation from 16 numbers column by column, in pbrt's argument order (the
- * translation is v[12] to v[14]). Returns false if the matrix is singular: its determinant is 0 or its inverse not
- * finite. */
+ * translation is v[12] to v[14]). A matrix whose last row is 0 0 0 w, up to rounding, is divided by w. Returns false if
+ * the matrix is singular: its determinant is 0 or its inverse not finite. */
 bool bis_xform_from_columns(bis_xform *out, const double v[16]);
+
+/* bis_xform_is_affine returns whether the last row is 0 0 0 1: t keeps parallels. */
+bool bis_xform_is_affine(const bis_xform *t);
 
 /* bis_xform_compose returns a after b: (a b) p = a (b p). */
 bis_xform bis_xform_compose(const bis_xform *a, const bis_xform *b);
