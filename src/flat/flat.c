@@ -13,6 +13,7 @@
 #include "flat/say.h"
 
 #include <inttypes.h>
+#include <float.h>
 #include <string.h>
 
 static const bis_loc nowhere = {0};
@@ -329,8 +330,8 @@ int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, con
     if (!is_phong && !is_facet)
         status = bis_error(&diag, BIS_INPUT, nowhere, "there is no model \"%.40s\": give \"phong\" or \"microfacet\"",
                            model);
-    else if (is_phong && !(width >= 0 && isfinite(width)))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "the exponent is %g: give a finite number >= 0", width);
+    else if (is_phong && !(width >= 0 && width <= FLT_MAX)) /* above, f is beyond a float */
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the exponent is %g: give a number in [0, 3.4e38]", width);
     else if (is_facet)
         status = check_roughness(width, &diag);
     if (!status) status = check_colour("Kd", Kd, &diag);

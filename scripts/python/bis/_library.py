@@ -110,9 +110,16 @@ def call(f: Callable[..., int], *arguments: Any) -> None:
     judge(*run(f, *arguments))
 
 
+def given(name: str, a: ArrayLike) -> NDArray[Any]:
+    """a as an array of numpy. A mask would be lost, and what it hides would count."""
+    if isinstance(a, np.ma.MaskedArray) and np.ma.is_masked(a):
+        raise Error("%s has masked values: give them a value by .filled(...)" % name)
+    return np.asarray(a)
+
+
 def array(a: ArrayLike, columns: int, dtype: Any, name: str = "an array") -> NDArray[Any]:
     """a as a dense array (n, columns), or (n,) for columns = 0. The sizes are checked here: C cannot see them."""
-    raw = np.asarray(a)
+    raw = given(name, a)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise WrongType("%s holds values of the type %s: give numbers" % (name, raw.dtype))
     a = np.ascontiguousarray(raw, dtype)

@@ -9,8 +9,8 @@ from typing import Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, Error, Handle, Made, WrongType, array, call, declare, numbers, real
-from ._library import shape, text_bytes
+from ._library import D, INT, N, P, SAY, TEXT, Error, Handle, Made, WrongType, array, call, declare, given
+from ._library import numbers, real, shape, text_bytes
 
 _light_open = declare("light_open", P, TEXT, TEXT, D, TEXT, *SAY)
 _light_make = declare("light_make", P, INT, INT, P, TEXT, D, TEXT, *SAY)
@@ -34,7 +34,7 @@ Doubles = NDArray[np.float64]
 
 def _picture(name: str, a: ArrayLike) -> Floats:
     """An array (h, w, 3). The library looks at the sides, but they must fit into its int."""
-    raw = np.asarray(a)
+    raw = given(name, a)
     if raw.dtype.kind not in "iuf":
         raise WrongType("%s is %.60r: give a path, or an array of numbers" % (name, a))
     if raw.ndim != 3 or raw.shape[2] != 3 or max(raw.shape) >= 1 << 31:
@@ -188,8 +188,8 @@ class AliasTable(Made):
         array (n,)
             Items from 0.
         """
-        given = np.asarray(self.alias)
-        if given.dtype.kind not in "iu" or np.any(given < 0) or np.any(given >= 1 << 32):  # uint32 would wrap
+        items = np.asarray(self.alias)
+        if items.dtype.kind not in "iu" or np.any(items < 0) or np.any(items >= 1 << 32):  # uint32 would wrap
             raise Error("alias holds what is no item: give integers in [0, 4294967295]")
         prob, alias = array(self.prob, 0, np.float64, "prob"), array(self.alias, 0, np.uint32, "alias")
         if len(prob) != len(alias):
@@ -202,7 +202,7 @@ class AliasTable(Made):
 
 def _three(name: str, value: ArrayLike) -> Doubles:
     """Three numbers of a colour; one number is grey."""
-    raw = np.asarray(value)
+    raw = given(name, value)
     if raw.shape not in ((), (3,)) or raw.dtype.kind not in "iuf":
         raise WrongType("%s is %s: give a number or three" % (name, raw))
     return np.ascontiguousarray(np.broadcast_to(raw.astype(np.float64), 3))
@@ -239,11 +239,11 @@ class Material(Handle):
         if (exponent is None) == (roughness is None) or is_metal and roughness is None:
             raise Error("give exponent (Phong) or roughness (microfacets, a metal), one of both")
         names = ("eta", "k") if is_metal else ("Kd", "Ks")
-        given = {"Kd": Kd, "Ks": Ks, "eta": eta, "k": k}
-        if [name for name in given if given[name] is not None] != list(names):
+        parts = {"Kd": Kd, "Ks": Ks, "eta": eta, "k": k}
+        if [name for name in parts if parts[name] is not None] != list(names):
             raise Error("give Kd and Ks, or of a metal eta and k")
-        colours = [_three(name, np.asarray(given[name])) for name in names]
-        vectors = [array(np.asarray(v)[None], 3, np.float64, name) for name, v in (("normal", normal), ("wo", wo))]
+        colours = [_three(name, parts[name]) for name in names]
+        vectors = [array(given(name, v)[None], 3, np.float64, name) for name, v in (("normal", normal), ("wo", wo))]
         arrays = [a.ctypes.data for a in colours + vectors]
         width = real("exponent", exponent) if roughness is None else real("roughness", roughness)
         handle = P()
