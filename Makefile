@@ -81,9 +81,10 @@ program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
 CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) \
     $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
-# Tables of files as other programs write them, and what bis must make of each: Python's standard library alone.
-FOREIGN := $(if $(T),$(if $(filter tests/$(T)/%,tests/foreign/test_files.py),tests/foreign/test_files.py),\
-    tests/foreign/test_files.py)
+# Tests of the program by Python's standard library: files as other programs write them, and what bis makes of each.
+SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py)
+SCRIPTS := $(if $(T),$(sort $(filter tests/$(T)/%,$(SCRIPTS)) \
+    $(foreach t,$(SCRIPTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(SCRIPTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
 DATA_SRC := $(wildcard data/generate/*.c)
@@ -215,7 +216,7 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) \
     $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
 	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
-	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN) $(FOREIGN)
+	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN) $(SCRIPTS)
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.
 test-long:

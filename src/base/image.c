@@ -13,12 +13,19 @@ bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *dia
                          BIS_IMAGE_MAX_SIDE);
     rgb *pixels = bis_alloc((size_t)width * (size_t)height, sizeof *pixels); /* zero is black */
     if (!pixels) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %d x %d pixels", width, height);
-    *image = (bis_image){width, height, pixels};
+    *image = (bis_image){width, height, pixels, NULL};
     return BIS_OK;
+}
+
+bis_status bis_image_add_alpha(bis_image *image, bis_diag *diag)
+{
+    image->alpha = bis_alloc((size_t)image->width * (size_t)image->height, sizeof *image->alpha);
+    return image->alpha ? BIS_OK : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for alpha");
 }
 
 void bis_image_clear(bis_image *image)
 {
     bis_free(image->pixels);
+    bis_free(image->alpha);
     *image = (bis_image){0};
 }

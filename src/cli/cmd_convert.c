@@ -31,7 +31,7 @@ static bis_status check(const convert_options *o, const char *const *paths, bool
 static bis_status save(const convert_options *o, bis_image *image, bool is_screen, const char *path, bool to_png,
                        bis_diag *diag)
 {
-    bis_channel channels[3];
+    bis_channel channels[4];
     const bis_picture picture = bis_image_picture(image, channels);
     const bis_tone tone = o->tone ? bis_tone_find(o->tone) : BIS_TONE_NONE;
     /* a picture that was exposed already keeps its exposure */
@@ -84,7 +84,8 @@ int bis_cmd_convert(int argc, char **argv)
         .summary = "write picture A (EXR, PFM, HDR, PNG) as B, by its ending .exr, .pfm, .hdr or .png",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 2, .max_operands = 2,
-        .notes = "R, G and B are converted; layers and the header of an EXR stay behind.\n",
+        .notes = "R, G, B and alpha are converted (PFM and HDR have no alpha); layers and the header of\n"
+                 "an EXR stay behind.\n",
     };
     return bis_cli_run(&command, argc, argv, convert, &o);
 }

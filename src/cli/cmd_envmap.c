@@ -196,7 +196,7 @@ static bis_status write_pictures(const envmap_options *o, const char *out, const
                                  const bis_regions *regions, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
-    const bis_image map = {em->width, em->height, em->pixels};
+    const bis_image map = {em->width, em->height, em->pixels, NULL};
     char path[4096];
     bis_image image;
     bis_status status = bis_image_save(&map, picture_path(path, out, "map"), diag);
@@ -289,7 +289,7 @@ static bis_status convert(const envmap_options *o, const bis_light *light, bis_d
 {
     const bis_envmap *em = bis_light_envmap(light);
     const bis_attribute mapping = {.name = "bis:mapping", .text = o->to};
-    bis_channel channels[3];
+    bis_channel channels[4];
     bis_image image;
     double power[2];
 

@@ -226,6 +226,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
         bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, bis_cli_loc, diag);
     if (!status) status = bis_film_want(&film, desc->view.film.layers, diag);
     if (status) goto done;
+    film.transparent = !desc->light.visible;
     status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
@@ -314,6 +315,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
         status = bis_render_files_check(&o->files, diag);
     }
     if (!status && leads) status = bis_render_files_check_distinct(&o->files, desc, diag);
+    if (o->over.transparent && leads) bis_render_files_warn_of_alpha(&o->files.pictures, diag);
     if (!status) status = run(o, desc, parse_seconds, &interrupted, diag);
 done:
     if (!o->agreed) status = bis_ranks_agree(bis_cli_ranks, status, diag);
@@ -394,6 +396,8 @@ static void make_options(option_table *t, render_options *o)
          .names = bis_mapping_names},
         {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
          .value = &o->over.light_scale, .given = &o->over.has_light_scale, .above = true, .hi = 1e30},
+        {.name = "transparent", .help = "the camera sees no light behind the shapes, which still receive it: alpha in "
+         "an .exr or .png tells what covers a pixel", .kind = BIS_OPTION_FLAG, .value = &o->over.transparent},
         {.name = "integrator", .argument = "NAME",
          .help = t->integrator_help, .kind = BIS_OPTION_NAME, .value = &o->over.integrator, .names = t->integrators,
          .rule = ". Without it the default renders; `bis trade SCENE` recommends settings"},

@@ -90,5 +90,6 @@ bis_status bis_override_scene(bis_scene_desc *d, const bis_override *o, bis_diag
     }
     if (o->has_crop) memcpy(d->view.film.crop, o->crop, sizeof o->crop);
     if (o->no_jitter) d->view.pixel_jitter = false;
+    if (o->transparent) d->light.visible = false;
     return BIS_OK;
 }

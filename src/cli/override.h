@@ -13,7 +13,7 @@ typedef struct bis_override {
     double light_rotate, light_scale;
     bool has_light_rotate, has_light_scale;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
-    bool no_jitter;
+    bool no_jitter, transparent;
     bool has_spp, has_seed, has_resolution, has_crop;
     uint64_t spp, seed, threads;
     int resolution[2];

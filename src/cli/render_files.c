@@ -55,6 +55,18 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
         bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
 }
 
+void bis_render_files_warn_of_alpha(const bis_texts *outfiles, bis_diag *diag)
+{
+    char ending[8];
+
+    for (int i = 0; i < outfiles->n; i++) {
+        bis_path_extension(ending, outfiles->text[i]);
+        if (strcmp(ending, ".exr") != 0 && strcmp(ending, ".png") != 0)
+            bis_warn(diag, bis_cli_loc, "\"%s\" cannot hold alpha: its background is black; take an .exr or a .png",
+                     outfiles->text[i]);
+    }
+}
+
 bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag)
 {
     const size_t n_inputs = desc->n_files + desc->n_meshes + desc->textures.n_files + 2;
@@ -78,16 +90,18 @@ bis_status bis_render_files_check_distinct(const bis_render_files *files, const 
     return status;
 }
 
-/* Lists the picture's own channels, then those of the layers. The layers' channels point into *planes; the caller frees
- * it. Warns if error bars were asked for and cannot be computed. */
+/* Lists the picture's own channels, alpha among them only where the background is transparent, because "over" would add
+ * what stands behind to the light that is there; then those of the layers. The layers' channels point into *planes; the
+ * caller frees it. Warns if error bars were asked for and cannot be computed. */
 static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba,
                                 bis_diag *diag)
 {
     static const char *const names[4] = {"R", "G", "B", "A"};
+    const int n_own = f->transparent ? 4 : 3;
 
-    for (int i = 0; i < 4; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
-    const int n_layers = bis_film_layers(f, channels + 4, NULL);
-    *n = 4 + n_layers;
+    for (int i = 0; i < n_own; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
+    const int n_layers = bis_film_layers(f, channels + n_own, NULL);
+    *n = n_own + n_layers;
     if (f->passes < 2 &&
         (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
         bis_warn(diag, bis_cli_loc,
@@ -96,11 +110,11 @@ static bis_status list_channels(bis_channel *channels, int *n, float **planes, c
     if (n_layers == 0) return BIS_OK;
     *planes = bis_alloc((size_t)f->width * (size_t)f->height, (size_t)n_layers * sizeof **planes);
     if (!*planes) {
-        *n = 4; /* rather the picture alone than nothing */
+        *n = n_own; /* rather the picture alone than nothing */
         return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels",
                          n_layers, f->width, f->height);
     }
-    bis_film_layers(f, channels + 4, *planes);
+    bis_film_layers(f, channels + n_own, *planes);
     return BIS_OK;
 }
 
@@ -144,6 +158,7 @@ bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_
     int n_channels;
     bis_status first = list_channels(channels, &n_channels, &planes, f, rgba, diag);
     bis_attribute attributes[BIS_MAX_ATTRIBUTES];
+    const bis_channel hits = {"A", rgba + 3, 4};
     const bis_picture picture = {
         .width = f->width,
         .height = f->height,
@@ -153,6 +168,7 @@ bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_
         .full_height = f->full_height,
         .channels = channels,
         .n_channels = n_channels,
+        .subject = &hits,
         .attributes = attributes,
         .n_attributes = bis_describe_picture(stats, attributes),
         .has_exposure = files->has_exposure,

@@ -18,6 +18,9 @@ typedef struct bis_render_files {
  * bis_cli_check_writable. */
 bis_status bis_render_files_check(const bis_render_files *files, bis_diag *diag);
 
+/* bis_render_files_warn_of_alpha warns of each output whose format has no alpha, because --transparent asks for it. */
+void bis_render_files_warn_of_alpha(const bis_texts *outfiles, bis_diag *diag);
+
 /* bis_render_files_check_distinct refuses an output that is the scene, one of its meshes, its map, or another output.
  * It warns if layers are asked for and no picture is an .exr. Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag);

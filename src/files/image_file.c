@@ -92,7 +92,8 @@ static bis_status read_image(bis_image *image, bool *is_screen, const char *path
                              bis_diag *diag)
 {
     unsigned char *data;
-    image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag};
+    image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag,
+                      .wants_alpha = is_screen != NULL};
 
     *image = (bis_image){0};
     bis_status status = bis_gzip_read(&data, &in.size, path, at, diag);
@@ -171,26 +172,27 @@ bis_status bis_image_write(const char *path, const bis_picture *picture, bis_dia
     return status;
 }
 
-bis_picture bis_image_picture(const bis_image *image, bis_channel channels[3])
+bis_picture bis_image_picture(const bis_image *image, bis_channel channels[4])
 {
     const float *first = &image->pixels->r;
 
     channels[0] = (bis_channel){"R", first, 3};
     channels[1] = (bis_channel){"G", first + 1, 3};
     channels[2] = (bis_channel){"B", first + 2, 3};
+    if (image->alpha) channels[3] = (bis_channel){"A", image->alpha, 1};
     return (bis_picture){
         .width = image->width,
         .height = image->height,
         .full_width = image->width,
         .full_height = image->height,
         .channels = channels,
-        .n_channels = 3,
+        .n_channels = image->alpha ? 4 : 3,
     };
 }
 
 bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *diag)
 {
-    bis_channel channels[3];
+    bis_channel channels[4];
     const bis_picture picture = bis_image_picture(image, channels);
 
     return bis_image_write(path, &picture, diag);
@@ -198,7 +200,7 @@ bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *di
 
 bis_status bis_image_save_colours(const bis_image *image, const char *path, bis_diag *diag)
 {
-    bis_channel channels[3];
+    bis_channel channels[4];
     bis_picture picture = bis_image_picture(image, channels);
 
     picture.has_exposure = true;

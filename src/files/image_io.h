@@ -13,6 +13,7 @@ typedef struct image_input {
     size_t size;
     const char *path;
     bis_loc at; /* the scene line that named the file, else the file itself */
+    bool wants_alpha;
     bis_diag *diag;
 } image_input;
 

@@ -28,6 +28,7 @@ typedef struct png_job {
     int kept_depth, kept_colour; /* of the file, before the conversion */
     size_t row_bytes;
     int depth;           /* 8 or 16, after the conversion */
+    size_t channels;     /* 3, or 4 with alpha, after the conversion */
     int passes;          /* over the rows */
     double gamma;        /* of its gAMA chunk; BIS_GAMMA_SRGB: it has none, or is sRGB */
     unsigned char *rows; /* all of them */
@@ -57,11 +58,12 @@ static bool read_header(png_job *job)
         job->gamma = 1 / encoded;
     png_set_expand(job->png); /* palettes, fewer bits than 8 */
     png_set_gray_to_rgb(job->png);
-    png_set_strip_alpha(job->png);
+    if (!job->in->wants_alpha) png_set_strip_alpha(job->png);
     job->passes = png_set_interlace_handling(job->png);
     png_read_update_info(job->png, job->info);
     job->row_bytes = png_get_rowbytes(job->png, job->info);
     job->depth = png_get_bit_depth(job->png, job->info);
+    job->channels = png_get_channels(job->png, job->info);
     return true;
 }
 
@@ -76,19 +78,25 @@ static bool read_rows(png_job *job)
     return true;
 }
 
+/* Colours are not premultiplied in the file, and alpha is linear. */
 static void convert(bis_image *image, const png_job *job, const float *table)
 {
     const bool wide = job->depth == 16;
+    const size_t n = job->channels;
+    const double most = wide ? 65535 : 255;
 
     for (size_t y = 0; y < job->height; y++) {
         const unsigned char *row = job->rows + y * job->row_bytes;
         for (size_t x = 0; x < job->width; x++) {
-            float v[3];
-            for (size_t k = 0; k < 3; k++) {
-                const size_t i = 3 * x + k;
-                v[k] = table[wide ? row[2 * i] << 8 | row[2 * i + 1] : row[i]];
+            const size_t at = y * job->width + x;
+            int code[4] = {0};
+            for (size_t k = 0; k < n; k++) {
+                const size_t i = n * x + k;
+                code[k] = wide ? row[2 * i] << 8 | row[2 * i + 1] : row[i];
             }
-            image->pixels[y * job->width + x] = (rgb){v[0], v[1], v[2]};
+            const rgb c = {table[code[0]], table[code[1]], table[code[2]]};
+            image->pixels[at] = n == 4 ? rgb_scale(c, code[3] / most) : c;
+            if (n == 4) image->alpha[at] = (float)(code[3] / most);
         }
     }
 }
@@ -111,7 +119,7 @@ static bis_status make_rows(bis_image *image, png_job *job)
 {
     const png_uint_32 width = job->width, height = job->height;
 
-    if (job->row_bytes != 3 * (size_t)job->width * (size_t)(job->depth / 8))
+    if (job->row_bytes != job->channels * (size_t)job->width * (size_t)(job->depth / 8))
         return bis_image_refuse(job->in, BIS_INPUT, "a PNG of colour type %d and %d bits is not read", job->kept_colour,
                                 job->kept_depth);
     const uint64_t bits = (uint64_t)width * (uint64_t)job->kept_depth * channels_of(job->kept_colour);
@@ -119,6 +127,7 @@ static bis_status make_rows(bis_image *image, png_job *job)
         return bis_image_refuse(job->in, BIS_INPUT, "%zu bytes cannot hold %u x %u pixels", job->in->size,
                                 (unsigned)width, (unsigned)height);
     bis_status status = bis_image_make(image, job->in, width, height);
+    if (!status && job->channels == 4) status = bis_image_add_alpha(image, job->in->diag);
     if (status) return status;
     job->rows = bis_alloc(job->height, job->row_bytes);
     return job->rows ? BIS_OK : bis_image_refuse(job->in, BIS_NOMEM, "no memory for its rows");

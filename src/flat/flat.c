@@ -330,7 +330,7 @@ int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, con
     if (!is_phong && !is_facet)
         status = bis_error(&diag, BIS_INPUT, nowhere, "there is no model \"%.40s\": give \"phong\" or \"microfacet\"",
                            model);
-    else if (is_phong && !(width >= 0 && width <= FLT_MAX)) /* above, f is beyond a float */
+    else if (is_phong && !(width >= 0 && width <= (double)FLT_MAX)) /* above, f is beyond a float */
         status = bis_error(&diag, BIS_INPUT, nowhere, "the exponent is %g: give a number in [0, 3.4e38]", width);
     else if (is_facet)
         status = check_roughness(width, &diag);

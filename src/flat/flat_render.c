@@ -278,7 +278,7 @@ static bis_status replace_light(bis_light_desc *desc, bis_image *image, const bi
 {
     const bis_envmap *em = bis_light_envmap(light);
 
-    *image = (bis_image){em->width, em->height, em->pixels};
+    *image = (bis_image){em->width, em->height, em->pixels, NULL};
     desc->image = image;
     desc->filename = bis_strdup("the given light");
     desc->has_mapping = true; /* lat-long by now, even where it is square */

@@ -142,7 +142,7 @@ bis_status bis_page_numbers(bis_json *j, const char *key, const uint32_t *v, siz
 
 char *bis_page_png(const bis_image *image, double exposure, bis_diag *diag)
 {
-    bis_channel channels[3];
+    bis_channel channels[4];
     bis_picture picture = bis_image_picture(image, channels);
     char *png = NULL, *text = NULL;
     size_t n = 0, n_text = 0;

@@ -33,7 +33,8 @@ void bis_tone_apply(bis_image *image, double ev, bis_tone tone)
 
     for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++) {
         const rgb c = image->pixels[i];
-        const double v[3] = {scale * (double)c.r, scale * (double)c.g, scale * (double)c.b};
-        if (rgb_is_finite(c)) image->pixels[i] = bend(v, tone);
+        const double a = image->alpha && image->alpha[i] > 0 ? (double)image->alpha[i] : 1, s = scale / a;
+        const double v[3] = {s * (double)c.r, s * (double)c.g, s * (double)c.b};
+        if (rgb_is_finite(c)) image->pixels[i] = a == 1 ? bend(v, tone) : rgb_scale(bend(v, tone), a);
     }
 }

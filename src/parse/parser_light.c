@@ -121,11 +121,13 @@ static bool light_may_stand(bis_parser *p, bis_loc at)
     return true;
 }
 
-/* The frame of a map of the scene tells where its "up" is, for the map that takes its place. */
+/* The frame of a map of the scene tells where its "up" is, for the map that takes its place, and whether the background
+ * is transparent. */
 static void pass_over(bis_parser *p)
 {
     if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
     const bool is_map = bis_params_has(p, "filename") || bis_params_has(p, "mapname");
+    bis_params_bool(p, "visible", &p->desc->light.visible);
     if (is_map && !p->desc->has_light) p->desc->has_light = light_frame(p, &p->desc->light.to_world);
 }
 

@@ -68,7 +68,8 @@ bis_status bis_film_init_like(bis_film *f, const bis_film *sizes, bis_loc at, bi
     const size_t n = (size_t)sizes->width * (size_t)sizes->height;
     bis_film film = {.full_width = sizes->full_width, .full_height = sizes->full_height, .step = sizes->step,
                      .picture_width = sizes->picture_width, .picture_height = sizes->picture_height,
-                     .x0 = sizes->x0, .y0 = sizes->y0, .width = sizes->width, .height = sizes->height};
+                     .x0 = sizes->x0, .y0 = sizes->y0, .width = sizes->width, .height = sizes->height,
+                     .transparent = sizes->transparent};
 
     *f = (bis_film){0};
     film.sum = bis_alloc(n, 3 * sizeof *film.sum);

@@ -61,13 +61,17 @@ static void walk_side(bis_walk *w, int *full, int *first, int *n)
 /* Sizes and layers; the layers of a film that is read have no sums yet. */
 static void walk_film(bis_walk *w, bis_film *f)
 {
-    uint32_t layers = f->layers.asked;
+    uint32_t layers = f->layers.asked, transparent = f->transparent;
 
     walk_side(w, &f->full_width, &f->x0, &f->width);
     walk_side(w, &f->full_height, &f->y0, &f->height);
     bis_walk_u32(w, &layers);
     w->bad |= layers > BIS_LAYERS_ALL;
-    if (w->in) f->layers.asked = layers;
+    bis_walk_u32(w, &transparent);
+    w->bad |= transparent > 1;
+    if (!w->in) return;
+    f->layers.asked = layers;
+    f->transparent = transparent;
 }
 
 bis_status bis_part_write(const char *path, const bis_state_head *head, const bis_part_about *about, bis_film *film,

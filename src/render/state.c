@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 12, MAGIC = 8 };
+enum { FORMAT = 13, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];

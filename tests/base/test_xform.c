@@ -166,10 +166,11 @@ static void an_up_beside_the_view_is_refused_up_to_four_ulps(void **state)
     }
 }
 
-/* One element of the diagonal is so small that its inverse is infinite and every other element finite. */
+/* One element of the diagonal is so small that its inverse is infinite and every other element finite. The last one
+ * divides the matrix. */
 static void one_element_that_is_not_finite_is_enough_to_refuse(void **state)
 {
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 3; k++) {
         double v[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
         bis_xform t;
         v[5 * k] = 0x1p-1030;

@@ -107,7 +107,7 @@ static void black_nan_and_infinity_do_not_change_the_exposure(void **state)
     }
 }
 
-/* With A the picture is metered where it is geometry; A = 0 everywhere tells nothing. */
+/* The picture is metered where its subject is; where that is nowhere, this tells nothing. */
 static void the_exposure_is_metered_on_the_subject(void **state)
 {
     float planes[2][W * H];
@@ -115,10 +115,10 @@ static void the_exposure_is_metered_on_the_subject(void **state)
         planes[0][i] = i < 5 ? 7 : 1e-6f;
         planes[1][i] = i < 5;
     }
-    const bis_channel channels[4] = {
-        {"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}, {"A", planes[1], 1}};
-    const bis_picture picture = {
-        .width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 4};
+    const bis_channel channels[3] = {{"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}};
+    const bis_channel subject = {"", planes[1], 1};
+    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels,
+                                 .n_channels = 3, .subject = &subject};
     assert_int_equal(bis_image_write(scratch("m.png"), &picture, NULL), BIS_OK);
     unsigned char *found = read_png(scratch("m.png"), W, H);
     assert_int_equal(found[0], 118);
@@ -131,9 +131,9 @@ static void the_exposure_is_metered_on_the_subject(void **state)
     /* what stands behind the last pixel is none of the picture */
     float longer[W * H + 1] = {0};
     longer[W * H] = 1;
-    const bis_channel guarded[4] = {{"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}, {"A", longer, 1}};
+    const bis_channel guarded = {"", longer, 1};
     bis_picture again = picture;
-    again.channels = guarded;
+    again.subject = &guarded;
     assert_true(bis_png_exposure(&again) == bis_png_exposure(&picture));
 }
 

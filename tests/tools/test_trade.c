@@ -251,8 +251,7 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     for (int i = 0; i < N; i++) t.both.image.pixels[i] = (rgb){rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]};
     bis_picture picture = bis_image_picture(&t.both.image, channels);
     const double without_alpha = bis_png_exposure(&picture);
-    channels[3] = (bis_channel){"A", rgba + 3, 4};
-    picture.n_channels = 4;
+    picture.subject = &(const bis_channel){"A", rgba + 3, 4};
     assert_int_equal(bis_trade_exposure(&exposure, &t, NULL), BIS_OK);
     const double rendered = bis_png_exposure(&picture);
     if (fabs(exposure - rendered) > 0.02) fail_msg("%g is not the %g of bis render", exposure, rendered);

@@ -5,10 +5,12 @@
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
-/* pixels[height][width], row 0 at the top. The values are those of the file: they may be NaN, infinite or negative. */
+/* pixels[height][width], row 0 at the top. The values are those of the file: they may be NaN, infinite or negative.
+ * alpha[height][width], by which they are premultiplied; NULL: the image is opaque, or its reader was not asked. */
 typedef struct bis_image {
     int width, height;
     rgb *pixels;
+    float *alpha;
 } bis_image;
 
 /* The largest side that is accepted. 2^15 squared pixels of 12 bytes are 12 GiB. A reader allocates only after it has
@@ -22,6 +24,9 @@ typedef struct bis_image {
 /* bis_image_init allocates width x height black pixels. Errors: BIS_INPUT (a side below 1 or above
  * BIS_IMAGE_MAX_SIDE), BIS_NOMEM. *image is then empty. */
 bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag);
+
+/* bis_image_add_alpha allocates alpha, all 0. Errors: BIS_NOMEM. */
+bis_status bis_image_add_alpha(bis_image *image, bis_diag *diag);
 
 /* bis_image_clear frees the pixels. *image is empty afterwards. */
 void bis_image_clear(bis_image *image);

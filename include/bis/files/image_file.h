@@ -24,7 +24,8 @@ bool bis_image_reads_jpeg(void);
 bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag);
 
 /* bis_image_read_any reads what bis_image_read does, and a PNG, too: *is_screen then becomes true, and the pixels are
- * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. */
+ * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. It reads the alpha of an EXR
+ * and a PNG, if there is one, and the pixels are premultiplied by it. */
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
 
 /* One header attribute of an EXR: text, or a number if text is NULL. OpenEXR reserves some names ("version", "type",
@@ -36,13 +37,14 @@ typedef struct bis_attribute {
 } bis_attribute;
 
 /* A picture to be written. channels[0..2] are R, G, B. EXR writes all channels and attributes; its data window is
- * [x0, x0+width) x [y0, y0+height) in a display window of full_width x full_height. The other formats write only R,
- * G, B. */
+ * [x0, x0+width) x [y0, y0+height) in a display window of full_width x full_height. PNG writes R, G, B and, where there
+ * is a channel "A", alpha; the others write only R, G, B. Colours are premultiplied by alpha. */
 typedef struct bis_picture {
     int width, height;
     int x0, y0, full_width, full_height;
     const bis_channel *channels;
     int n_channels;
+    const bis_channel *subject; /* png: the share of the subject in each pixel, for the exposure; NULL: alpha is it */
     const bis_attribute *attributes;
     int n_attributes;
     bool has_exposure; /* png: false: the exposure comes from the image's own log-average */
@@ -58,9 +60,9 @@ bis_status bis_image_write(const char *path, const bis_picture *picture, bis_dia
  * rendering. */
 bool bis_image_can_write(const char *path);
 
-/* bis_image_picture returns a picture of R, G, B of image and nothing else. A caller may then add to it. The picture
- * points to image and to channels. */
-bis_picture bis_image_picture(const bis_image *image, bis_channel channels[3]);
+/* bis_image_picture returns a picture of R, G, B and, where there is one, A of image. A caller may then add to it. The
+ * picture points to image and to channels. */
+bis_picture bis_image_picture(const bis_image *image, bis_channel channels[4]);
 
 /* bis_image_save writes that picture to path. Errors: those of bis_image_write. */
 bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *diag);

@@ -31,6 +31,7 @@ typedef struct bis_film {
     double half_weight;        /* of the first passes whose mean is kept, about half; 0 before the second pass */
     double most;               /* the weight expected at the end, so that the halves come out alike; 0: unknown */
     bool independent;          /* no sequence spreads the camera samples of a pixel; set before the first pass */
+    bool transparent;          /* its background is no light that the camera sees: hits / weight is alpha */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
     double *twin;              /* twin[bis_film_twins][2][3]: `sum` and `half` of the second renders; NULL: none */
 } bis_film;

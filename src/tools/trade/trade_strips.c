@@ -18,8 +18,8 @@ enum { CROP = 4, N_CROPS = 2 }; /* a crop is 1/CROP of the sides */
 
 /* ---- exposure ---- */
 
-/* The share of geometry in each pixel of the measured window, by 16 rays a pixel, for channel "A" of the reference: its
- * files hold colours alone. NULL: no memory. */
+/* The share of geometry in each pixel of the measured window, by 16 rays a pixel, because the files of the reference
+ * hold colours alone. NULL: no memory. */
 static float *new_coverage(const bis_trade *t, int width, int height)
 {
     enum { SIDE = 4 };
@@ -46,10 +46,10 @@ bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *di
     bis_channel channels[4];
     bis_picture picture = bis_image_picture(image, channels);
     float *coverage = new_coverage(t, image->width, image->height);
+    const bis_channel subject = {"A", coverage, 1};
 
     if (!coverage) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pictures of the report");
-    channels[3] = (bis_channel){"A", coverage, 1};
-    picture.n_channels = 4;
+    picture.subject = &subject;
     *exposure = bis_png_exposure(&picture);
     bis_free(coverage);
     return BIS_OK;
