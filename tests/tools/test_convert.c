@@ -176,7 +176,8 @@ static void any_png_is_read_as_linear_colours(void **state)
         assert_true(is_screen && image.width == files[i].width && image.height == 1);
         const rgb c = image.pixels[image.width - 1];
         if (i == 0) assert_true(image.pixels[0].g == 0 && fabs((double)c.r - .5) < .01 && c.r == c.b); /* 188: 0.503 */
-        if (i == 1) assert_true(image.pixels[0].r == 1 && fabs((double)c.r - .5) < .01 && c.g == 0 && c.b == 1);
+        if (i == 1) assert_true(image.alpha[0] == 0 && image.pixels[0].r == 0 && image.alpha[1] == 1);
+        if (i == 1) assert_true(fabs((double)c.r - .5) < .01 && c.g == 0 && c.b == 1);
         if (i == 2) assert_true(c.r == 1 && fabs((double)c.g - .5) < .01 && c.b == 0);
         bis_image_clear(&image);
     }
