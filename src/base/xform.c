@@ -155,8 +155,8 @@ bool bis_xform_is_affine(const bis_xform *t)
     return t->m[3][0] == 0 && t->m[3][1] == 0 && t->m[3][2] == 0 && t->m[3][3] == 1;
 }
 
-/* A last row 0 0 0 w divides every point by w, and so can the matrix. The three zeros of an exporter's matrix may be the
- * rounding of a float product: 1e-6 of w is eight times the epsilon of float. */
+/* A last row 0 0 0 w divides every point by w, and so can the matrix. The three zeros of an exporter's matrix may be
+ * the rounding of a float product: 1e-6 of w is eight times the epsilon of float. */
 bool bis_xform_from_columns(bis_xform *out, const double v[16])
 {
     bis_xform t;

@@ -84,8 +84,8 @@ int bis_cmd_convert(int argc, char **argv)
         .summary = "write picture A (EXR, PFM, HDR, PNG) as B, by its ending .exr, .pfm, .hdr or .png",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 2, .max_operands = 2,
-        .notes = "R, G, B and alpha are converted (PFM and HDR have no alpha); layers and the header of\n"
-                 "an EXR stay behind.\n",
+        .notes = "R, G, B and alpha are converted (PFM and HDR have no alpha); layers and the\n"
+                 "header of an EXR stay behind.\n",
     };
     return bis_cli_run(&command, argc, argv, convert, &o);
 }

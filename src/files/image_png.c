@@ -8,8 +8,8 @@
  * share of geometry in a pixel, else a dark background makes the subject white. There is no tone curve: what is
  * brighter than white is white. NaN is black.
  *
- * Alpha: a PNG's colours are not premultiplied (its specification, 12.4), and alpha is linear. So radiance is divided by
- * alpha before the exposure and the curve; where alpha is 0, the colour is 0.
+ * Alpha: a PNG's colours are not premultiplied (its specification, 12.4), and alpha is linear. So radiance is divided
+ * by alpha before the exposure and the curve; where alpha is 0, the colour is 0.
  * libpng leaves by longjmp on errors: the one function with setjmp changes no local variable after it, and all that is
  * to be freed hangs on a struct of its caller. */
 #include "image_png.h"

@@ -17,6 +17,6 @@ extern const char *const bis_tone_names[BIS_N_TONES + 1];
 /* bis_tone_find returns the curve of this name, or BIS_N_TONES. */
 bis_tone bis_tone_find(const char *name);
 
-/* bis_tone_apply multiplies the pixels by 2^ev and bends them by the curve, as they are before alpha dims them. Negative
- * values become 0 by a curve; what is not finite stays as it is. */
+/* bis_tone_apply multiplies the pixels by 2^ev and bends them by the curve, as they are before alpha dims them.
+ * Negative values become 0 by a curve; what is not finite stays as it is. */
 void bis_tone_apply(bis_image *image, double ev, bis_tone tone);

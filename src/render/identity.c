@@ -80,8 +80,9 @@ FIELDS(accel) = {
 FIELDS(by_hand) = {END}; /* by a function of their own, below */
 
 const bis_identity_struct bis_identity_structs[] = {
-    /* what passes add up; of the layers those that are asked for count */
-    {"bis_film", film, "sum deviation half hits passes weight half_weight most independent layers twin"},
+    /* what passes add up; of the layers those that are asked for count; whether the film is transparent follows from
+     * `visible` of the light */
+    {"bis_film", film, "sum deviation half hits passes weight half_weight most independent transparent layers twin"},
     {"bis_camera", camera, ""},
     {"bis_sampler", sampler, ""},
     {"bis_sampler", division, ""},

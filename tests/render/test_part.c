@@ -374,6 +374,7 @@ static const field format_fields[] = {
     {"first row", 4, 1, 1, "damaged"},
     {"rows", 4, 0, 1, "damaged"},
     {"layers asked", 4, 1, 1, "damaged"},
+    {"transparent", 4, 0, 2, "damaged"}, /* 0 or 1 */
     {"camera samples", 8, 0, 1, "give all parts the same --spp"},
     {"seconds", 8, 7, 0x80, "damaged"},
     {"next look at the error", 4, 0, 1, NULL},
@@ -644,7 +645,7 @@ static uint64_t bits_of(double v)
  * sizes stand: before them seconds, figures and settings, behind them what was done and, 100 bytes later, the sums. */
 static void numbers_that_make_no_sense_are_refused(void **state)
 {
-    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 100, DEVIATIONS = SUMS + 24 * PIXELS,
+    enum { PIXELS = 20 * 15, DONE = 32, SUMS = DONE + 100, DEVIATIONS = SUMS + 24 * PIXELS,
            HALF = DEVIATIONS + 12 * PIXELS, HITS = HALF + 12 * PIXELS, DEPTHS = HITS + 4 * PIXELS,
            /* of 7 x 5 squares of 3 x 3 pixels */
            TWINS_BEGIN = DEPTHS + 8 * PIXELS, END = TWINS_BEGIN + 48 * 35 };
@@ -731,7 +732,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
     static const char cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 12, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 13, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;

@@ -24,8 +24,8 @@ bool bis_image_reads_jpeg(void);
 bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag);
 
 /* bis_image_read_any reads what bis_image_read does, and a PNG, too: *is_screen then becomes true, and the pixels are
- * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. It reads the alpha of an EXR
- * and a PNG, if there is one, and the pixels are premultiplied by it. */
+ * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. If an EXR or a PNG has
+ * alpha, it is read, too, and the pixels are premultiplied by it. */
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
 
 /* One header attribute of an EXR: text, or a number if text is NULL. OpenEXR reserves some names ("version", "type",
