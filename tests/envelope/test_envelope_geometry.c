@@ -13,6 +13,7 @@
 #include "shape/grid.h"
 
 #include <float.h>
+#include <string.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
@@ -283,6 +284,59 @@ static void nothing_leaves_a_closed_shell_and_no_surface_shadows_itself(void **s
     envelope_close(&offset);
 }
 
+/* pbrt's mesh for this question: rows of a sphere, whose vertices stand at random 1 to 6 from the middle. */
+static bis_mesh spiky_mesh(uint32_t n)
+{
+    bis_mesh m = new_mesh(n * n, 6 * (size_t)n * (n - 1));
+    uint64_t seed = 5;
+
+    m.n_triangles = 0;
+    for (uint32_t i = 0; i < n * n; i++) {
+        const double theta = PI * (i / n) / (n - 1), phi = 2 * PI * (i % n) / (n - 1);
+        const double r = random_between(&seed, 1, 6);
+        m.p[i] = vec3_from(r * sin(theta) * cos(phi), r * sin(theta) * sin(phi), r * cos(theta));
+        if (i / n == 0) m.p[i] = (vec3){0, 0, 1};
+        else if (i / n == n - 1) m.p[i] = (vec3){0, 0, -1};
+        else if (i % n == n - 1) m.p[i] = m.p[i + 1 - n];
+    }
+    for (uint32_t i = 0; i < n * (n - 1); i++)
+        if (i % n != n - 1) put_quad(&m, (uint32_t[4]){i, i + 1, i + n, i + n + 1});
+    return m;
+}
+
+static void spikes_lose_few_rays_to_their_tips_and_the_grid_none(void **state)
+{
+    envelope none = envelope_row("closed mesh of spikes of 1 to 6 radii (pbrt's test of watertight triangles); rays from "
+                                 "inside in any direction, both backends, and to vertices, grids",
+                                 "rays that escape", 0);
+    envelope few = envelope_row("the same; rays to vertices, Embree", "share of rays that escape", 2e-3);
+    bis_mesh m = spiky_mesh(16);
+    const bis_xform here = bis_xform_identity();
+    bis_geometry g = {0};
+    uint64_t seed = 6;
+    int lost = 0, n_tips = 0;
+
+    add_mesh(&g, &m, &here, 0);
+    backends b = make_backends(&g);
+    for (int n = 0; n < 200000; n++) {
+        const vec3 o = mul(random_direction(&seed), 0.5);
+        const vec3 tip = g.p[(size_t)(random_double(&seed) * (double)g.n_vertices)];
+        const bool to_tip = n % 2;
+        const ray r = {o, to_tip ? normalize(sub(tip, o)) : random_direction(&seed), INFINITY};
+        n_tips += to_tip;
+        for (int i = 0; i < b.n; i++) {
+            const bool is_held = bis_accel_occluded(b.a[i], &r);
+            if (to_tip && strcmp(bis_accel_name(b.a[i]), "grid") != 0) lost += !is_held;
+            else envelope_expect(&none, is_held, "ray %d, %s", n, bis_accel_name(b.a[i]));
+        }
+    }
+    envelope_try(&few, (double)lost / n_tips, "%d of %d", lost, n_tips);
+    free_backends(&b);
+    bis_geometry_clear(&g);
+    envelope_close(&none);
+    envelope_close(&few);
+}
+
 /* ---- quadrics ---- */
 
 /* A sphere about c of radius R: from outside towards its centre, t = distance - R, c and R in double, the ray in float.
@@ -470,6 +524,7 @@ int main(void)
         cmocka_unit_test(walls_are_met_at_their_distance),
         cmocka_unit_test(rays_in_cell_walls_and_from_corners_find_the_far_side),
         cmocka_unit_test(nothing_leaves_a_closed_shell_and_no_surface_shadows_itself),
+        cmocka_unit_test(spikes_lose_few_rays_to_their_tips_and_the_grid_none),
         cmocka_unit_test(spheres_are_met_at_their_distance),
         cmocka_unit_test(rays_of_any_length_and_origin_meet_a_wall),
         cmocka_unit_test(cameras_of_any_angle_give_unit_rays),
