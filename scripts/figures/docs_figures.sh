@@ -8,8 +8,9 @@
 # build/release/figures. What is timed differs from run to run, and so does its picture.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel,
 # live): a headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of
-# 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. pbrt
-# needs Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
+# 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. Those of
+# README stay as they are, because their theme is noise; zopflipng, where it is there, makes them smaller. pbrt needs
+# Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
 # errata that have no switch
@@ -49,12 +50,15 @@ browse() {
         --screenshot="$tmp/drawn.png" --window-size="$2,$3" "file://$(realpath "$1")" 2>/dev/null
 }
 
+# size_of FILE.svg: its width and height
+size_of() { sed -n '1s/.* width="\([0-9]*\)" height="\([0-9]*\)".*/\1 \2/p' "$1"; }
+
 # keep FILE NAME [DITHER [COLOURS]]: into docs/figures as PNG; without dither where areas are flat
 keep() {
     case $1 in
     *.svg)
         # shellcheck disable=SC2046 # two words
-        browse "$1" $(sed -n '1s/.* width="\([0-9]*\)" height="\([0-9]*\)".*/\1 \2/p' "$1")
+        browse "$1" $(size_of "$1")
         shift
         set -- "$tmp/drawn.png" "$@"
         ;;
@@ -64,6 +68,12 @@ keep() {
     else
         cp "$1" "$out/$2.png"
     fi
+    echo "$out/$2.png"
+}
+
+# keep_true FILE NAME: a PNG into docs/figures with all of its colours
+keep_true() {
+    if command -v zopflipng >/dev/null; then zopflipng -y -m "$1" "$out/$2.png" >/dev/null; else cp "$1" "$out/$2.png"; fi
     echo "$out/$2.png"
 }
 
@@ -109,11 +119,13 @@ for picture; do
     chess) # the command under the picture in README
         "$build/bis" scene.txt --quiet --spp 16 --candidates 256 --shadowrays 8 \
             --outfile "$tmp/chess.png"
-        keep "$tmp/chess.png" chess None 256
+        keep_true "$tmp/chess.png" chess
         ;;
     methods) # the commands of the tour in README; the reference has a number of samples in the place of a time
-        panel
-        keep "$tmp/methods.svg" methods FloydSteinberg 64
+        panel >/dev/null
+        # shellcheck disable=SC2046 # two words
+        browse "$tmp/methods.svg" $(size_of "$tmp/methods.svg")
+        keep_true "$tmp/drawn.png" methods
         ;;
     live)
         mkdir "$tmp/live"
