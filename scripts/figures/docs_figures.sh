@@ -8,8 +8,8 @@
 # build/release/figures. What is timed differs from run to run, and so does its picture.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel,
 # live): a headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of
-# 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. Those of
-# README stay as they are, because their theme is noise; zopflipng, where it is there, makes them smaller. pbrt needs
+# 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. Those
+# of README stay as they are, because their theme is noise; zopflipng, where it is there, makes them smaller. pbrt needs
 # Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
@@ -73,7 +73,8 @@ keep() {
 
 # keep_true FILE NAME: a PNG into docs/figures with all of its colours
 keep_true() {
-    if command -v zopflipng >/dev/null; then zopflipng -y -m "$1" "$out/$2.png" >/dev/null; else cp "$1" "$out/$2.png"; fi
+    if command -v zopflipng >/dev/null; then zopflipng -y -m "$1" "$out/$2.png" >/dev/null
+    else cp "$1" "$out/$2.png"; fi
     echo "$out/$2.png"
 }
 

@@ -306,8 +306,8 @@ static bis_mesh spiky_mesh(uint32_t n)
 
 static void spikes_lose_few_rays_to_their_tips_and_the_grid_none(void **state)
 {
-    envelope none = envelope_row("closed mesh of spikes of 1 to 6 radii (pbrt's test of watertight triangles); rays from "
-                                 "inside in any direction, both backends, and to vertices, grids",
+    envelope none = envelope_row("closed mesh of spikes of 1 to 6 radii (pbrt's test of watertight triangles); rays "
+                                 "from inside in any direction, both backends, and to vertices, grids",
                                  "rays that escape", 0);
     envelope few = envelope_row("the same; rays to vertices, Embree", "share of rays that escape", 2e-3);
     bis_mesh m = spiky_mesh(16);
