@@ -440,6 +440,7 @@ int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, 
 {
     int exit_status = BIS_EXIT_FAILED;
     bis_image image = {0};
+    bool is_strip;
 
     *light = NULL;
     desc->mapping = mapping ? bis_mapping_find(mapping) : BIS_MAPPING_LATLONG;
@@ -447,8 +448,10 @@ int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, 
     desc->loc = (bis_loc){path, 0, 0};
     desc->filename = bis_strdup(path);
     if (!desc->filename) bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
-    else if (!bis_image_read(&image, path, (bis_loc){0}, diag))
+    else if (!bis_image_read_map(&image, &is_strip, path, (bis_loc){0}, diag)) {
+        bis_light_take_layout(desc, is_strip);
         exit_status = bis_cli_exit_status(bis_light_from_image(light, &image, desc, needs, diag));
+    }
     bis_image_clear(&image);
     bis_free(desc->filename);
     desc->filename = NULL;

@@ -53,11 +53,45 @@ static bis_status check_output(const char *path, bis_diag *diag)
     return bis_cli_check_writable(path, diag);
 }
 
+/* Pictures of one size whose files have other parts of it are compared where both have pixels. A file of the size of
+ * the other's part, as the PFM of a crop, tells no place. paths: of messages. */
+static bis_status align(bis_image image[2], const bis_image_place place[2], const char *const *paths, bis_diag *diag)
+{
+    const bis_image_place *a = &place[0], *b = &place[1];
+    const bool same_picture = a->full_width == b->full_width && a->full_height == b->full_height;
+    const bool whole[2] = {image[0].width == a->full_width && image[0].height == a->full_height,
+                           image[1].width == b->full_width && image[1].height == b->full_height};
+    if ((whole[0] && whole[1]) || (same_picture && a->x0 == b->x0 && a->y0 == b->y0 &&
+                                   image[0].width == image[1].width && image[0].height == image[1].height))
+        return BIS_OK; /* or sizes that bis_compare refuses */
+    if (!same_picture && whole[0] == whole[1])
+        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "they are parts of pictures (display windows) of %d x %d and "
+                         "%d x %d pixels, which cannot be compared", a->full_width, a->full_height, b->full_width,
+                         b->full_height);
+    if (!same_picture) {
+        bis_warn(diag, (bis_loc){paths[whole[1]], 0, 0}, "its data window is a part of its display window, and the "
+                 "other file tells no window: it is taken for the same part");
+        return BIS_OK;
+    }
+    const int x = a->x0 > b->x0 ? a->x0 : b->x0, y = a->y0 > b->y0 ? a->y0 : b->y0;
+    const int right[2] = {a->x0 + image[0].width, b->x0 + image[1].width};
+    const int bottom[2] = {a->y0 + image[0].height, b->y0 + image[1].height};
+    const int width = right[right[1] < right[0]] - x, height = bottom[bottom[1] < bottom[0]] - y;
+    if (width < 1 || height < 1)
+        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "their data windows lie at other places of the picture, and no "
+                         "pixel is in both: they cannot be compared");
+    bis_warn(diag, (bis_loc){0}, "their data windows differ: the %d x %d pixels are compared that both have", width,
+             height);
+    for (int i = 0; i < 2; i++) bis_image_cut(&image[i], x - place[i].x0, y - place[i].y0, width, height);
+    return BIS_OK;
+}
+
 /* An image that cannot be read, be it missing or damaged, is status 1; images that cannot be compared are bad usage. */
 static int compare(void *options, const char *const *paths, bis_diag *diag)
 {
     const compare_options *o = options;
-    bis_image a = {0}, b = {0};
+    bis_image image[2] = {{0}};
+    bis_image_place place[2];
     bool is_screen[2];
     bis_comparison c;
     int exit_status = BIS_EXIT_FAILED;
@@ -68,21 +102,21 @@ static int compare(void *options, const char *const *paths, bis_diag *diag)
         if (!status) status = bis_cli_check_distinct(paths, 2, &o->diff, 1, diag);
         if (status) return bis_cli_exit_status(status);
     }
-    if (bis_image_read_any(&a, &is_screen[0], paths[0], (bis_loc){0}, diag)) goto done;
-    if (bis_image_read_any(&b, &is_screen[1], paths[1], (bis_loc){0}, diag)) goto done;
+    for (int i = 0; i < 2; i++)
+        if (bis_image_read_part(&image[i], &is_screen[i], &place[i], paths[i], (bis_loc){0}, diag)) goto done;
     if (is_screen[0] != is_screen[1])
         bis_warn(diag, (bis_loc){paths[is_screen[1]], 0, 0},
                  "a PNG holds what a screen shows, exposed and clipped: compare it with another PNG");
-    status = bis_compare(&c, &a, &b, diag);
-    if (!status && o->diff) status = write_difference(o->diff, &a, &b, diag);
+    status = align(image, place, paths, diag);
+    if (!status) status = bis_compare(&c, &image[0], &image[1], diag);
+    if (!status && o->diff) status = write_difference(o->diff, &image[0], &image[1], diag);
     exit_status = bis_cli_exit_status(status);
     if (status) goto done;
     print_figures(&c, o->json);
     /* Written so that a relMSE of NaN, no pixel compared, is no success. */
     if (o->has_tolerance && !(c.relmse <= o->tolerance)) exit_status = BIS_EXIT_FAILED;
 done:
-    bis_image_clear(&a);
-    bis_image_clear(&b);
+    for (int i = 0; i < 2; i++) bis_image_clear(&image[i]);
     return exit_status;
 }
 
@@ -111,7 +145,8 @@ int bis_cmd_compare(int argc, char **argv)
                  "  relmse   mean of (a-b)^2 / (b^2 + m^2/100) over pixels and channels,\n"
                  "           m the mean of b\n"
                  "Pixels with a NaN or infinity in either image are counted as nonfinite and\n"
-                 "left out of all else. Images of other sizes: exit status 2.\n",
+                 "left out of all else. Parts of one picture (EXR's data windows) are compared where\n"
+                 "both have pixels. Images of other sizes or places: exit status 2.\n",
     };
     return bis_cli_run(&command, argc, argv, compare, &o);
 }

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* image_exr: read OpenEXR through OpenEXRCore's C interface.
  *
- * Which pixels: the first part that is not deep and has R, G, B, or Y (luminance, perhaps with chroma RY, BY), at the
- * top or in a layer ("diffuse.R"): see choose_channels. A single R, G or B is refused: grey and "the others are 0" are
- * both in use.
- * The data window is the whole map, of tiled files the finest level; half, float and uint become float.
+ * Which channels: image_exr_choice.c. Which pixels: those of the data window; image_place.c makes the picture of them.
+ * Of tiled files the finest level is read; half, float and uint become float.
  *
  * Bad files: Core checks the header against the file's size; we check, before we allocate, that the window's sides are
  * sane, that the table of chunks fits into the file, and that the file is not shorter than its compression could ever
@@ -14,9 +12,11 @@
 #include "image_io.h"
 
 #include "bis/base/mem.h"
+#include "image_exr_choice.h"
 #include "image_exr_core.h"
 #include "primaries.h"
 
+#include <limits.h>
 #include <string.h>
 
 /* What hangs on the context as its user data. */
@@ -26,17 +26,6 @@ typedef struct exr_input {
     exr_result_t cause; /* its code */
     long n_failures;    /* of allocations, before */
 } exr_input;
-
-/* What to read of a part. */
-typedef struct exr_choice {
-    int part;
-    const char *prefix; /* of the channels' names: none, or a layer's name and a dot; not zero-terminated */
-    int prefix_length;
-    bool colour; /* R, G, B; else Y */
-    bool chroma; /* RY and BY, too */
-    exr_attr_box2i_t window;
-    exr_compression_t compression;
-} exr_choice;
 
 bool bis_exr_is_mine(const unsigned char *data, size_t size)
 {
@@ -86,105 +75,7 @@ static bis_status refuse(const exr_input *source, exr_result_t code)
     return bis_image_refuse(source->in, status, "%s", reason);
 }
 
-/* ---- which channels ---- */
-
-static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list, const char *prefix, int n,
-                                                   const char *name)
-{
-    for (int i = 0; i < list->num_channels; i++) {
-        const char *s = list->entries[i].name.str;
-        if (!strncmp(s, prefix, (size_t)n) && !strcmp(s + n, name)) return &list->entries[i];
-    }
-    return NULL;
-}
-
-static bool has_colour(const exr_attr_chlist_t *list, const char *prefix, int n)
-{
-    return find_channel(list, prefix, n, "R") && find_channel(list, prefix, n, "G") &&
-           find_channel(list, prefix, n, "B");
-}
-
-static bool has_luminance(const exr_attr_chlist_t *list, const char *prefix, int n)
-{
-    return find_channel(list, prefix, n, "Y") != NULL;
-}
-
-static bool has_chroma(const exr_attr_chlist_t *list, const char *prefix, int n)
-{
-    return find_channel(list, prefix, n, "RY") && find_channel(list, prefix, n, "BY");
-}
-
-/* The first layer of which `has` is true; layers in the order of the file, which sorts them by name. */
-static bool find_layer(exr_choice *c, const exr_attr_chlist_t *list,
-                       bool (*has)(const exr_attr_chlist_t *list, const char *prefix, int n))
-{
-    for (int i = 0; i < list->num_channels; i++) {
-        const char *s = list->entries[i].name.str, *dot = strrchr(s, '.');
-        if (!dot || !has(list, s, (int)(dot + 1 - s))) continue;
-        c->prefix = s;
-        c->prefix_length = (int)(dot + 1 - s);
-        return true;
-    }
-    return false;
-}
-
-/* In this order: R G B; Y; a layer's R G B; a layer's Y. */
-static bool choose_channels(exr_choice *c, const exr_attr_chlist_t *list)
-{
-    c->prefix = "";
-    c->prefix_length = 0;
-    c->colour = has_colour(list, "", 0);
-    if (!c->colour && !has_luminance(list, "", 0)) {
-        c->colour = find_layer(c, list, has_colour);
-        if (!c->colour && !find_layer(c, list, has_luminance)) return false;
-    }
-    c->chroma = !c->colour && has_chroma(list, c->prefix, c->prefix_length);
-    return true;
-}
-
-/* For a message: the channels of all parts, as many as fit. */
-static void list_channels(char *text, size_t room, exr_const_context_t file, int n_parts)
-{
-    size_t used = 0;
-    text[0] = '\0';
-    for (int part = 0; part < n_parts; part++) {
-        const exr_attr_chlist_t *list;
-        if (exr_get_channels(file, part, &list)) continue;
-        for (int i = 0; i < list->num_channels && used < room; i++)
-            used += (size_t)snprintf(text + used, room - used, "%s\"%s\"", used ? ", " : "", list->entries[i].name.str);
-    }
-}
-
-static bis_status choose_part(exr_choice *c, exr_const_context_t file, const exr_input *source)
-{
-    int n_parts = 0, n_deep = 0;
-    exr_result_t code = exr_get_count(file, &n_parts);
-    if (code) return refuse(source, code);
-
-    for (c->part = 0; c->part < n_parts; c->part++) {
-        exr_storage_t storage;
-        const exr_attr_chlist_t *list;
-        if (exr_get_storage(file, c->part, &storage) || exr_get_channels(file, c->part, &list)) continue;
-        bool deep = storage == EXR_STORAGE_DEEP_SCANLINE || storage == EXR_STORAGE_DEEP_TILED;
-        n_deep += deep;
-        if (!deep && choose_channels(c, list)) break;
-    }
-    if (c->part < n_parts) {
-        if (n_parts > 1)
-            bis_image_remark(source->in, "part %d of %d is read, the others are ignored", c->part + 1, n_parts);
-        if (c->prefix_length)
-            bis_image_remark(source->in, "it has no R, G, B at the top; layer \"%.*s\" is read", c->prefix_length - 1,
-                             c->prefix);
-        return BIS_OK;
-    }
-    if (n_deep == n_parts)
-        return bis_image_refuse(source->in, BIS_INPUT,
-                                "it holds deep data alone (many samples a pixel); flatten it first");
-    char names[200];
-    list_channels(names, sizeof names, file, n_parts);
-    return bis_image_refuse(source->in, BIS_INPUT, "its channels are %s, must be R, G and B, or Y, perhaps in a layer",
-                            names);
-}
+/* ---- what else the header says ---- */
 
 /* Does the header name primaries that are not those of Rec. 709? Then *m takes them there. */
 static bool has_own_primaries(double m[3][3], exr_const_context_t file, int part, const image_input *in)
@@ -205,14 +96,15 @@ static bool has_own_primaries(double m[3][3], exr_const_context_t file, int part
     return false;
 }
 
-static void remark_on_shape(exr_const_context_t file, int part, const image_input *in)
+/* OpenEXR's own layout of a map. */
+static bis_exr_layout layout_of(exr_const_context_t file, int part)
 {
     exr_envmap_t shape;
     const exr_attribute_t *a;
 
-    if (!exr_get_attribute_by_name(file, part, "envmap", &a) && !exr_attr_get_envmap(file, part, "envmap", &shape) &&
-        shape == EXR_ENVMAP_CUBE)
-        bis_image_remark(in, "its envmap attribute says that it is a cube map, which we do not unfold");
+    if (exr_get_attribute_by_name(file, part, "envmap", &a) || exr_attr_get_envmap(file, part, "envmap", &shape))
+        return BIS_EXR_PICTURE;
+    return shape == EXR_ENVMAP_CUBE ? BIS_EXR_CUBE : BIS_EXR_LATLONG;
 }
 
 /* ---- sizes ---- */
@@ -247,11 +139,10 @@ static uint64_t least_bytes(const exr_attr_chlist_t *list, uint64_t width, uint6
     return sum;
 }
 
-static bis_status check_sampling(const exr_choice *c, const exr_attr_chlist_t *list, const image_input *in)
+static bis_status check_sampling(const exr_choice *c, const image_input *in)
 {
-    const char *const names[3] = {c->colour ? "R" : "Y", "G", "B"};
-    for (int i = 0; i < (c->colour ? 3 : 1); i++) {
-        const exr_attr_chlist_entry_t *channel = find_channel(list, c->prefix, c->prefix_length, names[i]);
+    for (int i = 0; i < (c->colour ? 3 : 1) + (c->alpha != NULL); i++) {
+        const exr_attr_chlist_entry_t *channel = i == (c->colour ? 3 : 1) ? c->alpha : c->channel[i];
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
             return bis_image_refuse(in, BIS_INPUT, "its channel %s has a sampling of %d x %d, must be 1 x 1",
                                     channel->name.str, channel->x_sampling, channel->y_sampling);
@@ -265,14 +156,13 @@ static int32_t int_at(const unsigned char *p)
 }
 
 /* Of a damaged header Core makes up what it did not understand, a data window of 64 x 64 among it, and may not tell. So
- * the window must stand in the file, in some part's header. */
-static bool says_window(const image_input *in, const exr_attr_box2i_t *w)
+ * a window must stand in the file, in some part's header, behind these words of n bytes. */
+static bool says_window(const image_input *in, const exr_attr_box2i_t *w, const char *words, size_t n)
 {
-    const char words[] = "dataWindow\0box2i\0\x10\0\0"; /* 16 bytes; the last zero is the string's own */
     const unsigned char *p = in->data, *end = in->data + in->size;
 
-    while ((p = memmem(p, (size_t)(end - p), words, sizeof words)) != NULL) {
-        p += sizeof words;
+    while ((p = memmem(p, (size_t)(end - p), words, n)) != NULL) {
+        p += n;
         if (end - p < 16) return false;
         if (int_at(p) == w->min.x && int_at(p + 4) == w->min.y && int_at(p + 8) == w->max.x &&
             int_at(p + 12) == w->max.y)
@@ -281,25 +171,46 @@ static bool says_window(const image_input *in, const exr_attr_box2i_t *w)
     return false;
 }
 
+/* Stores both windows. Errors: BIS_INPUT. */
+static bis_status find_windows(exr_choice *c, exr_const_context_t file, const exr_input *source)
+{
+    static const char data[] = "dataWindow\0box2i\0\x10\0\0", display[] = "displayWindow\0box2i\0\x10\0\0";
+    const image_input *in = source->in; /* of the words, the last zero is the string's own */
+    exr_attr_box2i_t shown = {0};
+    exr_result_t code = exr_get_data_window(file, c->part, &c->window);
+    if (!code) code = exr_get_display_window(file, c->part, &shown);
+    if (code) return refuse(source, code);
+    if (!says_window(in, &c->window, data, sizeof data) || !says_window(in, &shown, display, sizeof display))
+        return bis_image_refuse(in, BIS_INPUT, "its header is damaged");
+    const long long width = (long long)shown.max.x - shown.min.x + 1, height = (long long)shown.max.y - shown.min.y + 1;
+    const long long x0 = (long long)c->window.min.x - shown.min.x, y0 = (long long)c->window.min.y - shown.min.y;
+    if (width < 1 || height < 1 || width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE)
+        return bis_image_refuse(in, BIS_INPUT, "its display window has %lld x %lld pixels, a side must be 1 to %d",
+                                width, height, BIS_IMAGE_MAX_SIDE);
+    if (x0 != (int)x0 || y0 != (int)y0 || x0 < -INT_MAX / 2 || y0 < -INT_MAX / 2)
+        return bis_image_refuse(in, BIS_INPUT, "its data window lies outside of its display window");
+    *in->place = (bis_image_place){(int)x0, (int)y0, (int)width, (int)height};
+    return BIS_OK;
+}
+
 /* Everything that must hold before pixels are allocated; then they are. */
 static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_t file, const exr_input *source)
 {
     const exr_attr_chlist_t *list = NULL;
     int32_t n_chunks = 0;
     exr_result_t code = exr_get_channels(file, c->part, &list);
-    if (!code) code = exr_get_data_window(file, c->part, &c->window);
     if (!code) code = exr_get_compression(file, c->part, &c->compression);
     if (!code) code = exr_get_chunk_count(file, c->part, &n_chunks);
     if (code) return refuse(source, code);
-    if (!says_window(source->in, &c->window)) return bis_image_refuse(source->in, BIS_INPUT, "its header is damaged");
+    bis_status status = find_windows(c, file, source);
+    if (!status) status = check_sampling(c, source->in);
+    if (status) return status;
 
     long long width = (long long)c->window.max.x - c->window.min.x + 1;
     long long height = (long long)c->window.max.y - c->window.min.y + 1;
     /* _make complains */
     bool sane = width >= 1 && height >= 1 && width <= BIS_IMAGE_MAX_SIDE && height <= BIS_IMAGE_MAX_SIDE;
     size_t size = source->in->size;
-    bis_status status = check_sampling(c, list, source->in);
-    if (status) return status;
     if (sane && (n_chunks < 1 || (uint64_t)n_chunks > size / 8))
         return bis_image_refuse(source->in, BIS_INPUT,
                                 "its %d chunks need a table of 8 bytes each, but the file has %zu bytes", n_chunks,
@@ -308,7 +219,8 @@ static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_
         return bis_image_refuse(source->in, BIS_INPUT,
                                 "%lld x %lld pixels cannot be in %zu bytes (the file is cut off or damaged)",
                                 width, height, size);
-    return bis_image_make(image, source->in, width, height);
+    status = bis_image_make(image, source->in, width, height);
+    return status || !c->alpha ? status : bis_image_add_alpha(image, source->in->diag);
 }
 
 /* ---- pixels ---- */
@@ -319,28 +231,43 @@ typedef struct exr_walk {
     const exr_choice *choice;
     bis_image *image;
     exr_decode_pipeline_t pipe;
+    exr_result_t (*decompress)(exr_decode_pipeline_t *pipe); /* Core's */
     bool begun;
     float *unwanted; /* where a chunk's unwanted channels go, if anywhere */
 } exr_walk;
 
-/* Where in a pixel the channel goes, in bytes; -1: it is not wanted. Luminance goes to r, for now. */
-static int offset_of(const char *name, const exr_choice *c)
+/* Where the channel's pixel (x, y) goes, and its stride in floats; NULL: it is not wanted. Luminance goes to r, for now.
+ */
+static float *place_of(int *stride, const exr_walk *w, const char *name, int x, int y)
 {
-    if (strncmp(name, c->prefix, (size_t)c->prefix_length)) return -1;
-    name += c->prefix_length;
-    if (!c->colour) return strcmp(name, "Y") ? -1 : (int)offsetof(rgb, r);
-    if (!strcmp(name, "R")) return offsetof(rgb, r);
-    if (!strcmp(name, "G")) return offsetof(rgb, g);
-    return strcmp(name, "B") ? -1 : (int)offsetof(rgb, b);
+    const size_t at = (size_t)y * (size_t)w->image->width + (size_t)x;
+    rgb *pixel = w->image->pixels + at;
+    float *const parts[3] = {&pixel->r, &pixel->g, &pixel->b};
+    *stride = 3;
+    for (int i = 0; i < (w->choice->colour ? 3 : 1); i++)
+        if (!strcmp(name, w->choice->channel[i]->name.str)) return parts[i];
+    *stride = 1;
+    return w->choice->alpha && !strcmp(name, w->choice->alpha->name.str) ? w->image->alpha + at : NULL;
+}
+
+/* A chunk that compression does not shorten is stored as it is. Core 3.1.5 decodes it all the same if it is one of B44,
+ * and makes other pixels of it. */
+static exr_result_t decompress(exr_decode_pipeline_t *pipe)
+{
+    const exr_walk *w = pipe->decoding_user_data;
+    if (pipe->chunk.packed_size != pipe->chunk.unpacked_size) return w->decompress(pipe);
+    if (pipe->unpacked_buffer != pipe->packed_buffer)
+        memcpy(pipe->unpacked_buffer, pipe->packed_buffer, pipe->chunk.packed_size);
+    return EXR_ERR_SUCCESS;
 }
 
 /* Core 3.1.5 has shortcuts for 3 and 4 channels (half to float, say) that write all of them, also those without a place
  * to go, which ends at address 0. So such a part's unwanted channels get a place. The first chunk is the largest. */
 static exr_result_t make_unwanted(exr_walk *w, const exr_chunk_info_t *chunk)
 {
-    int n_wanted = 0;
+    int n_wanted = 0, stride;
     for (int i = 0; i < w->pipe.channel_count; i++)
-        n_wanted += offset_of(w->pipe.channels[i].channel_name, w->choice) >= 0;
+        n_wanted += place_of(&stride, w, w->pipe.channels[i].channel_name, 0, 0) != NULL;
     if (w->unwanted || w->pipe.channel_count > 4 || n_wanted == w->pipe.channel_count) return EXR_ERR_SUCCESS;
     w->unwanted = bis_alloc((size_t)chunk->width * (size_t)chunk->height, sizeof *w->unwanted);
     return w->unwanted ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
@@ -362,20 +289,20 @@ static exr_result_t decode_chunk(exr_walk *w, const exr_chunk_info_t *chunk, int
     if (code) return code;
     for (int i = 0; i < pipe->channel_count; i++) { /* anew for every chunk: _update resets them */
         exr_coding_channel_info_t *c = &pipe->channels[i];
-        int offset = offset_of(c->channel_name, w->choice);
+        int stride;
+        float *to = place_of(&stride, w, c->channel_name, x, y);
         c->user_data_type = EXR_PIXEL_FLOAT;
         c->user_bytes_per_element = sizeof(float);
-        if (offset < 0) {
-            c->user_pixel_stride = sizeof(float);
-            c->user_line_stride = (int32_t)sizeof(float) * chunk->width;
-            c->decode_to_ptr = (uint8_t *)w->unwanted;
-            continue;
-        }
-        c->user_pixel_stride = sizeof(rgb);
-        c->user_line_stride = (int32_t)sizeof(rgb) * image->width;
-        c->decode_to_ptr = (uint8_t *)(image->pixels + (size_t)y * (size_t)image->width + x) + offset;
+        c->user_pixel_stride = (int32_t)sizeof(float) * stride;
+        c->user_line_stride = c->user_pixel_stride * (to ? image->width : chunk->width);
+        c->decode_to_ptr = (uint8_t *)(to ? to : w->unwanted);
     }
-    if (!w->begun) code = exr_decoding_choose_default_routines(w->file, part, pipe);
+    if (!w->begun) {
+        code = exr_decoding_choose_default_routines(w->file, part, pipe);
+        w->decompress = pipe->decompress_fn;
+        pipe->decoding_user_data = w;
+        if (w->decompress) pipe->decompress_fn = decompress;
+    }
     w->begun = true;
     return code ? code : exr_decoding_run(w->file, part, pipe);
 }
@@ -429,7 +356,7 @@ static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_c
 {
     exr_result_t code = c->chroma ? EXR_ERR_FEATURE_NOT_IMPLEMENTED : decode(image, c, file);
     if (code == EXR_ERR_FEATURE_NOT_IMPLEMENTED) {
-        if (c->part == 0 && c->prefix_length == 0)
+        if (c->is_plain)
             return bis_exr_read_rgba(image, source->in, c->window.min.x, c->window.min.y);
         return bis_image_refuse(source->in, BIS_INPUT,
                                 "%s is only read at the top of a file's first part; save it with ZIP "
@@ -438,6 +365,27 @@ static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_c
     }
     if (code) return refuse(source, code);
     if (!c->colour) spread_luminance(image);
+    return BIS_OK;
+}
+
+/* What newer versions of OpenEXR write: Core refuses a whole file by the number, or lets one pass and fails later.
+ * Source: the enumerations of OpenEXR 3.4 and 3.5. */
+static bis_status check_compression(const image_input *in)
+{
+    enum { FIRST = 10 };
+    static const char words[] = "compression\0compression\0\1\0\0"; /* the last zero is the string's own */
+    static const char *const later[] = {"HTJ2K, of OpenEXR 3.4", "HTJ2K, of OpenEXR 3.4", "LJ2K, of OpenEXR 3.5",
+                                        "ZSTD, of OpenEXR 3.5"};
+    const unsigned char *p = in->data, *end = in->data + in->size;
+
+    while ((p = memmem(p, (size_t)(end - p), words, sizeof words)) != NULL) {
+        p += sizeof words;
+        if (p == end || *p < EXR_COMPRESSION_LAST_TYPE) continue;
+        const size_t k = (size_t)*p - FIRST;
+        return bis_image_refuse(in, BIS_INPUT, "its compression has the number %d (%s), which this bis does not read; "
+                                "save it with ZIP compression, as `exrmetrics` of that version does, or Blender", *p,
+                                k < sizeof later / sizeof *later ? later[k] : "of a newer OpenEXR");
+    }
     return BIS_OK;
 }
 
@@ -452,13 +400,15 @@ bis_status bis_exr_read(bis_image *image, const image_input *in)
     init.size_fn = size_of_stream;
     init.max_tile_width = init.max_tile_height = BIS_IMAGE_MAX_SIDE;
 
+    bis_status status = check_compression(in);
+    if (status) return status;
     exr_result_t code = exr_start_read(&file, in->path, &init);
     /* Core goes on after either, without the rest of the header. */
     if (!code && lacks_memory(&source)) code = EXR_ERR_OUT_OF_MEMORY;
     if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
-    bis_status status = code ? refuse(&source, code) : choose_part(&choice, file, &source);
+    status = code ? refuse(&source, code) : bis_exr_choose(&choice, file, in);
     if (!status) status = make_image(image, &choice, file, &source);
-    if (!status) remark_on_shape(file, choice.part, in);
+    if (!status) *in->layout = layout_of(file, choice.part);
     if (!status) status = read_pixels(image, &choice, file, &source);
     double m[3][3];
     if (!status && (choice.colour || choice.chroma) && has_own_primaries(m, file, choice.part, in))

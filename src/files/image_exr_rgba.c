@@ -54,6 +54,7 @@ bis_status bis_exr_read_rgba(bis_image *image, const image_input *in, int x0, in
     }
     for (size_t i = 0; i < n; i++)
         image->pixels[i] = (rgb){ImfHalfToFloat(pixels[i].r), ImfHalfToFloat(pixels[i].g), ImfHalfToFloat(pixels[i].b)};
+    for (size_t i = 0; image->alpha && i < n; i++) image->alpha[i] = ImfHalfToFloat(pixels[i].a);
 done:
     if (file) ImfCloseInputFile(file);
     bis_free(pixels);

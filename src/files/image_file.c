@@ -55,24 +55,6 @@ static const image_writer writers[] = {
 
 #define LENGTH(array) (sizeof(array) / sizeof(array)[0])
 
-static bis_status refuse_unknown(const image_input *in, bool of_colours)
-{
-    const unsigned char *d = in->data;
-    if (in->size == 0) return bis_image_refuse(in, BIS_INPUT, "the file is empty");
-    if (in->size < 4) return bis_image_refuse(in, BIS_INPUT, "its %zu bytes are too few for an image", in->size);
-    const bool is_png = memcmp(d, "\x89PNG", 4) == 0, is_jpeg = memcmp(d, "\xff\xd8\xff", 3) == 0;
-    if (of_colours)
-        return bis_image_refuse(in, BIS_INPUT,
-                                "its format is unknown: a texture must be .png, .jpg, .tga, .bmp, .exr, .hdr or .pfm");
-    if (is_png || is_jpeg)
-        return bis_image_refuse(in, BIS_INPUT, "it is a %s: 8 bits for a screen, no radiance; take an .exr, .pfm or "
-                                ".hdr (`bis SCENE --outfile NAME.exr` writes one)", is_png ? "PNG" : "JPEG");
-    return bis_image_refuse(in, BIS_INPUT,
-                            "it begins with the bytes %02x %02x %02x %02x, must be a Radiance .hdr (#?), "
-                            "OpenEXR (76 2f 31 01) or PFM (PF, Pf)",
-                            d[0], d[1], d[2], d[3]);
-}
-
 static const image_reader *find_reader(const unsigned char *data, size_t size)
 {
     for (size_t i = 0; i < LENGTH(readers); i++)
@@ -87,24 +69,38 @@ static const screen_reader *find_screen(const unsigned char *data, size_t size)
     return NULL;
 }
 
-/* gamma: NULL: of radiance. is_screen: becomes whether it is a PNG; NULL: nobody asks. */
-static bis_status read_image(bis_image *image, bool *is_screen, const char *path, const double *gamma, bis_loc at,
-                             bis_diag *diag)
+/* What is made of the pixels of a file: themselves, the picture that they lie in, or a map. */
+typedef enum image_use { USE_PIXELS, USE_PICTURE, USE_MAP } image_use;
+
+/* How an image is read, and what becomes known of it. gamma NULL: of radiance. is_any: of either. */
+typedef struct image_request {
+    image_use use;
+    const double *gamma;
+    bool is_any, is_screen;
+    bis_image_place place;
+    bis_exr_layout layout;
+} image_request;
+
+static bis_status read_image(bis_image *image, image_request *r, const char *path, bis_loc at, bis_diag *diag)
 {
     unsigned char *data;
-    image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag,
-                      .wants_alpha = is_screen != NULL};
+    image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag, .place = &r->place,
+                      .layout = &r->layout, .wants_alpha = r->is_any};
 
     *image = (bis_image){0};
     bis_status status = bis_gzip_read(&data, &in.size, path, at, diag);
     if (status) return status;
     in.data = data;
     const image_reader *reader = find_reader(data, in.size);
-    const screen_reader *screen = gamma && !reader ? find_screen(data, in.size) : NULL;
+    const screen_reader *screen = r->gamma && !reader ? find_screen(data, in.size) : NULL;
     if (reader) status = reader->read(image, &in);
-    else if (screen) status = screen->read(image, &in, *gamma);
-    else status = refuse_unknown(&in, gamma && !is_screen);
-    if (is_screen) *is_screen = screen != NULL;
+    else if (screen) status = screen->read(image, &in, *r->gamma);
+    else status = bis_image_refuse_unknown(&in, r->gamma && !r->is_any);
+    r->is_screen = screen != NULL;
+    if (!status) status = bis_place_cut(image, &in);
+    if (!status && r->use == USE_PICTURE) status = bis_place_fill(image, &in);
+    if (!status && r->use == USE_MAP) status = bis_place_map(image, &in);
+    if (status) bis_image_clear(image);
     bis_free(data);
     assert(!status == !!image->pixels); /* all of the image or none */
     return status;
@@ -112,24 +108,61 @@ static bis_status read_image(bis_image *image, bool *is_screen, const char *path
 
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
 {
-    return read_image(image, NULL, path, NULL, at, diag);
+    image_request r = {.use = USE_PIXELS};
+    return read_image(image, &r, path, at, diag);
+}
+
+bis_status bis_image_read_map(bis_image *image, bool *is_cube_strip, const char *path, bis_loc at, bis_diag *diag)
+{
+    image_request r = {.use = USE_MAP};
+    const bis_status status = read_image(image, &r, path, at, diag);
+    *is_cube_strip = r.layout == BIS_EXR_CUBE;
+    return status;
 }
 
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag)
 {
-    return read_image(image, NULL, path, &gamma, at, diag);
+    image_request r = {.use = USE_PICTURE, .gamma = &gamma};
+    return read_image(image, &r, path, at, diag);
+}
+
+/* Does it begin and end as a PNG, or as a JPEG? */
+static bool looks_whole(const char *path)
+{
+    unsigned char head[4] = {0}, tail[8] = {0};
+    FILE *f = fopen(path, "rb");
+    if (!f) return false;
+    const bool read = fread(head, 1, sizeof head, f) == sizeof head && fseek(f, -(long)sizeof tail, SEEK_END) == 0 &&
+                      fread(tail, 1, sizeof tail, f) == sizeof tail;
+    fclose(f);
+    return read && ((bis_png_is_mine(head, 4) && memcmp(tail, "IEND", 4) == 0) ||
+                    (bis_jpeg_is_mine(head, 4) && bis_image_reads_jpeg() && memcmp(tail + 6, "\xff\xd9", 2) == 0));
+}
+
+bool bis_image_check_colours(const char *path, bis_loc at, bis_diag *diag)
+{
+    bis_diag why = {0};
+    bis_image image;
+
+    if (looks_whole(path)) return true;
+    const bis_status status = bis_image_read_colours(&image, path, BIS_GAMMA_SRGB, at, &why);
+    bis_image_clear(&image);
+    for (size_t i = 0; i < why.n && status == BIS_INPUT; i++) bis_warn(diag, at, "%s", why.messages[i].body);
+    bis_diag_clear(&why);
+    return status != BIS_INPUT;
 }
 
 bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag)
 {
     const double gamma = BIS_GAMMA_SRGB;
+    image_request r = {.use = of_colours ? USE_PICTURE : USE_MAP, .gamma = of_colours ? &gamma : NULL};
     unsigned char head[64] = {0};
     bis_image image;
     const size_t n = bis_gzip_head((char *)head, sizeof head, path);
 
     if (find_reader(head, n) || (of_colours && find_screen(head, n))) return BIS_OK;
     /* it says why not */
-    const bis_status status = read_image(&image, NULL, path, of_colours ? &gamma : NULL, at, diag);
+    const bis_status status = read_image(&image, &r, path, at, diag);
     bis_image_clear(&image);
     return status;
 }
@@ -137,9 +170,21 @@ bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, b
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)
 {
     const double gamma = BIS_GAMMA_FILE;
+    image_request r = {.use = USE_PICTURE, .gamma = &gamma, .is_any = true};
+    const bis_status status = read_image(image, &r, path, at, diag);
+    *is_screen = r.is_screen;
+    return status;
+}
 
-    *is_screen = false;
-    return read_image(image, is_screen, path, &gamma, at, diag);
+bis_status bis_image_read_part(bis_image *image, bool *is_screen, bis_image_place *place, const char *path, bis_loc at,
+                               bis_diag *diag)
+{
+    const double gamma = BIS_GAMMA_FILE;
+    image_request r = {.use = USE_PIXELS, .gamma = &gamma, .is_any = true};
+    const bis_status status = read_image(image, &r, path, at, diag);
+    *is_screen = r.is_screen;
+    *place = r.place;
+    return status;
 }
 
 static const image_writer *find_writer(const char *path)

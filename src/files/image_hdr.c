@@ -6,7 +6,7 @@
  * value = mantissa * 2^(exponent - 136), black where the exponent is 0, divided by the product of all EXPOSURE
  * lines and, per channel, by that of all COLORCORR lines: both are factors that somebody has multiplied the radiance
  * by. An EXPOSURE that is 0, negative or not finite is no factor and is left out with a warning: FreeImage writes 0
- * where it does not know.
+ * where it does not know. FORMAT says whether the channels are R, G, B or X, Y, Z.
  *
  * Why a reader of our own: Radiance's is not packaged as a library, and the usual single-file reader ignores EXPOSURE,
  * the axes of the resolution line and the old encoding, each a silently wrong map.
@@ -17,6 +17,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "primaries.h"
 
 #include <string.h>
 
@@ -32,7 +33,7 @@ enum {
 
 typedef struct hdr_header {
     double exposure[3]; /* what every channel is to be divided by */
-    bool has_format;
+    bool has_format, is_xyz;
     int length, n; /* of a scanline in pixels; how many scanlines */
     bool columns;  /* scanlines are columns: the resolution line begins with X */
     bool flip_x, flip_y;
@@ -78,17 +79,14 @@ static bis_status take_factor(hdr_header *h, const char *name, int n, const char
 
 static bis_status take_format(hdr_header *h, const char *s, const char *line_end, const image_input *in)
 {
-    const char rgbe[] = "32-bit_rle_rgbe";
+    const char rgbe[] = "32-bit_rle_rgbe", xyze[] = "32-bit_rle_xyze";
     while (s < line_end && (*s == ' ' || *s == '\t')) s++;
     while (s < line_end && (line_end[-1] == '\r' || line_end[-1] == ' ')) line_end--;
     int length = (int)(line_end - s < 60 ? line_end - s : 60);
-    if (length == (int)strlen(rgbe) && !memcmp(s, rgbe, strlen(rgbe))) {
-        h->has_format = true;
-        return BIS_OK;
-    }
-    return bis_image_refuse(in, BIS_INPUT, "its FORMAT is \"%.*s\", must be %s%s", length, s, rgbe,
-                            length > 4 && !memcmp(s + length - 4, "xyze", 4) ? " (ra_xyze -r converts XYZ to RGB)"
-                                                                             : "");
+    h->is_xyz = length == (int)strlen(xyze) && !memcmp(s, xyze, strlen(xyze));
+    h->has_format = h->is_xyz || (length == (int)strlen(rgbe) && !memcmp(s, rgbe, strlen(rgbe)));
+    if (h->has_format) return BIS_OK;
+    return bis_image_refuse(in, BIS_INPUT, "its FORMAT is \"%.*s\", must be %s or %s", length, s, rgbe, xyze);
 }
 
 /* Are these the primaries of Radiance or of Rec. 709? They are printed with three or four digits: within half a unit of
@@ -328,6 +326,7 @@ bis_status bis_hdr_read(bis_image *image, const image_input *in)
     unsigned char *buffer = NULL;
 
     if (status) goto done;
+    double m[3][3];
     if (!h.has_format) bis_image_remark(in, "it has no FORMAT line; 32-bit_rle_rgbe is assumed");
     size_t needed = (size_t)h.n * smallest_scanline(h.length);
     if (in->size - h.data < needed) {
@@ -344,6 +343,11 @@ bis_status bis_hdr_read(bis_image *image, const image_input *in)
         status = read_scanlines(image, buffer, &h, in);
     else
         status = bis_image_refuse(in, BIS_NOMEM, "no memory for a scanline of %d pixels", h.length);
+    if (!status && h.is_xyz && bis_primaries_matrix(m, bis_xyz)) {
+        bis_primaries_convert(image, m, in);
+        bis_image_remark(in, "its Y is taken as luminance of radiance 1; Radiance's own programs write 179 times as "
+                             "much (lumen by watt): \"float scale\" 0.00559 of the light makes up for it");
+    }
 done:
     bis_free(buffer);
     if (status) bis_image_clear(image);

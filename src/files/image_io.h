@@ -7,7 +7,11 @@
 
 #include <stdio.h>
 
-/* A whole file in memory, with one zero byte behind it, and where to complain. */
+/* How an OpenEXR file says that it covers the sphere. The pixels of its maps lie on edges: image_place.c. */
+typedef enum bis_exr_layout { BIS_EXR_PICTURE, BIS_EXR_LATLONG, BIS_EXR_CUBE } bis_exr_layout;
+
+/* A whole file in memory, with one zero byte behind it, and where to complain. A reader stores in *place and *layout
+ * what the file says; of most formats that is nothing, and they stay 0. */
 typedef struct image_input {
     const unsigned char *data;
     size_t size;
@@ -15,6 +19,8 @@ typedef struct image_input {
     bis_loc at; /* the scene line that named the file, else the file itself */
     bool wants_alpha;
     bis_diag *diag;
+    bis_image_place *place;
+    bis_exr_layout *layout;
 } image_input;
 
 /* bis_image_refuse adds the error `cannot read "PATH": TEXT` and returns code. */
@@ -30,6 +36,23 @@ bis_status bis_image_make(bis_image *image, const image_input *in, long long wid
 /* bis_image_table makes (*table)[2^depth], by bis_alloc: what numbers of this many bits stand for, in [0,1]: v^gamma,
  * or sRGB's curve (BIS_GAMMA_SRGB). Errors: BIS_NOMEM. */
 bis_status bis_image_table(float **table, int depth, double gamma, const image_input *in);
+
+/* bis_image_refuse_unknown adds the error of a file that no reader knows, which names the format that its first bytes
+ * are a mark of, and the way out. of_colours: of a texture, else of a map. Returns BIS_INPUT. */
+bis_status bis_image_refuse_unknown(const image_input *in, bool of_colours);
+
+/* ---- image_place.c: from the pixels of a data window to a picture, or to a map ---- */
+
+/* bis_place_cut drops what lies outside of the display window, and says so. Errors: BIS_INPUT (that is all). */
+bis_status bis_place_cut(bis_image *image, const image_input *in);
+
+/* bis_place_fill makes a cut image the whole display window, black where it has no pixels, and says so. Errors:
+ * BIS_INPUT (the display window is too large for these few pixels), BIS_NOMEM. */
+bis_status bis_place_fill(bis_image *image, const image_input *in);
+
+/* bis_place_map makes a map of a cut image: of OpenEXR's own layouts a lat-long map or a strip of six faces as bis has
+ * them. Errors: BIS_INPUT (it does not fill its display window; a cube whose faces are no squares), BIS_NOMEM. */
+bis_status bis_place_map(bis_image *image, const image_input *in);
 
 /* ---- the formats; of the writers: the stream keeps the errors of the disk ---- */
 

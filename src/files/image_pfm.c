@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* image_pfm: portable float maps: a line "PF" (colour) or "Pf" (grey), one with width and height, one with the scale,
- * then the rows from the bottom up as raw floats.
+/* image_pfm: portable float maps: a line "PF" (colour), "Pf" (grey) or "PF4" (colour and alpha, which is dropped), one
+ * with width and height, one with the scale, then the rows from the bottom up as raw floats.
  *
  * The scale's sign tells the byte order (negative: the low byte first); its size means "units" to some programs and
- * nothing to most, so that it is ignored. Exactly one white space ends the header, and what follows
- * must be as long as width and height promise: that is held against the file's size before anything is allocated. We
- * write colour, low byte first. Source: P. Debevec's description of the format for HDR Shop. */
+ * nothing to most, so that it is ignored. Exactly one white space ends the header, or CR LF where
+ * the file is so much longer: text mode of Windows writes that. What follows must be at least as long as width and
+ * height promise: that is held against the file's size before anything is allocated. We write colour, low byte first.
+ * Source: P. Debevec's description of the format for HDR Shop; PF4: G. Larson and others, ImageMagick. */
 #include "image_io.h"
 
 #include "bis/base/file.h"
@@ -23,7 +24,8 @@ static bool is_space(unsigned char c) { return c == ' ' || c == '\t' || c == '\n
 
 bool bis_pfm_is_mine(const unsigned char *data, size_t size)
 {
-    return size >= 3 && data[0] == 'P' && (data[1] == 'F' || data[1] == 'f') && is_space(data[2]);
+    return size >= 3 && data[0] == 'P' && (data[1] == 'F' || data[1] == 'f') &&
+           (is_space(data[2]) || (size > 3 && data[1] == 'F' && data[2] == '4' && is_space(data[3])));
 }
 
 /* The next word of the header: digits of a size. 0 when there are none, -1 when it is far too large or no number. */
@@ -41,7 +43,8 @@ static int parse_side(const unsigned char **p)
 static bis_status parse_header(pfm_header *h, const image_input *in)
 {
     const unsigned char *p = in->data + 2; /* the zero behind the data stops every loop */
-    h->channels = in->data[1] == 'F' ? 3 : 1;
+    h->channels = in->data[1] == 'f' ? 1 : *p == '4' ? 4 : 3;
+    if (h->channels == 4) p++;
     h->width = parse_side(&p);
     h->height = parse_side(&p);
     if (h->width < 1 || h->height < 1 || h->width > BIS_IMAGE_MAX_SIDE || h->height > BIS_IMAGE_MAX_SIDE)
@@ -57,6 +60,9 @@ static bis_status parse_header(pfm_header *h, const image_input *in)
                                 "(its sign is the byte order: -1 for the low byte first)");
     h->low_byte_first = scale < 0;
     h->data = (size_t)(end + 1 - (const char *)in->data);
+    /* one white space, or the LF would be the first byte of a value */
+    const size_t promised = 4 * (size_t)h->channels * (size_t)h->width * (size_t)h->height;
+    if (end[0] == '\r' && end[1] == '\n' && in->size > h->data + promised) h->data++;
     return BIS_OK;
 }
 
@@ -86,14 +92,15 @@ bis_status bis_pfm_read(bis_image *image, const image_input *in)
     if (status) return status;
 
     size_t row = 4 * (size_t)h.channels * (size_t)h.width;
-    size_t promised = row * (size_t)h.height, found = in->size - h.data; /* at most 12 * 2^30: fits */
-    if (found != promised)
+    size_t promised = row * (size_t)h.height, found = in->size - h.data; /* at most 16 * 2^30: fits */
+    if (found < promised)
         return bis_image_refuse(in, BIS_INPUT,
                                 "%d x %d pixels of %d bytes are %zu bytes, but %zu follow the header (which "
                                 "ends at byte %zu)",
                                 h.width, h.height, 4 * h.channels, promised, found, h.data);
     status = bis_image_make(image, in, h.width, h.height);
     if (status) return status;
+    if (found > promised) bis_image_remark(in, "%zu bytes behind the last row are ignored", found - promised);
     for (int y = 0; y < h.height; y++)
         read_row(image->pixels + (size_t)y * (size_t)h.width, in->data + h.data + row * (size_t)(h.height - 1 - y), &h);
     return BIS_OK;

@@ -74,6 +74,13 @@ static bool read_rows(png_job *job)
     for (int pass = 0; pass < job->passes; pass++)
         for (png_uint_32 y = 0; y < job->height; y++)
             png_read_row(job->png, job->rows + y * job->row_bytes, NULL);
+    return true;
+}
+
+/* What follows the pixels is no reason to do without them. */
+static bool read_end(png_job *job)
+{
+    if (setjmp(png_jmpbuf(job->png))) return false;
     png_read_end(job->png, NULL);
     return true;
 }
@@ -160,6 +167,10 @@ bis_status bis_png_read(bis_image *image, const image_input *in, double gamma)
     if (status) goto done;
     if (read_rows(&job)) convert(image, &job, table);
     else status = refuse(&job);
+    if (!status && !read_end(&job)) {
+        if (job.failure.out_of_memory) status = refuse(&job);
+        else bis_image_remark(in, "all of its pixels are there, but not its end: %s", job.failure.reason);
+    }
 done:
     if (status) bis_image_clear(image);
     png_destroy_read_struct(&job.png, &job.info, NULL);

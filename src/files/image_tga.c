@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* image_tga: the colours of a Truevision TGA, for textures: grey, true colour and palettes, plain or run-length coded.
+/* image_tga: the colours of a Truevision TGA, for textures: grey (of 16 bits: grey and alpha), true colour and
+ * palettes, plain or run-length coded.
  *
  * The format has no mark: bis_tga_is_mine believes a header all of whose fields make sense. Rows run upwards unless bit
  * 5 of the descriptor is set, columns to the right unless bit 4 is. What it says of transparency is dropped. Source:
@@ -36,7 +37,7 @@ static bool read_header(tga *t, const unsigned char *d, size_t size)
     if (!has_palette) t->n_colours = 0;
     if (t->kind == PALETTE) return has_palette && t->bits == 8;
     if (t->kind == TRUE_COLOUR) return is_colour_size(t->bits);
-    return t->kind == GREY && t->bits == 8;
+    return t->kind == GREY && (t->bits == 8 || t->bits == 16);
 }
 
 bool bis_tga_is_mine(const unsigned char *data, size_t size)

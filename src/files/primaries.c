@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* primaries: to XYZ and back. The columns of the matrix to XYZ are the primaries' (x, y, 1 - x - y)/y, each scaled by
- * its luminance, and these luminances are what makes R = G = B = 1 the white of luminance 1. */
+/* primaries: to XYZ and back. The columns of the matrix to XYZ are the primaries' (x, y, 1 - x - y), each scaled by
+ * what makes R = G = B = 1 the white of luminance 1. A primary may have no luminance (y = 0): X and Z of XYZ. */
 #include "primaries.h"
 
 #include "base/text.h"
 
 #include <math.h>
 
+const float bis_xyz[8] = {1, 0, 0, 1, 0, 0, 1.f / 3, 1.f / 3};
 const float bis_rec709[8] = {.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
 
 /* Cramer's rule, with a column in the place of another. */
@@ -31,16 +32,19 @@ static bool solve(double x[3], const double m[3][3], const double b[3])
 
 static bool to_xyz(double m[3][3], const float c[8])
 {
-    double white[3], luminance[3];
+    const double x = (double)c[6], y = (double)c[7];
+    double scale[3];
 
-    for (int j = 0; j < 4; j++) {
-        const double x = (double)c[2 * j], y = (double)c[2 * j + 1], v[3] = {x, y, 1 - x - y};
-        if (!(y != 0)) return false;
-        for (int i = 0; i < 3; i++) *(j < 3 ? &m[i][j] : &white[i]) = v[i] / y;
+    if (!(y != 0)) return false;
+    const double white[3] = {x / y, 1, (1 - x - y) / y};
+    for (int j = 0; j < 3; j++) {
+        m[0][j] = (double)c[2 * j];
+        m[1][j] = (double)c[2 * j + 1];
+        m[2][j] = 1 - m[0][j] - m[1][j];
     }
-    if (!solve(luminance, m, white)) return false;
+    if (!solve(scale, m, white)) return false;
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) m[i][j] *= luminance[j];
+        for (int j = 0; j < 3; j++) m[i][j] *= scale[j];
     return true;
 }
 

@@ -5,11 +5,11 @@
 #include "image_io.h"
 
 /* Where red, green, blue and white lie in the CIE diagram: rx, ry, gx, gy, bx, by, wx, wy. */
-extern const float bis_rec709[8];
+extern const float bis_rec709[8], bis_xyz[8];
 
 /* bis_primaries_matrix stores in m what takes R, G, B of these primaries to those of Rec. 709, by way of XYZ. White is
  * not adapted: R = G = B of a white other than D65 becomes a tint, as in Mitsuba and pbrt-v4. Returns false if the
- * primaries lie on a line or a y is 0. */
+ * primaries lie on a line or the white's y is 0. */
 bool bis_primaries_matrix(double m[3][3], const float c[8]);
 
 /* bis_primaries_convert turns the colours of an image into those of Rec. 709, and says so. What was nowhere negative

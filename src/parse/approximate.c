@@ -154,8 +154,10 @@ void bis_approximate_note(bis_parser *p, bis_loc at, const char *consequence, co
 
 char *bis_approximate_path(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other)
 {
-    char *path = bis_parser_path_or(p, lacks, at, name, other);
-    if (*lacks) bis_approximate_note(p, at, other->consequence, "%s", other->kind);
+    const char *kind;
+    char *path = bis_parser_path_or(p, &kind, at, name, other);
+    *lacks = kind != NULL;
+    if (kind) bis_approximate_note(p, at, other->consequence, "%s", kind);
     return path;
 }
 

@@ -198,16 +198,17 @@ void bis_parser_advance(bis_parser *p);
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name, const char *way_out);
 
 /* What --approximate takes for a file that is not there: "1 x KIND: CONSEQUENCE". Both are string constants. is_beside:
- * the file lies only beside the one that names it, as the libraries of a mesh. */
+ * the file lies only beside the one that names it, as the libraries of a mesh. unread: the KIND of an image that is
+ * there and cannot be read; NULL: the file is no image. */
 typedef struct bis_stand_in {
-    const char *kind, *consequence;
+    const char *kind, *consequence, *unread;
     bool is_beside;
 } bis_stand_in;
 
 /* bis_parser_path_or returns what bis_parser_path does of a file that --approximate can do without, for
- * bis_approximate_path alone. *lacks becomes whether it does without: then it returns NULL, and a plan lists the file.
- */
-char *bis_parser_path_or(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other);
+ * bis_approximate_path alone. *lacks becomes NULL, or the KIND of what it does without: then it returns NULL, and a
+ * plan lists the file. */
+char *bis_parser_path_or(bis_parser *p, const char **lacks, bis_loc at, const char *name, const bis_stand_in *other);
 
 /* bis_parser_is_missing returns whether a path that was returned names a file that is not there (lists_missing). */
 bool bis_parser_is_missing(const bis_parser *p, const char *path);

@@ -194,9 +194,10 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
     return true;
 }
 
-static const bis_stand_in no_image = {"an image of a library that is not there", "the material without it", true};
+static const bis_stand_in no_image = {"an image of a library that is not there", "the material without it",
+                                      "an image of a library that cannot be read", true};
 static const bis_stand_in no_library = {"a library of materials that is not there", "its materials are diffuse grey",
-                                        true};
+                                        NULL, true};
 
 /* A map, whose options go to *x and its image to *image. False: there is none, and that was said. */
 static bool read_map(bis_parser *p, const line *l, double gamma, bis_texture *x, uint32_t *image)

@@ -4,6 +4,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -250,10 +251,15 @@ char *bis_parser_path(bis_parser *p, bis_loc at, const char *name, const char *w
     return check_path(p, at, name, find_file(p, at, name), way_out);
 }
 
-char *bis_parser_path_or(bis_parser *p, bool *lacks, bis_loc at, const char *name, const bis_stand_in *other)
+char *bis_parser_path_or(bis_parser *p, const char **lacks, bis_loc at, const char *name, const bis_stand_in *other)
 {
     char *path = other->is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
-    *lacks = p->approximate && name[0] && path && is_absent(path);
+    bis_status status;
+    *lacks = NULL;
+    if (p->approximate && name[0] && path && is_absent(path)) *lacks = other->kind;
+    else if (p->approximate && name[0] && path && other->unread && !why_unreadable(path, &status) &&
+             !bis_image_check_colours(path, at, p->diag))
+        *lacks = other->unread;
     snprintf(p->way_out, sizeof p->way_out, "with --approximate: %s", other->consequence);
     if (!*lacks || p->lists_missing) path = check_path(p, at, name, path, p->way_out);
     if (!*lacks) return path;

@@ -335,7 +335,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     if (!bis_params_string(p, "filename", &name))
         return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
     const bis_loc at = bis_params_at(p, "filename");
-    const bis_stand_in no_image = {"an image that is not there", "grey", false};
+    const bis_stand_in no_image = {"an image that is not there", "grey", "an image that cannot be read", false};
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
     if (!lacks) return bis_parser_add_image(p, path, gamma, at, &x->image) && ok;

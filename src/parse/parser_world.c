@@ -64,7 +64,7 @@ static void read_bump(bis_parser *p, bis_material_textures *t)
 {
     static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
     static const bis_stand_in no_normals = {"a normal map that is not there", "the surface is as smooth as its shape",
-                                            false};
+                                            "a normal map that cannot be read", false};
     const char *name;
     double constant;
 

@@ -216,20 +216,30 @@ static bis_status copy_image(bis_image *image, const bis_image *of, bis_diag *di
     return status;
 }
 
+void bis_light_take_layout(bis_light_desc *desc, bool is_cube_strip)
+{
+    if (!is_cube_strip || desc->has_mapping) return;
+    desc->mapping = BIS_MAPPING_CUBE_STRIP;
+    desc->has_mapping = true;
+}
+
 bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2],
                           bis_diag *diag)
 {
     const double start = bis_clock_now();
+    bis_light_desc d = *desc;
     bis_image image = {0};
+    bool is_strip = false;
 
     *out = NULL;
     bis_status status = desc->image        ? copy_image(&image, desc->image, diag)
-                        : desc->filename   ? bis_image_read(&image, desc->filename, desc->loc, diag)
+                        : desc->filename   ? bis_image_read_map(&image, &is_strip, desc->filename, desc->loc, diag)
                         : desc->n_distants ? make_white(&image, diag)
                                            : BIS_OK;
     const double read = bis_clock_now();
+    bis_light_take_layout(&d, is_strip);
     if (!status) {
-        status = bis_light_desc_has_map(desc) ? bis_light_from_image(out, &image, desc, needs, diag)
+        status = bis_light_desc_has_map(desc) ? bis_light_from_image(out, &image, &d, needs, diag)
                                               : new_constant(out, desc, diag);
     }
     if (seconds) {

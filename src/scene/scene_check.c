@@ -35,20 +35,23 @@ static bis_status check_image(const bis_texture_file *file, bis_diag *diag)
 
 static bis_status check_light(const bis_light_desc *light, bis_diag *diag)
 {
+    bis_light_desc d = *light;
     long width, height;
+    bool is_strip;
     bis_image map;
 
     if (!is_there(light->filename)) return BIS_OK;
     const bis_status status = bis_image_check_head(light->filename, false, light->loc, diag);
     if (status) return status;
     if (!bis_scene_peek_image(light->filename, &width, &height)) {
-        const bis_status loaded = bis_image_read(&map, light->filename, light->loc, diag);
+        const bis_status loaded = bis_image_read_map(&map, &is_strip, light->filename, light->loc, diag);
         width = map.width;
         height = map.height;
         bis_image_clear(&map);
         if (loaded) return loaded;
+        bis_light_take_layout(&d, is_strip);
     }
-    return bis_light_check_size(light, (int)width, (int)height, diag);
+    return bis_light_check_size(&d, (int)width, (int)height, diag);
 }
 
 static bis_status check_mesh(const bis_mesh_desc *m, bis_diag *diag)

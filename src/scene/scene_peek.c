@@ -50,7 +50,7 @@ static bool hdr_size(const head *h, long *width, long *height)
 static bool pfm_size(const head *h, long *width, long *height)
 {
     char *rest;
-    *width = strtol(h->text + 2, &rest, 10);
+    *width = strtol(h->text + (h->text[2] == '4' ? 3 : 2), &rest, 10);
     *height = strtol(rest, NULL, 10);
     return *width > 0 && *height > 0;
 }
@@ -61,13 +61,20 @@ static int32_t little_endian(const char *s)
     return (int32_t)((uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24);
 }
 
-/* The attribute: name, type, size 16, then x0, y0, x1, y1 inclusive. */
+/* An attribute: name, type, size 16, then x0, y0, x1, y1 inclusive. NULL: there is none. */
+static const char *exr_window(const head *h, const char *key, size_t n)
+{
+    const char *at = memmem(h->text, h->n, key, n);
+    return at && (size_t)(at - h->text) + n + 16 <= h->n ? at + n : NULL;
+}
+
+/* False also where the picture is not what the file has pixels of, or a cube of OpenEXR: the loader knows. */
 static bool exr_size(const head *h, long *width, long *height)
 {
-    static const char key[] = "dataWindow\0box2i\0\x10\0\0";
-    const char *at = memmem(h->text, h->n, key, sizeof key);
-    if (!at || (size_t)(at - h->text) + sizeof key + 16 > h->n) return false;
-    at += sizeof key;
+    static const char data[] = "dataWindow\0box2i\0\x10\0\0", display[] = "displayWindow\0box2i\0\x10\0\0",
+                      cube[] = "envmap\0envmap\0\1\0\0\0\1";
+    const char *at = exr_window(h, data, sizeof data), *shown = exr_window(h, display, sizeof display);
+    if (!at || !shown || memcmp(at, shown, 16) != 0 || memmem(h->text, h->n, cube, sizeof cube - 1)) return false;
     *width = (long)little_endian(at + 8) - little_endian(at) + 1;
     *height = (long)little_endian(at + 12) - little_endian(at + 4) + 1;
     return *width > 0 && *height > 0;

@@ -301,7 +301,7 @@ static void each_scanline_has_its_pixels(void **state)
 #define FACTORS(key, value, what) {BYTES(HEADER key "=" value "\n\n"), \
     key " is \"" value "\", must be " what " above 0, as must be the product of all such lines"}
 #define NO_FORMAT(value) {BYTES("#?RADIANCE\nFORMAT=" value "\n\n"), \
-    "its FORMAT is \"" value "\", must be 32-bit_rle_rgbe"}
+    "its FORMAT is \"" value "\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"}
 #define LETTERS_60 "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyzabcdefgh"
 #define DAMAGE(size, pixels, message) {BYTES(ROWS(size) pixels), "scanline 1 of 1, at byte 45, is damaged: " message}
 
@@ -310,9 +310,7 @@ static const bad_file damaged[] = {
     {BYTES("#?RADIANCE"), CUT_OFF},
     {BYTES("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"), CUT_OFF},
     {BYTES(HEADER "\n-Y 2 +X 2"), CUT_OFF},
-    {BYTES("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd"),
-     "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)"},
-    {BYTES("#?RADIANCE\nFORMAT=ascii\n\n"), "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe"},
+    {BYTES("#?RADIANCE\nFORMAT=ascii\n\n"), "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
     FACTORS("EXPOSURE", "dark", "a number"), FACTORS("COLORCORR", "1 2", "three numbers"),
     FACTORS("EXPOSURE", "1 2", "a number"), FACTORS("COLORCORR", "1 2 3 4", "three numbers"),
     FACTORS("COLORCORR", "0 1 1", "three numbers"), FACTORS("COLORCORR", "1 -1 1", "three numbers"),
@@ -322,13 +320,14 @@ static const bad_file damaged[] = {
     /* 60 characters of a long value are told, and of a long line of the size */
     {BYTES(HEADER "EXPOSURE=" LETTERS_60 "x\n\n"),
      "EXPOSURE is \"" LETTERS_60 "\", must be a number above 0, as must be the product of all such lines"},
-    {BYTES("#?RADIANCE\nFORMAT=" LETTERS_60 "x\n\n"), "its FORMAT is \"" LETTERS_60 "\", must be 32-bit_rle_rgbe"},
+    {BYTES("#?RADIANCE\nFORMAT=" LETTERS_60 "x\n\n"),
+     "its FORMAT is \"" LETTERS_60 "\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
     {BYTES(ROWS(LETTERS_60 "x") "abcd"), "its resolution line is \"" LETTERS_60
      "\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768"},
     NO_FORMAT("32-bit_rle_rgbx"), NO_FORMAT("32-bit_rle_rgbe2"), NO_FORMAT("32-bit_rle_rgb"), NO_FORMAT("xyze"),
-    {BYTES("#?RADIANCE\nFORMAT= \t \r\n\n"), "its FORMAT is \"\", must be 32-bit_rle_rgbe"},
+    {BYTES("#?RADIANCE\nFORMAT= \t \r\n\n"), "its FORMAT is \"\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
     {BYTES("#?RADIANCE\nFORMAT=zxyze\n\n"),
-     "its FORMAT is \"zxyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)"},
+     "its FORMAT is \"zxyze\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
     {BYTES(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n"),
      "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines"},
     NO_SIZE(""), NO_SIZE("-Y 2"), NO_SIZE("-Y 2 -Y 2"), NO_SIZE("-Y 2 +Z 2"), NO_SIZE("Y 2 X 2"),

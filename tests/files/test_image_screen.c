@@ -225,7 +225,7 @@ static void a_header_without_sense_is_no_tga(void **state)
     static const struct {
         int at, to; /* in a grey picture; a kind of 1 needs a palette, and has 8 bits */
     } cases[] = {{1, 2}, {1, 255}, {2, 0}, {2, 4}, {2, 8}, {2, 1}, {2, 19}, {12, 0}, {14, 0}, {17, 0x40}, {17, 0x80},
-                 {16, 16}, {16, 7}, {2, 2}, {1, 1}};
+                 {16, 7}, {2, 2}, {1, 1}};
     bytes b;
     put_tga(&b, 3, 1, 1, 8, 0);
     put_int(&b, 9, 8);
@@ -617,7 +617,7 @@ static void a_gamma_is_for_all_kinds(void **state)
     bytes_clear(&bmp);
 }
 
-/* Cut off, with holes, far too large for its bytes, of another kind: an error, and never grey. */
+/* Cut off, with holes, far too large for its bytes: an error, or words about its last rows. */
 static void a_damaged_jpeg_is_refused(void **state)
 {
     char said[512];
@@ -626,7 +626,10 @@ static void a_damaged_jpeg_is_refused(void **state)
         unsigned char *data = make_jpeg(&n, 3, progressive ? PROGRESSIVE : BASELINE, left, right);
         for (unsigned long cut = 3; cut + 2 < n; cut++) { /* without the last mark nothing is missing */
             bis_image image;
-            if (read_bytes_as(&image, "cut.jpg", data, cut, said) != BIS_INPUT) fail_msg("%lu of %lu bytes", cut, n);
+            const bis_status status = read_bytes_as(&image, "cut.jpg", data, cut, said);
+            if (status != BIS_INPUT && !strstr(said, "in the last 8 rows colours may be made up"))
+                fail_msg("%lu of %lu bytes", cut, n);
+            bis_image_clear(&image);
         }
         unsigned char *sof = memmem(data, n, progressive ? "\xff\xc2" : "\xff\xc0", 2);
         assert_non_null(sof);
@@ -634,9 +637,6 @@ static void a_damaged_jpeg_is_refused(void **state)
         refuse("huge.jpg", data, n, "bytes cannot hold 28784 x 28785 pixels");
         free(data);
     }
-    unsigned char *data = make_jpeg(&n, 4, BASELINE, left, right);
-    refuse("cmyk.jpg", data, n, "the JPEG is damaged, or of a kind that is not read: ");
-    free(data);
 }
 
 /* A progressive file of whole scans, each component's own: the last one may come again and again, and says the same.

@@ -353,8 +353,8 @@ static const struct { const char *scene, *said[2]; } notes[] = {
      "\"cylindrical\" of a Texture (of 1 textures): t is z, as in pbrt-v4; earlier it is z over the distance"}},
     {W "Texture \"t\" \"float\" \"fbm\"", {"2:9: 1 x filter of Texture \"fbm\" (of 1 textures): looked up at points; "
      "the camera samples of a pixel average it"}},
-    {W "Texture \"t\" \"float\" \"imagemap\" \"float gamma\" 2 \"string filename\" \"Makefile\"", {"2:32: 1 x \"float "
-     "gamma\" of a texture: ignored, as in pbrt-v3"}},
+    {W "Texture \"t\" \"float\" \"imagemap\" \"float gamma\" 2 \"string filename\" \"data/maps/tiles.png\"",
+     {"2:32: 1 x \"float gamma\" of a texture: ignored, as in pbrt-v3"}},
     {W "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"no.png\"", {"2:32: 1 x an image that is not there "
      "(of 1 textures): grey"}},
     {W "Material \"matte\" \"string normalmap\" \"n\"", {"2:18: 1 x a normal map that is not there (of 1 "
@@ -525,7 +525,7 @@ static void a_light_takes_the_colour_of_its_spectrum(void **state)
 /* Whether a shape shows the texture or not. */
 static void a_bad_value_of_a_texture_leaves_its_default(void **state)
 {
-#define IMAGE "\"imagemap\" \"string filename\" \"tests/scene/test_approximate.c\" "
+#define IMAGE "\"imagemap\" \"string filename\" \"data/maps/tiles.png\" "
     static const struct { const char *type, *texture, *kind; } cases[] = {
         {"spectrum", IMAGE "\"string wrap\" \"zzz\"", "\"wrap\" that is \"zzz\""},
         {"spectrum", IMAGE "\"string mapping\" \"banana\"", "\"mapping\" that is \"banana\""},

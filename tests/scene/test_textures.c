@@ -1028,7 +1028,7 @@ static bis_image rendered(const char *file)
 {
     bis_image image;
     bis_diag diag = {0};
-    assert_int_equal(bis_image_read_colours(&image, file, 1, (bis_loc){0}, &diag), BIS_OK);
+    assert_int_equal(bis_image_read(&image, file, (bis_loc){0}, &diag), BIS_OK);
     return image;
 }
 

@@ -6,27 +6,51 @@
 
 #include "bis/base/image.h"
 
-/* bis_image_read reads an image. `at` is the place in a scene that named the file, or {0}. Warnings (a second part
- * was ignored, a layer was chosen) go to diag. Errors: BIS_IO (cannot read), BIS_INPUT (an unknown format, a damaged
- * file, no colour channels), BIS_NOMEM. */
+/* Where an image lies in its picture: at column x0 and row y0 of full_width x full_height pixels. Only EXR tells (the
+ * data window in the display window); the others are the whole picture. */
+typedef struct bis_image_place {
+    int x0, y0, full_width, full_height;
+} bis_image_place;
+
+/* bis_image_read reads the pixels of an image, of an EXR its data window. `at` is the place in a scene that named the
+ * file, or {0}. Warnings (a second part was ignored, a layer was chosen) go to diag. Errors: BIS_IO (cannot read),
+ * BIS_INPUT (an unknown format, a damaged file, no colour channels), BIS_NOMEM. */
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag);
+
+/* bis_image_read_map reads an environment map. *is_cube_strip becomes whether an EXR says that it is a cube map: its
+ * faces then stand as in BIS_MAPPING_CUBE_STRIP, whatever their order in the file. OpenEXR's own lat-long and cube
+ * maps, whose pixels lie on edges, become maps of pixels in cells. Errors: those of bis_image_read; BIS_INPUT (an EXR
+ * whose data window does not fill its display window). */
+bis_status bis_image_read_map(bis_image *image, bool *is_cube_strip, const char *path, bis_loc at, bis_diag *diag);
 
 /* bis_image_read_colours reads an image whose values are colours of a surface, and no radiance: it takes a .png, too. A
  * .png's value v in [0,1] becomes v^gamma, or what the curve of sRGB makes of it (BIS_GAMMA_SRGB); the other formats
- * are linear, and gamma does not count. Transparency is dropped. Errors: those of bis_image_read. */
+ * are linear, and gamma does not count. Transparency is dropped. It is the whole picture, black where an EXR has no
+ * pixels. Errors: those of bis_image_read. */
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
 
 /* bis_image_reads_jpeg returns whether bis is built with libjpeg. */
 bool bis_image_reads_jpeg(void);
+
+/* bis_image_check_colours returns whether bis_image_read_colours takes a file, and adds its errors as warnings if it
+ * does not. A PNG or JPEG that begins and ends as such is believed, because reading takes time. */
+bool bis_image_check_colours(const char *path, bis_loc at, bis_diag *diag);
 
 /* bis_image_check_head looks at the first bytes of a file, and tells whether bis_image_read, or with of_colours
  * bis_image_read_colours, knows its format. It is for a plan, which reads no file whole. Errors: theirs. */
 bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag);
 
 /* bis_image_read_any reads what bis_image_read does, and a PNG, too: *is_screen then becomes true, and the pixels are
- * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. If an EXR or a PNG has
- * alpha, it is read, too, and the pixels are premultiplied by it. */
+ * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. It is the whole picture. If
+ * an EXR or a PNG has alpha, it is read, too, and the pixels are premultiplied by it. */
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
+
+/* bis_image_read_part reads as bis_image_read_any does, but only the pixels of the file; *place says where they lie. */
+bis_status bis_image_read_part(bis_image *image, bool *is_screen, bis_image_place *place, const char *path, bis_loc at,
+                               bis_diag *diag);
+
+/* bis_image_cut drops all but width x height pixels from column x and row y on, which lie inside. */
+void bis_image_cut(bis_image *image, int x, int y, int width, int height);
 
 /* One header attribute of an EXR: text, or a number if text is NULL. OpenEXR reserves some names ("version", "type",
  * "name", "tiles", ...). Writing one of these is BIS_INPUT; names with a prefix avoid this. */

@@ -52,6 +52,10 @@ bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, 
 /* bis_light_desc_has_map returns whether the light is more than a constant. */
 static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
 
+/* bis_light_take_layout gives the description the mapping that a file has by itself (bis_image_read_map), unless the
+ * description has one. */
+void bis_light_take_layout(bis_light_desc *desc, bool is_cube_strip);
+
 /* bis_light_mapping returns the mapping of a map of width x height pixels: pbrt-v4's square ones are equal-area. */
 static inline bis_mapping bis_light_mapping(const bis_light_desc *desc, long width, long height)
 {
