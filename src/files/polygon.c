@@ -68,7 +68,9 @@ static bool project(corner *c, const bis_mesh *m, const polygon *p)
     const uint32_t n = p->n + 2;
     double normal[3] = {0, 0, 0};
 
-    for (uint32_t i = 0; i < n; i++) c[i].vertex = i == 0 ? index[0] : i == 1 ? index[1] : index[3 * (size_t)(i - 2) + 2];
+    c[0].vertex = index[0];
+    for (uint32_t i = 1; i + 1 < n; i++) c[i].vertex = index[3 * (size_t)(i - 1) + 1];
+    c[n - 1].vertex = index[3 * (size_t)(n - 3) + 2];
     for (uint32_t i = 0; i < n; i++) { /* from the first corner, so that a distant polygon loses no digits */
         const vec3 o = m->p[c[0].vertex], a = m->p[c[i].vertex], b = m->p[c[(i + 1) % n].vertex];
         const double v[2][3] = {{(double)a.x - (double)o.x, (double)a.y - (double)o.y, (double)a.z - (double)o.z},

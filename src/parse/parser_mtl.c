@@ -400,7 +400,8 @@ static void read_file(bis_parser *p, bis_loc at, char *library, bis_names *read,
     const bis_status status = bis_file_read(&data, &size, name, at, p->diag);
     bis_parser_note(p, status);
     if (status) return;
-    if (strlen((const char *)data) == size) read_library(p, name, (char *)data + bis_byte_order_mark(data, size), obj, wanted);
+    char *text = (char *)data + bis_byte_order_mark(data, size);
+    if (strlen((const char *)data) == size) read_library(p, name, text, obj, wanted);
     else bis_parser_error(p, (bis_loc){name, 0, 0}, "no library of materials: there is a zero byte in it");
     bis_free(data);
 }

@@ -148,8 +148,8 @@ void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture);
 void bis_textures_mark_all(bool *is_used, const bis_textures *t, const bis_material_textures *of);
 
 /* bis_textures_load reads the image of a file of the list. One that may hold normals is looked at: if it does, its
- * values are linear whatever the gamma, and a warning says so. Errors: those of bis_image_read_colours; BIS_INPUT (a value
- * that is negative or not finite). */
+ * values are linear whatever the gamma, and a warning says so. Errors: those of bis_image_read_colours; BIS_INPUT (a
+ * value that is negative or not finite). */
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag);
 
 /* bis_textures_want_uv returns whether a value of these textures asks for (u, v). */
