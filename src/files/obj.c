@@ -12,18 +12,15 @@
 #include "gzip.h"
 #include "base/grow.h"
 #include "base/names.h"
+#include "corners.h"
 #include "mesh_io.h"
+#include "polygon.h"
 
 #include <float.h>
 #include <string.h>
 
 /* No normal: in a face's corner, and for a vertex that no corner has taken yet. */
-enum { NONE = 0, FREE = UINT32_MAX };
-
-/* A corner (v, vt, vn) as an entry of the hash table; vt and vn count from 1, NONE for none. */
-typedef struct obj_corner {
-    uint32_t v, vt, vn, vertex; /* vertex FREE: an empty slot */
-} obj_corner;
+enum { NONE = 0, FREE = CORNER_FREE };
 
 typedef struct reader {
     mesh_input in;
@@ -39,8 +36,8 @@ typedef struct reader {
     /* first_vn[n_v]: the normal of vertex v's own corner, or FREE; NULL: no normals in the file. first_vt[n_v]: the
      * same for texture coordinates, FREE where first_vn is */
     uint32_t *first_vn, *first_vt;
-    obj_corner *table;             /* further corners; a power of 2, at most half full */
-    size_t table_size, n_pairs;
+    split_corners further;      /* (v, vt, vn), where vt and vn count from 1, NONE for none */
+    polygons polygons;
     bool any_normal, any_uv;    /* does a face use one? */
     bool lacks_normals;         /* does one use a normal where the file has none at all? */
     bool wants_parts;
@@ -163,39 +160,6 @@ static void read_uv(reader *r)
 
 /* ---- corners ---- */
 
-static size_t hash(uint32_t v, uint32_t vt, uint32_t vn)
-{
-    /* Knuth's multiplicative hashing, 2^64 / golden ratio */
-    uint64_t h = (((uint64_t)v << 32 | vn) ^ (uint64_t)vt << 16) * 0x9e3779b97f4a7c15;
-    return (size_t)(h ^ h >> 29);
-}
-
-static obj_corner *find_corner(obj_corner *table, size_t size, uint32_t v, uint32_t vt, uint32_t vn)
-{
-    size_t i = hash(v, vt, vn) & (size - 1);
-
-    while (table[i].vertex != FREE && (table[i].v != v || table[i].vt != vt || table[i].vn != vn))
-        i = (i + 1) & (size - 1);
-    return &table[i];
-}
-
-static bool grow_table(reader *r)
-{
-    const size_t size = r->table_size ? 2 * r->table_size : 1024;
-    obj_corner *table = bis_alloc(size, sizeof *table);
-
-    if (!table) return false;
-    for (size_t i = 0; i < size; i++) table[i].vertex = FREE;
-    for (size_t i = 0; i < r->table_size; i++) {
-        const obj_corner *old = &r->table[i];
-        if (old->vertex != FREE) *find_corner(table, size, old->v, old->vt, old->vn) = *old;
-    }
-    bis_free(r->table);
-    r->table = table;
-    r->table_size = size;
-    return true;
-}
-
 static void no_memory(reader *r, size_t n, const char *what)
 {
     r->status = bis_mesh_refuse(&r->in, r->line, BIS_NOMEM, "no memory for %zu %s", n, what);
@@ -228,18 +192,17 @@ static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
     if (vt != NONE) r->any_uv = true;
     if (!r->first_vn && !r->first_vt) return v;
     if (is_first(r, v, vt, vn)) return v;
-    if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_further_vertex(r);
-    obj_corner *p = find_corner(r->table, r->table_size, v, vt, vn);
-    if (p->vertex != FREE) return p->vertex;
+    split_corner *c = bis_corners_find(&r->further, v, vt, vn);
+    if (!c) return no_further_vertex(r);
+    if (c->vertex != FREE) return c->vertex;
     if (m->n_vertices >= UINT32_MAX - 1) {
         r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
         return 0;
     }
     if (!BIS_ROOM(m->p, r->capacity_vertices, m->n_vertices)) return no_further_vertex(r);
-    r->n_pairs++;
     /* The source position may not have been read yet: finish_vertices copies it. */
-    *p = (obj_corner){v, vt, vn, (uint32_t)m->n_vertices++};
-    return p->vertex;
+    c->vertex = (uint32_t)m->n_vertices++;
+    return c->vertex;
 }
 
 /* ---- faces ---- */
@@ -342,9 +305,10 @@ static void set_parts(reader *r, size_t first)
     }
 }
 
-/* A fan about the first corner. */
+/* A fan about the first corner, for now (polygon.h). */
 static void read_face(reader *r)
 {
+    const size_t first = r->mesh->n_triangles;
     uint32_t corner[3];
     size_t n = 0;
 
@@ -356,13 +320,14 @@ static void read_face(reader *r)
         if (n >= 2) corner[1] = corner[2];
     }
     if (n < 3) r->n_too_small++;
+    if (!bis_polygons_note(&r->polygons, r->mesh, first)) no_memory(r, r->polygons.n + 1, "polygons");
 }
 
 /* ---- the passes ---- */
 
 static void rewind_file(reader *r)
 {
-    r->p = r->in.data;
+    r->p = r->in.data + bis_byte_order_mark(r->in.data, r->in.size);
     r->line = 1;
 }
 
@@ -426,9 +391,10 @@ static void finish_uv(reader *r)
     for (size_t i = 0; i < m->n_vertices; i++) m->uv[i] = (bis_uv){NAN, 0};
     for (size_t i = 0; i < r->n_v; i++)
         if (r->first_vt[i] != FREE && r->first_vt[i] != NONE) m->uv[i] = r->uv[r->first_vt[i] - 1];
-    for (size_t i = 0; i < r->table_size; i++)
-        if (r->table[i].vertex != FREE && r->table[i].vt != NONE)
-            m->uv[r->table[i].vertex] = r->uv[r->table[i].vt - 1];
+    for (size_t i = 0; i < r->further.size; i++) {
+        const split_corner *c = &r->further.table[i];
+        if (c->vertex != FREE && c->a != NONE) m->uv[c->vertex] = r->uv[c->a - 1];
+    }
 }
 
 /* Positions of split vertices, and all normals and texture coordinates. */
@@ -436,17 +402,20 @@ static void finish_vertices(reader *r)
 {
     bis_mesh *m = r->mesh;
 
-    for (size_t i = 0; i < r->table_size; i++)
-        if (r->table[i].vertex != FREE) m->p[r->table[i].vertex] = m->p[r->table[i].v];
+    for (size_t i = 0; i < r->further.size; i++) {
+        const split_corner *c = &r->further.table[i];
+        if (c->vertex != FREE) m->p[c->vertex] = m->p[c->v];
+    }
     if (r->any_uv) finish_uv(r);
     if (r->any_normal) m->n = bis_alloc(m->n_vertices, sizeof *m->n);
     if (r->any_normal && !m->n) no_vertices(r);
     if (!m->n) return;
     for (size_t i = 0; i < r->n_v; i++)
         if (r->first_vn[i] != FREE && r->first_vn[i] != NONE) m->n[i] = r->normals[r->first_vn[i] - 1];
-    for (size_t i = 0; i < r->table_size; i++)
-        if (r->table[i].vertex != FREE && r->table[i].vn != NONE)
-            m->n[r->table[i].vertex] = r->normals[r->table[i].vn - 1];
+    for (size_t i = 0; i < r->further.size; i++) {
+        const split_corner *c = &r->further.table[i];
+        if (c->vertex != FREE && c->b != NONE) m->n[c->vertex] = r->normals[c->b - 1];
+    }
 }
 
 static void report(const reader *r)
@@ -481,6 +450,7 @@ static bis_status read_obj(bis_mesh *m, const char *path, bool wants_uv, size_t 
     if (!r.status) allocate(&r);
     if (!r.status) read_lines(&r);
     if (!r.status) finish_vertices(&r);
+    if (!r.status) r.status = bis_polygons_triangulate(m, &r.polygons, &r.in);
     if (r.status) goto done;
     report(&r);
     if (n_parts) *n_parts = r.parts.n;
@@ -492,7 +462,8 @@ done:
     bis_free(r.uv);
     bis_free(r.first_vt);
     bis_names_clear(&r.parts);
-    bis_free(r.table);
+    bis_free(r.further.table);
+    bis_free(r.polygons.list);
     bis_free(data);
     return r.status;
 }

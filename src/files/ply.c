@@ -6,13 +6,15 @@
  * plain floats, and lists of three 4-byte indices behind a 1-byte count (871k triangles: 25 ms with, 60 ms without
  * them).
  * Nothing is allocated by the header's word alone: an element's count times its least row must fit into what is left of
- * the file. Lists need no memory: fans and strips are made as the indices come by. */
+ * the file. Faces become fans and strips as their rows come by (polygon.h). */
 #include "ply.h"
 
 #include "bis/base/file.h"
+#include "base/grow.h"
+#include "corners.h"
 #include "gzip.h"
-#include "bis/base/mem.h"
 #include "ply_header.h"
+#include "polygon.h"
 
 #include <float.h>
 #include <string.h>
@@ -38,6 +40,16 @@ typedef struct reader {
     size_t n_bad_normals;
     size_t n_bad_uv;
     size_t n_long_lines; /* ascii rows with more numbers than the header says */
+    uint32_t *corners;   /* of one face */
+    size_t n_corners, capacity_corners;
+    double *texcoord;    /* its list of this name: u and v of each corner */
+    size_t n_texcoord, capacity_texcoord;
+    bis_uv *first_uv;    /* first_uv[n_vertices]: of the first corner of each; NULL: no face has had any */
+    split_corners further; /* (vertex, bits of u, bits of v), numbered behind the file's vertices */
+    size_t n_bad_texcoord; /* lists of another length than the corners ask */
+    double texnumber;      /* of the last face; the first has made it has_texnumber */
+    bool has_texnumber, has_texnumbers;
+    polygons polygons;
     bis_status status;   /* of the first error: from then on nothing is taken */
 } reader;
 
@@ -261,19 +273,93 @@ static uint32_t index_of(reader *r, const ply_element *e, size_t row, double v)
     return 0;
 }
 
-/* A polygon is a fan about its first vertex. */
-static void read_polygon(reader *r, const ply_property *p, const ply_element *e, size_t row)
+static void no_memory(reader *r, const ply_element *e)
+{
+    r->status = bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu rows of \"%.*s\"", e->count, e->name.length,
+                                e->name.text);
+}
+
+static void read_corners(reader *r, const ply_property *p, const ply_element *e, size_t row)
 {
     const size_t count = take_count(r, p, e, row);
-    uint32_t corner[3];
 
-    if (count < 3) r->n_too_small++;
-    for (size_t i = 0; i < count; i++) {
-        corner[i < 2 ? i : 2] = index_of(r, e, row, take(r, p->type, e, row));
-        if (i >= 2 && !r->status) r->status = bis_mesh_add_triangle(r->mesh, &r->capacity, corner, r->in);
-        if (r->status) return;
-        if (i >= 2) corner[1] = corner[2];
+    for (r->n_corners = 0; r->n_corners < count && !r->status; r->n_corners++) {
+        const uint32_t v = index_of(r, e, row, take(r, p->type, e, row));
+        if (!BIS_ROOM(r->corners, r->capacity_corners, r->n_corners)) no_memory(r, e);
+        else r->corners[r->n_corners] = v;
     }
+}
+
+static void read_texcoord(reader *r, const ply_property *p, const ply_element *e, size_t row)
+{
+    const size_t count = take_count(r, p, e, row);
+
+    for (r->n_texcoord = 0; r->n_texcoord < count && !r->status; r->n_texcoord++) {
+        const double v = take(r, p->type, e, row);
+        if (!BIS_ROOM(r->texcoord, r->capacity_texcoord, r->n_texcoord)) no_memory(r, e);
+        else r->texcoord[r->n_texcoord] = v;
+    }
+}
+
+/* MeshLab numbers the textures of faces; -1: none. */
+static void read_texnumber(reader *r, const ply_property *p, const ply_element *e, size_t row)
+{
+    const double v = take(r, p->type, e, row);
+
+    r->has_texnumbers |= r->has_texnumber && v >= 0 && v != r->texnumber;
+    if (v < 0) return;
+    r->has_texnumber = true;
+    r->texnumber = v;
+}
+
+/* No coordinates are NAN; no corner yet is INFINITY, which no coordinates are. */
+static bool start_texcoord(reader *r)
+{
+    if (r->first_uv) return true;
+    r->first_uv = bis_alloc(r->n_vertices, sizeof *r->first_uv);
+    for (size_t i = 0; r->first_uv && i < r->n_vertices; i++) r->first_uv[i] = (bis_uv){INFINITY, 0};
+    return r->first_uv != NULL;
+}
+
+/* The vertex of corner i with the coordinates of the list: the first keeps the number of the file. */
+static uint32_t split_vertex(reader *r, size_t i, const ply_element *e)
+{
+    const uint32_t v = r->corners[i];
+    const double *c = r->n_texcoord ? &r->texcoord[2 * i] : (double[]){(double)NAN, 0};
+    const bool good = fits_float(c[0]) && fits_float(c[1]);
+    const bis_uv uv = good ? (bis_uv){(float)c[0], (float)c[1]} : (bis_uv){NAN, 0};
+    uint32_t bits[2];
+
+    r->n_bad_uv += !good && r->n_texcoord;
+    if (isinf(r->first_uv[v].u)) r->first_uv[v] = uv;
+    if (memcmp(&r->first_uv[v], &uv, sizeof uv) == 0) return v;
+    memcpy(bits, &uv, sizeof bits);
+    split_corner *further = bis_corners_find(&r->further, v, bits[0], bits[1]);
+    if (!further || r->n_vertices + r->further.n >= UINT32_MAX) {
+        no_memory(r, e);
+        return 0;
+    }
+    if (further->vertex == CORNER_FREE) further->vertex = (uint32_t)(r->n_vertices + r->further.n - 1);
+    return further->vertex;
+}
+
+/* The fan of a row's corners about the first one, for now (polygon.h). */
+static void add_polygon(reader *r, const ply_element *e)
+{
+    const size_t first = r->mesh->n_triangles;
+    bool splits = r->n_texcoord > 0 || r->first_uv;
+
+    r->n_too_small += r->n_corners < 3;
+    if (r->n_texcoord && r->n_texcoord != 2 * r->n_corners) {
+        r->n_bad_texcoord++;
+        r->n_texcoord = 0;
+    }
+    if (splits && !start_texcoord(r)) no_memory(r, e);
+    for (size_t i = 0; i < r->n_corners && splits && !r->status; i++) r->corners[i] = split_vertex(r, i, e);
+    for (size_t i = 2; i < r->n_corners && !r->status; i++)
+        r->status = bis_mesh_add_triangle(r->mesh, &r->capacity,
+                                          (uint32_t[]){r->corners[0], r->corners[i - 1], r->corners[i]}, r->in);
+    if (!r->status && !bis_polygons_note(&r->polygons, r->mesh, first)) no_memory(r, e);
 }
 
 /* Each vertex makes a triangle with the two before it; every other one is turned. -1 begins a new strip. */
@@ -343,15 +429,52 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
         row = copy_plain_triangles(r, e);
     }
     for (; row < e->count && !r->status; row++) {
+        r->n_texcoord = 0;
         for (size_t i = 0; i < e->n_properties; i++) {
             const ply_property *p = &r->header->properties[e->first_property + i];
-            if (i != list) skip_property(r, p, e, row);
-            else if (strips) read_strip(r, p, e, row);
-            else read_polygon(r, p, e, row);
+            const bool of_faces = r->n_roles > U && !strips;
+            if (i == list && strips) read_strip(r, p, e, row);
+            else if (i == list) read_corners(r, p, e, row);
+            else if (of_faces && ply_is_list(p) && ply_word_is(p->name, "texcoord")) read_texcoord(r, p, e, row);
+            else if (of_faces && !ply_is_list(p) && ply_word_is(p->name, "texnumber")) read_texnumber(r, p, e, row);
+            else skip_property(r, p, e, row);
         }
+        if (!strips && !r->status) add_polygon(r, e);
         end_row(r);
     }
     return r->status;
+}
+
+/* Positions and normals of split vertices, and the coordinates of all. */
+static void finish_corners(reader *r)
+{
+    bis_mesh *m = r->mesh;
+    const size_t n = m->n_vertices + r->further.n;
+    vec3 *p = r->first_uv ? bis_realloc(m->p, n, sizeof *p) : NULL, *normals = NULL;
+
+    if (!r->first_uv) return;
+    if (p) m->p = p;
+    if (m->n) normals = bis_realloc(m->n, n, sizeof *normals);
+    if (normals) m->n = normals;
+    bis_uv *uv = bis_realloc(r->first_uv, n, sizeof *uv);
+    if (uv) r->first_uv = uv;
+    if (!p || (m->n && !normals) || !uv) {
+        r->status = bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu vertices", n);
+        return;
+    }
+    for (size_t i = 0; i < m->n_vertices; i++)
+        if (isinf(uv[i].u)) uv[i] = (bis_uv){NAN, 0};
+    for (size_t i = 0; i < r->further.size; i++) {
+        const split_corner *c = &r->further.table[i];
+        if (c->vertex == CORNER_FREE) continue;
+        m->p[c->vertex] = m->p[c->v];
+        if (m->n) m->n[c->vertex] = m->n[c->v];
+        memcpy(&uv[c->vertex], (uint32_t[]){c->a, c->b}, sizeof *uv);
+    }
+    bis_free(m->uv);
+    m->uv = uv;
+    m->n_vertices = n;
+    r->first_uv = NULL;
 }
 
 /* ---- elements ---- */
@@ -404,6 +527,12 @@ static void report(const reader *r)
     if (r->n_bad_uv > 0)
         bis_mesh_remark(r->in, "%zu texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)",
                         r->n_bad_uv);
+    if (r->n_bad_texcoord > 0)
+        bis_mesh_remark(r->in, "%zu faces have a \"texcoord\" that is not two numbers for each corner: they get (0,0), "
+                        "(1,0), (1,1)", r->n_bad_texcoord);
+    if (r->has_texnumbers)
+        bis_mesh_remark(r->in, "faces have different numbers of textures (\"texnumber\"), but a PLY has one material "
+                        "here: all show its textures. Split the mesh, or save it as OBJ with its materials");
 }
 
 static bis_status read_ply(bis_mesh *m, const char *path, int n_roles, bis_loc at, bis_diag *diag)
@@ -423,9 +552,16 @@ static bis_status read_ply(bis_mesh *m, const char *path, int n_roles, bis_loc a
                 .n_roles = n_roles};
     status = count_vertices(&r);
     for (size_t i = 0; !status && i < header.n_elements; i++) status = read_element(&r, &header.elements[i]);
-    if (status) goto done;
-    report(&r);
-    status = bis_mesh_finish(m, r.capacity, &in);
+    if (!status) finish_corners(&r);
+    if (!status) status = r.status;
+    if (!status) status = bis_polygons_triangulate(m, &r.polygons, &in);
+    if (!status) report(&r);
+    if (!status) status = bis_mesh_finish(m, r.capacity, &in);
+    bis_free(r.corners);
+    bis_free(r.texcoord);
+    bis_free(r.first_uv);
+    bis_free(r.further.table);
+    bis_free(r.polygons.list);
 done:
     if (status) bis_mesh_clear(m);
     bis_ply_header_clear(&header);

@@ -8,6 +8,7 @@
 #include "ply_header.h"
 
 #include "base/grow.h"
+#include "bis/base/file.h"
 
 #include <string.h>
 
@@ -142,7 +143,7 @@ static const unsigned char *next_line(const unsigned char *p, const unsigned cha
 
 bis_status bis_ply_header_read(ply_header *h, const mesh_input *in)
 {
-    const unsigned char *p = in->data, *end = in->data + in->size;
+    const unsigned char *p = in->data + bis_byte_order_mark(in->data, in->size), *end = in->data + in->size;
     line l = {.number = 1};
 
     split_line(&l, &p, end);

@@ -237,7 +237,7 @@ static void begin(bis_lexer *l, const char *name, unsigned char *data, size_t si
     *s = (bis_source){.name = name, .data = data, .line = 1, .device = st->st_dev, .inode = st->st_ino};
     s->next = (const char *)data;
     s->end = s->next + size;
-    if (size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0) s->next += 3; /* a byte order mark */
+    s->next += bis_byte_order_mark(data, size);
     s->line_start = s->next;
 }
 

@@ -15,6 +15,7 @@
 
 #define BIS_MAX_ERRORS 50
 #define BIS_MAX_BLOCKS 4096
+#define BIS_MAX_TRIANGLES ((size_t)1 << 26) /* of the scene's own meshes, after instancing; about 5 GB */
 #define BIS_MAX_SHAPES (1u << 20) /* after instancing; 0.4 kB each, before any triangle */
 #define BIS_MAX_INCLUDES 100000   /* in all: 64 files that include each other twice would be 2^64 */
 
@@ -132,6 +133,7 @@ struct bis_parser {
         size_t n_objects, capacity_objects;
         bis_shape_desc *object_shapes;
         size_t n_object_shapes, capacity_object_shapes;
+        size_t n_triangles; /* of the world's shapes whose meshes are the scene's own */
     };
     struct { /* parser_transform.c */
         bis_names system_names;

@@ -99,6 +99,18 @@ void bis_directive_object_begin(bis_parser *p, bis_loc at)
 
 void bis_directive_object_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BLOCK_OBJECT, at); }
 
+/* Adds a shape of the world. A few lines of text may ask for more triangles than any memory holds, by levels of
+ * subdivision and by instances. */
+static bool add_to_world(bis_parser *p, const bis_shape_desc *shape, bis_loc at)
+{
+    if (shape->kind == BIS_SHAPE_TRIANGLES) p->n_triangles += p->desc->meshes[shape->mesh].size.triangles;
+    if (p->n_triangles > BIS_MAX_TRIANGLES)
+        p->stop = !bis_parser_error(p, at, "from here on the scene's own meshes have more than %zu triangles, instances "
+                                    "included: give fewer levels or instances", BIS_MAX_TRIANGLES);
+    else if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, at);
+    return !p->stop;
+}
+
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
     if (p->now.is_flat) {
@@ -107,7 +119,7 @@ void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
     } else if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
         p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
     } else if (!p->in_object) {
-        if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
+        add_to_world(p, shape, shape->loc);
     } else if (BIS_ROOM(p->object_shapes, p->capacity_object_shapes, p->n_object_shapes)) {
         p->object_shapes[p->n_object_shapes++] = *shape;
     } else {
@@ -132,10 +144,7 @@ static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
             bis_parser_error(p, at, "ObjectInstance makes the transformation singular or infinite");
             return;
         }
-        if (!bis_scene_desc_add_shape(p->desc, &shape)) {
-            bis_parser_nomem(p, at);
-            return;
-        }
+        if (!add_to_world(p, &shape, at)) return;
     }
 }
 

@@ -34,15 +34,15 @@ static bool keep_mesh(bis_parser *p, bis_shape_desc *shape, bis_mesh *m)
 static bool add_revolved(bis_parser *p, bis_shape_desc *shape, const bis_revolved *r)
 {
     char key[400];
-    bis_mesh m;
 
     snprintf(key, sizeof key, "r%d %a %a %a %a %a %a %a %a %a %a", (int)r->profile, r->p[0][0], r->p[0][1], r->p[0][2],
              r->p[1][0], r->p[1][1], r->p[1][2], r->radius, r->z[0], r->z[1], r->phi_max_deg);
     shape->kind = BIS_SHAPE_TRIANGLES;
     if (bis_names_find(&p->mesh_names, key, &shape->mesh)) return true;
-    const bis_status status = bis_make_revolved(&m, r, shape->loc, p->diag);
-    bis_parser_note(p, status);
-    if (status || !keep_mesh(p, shape, &m)) return false;
+    if (!bis_parser_add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .making = BIS_MAKING_REVOLVED,
+                                                 .revolved = *r, .size = bis_make_revolved_size(r), .loc = shape->loc},
+                             &shape->mesh))
+        return false;
     return bis_names_set(&p->mesh_names, key, shape->mesh) || bis_parser_nomem(p, shape->loc);
 }
 
@@ -152,32 +152,51 @@ static bool read_revolved(bis_parser *p, int made, bis_shape_desc *shape)
 /* ---- of points ---- */
 
 /* What cannot be subdivided stays its control mesh with --approximate. */
-static bool subdivide(bis_parser *p, bis_mesh *m, unsigned levels, bis_loc at)
+static bool plan_levels(bis_parser *p, bis_mesh_desc *desc)
 {
     bis_diag own = {0};
-    const bis_status status = bis_make_subdivided(m, levels, at, &own);
+    const bis_status status = bis_make_subdivided_size(&desc->size, &desc->mesh, desc->levels, desc->loc, &own);
     bool ok = !status;
 
-    if (status == BIS_INPUT && own.n) /* without its place, which is at */
-        ok = bis_approximate_or_refuse(p, at, "Shape \"loopsubdiv\" whose triangles do not form surfaces",
+    if (status == BIS_INPUT && own.n) { /* without its place, which is at */
+        ok = bis_approximate_or_refuse(p, desc->loc, "Shape \"loopsubdiv\" whose triangles do not form surfaces",
                                        "its control mesh: coarser, and a little too large", "%s",
                                        own.messages[0].body);
-    else if (status) bis_parser_nomem(p, at);
+        desc->making = BIS_MAKING_NONE;
+    } else if (status) bis_parser_nomem(p, desc->loc);
     bis_diag_clear(&own);
     return ok;
+}
+
+/* The mesh of an equal shape before, or SIZE_MAX: they are few, or of other sizes. */
+static size_t find_equal(const bis_scene_desc *d, const bis_mesh_desc *of)
+{
+    const bis_mesh *m = &of->mesh;
+    for (size_t i = d->n_meshes; i-- > 0;) {
+        const bis_mesh_desc *x = &d->meshes[i];
+        if (x->making == BIS_MAKING_SUBDIVIDED && x->levels == of->levels && x->mesh.n_vertices == m->n_vertices &&
+            x->mesh.n_triangles == m->n_triangles && memcmp(x->mesh.p, m->p, m->n_vertices * sizeof *m->p) == 0 &&
+            memcmp(x->mesh.index, m->index, 3 * m->n_triangles * sizeof *m->index) == 0)
+            return i;
+    }
+    return SIZE_MAX;
 }
 
 static bool read_loop(bis_parser *p, bis_shape_desc *shape)
 {
     static const char *const silent[] = {"scheme"}; /* pbrt-v3 does not look at it either */
-    bis_mesh m = {0};
-    uint32_t levels = 3;
+    bis_mesh_desc desc = {.kind = BIS_SHAPE_TRIANGLES, .making = BIS_MAKING_SUBDIVIDED, .loc = shape->loc, .levels = 3};
+    bis_mesh *m = &desc.mesh;
     bis_params_skip(p, silent, BIS_COUNT(silent));
-    bis_params_uint32(p, bis_params_has(p, "nlevels") ? "nlevels" : "levels", &levels, 0, BIS_MAKE_MAX_LEVELS);
-    const bool ok = bis_parser_points(p, "loopsubdiv", &m) &&
-                    bis_parser_indices(p, "loopsubdiv", 3, m.n_vertices, &m.index, &m.n_triangles) &&
-                    subdivide(p, &m, levels, shape->loc) && keep_mesh(p, shape, &m);
-    if (!ok) bis_mesh_clear(&m);
+    bis_params_uint32(p, bis_params_has(p, "nlevels") ? "nlevels" : "levels", &desc.levels, 0, BIS_MAKE_MAX_LEVELS);
+    bool ok = bis_parser_points(p, "loopsubdiv", m) &&
+              bis_parser_indices(p, "loopsubdiv", 3, m->n_vertices, &m->index, &m->n_triangles) &&
+              plan_levels(p, &desc);
+    const size_t equal = ok ? find_equal(p->desc, &desc) : SIZE_MAX;
+    shape->kind = BIS_SHAPE_TRIANGLES;
+    if (equal != SIZE_MAX) shape->mesh = (uint32_t)equal;
+    else ok = ok && bis_parser_add_mesh(p, &desc, &shape->mesh);
+    if (!ok || equal != SIZE_MAX) bis_mesh_clear(m);
     return ok;
 }
 

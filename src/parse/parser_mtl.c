@@ -21,10 +21,11 @@
 
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 /* A material of a library while it is read. */
 typedef struct mtl {
-    bool exists;
+    bool exists, has_Kd;
     rgb Kd, Ks;
     double Ns;
     bool is_matte; /* illum 0 or 1 */
@@ -40,7 +41,12 @@ typedef struct line {
     bis_loc at;
 } line;
 
-enum { MAX_LIBRARIES = 64 };
+/* A map while it is read: the texture, the gamma of its image, and whether -imfchan says that it holds numbers. */
+typedef struct map {
+    bis_texture x;
+    double gamma;
+    bool names_channel;
+} map;
 
 /* What a material is of which nothing is said. */
 static const mtl grey = {.Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .bump = BIS_NO_TEXTURE,
@@ -53,9 +59,11 @@ static const char blanks[] = " \t\v\f";
 static bool is_one_of(const char *word, const char *const *words, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        if (strcmp(word, words[i]) == 0) return true;
+        if (strcasecmp(word, words[i]) == 0) return true;
     return false;
 }
+
+static bool is_word(const char *word, const char *of_a_library) { return strcasecmp(word, of_a_library) == 0; }
 
 /* n numbers; with one alone, but for a comment, all are that. */
 static bool read_numbers(bis_parser *p, const line *l, const char *what, double *v, int n)
@@ -65,9 +73,9 @@ static bool read_numbers(bis_parser *p, const line *l, const char *what, double 
     for (; got < n && *s; got++, s = end) {
         s += strspn(s, blanks);
         v[got] = bis_parse_double(s, &end);
-        if (end == s || !isfinite(v[got])) break;
+        if (end == s || !isfinite(v[got]) || (*end && !strchr(blanks, *end))) break;
     }
-    const bool alone = got == 1 && (!*s || *s == '#');
+    const bool alone = got == 1 && (!*s || s[strspn(s, blanks)] == '#');
     for (int i = 1; alone && i < n; i++) v[i] = v[0];
     if (got == n || alone) return true;
     return bis_parser_error(p, l->at, "%s is \"%s\", must be %s", what, bis_parser_word(p, l->words),
@@ -92,11 +100,12 @@ static void read_Ns(bis_parser *p, const line *l, double *Ns)
 }
 
 /* -imfchan names the channel of a map of numbers. A map of colours has all three, whatever it says. */
-static bool read_channel(bis_parser *p, const line *l, char **s, const bis_texture *x)
+static bool read_channel(bis_parser *p, const line *l, char **s, map *m)
 {
     const size_t n = strcspn(*s, blanks);
     const bool is_mean = n == 1 && **s == 'l';
-    if (x->is_float && !is_mean &&
+    m->names_channel = true;
+    if (m->x.is_float && !is_mean &&
         !bis_approximate_or_refuse(p, l->at, "-imfchan of a map", "the mean of red, green and blue",
                                    "-imfchan %.*s is not modelled, because a map of numbers is the mean of red, green "
                                    "and blue: save the channel as a grey image and remove the option",
@@ -144,7 +153,7 @@ static bool pass_option(bis_parser *p, const line *l, const char *word, char **s
         {"-mm", 2, {0, 1}}, {"-t", 3, {0, 0, 0}}, {"-bm", 1, {1}}};
     static const char *const ignored[] = {"-texres", "-blendu", "-blendv", "-boost", "-cc"};
     for (size_t i = 0; i < BIS_COUNT(of_numbers); i++) {
-        if (strcmp(word, of_numbers[i].name) != 0) continue;
+        if (!is_word(word, of_numbers[i].name)) continue;
         double v[3];
         bool is_usual = true;
         const int n = take_numbers(s, v, of_numbers[i].most);
@@ -160,31 +169,32 @@ static bool pass_option(bis_parser *p, const line *l, const char *word, char **s
 
 /* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s, -imfchan of
  * colours, -colorspace, and -bm of a displacement, which is a map of numbers. */
-static bool read_options(bis_parser *p, const line *l, char **name, bis_texture *x, double *gamma)
+static bool read_options(bis_parser *p, const line *l, char **name, map *m)
 {
+    bis_texture *x = &m->x;
     char *s = l->words;
     while (*s == '-') {
         char *word = s;
         s += strcspn(s, blanks);
         if (*s) *s++ = '\0';
         s += strspn(s, blanks);
-        if (strcmp(word, "-clamp") == 0) {
-            x->wrap = strncmp(s, "on", 2) == 0 ? BIS_WRAP_CLAMP : BIS_WRAP_REPEAT;
+        if (is_word(word, "-clamp")) {
+            x->wrap = strncasecmp(s, "on", 2) == 0 ? BIS_WRAP_CLAMP : BIS_WRAP_REPEAT;
             s += strcspn(s, blanks);
-        } else if (strcmp(word, "-s") == 0 || strcmp(word, "-o") == 0) {
+        } else if (is_word(word, "-s") || is_word(word, "-o")) {
             double v[3];
             const int n = take_numbers(&s, v, 3);
-            for (int i = 0; i < 2 && i < n; i++) (word[1] == 's' ? x->factor : x->offset)[i] = v[i];
-        } else if (strcmp(word, "-bm") == 0 && x->is_float) {
+            for (int i = 0; i < 2 && i < n; i++) (is_word(word, "-s") ? x->factor : x->offset)[i] = v[i];
+        } else if (is_word(word, "-bm") && x->is_float) {
             if (take_numbers(&s, &x->scale, 1) != 1)
                 return bis_parser_error(p, l->at, "-bm is \"%s\", must be a number", bis_parser_word(p, s));
-        } else if (strcmp(word, "-imfchan") == 0) {
-            if (!read_channel(p, l, &s, x)) return false;
-        } else if (strcmp(word, "-colorspace") == 0) {
+        } else if (is_word(word, "-imfchan")) {
+            if (!read_channel(p, l, &s, m)) return false;
+        } else if (is_word(word, "-colorspace")) {
             char *space = s;
             s += strcspn(s, blanks);
             if (*s) *s++ = '\0';
-            if (!read_colour_space(p, l, space, gamma)) return false;
+            if (!read_colour_space(p, l, space, &m->gamma)) return false;
         } else if (!pass_option(p, l, word, &s)) {
             return false;
         }
@@ -199,41 +209,80 @@ static const bis_stand_in no_image = {"an image of a library that is not there",
 static const bis_stand_in no_library = {"a library of materials that is not there", "its materials are diffuse grey",
                                         NULL, true};
 
-/* A map, whose options go to *x and its image to *image. False: there is none, and that was said. */
-static bool read_map(bis_parser *p, const line *l, double gamma, bis_texture *x, uint32_t *image)
+/* A name as other systems write it: in quotes, with backslashes for slashes, but for one before a blank, which keeps a
+ * name together there. In place. */
+static char *clean_name(char *name)
 {
-    char *name = l->words;
-    if (!read_options(p, l, &name, x, &gamma)) return false;
-    for (char *s = name; *s; s++)
-        if (*s == '\\') *s = '/'; /* written on another system */
-    bool lacks;
-    char *path = bis_approximate_path(p, &lacks, l->at, name, &no_image);
-    return !lacks && bis_parser_add_image(p, path, gamma, l->at, image);
+    const size_t n = strlen(name);
+    char *to = name;
+    if (n >= 2 && name[0] == '"' && name[n - 1] == '"') {
+        name[n - 1] = '\0';
+        to = ++name;
+    }
+    for (const char *s = name; *s; s++) {
+        if (*s != '\\') *to++ = *s;
+        else if (!s[1] || !strchr(blanks, s[1])) *to++ = '/';
+    }
+    *to = '\0';
+    return name;
 }
 
-static const bis_texture plain_map = {.kind = BIS_TEXTURE_IMAGE, .value = {0.5, 0.5, 0.5}, .factor = {1, 1},
-                                      .scale = 1, .steps = 1};
-
-static void read_map_Kd(bis_parser *p, const line *l, uint32_t *texture)
+static bool is_beside(bis_parser *p, bis_loc at, const char *name)
 {
-    bis_texture x = plain_map;
-    if (read_map(p, l, BIS_GAMMA_SRGB, &x, &x.image)) bis_parser_add_texture(p, &x, texture);
+    char *path = name ? bis_path_relative_to(at.file, name) : NULL;
+    const bool is = path && access(path, R_OK) == 0;
+    if (!path) bis_parser_nomem(p, at);
+    bis_free(path);
+    return is;
+}
+
+/* Behind a name may stand a comment, but a name may hold " #", too: it is one, if there is no such file. */
+static void cut_comment(bis_parser *p, bis_loc at, char *name)
+{
+    char *comment = strstr(name, " #");
+    if (!comment || is_beside(p, at, name)) return;
+    while (comment > name && strchr(blanks, comment[-1])) comment--;
+    *comment = '\0';
+}
+
+/* A map, whose options go to *m and its image to *image. False: there is none, and that was said. */
+static bool read_map(bis_parser *p, const line *l, map *m, uint32_t *image)
+{
+    char *name = l->words;
+    if (!read_options(p, l, &name, m)) return false;
+    cut_comment(p, l->at, name);
+    name = clean_name(name);
+    bool lacks;
+    char *path = bis_approximate_path(p, &lacks, l->at, name, &no_image);
+    const bool may_hold_normals = m->x.is_float && !m->names_channel;
+    return !lacks && bis_parser_add_image(p, path, m->gamma, may_hold_normals, l->at, image);
 }
 
 /* Heights and normals are linear numbers, whatever the format means by its own. */
+static map plain_map(bool is_float, double gamma)
+{
+    return (map){{.kind = BIS_TEXTURE_IMAGE, .value = {0.5, 0.5, 0.5}, .factor = {1, 1}, .scale = 1, .steps = 1,
+                  .is_float = is_float}, gamma, false};
+}
+
+static void read_map_Kd(bis_parser *p, const line *l, uint32_t *texture)
+{
+    map m = plain_map(false, BIS_GAMMA_SRGB);
+    if (read_map(p, l, &m, &m.x.image)) bis_parser_add_texture(p, &m.x, texture);
+}
+
 static void read_map_bump(bis_parser *p, const line *l, uint32_t *texture)
 {
-    bis_texture x = plain_map;
-    x.is_float = true;
-    if (read_map(p, l, 1, &x, &x.image) && x.scale != 0) bis_parser_add_texture(p, &x, texture);
+    map m = plain_map(true, 1);
+    if (read_map(p, l, &m, &m.x.image) && m.x.scale != 0) bis_parser_add_texture(p, &m.x, texture);
 }
 
 static void read_norm(bis_parser *p, const line *l, uint32_t *image)
 {
-    bis_texture x = plain_map;
+    map m = plain_map(false, 1);
     uint32_t read;
-    if (!read_map(p, l, 1, &x, &read)) return;
-    const bool moves = x.factor[0] != 1 || x.factor[1] != 1 || x.offset[0] != 0 || x.offset[1] != 0;
+    if (!read_map(p, l, &m, &read)) return;
+    const bool moves = m.x.factor[0] != 1 || m.x.factor[1] != 1 || m.x.offset[0] != 0 || m.x.offset[1] != 0;
     if (!moves || bis_approximate_or_refuse(p, l->at, "-s or -o of a normal map", "the map lies as if it had neither",
                                             "the options -s and -o of norm are not modelled: remove them"))
         *image = read;
@@ -250,15 +299,15 @@ static void read_other(bis_parser *p, const line *l, const char *word)
     double v[3] = {0, 0, 0};
     if (is_one_of(word, silent, BIS_COUNT(silent))) return;
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
-        if (strcmp(word, ignored[i]) != 0) continue;
+        if (!is_word(word, ignored[i])) continue;
         if (bis_parser_once(p, ignored[i])) bis_warn(p->diag, l->at, "%s is ignored", ignored[i]);
         return;
     }
-    if (strcmp(word, "d") == 0 || strcmp(word, "Tr") == 0) {
-        const bool ok = read_numbers(p, l, word, v, 1), opaque = word[0] == 'd' ? v[0] >= 1 : v[0] <= 0;
+    if (is_word(word, "d") || is_word(word, "Tr")) {
+        const bool ok = read_numbers(p, l, word, v, 1), opaque = is_word(word, "d") ? v[0] >= 1 : v[0] <= 0;
         if (ok && !opaque && bis_parser_once(p, "Tr"))
             bis_warn(p->diag, l->at, "%s is ignored: the material is opaque", word);
-    } else if (strcmp(word, "Ke") == 0) {
+    } else if (is_word(word, "Ke")) {
         if (read_numbers(p, l, word, v, 3) && v[0] + v[1] + v[2] > 0 && bis_parser_once(p, "Ke"))
             bis_warn(p->diag, l->at, "Ke is ignored: no surface gives light");
     } else if (bis_parser_once(p, "mtl")) {
@@ -268,15 +317,17 @@ static void read_other(bis_parser *p, const line *l, const char *word)
 
 static void read_statement(bis_parser *p, const line *l, const char *word, mtl *m)
 {
+    static const char *const bumps[] = {"map_bump", "bump"}, *const normals[] = {"norm", "map_Kn"};
     double illum;
-    static const char *const bumps[] = {"map_bump", "map_Bump", "bump"};
-    if (strcmp(word, "Kd") == 0) read_colour(p, l, "Kd", &m->Kd);
-    else if (strcmp(word, "Ks") == 0) read_colour(p, l, "Ks", &m->Ks);
-    else if (strcmp(word, "Ns") == 0) read_Ns(p, l, &m->Ns);
-    else if (strcmp(word, "map_Kd") == 0) read_map_Kd(p, l, &m->map);
+    if (is_word(word, "Kd")) {
+        read_colour(p, l, "Kd", &m->Kd);
+        m->has_Kd = true;
+    } else if (is_word(word, "Ks")) read_colour(p, l, "Ks", &m->Ks);
+    else if (is_word(word, "Ns")) read_Ns(p, l, &m->Ns);
+    else if (is_word(word, "map_Kd")) read_map_Kd(p, l, &m->map);
     else if (is_one_of(word, bumps, BIS_COUNT(bumps))) read_map_bump(p, l, &m->bump);
-    else if (strcmp(word, "norm") == 0) read_norm(p, l, &m->normals);
-    else if (strcmp(word, "illum") == 0) m->is_matte = read_numbers(p, l, "illum", &illum, 1) && illum < 2;
+    else if (is_one_of(word, normals, BIS_COUNT(normals))) read_norm(p, l, &m->normals);
+    else if (is_word(word, "illum")) m->is_matte = read_numbers(p, l, "illum", &illum, 1) && illum < 2;
     else read_other(p, l, word);
 }
 
@@ -294,6 +345,16 @@ static char *take_line(line *l, char **next)
     return word;
 }
 
+/* Is the material that newmtl names asked for? A name may hold " #" (3ds Max), or have a comment behind it. */
+static bool find_part(const bis_obj_materials *obj, char *name, uint32_t *part)
+{
+    char *comment = strstr(name, " #");
+    if (bis_names_find(&obj->parts, name, part)) return true;
+    while (comment && comment > name && strchr(blanks, comment[-1])) comment--;
+    if (comment) *comment = '\0';
+    return comment && bis_names_find(&obj->parts, name, part);
+}
+
 /* The materials of parts that have faces; wanted[n]: by the part's number. */
 static void read_library(bis_parser *p, const char *path, char *text, const bis_obj_materials *obj, mtl *wanted)
 {
@@ -304,8 +365,8 @@ static void read_library(bis_parser *p, const char *path, char *text, const bis_
         const char *word = take_line(&l, &next);
         l.at.line++;
         if (!*word) continue;
-        if (strcmp(word, "newmtl") == 0) {
-            const bool known = bis_names_find(&obj->parts, l.words, &part);
+        if (is_word(word, "newmtl")) {
+            const bool known = find_part(obj, l.words, &part);
             const bool counts = known && part < obj->n_shown && obj->is_shown[part] && !wanted[part].exists;
             m = counts ? &wanted[part] : &other; /* of two by one name the first counts */
             *m = grey;
@@ -320,38 +381,90 @@ static void read_library(bis_parser *p, const char *path, char *text, const bis_
     }
 }
 
+/* A library, unless it has been read: some programs name one for each object. */
+static void read_file(bis_parser *p, bis_loc at, char *library, bis_names *read, const bis_obj_materials *obj,
+                      mtl *wanted)
+{
+    unsigned char *data;
+    size_t size;
+    bool lacks;
+    if (bis_names_find(read, library, NULL)) return;
+    if (!bis_names_set(read, library, 0)) {
+        bis_parser_nomem(p, at);
+        return;
+    }
+    char *path = bis_approximate_path(p, &lacks, at, library, &no_library);
+    if (lacks) return;
+    const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
+    if (path && !name) bis_parser_nomem(p, at);
+    if (!name) return;
+    const bis_status status = bis_file_read(&data, &size, name, at, p->diag);
+    bis_parser_note(p, status);
+    if (status) return;
+    char *text = (char *)data + bis_byte_order_mark(data, size);
+    if (strlen((const char *)data) == size) read_library(p, name, text, obj, wanted);
+    else bis_parser_error(p, (bis_loc){name, 0, 0}, "no library of materials: there is a zero byte in it");
+    bis_free(data);
+}
+
+/* The end of the longest row of words that is a file, because names may hold blanks; NULL: none is. */
+static char *end_of_file(bis_parser *p, bis_loc at, char *names)
+{
+    enum { MOST = 16 }; /* words of a name */
+    char *end = names, *found = NULL;
+    for (int i = 0; i < MOST && *end && !p->stop; i++) {
+        end += strspn(end, blanks);
+        end += strcspn(end, blanks);
+        char *name = bis_strndup(names, (size_t)(end - names));
+        if (is_beside(p, at, name ? clean_name(name) : NULL)) found = end;
+        bis_free(name);
+    }
+    return found;
+}
+
+/* What one mtllib names: one library, or several. What is no file, up to the next one that is, is a missing one. */
+static void read_mtllib(bis_parser *p, bis_loc at, char *names, bis_names *read, const bis_obj_materials *obj,
+                        mtl *wanted)
+{
+    cut_comment(p, at, names);
+    while (*names && !p->stop) {
+        char *end = end_of_file(p, at, names), *next = end;
+        for (next = names; !end && *next && (next == names || !end_of_file(p, at, next)); next += strspn(next, blanks))
+            next += strcspn(next, blanks);
+        if (!end) end = next;
+        next = end + strspn(end, blanks);
+        while (end > names && strchr(blanks, end[-1])) end--;
+        char *name = bis_strndup(names, (size_t)(end - names));
+        if (name) read_file(p, at, clean_name(name), read, obj, wanted);
+        else bis_parser_nomem(p, at);
+        bis_free(name);
+        names = next;
+    }
+}
+
 static void read_libraries(bis_parser *p, const char *obj_path, const bis_obj_materials *obj, mtl *wanted)
 {
-    for (size_t i = 0; i < obj->n_libraries && i < MAX_LIBRARIES && !p->stop; i++) {
-        const bis_loc at = {obj_path, obj->libraries[i].line, 0};
-        unsigned char *data;
-        size_t size;
-        bool lacks;
-        char *path = bis_approximate_path(p, &lacks, at, obj->libraries[i].name, &no_library);
-        if (lacks) continue;
-        const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
-        if (path && !name) bis_parser_nomem(p, at);
-        if (!name) return;
-        const bis_status status = bis_file_read(&data, &size, name, at, p->diag);
-        bis_parser_note(p, status);
-        if (status) return;
-        if (strlen((const char *)data) == size) read_library(p, name, (char *)data, obj, wanted);
-        else bis_parser_error(p, (bis_loc){name, 0, 0}, "no library of materials: there is a zero byte in it");
-        bis_free(data);
-    }
+    bis_names read = {0};
+    for (size_t i = 0; i < obj->n_libraries && !p->stop; i++)
+        read_mtllib(p, (bis_loc){obj_path, obj->libraries[i].line, 0}, obj->libraries[i].name, &read, obj, wanted);
+    bis_names_clear(&read);
 }
 
 /* ---- materials ---- */
 
-/* map_Kd times Kd. */
+/* map_Kd times Kd. Without Kd it is the map alone, as in other programs (the format does not say), and beside a Kd of
+ * 0, too, because Maya writes that and means the map. */
 static bool multiply(bis_parser *p, const mtl *m, uint32_t *texture)
 {
-    bis_texture c = {.kind = BIS_TEXTURE_CONSTANT, .steps = 1,
-                     .value = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b}};
+    const bis_texture c = {.kind = BIS_TEXTURE_CONSTANT, .steps = 1,
+                           .value = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b}};
     bis_texture x = {.kind = BIS_TEXTURE_SCALE, .of = {m->map}, .scale = 1, .steps = 3,
                      .value = rgbd_scale(c.value, 0.5)};
     *texture = m->map;
-    if (m->Kd.r == 1 && m->Kd.g == 1 && m->Kd.b == 1) return true;
+    if (m->has_Kd && rgb_is_black(m->Kd))
+        bis_warn(p->diag, m->at, "Kd 0 0 0 beside map_Kd: taken for 1 1 1, because the map would be black. To have it "
+                 "so, remove map_Kd");
+    if (!m->has_Kd || rgb_is_black(m->Kd) || (m->Kd.r == 1 && m->Kd.g == 1 && m->Kd.b == 1)) return true;
     return bis_parser_add_texture(p, &c, &x.of[1]) && bis_parser_add_texture(p, &x, texture);
 }
 
@@ -398,9 +511,6 @@ void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
     mesh->n_parts = obj.parts.n;
     if (!obj.n_shown) /* the last of these has a face */
         bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
-    if (obj.n_libraries > MAX_LIBRARIES)
-        bis_parser_error(p, mesh->loc, "%s names %zu libraries of materials, must be at most %d", mesh->filename,
-                         obj.n_libraries, MAX_LIBRARIES);
     mtl *wanted = bis_alloc(obj.n_shown, sizeof *wanted);
     char *name = bis_strdup(mesh->filename); /* the place of messages: it must live as long as they do */
     const char *path = name ? bis_scene_desc_add_file(p->desc, name) : NULL;

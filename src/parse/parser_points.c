@@ -12,7 +12,10 @@ bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *ind
     if (!BIS_ROOM(d->meshes, d->capacity_meshes, d->n_meshes) || d->n_meshes >= UINT32_MAX)
         return bis_parser_nomem(p, mesh->loc);
     *index = (uint32_t)d->n_meshes;
-    d->meshes[d->n_meshes++] = *mesh;
+    d->meshes[d->n_meshes] = *mesh;
+    if (mesh->making == BIS_MAKING_NONE)
+        d->meshes[d->n_meshes].size = (bis_made_size){mesh->mesh.n_vertices, mesh->mesh.n_triangles};
+    d->n_meshes++;
     return true;
 }
 

@@ -73,7 +73,8 @@ void bis_parser_drop_uv(bis_parser *p)
 {
     bis_scene_desc *d = p->desc;
     bool some = false;
-    for (size_t i = 0; i < d->n_meshes; i++) some |= d->meshes[i].mesh.uv != NULL;
+    for (size_t i = 0; i < d->n_meshes; i++)
+        some |= d->meshes[i].mesh.uv || d->meshes[i].making == BIS_MAKING_REVOLVED;
     bool *is_used = some ? bis_alloc(d->n_meshes, sizeof *is_used) : NULL;
     if (some && !is_used) bis_parser_nomem(p, (bis_loc){d->files[0], 0, 0});
     if (!is_used) return;
@@ -85,6 +86,7 @@ void bis_parser_drop_uv(bis_parser *p)
         if (is_used[i]) continue;
         bis_free(d->meshes[i].mesh.uv);
         d->meshes[i].mesh.uv = NULL;
+        d->meshes[i].lacks_uv = true;
     }
     bis_free(is_used);
 }

@@ -236,19 +236,20 @@ static bool read_encoding(bis_parser *p, double *gamma)
                             bis_parser_word(p, text));
 }
 
-/* The image of a file: a new one, or the one that has been named before, by whatever path. Takes over path. */
-static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *index)
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bool may_hold_normals, bis_loc at, uint32_t *index)
 {
+    if (!path) return false;
     bis_textures *t = &p->desc->textures;
     const size_t room = strlen(path) + 80;
     char *key = bis_alloc(room, 1), number[32];
+    const char kind = may_hold_normals ? 'n' : 'c';
     bool ok = key != NULL;
     struct stat st;
 
     bis_format_double(number, gamma);
     if (ok && stat(path, &st) == 0)
-        snprintf(key, room, "%s=%ju/%ju", number, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
-    else if (ok) snprintf(key, room, "%s:%s", number, path);
+        snprintf(key, room, "%s%c=%ju/%ju", number, kind, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
+    else if (ok) snprintf(key, room, "%s%c:%s", number, kind, path);
     if (ok && bis_names_find(&p->texture_file_names, key, index)) {
         bis_free(path);
         bis_free(key);
@@ -262,13 +263,8 @@ static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32
         return bis_parser_nomem(p, at);
     }
     *index = (uint32_t)t->n_files;
-    t->files[t->n_files++] = (bis_texture_file){path, gamma, at};
+    t->files[t->n_files++] = (bis_texture_file){path, gamma, at, may_hold_normals};
     return true;
-}
-
-bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image)
-{
-    return path && add_file(p, path, gamma, at, image);
 }
 
 /* What an image makes of 1/2, but 0 only if it is black. */
@@ -338,7 +334,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     const bis_stand_in no_image = {"an image that is not there", "grey", "an image that cannot be read", false};
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
-    if (!lacks) return bis_parser_add_image(p, path, gamma, at, &x->image) && ok;
+    if (!lacks) return bis_parser_add_image(p, path, gamma, false, at, &x->image) && ok;
     *x = constant((rgbd){0.5, 0.5, 0.5});
     return ok;
 }

@@ -17,6 +17,6 @@ bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floa
 /* bis_parser_add_texture adds a texture to the scene and stores its index. Returns false after a complaint. */
 bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
 
-/* bis_parser_add_image adds the image file that is named at `at`, and stores its index. It takes over the path; NULL:
- * it was complained of already. Returns false after a complaint. */
-bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
+/* bis_parser_add_image adds the image file that is named at `at`, or finds it, if it has been added by whatever path,
+ * and stores its index. It takes over the path; NULL: it was complained of already. Returns false after a complaint. */
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bool may_hold_normals, bis_loc at, uint32_t *image);

@@ -180,7 +180,7 @@ static void hash_geometry(bis_walk *w, const bis_geometry *g)
     if (g->n) hash_numbers(w, g->n, 3 * g->n_vertices, sizeof(float));
     if (g->uv) hash_numbers(w, g->uv, 2 * g->n_vertices, sizeof(float));
     hash_numbers(w, g->index, 3 * g->n_triangles, sizeof *g->index);
-    hash_numbers(w, g->ranges, 2 * g->n_ranges, sizeof(uint32_t));
+    hash_numbers(w, g->ranges, 3 * g->n_ranges, sizeof(uint32_t));
     for (size_t i = 0; i < g->n_quadrics; i++) hash_fields(w, &g->quadrics[i], quadric);
 }
 

@@ -49,12 +49,27 @@ static bis_status read_file(bis_mesh *m, const bis_mesh_desc *desc, bool wants_u
     return status;
 }
 
+bis_status bis_mesh_desc_make(bis_mesh *m, const bis_mesh_desc *desc, bis_diag *diag)
+{
+    if (desc->making != BIS_MAKING_REVOLVED) {
+        const bis_status status = copy_mesh(m, &desc->mesh, desc->loc, diag);
+        if (status || desc->making == BIS_MAKING_NONE) return status;
+        return bis_make_subdivided(m, desc->levels, desc->loc, diag);
+    }
+    const bis_status status = bis_make_revolved(m, &desc->revolved, desc->loc, diag);
+    if (desc->lacks_uv) {
+        bis_free(m->uv);
+        m->uv = NULL;
+    }
+    return status;
+}
+
 /* wants_uv: a shape of it has textures that ask for them. */
 static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bool wants_uv, bis_diag *diag)
 {
     const bool of_file = desc->kind != BIS_SHAPE_TRIANGLES;
     bis_status status =
-        of_file ? read_file(m, desc, wants_uv, diag) : copy_mesh(m, &desc->mesh, desc->loc, diag);
+        of_file ? read_file(m, desc, wants_uv, diag) : bis_mesh_desc_make(m, desc, diag);
 
     if (!status && wants_uv && !m->uv)
         bis_warn(diag, desc->loc,

@@ -94,10 +94,40 @@ static bis_status find_range(bis_texture_image *image, const bis_texture_file *f
     return BIS_OK;
 }
 
+/* Is it a normal map? Its texels are c = (n + 1)/2 of unit vectors n that point out of the surface: blue is the
+ * largest by more than .1 in the mean, and | |2c - 1| - 1 | is below .1 in 95 % of the texels. JPEG, 8 bits and the
+ * smaller levels of mipmaps shorten vectors by less than that. Heights are grey, where blue is no larger; a coloured
+ * photograph has few texels of that length. */
+static bool holds_normals(const bis_image *im)
+{
+    const size_t n = (size_t)im->width * (size_t)im->height;
+    size_t n_unit = 0;
+    double blue = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const rgb c = im->pixels[i];
+        const double x = 2 * (double)c.r - 1, y = 2 * (double)c.g - 1, z = 2 * (double)c.b - 1;
+        n_unit += fabs(sqrt(x * x + y * y + z * z) - 1) < 0.1;
+        blue += (double)c.b - fmax((double)c.r, (double)c.g);
+    }
+    return blue > 0.1 * (double)n && (double)n_unit >= 0.95 * (double)n;
+}
+
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
 {
-    *image = (bis_texture_image){{0}, {0}, {0}};
-    bis_status status = bis_image_read_colours(&image->image, file->filename, file->gamma, file->loc, diag);
+    const double gamma = file->may_hold_normals ? 1 : file->gamma;
+
+    *image = (bis_texture_image){.image = {0}};
+    bis_status status = bis_image_read_colours(&image->image, file->filename, gamma, file->loc, diag);
+    image->holds_normals = !status && file->may_hold_normals && holds_normals(&image->image);
+    if (image->holds_normals) {
+        bis_warn(diag, file->loc, "%s holds normals and no heights: it is taken as a normal map (\"norm\"), -bm as a "
+                 "factor of its x and y. For heights put \"-imfchan l\" before its name. Where dents look like bumps, "
+                 "its green channel is DirectX's: invert it", file->filename);
+    } else if (!status && gamma != file->gamma) {
+        bis_image_clear(&image->image);
+        status = bis_image_read_colours(&image->image, file->filename, file->gamma, file->loc, diag);
+    }
     if (!status) status = find_range(image, file, diag);
     if (status) bis_image_clear(&image->image);
     return status;

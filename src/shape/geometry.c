@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* geometry: all meshes of a scene become one mesh in world space, so that an accelerator sees two arrays and no
  * pointers. Invariants: every index is below n_vertices; every vertex is finite; p has one spare vertex behind the
- * last; `ranges` ascends, so that the material of a triangle is found by bisection and costs 8 bytes a mesh instead of
+ * last; `ranges` ascends, so that the material of a triangle is found by bisection and costs 12 bytes a mesh instead of
  * 4 bytes a triangle. Arrays grow by doubling, but the first mesh keeps the arrays of its reader. */
 #include "bis/shape/geometry.h"
 
@@ -18,6 +18,15 @@ static bool is_identity(const bis_xform *t)
             if (t->m[i][j] != (i == j ? 1 : 0)) return false;
     }
     return true;
+}
+
+/* Does it exchange left and right? Its determinant tells. */
+static bool is_mirrored(const bis_xform *t)
+{
+    const double(*m)[4] = t->m;
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) <
+           0;
 }
 
 static bool is_empty(const bis_geometry *g) { return g->n_vertices == 0 && g->n_triangles == 0; }
@@ -98,14 +107,15 @@ static bis_status reserve(bis_geometry *g, size_t n_vertices, size_t n_triangles
     return BIS_OK;
 }
 
-static bis_status add_range(bis_geometry *g, uint32_t material, bis_diag *diag)
+static bis_status add_range(bis_geometry *g, uint32_t material, bool mirrored, bis_diag *diag)
 {
-    if (g->n_ranges > 0 && g->ranges[g->n_ranges - 1].material == material) return BIS_OK;
+    const bis_range *last = g->n_ranges > 0 ? &g->ranges[g->n_ranges - 1] : NULL;
+    if (last && last->material == material && last->mirrored == mirrored) return BIS_OK;
     void *ranges = g->ranges;
     if (!room_for_one(&ranges, g->n_ranges, sizeof *g->ranges))
         return no_memory(diag, "ranges of materials", g->n_ranges + 1);
     g->ranges = ranges;
-    g->ranges[g->n_ranges++] = (bis_range){(uint32_t)g->n_triangles, material};
+    g->ranges[g->n_ranges++] = (bis_range){(uint32_t)g->n_triangles, material, mirrored};
     return BIS_OK;
 }
 
@@ -200,7 +210,7 @@ bis_status bis_geometry_add_mesh(bis_geometry *g, bis_mesh *m, const bis_xform *
     const bis_box before = g->box;
     status = check_finite(g, m, identity ? NULL : to_world, diag);
     if (status) return status;
-    status = add_range(g, material, diag);
+    status = add_range(g, material, is_mirrored(to_world), diag);
     if (!status) status = identity && is_empty(g) ? move_mesh(g, m, diag) : copy_mesh(g, m, to_world, diag);
     if (status) {
         g->box = before; /* a range without triangles does no harm */

@@ -69,13 +69,29 @@ static bool is_flat_between(const bis_revolved *r)
     return r->profile == BIS_PROFILE_LINE && a[0] * b[1] == a[1] * b[0] && a[0] * b[0] + a[1] * b[1] >= 0;
 }
 
+/* Pieces along the turn and along the profile. */
+static void pieces(size_t *ns, size_t *nt, const bis_revolved *r)
+{
+    *ns = (size_t)ceil(BIS_MAKE_TURN * r->phi_max_deg / 360);
+    /* a meridian of a sphere is half a turn */
+    *nt = is_flat_between(r) ? 1 : r->profile == BIS_PROFILE_LINE ? BIS_MAKE_TURN : BIS_MAKE_TURN / 2;
+}
+
+bis_made_size bis_make_revolved_size(const bis_revolved *r)
+{
+    size_t ns, nt;
+
+    pieces(&ns, &nt, r);
+    return (bis_made_size){(ns + 1) * (nt + 1), 2 * ns * nt};
+}
+
 bis_status bis_make_revolved(bis_mesh *m, const bis_revolved *r, bis_loc at, bis_diag *diag)
 {
-    const size_t ns = (size_t)ceil(BIS_MAKE_TURN * r->phi_max_deg / 360);
-    /* a meridian of a sphere is half a turn */
-    const size_t nt = is_flat_between(r) ? 1 : r->profile == BIS_PROFILE_LINE ? BIS_MAKE_TURN : BIS_MAKE_TURN / 2;
-    const bis_status status = bis_grid_room(m, (ns + 1) * (nt + 1), 2 * ns * nt, at, diag);
+    const bis_made_size size = bis_make_revolved_size(r);
+    const bis_status status = bis_grid_room(m, size.vertices, size.triangles, at, diag);
+    size_t ns, nt;
 
+    pieces(&ns, &nt, r);
     if (!status) bis_grid_add(m, ns, nt, revolved_at, r);
     return status;
 }

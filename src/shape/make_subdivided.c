@@ -178,12 +178,16 @@ static void split(uint32_t *out, const net *s, size_t triangle)
     memcpy(out, four, sizeof four);
 }
 
+static bis_status too_many(bis_loc at, bis_diag *diag)
+{
+    return bis_error(diag, BIS_INPUT, at, "the levels make more than 2^30 triangles: give fewer levels");
+}
+
 static bis_status step(net *s, bis_loc at, bis_diag *diag)
 {
     net t = {.n = s->n + s->n_edges, .n_triangles = 4 * s->n_triangles};
 
-    if (t.n_triangles > MAX_TRIANGLES)
-        return bis_error(diag, BIS_INPUT, at, "the levels make more than 2^30 triangles: give fewer levels");
+    if (t.n_triangles > MAX_TRIANGLES) return too_many(at, diag);
     t.p = bis_alloc(t.n, sizeof *t.p);
     t.index = bis_alloc(t.n_triangles, 3 * sizeof *t.index);
     if (!t.p || !t.index) {
@@ -313,6 +317,24 @@ static bis_status take_mesh(net *s, const bis_mesh *m, bis_loc at, bis_diag *dia
         return bis_error(diag, BIS_INPUT, at, "%zu triangles, at most 2^30 can be subdivided", s->n_triangles);
     bis_status status = find_edges(s, at, diag);
     return status ? status : check_fans(s, at, diag);
+}
+
+/* A step puts a vertex on each edge, cuts each edge in two and adds three to each triangle. */
+bis_status bis_make_subdivided_size(bis_made_size *size, const bis_mesh *m, unsigned levels, bis_loc at, bis_diag *diag)
+{
+    net s;
+    bis_status status = take_mesh(&s, m, at, diag);
+    size_t n_edges = s.n_edges;
+
+    *size = (bis_made_size){s.n, s.n_triangles};
+    for (unsigned i = 0; i < levels && !status; i++) {
+        size->vertices += n_edges;
+        n_edges = 2 * n_edges + 3 * size->triangles;
+        size->triangles *= 4;
+        if (size->triangles > MAX_TRIANGLES) status = too_many(at, diag);
+    }
+    clear_net(&s);
+    return status;
 }
 
 bis_status bis_make_subdivided(bis_mesh *m, unsigned levels, bis_loc at, bis_diag *diag)

@@ -223,6 +223,7 @@ void bis_quadric_tangents(const bis_quadric *q, const ray *r, bis_tangents *t)
     const double *v = q->kind == BIS_SPHERE ? sphere : disc;
     double size = 0;
 
+    t->is_arbitrary = false;
     for (int i = 0; i < 3; i++) {
         const double *m = q->to_world.m[i];
         t->u[i] = m[0] * u[0] + m[1] * u[1];

@@ -101,7 +101,7 @@ static vec3 shading_normal(const bis_geometry *g, const uint32_t index[3], const
 }
 
 /* Ranges ascend: the last one that starts at or before prim. */
-static uint32_t triangle_material(const bis_geometry *g, uint32_t prim)
+static const bis_range *range_of(const bis_geometry *g, uint32_t prim)
 {
     size_t lo = 0, hi = g->n_ranges;
 
@@ -113,7 +113,7 @@ static uint32_t triangle_material(const bis_geometry *g, uint32_t prim)
             hi = mid;
         }
     }
-    return g->ranges[lo].material;
+    return &g->ranges[lo];
 }
 
 static void triangle_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s)
@@ -135,7 +135,7 @@ static void triangle_surface(const bis_geometry *g, uint32_t prim, const ray *r,
     s->n = g->n ? shading_normal(g, index, b, face) : face;
     s->ng = n[0] * (double)r->d.x + n[1] * (double)r->d.y + n[2] * (double)r->d.z > 0 ? neg(face) : face;
     if (dot(s->n, s->ng) < 0) s->n = neg(s->n);
-    s->material = triangle_material(g, prim);
+    s->material = range_of(g, prim)->material;
 }
 
 void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s)
@@ -186,8 +186,9 @@ static void any_tangents(bis_tangents *t, const double n[3])
 }
 
 /* p is linear in (u, v): its derivatives solve two equations for two edges. */
-static void triangle_tangents(const bis_geometry *g, const uint32_t index[3], const ray *r, bis_tangents *t)
+static void triangle_tangents(const bis_geometry *g, uint32_t prim, const ray *r, bis_tangents *t)
 {
+    const uint32_t *index = g->index + 3 * (size_t)prim;
     const vec3 p[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
     bis_uv c[3];
     double n[3], b[3], e[2][3], d[2][2];
@@ -204,12 +205,14 @@ static void triangle_tangents(const bis_geometry *g, const uint32_t index[3], co
     const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), det = d[0][0] * d[1][1] - d[0][1] * d[1][0];
     weights(p, r, b);
     vec3 side = vec3_from(n[0] / size, n[1] / size, n[2] / size);
+    if (range_of(g, prim)->mirrored) side = neg(side);
     if (g->n) side = shading_normal(g, index, b, side);
     t->outside[0] = (double)side.x;
     t->outside[1] = (double)side.y;
     t->outside[2] = (double)side.z;
     const double scale = det != 0 ? 1 / det : HUGE_VAL;
-    if (!isfinite(scale)) {
+    t->is_arbitrary = !isfinite(scale);
+    if (t->is_arbitrary) {
         any_tangents(t, t->outside);
         return;
     }
@@ -221,7 +224,7 @@ static void triangle_tangents(const bis_geometry *g, const uint32_t index[3], co
 
 void bis_geometry_tangents(const bis_geometry *g, uint32_t prim, const ray *r, bis_tangents *t)
 {
-    if (prim < g->n_triangles) triangle_tangents(g, g->index + 3 * (size_t)prim, r, t);
+    if (prim < g->n_triangles) triangle_tangents(g, prim, r, t);
     else bis_quadric_tangents(&g->quadrics[prim - g->n_triangles], r, t);
 }
 

@@ -44,7 +44,7 @@ typedef struct counts {
 static counts counts_of(const bis_mesh_desc *m, bool *guessed)
 {
     long vertices, faces;
-    counts c = {(double)m->mesh.n_vertices, (double)m->mesh.n_triangles};
+    const counts c = {(double)m->size.vertices, (double)m->size.triangles};
 
     if (!m->filename) return c;
     if (m->kind == BIS_SHAPE_PLY && bis_scene_peek_ply(m->filename, &vertices, &faces))

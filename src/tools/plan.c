@@ -131,7 +131,7 @@ static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
     long vertices, faces;
     const char *times = uses == 1 ? "shape" : "shapes";
     if (m->kind == BIS_SHAPE_TRIANGLES)
-        fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->mesh.n_triangles, uses,
+        fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->size.triangles, uses,
                 times);
     else if (m->kind == BIS_SHAPE_PLY && bis_scene_peek_ply(m->filename, &vertices, &faces))
         fprintf(out, "build        mesh %s, %ld vertices, %ld faces, read once for %zu %s\n", m->filename, vertices,

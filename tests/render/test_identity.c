@@ -67,7 +67,7 @@ static void fill_geometry(known *k)
     }
     for (uint32_t i = 0; i < 6; i++) k->index[i] = i % 4;
     for (uint32_t i = 0; i < 2; i++) {
-        k->ranges[i] = (bis_range){i, 5 + i};
+        k->ranges[i] = (bis_range){i, 5 + i, i};
         k->quadrics[i] = (bis_quadric){.kind = BIS_DISK, .radius = 3 + i, .height = 6 + i, .material = 9 + i};
         fill_xform(&k->quadrics[i].to_world, 20 + 100 * i);
     }
@@ -270,6 +270,7 @@ static void each_field_of_the_shapes_counts(void **state)
         bis_quadric *q = &k->quadrics[i];
         EXPECT(k->ranges[i].first, SHAPES);
         EXPECT(k->ranges[i].material, SHAPES);
+        EXPECT(k->ranges[i].mirrored, SHAPES);
         EXPECT(q->kind, SHAPES);
         EXPECT(q->radius, SHAPES);
         EXPECT(q->height, SHAPES);

@@ -197,6 +197,56 @@ static void a_library_bends_normals(void **state)
     bytes_clear(&file);
 }
 
+/* A texel of the n-th image of 64 x 64: 20 of heights, then 20 of normals. */
+static rgb twin(int n, int x, int y, uint64_t *random)
+{
+    const double wave[2] = {sin(.3 * x), sin(.4 * y)}, noise = random_double(random);
+    const double height[] = {201 / 255., x / 63., noise, x % 16 < 2 || y % 8 < 1 ? 0.2 : 0.8,
+                             .5 + .2 * wave[0] + .2 * wave[1]};
+    if (n < 15) { /* of one channel, coloured, and those of a blue photograph */
+        const double h = height[n % 5], tint = n < 5 ? 0 : n < 10 ? .1 : .4 * noise;
+        return rgb_from(h * (1 - tint), h * (1 - tint / 2), h);
+    }
+    if (n < 20) return rgb_from(.2 + .1 * (n - 15) * noise, .35 + .3 * wave[0] * wave[1], .6 + .35 * wave[1]);
+    const double steep = (n - 19) / 24.; /* a slope of up to 40 degrees */
+    double v[3] = {steep * wave[0], (n % 2 ? -1 : 1) * steep * wave[1], 1};
+    if (n >= 35) v[0] += .5 * (noise - .5); /* fine detail */
+    const double size = sqrt(v[0] * v[0] + v[1] * v[1] + 1), jpeg = n % 3 == 0 ? .04 * (noise - .5) : 0;
+    for (int k = 0; k < 3; k++) v[k] = round(255 * ((v[k] / size + 1) / 2 + jpeg)) / 255;
+    return rgb_from(v[0], v[1], v[2]);
+}
+
+/* 20 maps of heights and 20 of normals: none and all are taken for normals, and only where it is asked. Grey of 201 of
+ * 255 has the length of a unit vector everywhere. */
+static void a_normal_map_is_known_by_its_texels(void **state)
+{
+    uint64_t random = 7;
+    for (int n = 0; n < 40; n++) {
+        bytes file = {0};
+        put_text(&file, "PF\n64 64\n-1.0\n");
+        for (int y = 0; y < 64; y++) {
+            for (int x = 0; x < 64; x++) {
+                const rgb c = twin(n, x, y, &random);
+                put_float(&file, c.r);
+                put_float(&file, c.g);
+                put_float(&file, c.b);
+            }
+        }
+        store(scratch("twin.pfm"), file.data, file.n);
+        bytes_clear(&file);
+        for (int asked = 0; asked < 2; asked++) {
+            const bis_texture_file f = {(char *)(uintptr_t)scratch("twin.pfm"), 1, {0}, asked};
+            bis_texture_image image;
+            bis_diag diag = {0};
+            assert_int_equal(bis_textures_load(&image, &f, &diag), BIS_OK);
+            if (image.holds_normals != (asked && n >= 20)) fail_msg("image %d: %d", n, image.holds_normals);
+            assert_int_equal(diag.n, image.holds_normals);
+            bis_diag_clear(&diag);
+            bis_image_clear(&image.image);
+        }
+    }
+}
+
 /* d = g . p on a sphere of radius r about c, really displaced: p + d n. Its normal by differences; the formula leaves
  * out d itself, so that only the slopes count: amplitude 1e-3 of r makes them differ by about 1e-3 of the tilt. */
 static void a_displaced_sphere_has_that_normal(void **state)
@@ -300,12 +350,12 @@ static void a_normal_map_turns_with_the_surface(void **state)
 }
 
 /* A map's normal that points below the surface is turned over; one that is 0, or a p_u that is 0, gives the surface's
- * own; and so does a displacement where p_u is 0. */
+ * own; and so does a displacement where p_u is 0. y is on the side of p_v, (1, 1, 0). */
 static void a_bent_normal_is_on_the_side_of_the_surface(void **state)
 {
     static const struct { rgb colour; double u[3], expected[3]; } cases[] = {
         {{.75f, .625f, .9f}, {3, 0, 0}, {.5, .25, .8}}, {{.75f, .625f, .1f}, {3, 0, 0}, {-.5, -.25, .8}},
-        {{.75f, .625f, .9f}, {0, 3, 0}, {-.25, .5, .8}}, {{.5f, .5f, .5f}, {3, 0, 0}, {0, 0, 1}},
+        {{.75f, .625f, .9f}, {0, 3, 0}, {.25, .5, .8}}, {{.5f, .5f, .5f}, {3, 0, 0}, {0, 0, 1}},
         {{.75f, .625f, .9f}, {0, 0, 0}, {0, 0, 1}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         rgb pixel = cases[i].colour;
@@ -313,7 +363,8 @@ static void a_bent_normal_is_on_the_side_of_the_surface(void **state)
         const bis_textures none = {0};
         const bis_material_textures of = {.bump = BIS_NO_TEXTURE, .normals = 0};
         const double *u = cases[i].u;
-        const bis_tangents t = {{u[0], u[1], 0.5}, {1, 1, 0}, {0, 0, 1}}; /* a part along the normal does not count */
+        /* a part along the normal does not count */
+        const bis_tangents t = {{u[0], u[1], 0.5}, {1, 1, 0}, {0, 0, 1}, false};
         const vec3 n = bis_bump_normal(&none, &image, &of, &t, (double[]){.3, .4}, (vec3){0, 0, 0});
         assert_normal((double[]){(double)n.x, (double)n.y, (double)n.z}, cases[i].expected[0], cases[i].expected[1],
                       cases[i].expected[2], 1e-4);
@@ -468,6 +519,7 @@ int main(void)
         cmocka_unit_test(an_images_slope_is_taken_over_a_texel),
         cmocka_unit_test(a_texel_counts_where_its_image_is_looked_up_by_uv),
         cmocka_unit_test(a_library_bends_normals),
+        cmocka_unit_test(a_normal_map_is_known_by_its_texels),
         cmocka_unit_test(a_displaced_sphere_has_that_normal),
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
         cmocka_unit_test(a_normal_map_turns_with_the_surface),

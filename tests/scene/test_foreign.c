@@ -734,25 +734,6 @@ static void a_mesh_that_changes_while_it_is_read_is_refused(void **state)
     bis_scene_desc_free(d);
 }
 
-/* 64 libraries are allowed, one more is not. */
-static void a_mesh_has_64_libraries_at_most(void **state)
-{
-    char text[4096], said[8192];
-    bis_scene_desc *d;
-    write_file("red.mtl", "newmtl red\nKd 0.8 0 0\n");
-    for (int n = 64; n <= 65; n++) {
-        text[0] = '\0';
-        for (int i = 0; i < n; i++) strcat(text, "mtllib red.mtl\n");
-        strcat(text, "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
-        write_file("m.obj", text);
-        const bis_status status =
-            parse(&d, LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true", 0, said);
-        assert_int_equal(status, n == 64 ? BIS_OK : BIS_INPUT);
-        if (n == 64) bis_scene_desc_free(d);
-        else assert_says(said, "m.obj names 65 libraries of materials, must be at most 64");
-    }
-}
-
 /* ---- light ---- */
 
 static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
@@ -1010,7 +991,6 @@ int main(void)
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
         cmocka_unit_test(a_mesh_that_changes_while_it_is_read_is_refused),
-        cmocka_unit_test(a_mesh_has_64_libraries_at_most),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
         cmocka_unit_test(the_pixels_that_a_disc_covers_are_equally_bright),

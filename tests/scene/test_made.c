@@ -101,7 +101,7 @@ static void equal_shapes_share_a_mesh_and_names_of_older_versions_are_known(void
                     "Shape \"loopsubdiv\" \"integer nlevels\" [1] \"string scheme\" \"loop\" \"point P\" [0 0 0 1 0 0 "
                     "0 1 0] \"integer indices\" [0 1 2]");
     assert_int_equal(b.desc->n_meshes, 3);
-    assert_int_equal(b.desc->meshes[2].mesh.n_triangles, 4);
+    assert_int_equal(b.desc->meshes[2].size.triangles, 4);
     ABOUT(distance(&b, 20, 0, 0, -1, 0, 0), 20 - 12); /* the radius of 3, about 9 */
     scene_clear(&b);
 }
@@ -111,8 +111,12 @@ static void coordinates_are_kept_for_textures_alone(void **state)
 {
     built b = build("Shape \"cone\" \"float radius\" 2 Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 "
                     "Material \"matte\" \"texture Kd\" \"t\" Shape \"cone\"");
-    assert_null(b.desc->meshes[0].mesh.uv);
-    assert_non_null(b.desc->meshes[1].mesh.uv);
+    for (size_t i = 0; i < 2; i++) {
+        bis_mesh m;
+        assert_int_equal(bis_mesh_desc_make(&m, &b.desc->meshes[i], NULL), BIS_OK);
+        assert_true(!m.uv == (i == 0));
+        bis_mesh_clear(&m);
+    }
     scene_clear(&b);
 }
 
@@ -141,13 +145,17 @@ static void assert_same_array(const char *what, const void *a, const void *b, si
 static void assert_mesh(const char *what, const bis_scene_desc *d, size_t i, bis_mesh *m)
 {
     assert_true(i < d->n_meshes);
-    const bis_mesh *found = &d->meshes[i].mesh;
+    bis_mesh made, *found = &made;
+    assert_int_equal(bis_mesh_desc_make(found, &d->meshes[i], NULL), BIS_OK);
+    assert_int_equal(found->n_vertices, d->meshes[i].size.vertices);
+    assert_int_equal(found->n_triangles, d->meshes[i].size.triangles);
     if (found->n_vertices != m->n_vertices || found->n_triangles != m->n_triangles)
         fail_msg("%s: %zu vertices, %zu triangles", what, found->n_vertices, found->n_triangles);
     assert_same_array(what, found->p, m->p, m->n_vertices * sizeof *m->p);
     assert_same_array(what, found->n, m->n, m->n_vertices * sizeof *m->n);
     assert_same_array(what, found->uv, m->uv, m->n_vertices * sizeof *m->uv);
     assert_same_array(what, found->index, m->index, 3 * m->n_triangles * sizeof *m->index);
+    bis_mesh_clear(found);
     assert_int_equal(d->meshes[i].kind, BIS_SHAPE_TRIANGLES);
     bis_mesh_clear(m);
 }

@@ -1303,7 +1303,7 @@ static void bytes_are_those_of_the_arrays(void **state)
     vec3 p[1], n[1];
     bis_uv uv[1];
     bis_geometry g = {.capacity_triangles = 5, .capacity_vertices = 7, .n_ranges = 3, .n_quadrics = 2};
-    const size_t rest = 5 * 12 + 3 * 8 + 2 * sizeof(bis_quadric);
+    const size_t rest = 5 * 12 + 3 * 12 + 2 * sizeof(bis_quadric);
     assert_int_equal(bis_geometry_bytes(&g), rest);
     g.p = p;
     assert_int_equal(bis_geometry_bytes(&g), rest + 8 * 12);

@@ -12,6 +12,7 @@
 #include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 /* bis_file_read reads all of path. *data receives the *size bytes and one zero byte after them; the caller frees it
  * with bis_free. Errors: BIS_IO (missing, unreadable, a directory, a read error), BIS_NOMEM. If at.file is set,
@@ -52,6 +53,12 @@ void bis_outfile_abort(bis_outfile *f);
 /* bis_outfile_name_at_once gives files that are opened from now on a temporary name at once, as on a file system that
  * has no files without a name. For tests. */
 void bis_outfile_name_at_once(bool yes);
+
+/* bis_byte_order_mark returns the length of the mark by which Windows begins texts in UTF-8, 3, or 0 without one. */
+static inline size_t bis_byte_order_mark(const void *text, size_t size)
+{
+    return size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+}
 
 /* bis_path_relative_to returns the folder of `of` + "/" + name, or a copy of name if name is absolute. The caller
  * frees it with bis_free. Returns NULL without memory. */

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "bis/shape/accel.h"
+#include "bis/shape/make.h"
 #include "bis/scene/camera.h"
 #include "bis/shape/geometry.h"
 #include "bis/scene/parameters.h"
@@ -28,6 +29,13 @@ typedef enum bis_shape_kind {
 /* bis_shape_is_mesh returns whether a shape of this kind is made of triangles. */
 static inline bool bis_shape_is_mesh(bis_shape_kind kind) { return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK; }
 
+/* How the mesh of a shape comes about when the scene is built. A description and a plan are small. */
+typedef enum bis_making {
+    BIS_MAKING_NONE,      /* it is there */
+    BIS_MAKING_REVOLVED,
+    BIS_MAKING_SUBDIVIDED /* of it, by so many levels */
+} bis_making;
+
 /* A mesh of a file or of the scene. It is read once, however many shapes and instances use it. */
 typedef struct bis_mesh_desc {
     bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */
@@ -36,8 +44,17 @@ typedef struct bis_mesh_desc {
     bool has_parts;      /* OBJ: its shapes are its parts, see bis_shape_desc.part */
     size_t n_parts;      /* names of materials that the file had when it was described */
     bis_mesh mesh;       /* TRIANGLES */
+    bis_making making;
+    bis_revolved revolved;
+    bool lacks_uv;       /* REVOLVED: no texture asks for (u, v) */
+    uint32_t levels;
+    bis_made_size size;  /* TRIANGLES: of what is built */
     bis_loc loc;         /* the place of the file's name, or of the directive */
 } bis_mesh_desc;
+
+/* bis_mesh_desc_make makes the mesh that no file holds: as it is (a copy), of a formula, or subdivided. The caller
+ * clears *m, after an error, too. Errors: BIS_NOMEM. */
+bis_status bis_mesh_desc_make(bis_mesh *m, const bis_mesh_desc *desc, bis_diag *diag);
 
 /* One shape in the world. An instance of an object is a shape like any other, with its own transformation. */
 typedef struct bis_shape_desc {

@@ -69,6 +69,7 @@ typedef struct bis_texture_file {
     char *filename; /* resolved path; owned */
     double gamma;   /* of a .png, see bis_image_read_colours */
     bis_loc loc;    /* the place of its name */
+    bool may_hold_normals; /* map_Bump of an .mtl: heights, or a normal map */
 } bis_texture_file;
 
 /* The textures of a material, each BIS_NO_TEXTURE where the material has a value of its own. */
@@ -101,6 +102,7 @@ typedef struct bis_textures {
 typedef struct bis_texture_image {
     bis_image image;
     double lo[4], hi[4];
+    bool holds_normals; /* it may, and does: a displacement by it is a normal map */
 } bis_texture_image;
 
 /* bis_texture_alpha returns what pbrt-v3's remapping makes of a roughness: a polynomial of its logarithm, which
@@ -145,8 +147,9 @@ static inline const bis_material_textures *bis_textures_of(const bis_textures *t
 void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture);
 void bis_textures_mark_all(bool *is_used, const bis_textures *t, const bis_material_textures *of);
 
-/* bis_textures_load reads the image of a file of the list. Errors: those of bis_image_read_colours; BIS_INPUT (a value
- * that is negative or not finite). */
+/* bis_textures_load reads the image of a file of the list. One that may hold normals is looked at: if it does, its
+ * values are linear whatever the gamma, and a warning says so. Errors: those of bis_image_read_colours; BIS_INPUT (a
+ * value that is negative or not finite). */
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag);
 
 /* bis_textures_want_uv returns whether a value of these textures asks for (u, v). */

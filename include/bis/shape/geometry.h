@@ -59,9 +59,10 @@ typedef struct bis_quadric {
     uint32_t material;
 } bis_quadric;
 
-/* The triangles [first, first of the next range) have this material. */
+/* The triangles [first, first of the next range) have this material, and their transformation exchanges left and right
+ * (1) or not (0). */
 typedef struct bis_range {
-    uint32_t first, material;
+    uint32_t first, material, mirrored;
 } bis_range;
 
 typedef struct bis_box {
@@ -136,8 +137,10 @@ void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double 
 typedef struct bis_tangents {
     double u[3], v[3]; /* the derivatives of the point by its texture coordinates, world space */
     /* the unit normal of the side that pbrt calls outside without ReverseOrientation: that of the vertex normals, or,
-     * on a triangle without them, from where its vertices turn counterclockwise in a right-handed world */
+     * on a triangle without them, from where its vertices turn counterclockwise in a right-handed world, before its
+     * transformation mirrors it */
     double outside[3];
+    bool is_arbitrary;   /* the texture coordinates give no derivatives: u and v are any two */
 } bis_tangents;
 
 /* bis_geometry_tangents stores in *t how primitive `prim` lies where r meets it, which an accelerator found. It is for

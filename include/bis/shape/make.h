@@ -41,8 +41,20 @@ typedef struct bis_revolved {
     double phi_max_deg; /* (0, 360] */
 } bis_revolved;
 
+/* How much a mesh will hold. */
+typedef struct bis_made_size {
+    size_t vertices, triangles;
+} bis_made_size;
+
+/* bis_make_revolved_size returns what bis_make_revolved will make. */
+bis_made_size bis_make_revolved_size(const bis_revolved *r);
+
 /* bis_make_revolved makes the mesh of a surface of revolution, with normals and (u, v). Errors: BIS_NOMEM. */
 bis_status bis_make_revolved(bis_mesh *m, const bis_revolved *r, bis_loc at, bis_diag *diag);
+
+/* bis_make_subdivided_size stores what bis_make_subdivided will make of a control mesh, which it checks: its errors. */
+bis_status bis_make_subdivided_size(bis_made_size *size, const bis_mesh *m, unsigned levels, bis_loc at,
+                                    bis_diag *diag);
 
 /* bis_make_subdivided replaces the control mesh *m by the mesh that `levels` steps of Loop's subdivision make of it,
  * with all vertices moved to where infinitely many steps would take them, and with the limit surface's normals.
