@@ -165,14 +165,50 @@ void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
     }
 }
 
-void bis_params_ignore(bis_parser *p, const char *const *names, size_t n)
+#define CHANGES "ignored, which changes "
+
+const bis_ignored bis_ignored_parameters[] = {
+    {"Camera", "shutteropen", CHANGES "nothing"},
+    {"Camera", "shutterclose", CHANGES "nothing"},
+    {"Film", "diagonal", CHANGES "nothing"},
+    {"Film", "display", CHANGES "nothing"},
+    {"Film", "savefp16", CHANGES "nothing but the digits of the file"},
+    {"Film", "sensor", CHANGES "colour: the film sees as the CIE 1931 observer"},
+    {"Film", "whitebalance", CHANGES "colour: white is D65"},
+    {"Film", "maxcomponentvalue", CHANGES "brightness: samples above it are not cut off"},
+    {"Film", "maxsampleluminance", CHANGES "brightness: samples above it are not cut off"},
+    {"Film", "pixelbounds", CHANGES "shape: the whole picture is rendered (cropwindow renders a part)"},
+    {"Sampler", "dimensions", CHANGES "nothing but noise"},
+    {"Sampler", "randomization", CHANGES "nothing but noise"},
+    {"Sampler", "scramble", CHANGES "nothing but noise"},
+    {"Sampler", "samplepixelcenter", CHANGES "shape: edges are smooth"},
+    {"Integrator", "vectorize", CHANGES "nothing"},
+    {"LightSource", "samples", CHANGES "nothing but noise"},
+    {"LightSource", "nsamples", CHANGES "nothing but noise"},
+    {"Texture", "filter", CHANGES "nothing but sharpness: between texels it is bilinear"},
+    {"Option", "disabletexturefiltering", CHANGES "nothing"},
+    {"Option", "disablewavelengthjitter", CHANGES "nothing"},
+    {"Option", "displacementedgescale", CHANGES "shape: displaced meshes stay as they are"},
+    {"Option", "forcediffuse", CHANGES "colour: materials stay as they are"},
+    {"Option", "msereferenceimage", CHANGES "nothing"},
+    {"Option", "msereferenceout", CHANGES "nothing"},
+    {"Option", "pixelstats", CHANGES "nothing"},
+    {"Option", "rendercoordsys", CHANGES "nothing"},
+    {"Option", "seed", CHANGES "nothing but noise"},
+    {"Option", "wavefront", CHANGES "nothing"},
+};
+const size_t bis_n_ignored = BIS_COUNT(bis_ignored_parameters);
+
+void bis_params_ignore(bis_parser *p, const char *directive)
 {
-    for (size_t i = 0; i < n; i++) {
-        bis_param *param = bis_params_find(p, names[i]);
+    for (size_t i = 0; i < bis_n_ignored; i++) {
+        const bis_ignored *row = &bis_ignored_parameters[i];
+        bis_param *param = strcmp(row->directive, directive) == 0 ? bis_params_find(p, row->name) : NULL;
         if (!param) continue;
         param->used = true;
-        if (p->approximate) bis_approximate_note(p, param->at, "ignored", "parameter \"%s\"", names[i]);
-        else if (bis_parser_once(p, names[i])) bis_warn(p->diag, param->at, "\"%s\" is ignored", names[i]);
+        if (p->approximate) bis_approximate_note(p, param->at, row->consequence, "parameter \"%s\"", row->name);
+        else if (bis_parser_once(p, row->name))
+            bis_warn(p->diag, param->at, "\"%s\" is %s", row->name, row->consequence);
     }
 }
 

@@ -162,7 +162,6 @@ void bis_directive_light(bis_parser *p, bis_loc at)
         {"distant", BIS_FOREIGN}, {"goniometric", BIS_FOREIGN}, {"projection", BIS_FOREIGN},
         {"diffuse", BIS_FOREIGN},
     };
-    static const char *const ignored[] = {"samples", "nsamples"};
 
     if (p->other_light) {
         pass_over(p);
@@ -180,7 +179,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
     light_filter(p, &light);
-    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    bis_params_ignore(p, "LightSource");
     bis_params_end(p, "LightSource", "infinite");
     p->desc->light = light;
     p->desc->has_light = true;
@@ -235,6 +234,8 @@ void bis_parser_finish_light(bis_parser *p)
         return;
     }
     if (!d->has_light) d->light.loc = whole;
+    p->film_scale *= p->exposure.ratio > 0 ? p->exposure.ratio
+                     : (p->exposure.time > 0 ? p->exposure.time : p->exposure.shutter) * p->exposure.iso / 100;
     d->light.scale *= p->film_scale;
     if (p->n_distants) take_distants(p);
     if (d->has_light) return;

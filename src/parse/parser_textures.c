@@ -10,6 +10,7 @@
 #include "directives.h"
 #include "parser_colours.h"
 #include "parser_textures.h"
+#include "parser_version.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -133,24 +134,28 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
     return ok && bis_parser_add_texture(p, &x, index);
 }
 
-/* What says that the scene is of pbrt-v1 to v3; NULL: nothing does. */
-static const char *word_before_v4(const bis_parser *p) { return p->is_v2 ? p->v2_word : p->v3_word; }
-
 /* From the world to the space of the texture, which is the current transformation's in pbrt-v4. pbrt-v1 to v3 take the
  * world for "planar", and for patterns in space the matrix itself where v4 takes its inverse. */
 static bool take_space(bis_parser *p, bis_texture *x, bool is_pattern)
 {
     const bis_xform *ctm = &p->now.ctm, world = bis_xform_identity();
-    const char *word = word_before_v4(p);
     const double (*m)[4] = ctm->inv;
-    bool ok = true;
-    if (word && is_pattern) m = ctm->m;
-    else if (word && x->mapping == BIS_TEXTURE_PLANAR) m = world.m;
+    bool ok = true, moves = false;
+    for (int i = 0; i < 12; i++) moves |= ctm->m[i / 4][i % 4] != world.m[i / 4][i % 4];
+    if (is_pattern && moves && bis_parser_is_before_v4(p, p->name_at, "the space of a pattern", "the current "
+        "transformation takes it to the world", "the transformation is used the other way round"))
+        m = ctm->m;
+    else if (!is_pattern && x->mapping == BIS_TEXTURE_PLANAR && moves &&
+             bis_parser_is_before_v4(p, p->name_at, "the mapping \"planar\"", "by the point in the space of the current "
+                                     "transformation", "by the point in the world"))
+        m = world.m;
     for (int i = 0; i < 12; i++) {
         x->from_world[i / 4][i % 4] = m[i / 4][i % 4];
         ok &= fabs(x->from_world[i / 4][i % 4]) <= 1e30;
     }
-    if (p->approximate && word && x->mapping == BIS_TEXTURE_CYLINDRICAL)
+    if (x->mapping == BIS_TEXTURE_CYLINDRICAL &&
+        bis_parser_is_before_v4(p, p->name_at, "the mapping \"cylindrical\"", "t is z", "t is z over the distance") &&
+        p->approximate)
         bis_approximate_note(p, p->name_at, "t is z, as in pbrt-v4; earlier it is z over the distance",
                              "mapping \"cylindrical\" of a Texture");
     return ok || bis_parser_error(p, bis_params_at(p, "mapping"), "the current transformation shrinks this texture's "
@@ -211,9 +216,10 @@ static bool read_encoding(bis_parser *p, double *gamma)
     const char *text, *end;
     bool by_curve = true;
 
-    *gamma = p->is_v2 ? 1 : BIS_GAMMA_SRGB;
+    const bool is_v2 = p->version == BIS_PBRT_V2;
+    *gamma = is_v2 ? 1 : BIS_GAMMA_SRGB;
     const bis_param *given = bis_params_find(p, "gamma");
-    if (given && given->type == BIS_TYPE_FLOAT && p->is_v2) {
+    if (given && given->type == BIS_TYPE_FLOAT && is_v2) {
         bis_params_float(p, "gamma", gamma, (bis_interval){0, 100, true, false});
     } else if (given && given->type == BIS_TYPE_FLOAT) {
         bis_approximate_pass(p, given->at, "ignored, as in pbrt-v3", "\"float gamma\" of a texture");
@@ -295,21 +301,22 @@ static void turn_over(bis_texture *x)
 /* What is taken for which version, and why. */
 static void say_version(bis_parser *p)
 {
-    if (!p->is_v2 || !bis_parser_once(p, "version")) return;
-    bis_warn(p->diag, p->v2_at, "taken for pbrt-v2 or v1, because %s is in no later version: row 0 of an image texture "
-             "is at t = 0, and its values are linear unless \"float gamma\" says otherwise", p->v2_word);
+    if (p->version != BIS_PBRT_V2 || !bis_parser_once(p, "version")) return;
+    bis_warn(p->diag, p->name_at, "taken for %s: row 0 of an image texture is at t = 0, and its values are linear unless "
+             "\"float gamma\" says otherwise", p->desc->version);
 }
 
 /* pbrt-v4's filter is bilinear if it does not say otherwise, as ours; earlier versions look at the footprint. */
 static void read_filter(bis_parser *p)
 {
-    static const char *const earlier[] = {"trilinear", "maxanisotropy"}, *const filter[] = {"filter"};
+    static const char *const earlier[] = {"trilinear", "maxanisotropy"};
     const char *name;
     const bool is_said = bis_params_has(p, "filter");
     const bool is_ours = is_said && bis_params_string(p, "filter", &name) && strcmp(name, "bilinear") == 0;
-    if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) || word_before_v4(p)))
+    if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) ||
+                     p->version == BIS_PBRT_V2 || p->version == BIS_PBRT_V3))
         note_filter(p, "imagemap");
-    if (!is_ours && !p->approximate) bis_params_ignore(p, filter, 1);
+    if (!is_ours && !p->approximate) bis_params_ignore(p, "Texture");
     bis_params_skip(p, earlier, BIS_COUNT(earlier));
 }
 
@@ -327,7 +334,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     bis_params_float(p, "scale", &x->scale, anything);
     bis_params_bool(p, "invert", &x->invert);
     read_filter(p);
-    if (p->is_v2) turn_over(x);
+    if (p->version == BIS_PBRT_V2) turn_over(x);
     say_version(p);
     x->kind = BIS_TEXTURE_IMAGE;
     x->wrap = (bis_wrap)wrap;
@@ -536,7 +543,6 @@ static bool read_type(bis_parser *p, const char *type, bis_loc at, bool *of_floa
     for (size_t i = 0; i < BIS_COUNT(types); i++) {
         if (strcmp(type, types[i]) != 0) continue;
         *of_floats = i == 0;
-        if (i == 2 && !p->v3_word) p->v3_word = "a Texture of type \"color\"";
         return true;
     }
     return bis_parser_error(p, at, "a Texture is of type \"float\" or \"spectrum\" (or \"color\", \"rgb\"), not \"%s\"",
