@@ -243,7 +243,7 @@ static bool read_encoding(bis_parser *p, double *gamma)
 }
 
 /* The image of a file: a new one, or the one that has been named before, by whatever path. Takes over path. */
-static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *index)
+static bool add_file(bis_parser *p, char *path, const bis_texture_file *as, uint32_t *index)
 {
     bis_textures *t = &p->desc->textures;
     const size_t room = strlen(path) + 80;
@@ -251,10 +251,11 @@ static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32
     bool ok = key != NULL;
     struct stat st;
 
-    bis_format_double(number, gamma);
+    const char *kind = as->is_luminance ? "y" : "";
+    bis_format_double(number, as->gamma);
     if (ok && stat(path, &st) == 0)
-        snprintf(key, room, "%s=%ju/%ju", number, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
-    else if (ok) snprintf(key, room, "%s:%s", number, path);
+        snprintf(key, room, "%s%s=%ju/%ju", kind, number, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
+    else if (ok) snprintf(key, room, "%s%s:%s", kind, number, path);
     if (ok && bis_names_find(&p->texture_file_names, key, index)) {
         bis_free(path);
         bis_free(key);
@@ -265,16 +266,17 @@ static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32
     bis_free(key);
     if (!ok) {
         bis_free(path);
-        return bis_parser_nomem(p, at);
+        return bis_parser_nomem(p, as->loc);
     }
     *index = (uint32_t)t->n_files;
-    t->files[t->n_files++] = (bis_texture_file){path, gamma, at};
+    t->files[t->n_files] = *as;
+    t->files[t->n_files++].filename = path;
     return true;
 }
 
 bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image)
 {
-    return path && add_file(p, path, gamma, at, image);
+    return path && add_file(p, path, &(bis_texture_file){.gamma = gamma, .loc = at}, image);
 }
 
 /* What an image makes of 1/2, but 0 only if it is black. */
@@ -320,6 +322,12 @@ static void read_filter(bis_parser *p)
     bis_params_skip(p, earlier, BIS_COUNT(earlier));
 }
 
+static bool is_luminance(bis_parser *p, const bis_texture *x)
+{
+    return x->is_float && bis_parser_is_before_v4(p, p->name_at, "an image as numbers", "the mean of its colours",
+                                                  "the luminance of what the file holds, made linear after it");
+}
+
 static bool read_imagemap(bis_parser *p, bis_texture *x)
 {
     static const char *const wraps[] = {"repeat", "clamp", "black"};
@@ -345,7 +353,10 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     const bis_stand_in no_image = {"an image that is not there", "grey", false};
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
-    if (!lacks) return bis_parser_add_image(p, path, gamma, at, &x->image) && ok;
+    if (!lacks) {
+        const bis_texture_file as = {.gamma = gamma, .loc = at, .is_luminance = is_luminance(p, x)};
+        return path && add_file(p, path, &as, &x->image) && ok;
+    }
     *x = constant((rgbd){0.5, 0.5, 0.5});
     return ok;
 }

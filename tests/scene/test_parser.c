@@ -287,7 +287,8 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"WorldBegin LightSource \"infinite\" \"spectrum scale\" [400 -1]", "1:35: error: the spectrum \"scale\" must be "
      "one number, or pairs of a wavelength in nm and a value >= 0, wavelengths ascending"},
     {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [1 2 3] "
-     "\"float uv\" [1]", "1:87: error: \"N\" has 3 values, must have 3 for each of the 3 points"},
+     "\"float uv\" [1]", "1:87: error: \"N\" has 3 values, must have 3 for each of the 3 points; with --approximate: "
+     "left out, as in pbrt"},
     {"X" D62 L, "1:1: error: unknown directive \"X" D62 "\""}, {"X" D62 "x" L, "1:1: error: unknown directive \"X" D62
      "\""}, /* a name has 63 letters at most */
     {"X" DEEP L, "1:1: error: unknown directive \"X" D62 "\""},
