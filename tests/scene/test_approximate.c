@@ -70,7 +70,6 @@ static const struct row {
     {"WorldBegin LightSource \"goniometric\" \"string filename\" \"a.exr\"", "LightSource \"goniometric\"", true},
     {"WorldBegin LightSource \"projection\"", "LightSource \"projection\"", true},
     {"WorldBegin LightSource \"infinite\" LightSource \"infinite\"", "LightSource \"a second\"", true},
-    {"WorldBegin LightSource \"infinite\" \"float illuminance\" 3", "\"illuminance\"", true},
     {"WorldBegin MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "MakeNamedMedium", true},
     {"WorldBegin MediumInterface \"fog\" \"\"", "MediumInterface", true},
     {"WorldBegin Volume \"homogeneous\"", "Volume", true},
@@ -305,8 +304,6 @@ static const struct { const char *scene, *said[2]; } notes[] = {
      "materials): white"}},
     {W "Material \"matte\" \"spectrum Kd\" \"illum-x\"", {"2:18: 1 x the illuminant \"illum-x\" (of 1 materials): "
      "white"}},
-    {"WorldBegin\nLightSource \"infinite\" \"float illuminance\" 3", {"2:24: 1 x \"illuminance\" (of 1 lights): "
-     "ignored: the brightness is the light's own"}},
     {W "LightSource \"infinite\"", {"2:1: 1 x LightSource \"a second\" (of 2 lights): left out: only the first gives "
      "light"}},
     {W BILERP "Material \"mirror\" \"texture Kr\" \"t\"", {

@@ -90,6 +90,10 @@ def main():
     write('latin-texture.txt', latin.encode('latin-1'))
     write_png('ochre.png', 2, (200, 100, 50))
     write('ochre.pfm', b'PF\n1 1\n-1.0\n' + array.array('f', (.8, .4, .1)).tobytes())
+    rows = 4 * (9., 9., 9.) + 4 * (2., 1., .5)  # from below
+    write('above.pfm', b'PF\n4 2\n-1.0\n' + array.array('f', rows).tobytes())
+    # lights.cpp of pbrt-v4: the upper half of N pixels, luminance times cosine times 2 pi / N: pi / 2 of luminance 1
+    print('illuminance 10', [10 / (math.pi / 2 * (.2126 * 2 + .7152 + .0722 / 2)) * v for v in (2, 1, .5)])
     print('blackbody [5000 2]', peak_body(5000, 2))
     pairs = ((450, 1), (550, 3), (650, 2))
     colour = emitted(lambda nm: between(nm, pairs))
