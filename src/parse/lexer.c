@@ -153,8 +153,8 @@ static bis_token_kind string(bis_lexer *l, bis_source *s, bis_token *t)
     }
     if (is_latin1 && !l->said_latin1) {
         l->said_latin1 = true;
-        bis_warn(l->diag, t->at, "a name is not UTF-8 text; its bytes are taken as they are, which changes nothing but how "
-                 "it is printed");
+        bis_warn(l->diag, t->at, "a name is not UTF-8 text; its bytes are taken as they are, which changes nothing but "
+                 "how it is printed");
     }
     t->text++;
     t->length = (size_t)(s->next++ - t->text);

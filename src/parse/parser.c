@@ -50,8 +50,9 @@ static void count_bytes(bis_parser *p, const char *name, bis_loc at)
     if (bis_names_find(&p->included, name, NULL)) p->n_repeated += (uint64_t)(s->end - s->next);
     else if (!bis_names_set(&p->included, name, 0)) bis_parser_nomem(p, at);
     if (p->n_repeated <= BIS_MAX_REPEATED) return;
-    p->stop = !bis_parser_error(p, at, "files that were included before are more than %llu MB in all: put what they hold "
-                                "into an object (ObjectBegin), and show that several times", BIS_MAX_REPEATED >> 20);
+    p->stop = !bis_parser_error(p, at, "files that were included before are more than %llu MB in all: put what they "
+                                "hold into an object (ObjectBegin), and show that several times",
+                                BIS_MAX_REPEATED >> 20);
 }
 
 /* The name is looked at, not taken: the next token to be taken is the included file's first. */

@@ -64,8 +64,8 @@ typedef struct bis_mix {
     bool done;
 } bis_mix;
 
-/* Of which version of pbrt a scene is. What differs between them is read as in V4 where its words do not tell; V2 is also
- * v1. bis's own scenes are V4. */
+/* Of which version of pbrt a scene is. Where its words do not tell, what differs is read as in V4. V2 is also v1. bis's
+ * own scenes are V4. */
 typedef enum bis_pbrt_version { BIS_PBRT_UNKNOWN, BIS_PBRT_V2, BIS_PBRT_V3, BIS_PBRT_V4 } bis_pbrt_version;
 
 /* Directives of which a scene has one; a second replaces the first with a warning, as pbrt does silently. */

@@ -47,10 +47,9 @@ static bool sort_pairs(bis_parser *p, double (*v)[2], size_t n, bis_loc at, cons
     size_t i = 1;
     while (i < n && !(v[i][0] < v[i - 1][0])) i++;
     if (i >= n) return true;
-    if (p->version == BIS_PBRT_V2 || p->version == BIS_PBRT_V3)
-        bis_approximate_pass(p, at, "sorted by wavelength, as in pbrt-v1 to v3", kind);
-    else if (!bis_approximate_or_refuse(p, at, kind, sorted, "the wavelengths of the spectrum \"%s\" descend from %g to "
-                                        "%g: sort its pairs", name, v[i - 1][0], v[i][0]))
+    if (bis_parser_predates_v4(p)) bis_approximate_pass(p, at, "sorted by wavelength, as in pbrt-v1 to v3", kind);
+    else if (!bis_approximate_or_refuse(p, at, kind, sorted, "the wavelengths of the spectrum \"%s\" descend from %g "
+                                        "to %g: sort its pairs", name, v[i - 1][0], v[i][0]))
         return false;
     qsort(v, n, sizeof *v, compare_wavelengths);
     return true;
@@ -175,11 +174,11 @@ static bool take_emitted(bis_parser *p, const char *name, rgbd *c)
         *c = (rgbd){1, 1, 1};
         bis_params_skip(p, &name, 1);
         return strcmp(which, "stdillum-D65") == 0 ||
-               bis_approximate_or_refuse(p, at, "an illuminant that is not D65", "white", "the illuminant \"%s\" is not "
-                                         "known; bis has \"stdillum-D65\"", bis_parser_word(p, which));
+               bis_approximate_or_refuse(p, at, "an illuminant that is not D65", "white", "the illuminant \"%s\" is "
+                                         "not known; bis has \"stdillum-D65\"", bis_parser_word(p, which));
     }
-    const bool is_before = bis_parser_is_before_v4(p, at, "a light's spectrum", "with luminance 1, and 0 outside of its "
-                                                   "wavelengths", "as bright as its values are");
+    const bool is_before = bis_parser_is_before_v4(p, at, "a light's spectrum", "with luminance 1, and 0 outside of "
+                                                   "its wavelengths", "as bright as its values are");
     const bool ok = bis_params_spectrum(p, name, &s);
     if (ok) *c = bis_spectrum_emitted(&s.is, !is_before && s.is.n > 1);
     bis_parser_spectrum_clear(&s);

@@ -2,8 +2,8 @@
 /* parser_params: "type name" value or [values], all of a directive's, read before any is looked at (parser_ask.c).
  *
  * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of
- * its class (numbers, strings, true or false), numbers are finite as floats. Values go into arrays that the next directive uses again. Invariant: strings and names are
- * offsets, since the text moves when it grows. */
+ * its class (numbers, strings, true or false), numbers are finite as floats. Values go into arrays that the next
+ * directive uses again. Invariant: strings and names are offsets, since the text moves when it grows. */
 #include "base/grow.h"
 #include "approximate.h"
 #include "parser.h"

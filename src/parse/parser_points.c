@@ -6,6 +6,7 @@
 #include "approximate.h"
 #include "parser_ask.h"
 #include "parser_shapes.h"
+#include "parser_version.h"
 
 #include <string.h>
 
@@ -26,8 +27,8 @@ static vec3 *vectors(bis_parser *p, const bis_param *param, const char *name)
     const size_t n = param->n / 3;
     char kind[BIS_APPROXIMATION_KIND];
     snprintf(kind, sizeof kind, "\"%s\" of numbers that are no vectors", name);
-    if (param->n % 3 && !bis_approximate_or_refuse(p, param->at, kind, "the last numbers are left out", "\"%s\" has %zu "
-                                                   "values, must have a multiple of 3", name, param->n))
+    if (param->n % 3 && !bis_approximate_or_refuse(p, param->at, kind, "the last numbers are left out", "\"%s\" has "
+                                                   "%zu values, must have a multiple of 3", name, param->n))
         return NULL;
     vec3 *out = bis_alloc(n, sizeof *out);
     if (!out) bis_parser_nomem(p, param->at);
@@ -52,7 +53,7 @@ static bool drop_surplus(bis_parser *p, const bis_param *param, size_t per_face)
 {
     static const char kind[] = "indices that make no face";
     if (param->n % per_face == 0) return true;
-    if (p->version != BIS_PBRT_V2 && p->version != BIS_PBRT_V3)
+    if (!bis_parser_predates_v4(p))
         return bis_approximate_or_refuse(p, param->at, kind, "left out, as in pbrt", "\"indices\" has %zu values, must "
                                          "have a multiple of %zu", param->n, per_face);
     bis_approximate_pass(p, param->at, "left out, as in pbrt-v1 to v3", kind);
@@ -89,12 +90,11 @@ static bool fits(bis_parser *p, const bis_param *param, const char *name, size_t
 {
     char kind[BIS_APPROXIMATION_KIND];
     if (param->n == per_point * n_points) return true;
-    const bool takes_first = strcmp(name, "N") != 0 && param->n > per_point * n_points &&
-                             (p->version == BIS_PBRT_V2 || p->version == BIS_PBRT_V3);
+    const bool takes_first = strcmp(name, "N") != 0 && param->n > per_point * n_points && bis_parser_predates_v4(p);
+    const char *consequence = takes_first ? "the first ones are taken" : "left out, as in pbrt";
     snprintf(kind, sizeof kind, "\"%s\" of another number than \"P\"", name);
-    *ok = bis_approximate_or_refuse(p, param->at, kind, takes_first ? "the first ones are taken" : "left out, as in pbrt",
-                                    "\"%s\" has %zu values, must have %zu for each of the %zu points", name, param->n,
-                                    per_point, n_points);
+    *ok = bis_approximate_or_refuse(p, param->at, kind, consequence, "\"%s\" has %zu values, must have %zu for each of "
+                                    "the %zu points", name, param->n, per_point, n_points);
     return *ok && takes_first;
 }
 
@@ -131,8 +131,8 @@ bool bis_parser_points(bis_parser *p, const char *shape, bis_mesh *m)
     const bis_param *points = bis_params_take(p, "P", BIS_TYPE_POINT3, 0);
 
     if (!given)
-        bis_approximate_or_refuse(p, p->name_at, "a mesh without \"P\"", "left out, as in pbrt", "%s needs \"point3 P\"",
-                                  shape);
+        bis_approximate_or_refuse(p, p->name_at, "a mesh without \"P\"", "left out, as in pbrt",
+                                  "%s needs \"point3 P\"", shape);
     if (!points) return false;
     m->p = vectors(p, points, "P");
     m->n_vertices = points->n / 3; /* before N and uv, whose numbers are held against it */

@@ -99,9 +99,16 @@ static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
     return m->has_parts && !bis_parser_is_missing(p, m->filename);
 }
 
+/* Does "alpha" of this shape change nothing in the scene's version, but in another? */
+static bool is_passed_over(bis_parser *p, bis_loc at, bool is_mesh)
+{
+    const char *what = is_mesh ? "\"alpha\" between 0 and 1" : "\"alpha\" of a shape that is no mesh";
+    return bis_parser_is_before_v4(p, at, what, "it makes holes, and 0 the whole shape a hole", "it changes nothing");
+}
+
 /* "alpha" or "shadowalpha": 1 and more changes nothing, another constant than 0 and a texture are not modelled. Returns
- * whether it is the constant 0. */
-static bool is_0(bis_parser *p, const bis_choice *shape, const char *name, bool is_always_opaque, const char *whole)
+ * whether it is a constant 0. whole: what --approximate makes of it. */
+static bool is_0(bis_parser *p, const bis_choice *shape, const char *name, const char *whole)
 {
     static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
     char kind[BIS_APPROXIMATION_KIND];
@@ -113,15 +120,12 @@ static bool is_0(bis_parser *p, const bis_choice *shape, const char *name, bool 
     if (!varies && alpha >= 1) return false;
     snprintf(kind, sizeof kind, "\"%s\" of Shape \"%s\"", name, shape->name);
     const bool is_alike = is_mesh && (varies || alpha == 0); /* in all versions */
-    if (is_always_opaque || (!is_alike && bis_parser_is_before_v4(p, at, is_mesh ? "\"alpha\" between 0 and 1" :
-                                                                  "\"alpha\" of a shape that is no mesh",
-                                                                  "it makes holes, and 0 the whole shape a hole",
-                                                                  "it changes nothing"))) {
+    if (!is_alike && is_passed_over(p, at, is_mesh)) {
         bis_approximate_pass(p, at, "ignored, which changes nothing, as in pbrt-v1 to v3", "%s", kind);
         return false;
     }
     if (!varies && alpha <= 0) return true;
-    bis_approximate_or_refuse(p, at, kind, whole, "\"%s\" is not modelled but for 0 (the shape is not there) and 1", name);
+    bis_approximate_or_refuse(p, at, kind, whole, "\"%s\" is not modelled but for 0 and 1", name);
     return false;
 }
 
@@ -129,10 +133,10 @@ static bool is_0(bis_parser *p, const bis_choice *shape, const char *name, bool 
  * Returns whether the shape is there. Sources: src/pbrt/cpu/primitive.cpp, and src/shapes/triangle.cpp of v3. */
 static bool read_alpha(bis_parser *p, const bis_choice *shape)
 {
-    const bool is_before = p->version == BIS_PBRT_V2 || p->version == BIS_PBRT_V3;
-    const bool is_seen = !is_0(p, shape, "alpha", false, "the shape has no holes");
-    if (is_0(p, shape, "shadowalpha", is_before && shape->value >= BIS_MADE_SPHERE, "its shadow has no holes"))
-        bis_approximate_or_refuse(p, bis_params_at(p, "shadowalpha"), "\"shadowalpha\" of 0", "the shape casts a shadow",
+    const bool is_seen = !is_0(p, shape, "alpha", "the shape has no holes");
+    if (is_0(p, shape, "shadowalpha", "its shadow has no holes"))
+        bis_approximate_or_refuse(p, bis_params_at(p, "shadowalpha"), "\"shadowalpha\" of 0",
+                                  "the shape casts a shadow",
                                   "\"shadowalpha\" is not modelled: shapes that are seen cast shadows");
     return is_seen;
 }

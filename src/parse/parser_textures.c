@@ -142,12 +142,14 @@ static bool take_space(bis_parser *p, bis_texture *x, bool is_pattern)
     const double (*m)[4] = ctm->inv;
     bool ok = true, moves = false;
     for (int i = 0; i < 12; i++) moves |= ctm->m[i / 4][i % 4] != world.m[i / 4][i % 4];
-    if (is_pattern && moves && bis_parser_is_before_v4(p, p->name_at, "the space of a pattern", "the current "
-        "transformation takes it to the world", "the transformation is used the other way round"))
+    if (is_pattern && moves && bis_parser_is_before_v4(p, p->name_at, "the space of a pattern",
+                                                       "the current transformation takes it to the world",
+                                                       "the transformation is used the other way round"))
         m = ctm->m;
     else if (!is_pattern && x->mapping == BIS_TEXTURE_PLANAR && moves &&
-             bis_parser_is_before_v4(p, p->name_at, "the mapping \"planar\"", "by the point in the space of the current "
-                                     "transformation", "by the point in the world"))
+             bis_parser_is_before_v4(p, p->name_at, "the mapping \"planar\"",
+                                     "by the point in the space of the current transformation",
+                                     "by the point in the world"))
         m = world.m;
     for (int i = 0; i < 12; i++) {
         x->from_world[i / 4][i % 4] = m[i / 4][i % 4];
@@ -304,8 +306,8 @@ static void turn_over(bis_texture *x)
 static void say_version(bis_parser *p)
 {
     if (p->version != BIS_PBRT_V2 || !bis_parser_once(p, "version")) return;
-    bis_warn(p->diag, p->name_at, "taken for %s: row 0 of an image texture is at t = 0, and its values are linear unless "
-             "\"float gamma\" says otherwise", p->desc->version);
+    bis_warn(p->diag, p->name_at, "taken for %s: row 0 of an image texture is at t = 0, and its values are linear "
+             "unless \"float gamma\" says otherwise", p->desc->version);
 }
 
 /* pbrt-v4's filter is bilinear if it does not say otherwise, as ours; earlier versions look at the footprint. */
@@ -316,7 +318,7 @@ static void read_filter(bis_parser *p)
     const bool is_said = bis_params_has(p, "filter");
     const bool is_ours = is_said && bis_params_string(p, "filter", &name) && strcmp(name, "bilinear") == 0;
     if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) ||
-                     p->version == BIS_PBRT_V2 || p->version == BIS_PBRT_V3))
+                     bis_parser_predates_v4(p)))
         note_filter(p, "imagemap");
     if (!is_ours && !p->approximate) bis_params_ignore(p, "Texture");
     bis_params_skip(p, earlier, BIS_COUNT(earlier));

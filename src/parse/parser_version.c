@@ -2,8 +2,8 @@
 /* parser_version: one rule for the whole scene. Words that only some versions have may stand anywhere, also behind what
  * depends on them, so the main scene and each file that it includes are looked through for them beforehand, once.
  *
- * Source of the table: the parsers and the factories of pbrt-v1 to v4. A word that bis understands in scenes of its own,
- * whatever the version (a sampler, "filename" of a light), is not in it. */
+ * Source of the table: the parsers and the factories of pbrt-v1 to v4. A word that bis understands in scenes of its
+ * own, whatever the version (a sampler, "filename" of a light), is not in it. */
 #include "parser_version.h"
 
 #include "bis/base/file.h"
@@ -83,7 +83,9 @@ static void hear(look *l, spot where, const char *directive, const char *text, b
         f->at = at;
         if (where == DIRECTIVE) snprintf(f->text, sizeof f->text, "%s", text);
         else if (where == NAME) snprintf(f->text, sizeof f->text, "%s \"%s\"", directive, text);
-        else snprintf(f->text, sizeof f->text, "%s \"%s\" of %s", where == TYPE ? "type" : "parameter", text, directive);
+        else
+            snprintf(f->text, sizeof f->text, "%s \"%s\" of %s", where == TYPE ? "type" : "parameter", text,
+                     directive);
     }
 }
 
@@ -203,7 +205,7 @@ void bis_parser_find_version(bis_parser *p)
 bool bis_parser_is_before_v4(bis_parser *p, bis_loc at, const char *what, const char *as_v4, const char *before)
 {
     if (p->version == BIS_PBRT_UNKNOWN && bis_parser_once(p, what))
-        bis_warn(p->diag, at, "%s is read as in pbrt-v4: %s; in pbrt-v1 to v3: %s. Film \"rgb\" or \"image\" alone says "
-                 "which is meant", what, as_v4, before);
-    return p->version == BIS_PBRT_V2 || p->version == BIS_PBRT_V3;
+        bis_warn(p->diag, at, "%s is read as in pbrt-v4: %s; in pbrt-v1 to v3: %s. Film \"rgb\" or \"image\" alone "
+                 "says which is meant", what, as_v4, before);
+    return bis_parser_predates_v4(p);
 }

@@ -91,7 +91,8 @@ const bis_identity_struct bis_identity_structs[] = {
     {"bis_material_textures", material_textures, "loc"},
     {"bis_texture", texture, "steps"}, /* they follow from the parts */
     /* of a map its pixels count, whatever they are made of; as_printed is that of the settings */
-    {"bis_light_desc", light, "filename image illuminance has_mapping is_v4 distants n_distants capacity_distants as_printed loc"},
+    {"bis_light_desc", light, "filename image illuminance has_mapping is_v4 distants n_distants capacity_distants "
+                              "as_printed loc"},
     {"bis_accel_options", accel, "kind n_threads eyes"}, /* the name of what is built counts */
     {"bis_geometry", by_hand, "p n uv index n_vertices n_triangles capacity_vertices capacity_triangles ranges "
                               "n_ranges quadrics n_quadrics box"},

@@ -516,7 +516,8 @@ static void a_bad_value_of_a_texture_leaves_its_default(void **state)
     };
     char text[1024];
     for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
-        const char *kind = cases[i / 2].kind, *shown = i % 2 ? "Material \"diffuse\" \"texture reflectance\" \"t\" " : "";
+        const char *kind = cases[i / 2].kind;
+        const char *shown = i % 2 ? "Material \"diffuse\" \"texture reflectance\" \"t\" " : "";
         bis_scene_desc *d;
         bis_diag diag = {0};
         snprintf(text, sizeof text, "WorldBegin Texture \"t\" \"%s\" %s %s Shape \"sphere\"", cases[i / 2].type,

@@ -539,7 +539,8 @@ static void textures_lie_where_their_version_has_them(void **state)
         {"rgb", "\"float\" " CUBES, 1},
         {"image", "\"float\" " CUBES, 0},
         {"rgb", "\"color\" \"uv\" \"string mapping\" \"planar\" \"vector v1\" [0.25 0 0] \"float udelta\" 0.125", .375},
-        {"image", "\"color\" \"uv\" \"string mapping\" \"planar\" \"vector v1\" [0.25 0 0] \"float udelta\" 0.125", .875},
+        {"image", "\"color\" \"uv\" \"string mapping\" \"planar\" \"vector v1\" [0.25 0 0] \"float udelta\" 0.125",
+         .875},
     };
     char said[8192], text[1024];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -8,6 +8,7 @@
 #include "expect.h"
 #include "image_help.h"
 #include "parse/directives.h"
+#include "parse/parser_ask.h"
 
 #include <dirent.h>
 #include <float.h>
@@ -318,7 +319,8 @@ static const struct { const char *scene, *said; } sayings[] = {
      "1 .5 2] \"integer nv\" 0 \"integer vorder\" 2", "1:83: error: \"uknots\" falls from 1 to 0.5: knots must not "
      "descend\n1:111: error: \"nv\" is 0, must be in [1, 32768]" NEAREST},
     {"WorldBegin LightSource \"infinite\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
-     "[0 5 6]", "1:87: error: \"indices\" holds 5 as its value 2, must be a whole number in [0, 2]"},
+     "[0 5 6]", "1:87: error: \"indices\" holds 5 as its value 2, must be a whole number in [0, 2]; "
+     "with --approximate: the mesh is left out, as in pbrt"},
     {"WorldBegin LightSource \"infinite\" \"xyz L\" [.2 .2 .2]", ""}, /* 0.24 0.19 0.18 */
     SPHERE("color", "rgb"), SPHERE("rgb", "rgb"), SPHERE("point", "point3"), SPHERE("point3", "point3"),
     SPHERE("vector", "vector3"), SPHERE("normal", "normal"), SPHERE("normal3", "normal"), SPHERE("point2", "point2"),
@@ -352,8 +354,8 @@ static const struct { const char *scene, *said; } sayings[] = {
      "32768]" NEAREST},
     {"WorldBegin LightSource \"infinite\" \"string filter\" \"ewa\"", "1:35: error: \"filter\" is \"ewa\", must be "
      "\"point\" or \"bilinear\"; with --approximate: the default is taken"},
-    {"WorldBegin LightSource \"infinite\" \"integer samples\" 4", "1:35: warning: \"samples\" is ignored, which changes "
-     "nothing but noise"},
+    {"WorldBegin LightSource \"infinite\" \"integer samples\" 4", "1:35: warning: \"samples\" is ignored, which "
+     "changes nothing but noise"},
     {"WorldBegin LightSource \"infinite\" WorldEnd Shape \"sphere\" Shape \"disk\"", "1:44: error: Shape after "
      "WorldEnd: a scene has one world"},
     {"WorldBegin LightSource \"infinite\" Shape \"sphere\" \"float alpha\" 1 \"float shadowalpha\" 1", ""},
@@ -413,7 +415,7 @@ static void each_name_of_pbrts_is_known(void **state)
         {IN_WORLD "Shape \"sphere\" \"float ", "alpha shadowalpha", "\" 1", ""},
         {IN_WORLD "Shape \"sphere\" \"float ", "uv st S faceIndices", "\" 1", ""},
         {IN_WORLD "Material \"coateddiffuse\" \"float roughness\" 0.1 \"float ", "g maxdepth nsamples", "\" 1", ""},
-        {IN_WORLD "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"Makefile\" \"float ",
+        {IN_WORLD "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"Makefile\" \"float ",
          "trilinear maxanisotropy", "\" 1", ""},
         {IN_WORLD "Texture \"t\" \"", "float spectrum color rgb", "\" \"constant\"", ""},
     };
@@ -1490,12 +1492,36 @@ static void every_example_of_the_reference_is_a_scene(void **state)
     bis_free(page);
 }
 
+/* Of each row of the code there is a line of the page with its directive, its name and what changes. */
+static void what_is_ignored_is_what_the_reference_says(void **state)
+{
+    unsigned char *page;
+    size_t size;
+    assert_int_equal(bis_file_read(&page, &size, "docs/scene-format.md", (bis_loc){0}, NULL), BIS_OK);
+    for (size_t i = 0; i < bis_n_ignored; i++) {
+        const bis_ignored *row = &bis_ignored_parameters[i];
+        const char *changes = strstr(row->consequence, "changes ") + strlen("changes "), *line = (const char *)page;
+        char directive[64], name[64], effect[128], text[512] = "";
+        snprintf(directive, sizeof directive, "| `%s` |", row->directive);
+        snprintf(name, sizeof name, "`%s`", row->name);
+        snprintf(effect, sizeof effect, "| %s |", changes);
+        while (*line && !(strstr(text, directive) && strstr(text, name) && strstr(text, effect))) {
+            const size_t n = strcspn(line, "\n");
+            snprintf(text, sizeof text, "%.*s", (int)n, line);
+            line += n + (line[n] == '\n');
+        }
+        if (!*line) fail_msg("%s \"%s\" changes %s", row->directive, row->name, changes);
+    }
+    bis_free(page);
+}
+
 static const expect_word words[] = {{"parse", parse}, {NULL, NULL}};
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_bad_scene_has_its_messages),
+        cmocka_unit_test(what_is_ignored_is_what_the_reference_says),
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(each_line_has_its_messages),

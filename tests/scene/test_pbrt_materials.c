@@ -1005,7 +1005,8 @@ static void words_about_filtering_are_ignored(void **state)
     snprintf(x, sizeof x, "%s", strrchr(scratch("x.png"), '/') + 1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         snprintf(
-            text, sizeof text, "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" %s", x, cases[i].words);
+            text, sizeof text, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s", x,
+            cases[i].words);
         parsed p = parse(text);
         assert_int_equal(p.status, BIS_OK);
         assert_int_equal(p.diag.n, cases[i].is_told ? 1 : 0);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-2-Clause
-"""make: the files of this folder that no editor writes, and the values of `expect` that are sums. Standard library alone.
+"""make: the files of this folder that no editor writes, and the values of `expect` that are sums.
 
 The colour matching functions are the fits of Wyman, Sloan and Shirley 2013 (Journal of Computer Graphics Techniques 2,
 2), good to 1 %, and no table of bis; the matrix is that of IEC 61966-2-1.
