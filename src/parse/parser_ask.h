@@ -46,6 +46,7 @@ void bis_params_skip(bis_parser *p, const char *const *names, size_t n);
  * "What is ignored", has the same rows. */
 typedef struct bis_ignored {
     const char *directive, *name, *consequence; /* "ignored, which changes ..." */
+    const char *idle; /* the value of which nothing is said, because it changes nothing; NULL: none */
 } bis_ignored;
 extern const bis_ignored bis_ignored_parameters[];
 extern const size_t bis_n_ignored;
