@@ -64,10 +64,12 @@ typedef struct look {
     bool is_material;    /* and that value is a material's name */
 } look;
 
+/* A word without spaces cannot be found at the first or behind the last space of the names. */
 static bool is_among(const char *names, const char *text)
 {
     const size_t n = strlen(text);
-    for (const char *s = names; n && (s = strstr(s, text)) != NULL; s += n)
+    if (!n || strchr(text, ' ')) return false;
+    for (const char *s = names; (s = strstr(s, text)) != NULL; s += n)
         if (s[-1] == ' ' && s[n] == ' ') return true;
     return false;
 }
