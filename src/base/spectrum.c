@@ -118,14 +118,49 @@ void bis_spectrum_conductor(rgbd *head_on, rgbd *mean, const bis_spectrum *eta, 
     *mean = reflected(all);
 }
 
-rgbd bis_spectrum_blackbody(double kelvin)
+/* What light of these values looks like: of 1 at all wavelengths it has luminance 1. */
+static rgbd emitted(const double value[N])
 {
-    const double c2 = 14387768.775; /* h c / k_B in nm K */
+    double sum = 0;
+
+    for (int i = 0; i < N; i++) sum += table[i][1];
+    return rgbd_scale(colour_of(value, false), 1 / sum);
+}
+
+rgbd bis_spectrum_emitted(const bis_spectrum *s, bool ends)
+{
     double value[N];
 
-    /* over its value at 560 nm: below 500 K nothing of it would be left in a double */
+    for (int i = 0; i < N; i++) {
+        const double nm = wavelength(i);
+        const bool is_outside = ends && (nm < s->pairs[0][0] || nm > s->pairs[s->n - 1][0]);
+        value[i] = is_outside ? 0 : bis_spectrum_at(s, nm);
+    }
+    return emitted(value);
+}
+
+/* Planck's law at the 41 wavelengths, over its value at `nm`. */
+static void planck(double value[N], double kelvin, double nm)
+{
+    const double c2 = 14387768.775; /* h c / k_B in nm K */
+
     for (int i = 0; i < N; i++)
-        value[i] = pow(560 / wavelength(i), 5) * expm1(c2 / (560 * kelvin)) / expm1(c2 / (wavelength(i) * kelvin));
+        value[i] = pow(nm / wavelength(i), 5) * expm1(c2 / (nm * kelvin)) / expm1(c2 / (wavelength(i) * kelvin));
+}
+
+rgbd bis_spectrum_blackbody(double kelvin)
+{
+    double value[N];
+
+    planck(value, kelvin, 560); /* below 500 K nothing of the values themselves would be left in a double */
     const rgbd c = colour_of(value, false);
     return rgbd_scale(c, 1 / (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b));
+}
+
+rgbd bis_spectrum_blackbody_peak(double kelvin)
+{
+    double value[N];
+
+    planck(value, kelvin, 2897771.955 / kelvin);
+    return emitted(value);
 }

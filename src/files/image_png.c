@@ -77,7 +77,7 @@ static unsigned char to_srgb(double v)
 {
     if (!(v > 0)) return 0; /* NaN, too */
     if (v >= 1) return 255;
-    double s = v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+    double s = bis_image_from_linear(v, BIS_GAMMA_SRGB);
     return (unsigned char)(255 * s + 0.5);
 }
 

@@ -298,6 +298,9 @@ void bis_approximate_finish(bis_parser *p)
 {
     bis_scene_desc *d = p->desc;
 
+    for (unsigned i = 0; i < p->n_rests; i++)
+        note(p, p->rest_at, BIS_EFFECT_SETTING, "the number at its beginning, as in pbrt",
+             "a number and more in one word");
     warn_of_each(p, p->notes, p->n_notes, "");
     if (!d->n_approximations) return;
     sort_by_effect(d->approximations, d->n_approximations);

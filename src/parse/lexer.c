@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* lexer: pbrt's tokens. White space separates and means nothing else, '#' starts a comment that ends with the line.
+/* lexer: pbrt's tokens. White space separates and means nothing else, '#' at the start of a word begins a comment that
+ * ends with the line. A line ends with LF, CR LF or CR, each file as it likes, also by turns.
  *
  * Included files form a stack of at most 64, so that no recursion follows the user's input. A token is a view into the
  * file's content: nothing is copied. The column of a token costs O(1): bytes since the line's start less those that
@@ -33,15 +34,17 @@ static void new_line(bis_source *s)
     if (s->line < INT_MAX) s->line++;
 }
 
+static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
 static void skip_space(bis_source *s)
 {
     while (s->next < s->end) {
         char c = *s->next;
         if (c == '#') {
-            while (s->next < s->end && *s->next != '\n') s->n_continuation += bis_utf8_continues(*s->next++);
+            while (s->next < s->end && !is_line_end(*s->next)) s->n_continuation += bis_utf8_continues(*s->next++);
         } else if (is_space(c)) {
             s->next++;
-            if (c == '\n') new_line(s);
+            if (c == '\n' || (c == '\r' && (s->next == s->end || *s->next != '\n'))) new_line(s);
         } else {
             return;
         }
@@ -52,19 +55,24 @@ static void skip_space(bis_source *s)
 static const char *bare_end(const bis_source *s)
 {
     const char *p = s->next;
-    while (p < s->end && !is_space(*p) && *p && *p != '"' && *p != '[' && *p != ']' && *p != '#') p++;
+    while (p < s->end && !is_space(*p) && *p && *p != '"' && *p != '[' && *p != ']') p++;
     return p;
 }
 
-static bis_token_kind bad_bare(bis_lexer *l, bis_source *s, bis_token *t, const char *what)
+/* way_out: the end of the message. */
+static bis_token_kind bad_bare(bis_lexer *l, bis_source *s, bis_token *t, const char *what, const char *way_out)
 {
     char buf[128];
+    t->has_rest = false;
     t->length = (size_t)(bare_end(s) - t->text);
     s->next = t->text + t->length;
     for (size_t i = 0; i < t->length; i++) s->n_continuation += bis_utf8_continues(t->text[i]);
-    bis_error(l->diag, BIS_INPUT, t->at, "%s \"%s\"", what, bis_printable(buf, t->text, t->length));
+    bis_error(l->diag, BIS_INPUT, t->at, "%s \"%s\"%s", what, bis_printable(buf, t->text, t->length), way_out);
     return BIS_TOKEN_BAD;
 }
+
+/* -1.#IND, 1.#QNAN, 1.#INF, and 1.$ of one digit: what Microsoft's printf made of numbers that are none. */
+static bool is_nonfinite(const char *end) { return end[-1] == '.' && (*end == '#' || *end == '$'); }
 
 /* Digits with at most a sign, a point and an exponent. What strtod would also take (0x10, inf, nan) is refused. */
 static bis_token_kind number(bis_lexer *l, bis_source *s, bis_token *t)
@@ -72,11 +80,17 @@ static bis_token_kind number(bis_lexer *l, bis_source *s, bis_token *t)
     const char *digits = t->text + (t->text[0] == '-' || t->text[0] == '+');
     const char *end = t->text;
 
-    if ((is_digit(digits[0]) && (digits[1] | 32) != 'x') || (digits[0] == '.' && is_digit(digits[1])))
+    const bool is_hexadecimal = digits[0] == '0' && (digits[1] | 32) == 'x';
+    if ((is_digit(digits[0]) && !is_hexadecimal) || (digits[0] == '.' && is_digit(digits[1])))
         t->number = bis_parse_double(t->text, &end);
-    bool ends = end == s->end || is_space(*end) || *end == '"' || *end == '[' || *end == ']' || *end == '#';
-    if (end == t->text || !ends) return bad_bare(l, s, t, "malformed number");
-    if (!isfinite(t->number)) return bad_bare(l, s, t, "non-finite number");
+    t->has_rest = end != s->end && !is_space(*end) && *end != '"' && *end != '[' && *end != ']';
+    if (t->has_rest && end > t->text && is_nonfinite(end)) return bad_bare(l, s, t, "non-finite number", "");
+    if (end == t->text) return bad_bare(l, s, t, "malformed number", "");
+    if (t->has_rest && !l->takes_rest)
+        return bad_bare(l, s, t, "malformed number", "; with --approximate: the number at its beginning, as in pbrt");
+    if (!isfinite(t->number)) return bad_bare(l, s, t, "non-finite number", "");
+    if (t->has_rest) end = bare_end(s);
+    for (const char *c = t->text; t->has_rest && c < end; c++) s->n_continuation += bis_utf8_continues(*c);
     t->length = (size_t)(end - t->text);
     s->next = end;
     return BIS_TOKEN_NUMBER;
@@ -86,7 +100,7 @@ static bis_token_kind word(bis_lexer *l, bis_source *s, bis_token *t)
 {
     const char *p = s->next;
     while (p < s->end && (is_letter(*p) || is_digit(*p))) p++;
-    if (p != bare_end(s)) return bad_bare(l, s, t, "malformed word");
+    if (p != bare_end(s)) return bad_bare(l, s, t, "malformed word", "");
     t->length = (size_t)(p - t->text);
     s->next = p;
     return BIS_TOKEN_WORD;
@@ -101,13 +115,13 @@ static char escaped(char c)
 }
 
 /* A string ends on its line. What is wrong with it, or NULL; *at: where. The lexer is moved behind it. */
-static const char *scan_string(bis_source *s, const char **at)
+static const char *scan_string(bis_source *s, const char **at, bool *is_latin1)
 {
     const char *wrong = NULL;
-    for (s->next++; s->next < s->end && *s->next != '\n' && *s->next != '"';) {
+    for (s->next++; s->next < s->end && !is_line_end(*s->next) && *s->next != '"';) {
         size_t n = bis_utf8_length(s->next, s->end);
         const char *problem = NULL;
-        if (!n) problem = "a string is not UTF-8 text: convert the file, for example with iconv";
+        *is_latin1 |= !n;
         if (*s->next == '\0') problem = "a zero byte in a string";
         if (*s->next == '\\' && (s->next + 1 == s->end || !escaped(s->next[1])))
             problem = "unknown escape in a string: a backslash is written \\\\";
@@ -115,7 +129,7 @@ static const char *scan_string(bis_source *s, const char **at)
             wrong = problem;
             *at = s->next;
         }
-        if (*s->next == '\\' && s->next + 1 < s->end && s->next[1] != '\n') s->next++;
+        if (*s->next == '\\' && s->next + 1 < s->end && !is_line_end(s->next[1])) s->next++;
         s->next += n ? n : 1;
         if (n > 1) s->n_continuation += n - 1;
     }
@@ -126,7 +140,8 @@ static const char *scan_string(bis_source *s, const char **at)
 static bis_token_kind string(bis_lexer *l, bis_source *s, bis_token *t)
 {
     const size_t before = s->n_continuation;
-    const char *at = s->next, *wrong = scan_string(s, &at);
+    bool is_latin1 = false;
+    const char *at = s->next, *wrong = scan_string(s, &at, &is_latin1);
 
     if (wrong) {
         bis_source there = *s; /* the characters up to the fault */
@@ -135,6 +150,11 @@ static bis_token_kind string(bis_lexer *l, bis_source *s, bis_token *t)
         if (s->next < s->end && *s->next == '"') s->next++;
         bis_error(l->diag, BIS_INPUT, place(&there, at), "%s", wrong);
         return BIS_TOKEN_BAD;
+    }
+    if (is_latin1 && !l->said_latin1) {
+        l->said_latin1 = true;
+        bis_warn(l->diag, t->at, "a name is not UTF-8 text; its bytes are taken as they are, which changes nothing but "
+                 "how it is printed");
     }
     t->text++;
     t->length = (size_t)(s->next++ - t->text);
@@ -163,7 +183,7 @@ bis_token bis_lexer_next(bis_lexer *l)
     bis_source *s = &l->sources[l->n_sources - 1];
 
     skip_space(s);
-    bis_token t = {BIS_TOKEN_END, s->next, 0, 0, place(s, s->next)};
+    bis_token t = {BIS_TOKEN_END, s->next, 0, 0, place(s, s->next), false};
     if (s->next == s->end) return t;
     const char c = *s->next;
     if (is_digit(c) || c == '-' || c == '+' || c == '.') {

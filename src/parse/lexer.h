@@ -25,6 +25,7 @@ typedef struct bis_token {
     size_t length;
     double number;
     bis_loc at; /* columns count characters, not bytes */
+    bool has_rest; /* NUMBER: something stands behind it in the same word, as in 60.0f (bis_lexer.takes_rest) */
 } bis_token;
 
 /* A file being read. */
@@ -43,6 +44,8 @@ typedef struct bis_lexer {
     bis_source sources[BIS_INCLUDE_DEPTH + 1];
     int n_sources;
     bis_diag *diag; /* may be NULL */
+    bool takes_rest;  /* a number may be followed by what is none, as pbrt allows; without it that is BAD */
+    bool said_latin1; /* the one warning of it */
 } bis_lexer;
 
 /* bis_lexer_push goes on with the file of this name, which must outlive all locs; at: the place that names it. A .gz is

@@ -8,6 +8,7 @@
 #include "approximate.h"
 #include "directives.h"
 #include "parser_ask.h"
+#include "parser_version.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -42,6 +43,18 @@ static bool is_stranger(bis_parser *p, const char *path, bis_loc at)
     return true;
 }
 
+/* Counts a file that has just been opened, if it was included before. */
+static void count_bytes(bis_parser *p, const char *name, bis_loc at)
+{
+    const bis_source *s = &p->lexer.sources[p->lexer.n_sources - 1];
+    if (bis_names_find(&p->included, name, NULL)) p->n_repeated += (uint64_t)(s->end - s->next);
+    else if (!bis_names_set(&p->included, name, 0)) bis_parser_nomem(p, at);
+    if (p->n_repeated <= BIS_MAX_REPEATED) return;
+    p->stop = !bis_parser_error(p, at, "files that were included before are more than %llu MB in all: put what they "
+                                "hold into an object (ObjectBegin), and show that several times",
+                                BIS_MAX_REPEATED >> 20);
+}
+
 /* The name is looked at, not taken: the next token to be taken is the included file's first. */
 static void directive_include(bis_parser *p, bis_loc at)
 {
@@ -66,6 +79,7 @@ static void directive_include(bis_parser *p, bis_loc at)
     bis_status status = name ? bis_lexer_push(&p->lexer, name, p->name_at) : BIS_OK;
     if (status == BIS_NOMEM) p->stop = true;
     bis_parser_note(p, status);
+    if (name && !status) count_bytes(p, name, at);
     bis_parser_advance(p);
 }
 
@@ -78,7 +92,6 @@ static void directive_world_begin(bis_parser *p, bis_loc at)
         return;
     }
     p->in_world = true;
-    p->is_v2 = p->v2_word && !p->seen[BIS_SINGLE_INTEGRATOR].line; /* Integrator came with v3 */
     p->now.ctm = bis_xform_identity();
     p->now.is_flat = p->now.at_end = false; /* as in pbrt: what follows is of both ends of a motion again */
     bis_parser_name_system(p, "world", &p->now.ctm, at);
@@ -138,19 +151,18 @@ static const struct directive {
 /* pbrt's directives (v1 to v4) that have no meaning here, and the way out. */
 static const struct foreign {
     const char *name, *instead;
-    bool is_v2; /* of no later version */
 } foreign[] = {
-    {"AreaLightSource", "light comes from LightSource \"infinite\" alone", false},
-    {"MakeNamedMedium", "there is no medium but the vacuum", false},
-    {"ActiveTransform", "nothing moves", false},
-    {"TransformTimes", "nothing moves", false},
-    {"Attribute", "give the parameters to each directive", false},
-    {"Import", "use Include", false},
-    {"SurfaceIntegrator", "use Integrator", true},
-    {"VolumeIntegrator", "use Integrator", true},
-    {"Renderer", "use Integrator", true},
-    {"Volume", "there is no medium but the vacuum", false},
-    {"SearchPath", "files are looked for beside the scene", false},
+    {"AreaLightSource", "light comes from LightSource \"infinite\" alone"},
+    {"MakeNamedMedium", "there is no medium but the vacuum"},
+    {"ActiveTransform", "nothing moves"},
+    {"TransformTimes", "nothing moves"},
+    {"Attribute", "give the parameters to each directive"},
+    {"Import", "use Include"},
+    {"SurfaceIntegrator", "use Integrator"},
+    {"VolumeIntegrator", "use Integrator"},
+    {"Renderer", "use Integrator"},
+    {"Volume", "there is no medium but the vacuum"},
+    {"SearchPath", "files are looked for beside the scene"},
 };
 
 /* What follows ActiveTransform looks like a directive: StartTime, EndTime, All. */
@@ -186,8 +198,6 @@ static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
     const char *names[BIS_COUNT(directives)];
     const bool takes_word = is_active_transform(p, name); /* asked before anything moves the token */
 
-    for (size_t i = 0; i < BIS_COUNT(foreign); i++)
-        if (foreign[i].is_v2 && strcmp(name, foreign[i].name) == 0) bis_parser_is_v2(p, foreign[i].name, at);
     if (p->other_light && strcmp(name, "AreaLightSource") == 0) {
         p->lost = true; /* passed over with what follows it */
         return;
@@ -289,6 +299,7 @@ static void parser_clear(bis_parser *p)
 {
     bis_lexer_clear(&p->lexer);
     bis_params_clear(&p->params);
+    bis_names_clear(&p->included);
     bis_names_clear(&p->mesh_names);
     bis_names_clear(&p->material_names);
     bis_names_clear(&p->object_names);
@@ -330,7 +341,8 @@ bis_status bis_scene_parse_text(bis_scene_desc **out, const char *path, const ch
     p->desc = desc;
     p->directive = "";
     p->convert = bis_parser_convert;
-    p->film_scale = 1;
+    p->film_scale = p->exposure.shutter = 1;
+    p->exposure.iso = 100;
     p->other_light = how & BIS_PARSE_OTHER_LIGHT;
     p->diag = p->lexer.diag = diag;
     p->approximate = how & BIS_PARSE_APPROXIMATE;
@@ -341,6 +353,7 @@ bis_status bis_scene_parse_text(bis_scene_desc **out, const char *path, const ch
              : text    ? bis_lexer_push_text(&p->lexer, desc->files[0], text)
                        : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
     if (status) goto done;
+    bis_parser_find_version(p);
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);
     /* after too many errors, or without memory, the whole is not known well enough to complain of it */

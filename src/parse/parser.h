@@ -17,7 +17,8 @@
 #define BIS_MAX_BLOCKS 4096
 #define BIS_MAX_TRIANGLES ((size_t)1 << 26) /* of the scene's own meshes, after instancing; about 5 GB */
 #define BIS_MAX_SHAPES (1u << 20) /* after instancing; 0.4 kB each, before any triangle */
-#define BIS_MAX_INCLUDES 100000   /* in all: 64 files that include each other twice would be 2^64 */
+#define BIS_MAX_INCLUDES 100000   /* in all: 64 files that include each other twice would be 2^64, */
+#define BIS_MAX_REPEATED (1ull << 28) /* and bytes of files that were included before: some seconds */
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -64,6 +65,10 @@ typedef struct bis_mix {
     bool done;
 } bis_mix;
 
+/* Of which version of pbrt a scene is. Where its words do not tell, what differs is read as in V4. V2 is also v1. bis's
+ * own scenes are V4. */
+typedef enum bis_pbrt_version { BIS_PBRT_UNKNOWN, BIS_PBRT_V2, BIS_PBRT_V3, BIS_PBRT_V4 } bis_pbrt_version;
+
 /* Directives of which a scene has one; a second replaces the first with a warning, as pbrt does silently. */
 typedef enum bis_single {
     BIS_SINGLE_CAMERA,
@@ -100,7 +105,11 @@ struct bis_parser {
     struct { /* parser.c: the way through the files */
         bis_lexer lexer;
         bis_status status; /* of the first error */
+        unsigned n_rests; /* numbers with something behind them, and the first of them */
+        bis_loc rest_at;
         unsigned n_includes;
+        bis_names included;
+        uint64_t n_repeated; /* bytes of files that were included before */
         bool lost; /* the syntax is broken here: skip to the next directive */
         bool stop; /* no memory, or too many errors */
         bool in_world, ended;
@@ -118,12 +127,7 @@ struct bis_parser {
         bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
         bis_names missing;
     };
-    struct { /* parser_state.c, parser_textures.c: what the scene says of pbrt's versions */
-        bool is_v2;          /* the scene is of pbrt-v2 or v1, because it says v2_word at v2_at */
-        const char *v2_word; /* a constant; NULL: nothing says so */
-        bis_loc v2_at;
-        const char *v3_word; /* the same of pbrt-v1 to v3 */
-    };
+    bis_pbrt_version version; /* parser_version.h */
     struct { /* parser_blocks.c: blocks and objects */
         bis_block *blocks;
         size_t n_blocks, capacity_blocks;
@@ -151,6 +155,9 @@ struct bis_parser {
     };
     struct { /* parser_light.c */
         double film_scale;  /* multiplies the picture; 1 (parser_options.c) */
+        struct {
+            double shutter, iso, time, ratio; /* of pbrt-v4: 1, 100; 0: not given */
+        } exposure;
         bis_distant *distants; /* in the world; they belong to the light at the end */
         size_t n_distants, capacity_distants;
     };
@@ -188,11 +195,12 @@ const char *bis_parser_hint(bis_parser *p, const char *nearest);
 /* bis_parser_word returns text of the input, fit for a message. It lasts until it is asked for the next. */
 const char *bis_parser_word(bis_parser *p, const char *text);
 
-/* bis_parser_is_v2 notes that the scene says what only scenes of pbrt-v2 and v1 say. word: a constant. */
-void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at);
-
 /* bis_parser_advance takes the token at hand: p->token is then the next one, of whichever file. */
 void bis_parser_advance(bis_parser *p);
+
+/* bis_parser_find_file returns the path of a file that a scene names at `at`: the first of its places where it is, or
+ * the first place if it is in none. The caller owns it. NULL: no memory, and no complaint. */
+char *bis_parser_find_file(bis_parser *p, bis_loc at, const char *name);
 
 /* bis_parser_path returns the resolved path of a file that a scene names at `at`: beside the main scene, in the working
  * directory, or beside the file that names it. It returns NULL after a complaint: the file must exist. The complaint

@@ -165,14 +165,61 @@ void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
     }
 }
 
-void bis_params_ignore(bis_parser *p, const char *const *names, size_t n)
+#define CHANGES "ignored, which changes "
+
+const bis_ignored bis_ignored_parameters[] = {
+    {"Camera", "shutteropen", CHANGES "nothing", NULL},
+    {"Camera", "shutterclose", CHANGES "nothing", NULL},
+    {"Film", "diagonal", CHANGES "nothing", NULL},
+    {"Film", "display", CHANGES "nothing", NULL},
+    {"Film", "savefp16", CHANGES "nothing but the digits of the file", "false"},
+    {"Film", "sensor", CHANGES "colour: the film sees as the CIE 1931 observer", "cie1931"},
+    {"Film", "whitebalance", CHANGES "colour: white is D65", "0"},
+    {"Film", "maxcomponentvalue", CHANGES "brightness: samples above it are not cut off", NULL},
+    {"Film", "maxsampleluminance", CHANGES "brightness: samples above it are not cut off", NULL},
+    {"Film", "pixelbounds", CHANGES "shape: the whole picture is rendered (cropwindow renders a part)", NULL},
+    {"Sampler", "dimensions", CHANGES "nothing but noise", NULL},
+    {"Sampler", "randomization", CHANGES "nothing but noise", NULL},
+    {"Sampler", "scramble", CHANGES "nothing but noise", NULL},
+    {"Sampler", "samplepixelcenter", CHANGES "shape: edges are smooth", "false"},
+    {"Integrator", "vectorize", CHANGES "nothing", NULL},
+    {"LightSource", "samples", CHANGES "nothing but noise", NULL},
+    {"LightSource", "nsamples", CHANGES "nothing but noise", NULL},
+    {"Texture", "filter", CHANGES "nothing but sharpness: between texels it is bilinear", NULL},
+    {"Option", "disabletexturefiltering", CHANGES "nothing", NULL},
+    {"Option", "disablewavelengthjitter", CHANGES "nothing", NULL},
+    {"Option", "displacementedgescale", CHANGES "shape: displaced meshes stay as they are", "1"},
+    {"Option", "forcediffuse", CHANGES "colour: materials stay as they are", "false"},
+    {"Option", "msereferenceimage", CHANGES "nothing", NULL},
+    {"Option", "msereferenceout", CHANGES "nothing", NULL},
+    {"Option", "pixelstats", CHANGES "nothing", NULL},
+    {"Option", "rendercoordsys", CHANGES "nothing", NULL},
+    {"Option", "seed", CHANGES "nothing but noise", NULL},
+    {"Option", "wavefront", CHANGES "nothing", NULL},
+};
+const size_t bis_n_ignored = BIS_COUNT(bis_ignored_parameters);
+
+/* Is the one value of the parameter, a text or a number, that of the row that changes nothing? */
+static bool is_idle(const bis_parser *p, const bis_param *param, const char *idle)
 {
-    for (size_t i = 0; i < n; i++) {
-        bis_param *param = bis_params_find(p, names[i]);
+    const char *end;
+    if (!idle || param->n != 1 || !param->type || param->type == BIS_TYPE_OTHER) return false;
+    if (param->is_strings) return strcmp(bis_parser_text(p, p->params.strings[param->first]), idle) == 0;
+    const double value = strcmp(idle, "false") == 0 ? 0 : bis_parse_double(idle, &end);
+    return p->params.numbers[param->first] == value;
+}
+
+void bis_params_ignore(bis_parser *p, const char *directive)
+{
+    for (size_t i = 0; i < bis_n_ignored; i++) {
+        const bis_ignored *row = &bis_ignored_parameters[i];
+        bis_param *param = strcmp(row->directive, directive) == 0 ? bis_params_find(p, row->name) : NULL;
         if (!param) continue;
         param->used = true;
-        if (p->approximate) bis_approximate_note(p, param->at, "ignored", "parameter \"%s\"", names[i]);
-        else if (bis_parser_once(p, names[i])) bis_warn(p->diag, param->at, "\"%s\" is ignored", names[i]);
+        if (is_idle(p, param, row->idle)) continue;
+        if (p->approximate) bis_approximate_note(p, param->at, row->consequence, "parameter \"%s\"", row->name);
+        else if (bis_parser_once(p, row->name))
+            bis_warn(p->diag, param->at, "\"%s\" is %s", row->name, row->consequence);
     }
 }
 

@@ -10,8 +10,10 @@
 #include "base/grow.h"
 #include "parser_ask.h"
 #include "parser_colours.h"
+#include "parser_version.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- spectra ---- */
@@ -23,13 +25,33 @@ void bis_parser_spectrum_clear(bis_parser_spectrum *s)
 }
 
 /* Are n numbers pairs of ascending wavelengths and values >= 0? */
-static bool is_spectrum(const double *v, size_t n)
+static bool is_spectrum(const double (*v)[2], size_t n)
 {
-    if (n < 2 || n % 2) return false;
-    for (size_t i = 0; i < n; i += 2) {
-        if (!(v[i] > 0 && fabs(v[i]) <= (double)FLT_MAX && v[i + 1] >= 0 && v[i + 1] <= (double)FLT_MAX)) return false;
-        if (i > 0 && v[i] <= v[i - 2]) return false;
+    for (size_t i = 0; i < n; i++) {
+        if (!(v[i][0] > 0 && v[i][0] <= (double)FLT_MAX && v[i][1] >= 0 && v[i][1] <= (double)FLT_MAX)) return false;
+        if (i > 0 && v[i][0] <= v[i - 1][0]) return false;
     }
+    return n > 0;
+}
+
+static int compare_wavelengths(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (x[0] > y[0]) - (x[0] < y[0]);
+}
+
+/* pbrt-v1 to v3 sort what does not ascend; v4 refuses it. False: complained. */
+static bool sort_pairs(bis_parser *p, double (*v)[2], size_t n, bis_loc at, const char *name)
+{
+    static const char kind[] = "a spectrum whose wavelengths descend", sorted[] = "sorted by wavelength";
+    size_t i = 1;
+    while (i < n && !(v[i][0] < v[i - 1][0])) i++;
+    if (i >= n) return true;
+    if (bis_parser_predates_v4(p)) bis_approximate_pass(p, at, "sorted by wavelength, as in pbrt-v1 to v3", kind);
+    else if (!bis_approximate_or_refuse(p, at, kind, sorted, "the wavelengths of the spectrum \"%s\" descend from %g "
+                                        "to %g: sort its pairs", name, v[i - 1][0], v[i][0]))
+        return false;
+    qsort(v, n, sizeof *v, compare_wavelengths);
     return true;
 }
 
@@ -41,12 +63,14 @@ static bool keep_pairs(bis_parser *p, bis_parser_spectrum *s, const double *v, s
         v = constant;
         n = 2;
     }
-    if (!v || !is_spectrum(v, n))
+    const bool are_pairs = v && n >= 2 && n % 2 == 0;
+    s->own = are_pairs ? bis_alloc(n / 2, sizeof *s->own) : NULL;
+    if (are_pairs && !s->own) return bis_parser_nomem(p, at);
+    if (are_pairs) memcpy(s->own, v, n * sizeof *v);
+    if (are_pairs && !sort_pairs(p, s->own, n / 2, at, name)) return false;
+    if (!are_pairs || !is_spectrum((const double (*)[2])s->own, n / 2))
         return bis_parser_error(p, at, "the spectrum \"%s\" must be one number, or pairs of a wavelength in nm and a "
                                 "value >= 0, wavelengths ascending", name);
-    s->own = bis_alloc(n / 2, sizeof *s->own);
-    if (!s->own) return bis_parser_nomem(p, at);
-    memcpy(s->own, v, n * sizeof *v);
     s->is = (bis_spectrum){(const double (*)[2])s->own, n / 2};
     return true;
 }
@@ -82,6 +106,14 @@ static bool read_spd(bis_parser *p, bis_parser_spectrum *s, const char *path, bi
     return ok;
 }
 
+/* One of pbrt-v4's illuminants, by its name; bis has the constants of D65 alone. */
+static bool is_illuminant(const bis_parser *p, const bis_param *param)
+{
+    if (!param || !param->is_strings || !param->n) return false;
+    const char *name = bis_parser_text(p, p->params.strings[param->first]);
+    return strncmp(name, "stdillum-", 9) == 0 || strncmp(name, "illum-", 6) == 0;
+}
+
 bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s)
 {
     const bis_param *param = bis_params_take(p, name, BIS_TYPE_SPECTRUM, 0);
@@ -89,7 +121,7 @@ bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s
     if (!param) return false;
     if (!param->is_strings) return keep_pairs(p, s, p->params.numbers + param->first, param->n, param->at, name);
     const char *file = bis_parser_text(p, p->params.strings[param->first]);
-    if (p->approximate && (strncmp(file, "stdillum-", 9) == 0 || strncmp(file, "illum-", 6) == 0)) {
+    if (p->approximate && is_illuminant(p, param)) {
         static const double white = 1;
         bis_approximate_note(p, param->at, "white", "the illuminant \"%s\"", bis_parser_word(p, file));
         return keep_pairs(p, s, &white, 1, param->at, name);
@@ -115,40 +147,46 @@ rgb bis_parser_into_unit(bis_parser *p, rgbd c, const char *name, bis_loc at)
     return rgbd_round(cut);
 }
 
-/* One number, the temperature; pbrt-v3's second one, with --approximate, multiplies. */
+/* The temperature: with luminance 1, as in pbrt-v4; or pbrt-v1's to v3's temperature and scale, of the spectrum whose
+ * peak is 1. The number of values says which, because neither reads the other's. */
 static bool take_blackbody(bis_parser *p, const char *name, rgbd *c)
 {
     static const bis_interval kelvins = {500, 1e6, false, false};
     const bis_param *param = bis_params_take(p, name, BIS_TYPE_BLACKBODY, 0);
     if (!param) return false;
     double *v = p->params.numbers + param->first;
-    if (param->n > 2 || (param->n == 2 && !p->approximate))
+    if (param->n > 2)
         return bis_parser_error(p, param->at, "\"blackbody %s\" has %zu values, must have one, the temperature in "
-                                "kelvin; pbrt-v3's second one is what \"scale\" says", name, param->n);
+                                "kelvin, or as in pbrt-v3 two, the temperature and a factor", name, param->n);
     if (!bis_parser_in_range(p, param->at, name, &v[0], kelvins)) return false;
-    *c = bis_spectrum_blackbody(v[0]);
-    if (param->n == 1) return true;
-    bis_approximate_note(p, param->at, "it multiplies the colour of luminance 1", "a second value of \"blackbody %s\"",
-                         name);
-    *c = rgbd_scale(*c, v[1]);
+    *c = param->n == 1 ? bis_spectrum_blackbody(v[0]) : rgbd_scale(bis_spectrum_blackbody_peak(v[0]), v[1]);
     return true;
 }
 
-/* A light's spectrum becomes what a surface of that reflectance shows in white light. */
+/* Of a light. pbrt-v4 divides by what the eye sees of it (SpectrumToPhotometric in src/pbrt/lights.cpp). */
 static bool take_emitted(bis_parser *p, const char *name, rgbd *c)
 {
-    char kind[64];
     bis_parser_spectrum s;
-    snprintf(kind, sizeof kind, "\"spectrum %s\"", name);
-    if (!bis_approximate_or_refuse(p, bis_params_at(p, name), kind, "its colour is relative to D65, white",
-                                   "\"%s\" is of type spectrum, must be rgb", name)) {
+    const bis_param *param = bis_params_find(p, name);
+    const bis_loc at = bis_params_at(p, name);
+    if (is_illuminant(p, param)) {
+        const char *which = bis_parser_text(p, p->params.strings[param->first]);
+        *c = (rgbd){1, 1, 1};
         bis_params_skip(p, &name, 1);
-        return false;
+        return strcmp(which, "stdillum-D65") == 0 ||
+               bis_approximate_or_refuse(p, at, "an illuminant that is not D65", "white", "the illuminant \"%s\" is "
+                                         "not known; bis has \"stdillum-D65\"", bis_parser_word(p, which));
     }
+    const bool is_before = bis_parser_is_before_v4(p, at, "a light's spectrum", "with luminance 1, and 0 outside of "
+                                                   "its wavelengths", "as bright as its values are");
     const bool ok = bis_params_spectrum(p, name, &s);
-    if (ok) *c = bis_spectrum_reflected(&s.is);
+    if (ok) *c = bis_spectrum_emitted(&s.is, !is_before && s.is.n > 1);
     bis_parser_spectrum_clear(&s);
-    return ok;
+    if (!ok || is_before) return ok;
+    const double luminance = 0.2126729 * c->r + 0.7151522 * c->g + 0.0721750 * c->b; /* Y of bis_xyz_to_rgb */
+    if (!(luminance > 0)) return bis_parser_error(p, at, "\"%s\" is a spectrum that no eye sees", name);
+    *c = rgbd_scale(*c, 1 / luminance);
+    return true;
 }
 
 /* A reflectance. */

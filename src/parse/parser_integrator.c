@@ -70,7 +70,6 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         "lightpath", "randomwalk", "ambientocclusion", "function", "photonmap", "exphotonmap",    "igi",
         "irradiancecache", "simplepath", "simplevolpath",
     };
-    static const char *const older[] = {"vectorize"}; /* of bis itself, before 0.1.0 */
     bis_choice choices[BIS_COUNT(pbrt) + MAX_INTEGRATORS];
     size_t n = 0;
 
@@ -101,7 +100,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         return;
     }
     bis_settings_replace(&p->desc->view.settings, read_settings(p, integrator));
-    if (integrator == &bis_sir) bis_params_ignore(p, older, BIS_COUNT(older));
+    if (integrator == &bis_sir) bis_params_ignore(p, "Integrator");
     bis_params_end(p, "Integrator", chosen->name);
 }
 
@@ -135,14 +134,12 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
         {"lowdiscrepancy", BIS_REPLACED}, {"maxmindist", BIS_REPLACED},      {"bestcandidate", BIS_REPLACED},
         {"adaptive", BIS_REPLACED},
     };
-    static const char *const ignored[] = {"dimensions", "randomization", "samplepixelcenter", "scramble"};
     uint32_t spp = 16;
 
     const bis_choice *chosen = bis_parser_begin(p, "Sampler", samplers, BIS_COUNT(samplers));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_SAMPLER, "Sampler", at);
     const bool replaced = chosen->value == BIS_REPLACED;
-    if (strcmp(chosen->name, "bestcandidate") == 0) bis_parser_is_v2(p, "Sampler \"bestcandidate\"", at);
     if (replaced) bis_warn(p->diag, p->name_at, "Sampler \"%s\" is replaced by \"sobol\"", chosen->name);
 
     const bool has_spp = bis_params_uint32(p, "pixelsamples", &spp, 1, MAX_SPP);
@@ -155,6 +152,6 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     p->desc->view.edge_light = 1;
     bis_params_float(p, "edgelight", &p->desc->view.edge_light, (bis_interval){0, 1, true, false});
     if (s->kind == BIS_SAMPLER_STRATIFIED) read_stratified(p, s, has_spp);
-    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    bis_params_ignore(p, "Sampler");
     if (!replaced) bis_params_end(p, "Sampler", chosen->name);
 }

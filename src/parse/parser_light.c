@@ -52,22 +52,13 @@ static void light_radiance(bis_parser *p, bis_light_desc *light)
     }
 }
 
-/* pbrt-v4's "illuminance", of a surface that faces up, is in lux; without units of photometry it can only mislead.
- * What is not above 0 means "not given", there as here. */
-static void light_illuminance(bis_parser *p)
+/* pbrt-v4's "illuminance" of a surface that faces up; 0: not given. What is not above 0 means that there as here. */
+static double light_illuminance(bis_parser *p)
 {
-    double lux = -1;
+    double illuminance = 0;
 
-    if (!bis_params_float(p, "illuminance", &lux, anything) || lux <= 0) return;
-    if (p->approximate) {
-        bis_approximate_note(p, bis_params_at(p, "illuminance"), "ignored: the brightness is the light's own",
-                             "\"illuminance\"");
-        return;
-    }
-    bis_parser_error(p, bis_params_at(p, "illuminance"),
-                     "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has "
-                     "no units of photometry: remove it, and give what the radiance is multiplied by as "
-                     "\"float scale\" (of a constant light of 1: illuminance / pi); with --approximate: ignored");
+    bis_params_float(p, "illuminance", &illuminance, anything);
+    return fmax(illuminance, 0);
 }
 
 static void light_map(bis_parser *p, bis_light_desc *light)
@@ -147,7 +138,8 @@ static void read_distant(bis_parser *p, bis_loc at)
     read_point(p, "from", from);
     read_point(p, "to", to);
     light_radiance(p, &light);
-    light_illuminance(p);
+    const double illuminance = light_illuminance(p);
+    if (illuminance > 0) light.scale *= illuminance; /* pbrt's own light has the irradiance 1 */
     for (int i = 0; i < 3; i++) {
         one.towards[i] = 0;
         for (int k = 0; k < 3; k++) one.towards[i] += p->now.ctm.m[i][k] * (from[k] - to[k]);
@@ -172,7 +164,6 @@ void bis_directive_light(bis_parser *p, bis_loc at)
         {"distant", BIS_FOREIGN}, {"goniometric", BIS_FOREIGN}, {"projection", BIS_FOREIGN},
         {"diffuse", BIS_FOREIGN},
     };
-    static const char *const ignored[] = {"samples", "nsamples"};
 
     if (p->other_light) {
         pass_over(p);
@@ -189,10 +180,10 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light_filename(p, &light);
     light_radiance(p, &light);
     light_map(p, &light);
-    light_illuminance(p);
+    light.illuminance = light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
     light_filter(p, &light);
-    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    bis_params_ignore(p, "LightSource");
     bis_params_end(p, "LightSource", "infinite");
     p->desc->light = light;
     p->desc->has_light = true;
@@ -247,6 +238,8 @@ void bis_parser_finish_light(bis_parser *p)
         return;
     }
     if (!d->has_light) d->light.loc = whole;
+    p->film_scale *= p->exposure.ratio > 0 ? p->exposure.ratio
+                     : (p->exposure.time > 0 ? p->exposure.time : p->exposure.shutter) * p->exposure.iso / 100;
     d->light.scale *= p->film_scale;
     if (p->n_distants) take_distants(p);
     if (d->has_light) return;

@@ -255,7 +255,8 @@ static bool read_map(bis_parser *p, const line *l, map *m, uint32_t *image)
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, l->at, name, &no_image);
     const bool may_hold_normals = m->x.is_float && !m->names_channel;
-    return !lacks && bis_parser_add_image(p, path, m->gamma, may_hold_normals, l->at, image);
+    const bis_texture_file as = {.gamma = m->gamma, .loc = l->at, .may_hold_normals = may_hold_normals};
+    return !lacks && bis_parser_add_image(p, path, &as, image);
 }
 
 /* Heights and normals are linear numbers, whatever the format means by its own. */

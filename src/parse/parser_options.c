@@ -8,6 +8,7 @@
 #include "approximate.h"
 #include "directives.h"
 #include "parser_ask.h"
+#include "parser_version.h"
 
 #include <string.h>
 
@@ -34,14 +35,39 @@ static void camera_screen(bis_parser *p, bis_camera *c)
 static void camera_lens(bis_parser *p)
 {
     static const char *const focus[] = {"focaldistance"};
-    static const char *const shutter[] = {"shutteropen", "shutterclose"};
     double radius = 0;
     if (bis_params_float(p, "lensradius", &radius, any) && radius != 0) {
         bis_approximate_or_refuse(p, bis_params_at(p, "lensradius"), "\"lensradius\"", "all is in focus",
                                   "a thin lens is not modelled: \"lensradius\" must be 0");
     }
     bis_params_skip(p, focus, BIS_COUNT(focus));
-    bis_params_ignore(p, shutter, BIS_COUNT(shutter));
+}
+
+/* In pbrt-v4 the film gathers light for as long as the shutter is open. Source: src/pbrt/scene.cpp. */
+static void camera_shutter(bis_parser *p)
+{
+    double open = 0, close = 1;
+    p->exposure.shutter = 1;
+    bis_params_float(p, "shutteropen", &open, any);
+    bis_params_float(p, "shutterclose", &close, any);
+    if (close - open == 1 || bis_parser_is_before_v4(p, bis_params_at(p, "shutterclose"), "the shutter", "the picture "
+                                                     "is as bright as it is long open", "it changes nothing")) {
+        bis_params_ignore(p, "Camera");
+        return;
+    }
+    p->exposure.shutter = close - open;
+    if (!(close > open))
+        bis_parser_error(p, bis_params_at(p, "shutterclose"), "the shutter is open from %g to %g, so that the picture "
+                         "would be black, and pbrt-v4 ends: \"shutterclose\" must exceed \"shutteropen\"", open, close);
+}
+
+/* halffov is that of structure synth, as in pbrt-v2 to v4. */
+static void camera_fov(bis_parser *p, bis_camera *c)
+{
+    double half = -1;
+    bis_params_float(p, "fov", &c->fov_deg, (bis_interval){0, 180, true, true});
+    if (bis_params_float(p, "halffov", &half, (bis_interval){-HUGE_VAL, 90, false, true}) && half > 0)
+        c->fov_deg = 2 * half;
 }
 
 void bis_directive_camera(bis_parser *p, bis_loc at)
@@ -57,9 +83,10 @@ void bis_directive_camera(bis_parser *p, bis_loc at)
 
     bis_camera c = {.orthographic = chosen->value == ORTHOGRAPHIC, .fov_deg = 90,
                     .to_world = bis_xform_inverse(&p->now.ctm)};
-    if (!c.orthographic) bis_params_float(p, "fov", &c.fov_deg, (bis_interval){0, 180, true, true});
+    if (!c.orthographic) camera_fov(p, &c);
     camera_screen(p, &c);
     camera_lens(p);
+    camera_shutter(p);
     bis_params_end(p, "Camera", chosen->name);
     p->desc->view.camera = c;
     bis_parser_name_system(p, "camera", &c.to_world, at);
@@ -91,17 +118,24 @@ static void film_layers(bis_parser *p, bis_film_desc *film)
     }
 }
 
+/* pbrt-v4's: the picture is multiplied by the exposure time times ISO / 100. Source: src/pbrt/film.cpp, whose earlier
+ * versions had exposuretime, instead of the shutter's, and imagingratio, instead of the product. */
+static void film_exposure(bis_parser *p)
+{
+    static const bis_interval positive = {0, HUGE_VAL, true, false};
+    p->exposure.iso = 100;
+    p->exposure.time = p->exposure.ratio = 0;
+    bis_params_float(p, "iso", &p->exposure.iso, positive);
+    bis_params_float(p, "exposuretime", &p->exposure.time, positive);
+    bis_params_float(p, "imagingratio", &p->exposure.ratio, positive);
+}
+
 void bis_directive_film(bis_parser *p, bis_loc at)
 {
     static const bis_choice films[] = {{"rgb", 0}, {"image", 0}, {"gbuffer", BIS_FOREIGN}, {"spectral", BIS_FOREIGN}};
-    static const char *const ignored[] = {
-        "diagonal",     "savefp16",     "sensor",      "iso",   "whitebalance",      "maxcomponentvalue",
-        "exposuretime", "imagingratio", "pixelbounds", "maxsampleluminance", "display",
-    };
     const bis_choice *type = bis_parser_begin(p, "Film", films, BIS_COUNT(films));
     if (!type) return;
     bis_parser_single(p, BIS_SINGLE_FILM, "Film", at);
-    if (strcmp(type->name, "image") == 0) p->v3_word = "Film \"image\"";
 
     bis_film_desc film = bis_film_default;
     uint32_t width = (uint32_t)film.width, height = (uint32_t)film.height;
@@ -116,7 +150,8 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     bis_params_float(p, "scale", &p->film_scale, (bis_interval){0, HUGE_VAL, false, false});
     film_crop(p, &film);
     film_layers(p, &film);
-    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    film_exposure(p);
+    bis_params_ignore(p, "Film");
     char *outfile = bis_strdup(filename);
     if (outfile) {
         bis_free(p->desc->outfile);
@@ -197,9 +232,6 @@ static void option_as_printed(bis_parser *p)
 
 void bis_directive_option(bis_parser *p, bis_loc at)
 {
-    static const char *const ignored[] = {"disabletexturefiltering", "disablewavelengthjitter", "displacementedgescale",
-                                          "forcediffuse", "msereferenceimage", "msereferenceout", "pixelstats",
-                                          "rendercoordsys", "seed", "wavefront"};
     if (p->token.kind != BIS_TOKEN_STRING && p->token.kind != BIS_TOKEN_BAD)
         bis_parser_error(p, at, "Option wants \"type name\" and a value");
     p->lost = p->token.kind != BIS_TOKEN_STRING;
@@ -209,14 +241,7 @@ void bis_directive_option(bis_parser *p, bis_loc at)
     if (bis_params_bool(p, "disablepixeljitter", &disable)) p->desc->view.pixel_jitter = !disable;
     if (bis_params_bool(p, "approximate", &disable)) p->approximate |= disable;
     option_as_printed(p);
-    for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
-        if (!bis_params_has(p, ignored[i])) continue;
-        if (bis_parser_once(p, "Option"))
-            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\", \"asprinted\" and "
-                     "\"approximate\"",
-                     ignored[i]);
-        bis_params_skip(p, &ignored[i], 1);
-    }
+    bis_params_ignore(p, "Option");
     bis_params_end(p, "Option", NULL);
 }
 

@@ -2,13 +2,13 @@
 /* parser_params: "type name" value or [values], all of a directive's, read before any is looked at (parser_ask.c).
  *
  * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of
- * its class (numbers, strings, true or false), numbers are finite as floats. Of two parameters of one name the last
- * counts, as in pbrt. Values go into arrays that the next directive uses again. Invariant: strings and names are
- * offsets, since the text moves when it grows. */
+ * its class (numbers, strings, true or false), numbers are finite as floats. Values go into arrays that the next
+ * directive uses again. Invariant: strings and names are offsets, since the text moves when it grows. */
 #include "base/grow.h"
 #include "approximate.h"
 #include "parser.h"
 #include "parser_params.h"
+#include "parser_version.h"
 
 #include <float.h>
 #include <string.h>
@@ -272,6 +272,19 @@ bis_param *bis_params_find(bis_parser *p, const char *name)
     return NULL;
 }
 
+/* Of two parameters of one name the last counts, in the place of the first; but pbrt-v1 to v3 look for a texture before
+ * they look for a value. */
+static void repeat(bis_parser *p, bis_param *before, const bis_param *param)
+{
+    const bool is_texture = param->type == BIS_TYPE_TEXTURE, was_texture = before->type == BIS_TYPE_TEXTURE;
+    const bool by_texture = is_texture != was_texture &&
+                            bis_parser_is_before_v4(p, param->at, "a texture and a value of one name",
+                                                    "the last one counts", "the texture counts");
+    bis_approximate_pass(p, param->at, by_texture ? "the texture counts" : "the last one counts",
+                         "\"%s\" given twice", bis_parser_text(p, param->name));
+    if (is_texture || !by_texture) *before = *param;
+}
+
 static bool read_param(bis_parser *p)
 {
     bis_param param = {.at = p->token.at};
@@ -283,14 +296,13 @@ static bool read_param(bis_parser *p)
     param.type_name = type->shown;
     const char *name = bis_parser_text(p, param.name);
     bis_param *before = bis_params_find(p, name);
-    if (before) bis_approximate_pass(p, param.at, "the last one counts", "\"%s\" given twice", name);
     bis_parser_advance(p);
     if (p->token.kind != BIS_TOKEN_OPEN && !is_value(&p->token) && p->token.kind != BIS_TOKEN_BAD &&
         !bis_token_is_nonfinite(&p->token))
         return bis_parser_lose(p, param.at, "\"%s\" has no value", name);
     if (!read_values(p, &param, type->values)) return false;
-    if (!before) before = &p->params.list[p->params.n++]; /* else the last one counts, in the place of the first */
-    *before = param;
+    if (!before) p->params.list[p->params.n++] = param;
+    else repeat(p, before, &param);
     return true;
 }
 

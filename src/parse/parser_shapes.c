@@ -9,6 +9,8 @@
 #include "directives.h"
 #include "parser_ask.h"
 #include "parser_shapes.h"
+#include "parser_textures.h"
+#include "parser_version.h"
 
 #include <string.h>
 
@@ -99,6 +101,48 @@ static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
     return m->has_parts && !bis_parser_is_missing(p, m->filename);
 }
 
+/* Does "alpha" of this shape change nothing in the scene's version, but in another? */
+static bool is_passed_over(bis_parser *p, bis_loc at, bool is_mesh)
+{
+    const char *what = is_mesh ? "\"alpha\" between 0 and 1" : "\"alpha\" of a shape that is no mesh";
+    return bis_parser_is_before_v4(p, at, what, "it makes holes, and 0 the whole shape a hole", "it changes nothing");
+}
+
+/* "alpha" or "shadowalpha": 1 and more changes nothing, another constant than 0 and a texture are not modelled. Returns
+ * whether it is a constant 0. whole: what --approximate makes of it. */
+static bool is_0(bis_parser *p, const bis_choice *shape, const char *name, const char *whole)
+{
+    static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
+    char kind[BIS_APPROXIMATION_KIND];
+    uint32_t texture = BIS_NO_TEXTURE;
+    double alpha = 1;
+    const bis_loc at = bis_params_at(p, name);
+    bis_params_number(p, name, &alpha, any, &texture);
+    const bool varies = texture != BIS_NO_TEXTURE, is_mesh = shape->value < BIS_MADE_SPHERE;
+    if (!varies && alpha >= 1) return false;
+    snprintf(kind, sizeof kind, "\"%s\" of Shape \"%s\"", name, shape->name);
+    const bool is_alike = is_mesh && (varies || alpha == 0); /* in all versions */
+    if (!is_alike && is_passed_over(p, at, is_mesh)) {
+        bis_approximate_pass(p, at, "ignored, which changes nothing, as in pbrt-v1 to v3", "%s", kind);
+        return false;
+    }
+    if (!varies && alpha <= 0) return true;
+    bis_approximate_or_refuse(p, at, kind, whole, "\"%s\" is not modelled but for 0 and 1", name);
+    return false;
+}
+
+/* pbrt-v4's alpha of any shape, earlier versions' of triangle meshes, of which 0 alone counts, and their shadowalpha.
+ * Returns whether the shape is there. Sources: src/pbrt/cpu/primitive.cpp, and src/shapes/triangle.cpp of v3. */
+static bool read_alpha(bis_parser *p, const bis_choice *shape)
+{
+    const bool is_seen = !is_0(p, shape, "alpha", "the shape has no holes");
+    if (is_0(p, shape, "shadowalpha", "its shadow has no holes"))
+        bis_approximate_or_refuse(p, bis_params_at(p, "shadowalpha"), "\"shadowalpha\" of 0",
+                                  "the shape casts a shadow",
+                                  "\"shadowalpha\" is not modelled: shapes that are seen cast shadows");
+    return is_seen;
+}
+
 void bis_directive_shape(bis_parser *p, bis_loc at)
 {
     static const bis_choice shapes[] = {
@@ -111,14 +155,12 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     /* what changes nothing here: texture coordinates that are of no use, tangents, and numbers of faces for other
      * textures */
     static const char *const silent[] = {"uv", "st", "S", "faceIndices"};
-    static const char *const holes[] = {"alpha", "shadowalpha"};
     /* what may not have been asked for after a mistake */
     static const char *const rest[] = {"indices", "N", "Pz", "Pw", "P", "u0", "u1", "uknots", "v0", "v1", "vknots"};
 
     const bis_choice *chosen = bis_parser_begin(p, "Shape", shapes, BIS_COUNT(shapes));
     if (!chosen || chosen->value == BIS_FOREIGN) return; /* left out */
-    if (p->approximate && (bis_params_has(p, "alpha") || bis_params_has(p, "shadowalpha")))
-        bis_approximate_note(p, at, "the shape has no holes", "\"alpha\" of Shape \"%s\"", chosen->name);
+    const bool is_seen = read_alpha(p, chosen);
     bis_shape_desc shape = {.to_world = p->now.ctm, .material = p->now.material, .loc = at};
     bool ok;
     if (chosen->value >= BIS_MADE_SPHERE) {
@@ -129,9 +171,8 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     }
     if (!ok) bis_params_skip(p, rest, BIS_COUNT(rest));
     bis_params_skip(p, silent, BIS_COUNT(silent));
-    if (p->approximate) bis_params_skip(p, holes, BIS_COUNT(holes)); /* noted above */
-    else bis_params_ignore(p, holes, BIS_COUNT(holes));
     bis_params_end(p, "Shape", chosen->name);
-    if (ok && has_parts(p, &shape)) bis_parser_add_parts(p, &shape);
-    else if (ok) bis_parser_add_shape(p, &shape);
+    if (!ok || !is_seen) return;
+    if (has_parts(p, &shape)) bis_parser_add_parts(p, &shape);
+    else bis_parser_add_shape(p, &shape);
 }

@@ -155,19 +155,13 @@ const char *bis_parser_hint(bis_parser *p, const char *nearest)
 
 const char *bis_parser_word(bis_parser *p, const char *text) { return bis_printable(p->word, text, strlen(text)); }
 
-/* The first word is kept: it is what a message names. */
-void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at)
-{
-    if (p->v2_word) return;
-    p->v2_word = word;
-    p->v2_at = at;
-}
-
 /* ---- tokens and files ---- */
 
 void bis_parser_advance(bis_parser *p)
 {
+    p->lexer.takes_rest = p->approximate;
     p->token = bis_lexer_next(&p->lexer);
+    if (p->token.has_rest && !p->n_rests++) p->rest_at = p->token.at;
     /* the lexer has complained of it by itself, and knows no status of the whole */
     if (p->token.kind == BIS_TOKEN_BAD) bis_parser_note(p, BIS_INPUT);
 }
@@ -199,10 +193,9 @@ static bool lies_at(char **path, const char *beside, const char *name)
     return *path && stat(*path, &st) == 0;
 }
 
-/* The first of pbrt's places (of v2 to v4 the main scene's folder, of v4 then the working directory) and of ours (the
- * folder of the file that names it) where there is such a file; where there is none, the first place. NULL: no memory.
- */
-static char *find_file(bis_parser *p, bis_loc at, const char *name)
+/* The places are pbrt's (of v2 to v4 the main scene's folder, of v4 then the working directory), then ours (the folder
+ * of the file that names it). */
+char *bis_parser_find_file(bis_parser *p, bis_loc at, const char *name)
 {
     const char *const beside[] = {p->desc->files[0], "", at.file};
     char *first, *path;
@@ -248,12 +241,12 @@ bool bis_parser_is_missing(const bis_parser *p, const char *path) { return bis_n
 
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name, const char *way_out)
 {
-    return check_path(p, at, name, find_file(p, at, name), way_out);
+    return check_path(p, at, name, bis_parser_find_file(p, at, name), way_out);
 }
 
 char *bis_parser_path_or(bis_parser *p, const char **lacks, bis_loc at, const char *name, const bis_stand_in *other)
 {
-    char *path = other->is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
+    char *path = other->is_beside ? bis_path_relative_to(at.file, name) : bis_parser_find_file(p, at, name);
     bis_status status;
     *lacks = NULL;
     if (p->approximate && name[0] && path && is_absent(path)) *lacks = other->kind;

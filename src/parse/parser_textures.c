@@ -10,6 +10,7 @@
 #include "directives.h"
 #include "parser_colours.h"
 #include "parser_textures.h"
+#include "parser_version.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -133,24 +134,30 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
     return ok && bis_parser_add_texture(p, &x, index);
 }
 
-/* What says that the scene is of pbrt-v1 to v3; NULL: nothing does. */
-static const char *word_before_v4(const bis_parser *p) { return p->is_v2 ? p->v2_word : p->v3_word; }
-
 /* From the world to the space of the texture, which is the current transformation's in pbrt-v4. pbrt-v1 to v3 take the
  * world for "planar", and for patterns in space the matrix itself where v4 takes its inverse. */
 static bool take_space(bis_parser *p, bis_texture *x, bool is_pattern)
 {
     const bis_xform *ctm = &p->now.ctm, world = bis_xform_identity();
-    const char *word = word_before_v4(p);
     const double (*m)[4] = ctm->inv;
-    bool ok = true;
-    if (word && is_pattern) m = ctm->m;
-    else if (word && x->mapping == BIS_TEXTURE_PLANAR) m = world.m;
+    bool ok = true, moves = false;
+    for (int i = 0; i < 12; i++) moves |= ctm->m[i / 4][i % 4] != world.m[i / 4][i % 4];
+    if (is_pattern && moves && bis_parser_is_before_v4(p, p->name_at, "the space of a pattern",
+                                                       "the current transformation takes it to the world",
+                                                       "the transformation is used the other way round"))
+        m = ctm->m;
+    else if (!is_pattern && x->mapping == BIS_TEXTURE_PLANAR && moves &&
+             bis_parser_is_before_v4(p, p->name_at, "the mapping \"planar\"",
+                                     "by the point in the space of the current transformation",
+                                     "by the point in the world"))
+        m = world.m;
     for (int i = 0; i < 12; i++) {
         x->from_world[i / 4][i % 4] = m[i / 4][i % 4];
         ok &= fabs(x->from_world[i / 4][i % 4]) <= 1e30;
     }
-    if (p->approximate && word && x->mapping == BIS_TEXTURE_CYLINDRICAL)
+    if (x->mapping == BIS_TEXTURE_CYLINDRICAL &&
+        bis_parser_is_before_v4(p, p->name_at, "the mapping \"cylindrical\"", "t is z", "t is z over the distance") &&
+        p->approximate)
         bis_approximate_note(p, p->name_at, "t is z, as in pbrt-v4; earlier it is z over the distance",
                              "mapping \"cylindrical\" of a Texture");
     return ok || bis_parser_error(p, bis_params_at(p, "mapping"), "the current transformation shrinks this texture's "
@@ -211,9 +218,10 @@ static bool read_encoding(bis_parser *p, double *gamma)
     const char *text, *end;
     bool by_curve = true;
 
-    *gamma = p->is_v2 ? 1 : BIS_GAMMA_SRGB;
+    const bool is_v2 = p->version == BIS_PBRT_V2;
+    *gamma = is_v2 ? 1 : BIS_GAMMA_SRGB;
     const bis_param *given = bis_params_find(p, "gamma");
-    if (given && given->type == BIS_TYPE_FLOAT && p->is_v2) {
+    if (given && given->type == BIS_TYPE_FLOAT && is_v2) {
         bis_params_float(p, "gamma", gamma, (bis_interval){0, 100, true, false});
     } else if (given && given->type == BIS_TYPE_FLOAT) {
         bis_approximate_pass(p, given->at, "ignored, as in pbrt-v3", "\"float gamma\" of a texture");
@@ -236,17 +244,17 @@ static bool read_encoding(bis_parser *p, double *gamma)
                             bis_parser_word(p, text));
 }
 
-bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bool may_hold_normals, bis_loc at, uint32_t *index)
+bool bis_parser_add_image(bis_parser *p, char *path, const bis_texture_file *as, uint32_t *index)
 {
     if (!path) return false;
     bis_textures *t = &p->desc->textures;
     const size_t room = strlen(path) + 80;
     char *key = bis_alloc(room, 1), number[32];
-    const char kind = may_hold_normals ? 'n' : 'c';
+    const char kind = as->may_hold_normals ? 'n' : as->is_luminance ? 'y' : 'c';
     bool ok = key != NULL;
     struct stat st;
 
-    bis_format_double(number, gamma);
+    bis_format_double(number, as->gamma);
     if (ok && stat(path, &st) == 0)
         snprintf(key, room, "%s%c=%ju/%ju", number, kind, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
     else if (ok) snprintf(key, room, "%s%c:%s", number, kind, path);
@@ -260,10 +268,11 @@ bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bool may_hold
     bis_free(key);
     if (!ok) {
         bis_free(path);
-        return bis_parser_nomem(p, at);
+        return bis_parser_nomem(p, as->loc);
     }
     *index = (uint32_t)t->n_files;
-    t->files[t->n_files++] = (bis_texture_file){path, gamma, at, may_hold_normals};
+    t->files[t->n_files] = *as;
+    t->files[t->n_files++].filename = path;
     return true;
 }
 
@@ -291,22 +300,29 @@ static void turn_over(bis_texture *x)
 /* What is taken for which version, and why. */
 static void say_version(bis_parser *p)
 {
-    if (!p->is_v2 || !bis_parser_once(p, "version")) return;
-    bis_warn(p->diag, p->v2_at, "taken for pbrt-v2 or v1, because %s is in no later version: row 0 of an image texture "
-             "is at t = 0, and its values are linear unless \"float gamma\" says otherwise", p->v2_word);
+    if (p->version != BIS_PBRT_V2 || !bis_parser_once(p, "version")) return;
+    bis_warn(p->diag, p->name_at, "taken for %s: row 0 of an image texture is at t = 0, and its values are linear "
+             "unless \"float gamma\" says otherwise", p->desc->version);
 }
 
 /* pbrt-v4's filter is bilinear if it does not say otherwise, as ours; earlier versions look at the footprint. */
 static void read_filter(bis_parser *p)
 {
-    static const char *const earlier[] = {"trilinear", "maxanisotropy"}, *const filter[] = {"filter"};
+    static const char *const earlier[] = {"trilinear", "maxanisotropy"};
     const char *name;
     const bool is_said = bis_params_has(p, "filter");
     const bool is_ours = is_said && bis_params_string(p, "filter", &name) && strcmp(name, "bilinear") == 0;
-    if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) || word_before_v4(p)))
+    if (!is_ours && (is_said || bis_params_has(p, earlier[0]) || bis_params_has(p, earlier[1]) ||
+                     bis_parser_predates_v4(p)))
         note_filter(p, "imagemap");
-    if (!is_ours && !p->approximate) bis_params_ignore(p, filter, 1);
+    if (!is_ours && !p->approximate) bis_params_ignore(p, "Texture");
     bis_params_skip(p, earlier, BIS_COUNT(earlier));
+}
+
+static bool is_luminance(bis_parser *p, const bis_texture *x)
+{
+    return x->is_float && bis_parser_is_before_v4(p, p->name_at, "an image as numbers", "the mean of its colours",
+                                                  "the luminance of what the file holds, made linear after it");
 }
 
 static bool read_imagemap(bis_parser *p, bis_texture *x)
@@ -323,7 +339,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     bis_params_float(p, "scale", &x->scale, anything);
     bis_params_bool(p, "invert", &x->invert);
     read_filter(p);
-    if (p->is_v2) turn_over(x);
+    if (p->version == BIS_PBRT_V2) turn_over(x);
     say_version(p);
     x->kind = BIS_TEXTURE_IMAGE;
     x->wrap = (bis_wrap)wrap;
@@ -334,7 +350,10 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     const bis_stand_in no_image = {"an image that is not there", "grey", "an image that cannot be read", false};
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
-    if (!lacks) return bis_parser_add_image(p, path, gamma, false, at, &x->image) && ok;
+    if (!lacks) {
+        const bis_texture_file as = {.gamma = gamma, .loc = at, .is_luminance = is_luminance(p, x)};
+        return bis_parser_add_image(p, path, &as, &x->image) && ok;
+    }
     *x = constant((rgbd){0.5, 0.5, 0.5});
     return ok;
 }
@@ -532,7 +551,6 @@ static bool read_type(bis_parser *p, const char *type, bis_loc at, bool *of_floa
     for (size_t i = 0; i < BIS_COUNT(types); i++) {
         if (strcmp(type, types[i]) != 0) continue;
         *of_floats = i == 0;
-        if (i == 2 && !p->v3_word) p->v3_word = "a Texture of type \"color\"";
         return true;
     }
     return bis_parser_error(p, at, "a Texture is of type \"float\" or \"spectrum\" (or \"color\", \"rgb\"), not \"%s\"",

@@ -17,6 +17,7 @@ bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floa
 /* bis_parser_add_texture adds a texture to the scene and stores its index. Returns false after a complaint. */
 bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
 
-/* bis_parser_add_image adds the image file that is named at `at`, or finds it, if it has been added by whatever path,
- * and stores its index. It takes over the path; NULL: it was complained of already. Returns false after a complaint. */
-bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bool may_hold_normals, bis_loc at, uint32_t *image);
+/* bis_parser_add_image adds an image file, or finds it, if it has been added by whatever path with the same meaning of
+ * its values, and stores its index. path is that of the file, which it takes over; NULL: there is none. `as` has all but
+ * the path. Returns false after a complaint. */
+bool bis_parser_add_image(bis_parser *p, char *path, const bis_texture_file *as, uint32_t *image);

@@ -73,7 +73,7 @@ static void read_bump(bis_parser *p, bis_material_textures *t)
     const bis_loc at = bis_params_at(p, "normalmap");
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_normals);
-    if (!lacks) bis_parser_add_image(p, path, 1, false, at, &t->normals);
+    if (!lacks) bis_parser_add_image(p, path, &(bis_texture_file){.gamma = 1, .loc = at}, &t->normals);
 }
 
 /* By name: a model of ours, or a reader that asks for pbrt's parameters (what is left over is an error); neither: pbrt

@@ -92,7 +92,8 @@ const bis_identity_struct bis_identity_structs[] = {
     {"bis_material_textures", material_textures, "loc"},
     {"bis_texture", texture, "steps"}, /* they follow from the parts */
     /* of a map its pixels count, whatever they are made of; as_printed is that of the settings */
-    {"bis_light_desc", light, "filename image has_mapping is_v4 distants n_distants capacity_distants as_printed loc"},
+    {"bis_light_desc", light, "filename image illuminance has_mapping is_v4 distants n_distants capacity_distants "
+                              "as_printed loc"},
     {"bis_accel_options", accel, "kind n_threads eyes"}, /* the name of what is built counts */
     {"bis_geometry", by_hand, "p n uv index n_vertices n_triangles capacity_vertices capacity_triangles ranges "
                               "n_ranges quadrics n_quadrics box"},
@@ -103,7 +104,7 @@ const bis_identity_struct bis_identity_structs[] = {
     {"bis_scene_desc", by_hand, "path view outfile integrator_loc names_integrator light_needs accel has_light light "
                                 "materials n_materials capacity_materials textures meshes n_meshes capacity_meshes "
                                 "shapes n_shapes capacity_shapes files n_files capacity_files approximations "
-                                "n_approximations capacity_approximations missing n_missing capacity_missing"},
+                                "n_approximations capacity_approximations version missing n_missing capacity_missing"},
     /* shape_end: for messages */
     {"bis_scene", by_hand, "desc geometry accel light images n_images shape_end seconds"},
     /* pass_size counts; the others say when and where a render ends, and who is told */

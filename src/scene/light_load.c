@@ -88,10 +88,38 @@ static bis_status make_white(bis_image *image, bis_diag *diag)
     return status;
 }
 
+/* pbrt-v4 takes, of a map, half of what it sheds onto a surface that faces up (2 pi / N in src/pbrt/lights.cpp, where a
+ * pixel has 4 pi / N), so that its light is twice as bright as asked; of a constant light, pi. */
+static double illuminance_of(const bis_envmap *em)
+{
+    double sum = 0;
+
+    if (!em) return PI;
+    for (int j = 0; j < em->height && em->cos_edge[j] > 0; j++) {
+        const double below = fmax(em->cos_edge[j + 1], 0);
+        const double cosine = PI / em->width * (em->cos_edge[j] * em->cos_edge[j] - below * below);
+        for (int i = 0; i < em->width; i++) {
+            const rgb c = em->pixels[(size_t)j * (size_t)em->width + (size_t)i];
+            sum += cosine * (0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b);
+        }
+    }
+    return sum / 2;
+}
+
+/* L times scale, and what makes of it the illuminance that is asked for. em: NULL: of a constant light. */
+static rgb factor_of(const bis_light_desc *desc, const bis_envmap *em)
+{
+    return rgb_scale(desc->L, desc->scale * (desc->illuminance > 0 ? desc->illuminance / illuminance_of(em) : 1));
+}
+
 /* The factor is checked by itself, too: L and scale may overflow where every pixel is 0. */
 static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
 {
-    const rgb scale = rgb_scale(desc->L, desc->scale);
+    const bis_envmap *of = desc->filename ? em : NULL; /* else it is the white of distant lights */
+    if (desc->illuminance > 0 && !(illuminance_of(of) > 0))
+        return bis_error(diag, BIS_INPUT, desc->loc, "\"%s\" is black above, so that no factor gives its "
+                         "\"illuminance\"", name_of(desc));
+    const rgb scale = factor_of(desc, of);
     if (rgb_is_finite(scale) && !bis_envmap_scale(em, scale, NULL)) return BIS_OK;
     return bis_error(diag, BIS_INPUT, desc->loc,
                      "\"%s\" times \"L\" (%g %g %g) and \"scale\" %g exceeds the largest float; choose a smaller scale",
@@ -100,7 +128,7 @@ static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_d
 
 static bis_status new_constant(bis_light **out, const bis_light_desc *desc, bis_diag *diag)
 {
-    const rgb L = rgb_scale(desc->L, desc->scale);
+    const rgb L = factor_of(desc, NULL);
     if (rgb_is_finite(L)) return bis_light_constant(out, L, diag);
     return bis_error(diag, BIS_INPUT, desc->loc,
                      "\"L\" (%g %g %g) times \"scale\" %g exceeds the largest float; choose a smaller scale",

@@ -9,6 +9,7 @@
 
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "files/image_io.h"
 
 #include "noise.h"
 #include "texture_value.h"
@@ -113,6 +114,22 @@ static bool holds_normals(const bis_image *im)
     return blue > 0.1 * (double)n && (double)n_unit >= 0.95 * (double)n;
 }
 
+/* Grey stays as it is to the bit. Source: convertIn in src/textures/imagemap.h of pbrt-v3, and its weights. */
+static void take_luminance(bis_image *im, const bis_texture_file *file)
+{
+    const bool is_linear = bis_image_check_head(file->filename, false, file->loc, NULL) == BIS_OK;
+    const double gamma = is_linear ? 1 : file->gamma;
+    for (size_t i = 0; i < (size_t)im->width * (size_t)im->height; i++) {
+        const rgb c = im->pixels[i];
+        if ((c.r == c.g && c.g == c.b) || !rgb_is_finite(c)) continue;
+        const double y = 0.212671 * bis_image_from_linear((double)c.r, gamma) +
+                         0.715160 * bis_image_from_linear((double)c.g, gamma) +
+                         0.072169 * bis_image_from_linear((double)c.b, gamma);
+        const double v = bis_image_to_linear(y, gamma);
+        im->pixels[i] = rgb_from(v, v, v);
+    }
+}
+
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
 {
     const double gamma = file->may_hold_normals ? 1 : file->gamma;
@@ -128,6 +145,7 @@ bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *f
         bis_image_clear(&image->image);
         status = bis_image_read_colours(&image->image, file->filename, file->gamma, file->loc, diag);
     }
+    if (!status && file->is_luminance) take_luminance(&image->image, file);
     if (!status) status = find_range(image, file, diag);
     if (status) bis_image_clear(&image->image);
     return status;

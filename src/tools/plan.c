@@ -49,7 +49,7 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     char a[32], c[4][32];
     const bis_sampler *s = &d->view.sampler;
     for (int i = 0; i < 4; i++) bis_format_double(c[i], d->view.film.crop[i]);
-    fprintf(out, "scene        %s\n", d->path);
+    fprintf(out, "scene        %s\nversion      %s\n", d->path, d->version);
     fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->view.film.width, d->view.film.height, c[0],
             c[1], c[2], c[3], d->outfile);
     if (d->view.camera.orthographic) fprintf(out, "camera       orthographic\n");

@@ -19,7 +19,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!*scene) {
         const int fd = memfd_create("fuzz", MFD_CLOEXEC);
         snprintf(text, sizeof text,
-            "WorldBegin Material \"diffuse\" \"spectrum reflectance\" \"%s\" Shape \"sphere\"\n", spd);
+            "WorldBegin LightSource \"infinite\" \"spectrum L\" \"%s\" Material \"matte\" \"spectrum Kd\" \"%s\" "
+            "Shape \"sphere\"\n", spd, spd); /* of pbrt-v3, which sorts */
         fuzz_require(fd >= 0 && write(fd, text, strlen(text)) == (ssize_t)strlen(text), "a file in memory");
         snprintf(scene, sizeof scene, "/proc/self/fd/%d", fd);
     }

@@ -138,7 +138,7 @@ static void what_only_looks_like_a_number_is_refused_whole(void **state)
 
 static void tokens_need_no_space_where_brackets_and_quotes_part_them(void **state)
 {
-    static const char text[] = "a[1]\"s\"2#x\n[\"t\"]";
+    static const char text[] = "a[1]\"s\"2 #x\n[\"t\"]";
     bis_lexer l;
     bis_diag diag;
     open_text(&l, &diag, text, strlen(text));
@@ -173,8 +173,7 @@ static void a_bad_string_is_skipped_and_the_next_token_is_in_place(void **state)
     static const struct {
         const char *text;
         int line;
-    } cases[] = {{"\"a\\q\" b", 1}, {"\"a\nb", 2}, {"\"\xff\" b", 1}, {"\"\xc3\" b", 1}, {"\"\xe2\x82\" b", 1},
-                 {"\"\xed\xa0\x80\" b", 1}};
+    } cases[] = {{"\"a\\q\" b", 1}, {"\"a\nb", 2}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_lexer l;
         bis_diag diag;
@@ -193,7 +192,7 @@ static void a_bad_string_is_skipped_and_the_next_token_is_in_place(void **state)
 static void each_fault_is_told_in_its_place_and_ends_there(void **state)
 {
     static const char escape[] = "unknown escape in a string: a backslash is written \\\\",
-                      latin1[] = "a string is not UTF-8 text: convert the file, for example with iconv";
+                      rest[] = "; with --approximate: the number at its beginning, as in pbrt";
     static const struct {
         const char *text;
         size_t n;
@@ -206,7 +205,6 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
         {BYTES("\"\xc3\xa9\\q\xc3\xa9\" b"), 3, escape, BIS_TOKEN_WORD, 1, 8},
         {BYTES("\xc3\xa9"), 1, "unexpected byte 0xc3: a scene is UTF-8 text", BIS_TOKEN_END, 1, 2},
         {BYTES("\"ab\\q\xff\" b"), 4, escape, BIS_TOKEN_WORD, 1, 9}, /* of two the first */
-        {BYTES("\"a\xff\" b"), 3, latin1, BIS_TOKEN_WORD, 1, 6},
         {BYTES("\"a\0c\" b"), 3, "a zero byte in a string", BIS_TOKEN_WORD, 1, 7},
         {BYTES("\"a\nb"), 1, "string without a closing quote", BIS_TOKEN_WORD, 2, 1},
         {BYTES("x \"a"), 3, "string without a closing quote", BIS_TOKEN_END, 1, 5},
@@ -216,11 +214,13 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
         {BYTES("1a\"s\""), 1, "malformed number \"1a\"", BIS_TOKEN_STRING, 1, 3},
         {BYTES("1a[2"), 1, "malformed number \"1a\"", BIS_TOKEN_OPEN, 1, 3},
         {BYTES("1a]2"), 1, "malformed number \"1a\"", BIS_TOKEN_CLOSE, 1, 3},
-        {BYTES("1a#2\n b"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 2},
+        {BYTES("1a#2\n b"), 1, "malformed number \"1a#2\"", BIS_TOKEN_WORD, 2, 2},
         {BYTES("1a\tb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
         {BYTES("1a\fb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
         {BYTES("1a\vb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("1a\rb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
+        {BYTES("1a\rb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 1},
+        {BYTES("-1.#IND b"), 1, "non-finite number \"-1.#IND\"", BIS_TOKEN_WORD, 1, 9},
+        {BYTES("1.#QNAN0 b"), 1, "non-finite number \"1.#QNAN0\"", BIS_TOKEN_WORD, 1, 10},
         {BYTES("1a\nb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 1},
         {BYTES("0x1 b"), 1, "malformed number \"0x1\"", BIS_TOKEN_WORD, 1, 5},
         {BYTES("-0X1 b"), 1, "malformed number \"-0X1\"", BIS_TOKEN_WORD, 1, 6},
@@ -255,8 +255,9 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
         const bis_token bad = bis_lexer_next(&l), next = bis_lexer_next(&l);
         assert_int_equal(bad.kind, BIS_TOKEN_BAD);
         if (diag.n != 1) fail_msg("%s: %zu messages", cases[i].text, diag.n);
-        snprintf(message, sizeof message, "%s:1:%d: error: %s", scratch("lexer.txt"), cases[i].column,
-                 cases[i].message);
+        const bool is_number = strstr(cases[i].message, "malformed number") && !strpbrk(cases[i].text, "xX");
+        snprintf(message, sizeof message, "%s:1:%d: error: %s%s", scratch("lexer.txt"), cases[i].column,
+                 cases[i].message, is_number ? rest : "");
         assert_string_equal(diag.messages[0].text, message);
         if (next.kind != cases[i].next || next.at.line != cases[i].line || next.at.column != cases[i].next_column)
             fail_msg("%s: %d at %d:%d", cases[i].text, (int)next.kind, next.at.line, next.at.column);
@@ -278,7 +279,7 @@ static void words_and_numbers_have_all_letters_and_digits(void **state)
     done(&l, &diag, 0);
     for (size_t i = 0; i < sizeof space - 1; i++) {
         const char text[5] = {'9', space[i], '0', space[i], 'a'};
-        const bool is_line = space[i] == '\n';
+        const bool is_line = space[i] == '\n' || space[i] == '\r';
         open_text(&l, &diag, text, 5);
         assert_token(&l, BIS_TOKEN_NUMBER, "9", 1, 1);
         assert_token(&l, BIS_TOKEN_NUMBER, "0", is_line ? 2 : 1, is_line ? 1 : 3);

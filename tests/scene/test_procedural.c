@@ -17,8 +17,9 @@ static bis_scene_desc *read_status(const char *text, bis_status expected, bis_di
     char all[4000];
     bis_scene_desc *d;
     const bool is_v2 = strncmp(text, "v2", 2) == 0;
-    snprintf(all, sizeof all, "%sWorldBegin LightSource \"infinite\" %s Material \"matte\" \"texture Kd\" \"t\" "
-             "Shape \"sphere\"", is_v2 ? "SurfaceIntegrator \"path\" " : "", is_v2 ? text + 2 : text);
+    snprintf(all, sizeof all, "%sWorldBegin LightSource \"infinite\" %s Material \"%s\" \"t\" "
+             "Shape \"sphere\"", is_v2 ? "SurfaceIntegrator \"path\" " : "", is_v2 ? text + 2 : text,
+             is_v2 ? "matte\" \"texture Kd" : "diffuse\" \"texture reflectance");
     store(scratch("scene.txt"), all, strlen(all));
     const bis_status status = bis_scene_parse_as(&d, scratch("scene.txt"), is_v2 ? BIS_PARSE_APPROXIMATE : 0, diag);
     if (status != expected && diag)

@@ -848,7 +848,8 @@ static void each_texture_is_described_as_its_words_say(void **state)
             if (is.factor[k] == 0) is.factor[k] = 1;
         if (is.scale == 0) is.scale = 1;
         if (is.steps == 0) is.steps = 1;
-        snprintf(text, sizeof text, "%s" LIGHT "%sTexture \"t\" %s", descriptions[i].film, descriptions[i].world, what);
+        snprintf(text, sizeof text, "%s" LIGHT "%sTexture \"t\" %s",
+                 *descriptions[i].film ? descriptions[i].film : "Film \"rgb\" ", descriptions[i].world, what);
         scene_assert(&b, scene_parse(&b, text));
         assert_int_equal(b.diag.n, 0);
         const bis_texture *x = &b.desc->textures.list[b.desc->textures.n - 1];

@@ -7,6 +7,7 @@
 
 #include "bis/base/vec.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* A spectrum that is linear between pairs[n] of (wavelength in nm, value), wavelengths ascending, and constant outside.
@@ -30,6 +31,14 @@ void bis_spectrum_conductor(rgbd *head_on, rgbd *mean, const bis_spectrum *eta, 
 /* bis_spectrum_blackbody returns the colour of a black body of this temperature in kelvin, 500 to 1e6, with luminance
  * 1 (0.2126 r + 0.7152 g + 0.0722 b = 1). Components may be negative. Source: Planck's law, c2 = 14387768.775 nm K. */
 rgbd bis_spectrum_blackbody(double kelvin);
+
+/* bis_spectrum_blackbody_peak returns the colour of the spectrum of a black body whose largest value is 1, as pbrt-v1
+ * to v3 have it. Source: Wien's displacement law, b = 2897771.955 nm K. */
+rgbd bis_spectrum_blackbody_peak(double kelvin);
+
+/* bis_spectrum_emitted returns the colour of light of this spectrum. One that is 1 at all wavelengths has luminance 1,
+ * and is not the white of RGB but (1.20, 0.95, 0.91). ends: the spectrum is 0 outside of its wavelengths. */
+rgbd bis_spectrum_emitted(const bis_spectrum *s, bool ends);
 
 /* bis_xyz_to_rgb converts CIE XYZ to linear RGB. */
 rgbd bis_xyz_to_rgb(double x, double y, double z);

@@ -23,6 +23,7 @@ typedef struct bis_light_desc {
     const bis_image *image; /* what the file would hold, borrowed; filename then only names it. NULL: it is read */
     rgb L;               /* radiance of a constant; factor of a map */
     double scale;
+    double illuminance;  /* that scales the light, as in pbrt-v4 (light_load.c); 0: it does not */
     bis_mapping mapping; /* default: latlong */
     bool has_mapping;    /* the scene gives the mapping; a square map without it is an error, but of pbrt-v4: */
     bool is_v4;          /* the map is named by "filename", as in pbrt-v4: a square without mapping is equal-area */

@@ -143,6 +143,7 @@ typedef struct bis_scene_desc {
     size_t n_files, capacity_files;
     bis_approximation *approximations; /* by their effect, then in the order of the scene */
     size_t n_approximations, capacity_approximations;
+    char version[256]; /* of pbrt, and what says so */
     char **missing; /* meshes and maps that are not there (BIS_PARSE_LIST_MISSING); owned */
     size_t n_missing, capacity_missing;
 } bis_scene_desc;
