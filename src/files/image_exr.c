@@ -236,8 +236,7 @@ typedef struct exr_walk {
     float *unwanted; /* where a chunk's unwanted channels go, if anywhere */
 } exr_walk;
 
-/* Where the channel's pixel (x, y) goes, and its stride in floats; NULL: it is not wanted. Luminance goes to r, for now.
- */
+/* Where the channel's pixel (x, y) goes, and its stride in floats; NULL: it is not wanted. Luminance goes to r. */
 static float *place_of(int *stride, const exr_walk *w, const char *name, int x, int y)
 {
     const size_t at = (size_t)y * (size_t)w->image->width + (size_t)x;

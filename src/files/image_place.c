@@ -77,7 +77,8 @@ bis_status bis_place_fill(bis_image *image, const image_input *in)
         const size_t width = (size_t)image->width, from = (size_t)y * width;
         const size_t to = (size_t)(p->y0 + y) * (size_t)whole.width + (size_t)p->x0;
         memcpy(whole.pixels + to, image->pixels + from, width * sizeof *image->pixels);
-        for (size_t i = 0; whole.alpha && i < width; i++) whole.alpha[to + i] = image->alpha ? image->alpha[from + i] : 1;
+        for (size_t i = 0; whole.alpha && i < width; i++)
+            whole.alpha[to + i] = image->alpha ? image->alpha[from + i] : 1;
     }
     bis_image_remark(in, "its data window is %d x %d pixels at (%d, %d) of a display window of %d x %d: the rest is "
                      "black", image->width, image->height, p->x0, p->y0, p->full_width, p->full_height);

@@ -18,6 +18,6 @@ bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floa
 bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
 
 /* bis_parser_add_image adds an image file, or finds it, if it has been added by whatever path with the same meaning of
- * its values, and stores its index. path is that of the file, which it takes over; NULL: there is none. `as` has all but
- * the path. Returns false after a complaint. */
+ * its values, and stores its index. path is that of the file, which it takes over; NULL: there is none. `as` has all
+ * but the path. Returns false after a complaint. */
 bool bis_parser_add_image(bis_parser *p, char *path, const bis_texture_file *as, uint32_t *image);
