@@ -47,7 +47,7 @@ bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, b
  * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. It is the whole picture. */
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
 
-/* bis_image_read_part reads as bis_image_read_any does, or, if is_screen is NULL, as bis_image_read, but only the pixels
+/* bis_image_read_part reads as bis_image_read_any does, or as bis_image_read if is_screen is NULL, but only the pixels
  * of the file; *place says where they lie. */
 bis_status bis_image_read_part(bis_image *image, bool *is_screen, bis_image_place *place, const char *path, bis_loc at,
                                bis_diag *diag);
