@@ -145,8 +145,8 @@ int bis_cmd_compare(int argc, char **argv)
                  "  relmse   mean of (a-b)^2 / (b^2 + m^2/100) over pixels and channels,\n"
                  "           m the mean of b\n"
                  "Pixels with a NaN or infinity in either image are counted as nonfinite and\n"
-                 "left out of all else. Parts of one picture (EXR's data windows) are compared where\n"
-                 "both have pixels. Images of other sizes or places: exit status 2.\n",
+                 "left out of all else. Crops of one picture (EXR) are compared where both have\n"
+                 "pixels. Images of other sizes or places: exit status 2.\n",
     };
     return bis_cli_run(&command, argc, argv, compare, &o);
 }

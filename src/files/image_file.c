@@ -126,25 +126,29 @@ bis_status bis_image_read_colours(bis_image *image, const char *path, double gam
     return read_image(image, &r, path, at, diag);
 }
 
-/* Does it begin and end as a PNG, or as a JPEG? */
-static bool looks_whole(const char *path)
+/* A PNG or a JPEG, by its first bytes: does it end as such? Of others nothing is known. */
+static enum { UNKNOWN, CUT, WHOLE } look_at_end(const char *path)
 {
     unsigned char head[4] = {0}, tail[8] = {0};
     FILE *f = fopen(path, "rb");
-    if (!f) return false;
+    if (!f) return UNKNOWN;
     const bool read = fread(head, 1, sizeof head, f) == sizeof head && fseek(f, -(long)sizeof tail, SEEK_END) == 0 &&
                       fread(tail, 1, sizeof tail, f) == sizeof tail;
     fclose(f);
-    return read && ((bis_png_is_mine(head, 4) && memcmp(tail, "IEND", 4) == 0) ||
-                    (bis_jpeg_is_mine(head, 4) && bis_image_reads_jpeg() && memcmp(tail + 6, "\xff\xd9", 2) == 0));
+    if (read && bis_png_is_mine(head, 4)) return memcmp(tail, "IEND", 4) == 0 ? WHOLE : CUT;
+    if (read && bis_jpeg_is_mine(head, 4) && bis_image_reads_jpeg())
+        return memcmp(tail + 6, "\xff\xd9", 2) == 0 ? WHOLE : CUT;
+    return UNKNOWN;
 }
+
+bool bis_image_looks_cut(const char *path) { return look_at_end(path) == CUT; }
 
 bool bis_image_check_colours(const char *path, bis_loc at, bis_diag *diag)
 {
     bis_diag why = {0};
     bis_image image;
 
-    if (looks_whole(path)) return true;
+    if (look_at_end(path) == WHOLE) return true;
     const bis_status status = bis_image_read_colours(&image, path, BIS_GAMMA_SRGB, at, &why);
     bis_image_clear(&image);
     for (size_t i = 0; i < why.n && status == BIS_INPUT; i++) bis_warn(diag, at, "%s", why.messages[i].body);
@@ -180,9 +184,9 @@ bis_status bis_image_read_part(bis_image *image, bool *is_screen, bis_image_plac
                                bis_diag *diag)
 {
     const double gamma = BIS_GAMMA_FILE;
-    image_request r = {.use = USE_PIXELS, .gamma = &gamma, .is_any = true};
+    image_request r = {.use = USE_PIXELS, .gamma = is_screen ? &gamma : NULL, .is_any = true};
     const bis_status status = read_image(image, &r, path, at, diag);
-    *is_screen = r.is_screen;
+    if (is_screen) *is_screen = r.is_screen;
     *place = r.place;
     return status;
 }

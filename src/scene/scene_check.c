@@ -20,14 +20,16 @@ static void keep_first(bis_status *all, bis_status status)
     if (!*all) *all = status;
 }
 
-/* A head that tells no size is damaged, or longer than what is looked at: then the loader decides. */
+/* A head that tells no size is damaged, or longer than what is looked at, and the end may be missing: then the loader
+ * decides. */
 static bis_status check_image(const bis_texture_file *file, bis_diag *diag)
 {
     bis_texture_image image;
     long width, height;
 
     const bis_status status = bis_image_check_head(file->filename, true, file->loc, diag);
-    if (status || bis_scene_peek_image(file->filename, &width, &height)) return status;
+    if (status || (bis_scene_peek_image(file->filename, &width, &height) && !bis_image_looks_cut(file->filename)))
+        return status;
     const bis_status loaded = bis_textures_load(&image, file, diag);
     if (!loaded) bis_image_clear(&image.image);
     return loaded;

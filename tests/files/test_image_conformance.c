@@ -78,14 +78,14 @@ static const known_file files[] = {
     {"exr/stripes.exr", 100, 50, 0x34cdd0dbb640000, 0},
     {"exr/subimagemissing.exr", 2, 1, 0x8ee000000, 0},
     {"exr/t01.exr", 400, 300, 0xe2c571ac04800000, 0},
-    {"exr/t02.exr", 400, 300, 0xe2c571ac04800000, 0},
-    {"exr/t04.exr", 400, 300, 0xe2c571ac04800000, 0},
-    {"exr/t05.exr", 400, 300, 0xe2c571ac04800000, 0},
+    {"exr/t02.exr", 399, 299, 0xdcc6d279ca800000, 0},
+    {"exr/t04.exr", 370, 280, 0x680e537053000000, 0},
+    {"exr/t05.exr", 340, 260, 0x5d50c7a7b000000, 0},
     {"exr/t06.exr", 400, 300, 0xe2c571ac04800000, 0},
     {"exr/t07.exr", 400, 300, 0xe2c571ac04800000, 0},
     {"exr/t08.exr", 400, 300, 0xe2c571ac04800000, 0},
-    {"exr/t12.exr", 400, 300, 0xe2c571ac04800000, 0},
-    {"exr/t14.exr", 400, 300, 0xe2c571ac04800000, 0},
+    {.name = "exr/t12.exr"}, /* nothing inside of the display window */
+    {"exr/t14.exr", 1, 1, 0xfe000000, 0},
     {"exr/t15.exr", 400, 300, 0xe2c571ac04800000, 0},
     {"exr/t16.exr", 400, 300, 0xe2c571ac04800000, 0},
     {.name = "exr/tiled.exr"}, /* bad table of chunks */
@@ -149,11 +149,10 @@ static double mean_luminance(const bis_image *image, const double weights[3])
 
 static bool is_right(const known_file *f, const bis_image *image)
 {
-    const double rec709[3] = {0.2126, 0.7152, 0.0722},
-                 xyz[3] = {0, 1, 0}; /* the primaries in that file's header are X, Y and Z */
+    const double rec709[3] = {0.2126, 0.7152, 0.0722};
     if (f->luminance == 0)
         return image->width == f->width && image->height == f->height && checksum_of(image) == f->checksum;
-    double found = mean_luminance(image, strstr(f->name, "XYZ") ? xyz : rec709);
+    double found = mean_luminance(image, rec709);
     return fabs(found / f->luminance - 1) < 1e-3; /* halves are good to 5e-4 */
 }
 

@@ -33,26 +33,23 @@ void fuzz_check_diag(bis_status status, const bis_diag *diag)
     fuzz_require(diag->n_lost == 0 && status != BIS_NOMEM, "sizes are checked before memory is asked for");
 }
 
-/* Its pixels, the map or the whole picture that is made of them. */
+/* Its pixels, the map or the whole picture that is made of them: one of these, by the size, for speed. */
 void fuzz_image(const uint8_t *data, size_t size)
 {
-    for (int use = 0; use < 3; use++) {
-        const char *name = fuzz_file(data, size);
-        bis_diag diag = {0};
-        bis_image image;
-        bool is_strip;
-        const bis_status status = use == 0   ? bis_image_read(&image, name, (bis_loc){0}, &diag)
-                                  : use == 1 ? bis_image_read_map(&image, &is_strip, name, (bis_loc){0}, &diag)
-                                             : bis_image_read_colours(&image, name, 1, (bis_loc){0}, &diag);
+    const char *name = fuzz_file(data, size);
+    bis_diag diag = {0};
+    bis_image image;
+    bool is_strip;
+    const bis_status status = size % 3 == 0   ? bis_image_read(&image, name, (bis_loc){0}, &diag)
+                              : size % 3 == 1 ? bis_image_read_map(&image, &is_strip, name, (bis_loc){0}, &diag)
+                                              : bis_image_read_colours(&image, name, 1, (bis_loc){0}, &diag);
 
-        fuzz_check_diag(status, &diag);
-        fuzz_require((status == BIS_OK) == (image.pixels != NULL), "all of the image or none");
-        volatile float sum = 0; /* touch every pixel: the sanitizer knows how many there are */
-        for (size_t i = 0; !status && i < (size_t)image.width * (size_t)image.height; i++)
-            sum = sum + image.pixels[i].b;
-        bis_image_clear(&image);
-        bis_diag_clear(&diag);
-    }
+    fuzz_check_diag(status, &diag);
+    fuzz_require((status == BIS_OK) == (image.pixels != NULL), "all of the image or none");
+    volatile float sum = 0; /* touch every pixel: the sanitizer knows how many there are */
+    for (size_t i = 0; !status && i < (size_t)image.width * (size_t)image.height; i++) sum = sum + image.pixels[i].b;
+    bis_image_clear(&image);
+    bis_diag_clear(&diag);
 }
 
 void fuzz_mesh(fuzz_mesh_reader *read, const uint8_t *data, size_t size)

@@ -42,12 +42,20 @@ def read_hdr(path):
     return old_rle(path) if image is None else image[:, :, ::-1]
 
 
+def inside(pixels, header):
+    """Returns what of the data window lies in the display window."""
+    (data, _), (shown, last) = header["dataWindow"], header["displayWindow"]
+    x0, y0 = np.maximum(shown - data, 0)
+    x1, y1 = last - data + 1
+    return pixels[y0:max(y0, y1), x0:max(x0, x1)]
+
+
 def read_exr(path):
     """R, G, B of the first part that has them, or (None, mean of Y) for luminance with chroma."""
     for part in OpenEXR.File(path, separate_channels=True).parts:
         c = part.channels
         if all(k in c for k in "RGB"):
-            return np.stack([c[k].pixels.astype(np.float32) for k in "RGB"], -1), None
+            return inside(np.stack([c[k].pixels.astype(np.float32) for k in "RGB"], -1), part.header), None
         if "RY" in c:
             return None, c["Y"].pixels.astype(np.float64).mean()
         if "Y" in c:

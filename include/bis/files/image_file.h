@@ -36,6 +36,9 @@ bool bis_image_reads_jpeg(void);
  * does not. A PNG or JPEG that begins and ends as such is believed, because reading takes time. */
 bool bis_image_check_colours(const char *path, bis_loc at, bis_diag *diag);
 
+/* bis_image_looks_cut returns whether a file begins as a PNG or a JPEG and does not end as such. */
+bool bis_image_looks_cut(const char *path);
+
 /* bis_image_check_head looks at the first bytes of a file, and tells whether bis_image_read, or with of_colours
  * bis_image_read_colours, knows its format. It is for a plan, which reads no file whole. Errors: theirs. */
 bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag);
@@ -45,7 +48,8 @@ bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, b
  * an EXR or a PNG has alpha, it is read, too, and the pixels are premultiplied by it. */
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
 
-/* bis_image_read_part reads as bis_image_read_any does, but only the pixels of the file; *place says where they lie. */
+/* bis_image_read_part reads as bis_image_read_any does, or as bis_image_read if is_screen is NULL, but only the pixels
+ * of the file; *place says where they lie. */
 bis_status bis_image_read_part(bis_image *image, bool *is_screen, bis_image_place *place, const char *path, bis_loc at,
                                bis_diag *diag);
 

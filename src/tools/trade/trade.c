@@ -130,8 +130,14 @@ static bis_status run_sweep(bis_trade *t, bis_diag *diag)
 static bis_status read_reference(bis_image *full, const bis_trade *t, bis_diag *diag)
 {
     const bis_film film = bis_trade_film(t, 1);
-    bis_status status = bis_image_read(full, t->o.reference, (bis_loc){0}, diag);
+    bis_image_place at;
+    bis_status status = bis_image_read_part(full, NULL, &at, t->o.reference, (bis_loc){0}, diag);
 
+    if (!status && (at.full_width != full->width || at.full_height != full->height) &&
+        (at.x0 != film.x0 || at.y0 != film.y0))
+        return bis_error(diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0},
+                         "the reference is the crop at (%d, %d), the scene's is at (%d, %d)", at.x0, at.y0, film.x0,
+                         film.y0);
     if (status || (full->width == film.width && full->height == film.height)) return status;
     return bis_error(diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0},
                      "the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution %dx%d, or a "

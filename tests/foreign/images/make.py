@@ -255,6 +255,12 @@ def scenes():
                  'other.tiff', 'other.avif', 'other.jp2', 'grey-alpha.tga', 'empty.png', 'inside-dark.exr'):
         with open(name.replace('.', '-') + '.txt', 'w', encoding='utf-8') as f:
             f.write(SCENE.format(name))
+    write('lfs.mtl', b'newmtl a\nKd .4 .4 .4\nmap_Kd lfs.png\n')
+    write('lfs.obj', b'mtllib lfs.mtl\nusemtl a\nv -2 -2 0\nv 2 -2 0\nv 2 2 0\nv -2 2 0\nf 1 2 3 4\n')
+    with open('lfs-mtl.txt', 'w', encoding='utf-8') as f:
+        f.write(SCENE[:SCENE.index('Texture')] + 'Shape "objmesh" "string filename" "lfs.obj" "bool materials" true\n')
+    with open('lfs-normals.txt', 'w', encoding='utf-8') as f:
+        f.write(SCENE.format('no-end.png').replace('"t"\n', '"t" "string normalmap" "lfs.png"\n'))
     with open('map-cube.txt', 'w', encoding='utf-8') as f:
         f.write(MAP.format('-1 .2 .3', 'cube.exr', ''))
     with open('map-cube-as.txt', 'w', encoding='utf-8') as f:
