@@ -438,20 +438,9 @@ static const char *take_exponent(const char *s, long *exponent)
     return p;
 }
 
-/* 1.#IND, -1.#QNAN0 and the like: how Microsoft's C library wrote what is no number, until 2015. p is at the #. */
-static bool take_no_number(const char *p, const char **end, double *v)
-{
-    static const char *const words[] = {"#INF", "#IND", "#QNAN", "#SNAN"};
-
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        const size_t n = strlen(words[i]);
-        if (strncmp(p, words[i], n) != 0) continue;
-        *v = i == 0 ? (double)INFINITY : (double)NAN;
-        for (*end = p + n; **end >= '0' && **end <= '9';) ++*end;
-        return true;
-    }
-    return false;
-}
+/* Behind 1. or -1.: #IND, #QNAN, #INF, or #J and the like where digits were rounded. So Microsoft's C library wrote
+ * what is no number, until 2015. */
+static bool is_no_number(const char *p) { return *p == '#' && p[1] >= 'A' && p[1] <= 'Z'; }
 
 double bis_parse_double(const char *s, const char **end)
 {
@@ -477,13 +466,16 @@ double bis_parse_double(const char *s, const char **end)
     }
     bool hexadecimal = n_digits == 1 && *whole == '0' && (*p == 'x' || *p == 'X');
     if (n_digits == 0 || hexadecimal) return parse_slowly(s, end);
-    double v;
-    if (*p == '#' && take_no_number(p, end, &v)) return negative ? -v : v;
+    if (mantissa == 1 && is_no_number(p)) {
+        for (p++; (*p >= 'A' && *p <= 'Z') || is_digit(*p);) p++;
+        *end = p;
+        return (double)NAN;
+    }
     p = take_exponent(p, &exponent);
 
     bool exact = n <= 19 && mantissa <= (uint64_t)1 << 53 && exponent >= -22 && exponent <= 22;
     if (!exact) return parse_slowly(s, end);
-    v = exponent < 0 ? (double)mantissa / power[-exponent] : (double)mantissa * power[exponent];
+    double v = exponent < 0 ? (double)mantissa / power[-exponent] : (double)mantissa * power[exponent];
     *end = p;
     return negative ? -v : v;
 }

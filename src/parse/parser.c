@@ -34,6 +34,9 @@ static bool is_stranger(bis_parser *p, const char *path, bis_loc at)
         snprintf(instead, sizeof instead, "a scene names it in Shape \"%s\" \"string filename\"",
                  kind == BIS_STRANGER_PLY ? "plymesh" : "objmesh");
         break;
+    case BIS_STRANGER_MODEL:
+        snprintf(instead, sizeof instead, "%s", BIS_MODEL_ADVICE);
+        break;
     case BIS_STRANGER_OTHER:
         snprintf(instead, sizeof instead, "a scene is text in pbrt's format (`bis help scene`), such as scene.txt");
         break;

@@ -105,8 +105,8 @@ static bool add_to_world(bis_parser *p, const bis_shape_desc *shape, bis_loc at)
 {
     if (shape->kind == BIS_SHAPE_TRIANGLES) p->n_triangles += p->desc->meshes[shape->mesh].size.triangles;
     if (p->n_triangles > BIS_MAX_TRIANGLES)
-        p->stop = !bis_parser_error(p, at, "from here on the scene's own meshes have more than %zu triangles, instances "
-                                    "included: give fewer levels or instances", BIS_MAX_TRIANGLES);
+        p->stop = !bis_parser_error(p, at, "from here on the scene's own meshes have more than %zu triangles, "
+                                    "instances included: give fewer levels or instances", BIS_MAX_TRIANGLES);
     else if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, at);
     return !p->stop;
 }

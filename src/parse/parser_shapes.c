@@ -11,10 +11,20 @@
 #include "parser_shapes.h"
 #include "parser_textures.h"
 #include "parser_version.h"
+#include "scene/scene_peek.h"
 
 #include <string.h>
 
 /* ---- meshes ---- */
+
+/* A file of a format that neither PLY nor OBJ is, whatever it is called. */
+static bool is_model(bis_parser *p, bis_loc at, const char *path)
+{
+    bis_stranger_kind kind;
+    const char *what = bis_scene_peek_stranger(path, &kind);
+    if (!what || kind != BIS_STRANGER_MODEL) return false;
+    return !bis_parser_error(p, at, "\"%s\" is %s: %s", bis_parser_word(p, path), what, BIS_MODEL_ADVICE);
+}
 
 /* The mesh of a file: a new one, or the one that has been named before. Takes over path. */
 static bool file_mesh(bis_parser *p, char *path, const bis_mesh_desc *desc, uint32_t *index)
@@ -28,6 +38,10 @@ static bool file_mesh(bis_parser *p, char *path, const bis_mesh_desc *desc, uint
                      desc->has_parts ? 'm' : '-', path);
     if (ok && bis_names_find(&p->mesh_names, key, index)) {
         bis_free(path);
+    } else if (ok && is_model(p, desc->loc, path)) {
+        bis_free(key);
+        bis_free(path);
+        return false;
     } else {
         mesh.filename = path;
         ok = ok && bis_parser_add_mesh(p, &mesh, index);

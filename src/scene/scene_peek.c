@@ -187,6 +187,29 @@ typedef struct stranger {
     bis_stranger_kind kind;
 } stranger;
 
+static const stranger models[] = {
+    {"glTF", "a glTF model", BIS_STRANGER_MODEL},
+    {"Kaydara FBX", "an FBX model", BIS_STRANGER_MODEL},
+    {"; FBX", "an FBX model", BIS_STRANGER_MODEL},
+    {"BLENDER", "a Blender file", BIS_STRANGER_MODEL},
+    {"PXR-USDC", "a USD scene", BIS_STRANGER_MODEL},
+    {"#usda", "a USD scene", BIS_STRANGER_MODEL},
+    {"#VRML", "a VRML scene", BIS_STRANGER_MODEL},
+};
+
+static const stranger model_endings[] = {
+    {".glb", "a glTF model", BIS_STRANGER_MODEL},   {".gltf", "a glTF model", BIS_STRANGER_MODEL},
+    {".fbx", "an FBX model", BIS_STRANGER_MODEL},   {".blend", "a Blender file", BIS_STRANGER_MODEL},
+    {".stl", "an STL mesh", BIS_STRANGER_MODEL},    {".dae", "a Collada model", BIS_STRANGER_MODEL},
+    {".3ds", "a 3DS model", BIS_STRANGER_MODEL},    {".off", "an OFF mesh", BIS_STRANGER_MODEL},
+    {".usd", "a USD scene", BIS_STRANGER_MODEL},    {".usda", "a USD scene", BIS_STRANGER_MODEL},
+    {".usdc", "a USD scene", BIS_STRANGER_MODEL},   {".usdz", "a USD scene", BIS_STRANGER_MODEL},
+    {".3mf", "a 3MF model", BIS_STRANGER_MODEL},    {".x3d", "an X3D model", BIS_STRANGER_MODEL},
+    {".wrl", "a VRML scene", BIS_STRANGER_MODEL},   {".abc", "an Alembic scene", BIS_STRANGER_MODEL},
+    {".lwo", "a LightWave model", BIS_STRANGER_MODEL}, {".ma", "a Maya scene", BIS_STRANGER_MODEL},
+    {".mb", "a Maya scene", BIS_STRANGER_MODEL},    {".max", "a 3ds Max scene", BIS_STRANGER_MODEL},
+};
+
 static const stranger by_bytes[] = {
     {"#?RADIANCE", "a Radiance map", BIS_STRANGER_MAP},
     {"#?RGBE", "a Radiance map", BIS_STRANGER_MAP},
@@ -213,20 +236,35 @@ static const stranger by_ending[] = {
     {".csv", "a table", BIS_STRANGER_OTHER},
 };
 
-const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind)
+static const stranger *find_bytes(const stranger *list, size_t n, const head *h)
+{
+    for (size_t i = 0; i < n; i++)
+        if (starts_with(h, list[i].mark, strlen(list[i].mark))) return &list[i];
+    return NULL;
+}
+
+static const stranger *find_ending(const stranger *list, size_t n, const char *path)
 {
     char ending[8];
+
+    bis_path_extension(ending, path);
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(ending, list[i].mark) == 0) return &list[i];
+    return NULL;
+}
+
+#define COUNT(list) (sizeof(list) / sizeof *(list))
+
+const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind)
+{
     head h;
 
     if (!read_head(&h, path)) return NULL;
-    bis_path_extension(ending, path);
-    const stranger *found = NULL;
-    for (size_t i = 0; i < sizeof by_bytes / sizeof *by_bytes && !found; i++) {
-        if (starts_with(&h, by_bytes[i].mark, strlen(by_bytes[i].mark))) found = &by_bytes[i];
-    }
-    for (size_t i = 0; i < sizeof by_ending / sizeof *by_ending && !found; i++) {
-        if (strcmp(ending, by_ending[i].mark) == 0) found = &by_ending[i];
-    }
+    /* models first: some are XML or JSON */
+    const stranger *found = find_bytes(models, COUNT(models), &h);
+    if (!found) found = find_ending(model_endings, COUNT(model_endings), path);
+    if (!found) found = find_bytes(by_bytes, COUNT(by_bytes), &h);
+    if (!found) found = find_ending(by_ending, COUNT(by_ending), path);
     if (!found) return NULL;
     *kind = found->kind;
     return found->what;

@@ -21,8 +21,14 @@ typedef enum bis_stranger_kind {
     BIS_STRANGER_MAP,
     BIS_STRANGER_PLY,
     BIS_STRANGER_OBJ,
+    BIS_STRANGER_MODEL, /* of another format: BIS_MODEL_ADVICE says the way */
     BIS_STRANGER_OTHER
 } bis_stranger_kind;
+
+#define BIS_MODEL_ADVICE \
+    "convert it to OBJ, by `assimp export MODEL model.obj` (Debian's assimp-utils) or, where images are inside of " \
+    "it, by Python's trimesh: trimesh.load(\"MODEL\").export(\"model.obj\"); then Shape \"objmesh\" \"string " \
+    "filename\" \"model.obj\" \"bool materials\" true (README, \"Your own model under your own map\")"
 
 /* bis_scene_peek_stranger tells whether the file at path is surely no scene, by its first bytes or its ending. It
  * returns what the file is, "a Radiance map", and sets *kind to what can be done with it. NULL: it may be a scene, or

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* texture_value: the value of a texture at a point, and the functions of one number that its range needs, too. For
- * src/scene/texture*.c alone. */
+ * src/scene and src/tools/plan.c alone. */
 #pragma once
 
 #include "bis/scene/texture.h"

@@ -8,6 +8,7 @@
 #include "scene/distant.h"
 #include "scene/scene_needs.h"
 #include "scene/scene_peek.h"
+#include "scene/texture_value.h"
 
 #include "tools/describe.h"
 #include "tools/memory.h"
@@ -196,11 +197,22 @@ static const char *last_name(const bis_textures *t, uint32_t image)
     return slash ? slash + 1 : t->files[image].filename;
 }
 
-static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
+/* The first image that a texture is made of, or BIS_NO_TEXTURE. */
+static uint32_t image_of(const bis_textures *t, uint32_t texture)
 {
     const bis_texture *x = &t->list[texture];
-    const bool is_image = x->kind == BIS_TEXTURE_IMAGE;
-    fprintf(out, ", %s texture (%s)", name, is_image ? last_name(t, x->image) : bis_texture_names[x->kind]);
+    uint32_t image = x->kind == BIS_TEXTURE_IMAGE ? x->image : BIS_NO_TEXTURE;
+    for (int i = 0; i < bis_texture_n_parts(x) && image == BIS_NO_TEXTURE; i++) image = image_of(t, x->of[i]);
+    return image;
+}
+
+static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
+{
+    const uint32_t image = image_of(t, texture);
+    const bool is_image = t->list[texture].kind == BIS_TEXTURE_IMAGE;
+    fprintf(out, ", %s texture (%s", name, is_image ? "" : bis_texture_names[t->list[texture].kind]);
+    if (image != BIS_NO_TEXTURE) fprintf(out, "%s%s", is_image ? "" : " of ", last_name(t, image));
+    fputc(')', out);
 }
 
 /* Every image, and the texture coordinates. */

@@ -640,7 +640,7 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
         {"WorldBegin LightSource \"infinite\" \"string mapname\" \"square.pfm\"", "is square, 2 x 2: give its mapping"},
         {"WorldBegin LightSource \"infinite\" \"string filename\" \"two.gif\"", "it is a GIF, which is not read"},
         {LIT "Shape \"plymesh\" \"string filename\" \"two.gif\"", "not a PLY file"},
-        {LIT "Shape \"objmesh\" \"string filename\" \"model.glb\"", "not an OBJ file"},
+        {LIT "Shape \"objmesh\" \"string filename\" \"zero.obj\"", "not an OBJ file"},
         {LIT "Shape \"objmesh\" \"string filename\" \"flat.obj\"", NULL},
         {LIT "ObjectBegin \"o\" Shape \"plymesh\" \"string filename\" \"two.gif\" ObjectEnd", NULL},
         {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE "Shape \"sphere\"",
@@ -651,7 +651,7 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
     write_file("bad.jpg", "\xff\xd8\xff\xe0garbage"); /* a mark, and then nothing that tells the size */
     write_file("bad.png", "\x89PNG\r\n\x1a\ngarbage");
     write_file("bad.exr", "\x76\x2f\x31\x01garbage");
-    store(place("model.glb"), "glTF\2\0\0\0", 8);
+    store(place("zero.obj"), "v\2\0\0\0", 5);
     write_file("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     static const char square[] = "PF\n2 2\n-1.0\n012345678901234567890123456789012345678901234567";
     write_file("square.pfm", square);

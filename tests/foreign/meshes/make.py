@@ -60,6 +60,8 @@ def main():
     write_png('slopes.png', 16, 16, lambda x, y: unit(.8 * math.sin(x), .8 * math.cos(y)))
     write_png('heights.png', 16, 16, lambda x, y: 3 * [(201 + noise.randrange(3)) / 255])
     write_corners('corners.ply')
+    with open('model.glb', 'wb') as f:  # the head of a file
+        f.write(struct.pack('<4sIII4s', b'glTF', 2, 20, 0, b'JSON'))
 
 
 if __name__ == '__main__':
