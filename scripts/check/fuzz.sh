@@ -29,7 +29,9 @@ for name in "$@"; do
     seeds=$work/seeds/$name
     mkdir -p $seeds $work/corpus/$name
     case $name in
-    scene) cp tests/data/bad/*.txt tests/data/scenes/*.txt data/scenes/*.txt data/scenes/pbrt/* $seeds ;;
+    scene)
+        cp tests/data/bad/*.txt tests/data/scenes/*.txt tests/foreign/scenes/*.txt data/scenes/*.txt data/scenes/pbrt/* \
+            $seeds ;;
     map) for f in $work/made/*.pfm $work/made/*.hdr; do { printf 'A\014'; cat "$f"; } >$seeds/"${f##*/}"; done ;;
     mtl)
         {
@@ -41,7 +43,9 @@ for name in "$@"; do
             "$build/bis" tests/fuzz/checkpoint.txt --spp $spp --checkpoint $seeds/$spp.checkpoint \
                 --outfile $work/made/checkpoint.exr --quiet || exit 1
         done ;;
-    spd) printf '# a spectrum\n400 0.1, 500 0.2\n\n700\t0.3 # red\n' >$seeds/a.spd ;;
+    spd)
+        cp tests/foreign/scenes/*.spd $seeds
+        printf '# a spectrum\n400 0.1, 500 0.2\n\n700\t0.3 # red\n' >$seeds/a.spd ;;
     png) cp $work/made/*.png $work/made/*.jpg $work/made/*.tga $work/made/*.bmp $seeds 2>/dev/null ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
