@@ -48,6 +48,9 @@ bis_directive bis_directive_material, bis_directive_make_named_material, bis_dir
 /* bis_parser_check_materials complains of named materials that were used and never made. */
 void bis_parser_check_materials(bis_parser *p);
 
+/* bis_parser_clear_words frees what is kept of materials for shapes that override them. */
+void bis_parser_clear_words(bis_parser *p);
+
 /* parser_textures.c */
 bis_directive bis_directive_texture;
 

@@ -312,6 +312,7 @@ static void parser_clear(bis_parser *p)
     bis_names_clear(&p->texture_file_names);
     bis_free(p->blocks);
     bis_free(p->named);
+    bis_parser_clear_words(p);
     bis_free(p->objects);
     bis_free(p->object_shapes);
     bis_free(p->systems);

@@ -56,6 +56,16 @@ typedef struct bis_named_material {
     bis_loc made, used; /* line 0: not yet */
 } bis_named_material;
 
+/* The words of a material in pbrt-v1 to v3, where a shape may give some of them itself (parser_world.c). */
+typedef struct bis_material_words {
+    bis_param *list; /* as in bis_params; owned. No text: there are none */
+    double *numbers;
+    size_t *strings;
+    char *text;
+    size_t n, n_numbers, n_strings, n_text;
+    size_t type; /* in the text */
+} bis_material_words;
+
 /* pbrt's material "mix", with --approximate: what it is of may be made later. */
 typedef struct bis_mix {
     char *name[2]; /* owned */
@@ -152,6 +162,8 @@ struct bis_parser {
         bool own_texture;          /* a Texture is being read */
         bis_named_material *named; /* by the value of material_names */
         size_t n_named, capacity_named;
+        bis_material_words *words; /* by the material's index */
+        size_t n_words, capacity_words;
     };
     struct { /* parser_light.c */
         double film_scale;  /* multiplies the picture; 1 (parser_options.c) */

@@ -226,7 +226,7 @@ static bool is_name(const char *s)
 {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.:-";
     const size_t n = strspn(s, allowed);
-    return n > 0 && n <= 64 && s[n] == '\0';
+    return n > 0 && n <= BIS_MAX_PARAM_NAME && s[n] == '\0';
 }
 
 /* Splits the string at `offset` into type and name, by white space, in the pool itself. */

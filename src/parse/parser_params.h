@@ -7,6 +7,7 @@
 #include "lexer.h"
 
 #define BIS_MAX_PARAMS 64
+#define BIS_MAX_PARAM_NAME 64
 
 typedef struct bis_parser bis_parser; /* parser.h */
 

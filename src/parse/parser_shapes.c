@@ -185,6 +185,7 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     }
     if (!ok) bis_params_skip(p, rest, BIS_COUNT(rest));
     bis_params_skip(p, silent, BIS_COUNT(silent));
+    bis_parser_override(p, &shape.material);
     bis_params_end(p, "Shape", chosen->name);
     if (!ok || !is_seen) return;
     if (has_parts(p, &shape)) bis_parser_add_parts(p, &shape);

@@ -7,6 +7,10 @@
 /* bis_parser_add_shape adds a shape to the scene, or to the object that is open (parser_blocks.c). */
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape);
 
+/* bis_parser_override makes, in pbrt-v1 to v3, a material of *material's parameters and of those that the shape gives
+ * itself, which are what no one has asked for yet (parser_world.c). */
+void bis_parser_override(bis_parser *p, uint32_t *material);
+
 /* bis_parser_add_mesh adds a mesh to the scene, takes over what it owns, and stores its index. Returns false after a
  * complaint (parser_points.c, like the next two). */
 bool bis_parser_add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index);

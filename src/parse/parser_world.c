@@ -6,7 +6,9 @@
 #include "approximate.h"
 #include "directives.h"
 #include "parser_materials.h"
+#include "parser_shapes.h"
 #include "parser_textures.h"
+#include "parser_version.h"
 
 #include <float.h>
 #include <string.h>
@@ -110,11 +112,12 @@ static int choose_material(bis_parser *p, const char *directive, const char *typ
     return chosen ? (int)(chosen - choices) : N_MATERIALS;
 }
 
-/* The material that the parameters describe goes to desc->materials[index]. */
-static void read_material(bis_parser *p, const char *directive, const char *type, bis_loc at, uint32_t index)
+/* The material that the parameters describe goes to desc->materials[index]. Returns its name if all of its parameters
+ * have been asked for, else NULL. */
+static const char *make_material(bis_parser *p, const char *type, bis_loc at, uint32_t index)
 {
-    const int k = choose_material(p, directive, type, at);
-    if (k == N_MATERIALS) return;
+    const int k = choose_material(p, "Material", type, at);
+    if (k == N_MATERIALS) return NULL;
     if (strcmp(materials[k].name, type) != 0) /* pbrt's matte, of what it does not know, takes what it can use */
         for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true;
     bis_material_textures t = BIS_NO_TEXTURES;
@@ -123,9 +126,15 @@ static void read_material(bis_parser *p, const char *directive, const char *type
                            : materials[k].read ? materials[k].read(p, &t)
                                                : bis_approximate_material(p, materials[k].name, index);
     read_bump(p, &t);
-    if (materials[k].model || materials[k].read) bis_params_end(p, directive, materials[k].name);
     p->desc->materials[index] = m;
     if (bis_textures_any(&t) && m.model && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
+    return materials[k].model || materials[k].read ? materials[k].name : NULL;
+}
+
+static void read_material(bis_parser *p, const char *type, bis_loc at, uint32_t index)
+{
+    const char *name = make_material(p, type, at, index);
+    if (name) bis_params_end(p, "Material", name);
 }
 
 bool bis_parser_add_material(bis_parser *p, uint32_t *index)
@@ -138,13 +147,115 @@ bool bis_parser_add_material(bis_parser *p, uint32_t *index)
     return true;
 }
 
+/* ---- what a shape gives itself ---- */
+
+/* A copy of an array's first n elements; NULL: n is 0, or no memory. */
+static void *copy_of(const void *from, size_t n, size_t size)
+{
+    void *copy = n ? bis_alloc(n, size) : NULL;
+    if (copy) memcpy(copy, from, n * size);
+    return copy;
+}
+
+static void clear_words(bis_material_words *w)
+{
+    bis_free(w->list);
+    bis_free(w->numbers);
+    bis_free(w->strings);
+    bis_free(w->text);
+    *w = (bis_material_words){0};
+}
+
+void bis_parser_clear_words(bis_parser *p)
+{
+    for (size_t i = 0; i < p->n_words; i++) clear_words(&p->words[i]);
+    bis_free(p->words);
+}
+
+/* Keeps the parameters that have been read for material `index`, before anyone asks for them. type: the place of its
+ * name. */
+static void keep_words(bis_parser *p, uint32_t index, size_t type)
+{
+    const bis_params *ps = &p->params;
+    if (!bis_parser_predates_v4(p)) return;
+    if (!BIS_ROOM(p->words, p->capacity_words, index)) {
+        bis_parser_nomem(p, p->name_at);
+        return;
+    }
+    while (p->n_words <= index) p->words[p->n_words++] = (bis_material_words){0};
+    bis_material_words *w = &p->words[index];
+    clear_words(w); /* of a material that is made again */
+    *w = (bis_material_words){copy_of(ps->list, ps->n, sizeof *ps->list),
+                              copy_of(ps->numbers, ps->n_numbers, sizeof *ps->numbers),
+                              copy_of(ps->strings, ps->n_strings, sizeof *ps->strings),
+                              copy_of(ps->text, ps->n_text, sizeof *ps->text),
+                              ps->n, ps->n_numbers, ps->n_strings, ps->n_text, type};
+    if ((ps->n && !w->list) || (ps->n_numbers && !w->numbers) || (ps->n_strings && !w->strings) || !w->text)
+        bis_parser_nomem(p, p->name_at);
+}
+
+/* Appends the words of a material to the parameters of a shape, but those that the shape gives itself. */
+static bool append_words(bis_parser *p, const bis_material_words *w)
+{
+    bis_params *ps = &p->params;
+    const size_t numbers = ps->n_numbers, strings = ps->n_strings, text = ps->n_text;
+    if (!BIS_ROOM(ps->numbers, ps->capacity_numbers, numbers + w->n_numbers) ||
+        !BIS_ROOM(ps->strings, ps->capacity_strings, strings + w->n_strings) ||
+        !BIS_ROOM(ps->text, ps->capacity_text, text + w->n_text))
+        return bis_parser_nomem(p, p->name_at);
+    for (size_t i = 0; i < w->n_numbers; i++) ps->numbers[ps->n_numbers++] = w->numbers[i];
+    for (size_t i = 0; i < w->n_strings; i++) ps->strings[ps->n_strings++] = w->strings[i] + text;
+    for (size_t i = 0; i < w->n_text; i++) ps->text[ps->n_text++] = w->text[i];
+    for (size_t i = 0; i < w->n; i++) {
+        bis_param param = w->list[i];
+        param.name += text;
+        param.first += param.is_strings ? strings : numbers;
+        if (bis_params_find(p, bis_parser_text(p, param.name))) continue;
+        if (ps->n == BIS_MAX_PARAMS)
+            return bis_parser_error(p, p->name_at, "more than %d parameters with those of the material",
+                                    BIS_MAX_PARAMS);
+        ps->list[ps->n++] = param;
+    }
+    return true;
+}
+
+/* What the materials of pbrt-v1 to v3 ask for, between spaces. */
+static bool is_of_materials(const char *name)
+{
+    static const char names[] = " Kd Ks Kr Kt sigma roughness uroughness vroughness remaproughness eta k index opacity "
+                                "bumpmap color metallic reflect transmit ";
+    char word[BIS_MAX_PARAM_NAME + 3];
+    snprintf(word, sizeof word, " %s ", name);
+    return strstr(names, word) != NULL;
+}
+
+void bis_parser_override(bis_parser *p, uint32_t *material)
+{
+    const bis_material_words *w = *material < p->n_words ? &p->words[*material] : NULL;
+    const size_t text = p->params.n_text;
+    const size_t n = p->params.n;
+    uint32_t index;
+    bool some = false;
+    for (size_t i = 0; i < n; i++)
+        some |= !p->params.list[i].used && is_of_materials(bis_parser_text(p, p->params.list[i].name));
+    if (!some || !w || !w->text || !bis_parser_predates_v4(p)) return;
+    if (!append_words(p, w) || !bis_parser_add_material(p, &index)) return;
+    const size_t type = text + w->type;
+    const bool asks = make_material(p, bis_parser_text(p, type), p->name_at, index);
+    for (size_t i = asks ? n : 0; i < p->params.n; i++) p->params.list[i].used = true; /* the others are the shape's */
+    *material = index;
+}
+
+/* ---- directives ---- */
+
 void bis_directive_material(bis_parser *p, bis_loc at)
 {
     uint32_t index;
     (void)at;
     if (!bis_parser_name(p, "Material") || !bis_params_read(p) || !bis_parser_add_material(p, &index)) return;
     p->now.material = index;
-    read_material(p, "Material", bis_parser_text(p, p->name), p->name_at, index);
+    keep_words(p, index, p->name);
+    read_material(p, bis_parser_text(p, p->name), p->name_at, index);
 }
 
 /* The entry of a named material, made when the name is met first. */
@@ -182,11 +293,12 @@ void bis_directive_make_named_material(bis_parser *p, bis_loc at)
     }
     named->made = at;
     const bool has_type = bis_params_has(p, "type");
-    if (bis_params_string(p, "type", &type))
-        read_material(p, "Material", type, bis_params_at(p, "type"), index);
-    else if (!has_type)
-        bis_parser_error(p, p->name_at, "MakeNamedMaterial \"%s\" needs \"string type\"",
-                         bis_parser_word(p, name));
+    if (bis_params_string(p, "type", &type)) {
+        keep_words(p, index, (size_t)(type - p->params.text));
+        read_material(p, type, bis_params_at(p, "type"), index);
+    } else if (!has_type) {
+        bis_parser_error(p, p->name_at, "MakeNamedMaterial \"%s\" needs \"string type\"", bis_parser_word(p, name));
+    }
 }
 
 void bis_directive_named_material(bis_parser *p, bis_loc at)

@@ -6,6 +6,7 @@ The colour matching functions are the fits of Wyman, Sloan and Shirley 2013 (Jou
 2), good to 1 %, and no table of bis; the matrix is that of IEC 61966-2-1.
 """
 import array
+import gzip
 import math
 import os
 import struct
@@ -88,6 +89,7 @@ def main():
     latin = '\n'.join(HEAD[:7]) + ('\nTexture "weiß" "spectrum" "constant" "rgb value" [0 0 1]\nMaterial "diffuse" '
                                    '"texture reflectance" "weiß"\nTranslate 3 0 0\nShape "sphere" "float radius" 2.5\n')
     write('latin-texture.txt', latin.encode('latin-1'))
+    write('blanks.inc.gz', gzip.compress(4000000 * b' ', mtime=0))
     write_png('ochre.png', 2, (200, 100, 50))
     write('ochre.pfm', b'PF\n1 1\n-1.0\n' + array.array('f', (.8, .4, .1)).tobytes())
     rows = 4 * (9., 9., 9.) + 4 * (2., 1., .5)  # from below
