@@ -395,11 +395,14 @@ static void the_plan_agrees_with_the_build(void **state)
         }
 }
 
+/* A header of both windows, of which the string's own zero is the last byte. */
+#define EXR_OF(window) "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0" window \
+    "\0" "displayWindow\0box2i\0\x10\0\0\0" window
+
 static void image_sizes_are_read_from_headers(void **state)
 {
     static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 1024\n";
-    static const char exr[] =
-        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\xff\xff\xff\xff\0\0\0\0\x0e\0\0\0\x04\0\0";
+    static const char exr[] = EXR_OF("\xff\xff\xff\xff\0\0\0\0\x0e\0\0\0\x04\0\0");
     long w, h;
     store(scratch("a.hdr"), hdr, sizeof hdr - 1);
     assert_true(bis_scene_peek_image(scratch("a.hdr"), &w, &h) && w == 1024 && h == 512);
@@ -426,14 +429,10 @@ static bool peeked(const char *name, const void *data, size_t n, long wanted_w, 
 static void a_size_is_read_where_the_format_has_it(void **state)
 {
     /* the window of an EXR is (x0, y0) to (x1, y1), both in it: (-256, 515) to (2, 30000) here, and to (2, 70000) */
-    static const char exr[] =
-        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x30\x75\0";
-    static const char tall[] =
-        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
-    static const char turned[] =
-        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
-    static const char flat[] =
-        "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\x05\0\0\0\x07\0\0\0\x04\0\0";
+    static const char exr[] = EXR_OF("\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x30\x75\0");
+    static const char tall[] = EXR_OF("\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01");
+    static const char turned[] = EXR_OF("\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0");
+    static const char flat[] = EXR_OF("\0\0\0\0\x05\0\0\0\x07\0\0\0\x04\0\0");
     /* 384 x 516 pixels are 8 times 1032 times the 24 bytes, the most that deflate makes of them; 385 are more */
     static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x80\0\0\x02\x04";
     static const char dense[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x81\0\0\x02\x04";
