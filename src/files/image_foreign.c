@@ -32,7 +32,8 @@ static const struct foreign {
     {0, 7, "\xabKTX 20", "a KTX2", "`ktx extract` of KTX-Software makes a PNG of it"},
     {0, 23, "version https://git-lfs", "a pointer of git LFS, not the picture",
      "`git lfs pull` in its repository brings the picture"},
-    {0, 1, "<", "a page in HTML or XML, or an SVG", "take the picture itself, as .png"},
+    {0, 1, "<", "a text in HTML or XML, as a page in the place of a picture, or an SVG",
+     "take the picture itself, as .png"},
 };
 
 static const struct foreign *find(const image_input *in)
