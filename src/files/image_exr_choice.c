@@ -93,10 +93,10 @@ static int rank_of(const exr_search *s, const exr_choice *c)
     int length;
     const char *layer = layer_of(&length, s, c);
     const int named = find_name(layer, length);
-    const int rank = length == 0              ? BARE
-                     : named < N_NAMES        ? NAMED + 2 * named
+    const int rank = length == 0                        ? BARE
+                     : named < N_NAMES                  ? NAMED + 2 * named
                      : layer == c->channel[0]->name.str ? UNKNOWN
-                                              : OF_OTHER_PART;
+                                                        : OF_OTHER_PART;
     return rank + !c->colour;
 }
 

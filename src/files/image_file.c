@@ -126,14 +126,15 @@ bis_status bis_image_read_colours(bis_image *image, const char *path, double gam
     return read_image(image, &r, path, at, diag);
 }
 
-/* A PNG or a JPEG, by its first bytes: does it end as such? Of others nothing is known. */
-static enum { UNKNOWN, CUT, WHOLE } look_at_end(const char *path)
+/* A PNG or a JPEG, by its first bytes: does it end as such? Of others nothing is known. *size: all of its bytes. */
+static enum { UNKNOWN, CUT, WHOLE } look_at_end(const char *path, long *size)
 {
     unsigned char head[4] = {0}, tail[8] = {0};
     FILE *f = fopen(path, "rb");
     if (!f) return UNKNOWN;
     const bool read = fread(head, 1, sizeof head, f) == sizeof head && fseek(f, -(long)sizeof tail, SEEK_END) == 0 &&
                       fread(tail, 1, sizeof tail, f) == sizeof tail;
+    *size = ftell(f);
     fclose(f);
     if (read && bis_png_is_mine(head, 4)) return memcmp(tail, "IEND", 4) == 0 ? WHOLE : CUT;
     if (read && bis_jpeg_is_mine(head, 4) && bis_image_reads_jpeg())
@@ -141,14 +142,22 @@ static enum { UNKNOWN, CUT, WHOLE } look_at_end(const char *path)
     return UNKNOWN;
 }
 
-bool bis_image_looks_cut(const char *path) { return look_at_end(path) == CUT; }
+bool bis_image_looks_cut(const char *path)
+{
+    long size;
+    return look_at_end(path, &size) == CUT;
+}
+
+/* A picture of so many bytes is read within some hundredths of a second. */
+enum { READ_AT_ONCE = 1 << 18 };
 
 bool bis_image_check_colours(const char *path, bis_loc at, bis_diag *diag)
 {
     bis_diag why = {0};
     bis_image image;
+    long size = 0;
 
-    if (look_at_end(path) == WHOLE) return true;
+    if (look_at_end(path, &size) == WHOLE && size > READ_AT_ONCE) return true;
     const bis_status status = bis_image_read_colours(&image, path, BIS_GAMMA_SRGB, at, &why);
     bis_image_clear(&image);
     for (size_t i = 0; i < why.n && status == BIS_INPUT; i++) bis_warn(diag, at, "%s", why.messages[i].body);

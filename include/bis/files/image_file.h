@@ -33,7 +33,7 @@ bis_status bis_image_read_colours(bis_image *image, const char *path, double gam
 bool bis_image_reads_jpeg(void);
 
 /* bis_image_check_colours returns whether bis_image_read_colours takes a file, and adds its errors as warnings if it
- * does not. A PNG or JPEG that begins and ends as such is believed, because reading takes time. */
+ * does not. A large PNG or JPEG that begins and ends as such is believed, because reading takes time. */
 bool bis_image_check_colours(const char *path, bis_loc at, bis_diag *diag);
 
 /* bis_image_looks_cut returns whether a file begins as a PNG or a JPEG and does not end as such. */

@@ -209,6 +209,8 @@ def screens():
     write('half.jpg', jpeg[:-(len(jpeg) - jpeg.rindex(b'\xff\xda')) * 2 // 3])
     write('no-end.png', png[:-12])
     write('half.png', png[:len(png) * 2 // 3])
+    at = png.index(b'IDAT') + 20
+    write('flipped.png', png[:at] + bytes([png[at] ^ 255]) + png[at + 1:])  # whole, but for its checksum
     write('empty.png', b'')
     inks = image.convert('CMYK')  # Pillow writes Adobe's JPEG, which holds 255 - ink
     write('cmyk.jpg', encode(inks, 'jpeg', quality=100, subsampling=0))
@@ -251,8 +253,9 @@ LightSource "infinite" "string mapname" "{}"{}
 
 def scenes():
     """A square with a texture, and nothing but a map."""
-    for name in ('lfs.png', 'half.png', 'half.jpg', 'no-end.jpg', 'no-end.png', 'cmyk.jpg', 'other.gif', 'other.webp',
-                 'other.tiff', 'other.avif', 'other.jp2', 'grey-alpha.tga', 'empty.png', 'inside-dark.exr'):
+    for name in ('lfs.png', 'flipped.png', 'half.png', 'half.jpg', 'no-end.jpg', 'no-end.png', 'cmyk.jpg', 'other.gif',
+                 'other.webp', 'other.tiff', 'other.avif', 'other.jp2', 'grey-alpha.tga', 'empty.png',
+                 'inside-dark.exr'):
         with open(name.replace('.', '-') + '.txt', 'w', encoding='utf-8') as f:
             f.write(SCENE.format(name))
     write('lfs.mtl', b'newmtl a\nKd .4 .4 .4\nmap_Kd lfs.png\n')
