@@ -30,8 +30,8 @@ for name in "$@"; do
     mkdir -p $seeds $work/corpus/$name
     case $name in
     scene)
-        cp tests/data/bad/*.txt tests/data/scenes/*.txt tests/foreign/scenes/*.txt data/scenes/*.txt data/scenes/pbrt/* \
-            $seeds ;;
+        cp tests/data/bad/*.txt tests/data/scenes/*.txt tests/foreign/scenes/*.txt $seeds
+        cp data/scenes/*.txt data/scenes/pbrt/* $seeds ;;
     map) for f in $work/made/*.pfm $work/made/*.hdr; do { printf 'A\014'; cat "$f"; } >$seeds/"${f##*/}"; done ;;
     mtl)
         {
