@@ -3,9 +3,9 @@
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
 #     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part
 #                                                            checkpoint; default: all
-# What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression,
-# tests/foreign and data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A
-# finding is left in build/fuzz/found; exit status 1 then.
+# What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
+# data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
+# build/fuzz/found; exit status 1 then.
 build=$1 seconds=$2
 shift 2
 [ $# -gt 0 ] || set -- scene hdr pfm exr png ply obj mtl spd gz map part checkpoint
@@ -30,8 +30,8 @@ for name in "$@"; do
     mkdir -p $seeds $work/corpus/$name
     case $name in
     scene)
-        cp tests/data/bad/*.txt tests/data/scenes/*.txt tests/foreign/scenes/*.txt data/scenes/*.txt $seeds
-        cp data/scenes/pbrt/* $seeds ;;
+        cp tests/data/bad/*.txt tests/data/scenes/*.txt tests/foreign/scenes/*.txt $seeds
+        cp data/scenes/*.txt data/scenes/pbrt/* $seeds ;;
     map) for f in $work/made/*.pfm $work/made/*.hdr; do { printf 'A\014'; cat "$f"; } >$seeds/"${f##*/}"; done ;;
     mtl)
         {
@@ -48,7 +48,7 @@ for name in "$@"; do
         tests/foreign/*/*.tga $seeds 2>/dev/null ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
-    cp tests/data/regression/*."$name" tests/foreign/*/*."$name" $seeds 2>/dev/null
+    cp tests/data/regression/*."$name" $seeds 2>/dev/null
     echo "==== fuzz_$name: $(ls $seeds | wc -l) seeds, $(ls $work/corpus/$name | wc -l) from runs before, $seconds s"
     # Words of the seeds that are text: what a parser compares with.
     cat $seeds/* | LC_ALL=C grep -aoE '"[a-zA-Z0-9 ]+"|[A-Za-z]{2,30}=?' | tr -d '"' |

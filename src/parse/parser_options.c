@@ -50,11 +50,10 @@ static void camera_shutter(bis_parser *p)
     p->exposure.shutter = 1;
     bis_params_float(p, "shutteropen", &open, any);
     bis_params_float(p, "shutterclose", &close, any);
+    if (bis_parser_predates_v4(p)) bis_params_ignore(p, "Camera");
     if (close - open == 1 || bis_parser_is_before_v4(p, bis_params_at(p, "shutterclose"), "the shutter", "the picture "
-                                                     "is as bright as it is long open", "it changes nothing")) {
-        bis_params_ignore(p, "Camera");
+                                                     "is as bright as it is long open", "it changes nothing"))
         return;
-    }
     p->exposure.shutter = close - open;
     if (!(close > open))
         bis_parser_error(p, bis_params_at(p, "shutterclose"), "the shutter is open from %g to %g, so that the picture "

@@ -93,7 +93,7 @@ static const struct row {
     {"Film \"spectral\" WorldBegin", "Film \"spectral\"", true},
     {"Camera \"perspective\" \"float lensradius\" 0.1 WorldBegin", "\"lensradius\"", true},
     {"PixelFilter \"mitchell\" \"float B\" 0.3 WorldBegin", "PixelFilter \"mitchell\"", false},
-    {"Camera \"perspective\" \"float shutteropen\" 0 WorldBegin", "parameter \"shutteropen\"", false},
+    {"Film \"image\" Camera \"perspective\" \"float shutteropen\" 0 WorldBegin", "parameter \"shutteropen\"", false},
     {"Film \"rgb\" \"string colourspace\" \"x\" WorldBegin", "parameter \"colourspace\" of Film \"rgb\"", true},
     {"Accelerator \"grid\" \"integer splitmethod\" 3 WorldBegin", "parameter \"splitmethod\" of Accelerator \"grid\"",
      true},
@@ -275,7 +275,8 @@ static const struct { const char *scene, *said[2]; } notes[] = {
      "that it may have"}},
     {W "Texture \"t\" \"float\" \"bilerp\" \"string mapping\" \"x\"", {"2:30: 1 x \"mapping\" that is \"x\" (of 1 "
      "textures): the default is taken"}},
-    {"Camera \"perspective\" \"float shutteropen\" 0 " W, {"1:22: 1 x parameter \"shutteropen\": ignored, which "
+    {"Film \"image\" Camera \"perspective\" \"float shutteropen\" 0 " W,
+     {"1:35: 1 x parameter \"shutteropen\": ignored, which "
      "changes nothing"}},
     {"Camera \"perspective\" \"float lensradius\" 0.1 " W, {"1:22: 1 x \"lensradius\": all is in focus"}},
     {"PixelFilter \"mitchell\" " W, {"1:13: 1 x PixelFilter \"mitchell\": the box of one pixel is used"}},

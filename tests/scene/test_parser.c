@@ -411,7 +411,9 @@ static void each_name_of_pbrts_is_known(void **state)
         {"Film \"rgb\" \"float ", "iso exposuretime imagingratio", "\" 100", ""},
         {"Option \"integer ", "disabletexturefiltering disablewavelengthjitter msereferenceimage msereferenceout "
          "pixelstats rendercoordsys wavefront", "\" 1", "\"%s\" is ignored, which changes nothing"},
-        {"Camera \"perspective\" \"float ", "shutterclose", "\" 1", "\"%s\" is ignored, which changes nothing"},
+        {"Film \"image\" Camera \"perspective\" \"float ", "shutteropen shutterclose", "\" 1",
+         "\"%s\" is ignored, which changes nothing"},
+        {"Camera \"perspective\" \"float ", "shutterclose", "\" 1", ""},
         {IN_WORLD "Shape \"sphere\" \"float ", "alpha shadowalpha", "\" 1", ""},
         {IN_WORLD "Shape \"sphere\" \"float ", "uv st S faceIndices", "\" 1", ""},
         {IN_WORLD "Material \"coateddiffuse\" \"float roughness\" 0.1 \"float ", "g maxdepth nsamples", "\" 1", ""},
