@@ -250,7 +250,7 @@ bool bis_parser_add_image(bis_parser *p, char *path, const bis_texture_file *as,
     bis_textures *t = &p->desc->textures;
     const size_t room = strlen(path) + 80;
     char *key = bis_alloc(room, 1), number[32];
-    const char kind = as->may_hold_normals ? 'n' : as->is_luminance ? 'y' : 'c';
+    const char kind = as->may_hold_normals ? 'n' : as->is_luminance ? 'y' : as->may_be_alpha ? 'a' : 'c';
     bool ok = key != NULL;
     struct stat st;
 
@@ -321,7 +321,8 @@ static void read_filter(bis_parser *p)
 
 static bool is_luminance(bis_parser *p, const bis_texture *x)
 {
-    return x->is_float && bis_parser_is_before_v4(p, p->name_at, "an image as numbers", "the mean of its colours",
+    return x->is_float && bis_parser_is_before_v4(p, p->name_at, "an image as numbers",
+                                                  "the mean of its colours, or its alpha",
                                                   "the luminance of what the file holds, made linear after it");
 }
 
@@ -351,7 +352,9 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
     if (!lacks) {
-        const bis_texture_file as = {.gamma = gamma, .loc = at, .is_luminance = is_luminance(p, x)};
+        const bool before = is_luminance(p, x);
+        const bis_texture_file as = {.gamma = gamma, .loc = at, .is_luminance = before,
+                                     .may_be_alpha = x->is_float && !before};
         return bis_parser_add_image(p, path, &as, &x->image) && ok;
     }
     *x = constant((rgbd){0.5, 0.5, 0.5});

@@ -70,6 +70,7 @@ typedef struct bis_texture_file {
     double gamma;   /* of a .png, see bis_image_read_colours */
     bis_loc loc;    /* the place of its name */
     bool may_hold_normals; /* map_Bump of an .mtl: heights, or a normal map */
+    bool may_be_alpha; /* as numbers of pbrt-v4: alpha, unless all of it is 1 */
     bool is_luminance; /* as numbers of pbrt-v1 to v3: the luminance of what the file holds, made linear after it */
 } bis_texture_file;
 

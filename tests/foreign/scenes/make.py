@@ -91,6 +91,8 @@ def main():
     write('latin-texture.txt', latin.encode('latin-1'))
     write('blanks.inc.gz', gzip.compress(4000000 * b' ', mtime=0))
     write_png('ochre.png', 2, (200, 100, 50))
+    write_png('ochre-half.png', 6, (200, 100, 50, 128))
+    write_png('ochre-opaque.png', 6, (200, 100, 50, 255))
     write('ochre.pfm', b'PF\n1 1\n-1.0\n' + array.array('f', (.8, .4, .1)).tobytes())
     rows = 4 * (9., 9., 9.) + 4 * (2., 1., .5)  # from below
     write('above.pfm', b'PF\n4 2\n-1.0\n' + array.array('f', rows).tobytes())
