@@ -205,6 +205,9 @@ static bool read_options(bis_parser *p, const line *l, char **name, map *m)
 }
 
 static const bis_stand_in no_image = {"an image of a library that is not there", "the material without it", true};
+static const bis_stand_in no_embedded = { /* assimp's name for it is *0 */
+    "an image that is inside of a model, and was not written with its library",
+    "the material without it. It is inside of the model that was converted: Python's trimesh writes it (README)", true};
 static const bis_stand_in no_library = {"a library of materials that is not there", "its materials are diffuse grey",
                                         true};
 
@@ -252,7 +255,7 @@ static bool read_map(bis_parser *p, const line *l, map *m, uint32_t *image)
     cut_comment(p, l->at, name);
     name = clean_name(name);
     bool lacks;
-    char *path = bis_approximate_path(p, &lacks, l->at, name, &no_image);
+    char *path = bis_approximate_path(p, &lacks, l->at, name, name[0] == '*' ? &no_embedded : &no_image);
     const bool may_hold_normals = m->x.is_float && !m->names_channel;
     return !lacks && bis_parser_add_image(p, path, m->gamma, may_hold_normals, l->at, image);
 }
