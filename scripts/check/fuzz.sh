@@ -48,7 +48,7 @@ for name in "$@"; do
         tests/foreign/*/*.tga $seeds 2>/dev/null ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
-    cp tests/data/regression/*."$name" $seeds 2>/dev/null
+    cp tests/data/regression/*."$name" tests/foreign/*/*."$name" $seeds 2>/dev/null
     echo "==== fuzz_$name: $(ls $seeds | wc -l) seeds, $(ls $work/corpus/$name | wc -l) from runs before, $seconds s"
     # Words of the seeds that are text: what a parser compares with.
     cat $seeds/* | LC_ALL=C grep -aoE '"[a-zA-Z0-9 ]+"|[A-Za-z]{2,30}=?' | tr -d '"' |

@@ -30,7 +30,7 @@ typedef struct place {
 
 enum { CUT = UINT32_MAX };
 
-/* Comparisons of corners in all polygons of a file, some ten seconds. */
+/* Comparisons of corners in all polygons of a file, about half a minute. */
 #define MOST_WORK ((uint64_t)1 << 31)
 
 typedef struct clipper {

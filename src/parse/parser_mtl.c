@@ -25,7 +25,7 @@
 
 /* A material of a library while it is read. */
 typedef struct mtl {
-    bool exists, has_Kd;
+    bool exists, has_Kd, has_comment; /* the name is the part's without a comment alone */
     rgb Kd, Ks;
     double Ns;
     bool is_matte; /* illum 0 or 1 */
@@ -206,6 +206,10 @@ static bool read_options(bis_parser *p, const line *l, char **name, map *m)
 
 static const bis_stand_in no_image = {"an image of a library that is not there", "the material without it",
                                       "an image of a library that cannot be read", true};
+static const bis_stand_in no_embedded = { /* assimp's name for it is *0 */
+    "an image that is inside of a model, and was not written with its library",
+    "the material without it. It is inside of the model that was converted: Python's trimesh writes it (README)",
+    NULL, true};
 static const bis_stand_in no_library = {"a library of materials that is not there", "its materials are diffuse grey",
                                         NULL, true};
 
@@ -236,13 +240,20 @@ static bool is_beside(bis_parser *p, bis_loc at, const char *name)
     return is;
 }
 
-/* Behind a name may stand a comment, but a name may hold " #", too: it is one, if there is no such file. */
+/* How long a name is without a comment. But a name may hold " #", too, as 3ds Max's "Material #25". */
+static size_t name_length(const char *name)
+{
+    const char *comment = strstr(name, " #");
+    size_t n = comment ? (size_t)(comment - name) : strlen(name);
+    while (n > 0 && strchr(blanks, name[n - 1])) n--;
+    return n;
+}
+
+/* It is a comment if there is no file of the whole name. */
 static void cut_comment(bis_parser *p, bis_loc at, char *name)
 {
-    char *comment = strstr(name, " #");
-    if (!comment || is_beside(p, at, name)) return;
-    while (comment > name && strchr(blanks, comment[-1])) comment--;
-    *comment = '\0';
+    const size_t n = name_length(name);
+    if (name[n] && !is_beside(p, at, name)) name[n] = '\0';
 }
 
 /* A map, whose options go to *m and its image to *image. False: there is none, and that was said. */
@@ -253,7 +264,7 @@ static bool read_map(bis_parser *p, const line *l, map *m, uint32_t *image)
     cut_comment(p, l->at, name);
     name = clean_name(name);
     bool lacks;
-    char *path = bis_approximate_path(p, &lacks, l->at, name, &no_image);
+    char *path = bis_approximate_path(p, &lacks, l->at, name, name[0] == '*' ? &no_embedded : &no_image);
     const bool may_hold_normals = m->x.is_float && !m->names_channel;
     const bis_texture_file as = {.gamma = m->gamma, .loc = l->at, .may_hold_normals = may_hold_normals};
     return !lacks && bis_parser_add_image(p, path, &as, image);
@@ -346,14 +357,17 @@ static char *take_line(line *l, char **next)
     return word;
 }
 
-/* Is the material that newmtl names asked for? A name may hold " #" (3ds Max), or have a comment behind it. */
-static bool find_part(const bis_obj_materials *obj, char *name, uint32_t *part)
+/* Is the material that newmtl names asked for, by its whole name or without a comment? */
+static bool find_part(const bis_obj_materials *obj, const char *name, uint32_t *part, bool *exact)
 {
-    char *comment = strstr(name, " #");
-    if (bis_names_find(&obj->parts, name, part)) return true;
-    while (comment && comment > name && strchr(blanks, comment[-1])) comment--;
-    if (comment) *comment = '\0';
-    return comment && bis_names_find(&obj->parts, name, part);
+    const size_t n = name_length(name);
+    *exact = bis_names_find(&obj->parts, name, part);
+    for (size_t k = 0; !*exact && k < obj->parts.n; k++) {
+        const char *other = obj->parts.names[k];
+        *part = (uint32_t)k + 1;
+        if (name_length(other) == n && strncmp(other, name, n) == 0) return true;
+    }
+    return *exact;
 }
 
 /* The materials of parts that have faces; wanted[n]: by the part's number. */
@@ -367,10 +381,13 @@ static void read_library(bis_parser *p, const char *path, char *text, const bis_
         l.at.line++;
         if (!*word) continue;
         if (is_word(word, "newmtl")) {
-            const bool known = find_part(obj, l.words, &part);
-            const bool counts = known && part < obj->n_shown && obj->is_shown[part] && !wanted[part].exists;
-            m = counts ? &wanted[part] : &other; /* of two by one name the first counts */
+            bool exact;
+            const bool shown = find_part(obj, l.words, &part, &exact) && part < obj->n_shown && obj->is_shown[part];
+            /* of two by one name the first counts */
+            const bool counts = shown && (!wanted[part].exists || (exact && wanted[part].has_comment));
+            m = counts ? &wanted[part] : &other;
             *m = grey;
+            m->has_comment = !exact;
             m->at = l.at;
             m->exists = true;
         } else if (!m) {

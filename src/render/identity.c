@@ -214,6 +214,7 @@ static void hash_textures(bis_walk *w, const bis_textures *t, const bis_scene *s
     for (size_t i = 0; i < s->n_images; i++) {
         const bis_image *image = &s->images[i].image;
         hash_pixels(w, image->width, image->height, image->pixels);
+        hash_count(w, s->images[i].holds_normals);
     }
 }
 

@@ -322,6 +322,7 @@ static void each_field_of_materials_and_textures_counts(void **state)
         EXPECT(t->steps, NONE); /* it follows from the rest */
         for (int j = 0; j < 6; j++) expect_rgb(k, &k->texels[i][j], MATERIALS, "texel");
     }
+    EXPECT(k->images[1].holds_normals, MATERIALS);
     /* an image of 2 x 3 texels is another than one of 3 x 2 */
     uint64_t wide[BIS_IDENTITY_PARTS], high[BIS_IDENTITY_PARTS];
     bis_identify(wide, &k->of);
