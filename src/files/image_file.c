@@ -76,7 +76,7 @@ typedef enum image_use { USE_PIXELS, USE_PICTURE, USE_MAP } image_use;
 typedef struct image_request {
     image_use use;
     const double *gamma;
-    bool is_any, is_screen;
+    bool is_any, is_screen, wants_alpha;
     bis_image_place place;
     bis_exr_layout layout;
 } image_request;
@@ -85,7 +85,7 @@ static bis_status read_image(bis_image *image, image_request *r, const char *pat
 {
     unsigned char *data;
     image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag, .place = &r->place,
-                      .layout = &r->layout, .wants_alpha = r->is_any};
+                      .layout = &r->layout, .wants_alpha = r->wants_alpha};
 
     *image = (bis_image){0};
     bis_status status = bis_gzip_read(&data, &in.size, path, at, diag);
@@ -123,6 +123,12 @@ bis_status bis_image_read_map(bis_image *image, bool *is_cube_strip, const char 
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag)
 {
     image_request r = {.use = USE_PICTURE, .gamma = &gamma};
+    return read_image(image, &r, path, at, diag);
+}
+
+bis_status bis_image_read_alpha(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag)
+{
+    image_request r = {.use = USE_PICTURE, .gamma = &gamma, .wants_alpha = true};
     return read_image(image, &r, path, at, diag);
 }
 
@@ -183,7 +189,7 @@ bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, b
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)
 {
     const double gamma = BIS_GAMMA_FILE;
-    image_request r = {.use = USE_PICTURE, .gamma = &gamma, .is_any = true};
+    image_request r = {.use = USE_PICTURE, .gamma = &gamma, .is_any = true, .wants_alpha = true};
     const bis_status status = read_image(image, &r, path, at, diag);
     *is_screen = r.is_screen;
     return status;

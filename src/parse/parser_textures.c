@@ -319,6 +319,14 @@ static void read_filter(bis_parser *p)
     bis_params_skip(p, earlier, BIS_COUNT(earlier));
 }
 
+/* Others share an image with textures of colours. */
+static bool may_have_alpha(const char *path)
+{
+    char ending[8];
+    bis_path_extension(ending, path);
+    return strcmp(ending, ".png") == 0 || strcmp(ending, ".exr") == 0;
+}
+
 static bool is_luminance(bis_parser *p, const bis_texture *x)
 {
     return x->is_float && bis_parser_is_before_v4(p, p->name_at, "an image as numbers",
@@ -354,7 +362,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     if (!lacks) {
         const bool before = is_luminance(p, x);
         const bis_texture_file as = {.gamma = gamma, .loc = at, .is_luminance = before,
-                                     .may_be_alpha = x->is_float && !before};
+                                     .may_be_alpha = x->is_float && !before && path && may_have_alpha(path)};
         return bis_parser_add_image(p, path, &as, &x->image) && ok;
     }
     *x = constant((rgbd){0.5, 0.5, 0.5});

@@ -130,21 +130,16 @@ static void take_luminance(bis_image *im, const bis_texture_file *file)
     }
 }
 
-/* The alpha of an image with transparency takes the place of its colours. Source: MIPMap::CreateFromFile and Bilerp in
+/* Alpha takes the place of the colours, unless all of it is 1. Source: MIPMap::CreateFromFile and Bilerp in
  * src/pbrt/util/mipmap.cpp of pbrt-v4. */
-static bis_status take_alpha(bis_image *im, const bis_texture_file *file, bis_diag *diag)
+static void take_alpha(bis_image *im)
 {
-    bis_image with;
-    bool is_screen, some = false;
-    const bis_status status = bis_image_read_any(&with, &is_screen, file->filename, file->loc, NULL);
-    if (status) /* its warnings were told with its colours */
-        return bis_error(diag, status, file->loc, "cannot read the alpha of \"%s\"", file->filename);
     const size_t n = (size_t)im->width * (size_t)im->height;
-    const bool has_alpha = with.alpha && with.width == im->width && with.height == im->height;
-    for (size_t i = 0; i < n && has_alpha; i++) some |= with.alpha[i] < 1;
-    for (size_t i = 0; i < n && some; i++) im->pixels[i] = (rgb){with.alpha[i], with.alpha[i], with.alpha[i]};
-    bis_image_clear(&with);
-    return BIS_OK;
+    bool some = false;
+    for (size_t i = 0; i < n && im->alpha; i++) some |= im->alpha[i] < 1;
+    for (size_t i = 0; i < n && some; i++) im->pixels[i] = (rgb){im->alpha[i], im->alpha[i], im->alpha[i]};
+    bis_free(im->alpha);
+    im->alpha = NULL;
 }
 
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
@@ -152,7 +147,8 @@ bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *f
     const double gamma = file->may_hold_normals ? 1 : file->gamma;
 
     *image = (bis_texture_image){.image = {0}};
-    bis_status status = bis_image_read_colours(&image->image, file->filename, gamma, file->loc, diag);
+    bis_status status = (file->may_be_alpha ? bis_image_read_alpha : bis_image_read_colours)(
+        &image->image, file->filename, gamma, file->loc, diag);
     image->holds_normals = !status && file->may_hold_normals && holds_normals(&image->image);
     if (image->holds_normals) {
         bis_warn(diag, file->loc, "%s holds normals and no heights: it is taken as a normal map (\"norm\"), -bm as a "
@@ -163,7 +159,7 @@ bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *f
         status = bis_image_read_colours(&image->image, file->filename, file->gamma, file->loc, diag);
     }
     if (!status && file->is_luminance) take_luminance(&image->image, file);
-    if (!status && file->may_be_alpha) status = take_alpha(&image->image, file, diag);
+    if (!status) take_alpha(&image->image);
     if (!status) status = find_range(image, file, diag);
     if (status) bis_image_clear(&image->image);
     return status;

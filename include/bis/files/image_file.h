@@ -29,6 +29,10 @@ bis_status bis_image_read_map(bis_image *image, bool *is_cube_strip, const char 
  * pixels. Errors: those of bis_image_read. */
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
 
+/* bis_image_read_alpha does the same, and reads the alpha of an EXR and a PNG, by which the pixels are then
+ * premultiplied. */
+bis_status bis_image_read_alpha(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
+
 /* bis_image_reads_jpeg returns whether bis is built with libjpeg. */
 bool bis_image_reads_jpeg(void);
 
