@@ -4,6 +4,8 @@
 
 #include "bis/base/mem.h"
 
+#include <math.h>
+
 bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag)
 {
     const bis_loc nowhere = {0};
@@ -28,4 +30,17 @@ void bis_image_clear(bis_image *image)
     bis_free(image->pixels);
     bis_free(image->alpha);
     *image = (bis_image){0};
+}
+
+/* IEC 61966-2-1. */
+double bis_image_to_linear(double v, double gamma)
+{
+    if (gamma != BIS_GAMMA_SRGB) return pow(v, gamma);
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+double bis_image_from_linear(double v, double gamma)
+{
+    if (gamma != BIS_GAMMA_SRGB) return pow(v, 1 / gamma);
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
 }

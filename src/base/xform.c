@@ -57,8 +57,6 @@ static void scale3(double v[3], double s)
     for (int i = 0; i < 3; i++) v[i] *= s;
 }
 
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 static void cross3(double out[3], const double a[3], const double b[3])
 {
     for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];

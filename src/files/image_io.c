@@ -52,19 +52,6 @@ bis_status bis_image_make(bis_image *image, const image_input *in, long long wid
     return BIS_OK;
 }
 
-/* IEC 61966-2-1. */
-double bis_image_to_linear(double v, double gamma)
-{
-    if (gamma != BIS_GAMMA_SRGB) return pow(v, gamma);
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
-double bis_image_from_linear(double v, double gamma)
-{
-    if (gamma != BIS_GAMMA_SRGB) return pow(v, 1 / gamma);
-    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
-}
-
 bis_status bis_image_table(float **table, int depth, double gamma, const image_input *in)
 {
     const size_t n = (size_t)1 << depth;

@@ -33,11 +33,6 @@ void bis_image_remark(const image_input *in, const char *fmt, ...) BIS_PRINTF(2,
  * file's size. Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_image_make(bis_image *image, const image_input *in, long long width, long long height);
 
-/* bis_image_to_linear returns what a number v in [0,1] of a file stands for: v^gamma, or the curve of sRGB
- * (BIS_GAMMA_SRGB). bis_image_from_linear is its inverse. */
-double bis_image_to_linear(double v, double gamma);
-double bis_image_from_linear(double v, double gamma);
-
 /* bis_image_table makes (*table)[2^depth], by bis_alloc: what numbers of this many bits stand for, in [0,1]: v^gamma,
  * or sRGB's curve (BIS_GAMMA_SRGB). Errors: BIS_NOMEM. */
 bis_status bis_image_table(float **table, int depth, double gamma, const image_input *in);

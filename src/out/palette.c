@@ -2,7 +2,9 @@
 /* palette: sRGB's transfer function (IEC 61966-2-1) and a scale of heat, linear between seven stops. */
 #include "palette.h"
 
-static double to_linear(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }
+#include "bis/base/image.h"
+
+static double to_linear(double v) { return bis_image_to_linear(v, BIS_GAMMA_SRGB); }
 
 rgb bis_palette_srgb(double r, double g, double b) { return rgb_from(to_linear(r), to_linear(g), to_linear(b)); }
 

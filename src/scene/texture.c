@@ -9,7 +9,6 @@
 
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
-#include "files/image_io.h"
 
 #include "noise.h"
 #include "texture_value.h"

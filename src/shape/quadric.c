@@ -31,7 +31,7 @@ static point3 transform_vector(const double m[4][4], vec3 v)
 }
 
 static point3 to_double(vec3 v) { return (point3){(double)v.x, (double)v.y, (double)v.z}; }
-static double dot3(point3 a, point3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static double dot_points(point3 a, point3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /* sum_k |m[i][k]| v_k (+ |m[i][3]|): how large the terms of m's row i are. */
 static double row_size(const double m[4][4], int i, point3 v)
@@ -42,12 +42,12 @@ static double row_size(const double m[4][4], int i, point3 v)
 /* Both roots of the sphere's quadratic, ascending; false without real ones. */
 static bool sphere_roots(const bis_quadric *q, point3 o, point3 d, double t[2])
 {
-    double a = dot3(d, d), b = -dot3(o, d) / a;
+    double a = dot_points(d, d), b = -dot_points(o, d) / a;
     point3 f = {o.x + b * d.x, o.y + b * d.y, o.z + b * d.z};
-    double discriminant = q->radius * q->radius - dot3(f, f);
+    double discriminant = q->radius * q->radius - dot_points(f, f);
 
     if (!(discriminant >= 0)) return false;
-    double distance = sqrt(dot3(o, o));
+    double distance = sqrt(dot_points(o, o));
     double c = (distance - q->radius) * (distance + q->radius);
     double k = a * b + copysign(sqrt(a * discriminant), b);
     if (k == 0) return false; /* touches at t = 0, which is no hit */
@@ -142,7 +142,7 @@ static point3 object_hit(const bis_quadric *q, const ray *r, point3 *normal)
     sphere_roots(q, o, d, root);
     double t = (float)root[0] > 0 ? root[0] : root[1];
     point3 p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
-    double scale = q->radius / sqrt(dot3(p, p));
+    double scale = q->radius / sqrt(dot_points(p, p));
     *normal = p;
     return (point3){p.x * scale, p.y * scale, p.z * scale};
 }

@@ -37,8 +37,6 @@ struct bis_light {
 
 /* ---- the frame ---- */
 
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 static vec3 to_world_frame(const bis_light *light, vec3 w)
 {
     const double(*r)[3] = light->rotation;

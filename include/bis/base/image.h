@@ -21,6 +21,11 @@ typedef struct bis_image {
 #define BIS_GAMMA_SRGB 0
 #define BIS_GAMMA_FILE (-1) /* of a .png: as its gAMA chunk says, else as BIS_GAMMA_SRGB */
 
+/* bis_image_to_linear returns what a number v in [0,1] of a file stands for: v^gamma, or the curve of sRGB
+ * (BIS_GAMMA_SRGB). bis_image_from_linear is its inverse. */
+double bis_image_to_linear(double v, double gamma);
+double bis_image_from_linear(double v, double gamma);
+
 /* bis_image_init allocates width x height black pixels. Errors: BIS_INPUT (a side below 1 or above
  * BIS_IMAGE_MAX_SIDE), BIS_NOMEM. *image is then empty. */
 bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag);

@@ -25,8 +25,6 @@ static const double u = 0x1p-24;
 /* A primitive as one ray sees it. */
 typedef enum sight { MISSED, DOUBTFUL, MET } sight;
 
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 static void cross3(const double a[3], const double b[3], double n[3])
 {
     for (int c = 0; c < 3; c++) n[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
