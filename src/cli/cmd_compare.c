@@ -109,7 +109,7 @@ static int compare(void *options, const char *const *paths, bis_diag *diag)
         if (bis_image_read_part(&image[i], &is_screen[i], &place[i], paths[i], (bis_loc){0}, diag)) goto done;
     if (is_screen[0] != is_screen[1])
         bis_warn(diag, (bis_loc){paths[is_screen[1]], 0, 0},
-                 "a PNG holds what a screen shows, exposed and clipped: compare it with another PNG");
+                 "it holds what a screen shows, exposed and clipped: compare it with another such");
     status = align(image, place, paths, diag);
     if (!status) status = bis_compare(&c, &image[0], &image[1], diag);
     if (!status && o->diff) status = write_difference(o->diff, &image[0], &image[1], diag);
