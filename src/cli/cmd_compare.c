@@ -61,6 +61,9 @@ static bis_status align(bis_image image[2], const bis_image_place place[2], cons
     const bool same_picture = a->full_width == b->full_width && a->full_height == b->full_height;
     const bool whole[2] = {image[0].width == a->full_width && image[0].height == a->full_height,
                            image[1].width == b->full_width && image[1].height == b->full_height};
+    if (whole[0] && whole[1] && same_picture && (a->left != b->left || a->top != b->top))
+        bis_warn(diag, (bis_loc){0}, "their display windows begin at (%d, %d) and (%d, %d): if they are crops of one "
+                 "picture, these are other places of it", a->left, a->top, b->left, b->top);
     if ((whole[0] && whole[1]) || (same_picture && a->x0 == b->x0 && a->y0 == b->y0 &&
                                    image[0].width == image[1].width && image[0].height == image[1].height))
         return BIS_OK; /* or sizes that bis_compare refuses */
@@ -106,7 +109,7 @@ static int compare(void *options, const char *const *paths, bis_diag *diag)
         if (bis_image_read_part(&image[i], &is_screen[i], &place[i], paths[i], (bis_loc){0}, diag)) goto done;
     if (is_screen[0] != is_screen[1])
         bis_warn(diag, (bis_loc){paths[is_screen[1]], 0, 0},
-                 "a PNG holds what a screen shows, exposed and clipped: compare it with another PNG");
+                 "it holds what a screen shows, exposed and clipped: compare it with another such");
     status = align(image, place, paths, diag);
     if (!status) status = bis_compare(&c, &image[0], &image[1], diag);
     if (!status && o->diff) status = write_difference(o->diff, &image[0], &image[1], diag);

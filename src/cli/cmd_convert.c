@@ -58,7 +58,7 @@ static int convert(void *options, const char *const *paths, bis_diag *diag)
     if (status) return bis_cli_exit_status(status);
     if (bis_image_read_any(&image, &is_screen, paths[0], (bis_loc){0}, diag)) return BIS_EXIT_FAILED;
     if (is_screen && !to_png)
-        bis_warn(diag, (bis_loc){paths[0], 0, 0}, "a PNG holds what a screen shows, exposed and clipped, no radiance");
+        bis_warn(diag, (bis_loc){paths[0], 0, 0}, "it holds what a screen shows, exposed and clipped, no radiance");
     status = save(o, &image, is_screen, paths[1], to_png, diag);
     bis_image_clear(&image);
     return bis_cli_exit_status(status);

@@ -189,7 +189,7 @@ static bis_status find_windows(exr_choice *c, exr_const_context_t file, const ex
                                 width, height, BIS_IMAGE_MAX_SIDE);
     if (x0 != (int)x0 || y0 != (int)y0 || x0 < -INT_MAX / 2 || y0 < -INT_MAX / 2)
         return bis_image_refuse(in, BIS_INPUT, "its data window lies outside of its display window");
-    *in->place = (bis_image_place){(int)x0, (int)y0, (int)width, (int)height};
+    *in->place = (bis_image_place){(int)x0, (int)y0, (int)width, (int)height, shown.min.x, shown.min.y};
     return BIS_OK;
 }
 

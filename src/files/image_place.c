@@ -33,7 +33,7 @@ void bis_image_cut(bis_image *image, int x, int y, int width, int height)
 bis_status bis_place_cut(bis_image *image, const image_input *in)
 {
     bis_image_place *p = in->place;
-    if (p->full_width == 0) *p = (bis_image_place){0, 0, image->width, image->height};
+    if (p->full_width == 0) *p = (bis_image_place){0, 0, image->width, image->height, 0, 0};
     const int left = max_int(-p->x0, 0), right = min_int(image->width, p->full_width - p->x0);
     const int top = max_int(-p->y0, 0), bottom = min_int(image->height, p->full_height - p->y0);
 

@@ -46,6 +46,7 @@ typedef struct reader {
     size_t capacity_part;
     size_t n_too_small;         /* faces of fewer than 3 corners */
     size_t n_bad_normals, n_bad_uv;
+    size_t n_lost;              /* indices of a vt or vn that is not there */
     bis_status status;          /* of the first error: from then on nothing is read */
 } reader;
 
@@ -207,7 +208,7 @@ static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
 
 /* ---- faces ---- */
 
-/* An index at p, as a number from 0. Absent, or after an error: SIZE_MAX. */
+/* An index at p, as a number from 0. Absent, or after an error, or of a vt or vn that is not there: SIZE_MAX. */
 static size_t take_index(reader *r, const char *what, size_t total, size_t seen)
 {
     const bool negative = r->p < r->end && *r->p == '-';
@@ -218,7 +219,13 @@ static size_t take_index(reader *r, const char *what, size_t total, size_t seen)
         if (n < SIZE_MAX / 16) n = 10 * n + (size_t)(*p - '0');
     if (p == r->p) return SIZE_MAX;
     const int length = (int)(p - r->p) < 32 ? (int)(p - r->p) : 32;
-    if (n == 0 || n > (negative ? seen : total)) {
+    const bool is_out = n == 0 || n > (negative ? seen : total);
+    if (is_out && what[1]) { /* as trimesh writes them, where some meshes of a scene have coordinates and others none */
+        r->n_lost++;
+        r->p = p;
+        return SIZE_MAX;
+    }
+    if (is_out) {
         r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT,
                                     "the face has the index %.*s, but there are %zu \"%s\"%s", length,
                                     (const char *)r->p, negative ? seen : total, what, negative ? " up to here" : "");
@@ -425,6 +432,9 @@ static void report(const reader *r)
     if (r->lacks_normals)
         bis_mesh_remark(&r->in, "faces name normals, but there is no \"vn\": the mesh is flat, unless \"smooth\" is "
                         "true");
+    if (r->n_lost > 0)
+        bis_mesh_remark(&r->in, "%zu corners of faces name a \"vt\" or \"vn\" that is not there, and have none: "
+                        "textures may be wrong there", r->n_lost);
     if (r->n_bad_normals > 0)
         bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);

@@ -283,7 +283,8 @@ static void next_directive(bis_parser *p)
  * interfaces are left out, and those before texture coordinates are dropped. */
 static void check_whole(bis_parser *p)
 {
-    bis_parser_check_blocks(p);
+    const bool is_whole = p->ended || p->token.kind == BIS_TOKEN_END; /* a limit stops before the blocks' ends */
+    if (is_whole) bis_parser_check_blocks(p);
     p->directive = "";
     bis_parser_check_materials(p);
     bis_approximate_finish_materials(p);

@@ -29,6 +29,7 @@ typedef struct mtl {
     rgb Kd, Ks;
     double Ns;
     bool is_matte; /* illum 0 or 1 */
+    bool lacks_map; /* of map_Kd, replaced with --approximate */
     uint32_t map;  /* the texture of map_Kd */
     uint32_t bump; /* the texture of map_bump */
     uint32_t normals; /* the image of norm */
@@ -277,10 +278,10 @@ static map plain_map(bool is_float, double gamma)
                   .is_float = is_float}, gamma, false};
 }
 
-static void read_map_Kd(bis_parser *p, const line *l, uint32_t *texture)
+static bool read_map_Kd(bis_parser *p, const line *l, uint32_t *texture)
 {
     map m = plain_map(false, BIS_GAMMA_SRGB);
-    if (read_map(p, l, &m, &m.x.image)) bis_parser_add_texture(p, &m.x, texture);
+    return read_map(p, l, &m, &m.x.image) && bis_parser_add_texture(p, &m.x, texture);
 }
 
 static void read_map_bump(bis_parser *p, const line *l, uint32_t *texture)
@@ -336,7 +337,7 @@ static void read_statement(bis_parser *p, const line *l, const char *word, mtl *
         m->has_Kd = true;
     } else if (is_word(word, "Ks")) read_colour(p, l, "Ks", &m->Ks);
     else if (is_word(word, "Ns")) read_Ns(p, l, &m->Ns);
-    else if (is_word(word, "map_Kd")) read_map_Kd(p, l, &m->map);
+    else if (is_word(word, "map_Kd")) m->lacks_map = !read_map_Kd(p, l, &m->map);
     else if (is_one_of(word, bumps, BIS_COUNT(bumps))) read_map_bump(p, l, &m->bump);
     else if (is_one_of(word, normals, BIS_COUNT(normals))) read_norm(p, l, &m->normals);
     else if (is_word(word, "illum")) m->is_matte = read_numbers(p, l, "illum", &illum, 1) && illum < 2;
@@ -491,7 +492,8 @@ static bool make_material(bis_parser *p, const mtl *m, uint32_t *index)
     bis_material_textures t = BIS_NO_TEXTURES;
     t.loc = m->at;
     if (!bis_parser_add_material(p, index)) return false;
-    p->desc->materials[*index] = bis_phong(m->Kd, m->is_matte ? (rgb){0, 0, 0} : m->Ks, m->Ns);
+    const bool hides_map = m->lacks_map && rgb_is_black(m->Kd); /* Maya writes a Kd of 0 beside a map */
+    p->desc->materials[*index] = bis_phong(hides_map ? grey.Kd : m->Kd, m->is_matte ? (rgb){0, 0, 0} : m->Ks, m->Ns);
     t.bump = m->bump;
     t.normals = m->normals;
     if (m->map == BIS_NO_TEXTURE)

@@ -95,10 +95,11 @@ static bis_status find_range(bis_texture_image *image, const bis_texture_file *f
 }
 
 /* Is it a normal map? Its texels are c = (n + 1)/2 of unit vectors n that point out of the surface: blue is the
- * largest by more than .1 in the mean, and | |2c - 1| - 1 | is below .1 in 95 % of the texels. JPEG, 8 bits and the
- * smaller levels of mipmaps shorten vectors by less than that. Heights are grey, where blue is no larger; a coloured
- * photograph has few texels of that length. */
-static bool holds_normals(const bis_image *im)
+ * largest by more than .1 in the mean, and | |2c - 1| - 1 | is below .1 in 95 % of the texels. 8 bits and the smaller
+ * levels of mipmaps shorten most vectors by less than that, and so does JPEG, but not of the roughest maps: *may_hold
+ * is what blue says alone. Heights are grey, where blue is no larger; a coloured photograph has few texels of that
+ * length. */
+static bool holds_normals(const bis_image *im, bool *may_hold)
 {
     const size_t n = (size_t)im->width * (size_t)im->height;
     size_t n_unit = 0;
@@ -110,7 +111,8 @@ static bool holds_normals(const bis_image *im)
         n_unit += fabs(sqrt(x * x + y * y + z * z) - 1) < 0.1;
         blue += (double)c.b - fmax((double)c.r, (double)c.g);
     }
-    return blue > 0.1 * (double)n && (double)n_unit >= 0.95 * (double)n;
+    *may_hold = blue > 0.1 * (double)n;
+    return *may_hold && (double)n_unit >= 0.95 * (double)n;
 }
 
 /* Grey stays as it is to the bit. Source: convertIn in src/textures/imagemap.h of pbrt-v3, and its weights. */
@@ -144,11 +146,16 @@ static void take_alpha(bis_image *im)
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
 {
     const double gamma = file->may_hold_normals ? 1 : file->gamma;
+    bool may_hold = false;
 
     *image = (bis_texture_image){.image = {0}};
     bis_status status = (file->may_be_alpha ? bis_image_read_alpha : bis_image_read_colours)(
         &image->image, file->filename, gamma, file->loc, diag);
-    image->holds_normals = !status && file->may_hold_normals && holds_normals(&image->image);
+    image->holds_normals = !status && file->may_hold_normals && holds_normals(&image->image, &may_hold);
+    if (may_hold && !image->holds_normals)
+        bis_warn(diag, file->loc, "%s is taken for heights, but it is blue as a normal map is. If it is one, as a JPEG "
+                 "of rough ground, write \"norm\" in the place of \"map_Bump\"; else put \"-imfchan l\" before its "
+                 "name", file->filename);
     if (image->holds_normals) {
         bis_warn(diag, file->loc, "%s holds normals and no heights: it is taken as a normal map (\"norm\"), -bm as a "
                  "factor of its x and y. For heights put \"-imfchan l\" before its name. Where dents look like bumps, "

@@ -1310,10 +1310,8 @@ static void what_follows_blocks_that_nest_too_deeply_is_not_read(void **state)
     for (int i = 0; i < 4097; i++, out += length) memcpy(out, unit, length);
     strcpy(out, "AttributeEnd Nonsense Nonsense");
     assert_int_equal(parse_text(&d, &diag, text), BIS_INPUT);
-    assert_int_equal(diag.n, 2);
+    assert_int_equal(diag.n, 1);
     assert_non_null(strstr(diag.messages[0].text, "blocks nest deeper than 4096"));
-    assert_non_null(strstr(diag.messages[1].text, "AttributeBegin has no AttributeEnd"));
-    assert_non_null(strstr(diag.messages[1].text, "(4096 like it"));
     bis_diag_clear(&diag);
     free(text);
 }

@@ -7,9 +7,9 @@
 #include "bis/base/image.h"
 
 /* Where an image lies in its picture: at column x0 and row y0 of full_width x full_height pixels. Only EXR tells (the
- * data window in the display window); the others are the whole picture. */
+ * data window in the display window); the others are the whole picture. left, top: where the picture lies. */
 typedef struct bis_image_place {
-    int x0, y0, full_width, full_height;
+    int x0, y0, full_width, full_height, left, top;
 } bis_image_place;
 
 /* bis_image_read reads the pixels of an image, of an EXR its data window. `at` is the place in a scene that named the

@@ -147,6 +147,8 @@ def windows():
     write_exr('elsewhere.exr', split(rgb), dataWindow=window(8, 0, WIDTH, HEIGHT), displayWindow=window(0, 0, 8, 6))
     write_exr('right.exr', split(rgb), dataWindow=window(4, 0, WIDTH, HEIGHT), displayWindow=window(0, 0, 12, 10))
     write_exr('far.exr', split(pixels(2, 2)), dataWindow=window(0, 0, 2, 2), displayWindow=window(0, 0, 12, 10))
+    write_exr('moved.exr', split(pixels(8, 6, 5)), dataWindow=window(8, 0, WIDTH, HEIGHT),
+              displayWindow=window(8, 0, WIDTH, HEIGHT))
     write_exr('huge.exr', split(pixels(2, 2)), dataWindow=window(0, 0, 2, 2), displayWindow=window(0, 0, 30000, 30000))
 
 

@@ -58,6 +58,7 @@ def main():
     write_pfm('above.pfm', 8, 4, lambda x, y: (1, 1, 1) if y >= 2 else (0, 0, 0))
     write_png('lean.png', 2, 2, lambda x, y: unit(0, .5))
     write_png('slopes.png', 16, 16, lambda x, y: unit(.8 * math.sin(x), .8 * math.cos(y)))
+    write_png('short.png', 2, 2, lambda x, y: (.55, .55, .86))  # as JPEG and mipmaps shorten normals
     write_png('heights.png', 16, 16, lambda x, y: 3 * [(201 + noise.randrange(3)) / 255])
     write_corners('corners.ply')
     with open('model.glb', 'wb') as f:  # the head of a file
