@@ -114,7 +114,7 @@ static bool add_to_world(bis_parser *p, const bis_shape_desc *shape, bis_loc at)
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
     if (p->now.is_flat) {
-        bis_approximate_note(p, shape->loc, "left out: it has no extent in one direction",
+        bis_approximate_note(p, shape->loc, "left out: it has no extent in one direction, or a perspective",
                              "a shape under a singular transformation");
     } else if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
         p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
@@ -135,7 +135,7 @@ static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
         return;
     }
     for (size_t i = 0; i < object->n && p->now.is_flat; i++)
-        bis_approximate_note(p, at, "left out: it has no extent in one direction",
+        bis_approximate_note(p, at, "left out: it has no extent in one direction, or a perspective",
                              "a shape under a singular transformation");
     for (size_t i = 0; i < object->n && !p->now.is_flat; i++) {
         bis_shape_desc shape = p->object_shapes[object->first + i];

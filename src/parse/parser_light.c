@@ -174,10 +174,13 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     if (!chosen || chosen->value == BIS_FOREIGN || !light_may_stand(p, at)) return;
     bis_light_desc light = bis_light_desc_default();
     light.loc = at;
-    if (!light_frame(p, &light.to_world))
+    light_filename(p, &light);
+    if (p->now.is_flat && light.filename)
+        bis_approximate_note(p, at, "it stands as if that were not there: other parts of a map are seen",
+                             "a light under a singular transformation, or one with a perspective");
+    if (!light_frame(p, &light.to_world) && light.filename)
         bis_parser_error(p, at, "LightSource under a transformation that stretches or shears: only rotations, "
                          "reflections and a uniform scale are allowed");
-    light_filename(p, &light);
     light_radiance(p, &light);
     light_map(p, &light);
     light.illuminance = light_illuminance(p);

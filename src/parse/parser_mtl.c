@@ -307,22 +307,30 @@ static void read_norm(bis_parser *p, const line *l, uint32_t *image)
 static void read_other(bis_parser *p, const line *l, const char *word)
 {
     static const char *const silent[] = {"Ka", "Ni", "Tf", "sharpness", "map_Ka"};
-    static const char *const ignored[] = {"map_Ks", "map_Ns", "map_d", "map_Ke", "disp",
-                                          "decal", "refl", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso"};
+    static const char gloss[] = "highlights: they are as Ks and Ns say";
+    static const char *const ignored[][2] = {
+        {"map_Ks", gloss}, {"map_Ns", gloss}, {"refl", gloss}, {"Pr", gloss}, {"Pm", gloss}, {"Ps", gloss},
+        {"Pc", gloss}, {"map_Pr", gloss}, {"map_Pm", gloss}, {"aniso", gloss},
+        {"map_d", "shape: there are no holes"},
+        {"map_Ke", "brightness: no surface gives light"},
+        {"disp", "shape: the mesh stays as it is"},
+        {"decal", "colour: it is as Kd says"},
+    };
     double v[3] = {0, 0, 0};
     if (is_one_of(word, silent, BIS_COUNT(silent))) return;
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
-        if (!is_word(word, ignored[i])) continue;
-        if (bis_parser_once(p, ignored[i])) bis_warn(p->diag, l->at, "%s is ignored", ignored[i]);
+        if (!is_word(word, ignored[i][0])) continue;
+        if (bis_parser_once(p, ignored[i][0]))
+            bis_warn(p->diag, l->at, "%s is ignored, which changes %s", ignored[i][0], ignored[i][1]);
         return;
     }
     if (is_word(word, "d") || is_word(word, "Tr")) {
         const bool ok = read_numbers(p, l, word, v, 1), opaque = is_word(word, "d") ? v[0] >= 1 : v[0] <= 0;
         if (ok && !opaque && bis_parser_once(p, "Tr"))
-            bis_warn(p->diag, l->at, "%s is ignored: the material is opaque", word);
+            bis_warn(p->diag, l->at, "%s is ignored, which changes shape: the material is opaque", word);
     } else if (is_word(word, "Ke")) {
         if (read_numbers(p, l, word, v, 3) && v[0] + v[1] + v[2] > 0 && bis_parser_once(p, "Ke"))
-            bis_warn(p->diag, l->at, "Ke is ignored: no surface gives light");
+            bis_warn(p->diag, l->at, "Ke is ignored, which changes brightness: no surface gives light");
     } else if (bis_parser_once(p, "mtl")) {
         bis_warn(p->diag, l->at, "the unknown word \"%s\" is ignored, and others like it", bis_parser_word(p, word));
     }

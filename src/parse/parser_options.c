@@ -180,7 +180,8 @@ void bis_directive_filter(bis_parser *p, bis_loc at)
         return;
     }
     if (chosen->value == BIS_REPLACED) {
-        bis_warn(p->diag, p->name_at, "PixelFilter \"%s\" is ignored: the box of one pixel is used", chosen->name);
+        bis_warn(p->diag, p->name_at, "PixelFilter \"%s\" is ignored, which changes sharpness: the box of one pixel "
+                 "is used", chosen->name);
         return;
     }
     for (size_t i = 0; i < BIS_COUNT(radii); i++) {

@@ -231,7 +231,9 @@ static bool is_of_materials(const char *name)
 
 void bis_parser_override(bis_parser *p, uint32_t *material)
 {
-    const bis_material_words *w = *material < p->n_words ? &p->words[*material] : NULL;
+    static char matte[] = "matte"; /* of shapes before the first Material */
+    static const bis_material_words none = {.text = matte, .n_text = sizeof matte};
+    const bis_material_words *w = !*material ? &none : *material < p->n_words ? &p->words[*material] : NULL;
     const size_t text = p->params.n_text;
     const size_t n = p->params.n;
     uint32_t index;

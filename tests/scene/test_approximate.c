@@ -258,7 +258,7 @@ static void an_unknown_name_has_its_own_way_out(void **state)
 
 #define W "WorldBegin LightSource \"infinite\"\n"
 #define BILERP "Texture \"t\" \"float\" \"bilerp\"\n"
-#define FLAT_SHAPE "left out: it has no extent in one direction"
+#define FLAT_SHAPE "left out: it has no extent in one direction, or a perspective"
 
 /* All that is said of replacements, with its place: counted by hand. */
 static const struct { const char *scene, *said[2]; } notes[] = {

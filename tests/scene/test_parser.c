@@ -231,8 +231,8 @@ static const struct { const char *scene, *said; } sayings[] = {
     {"PixelFilter \"box\" \"float xwidth\" 1 \"float ywidth\" 2" L, "1:19: warning: \"xwidth\" is ignored: the box has "
      "the size of one pixel (0.5)\n1:36: warning: \"ywidth\" is ignored: the box has the size of one pixel (0.5)"},
     {"PixelFilter \"box\" \"float xradius\" 0" L, "1:19: error: \"xradius\" is 0, must be > 0"},
-    {"PixelFilter \"lanczossinc\" \"float tau\" 3" L, "1:13: warning: PixelFilter \"lanczossinc\" is ignored: the box "
-     "of one pixel is used"},
+    {"PixelFilter \"lanczossinc\" \"float tau\" 3" L, "1:13: warning: PixelFilter \"lanczossinc\" is ignored, which "
+     "changes sharpness: the box of one pixel is used"},
     {"Accelerator \"grid\" \"float density\" 100" L, ""},
     {"Accelerator \"grid\" \"float density\" 100.5" L,
      "1:20: error: \"density\" is 100.5, must be in (0, 100]" NEAREST},
@@ -405,8 +405,8 @@ static void each_name_of_pbrts_is_known(void **state)
          "\"%s\" is ignored, which changes nothing but noise"},
         {"Sampler \"sobol\" \"integer ", "samplepixelcenter", "\" 1",
          "\"%s\" is ignored, which changes shape: edges are smooth"},
-        {"PixelFilter \"", "gaussian mitchell sinc triangle lanczossinc", "\"", "PixelFilter \"%s\" is ignored: the "
-         "box of one pixel is used"},
+        {"PixelFilter \"", "gaussian mitchell sinc triangle lanczossinc", "\"", "PixelFilter \"%s\" is ignored, which "
+         "changes sharpness: the box of one pixel is used"},
         {"Accelerator \"", "bvh kdtree", "\"", "Accelerator \"%s\" is replaced by the default"},
         {"Film \"rgb\" \"float ", "iso exposuretime imagingratio", "\" 100", ""},
         {"Option \"integer ", "disabletexturefiltering disablewavelengthjitter msereferenceimage msereferenceout "

@@ -480,9 +480,10 @@ static bis_status build_library(built *b, const char *statements)
     return scene_try(b, LIGHT OBJ_SHAPE("o.obj") MATERIALS);
 }
 
-#define OPAQUE(line, word) line ": warning: " word " is ignored: the material is opaque"
-#define DARK "2: warning: Ke is ignored: no surface gives light"
-#define IGNORED(word, rest) {word rest, "2: warning: " word " is ignored"}
+#define OPAQUE(line, word) line ": warning: " word " is ignored, which changes shape: the material is opaque"
+#define DARK "2: warning: Ke is ignored, which changes brightness: no surface gives light"
+#define IGNORED(word, rest, changes) {word rest, "2: warning: " word " is ignored, which changes " changes}
+#define GLOSS(word) IGNORED(word, " 1\n" word " 2", "highlights: they are as Ks and Ns say")
 #define NO_OPTION(map, option) {map, "2: error: the option " option " of a map is not modelled: remove it"}
 #define NOT(word, value, what) {word " " value, "2: error: " word " is \"" value "\", must be " what}
 
@@ -501,10 +502,10 @@ static void a_statement_of_a_library_is_taken_ignored_or_refused(void **state)
          "receives. Make one of them smaller"},
         {"Kd 1 1 1\r\nKs 0\r\rd 0.5", OPAQUE("5", "d")}, {"\n\v\fd 0.5\f", OPAQUE("3", "d")},
         {"Ke 1 0 0", DARK}, {"Ke 0 1 0", DARK}, {"Ke 0 0 1", DARK}, {"Ke 0.1\nKe 2 2 2", DARK},
-        IGNORED("map_Ks", " x"), IGNORED("map_Ns", " x"), IGNORED("map_d", " x"), IGNORED("map_Ke", " x"),
-        IGNORED("disp", " x"), IGNORED("decal", " x"), IGNORED("refl", " x"), IGNORED("Pr", " 1"), IGNORED("Pm", " 1"),
-        IGNORED("Ps", " 1"), IGNORED("Pc", " 1"), IGNORED("map_Pr", " x"), IGNORED("map_Pm", " x"),
-        IGNORED("aniso", " 1\naniso 2"),
+        GLOSS("map_Ks"), GLOSS("map_Ns"), GLOSS("refl"), GLOSS("Pr"), GLOSS("Pm"), GLOSS("Ps"), GLOSS("Pc"),
+        GLOSS("map_Pr"), GLOSS("map_Pm"), GLOSS("aniso"), IGNORED("map_d", " x", "shape: there are no holes"),
+        IGNORED("map_Ke", " x", "brightness: no surface gives light"),
+        IGNORED("decal", " x", "colour: it is as Kd says"), IGNORED("disp", " x", "shape: the mesh stays as it is"),
         {"foo 1\nbar 2", "2: warning: the unknown word \"foo\" is ignored, and others like it"},
 
         NOT("Kd", "0.1 x 0.3", "three numbers"), NOT("Kd", "", "three numbers"),
