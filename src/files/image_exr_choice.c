@@ -3,8 +3,9 @@
  *
  * A channel "ViewLayer.Combined.R" is the R of the layer "ViewLayer.Combined", whose own name is "Combined". A part of
  * a file of several parts is a layer, too, named by its part, if its channels name none. Colours without a layer come
- * first, then the layers whose names mean the picture (picture_names), then a part of another name, then a layer that
- * is the only one. Others are not guessed, because a file sorts its channels: the first is "albedo" or "AO".
+ * first, then the layers whose names mean the picture (picture_names), then grey without a layer, then a part of
+ * another name, then a layer that is the only one. Others are not guessed, because a file sorts its channels: the first
+ * is "albedo" or "AO".
  * R, G, B may be small letters or words. Y is luminance, perhaps with chroma RY and BY; beside an X it is a coordinate.
  * A single R, G or B is refused: grey and "the others are 0" are both in use.
  * Source: "OpenEXR Technical Introduction" (layers); Blender, Arnold, Nuke, Houdini (their names of the picture). */
@@ -20,7 +21,8 @@ static const char *const picture_names[] = {"Combined", "beauty", "rgba", "C"};
 enum { N_NAMES = sizeof picture_names / sizeof *picture_names };
 
 /* Ranks of a choice, two of each: colours come before luminance. */
-enum { BARE = 0, NAMED = 2, OF_OTHER_PART = NAMED + 2 * N_NAMES, UNKNOWN = OF_OTHER_PART + 2 };
+enum { BARE = 0, NAMED = 2, BARE_GREY = NAMED + 2 * N_NAMES, OF_OTHER_PART = BARE_GREY + 2,
+       UNKNOWN = OF_OTHER_PART + 2 };
 
 /* All that is looked at. */
 typedef struct exr_search {
@@ -93,7 +95,7 @@ static int rank_of(const exr_search *s, const exr_choice *c)
     int length;
     const char *layer = layer_of(&length, s, c);
     const int named = find_name(layer, length);
-    const int rank = length == 0                        ? BARE
+    const int rank = length == 0                        ? (c->colour || c->chroma ? BARE : BARE_GREY)
                      : named < N_NAMES                  ? NAMED + 2 * named
                      : layer == c->channel[0]->name.str ? UNKNOWN
                                                         : OF_OTHER_PART;

@@ -87,9 +87,10 @@ static void convert_row(unsigned char *row, const bis_picture *picture, const bi
     for (size_t x = 0; x < width; x++) {
         const size_t i = (size_t)y * width + x;
         const double a = alpha ? value_of(alpha, i) : 1;
+        const unsigned char code = (unsigned char)(255 * fmin(fmax(a, 0), 1) + 0.5);
         for (size_t k = 0; k < 3; k++)
-            row[n * x + k] = a > 0 ? to_srgb(scale * value_of(&picture->channels[k], i) / a) : 0;
-        if (alpha) row[4 * x + 3] = (unsigned char)(255 * fmin(fmax(a, 0), 1) + 0.5);
+            row[n * x + k] = code ? to_srgb(scale * value_of(&picture->channels[k], i) / a) : 0;
+        if (alpha) row[4 * x + 3] = code;
     }
 }
 

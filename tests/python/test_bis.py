@@ -357,6 +357,7 @@ class Mistakes(unittest.TestCase):
             (lambda: bis.Material(0.5, 0.5, exponent=1e39), "the exponent is 1e+39: give a number in"),
             (lambda: bis.Material(0.5, np.ma.array([1, 2, 3], mask=[0, 1, 0]), 5), "Ks has masked values"),
             (lambda: bis.Envmap(np.ma.masked_less(np.zeros((2, 4, 3)), 1)), "has masked values"),
+            (lambda: bis.Mesh([np.ma.masked_less(np.zeros(3), 1)] * 3, [[0, 1, 2]]), "vertices has masked values"),
             (lambda: em.sample(u=[[0, 0, 0, 1]]), "u of sample 0 is 1"),
             (lambda: em.sample(u=[[0, 0, 0]]), "give (n, 4)"),
             (lambda: em.sample(-1), "n is -1: give a count in [0, 1099511627775]"),

@@ -20,7 +20,6 @@ static void d3(double out[3], vec3 v)
     out[2] = (double)v.z;
 }
 
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static void unit3(double a[3])
 {

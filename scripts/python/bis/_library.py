@@ -112,7 +112,7 @@ def call(f: Callable[..., int], *arguments: Any) -> None:
 
 def given(name: str, a: ArrayLike) -> NDArray[Any]:
     """a as an array of numpy. A mask would be lost, and what it hides would count."""
-    if isinstance(a, np.ma.MaskedArray) and np.ma.is_masked(a):
+    if any(np.ma.is_masked(part) for part in (a if isinstance(a, (list, tuple)) else (a,))):
         raise Error("%s has masked values: give them a value by .filled(...)" % name)
     return np.asarray(a)
 

@@ -159,6 +159,7 @@ def layers():
     write_exr('view-layers.exr', {**split(other, prefix='View A.AO.'), **split(rgb, prefix='View A.Combined.'),
                                   **split(more, prefix='View B.Combined.')})
     write_exr('beauty.exr', {**split(other, prefix='albedo.'), **split(rgb, prefix='beauty.'), **vector})
+    write_exr('grey-and-beauty.exr', {'Y': other[..., 0].copy(), **split(rgb, prefix='beauty.')})
     write_exr('rgba.exr', {**split(other, prefix='C_diffuse.'), **split(rgb, prefix='RGBA.')})
     write_exr('c.exr', {**split(other, prefix='Alb.'), **split(rgb, prefix='C.')})
     write_exr('small-letters.exr', {**split(rgb, 'rgb'), **split(other, prefix='albedo.')})
