@@ -393,8 +393,8 @@ exit
 # + ) break;
 #
 # * obj test_obj : indices beyond the last vertex pass
-# - if (n == 0 || n > (negative ? seen : total)) {
-# + if (n == 0 || n > total + 1) {
+# - const bool is_out = n == 0 || n > (negative ? seen : total);
+# + const bool is_out = n == 0 || n > total + 1;
 #
 # * lexer test_lexer : 1e999 is a number
 # - if (!isfinite(t->number)) return

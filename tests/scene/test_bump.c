@@ -240,7 +240,7 @@ static void a_normal_map_is_known_by_its_texels(void **state)
             bis_diag diag = {0};
             assert_int_equal(bis_textures_load(&image, &f, &diag), BIS_OK);
             if (image.holds_normals != (asked && n >= 20)) fail_msg("image %d: %d", n, image.holds_normals);
-            assert_int_equal(diag.n, image.holds_normals);
+            assert_true(diag.n == 1 || !image.holds_normals); /* what is blue and no normal map may be told, too */
             bis_diag_clear(&diag);
             bis_image_clear(&image.image);
         }

@@ -20,7 +20,6 @@ static void d3(double out[3], vec3 v)
     out[2] = (double)v.z;
 }
 
-
 static void unit3(double a[3])
 {
     const double size = sqrt(dot3(a, a));
