@@ -86,8 +86,7 @@ static bool read_spd(bis_parser *p, bis_parser_spectrum *s, const char *path, bi
     if (status) return false;
     bool ok = strlen((const char *)data) == size ||
               bis_parser_error(p, at, "%s is no spectrum: there is a zero byte in it", path);
-    const char *c = (const char *)data;
-    if (ok && strncmp(c, "\xef\xbb\xbf", 3) == 0) c += 3; /* UTF-8's byte order mark */
+    const char *c = (const char *)data + bis_byte_order_mark(data, size);
     while (ok && *c) {
         const char *end;
         c += strspn(c, " \t\r\n,");

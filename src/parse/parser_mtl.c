@@ -266,8 +266,9 @@ static bool read_map(bis_parser *p, const line *l, map *m, uint32_t *image)
     name = clean_name(name);
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, l->at, name, name[0] == '*' ? &no_embedded : &no_image);
-    const bool may_hold_normals = m->x.is_float && !m->names_channel;
-    const bis_texture_file as = {.gamma = m->gamma, .loc = l->at, .may_hold_normals = may_hold_normals};
+    const bool is_bump = m->x.is_float && !m->names_channel;
+    const bis_texture_file as = {.gamma = m->gamma, .loc = l->at,
+                                 .meaning = is_bump ? BIS_IMAGE_BUMP : BIS_IMAGE_COLOURS};
     return !lacks && bis_parser_add_image(p, path, &as, image);
 }
 

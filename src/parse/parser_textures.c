@@ -250,14 +250,13 @@ bool bis_parser_add_image(bis_parser *p, char *path, const bis_texture_file *as,
     bis_textures *t = &p->desc->textures;
     const size_t room = strlen(path) + 80;
     char *key = bis_alloc(room, 1), number[32];
-    const char kind = as->may_hold_normals ? 'n' : as->is_luminance ? 'y' : as->may_be_alpha ? 'a' : 'c';
     bool ok = key != NULL;
     struct stat st;
 
     bis_format_double(number, as->gamma);
     if (ok && stat(path, &st) == 0)
-        snprintf(key, room, "%s%c=%ju/%ju", number, kind, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
-    else if (ok) snprintf(key, room, "%s%c:%s", number, kind, path);
+        snprintf(key, room, "%s,%d=%ju/%ju", number, (int)as->meaning, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
+    else if (ok) snprintf(key, room, "%s,%d:%s", number, (int)as->meaning, path);
     if (ok && bis_names_find(&p->texture_file_names, key, index)) {
         bis_free(path);
         bis_free(key);
@@ -327,11 +326,13 @@ static bool may_have_alpha(const char *path)
     return strcmp(ending, ".png") == 0 || strcmp(ending, ".exr") == 0;
 }
 
-static bool is_luminance(bis_parser *p, const bis_texture *x)
+static bis_image_meaning meaning_of(bis_parser *p, const bis_texture *x, const char *path)
 {
-    return x->is_float && bis_parser_is_before_v4(p, p->name_at, "an image as numbers",
-                                                  "the mean of its colours, or its alpha",
-                                                  "the luminance of what the file holds, made linear after it");
+    if (!x->is_float) return BIS_IMAGE_COLOURS;
+    if (bis_parser_is_before_v4(p, p->name_at, "an image as numbers", "the mean of its colours, or its alpha",
+                                "the luminance of what the file holds, made linear after it"))
+        return BIS_IMAGE_LUMINANCE;
+    return path && may_have_alpha(path) ? BIS_IMAGE_ALPHA : BIS_IMAGE_COLOURS;
 }
 
 static bool read_imagemap(bis_parser *p, bis_texture *x)
@@ -360,9 +361,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     bool lacks;
     char *path = bis_approximate_path(p, &lacks, at, name, &no_image);
     if (!lacks) {
-        const bool before = is_luminance(p, x);
-        const bis_texture_file as = {.gamma = gamma, .loc = at, .is_luminance = before,
-                                     .may_be_alpha = x->is_float && !before && path && may_have_alpha(path)};
+        const bis_texture_file as = {.gamma = gamma, .loc = at, .meaning = meaning_of(p, x, path)};
         return bis_parser_add_image(p, path, &as, &x->image) && ok;
     }
     *x = constant((rgbd){0.5, 0.5, 0.5});

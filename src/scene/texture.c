@@ -145,13 +145,14 @@ static void take_alpha(bis_image *im)
 
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
 {
-    const double gamma = file->may_hold_normals ? 1 : file->gamma;
+    const bool is_bump = file->meaning == BIS_IMAGE_BUMP;
+    const double gamma = is_bump ? 1 : file->gamma;
     bool may_hold = false;
 
     *image = (bis_texture_image){.image = {0}};
-    bis_status status = (file->may_be_alpha ? bis_image_read_alpha : bis_image_read_colours)(
+    bis_status status = (file->meaning == BIS_IMAGE_ALPHA ? bis_image_read_alpha : bis_image_read_colours)(
         &image->image, file->filename, gamma, file->loc, diag);
-    image->holds_normals = !status && file->may_hold_normals && holds_normals(&image->image, &may_hold);
+    image->holds_normals = !status && is_bump && holds_normals(&image->image, &may_hold);
     if (may_hold && !image->holds_normals)
         bis_warn(diag, file->loc, "%s is taken for heights, but it is blue as a normal map is. If it is one, as a JPEG "
                  "of rough ground, write \"norm\" in the place of \"map_Bump\"; else put \"-imfchan l\" before its "
@@ -164,7 +165,7 @@ bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *f
         bis_image_clear(&image->image);
         status = bis_image_read_colours(&image->image, file->filename, file->gamma, file->loc, diag);
     }
-    if (!status && file->is_luminance) take_luminance(&image->image, file);
+    if (!status && file->meaning == BIS_IMAGE_LUMINANCE) take_luminance(&image->image, file);
     if (!status) take_alpha(&image->image);
     if (!status) status = find_range(image, file, diag);
     if (status) bis_image_clear(&image->image);

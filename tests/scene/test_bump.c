@@ -236,7 +236,7 @@ static void a_normal_map_is_known_by_its_texels(void **state)
         bytes_clear(&file);
         for (int asked = 0; asked < 2; asked++) {
             const bis_texture_file f = {.filename = (char *)(uintptr_t)scratch("twin.pfm"), .gamma = 1,
-                                        .may_hold_normals = asked};
+                                        .meaning = asked ? BIS_IMAGE_BUMP : BIS_IMAGE_COLOURS};
             bis_texture_image image;
             bis_diag diag = {0};
             assert_int_equal(bis_textures_load(&image, &f, &diag), BIS_OK);

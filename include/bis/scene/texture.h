@@ -64,14 +64,20 @@ typedef struct bis_texture {
 #define BIS_TEXTURE_MAX_OCTAVES 64 /* 1.99^64 = 1.3e19, beyond the digits of any point */
 #define BIS_NO_TEXTURE UINT32_MAX
 
-/* An image of the list. Textures of the same file and gamma share it. */
+/* What the values of an image are taken for. */
+typedef enum bis_image_meaning {
+    BIS_IMAGE_COLOURS,   /* numbers are their mean */
+    BIS_IMAGE_LUMINANCE, /* numbers of pbrt-v1 to v3: the luminance of what the file holds, made linear after it */
+    BIS_IMAGE_ALPHA,     /* numbers of pbrt-v4: alpha, unless all of it is 1 */
+    BIS_IMAGE_BUMP       /* map_Bump of an .mtl: heights, or a normal map */
+} bis_image_meaning;
+
+/* An image of the list. Textures of the same file, gamma and meaning share it. */
 typedef struct bis_texture_file {
     char *filename; /* resolved path; owned */
     double gamma;   /* of a .png, see bis_image_read_colours */
     bis_loc loc;    /* the place of its name */
-    bool may_hold_normals; /* map_Bump of an .mtl: heights, or a normal map */
-    bool may_be_alpha; /* as numbers of pbrt-v4: alpha, unless all of it is 1 */
-    bool is_luminance; /* as numbers of pbrt-v1 to v3: the luminance of what the file holds, made linear after it */
+    bis_image_meaning meaning;
 } bis_texture_file;
 
 /* The textures of a material, each BIS_NO_TEXTURE where the material has a value of its own. */
