@@ -445,7 +445,7 @@ static double mean_by_hand(const bis_image *image, bis_mapping mapping, int chan
 
 static double map_mean(const bis_envmap *em, int channel)
 {
-    const bis_image image = {em->width, em->height, em->pixels};
+    const bis_image image = {em->width, em->height, em->pixels, NULL};
     return mean_by_hand(&image, BIS_MAPPING_LATLONG, channel);
 }
 
@@ -607,7 +607,7 @@ static bis_raster resampled(bis_mapping mapping, int width, bis_image *image, bi
         assert_int_equal(bis_envmap_from_mapping(&em, image, from, width, NULL), BIS_OK);
         bis_image_clear(image);
         power[0] = em.power_before, power[1] = em.power_after;
-        *image = (bis_image){em.width, em.height, em.pixels};
+        *image = (bis_image){em.width, em.height, em.pixels, NULL};
         em.pixels = NULL;
     } else {
         assert_int_equal(bis_envmap_from_latlong(&em, image, NULL), BIS_OK);

@@ -169,7 +169,7 @@ int main(void)
         cmocka_unit_test(trade_says_so),
     };
     rgb pixels[32];
-    const bis_image image = {8, 4, pixels};
+    const bis_image image = {8, 4, pixels, NULL};
     assert_int_equal(system("rm -rf " DIR), 0);
     program_folder(DIR);
     program_write_scene(DIR, "");
@@ -178,7 +178,7 @@ int main(void)
     pixels[3].r = 100;
     assert_int_equal(bis_image_save(&image, DIR "/b.pfm", NULL), BIS_OK);
     program_write_file(DIR "/dark.txt", "WorldBegin Material \"diffuse\" \"float reflectance\" 0 Shape \"sphere\"\n");
-    const bis_image probe = {5, 5, pixels};
+    const bis_image probe = {5, 5, pixels, NULL};
     assert_int_equal(bis_image_save(&probe, DIR "/probe.pfm", NULL), BIS_OK);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -344,7 +344,7 @@ static void save(const char *path, const rgb *pixels, int n)
 {
     rgb copy[8];
     memcpy(copy, pixels, (size_t)n * sizeof *pixels);
-    const bis_image image = {n, 1, copy};
+    const bis_image image = {n, 1, copy, NULL};
     assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
 }
 

@@ -837,7 +837,7 @@ static void a_distant_light_is_a_disc_of_its_irradiance(void **state)
 static void the_pixels_that_a_disc_covers_are_equally_bright(void **state)
 {
     enum { W = BIS_DISTANT_WIDTH, H = W / 2, COLUMN = 700 };
-    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels)};
+    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels), NULL};
     bis_envmap em;
     bis_distant sun = {.irradiance = {1, 1, 1}};
     assert_int_equal(bis_envmap_from_latlong(&em, &black, NULL), BIS_OK);
@@ -861,7 +861,7 @@ static void a_disc_has_its_radiance_in_all_directions(void **state)
     enum { W = BIS_DISTANT_WIDTH, H = W / 2 };
     static const int rows[] = {0, 1, 60, 500, 780, H - 1}; /* the poles, too */
     const double radiance = 1 / (PI * pow(sin(BIS_DISTANT_HALF_ANGLE), 2));
-    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels)};
+    bis_image black = {W, H, bis_alloc((size_t)W * H, sizeof *black.pixels), NULL};
     bis_envmap em;
     assert_int_equal(bis_envmap_from_latlong(&em, &black, NULL), BIS_OK);
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)

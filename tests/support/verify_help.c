@@ -60,7 +60,7 @@ void verify_write_map(void)
 {
     program_folder(VERIFY_DIR);
     bis_envmap em = map_random(32, 16, 4, 0.1, 2);
-    const bis_image image = {32, 16, em.pixels};
+    const bis_image image = {32, 16, em.pixels, NULL};
     assert_int_equal(bis_image_save(&image, VERIFY_DIR "/map.pfm", NULL), BIS_OK);
     bis_envmap_clear(&em);
 }

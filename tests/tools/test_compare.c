@@ -44,7 +44,7 @@ static void equal_images_differ_by_nothing(void **state)
 static void two_pixels_give_what_the_formulas_give_by_hand(void **state)
 {
     rgb pa[2] = {{1, 2, 3}, {4, 4, 4}}, pb[2] = {{1, 1, 1}, {5, 5, 5}};
-    const bis_image a = {2, 1, pa}, b = {2, 1, pb};
+    const bis_image a = {2, 1, pa, NULL}, b = {2, 1, pb, NULL};
     bis_comparison c;
     assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
     assert_near(c.mean_a, 3);
@@ -108,7 +108,7 @@ static void pixels_that_are_not_finite_are_counted_and_left_out(void **state)
     bis_comparison c, without;
     init(&a, 4, 2, 1, 1);
     init(&b, 4, 2, 1, 2);
-    const bis_image first_a = {4, 1, a.pixels}, first_b = {4, 1, b.pixels};
+    const bis_image first_a = {4, 1, a.pixels, NULL}, first_b = {4, 1, b.pixels, NULL};
     bis_compare(&without, &first_a, &first_b, NULL);
     a.pixels[4].r = NAN;
     a.pixels[5].g = INFINITY;
@@ -127,7 +127,7 @@ static void pixels_that_are_not_finite_are_counted_and_left_out(void **state)
 static void no_comparable_pixel_gives_nan_not_agreement(void **state)
 {
     rgb pa[1] = {{NAN, 0, 0}}, pb[1] = {{0, 0, 0}};
-    const bis_image a = {1, 1, pa}, b = {1, 1, pb};
+    const bis_image a = {1, 1, pa, NULL}, b = {1, 1, pb, NULL};
     bis_comparison c;
     assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
     assert_true(isnan(c.relmse) && isnan(c.rmse) && isnan(c.bias) && isnan(c.max_abs));
@@ -137,7 +137,7 @@ static void no_comparable_pixel_gives_nan_not_agreement(void **state)
 static void a_black_reference_is_infinitely_far_from_all_but_itself(void **state)
 {
     rgb pa[2] = {{0, 0, 0}, {0, 1, 0}}, pb[2] = {{0, 0, 0}, {0, 0, 0}};
-    const bis_image a = {2, 1, pa}, b = {2, 1, pb};
+    const bis_image a = {2, 1, pa, NULL}, b = {2, 1, pb, NULL};
     bis_comparison c;
     bis_compare(&c, &a, &b, NULL);
     assert_true(isinf(c.relmse) && c.relmse > 0);

@@ -23,7 +23,7 @@ static int make_pictures(void **state)
     rgb pixels[W * H];
     program_folder(DIR);
     for (int i = 0; i < W * H; i++) pixels[i] = (rgb){values[i], values[i] / 2, values[i]};
-    const bis_image image = {W, H, pixels};
+    const bis_image image = {W, H, pixels, NULL};
     assert_int_equal(bis_image_save(&image, DIR "/a.exr", NULL), BIS_OK);
     return 0;
 }
@@ -97,7 +97,7 @@ static void a_curve_bends_each_channel(void **state)
         /* the second pixel of three in two rows: all of them are bent */
         rgb pixels[6];
         for (int k = 0; k < 6; k++) pixels[k] = (rgb){cases[i].in[0], cases[i].in[1], cases[i].in[2]};
-        bis_image image = {3, 2, pixels};
+        bis_image image = {3, 2, pixels, NULL};
         bis_tone_apply(&image, cases[i].ev, cases[i].tone);
         for (int k = 0; k < 6; k++) {
             const double found[3] = {(double)pixels[k].r, (double)pixels[k].g, (double)pixels[k].b};
@@ -108,7 +108,7 @@ static void a_curve_bends_each_channel(void **state)
     }
     for (int c = 0; c < 3; c++) {
         rgb odd = {c == 0 ? INFINITY : 2, c == 1 ? INFINITY : 2, c == 2 ? INFINITY : 2};
-        bis_image image = {1, 1, &odd};
+        bis_image image = {1, 1, &odd, NULL};
         bis_tone_apply(&image, 1, BIS_TONE_FILMIC);
         assert_true((c == 0 ? odd.g : odd.r) == 2); /* what is not finite stays as it is */
     }
@@ -122,14 +122,14 @@ static void the_curves_are_monotonous_and_end_at_white(void **state)
         double before = -1;
         for (double v = 1e-4; v < 1e4; v *= 1.1) {
             rgb pixel = rgb_from(v, v, v);
-            bis_image image = {1, 1, &pixel};
+            bis_image image = {1, 1, &pixel, NULL};
             bis_tone_apply(&image, 0, (bis_tone)tone);
             assert_true((double)pixel.g >= before && pixel.r == pixel.g && (tone == BIS_TONE_NONE || pixel.g < 1.04f));
             before = (double)pixel.g;
         }
     }
     rgb odd[3] = {{-1, 0, 0}, {NAN, 1, 1}, {1e38f, 1e38f, 1e38f}};
-    bis_image image = {3, 1, odd};
+    bis_image image = {3, 1, odd, NULL};
     bis_tone_apply(&image, 0, BIS_TONE_REINHARD);
     assert_true(odd[0].r == 0 && isnan(odd[1].r) && (double)odd[2].r > .99 && (double)odd[2].r <= 1);
     assert_int_equal(bis_tone_find("filmic"), BIS_TONE_FILMIC);

@@ -852,7 +852,7 @@ static void start(void)
     assert_int_equal(system("rm -rf " DIR), 0);
     program_folder(DIR);
     bis_envmap em = map_random(32, 16, 3, 0.1, 2);
-    const bis_image image = {32, 16, em.pixels};
+    const bis_image image = {32, 16, em.pixels, NULL};
     assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
     bis_envmap_clear(&em);
 }

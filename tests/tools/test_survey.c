@@ -176,7 +176,7 @@ static int setup(void **state)
 {
     program_folder(DIR);
     bis_envmap em = map_random(32, 16, 4, 0.1, 2);
-    const bis_image image = {32, 16, em.pixels}, square = {16, 16, em.pixels};
+    const bis_image image = {32, 16, em.pixels, NULL}, square = {16, 16, em.pixels, NULL};
     assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
     assert_int_equal(bis_image_save(&square, DIR "/probe.pfm", NULL), BIS_OK);
     bis_envmap_clear(&em);
@@ -208,7 +208,7 @@ static bis_image map_by_hand(rgb pixels[8])
     const rgb values[8] = {{1, 1, 1}, {-1, -2, -3}, {1, 0, 0},          {INFINITY, INFINITY, 0},
                            {0, 3, 0}, {NAN, 2, 1},  {8, 6, 2}, {0, 0, 3}};
     memcpy(pixels, values, sizeof values);
-    return (bis_image){4, 2, pixels};
+    return (bis_image){4, 2, pixels, NULL};
 }
 
 static const char report_above[] =
@@ -305,7 +305,7 @@ static void the_centre_of_a_region_weighs_pixels_by_their_solid_angles(void **st
     rgb pixels[32];
     program_run r;
     for (int i = 0; i < 32; i++) pixels[i] = i == 0 || i == 8 ? (rgb){16, 16, 16} : (rgb){1, 1, 1};
-    const bis_image image = {8, 4, pixels};
+    const bis_image image = {8, 4, pixels, NULL};
     assert_int_equal(bis_image_save(&image, DIR "/two.pfm", NULL), BIS_OK);
     program_expect(&r, 0, "envmap " DIR "/two.pfm --json");
     assert_near(json_number(r.output, "largest_regions.0.solid_angle"), PI / 4, 1e-12);
@@ -319,7 +319,7 @@ static void a_black_map_and_a_plain_one_have_short_reports(void **state)
     program_run r;
     char value[64];
     rgb black[8] = {{0, 0, 0}}, plain[8];
-    const bis_image dark = {4, 2, black}, same_all_over = {4, 2, plain};
+    const bis_image dark = {4, 2, black, NULL}, same_all_over = {4, 2, plain, NULL};
     for (int i = 0; i < 8; i++) plain[i] = (rgb){1, 2, 4};
     assert_int_equal(bis_image_save(&dark, DIR "/black.pfm", NULL), BIS_OK);
     assert_int_equal(bis_image_save(&same_all_over, DIR "/plain.pfm", NULL), BIS_OK);

@@ -1252,7 +1252,7 @@ static void text_and_json_of_a_map_tell_the_same(void **state)
     program_run text, json;
     char value[256], line[256], p[16], dof[16];
     bis_envmap em = map_random(8, 4, 2, 0.1, 3);
-    const bis_image image = {8, 4, em.pixels};
+    const bis_image image = {8, 4, em.pixels, NULL};
     assert_int_equal(bis_image_save(&image, DIR "/map.PFM", NULL), BIS_OK);
     program_expect(&text, 0, "verify " DIR "/map.PFM --seed 3");
     program_expect(&json, 0, "verify --json " DIR "/map.PFM --seed 3");

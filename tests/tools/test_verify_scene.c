@@ -16,7 +16,7 @@ static void the_command_verifies_maps_and_scenes(void **state)
 {
     program_run r;
     bis_envmap em = map_random(32, 16, 4, 0.1, 2);
-    const bis_image square = {16, 16, em.pixels};
+    const bis_image square = {16, 16, em.pixels, NULL};
     verify_write_map();
     assert_int_equal(bis_image_save(&square, VERIFY_DIR "/probe.PFM", NULL), BIS_OK);
     verify_write_scene("scene.txt", verify_one_pixel);
