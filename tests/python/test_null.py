@@ -31,7 +31,7 @@ def functions():
 
 
 def is_pointer(kind, what):
-    return "*" in kind or what in ("shape", "hash") or kind == "const volatile sig_atomic_t"
+    return "*" in kind or what in ("shape", "hash", "place") or kind == "const volatile sig_atomic_t"
 
 
 class Opened:
