@@ -10,11 +10,13 @@ build/release/library of the repository, or where the system looks for libraries
 library's own message; warnings of the library become Python's. `python -m bis` is the program. docs/library.md
 explains the functions.
 """
+from ._image import Comparison, Place, compare, compare_colours, exposure_of, read_image, save_image
 from ._library import Error, Status, WrongType, version
 from ._render import LAYERS, Picture, Progress, render
 from ._sampling import AliasTable, Envmap, Material
 from ._scene import Camera, Mesh
 
-__all__ = ["AliasTable", "Camera", "Envmap", "Error", "LAYERS", "Material", "Mesh", "Picture", "Progress",
-           "Status", "WrongType", "render", "version"]
+__all__ = ["AliasTable", "Camera", "Comparison", "Envmap", "Error", "LAYERS", "Material", "Mesh", "Picture", "Place",
+           "Progress", "Status", "WrongType", "compare", "compare_colours", "exposure_of", "read_image", "render",
+           "save_image", "version"]
 __version__ = version()
