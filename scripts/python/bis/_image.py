@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Union
 
@@ -17,7 +18,7 @@ _read = declare("image_read", P, TEXT, *SAY)
 _close = declare("image_close", P, result=None)
 _place = declare("image_place", P, P, P, result=None)
 _pixels = declare("image_pixels", P, P, result=None)
-_save = declare("image_save", TEXT, INT, INT, P, D, *SAY)
+_save = declare("image_save", TEXT, INT, INT, P, D, P, *SAY)
 _exposure = declare("image_exposure", P, INT, INT, P, P, *SAY)
 _compare = declare("image_compare", P, INT, INT, P, P, *SAY)
 _errors = declare("image_errors", P, INT, INT, P, P, *SAY)
@@ -103,7 +104,8 @@ def read_image(path: Path) -> tuple[Floats, Place]:
         _close(handle)
 
 
-def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None) -> None:
+def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
+               attributes: Optional[Mapping[str, str]] = None) -> None:
     """Write a picture, under a temporary name that is renamed at the end.
 
     Parameters
@@ -114,6 +116,8 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None) 
         Linear radiance.
     exposure : float, optional
         Of a .png, in EV; without it, the log-average of the picture becomes middle grey.
+    attributes : dict of str, optional
+        Texts for the header of an .exr, as ``{"bis:mapping": "angular"}`` for a map.
 
     Raises
     ------
@@ -122,7 +126,9 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None) 
     """
     a = _picture("pixels", pixels)
     ev = float("nan") if exposure is None else real("exposure", exposure)
-    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a.ctypes.data, ev)
+    texts = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
+    listed = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
+    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a.ctypes.data, ev, listed)
 
 
 def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> float:
