@@ -35,10 +35,3 @@ bis_status bis_flat_check_numbers(size_t n, size_t k, const double *u, bis_diag 
  * how it covers the sphere (NULL: not said). name is borrowed. Errors: BIS_INPUT (kind, area_exponent, mapping). */
 bis_status bis_flat_light_describe(bis_light_desc *desc, const char *name, const char *kind, double area_exponent,
                                    const char *mapping, bis_diag *diag);
-
-/* bis_flat_describe reads a scene with the settings of bis_flat_render. The caller frees *out, on failure too. Errors:
- * those of bis_scene_parse, BIS_INPUT (a setting). */
-bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag);
-
-/* bis_flat_apply changes a description by such settings. Errors: BIS_INPUT. */
-bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag);
