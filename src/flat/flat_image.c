@@ -9,6 +9,7 @@
 #include "files/image_png.h"
 #include "flat/say.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 struct bis_flat_image {
@@ -50,7 +51,7 @@ int bis_flat_image_of_light(bis_flat_image **image, const bis_light *light, cons
         status = bis_error(&diag, BIS_INPUT, nowhere, "mapping \"%.40s\" and width %d: give one of `bis help lights` and "
                            "a width, or 0", mapping, width);
     if (!status) status = bis_envmap_to_mapping(&made->image, bis_light_envmap(light), to, width, power, &diag);
-    if (!status) made->place = (bis_image_place){0, 0, made->image.width, made->image.height};
+    if (!status) made->place = (bis_image_place){.full_width = made->image.width, .full_height = made->image.height};
     if (!status) *image = made;
     else bis_flat_image_close(made);
     return bis_flat_end(status, &diag, say, size);
@@ -140,6 +141,37 @@ int bis_flat_image_save(const char *path, int width, int height, const float *pi
     return bis_flat_end(status, &diag, say, size);
 }
 
+int bis_flat_image_png(int width, int height, const float *pixels, double exposure, size_t room, uint8_t *bytes,
+                       size_t *length, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_image image = {0};
+    bis_channel channels[4];
+    char *png = NULL;
+    size_t n = 0;
+    bis_status status = BIS_FLAT_GIVEN(&diag, pixels, bytes, length);
+
+    if (!status) status = image_of(&image, width, height, pixels, &diag);
+    if (!status) {
+        FILE *stream = open_memstream(&png, &n);
+        bis_picture picture = bis_image_picture(&image, channels);
+        picture.has_exposure = true;
+        picture.exposure = exposure;
+        const bool ok = stream && bis_png_write(stream, &picture, "picture", NULL) == BIS_OK;
+        if (!(stream && fclose(stream) == 0 && ok))
+            status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a picture of %d x %d", width, height);
+    }
+    if (!status && n > room)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "room is %zu: the picture has %zu bytes", room, n);
+    if (!status) {
+        memcpy(bytes, png, n);
+        *length = n;
+    }
+    free(png); /* the C library's, not ours */
+    bis_image_clear(&image);
+    return bis_flat_end(status, &diag, say, size);
+}
+
 int bis_flat_image_exposure(double *exposure, int width, int height, const float *pixels, const float *coverage,
                             char *say, size_t size)
 {
@@ -179,7 +211,7 @@ int bis_flat_image_compare(double *figures, int width, int height, const float *
     if (!status) status = two_images(pair, width, height, (const float *const[]){a, b}, &diag);
     if (!status) status = bis_compare(&c, &pair[0], &pair[1], &diag);
     if (!status) {
-        const double all[BIS_FLAT_FIGURES] = {c.mean_a, c.mean_b, c.bias, c.bias_se, c.rmse, c.relmse, c.max_abs,
+        const double all[BIS_FLAT_COMPARED] = {c.mean_a, c.mean_b, c.bias, c.bias_se, c.rmse, c.relmse, c.max_abs,
                                               (double)c.pixels, (double)c.nonfinite};
         memcpy(figures, all, sizeof all);
     }

@@ -26,6 +26,11 @@ void bis_flat_image_pixels(const bis_flat_image *image, float *pixels);
 int bis_flat_image_save(const char *path, int width, int height, const float *pixels, double exposure,
                         const char *const *attributes, char *say, size_t size);
 
+/* bis_flat_image_png makes a PNG of pixels in bytes[room], of which *length are used, with the exposure in EV. Errors:
+ * BIS_INPUT (a size, too little room), BIS_NOMEM. */
+int bis_flat_image_png(int width, int height, const float *pixels, double exposure, size_t room, uint8_t *bytes,
+                       size_t *length, char *say, size_t size);
+
 /* bis_flat_image_exposure stores the exposure in EV of a .png of pixels: what takes its log-average to middle grey.
  * coverage[height][width] in [0,1] is the weight of each pixel; NULL: all weigh alike. Errors: BIS_INPUT (a size),
  * BIS_NOMEM. */
@@ -33,7 +38,7 @@ int bis_flat_image_exposure(double *exposure, int width, int height, const float
                             char *say, size_t size);
 
 /* So many figures has bis_flat_image_compare. */
-enum { BIS_FLAT_FIGURES = 9 };
+enum { BIS_FLAT_COMPARED = 9 };
 
 /* bis_flat_image_compare stores the figures of `bis compare` of a with the reference b: mean_a, mean_b, bias, bias_se,
  * rmse, relmse, max_abs, the number of pixels that were compared, and that of those left out because they are not

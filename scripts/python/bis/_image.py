@@ -11,7 +11,7 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, P, SAY, TEXT, Error, call, declare, real, text_bytes
+from ._library import D, INT, N, P, SAY, TEXT, Error, call, declare, real, text_bytes
 from ._sampling import _picture
 
 _read = declare("image_read", P, TEXT, *SAY)
@@ -19,6 +19,7 @@ _close = declare("image_close", P, result=None)
 _place = declare("image_place", P, P, P, result=None)
 _pixels = declare("image_pixels", P, P, result=None)
 _save = declare("image_save", TEXT, INT, INT, P, D, P, *SAY)
+_png = declare("image_png", INT, INT, P, D, N, P, P, *SAY)
 _exposure = declare("image_exposure", P, INT, INT, P, P, *SAY)
 _compare = declare("image_compare", P, INT, INT, P, P, *SAY)
 _errors = declare("image_errors", P, INT, INT, P, P, *SAY)
@@ -129,6 +130,15 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
     texts = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
     listed = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
     call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a.ctypes.data, ev, listed)
+
+
+def png(pixels: ArrayLike, exposure: float) -> bytes:
+    """The .png that `save_image` writes, as bytes."""
+    a = _picture("pixels", pixels)
+    room = 4 * a.shape[0] * a.shape[1] + (1 << 16)  # three bytes a pixel, and what packing in vain adds
+    data, length = ctypes.create_string_buffer(room), ctypes.c_size_t()
+    call(_png, a.shape[1], a.shape[0], a.ctypes.data, real("exposure", exposure), room, data, ctypes.byref(length))
+    return data.raw[:length.value]
 
 
 def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> float:

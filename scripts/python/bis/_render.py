@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, judge, real, run
-from ._library import shape, text_bytes
+from ._library import shape, text_bytes, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -32,6 +32,7 @@ _about = declare("about", result=TEXT)
 _scene_open = declare("scene_open", P, TEXT, P, P, *SAY)
 _scene_close = declare("scene_close", P, result=None)
 _scene_render = declare("scene_render", P, P, P, P, _WATCHER, P, P, *SAY)
+_scene_coverage = declare("scene_coverage", P, P, INT, P, *SAY)
 _scene_about = declare("scene_about", P, P, P, *SAY)
 _picture_stats = declare("picture_stats", P, result=TEXT)
 
@@ -369,3 +370,25 @@ class Scene(Handle):
         with self._busy:
             call(_scene_about, ctypes.byref(text), self._handle, _list(_said(None, None, None, None, settings)))
             return dict(json.loads((text.value or b"").decode()))
+
+    def coverage(self, side: int = 4, **settings: Any) -> Floats:
+        """Tell how much of each pixel shapes cover: the rest is background.
+
+        Parameters
+        ----------
+        side : int
+            So many times so many camera rays go through each pixel.
+        **settings
+            As those of `render`; crop and size count.
+
+        Returns
+        -------
+        array (h, w)
+            Shares in [0, 1].
+        """
+        film = self.about(**settings)["film"]
+        share = np.empty((film["height"], film["width"]), np.float32)
+        with self._busy:
+            call(_scene_coverage, self._handle, _list(_said(None, None, None, None, settings)), whole("side", side),
+                 share.ctypes.data)
+        return share

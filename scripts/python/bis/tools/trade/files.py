@@ -13,8 +13,9 @@ import re
 import sys
 from typing import Any, Optional
 
-from ..._library import Error
-from .. import page, text
+from ..._errors import Error
+from .. import text
+from ..files import outfile
 from .model import LEVELS, Plan, Run, Trade
 
 HEADER = "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both"
@@ -129,7 +130,6 @@ def _fields(run: Run, plan: Plan) -> list[Any]:
 def write_runs(trade: Trade) -> None:
     """Sort the runs by setting, budget and seed, and write them."""
     trade.runs.sort(key=lambda r: (r.setting, r.level, r.replicate))
-    with page.outfile(_path(trade)) as out:
-        out.write(HEADER + "\n")
-        for run in trade.runs:
-            out.write(text.csv(*_fields(run, trade.plan)) + "\n")
+    lines = [HEADER] + [text.csv(*_fields(run, trade.plan)) for run in trade.runs]
+    with outfile(_path(trade)) as out:
+        out.write("".join(line + "\n" for line in lines).encode())

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, Callable, Optional
+from typing import Any, Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..._image import compare_colours, exposure_of
 from ..._library import version
 from .. import page, text
 from . import stats
@@ -23,7 +24,6 @@ from .stats import Point
 JUDGED = ("sir and rejection", "em, brdf and mis")  #: by reference 0 and 1
 CROP = 4  #: a crop is 1/CROP of the sides
 CROPS = 2
-KEY = 0.18  #: what the mean of the subject's logarithms becomes on a screen
 
 Doubles = NDArray[np.float64]
 Json = dict[str, Any]
@@ -142,27 +142,6 @@ def _intensity(image: Image) -> Doubles:
     return r + g + b
 
 
-def exposure(image: Image, coverage: Optional[Doubles]) -> float:
-    """The exposure that `bis render` gives a PNG: by the mean logarithm of the luminance.
-
-    Parameters
-    ----------
-    image : array (h, w, 3)
-        Radiance.
-    coverage : array (h, w), optional
-        The share of geometry in each pixel: the weights of the mean, since one looks at the shapes and not at the
-        background. Where it is 0 everywhere each pixel counts as much.
-    """
-    r, g, b = np.moveaxis(image.astype(np.float64), 2, 0)
-    luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b
-    weights = np.ones_like(luminance) if coverage is None or not (coverage > 0).any() else coverage
-    counts = (luminance > 0) & np.isfinite(luminance)
-    weight = _in_order(weights[counts])
-    if not weight > 0:
-        return 0.0
-    return math.log2(KEY / math.exp(_in_order(weights[counts] * np.log(luminance[counts])) / weight))
-
-
 def crops(images: list[Image], reference: Image) -> list[tuple[int, int]]:
     """Where to look: the corners (x, y) of the windows, a quarter of the sides, in which the pictures err most.
 
@@ -189,36 +168,11 @@ def crops(images: list[Image], reference: Image) -> list[tuple[int, int]]:
     return found
 
 
-def false_colours(a: Image, b: Image) -> Image:
-    """The errors of a against b, as `bis compare --diff` shows them.
-
-    The root of the relative square of each pixel, from 0.001 to 10 on a scale of logarithms: black, blue, red, yellow,
-    white; magenta where a value is not finite.
-    """
-    comparable = np.isfinite(a).all(axis=2) & np.isfinite(b).all(axis=2)
-    x, y = a.astype(np.float64), b.astype(np.float64)
-    n = np.count_nonzero(comparable)
-    mean = _in_order(_intensity(b)[comparable]) / (3 * n) if n else math.nan
-    with np.errstate(all="ignore"):
-        d = x - y
-        square = np.where(d != 0, d * d / (y * y + mean * mean / 100), 0)
-        error = np.sqrt((square[..., 0] + square[..., 1] + square[..., 2]) / 3)
-        place = 4 * np.clip((np.log(error) - math.log(1e-3)) / (math.log(10) - math.log(1e-3)), 0, 1)
-    place = np.where(error > 0, place, 0)
-    stops = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [1, 1, 0], [1, 1, 1]], np.float64)
-    i = np.minimum(place.astype(int), 3)
-    share = (place - i)[..., None]
-    low, high = stops[i] * (1 - share), stops[i + 1] * share
-    colours = low.astype(np.float32) + high.astype(np.float32)
-    colours[~comparable] = (1, 0, 1)
-    return colours
-
-
 def _shot(trade: Trade, shot: Shot, reference: Image, ev: float) -> Json:
     return {
         "setting": trade.plan.settings[shot.setting].name, "passes": shot.passes, "seconds": shot.seconds,
         "error": math.sqrt(shot.relmse), "picture": page.png(shot.image, ev),
-        "errors": page.png(false_colours(shot.image, reference), 0),
+        "errors": page.png(compare_colours(shot.image, reference), 0),
     }
 
 
@@ -226,7 +180,7 @@ def _pictures(trade: Trade) -> Json:
     """All have one exposure, from the reference, so that what differs is the method."""
     reference = trade.both.image
     assert reference is not None
-    ev = exposure(reference, trade.view.coverage())
+    ev = exposure_of(reference, trade.view.coverage())  # for the shapes: one does not look at the background
     height, width = (-(-side // CROP) for side in reference.shape[:2])
     corners = crops([shot.image for shot in trade.strip], reference) if trade.strip else []
     return {

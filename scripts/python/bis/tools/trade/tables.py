@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Callable
 
-from .. import page, text
+from .. import text
+from ..files import outfile
 from . import stats
 from .model import Trade
 from .stats import Point
@@ -21,9 +22,8 @@ POINTS = (
 
 
 def _write(trade: Trade, name: str, rows: Iterable[str]) -> None:
-    with page.outfile("%s/%s" % (trade.options.folder, name)) as out:
-        for row in rows:
-            out.write(row + "\n")
+    with outfile("%s/%s" % (trade.options.folder, name)) as out:
+        out.write("".join(row + "\n" for row in rows).encode())
 
 
 def _point(trade: Trade, p: Point) -> str:
