@@ -38,7 +38,7 @@ def number(field: str, lo: float, hi: float) -> float:
 def whole(field: str, lo: float, hi: float) -> Optional[int]:
     """The whole number of a field, or None where none in [lo, hi] stands there."""
     value = number(field, lo, hi)
-    return int(value) if value == math.floor(value or 0) else None
+    return int(value) if value.is_integer() else None
 
 
 def _wrong(column: str) -> Error:
