@@ -48,8 +48,8 @@ int bis_flat_image_of_light(bis_flat_image **image, const bis_light *light, cons
     if (!status && !made) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for an image");
     if (!status) *made = (bis_flat_image){0};
     if (!status && (to == BIS_N_MAPPINGS || width < 0))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "mapping \"%.40s\" and width %d: give one of `bis help lights` and "
-                           "a width, or 0", mapping, width);
+        status = bis_error(&diag, BIS_INPUT, nowhere, "mapping \"%.40s\" and width %d: give one of `bis help lights` "
+                           "and a width, or 0", mapping, width);
     if (!status) status = bis_envmap_to_mapping(&made->image, bis_light_envmap(light), to, width, power, &diag);
     if (!status) made->place = (bis_image_place){.full_width = made->image.width, .full_height = made->image.height};
     if (!status) *image = made;
@@ -107,8 +107,8 @@ static bis_status read_attributes(bis_attribute *all, char names[][MOST_NAME], i
     for (; texts && texts[*n]; ++*n) {
         const size_t length = strcspn(texts[*n], "=");
         if (*n == MOST_ATTRIBUTES || length == 0 || length >= MOST_NAME || !texts[*n][length])
-            return bis_error(diag, BIS_INPUT, nowhere, "\"%.80s\" is no attribute: give at most %d as name=text, a name "
-                             "of at most %d bytes", texts[*n], MOST_ATTRIBUTES, MOST_NAME - 1);
+            return bis_error(diag, BIS_INPUT, nowhere, "\"%.80s\" is no attribute: give at most %d as name=text, a "
+                             "name of at most %d bytes", texts[*n], MOST_ATTRIBUTES, MOST_NAME - 1);
         memcpy(names[*n], texts[*n], length);
         names[*n][length] = '\0';
         all[*n] = (bis_attribute){.name = names[*n], .text = texts[*n] + length + 1};

@@ -35,8 +35,8 @@ int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, con
 int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, char *say, size_t size);
 
 /* bis_flat_scene_coverage stores in share[height][width] how much of each pixel of such a picture shapes cover: the
- * share of side x side camera rays, evenly spread over the pixel, that meet one. bis_flat_scene_about tells the size, the
- * "film". Errors: BIS_INPUT (a setting, side outside [1, 64]). */
+ * share of side x side camera rays, evenly spread over the pixel, that meet one. bis_flat_scene_about tells the size,
+ * the "film". Errors: BIS_INPUT (a setting, side outside [1, 64]). */
 int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share, char *say,
                             size_t size);
 

@@ -135,9 +135,11 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
 def png(pixels: ArrayLike, exposure: float) -> bytes:
     """The .png that `save_image` writes, as bytes."""
     a = _picture("pixels", pixels)
-    room = 4 * a.shape[0] * a.shape[1] + (1 << 16)  # three bytes a pixel, and what packing in vain adds
+    # Three bytes a pixel, and what packing in vain adds.
+    room = 4 * a.shape[0] * a.shape[1] + (1 << 16)
     data, length = ctypes.create_string_buffer(room), ctypes.c_size_t()
-    call(_png, a.shape[1], a.shape[0], a.ctypes.data, real("exposure", exposure), room, data, ctypes.byref(length))
+    call(_png, a.shape[1], a.shape[0], a.ctypes.data, real("exposure", exposure), room, data,
+         ctypes.byref(length))
     return data.raw[:length.value]
 
 

@@ -389,6 +389,6 @@ class Scene(Handle):
         film = self.about(**settings)["film"]
         share = np.empty((film["height"], film["width"]), np.float32)
         with self._busy:
-            call(_scene_coverage, self._handle, _list(_said(None, None, None, None, settings)), whole("side", side),
-                 share.ctypes.data)
+            call(_scene_coverage, self._handle, _list(_said(None, None, None, None, settings)),
+                 whole("side", side), share.ctypes.data)
         return share

@@ -104,7 +104,8 @@ class Regions(NamedTuple):
     solid_angles: Doubles
 
 
-Pixels = tuple[NDArray[np.int64], NDArray[np.int64]]  # rows and columns: an index of the pixels' array
+# Rows and columns: an index of the pixels' array.
+Pixels = tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 class Envmap(Handle):
@@ -124,7 +125,8 @@ class Envmap(Handle):
     levels : int
         Of intensity, in [1, 254], in which regions are found (thesis 3.4).
     width : int, optional
-        Of the lat-long map that another one is resampled to; without it, as many pixels as show all detail.
+        Of the lat-long map that another one is resampled to; without it, as many pixels as show
+        all detail.
 
     Attributes
     ----------
@@ -141,7 +143,8 @@ class Envmap(Handle):
     _made = ("_handle", "shape")
 
     def __init__(self, map: Union[str, os.PathLike[str], ArrayLike], table: str = "alias", area_exponent: float = 0.15,
-                 mapping: Optional[str] = None, *, levels: int = 8, width: Optional[int] = None) -> None:
+                 mapping: Optional[str] = None, *, levels: int = 8,
+                 width: Optional[int] = None) -> None:
         handle = P()
         said = [b"kind=" + text_bytes("table", table),
                 b"area_exponent=" + repr(real("area_exponent", area_exponent)).encode(),
@@ -218,7 +221,8 @@ class Envmap(Handle):
         call(_light_density, self._handle, pdf.ctypes.data, ctypes.byref(peak), share.ctypes.data)
         return pdf
 
-    def regions(self, levels: Optional[int] = None, area_exponent: Optional[float] = None) -> Regions:
+    def regions(self, levels: Optional[int] = None,
+                area_exponent: Optional[float] = None) -> Regions:
         """Find the light sources of thesis 3.4.
 
         Parameters
@@ -236,10 +240,13 @@ class Envmap(Handle):
         label, level = np.empty(self.shape, np.uint32), np.empty(self.shape, np.uint32)
         area, factor, n = np.empty(self.shape), np.empty(self.shape), ctypes.c_uint32()
         wanted = whole("levels", self._levels if levels is None else levels)
-        call(_light_regions, self._handle, min(max(wanted, 0), 255),  # what C's int cannot hold is out of range, too
+        # What C's int cannot hold is out of range, too.
+        call(_light_regions, self._handle, min(max(wanted, 0), 255),
              real("area_exponent", self._area_exponent if area_exponent is None else area_exponent),
-             label.ctypes.data, level.ctypes.data, area.ctypes.data, factor.ctypes.data, ctypes.byref(n))
-        # Black is 2^32 - 1 there, and -1 as a signed number of as many bits. Few maps have 2^31 regions.
+             label.ctypes.data, level.ctypes.data, area.ctypes.data, factor.ctypes.data,
+             ctypes.byref(n))
+        # Black is 2^32 - 1 there, and -1 as a signed number of as many bits. Few maps have 2^31
+        # regions.
         kind = np.int32 if n.value < 1 << 31 else np.int64
         lit = level.view(np.int32) >= 0
         levels_of, angles = np.empty(n.value, np.int32), np.empty(n.value)
@@ -284,8 +291,10 @@ class Envmap(Handle):
             Unit directions to the middle, by solid angle, of each.
         """
         y, x = array(rows, 0, np.int64, "rows"), array(columns, 0, np.int64, "columns")
-        if y.shape != x.shape or not ((y >= 0) & (y < self.shape[0]) & (x >= 0) & (x < self.shape[1])).all():
-            raise Error("rows and columns are no pixels of the map: give as many of each, below %d and %d" % self.shape)
+        height, width = self.shape
+        if y.shape != x.shape or ((y < 0) | (y >= height) | (x < 0) | (x >= width)).any():
+            raise Error("rows and columns are no pixels of the map: give as many of each, below %d "
+                        "and %d" % self.shape)
         pixel, w = (y * self.shape[1] + x).astype(np.uint32), np.empty((len(y), 3), np.float32)
         call(_light_centres, self._handle, len(w), pixel.ctypes.data, w.ctypes.data)
         return w
@@ -327,7 +336,8 @@ class Envmap(Handle):
         """
         handle, size, place, power = P(), (ctypes.c_int * 2)(), (ctypes.c_int * 4)(), np.empty(2)
         call(_image_of_light, ctypes.byref(handle), self._handle, text_bytes("mapping", mapping),
-             0 if width is None else min(max(whole("width", width), -1), 1 << 30), power.ctypes.data)
+             0 if width is None else min(max(whole("width", width), -1), 1 << 30),
+             power.ctypes.data)
         try:
             _image_place(handle, size, place)
             pixels = np.empty((size[1], size[0], 3), np.float32)

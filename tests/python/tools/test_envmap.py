@@ -332,8 +332,8 @@ class Command(unittest.TestCase):
         self.assertIn('<pre id="text">map         %s, 4 x 2' % self.at("hand.pfm"), page)
 
     def test_a_page_of_a_large_map_has_some_of_its_pixels(self):
-        # Of 1441 columns each third pixel is there, the one in the middle, or the last one. A place has the mean density
-        # of its pixels, of nine, or of one in the corner.
+        # Of 1441 columns each third pixel is there, the one in the middle, or the last one. A place has the mean
+        # density of its pixels, of nine, or of one in the corner.
         pixels = np.ones((4, 1441, 3))
         pixels[1, 4] = pixels[3, 1440] = pixels[1, 6] = 16  # the second place, the last one, no middle
         self.save("large.pfm", pixels)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What follows from the runs of `bis trade`: points, curves, the front, advice, tables, summary, page. A sweep stands in
-this file, and what follows from it was worked out on paper. What a whole measurement leaves is read by test_trade."""
+"""What follows from the runs of `bis trade`: points, curves, the front, advice, tables, summary, page. A sweep stands
+in this file, and what follows from it was worked out on paper."""
 import csv
 import itertools
 import json

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What is in an environment map: the figures and the pictures of `bis envmap`.
 
-They show the steps of thesis 3.3 and 3.4 one by one: intensities, levels, regions, importance. Contrast, and how little
-of the sphere holds how much of the power, is what importance sampling lives on.
+They show the steps of thesis 3.3 and 3.4 one by one: intensities, levels, regions, importance.
+Contrast, and how little of the sphere holds how much of the power, is what importance sampling
+lives on.
 
-Median and brightest share are quantiles by solid angle. Pixels are not sorted but counted into cells of equal leading
-bits of their intensity (its exponent and 12 bits of the mantissa), so that a quantile is known to 1 part in 4096.
+Median and brightest share are quantiles by solid angle. Pixels are not sorted but counted into
+cells of equal leading bits of their intensity (its exponent and 12 bits of the mantissa), so that a
+quantile is known to 1 part in 4096.
 
-An intensity is r+g+b. Sums go from pixel to pixel in the order of the map, a block of rows at a time, so that a large
-map takes little memory and no sum depends on the size of the blocks.
+An intensity is r+g+b. Sums go from pixel to pixel in the order of the map, a block of rows at a
+time, so that a large map takes little memory and no sum depends on the size of the blocks.
 """
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ SPHERE = 4 * math.pi
 PAGE_WIDTH = 720  #: columns of a page's map, at most
 CODES = 65535  #: of a density above 0 on the page
 MANTISSA = 12  #: bits that tell cells apart
-FIRST_CELL = (1023 - 149) << MANTISSA  #: intensities reach from 2^-149, the smallest float, to 3 * 2^128
+#: Intensities reach from 2^-149, the smallest float, to 3 * 2^128.
+FIRST_CELL = (1023 - 149) << MANTISSA
 CELLS = (149 + 130) << MANTISSA
 BLOCK = 1 << 22  #: pixels
 EPSILON = 2.0 ** -23  #: of a float
@@ -51,7 +54,8 @@ def _add_by(totals: Doubles, index: NDArray[Any], values: Doubles) -> Doubles:
 
 
 def intensity(pixels: Floats) -> Doubles:
-    """r+g+b of pixels (..., 3), added in double, because three floats may be beyond all floats together."""
+    """r+g+b of pixels (..., 3), added in double, because three floats may be beyond all floats
+    together."""
     r, g, b = (pixels[..., k].astype(np.float64) for k in range(3))
     return r + g + b
 
@@ -114,7 +118,7 @@ class Region(NamedTuple):
     level: int
     power: float  #: share
     solid_angle: float
-    direction: Optional[Direction]  #: of its centre of power; None: it has none, as in a constant map
+    direction: Optional[Direction]  #: of its centre of power; None: as in a constant map
 
 
 @dataclass
@@ -182,8 +186,8 @@ def _find_quantiles(s: Survey, m: Map) -> None:
 def _from_the_top(angles: Doubles, power: Doubles, share: float) -> tuple[float, float]:
     """Walk from the brightest cell down until `share` of the sphere is covered.
 
-    Returns the mean intensity of the cell reached (0: the black part is), and the power above, the last cell in
-    proportion.
+    Returns the mean intensity of the cell reached (0: the black part is), and the power above, the
+    last cell in proportion.
     """
     left = share * SPHERE
     above = 0.0
@@ -237,11 +241,13 @@ def _rank_regions(s: Survey, m: Map) -> None:
             centres[k] = [_add(centres[k][i], w[:, i] * part) for i in range(3)]
     for region, centre in zip(order, centres):
         norm = math.sqrt(centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2])
-        # The centre of the whole sphere is what rounding leaves, below float's precision of the directions summed.
+        # The centre of the whole sphere is what rounding leaves, below float's precision of the
+        # directions summed.
         is_centre = norm > EPSILON * float(share[region])
         w = np.float32(np.array(centre) / norm) if is_centre else None
-        s.largest.append(Region(int(m.regions.levels[region]), float(share[region]),
-                                float(m.regions.solid_angles[region]), direction_of(w) if is_centre else None))
+        s.largest.append(Region(
+            int(m.regions.levels[region]), float(share[region]),
+            float(m.regions.solid_angles[region]), direction_of(w) if is_centre else None))
 
 
 def survey(m: Map, levels: int) -> Survey:
@@ -275,7 +281,8 @@ STOPS = np.array([
 
 
 def srgb(colours: Any) -> Floats:
-    """Colours as they appear, in [0, 1], as linear light, which is what pictures hold (IEC 61966-2-1)."""
+    """Colours as they appear, in [0, 1], as linear light, which is what pictures hold (IEC
+    61966-2-1)."""
     v = np.asarray(colours, np.float64)
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)
 
@@ -283,8 +290,8 @@ def srgb(colours: Any) -> Floats:
 def heat(t: Any) -> Floats:
     """Colours (n, 3) that a lecture hall can tell apart, for t in [0, 1] (n,).
 
-    Dark blue over purple, red and orange to pale yellow. Each is lighter than the one before, so that it reads in grey
-    print, too.
+    Dark blue over purple, red and orange to pale yellow. Each is lighter than the one before, so
+    that it reads in grey print, too.
     """
     place = np.clip(np.asarray(t, np.float64), 0, 1) * (len(STOPS) - 1)
     i = np.minimum(place.astype(np.int64), len(STOPS) - 2)
@@ -312,7 +319,8 @@ def regions_picture(m: Map) -> Floats:
     """Each region in a hue of its own, lighter the brighter it is (thesis figure 3.6)."""
     levels = m.regions.levels
     height = levels / max(float(np.max(levels, initial=1)), 1.0)
-    hue = np.arange(len(levels)) * 0.6180339887498949  # the golden section: successive labels get hues far apart
+    # The golden section: successive labels get hues far apart.
+    hue = np.arange(len(levels)) * 0.6180339887498949
     colours = _hues(hue, 0.75 - 0.45 * height, 0.25 + 0.75 * height)
     return np.concatenate((colours, np.zeros((1, 3), np.float32)))[m.regions.label]
 
@@ -348,7 +356,8 @@ def _draw_dots(out: Floats, rows: NDArray[np.int64], columns: NDArray[np.int64])
 
 
 def _logarithms(q: Doubles) -> tuple[Doubles, float, float]:
-    """Where densities lie between the least and the most above 0, in [0, 1], by their logarithm; and these two."""
+    """Where densities lie between the least and the most above 0, in [0, 1], by their logarithm;
+    and these two."""
     lit = q > 0
     most = float(np.max(q, initial=0.0))
     least = float(np.min(q, initial=math.inf, where=lit))
@@ -359,14 +368,16 @@ def _logarithms(q: Doubles) -> tuple[Doubles, float, float]:
 
 
 def draw(light: Envmap, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows and columns of n pixels, drawn by the first numbers of the library's own generator; none of a black map."""
+    """Rows and columns of n pixels, drawn by the first numbers of the library's own generator; none
+    of a black map."""
     if light.power == 0:
         n = 0
     return light.draw(u=uniform(4 * n).reshape(n, 4))
 
 
 def importance_picture(m: Map, n: int) -> Floats:
-    """The density of each pixel on a scale of logarithms, and n directions drawn by it as dots (thesis figure 3.5)."""
+    """The density of each pixel on a scale of logarithms, and n directions drawn by it as dots
+    (thesis figure 3.5)."""
     q = m.light.density()
     t, _, _ = _logarithms(q)
     out = heat(t)
@@ -378,7 +389,8 @@ def importance_picture(m: Map, n: int) -> Floats:
 # ---- the page ----
 
 def page_data(s: Survey, m: Map, n: int) -> dict[str, Any]:
-    """What the page shows beyond the survey: "places", of each step x step pixels one, and n directions drawn."""
+    """What the page shows beyond the survey: "places", of each step x step pixels one, and n
+    directions drawn."""
     step = -(-m.width // PAGE_WIDTH)
     rows = np.minimum(np.arange(-(-m.height // step)) * step + step // 2, m.height - 1)
     columns = np.minimum(np.arange(-(-m.width // step)) * step + step // 2, m.width - 1)

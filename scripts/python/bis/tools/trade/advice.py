@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What to use: three recommendations.
 
-Passes are counted, since a render has whole ones, on a square grid: the fewest that reach the error by cost x variance,
-of whatever setting needs the least time for them, standard error added, in the full picture. Half of a pixel's value
-will do for a preview, and 5% for the eye.
+Passes are counted, since a render has whole ones, on a square grid: the fewest that reach the error
+by cost x variance, of whatever setting needs the least time for them, standard error added, in the
+full picture. Half of a pixel's value will do for a preview, and 5% for the eye.
 """
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ PURPOSES = (("preview", 0.5), ("good picture", 0.15), ("final picture", 0.0))
 def square_passes(trade: Trade, least: float) -> int:
     """The least number of passes >= least, in [1, 1e9], that the scene's sampler uses well.
 
-    A stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n + 1) are good. 13 =
-    1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges.
+    A stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n
+    + 1) are good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges.
     """
     n = math.ceil(min(max(least, 1.0), float(MOST_PASSES)))
     if not trade.stratified:
@@ -32,7 +32,8 @@ def square_passes(trade: Trade, least: float) -> int:
 
 
 def _full_pass_seconds(trade: Trade, setting: int) -> float:
-    """Of a pass of the full picture: what any pass takes, and the rest in proportion to the pixels."""
+    """Of a pass of the full picture: what any pass takes, and the rest in proportion to the
+    pixels."""
     plan = trade.plan
     pixels = float(plan.full_width) * plan.full_height / (float(plan.width) * plan.height)
     one = trade.result.curves[setting].pass_seconds
@@ -74,10 +75,12 @@ def _advise_for(trade: Trade, purpose: str, error: float) -> Advice:
 
 
 def advise(trade: Trade) -> None:
-    """Make the advice by the curves alone. Its seconds are those of the sweep's film, times the pixels."""
+    """Make the advice by the curves alone. Its seconds are those of the sweep's film, times the
+    pixels."""
     final = trade.options.error if trade.options.error > 0 else FINAL
     trade.result.best = best_of(trade)
-    trade.result.advice = [_advise_for(trade, purpose, max(error, final)) for purpose, error in PURPOSES]
+    trade.result.advice = [_advise_for(trade, purpose, max(error, final))
+                           for purpose, error in PURPOSES]
 
 
 def take_cheapest(advice: Sequence[Advice]) -> list[Advice]:
@@ -89,13 +92,11 @@ def take_cheapest(advice: Sequence[Advice]) -> list[Advice]:
     for i, wanted in enumerate(result):
         best = wanted
         for other in result:
-            is_cheaper = (other.seconds < best.seconds
-                          or (other.seconds == best.seconds and other.expected_error < best.expected_error))
-            if best.setting < 0 or other.setting < 0 or other.expected_error > wanted.error or not is_cheaper:
-                continue
-            if other.is_extrapolated and not best.is_extrapolated:
-                continue
-            best = other
+            is_cheaper = (other.seconds, other.expected_error) < (best.seconds, best.expected_error)
+            keeps_it = other.expected_error <= wanted.error
+            is_as_sure = best.is_extrapolated or not other.is_extrapolated
+            if best.setting >= 0 and other.setting >= 0 and is_cheaper and keeps_it and is_as_sure:
+                best = other
         result[i] = Advice(wanted.purpose, wanted.error, best.setting, best.passes, best.seconds,
                            best.expected_error, best.is_extrapolated)
     return result

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """runs.csv, written, and read back by --resume.
 
-It is text that a user may look at, with numbers that read back as the same doubles. It is written whole under a
-temporary name and renamed, so that after a crash there is the older one. What is read is not trusted: a setting that
-the plan has not, or a number out of its range, is an error with its line.
+It is text that a user may look at, with numbers that read back as the same doubles. It is written
+whole under a temporary name and renamed, so that after a crash there is the older one. What is read
+is not trusted: a setting that the plan has not, or a number out of its range, is an error with its
+line.
 """
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ from .. import text
 from ..files import outfile
 from .model import LEVELS, Plan, Run, Trade
 
-HEADER = "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both"
+HEADER = ("setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,"
+          "bias,relmse_both")
 MOST_SEED = float(2 ** 53 - 1)
 MOST_RAYS = 2.0 ** 63
 MOST = sys.float_info.max
@@ -92,7 +94,8 @@ def _path(trade: Trade) -> str:
 
 
 def read_runs(trade: Trade) -> None:
-    """Read the runs of the folder into trade.runs. There is no file if it was interrupted before the first one.
+    """Read the runs of the folder into trade.runs. There is no file if it was interrupted before
+    the first one.
 
     Raises
     ------
@@ -113,18 +116,20 @@ def read_runs(trade: Trade) -> None:
         try:
             run = _run(line, trade.plan)
         except Error as column:
-            raise Error('%s:%d:1: error: "%s" is no run of plan.txt, by its %s; remove the line and it is measured '
-                        'again' % (path, i, line, column)) from None
+            raise Error('%s:%d:1: error: "%s" is no run of plan.txt, by its %s; remove the '
+                        'line and it is measured again' % (path, i, line, column)) from None
         place = run.setting, run.level, run.replicate
         if place in known:
-            raise Error('%s:%d:1: error: "%s" is the second of its kind; remove one of them' % (path, i, line))
+            raise Error('%s:%d:1: error: "%s" is the second of its kind; remove one of them'
+                        % (path, i, line))
         known.add(place)
         trade.runs.append(run)
 
 
 def _fields(run: Run, plan: Plan) -> list[Any]:
-    return [plan.settings[run.setting].name, 1 << run.level, run.replicate + 1, run.seed, run.seconds,
-            run.camera_rays, run.shadow_rays, run.candidates, run.rmse, run.relmse, run.bias, run.relmse_both]
+    return [plan.settings[run.setting].name, 1 << run.level, run.replicate + 1, run.seed,
+            run.seconds, run.camera_rays, run.shadow_rays, run.candidates, run.rmse, run.relmse,
+            run.bias, run.relmse_both]
 
 
 def write_runs(trade: Trade) -> None:

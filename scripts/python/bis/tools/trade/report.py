@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """report.html, and the summary on standard output.
 
-All that the page says of this measurement is one JSON object, made here (docs/live.md says what each member is). The
-page has the words, and its script draws them. Numbers are those of the measurement, in seconds and shares: how they are
-printed and where they stand is the page's affair.
+All that the page says of this measurement is one JSON object, made here (docs/live.md says what
+each member is). The page has the words, and its script draws them. Numbers are those of the
+measurement, in seconds and shares: how they are printed and where they stand is the page's affair.
 """
 from __future__ import annotations
 
@@ -52,11 +52,13 @@ def _reached(trade: Trade, setting: int, at: Iterable[float],
     return [dict(zip(("value", "extrapolated"), reach(trade, setting, x))) for x in at]
 
 
-def _setting(trade: Trade, i: int, heads: list[int], times: list[float], errors: list[float]) -> Json:
+def _setting(trade: Trade, i: int, heads: list[int], times: list[float],
+             errors: list[float]) -> Json:
     s = trade.plan.settings[i]
     curve = trade.result.curves[i]
     return {
-        "name": s.name, "method": s.integrator, "biased": s.is_biased, "own": s.is_scenes, "head": i in heads,
+        "name": s.name, "method": s.integrator, "biased": s.is_biased, "own": s.is_scenes,
+        "head": i in heads,
         "cost_variance": curve.cost_variance, "cost_variance_se": curve.cost_variance_se,
         "slope": curve.slope, "slope_se": curve.slope_se,
         "points": [_point(trade, p) for p in curve.points],
@@ -68,11 +70,13 @@ def _setting(trade: Trade, i: int, heads: list[int], times: list[float], errors:
 def _settings(trade: Trade) -> Json:
     """In the order of cost x variance, as bars and tables have them."""
     curves = trade.result.curves
-    order = sorted((i for i, c in enumerate(curves) if c.points), key=lambda i: curves[i].cost_variance)
+    order = sorted((i for i, c in enumerate(curves) if c.points),
+                   key=lambda i: curves[i].cost_variance)
     heads, times, errors = stats.heads(trade), stats.times(trade), stats.errors(trade)
     best = trade.result.best
     return {
-        "times": times, "errors": errors, "best": trade.plan.settings[best].name if best >= 0 else None,
+        "times": times, "errors": errors,
+        "best": trade.plan.settings[best].name if best >= 0 else None,
         "settings": [_setting(trade, i, heads, times, errors) for i in order],
     }
 
@@ -95,7 +99,8 @@ def _advice(trade: Trade, a: Advice) -> Json:
         "candidates": s.values["candidates"] if by_candidates else None,
         "shadowrays": s.values["shadowrays"] if by_candidates else None,
         "samples": None if by_candidates else s.values.get("samples"),
-        "error": a.expected_error, "seconds": a.seconds, "passes": a.passes, "extrapolated": a.is_extrapolated,
+        "error": a.expected_error, "seconds": a.seconds, "passes": a.passes,
+        "extrapolated": a.is_extrapolated,
         "options": s.option_text, "line": "" if s.option_text else s.scene_text,
     }
 
@@ -105,9 +110,10 @@ def _advice(trade: Trade, a: Advice) -> Json:
 def _reference(trade: Trade, k: int) -> Json:
     reference = trade.references[k]
     return {
-        "judges": JUDGED[k], "name": trade.plan.settings[trade.plan.reference[k]].name, "renders": REPLICATES,
-        "passes": trade.plan.reference_passes[k], "mean": reference.mean,
-        "se": reference.se / reference.mean if reference.mean > 0 else 0, "noise": math.sqrt(reference.relmse),
+        "judges": JUDGED[k], "name": trade.plan.settings[trade.plan.reference[k]].name,
+        "renders": REPLICATES, "passes": trade.plan.reference_passes[k], "mean": reference.mean,
+        "se": reference.se / reference.mean if reference.mean > 0 else 0,
+        "noise": math.sqrt(reference.relmse),
     }
 
 
@@ -143,10 +149,11 @@ def _intensity(image: Image) -> Doubles:
 
 
 def crops(images: list[Image], reference: Image) -> list[tuple[int, int]]:
-    """Where to look: the corners (x, y) of the windows, a quarter of the sides, in which the pictures err most.
+    """Where to look: the corners (x, y) of the windows, a quarter of the sides, in which the
+    pictures err most.
 
-    The second one does not overlap the first. Each pixel's difference is bounded, so that one firefly does not choose
-    the place.
+    The second one does not overlap the first. Each pixel's difference is bounded, so that one
+    firefly does not choose the place.
     """
     height, width = (-(-side // CROP) for side in reference.shape[:2])
     b = _intensity(reference)
@@ -170,8 +177,9 @@ def crops(images: list[Image], reference: Image) -> list[tuple[int, int]]:
 
 def _shot(trade: Trade, shot: Shot, reference: Image, ev: float) -> Json:
     return {
-        "setting": trade.plan.settings[shot.setting].name, "passes": shot.passes, "seconds": shot.seconds,
-        "error": math.sqrt(shot.relmse), "picture": page.png(shot.image, ev),
+        "setting": trade.plan.settings[shot.setting].name, "passes": shot.passes,
+        "seconds": shot.seconds, "error": math.sqrt(shot.relmse),
+        "picture": page.png(shot.image, ev),
         "errors": page.png(compare_colours(shot.image, reference), 0),
     }
 
@@ -180,7 +188,8 @@ def _pictures(trade: Trade) -> Json:
     """All have one exposure, from the reference, so that what differs is the method."""
     reference = trade.both.image
     assert reference is not None
-    ev = exposure_of(reference, trade.view.coverage())  # for the shapes: one does not look at the background
+    # For the shapes: one does not look at the background.
+    ev = exposure_of(reference, trade.view.coverage())
     height, width = (-(-side // CROP) for side in reference.shape[:2])
     corners = crops([shot.image for shot in trade.strip], reference) if trade.strip else []
     return {
@@ -209,8 +218,8 @@ def summary(trade: Trade) -> str:
         if a.setting < 0:
             continue
         lines.append("%-14s error %-5s %s%-8s %s --spp %d" % (
-            a.purpose, text.percent(a.expected_error), "~" if a.is_extrapolated else " ", text.duration(a.seconds),
-            _command(trade, a), a.passes))
+            a.purpose, text.percent(a.expected_error), "~" if a.is_extrapolated else " ",
+            text.duration(a.seconds), _command(trade, a), a.passes))
     if not lines:
         lines.append("no advice: no setting has enough runs; give --resume --time more")
     lines.append("%d of %d runs in %s/report.html" % (len(trade.runs), trade.plan.planned_runs(),
@@ -230,5 +239,6 @@ def _text(trade: Trade) -> str:
 
 
 def write_report(trade: Trade) -> None:
-    """Write report.html. The scene (trade.view) says how much of each pixel shapes cover, for the exposure."""
+    """Write report.html. The scene (trade.view) says how much of each pixel shapes cover, for the
+    exposure."""
     page.write("%s/report.html" % trade.options.folder, "trade", values(trade), _text(trade))

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """From runs to points, curves and the Pareto front.
 
-A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what
-disturbs a clock only ever adds. relMSE = the error of the run + that of the reference, which are independent: of the
-relMSE from both references' mean their own share, known from their replicates, is subtracted, and what is left is
-called noise. cost x variance = seconds x noise hardly changes along the curve of an unbiased method (docs/errata.md,
-E9), and is what an error costs: smaller is better. The bias is the mean over seeds of the mean difference; its standard
-error comes from the seeds and the reference. Pixels of a run share their candidates, so their scatter within one run
-would say too little. A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for independent
-samples; its standard error is that of the seeds, and not known from fewer than three.
+A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a
+median, since what disturbs a clock only ever adds. relMSE = the error of the run + that of the
+reference, which are independent: of the relMSE from both references' mean their own share, known
+from their replicates, is subtracted, and what is left is called noise. cost x variance = seconds x
+noise hardly changes along the curve of an unbiased method (docs/errata.md, E9), and is what an
+error costs: smaller is better. The bias is the mean over seeds of the mean difference; its standard
+error comes from the seeds and the reference. Pixels of a run share their candidates, so their
+scatter within one run would say too little. A slope is fitted to each seed by least squares, log
+error over log seconds: -1/2 for independent samples; its standard error is that of the seeds, and
+not known from fewer than three.
 
-Sums are made term by term in the order of the runs, because sum() adds in another way from Python 3.12 on, and a table
-should not depend on that in its last digit.
+Sums are made term by term in the order of the runs, because sum() adds in another way from Python
+3.12 on, and a table should not depend on that in its last digit.
 """
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ import numpy as np
 from .model import STRIP, Advice, Run, Trade
 
 LEAST_BUDGETS = 3  #: for a slope
-LEAST_SLOPES = 3  #: for its standard error: two slopes are often alike by chance, and would claim to be sure
+#: For its standard error: two slopes are often alike by chance, and would claim to be sure.
+LEAST_SLOPES = 3
 FARTHEST = 64  #: extrapolation in time: an eighth of the error
 COLUMNS = 6  #: of the tables by time and by error, at most
 STEPS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 1.0, 2.0, 5.0)
@@ -146,7 +149,8 @@ def _point(trade: Trade, setting: int, level: int, runs: Sequence[Run]) -> Point
 
 
 def find_front(points: Sequence[Point]) -> None:
-    """Mark what is not dominated: no other point is as fast and as right, and better in one of the two."""
+    """Mark what is not dominated: no other point is as fast and as right, and better in one of the
+    two."""
     for p in points:
         p.on_front = not any(q.seconds <= p.seconds and q.noise <= p.noise
                              and (q.seconds < p.seconds or q.noise < p.noise) for q in points)
@@ -157,8 +161,9 @@ def find_front(points: Sequence[Point]) -> None:
 def _follow_seed(trade: Trade, runs: Sequence[Run]) -> tuple[float, float]:
     """Of one seed: seconds x noise, and the slope of log error over log seconds.
 
-    The first is a mean over budgets, weighted by their passes, since a rare bright sample upsets a short run most. The
-    slope is NaN where there are too few budgets. Points that the reference's noise all but hides tell nothing of it.
+    The first is a mean over budgets, weighted by their passes, since a rare bright sample upsets a
+    short run most. The slope is NaN where there are too few budgets. Points that the reference's
+    noise all but hides tell nothing of it.
     """
     floor = trade.both.relmse
     passes = cost = sx = sy = sxx = sxy = 0.0
@@ -193,7 +198,8 @@ def _curve(trade: Trade, points: list[Point], by_seed: Sequence[Sequence[Run]]) 
 
 
 def summarise(trade: Trade) -> None:
-    """Compute trade.result of the runs: points, curves, the front, the best setting and the advice."""
+    """Compute trade.result of the runs: points, curves, the front, the best setting and the
+    advice."""
     from .advice import advise  # which needs this module
 
     result = trade.result = Result()
@@ -203,8 +209,10 @@ def summarise(trade: Trade) -> None:
     for i, s in enumerate(trade.plan.settings):
         levels = [by_level.get((i, level), []) for level in range(s.levels)]
         points = [_point(trade, i, level, runs) for level, runs in enumerate(levels) if runs]
-        by_seed = [[r for runs in levels for r in runs if r.replicate == k] for k in range(trade.plan.n_seeds)]
-        result.curves.append(_curve(trade, points, [runs for runs in by_seed if runs]) if points else Curve())
+        by_seed = [[r for runs in levels for r in runs if r.replicate == k]
+                   for k in range(trade.plan.n_seeds)]
+        seeds = [runs for runs in by_seed if runs]
+        result.curves.append(_curve(trade, points, seeds) if points else Curve())
         result.points += points
     find_front(result.points)
     advise(trade)
@@ -227,8 +235,9 @@ def _ratio(a: float, b: float) -> float:
 def error_at(trade: Trade, setting: int, seconds: float) -> tuple[float, bool]:
     """The error of a setting after so many seconds, and whether that is extrapolated.
 
-    Between budgets it is interpolated. Beyond the longest one an unbiased method goes on by the root law, error ~
-    seconds^-1/2; a biased one has a floor that nobody has seen. NaN where nothing is known, as before the first pass.
+    Between budgets it is interpolated. Beyond the longest one an unbiased method goes on by the
+    root law, error ~ seconds^-1/2; a biased one has a floor that nobody has seen. NaN where nothing
+    is known, as before the first pass.
     """
     points = trade.result.curves[setting].points
     if not points or seconds < points[0].seconds:
@@ -262,7 +271,8 @@ def seconds_to(trade: Trade, setting: int, error: float) -> tuple[float, bool]:
 # ---- the best ----
 
 def best_of(trade: Trade, integrator: Optional[str] = None) -> int:
-    """The setting of an integrator with the least rank; of all that are unbiased without one. -1: none was measured."""
+    """The setting of an integrator with the least rank; of all that are unbiased without one. -1:
+    none was measured."""
     best = -1
     curves = trade.result.curves
     for i, s in enumerate(trade.plan.settings):
@@ -275,9 +285,10 @@ def best_of(trade: Trade, integrator: Optional[str] = None) -> int:
 
 
 def heads(trade: Trade) -> list[int]:
-    """The best of each integrator and the scene's own, as far as they were measured and the strip has places."""
-    found = [i for i, s in enumerate(trade.plan.settings)
-             if trade.result.curves[i].points and (s.is_scenes or best_of(trade, s.integrator) == i)]
+    """The best of each integrator and the scene's own, as far as they were measured and the strip
+    has places."""
+    found = [i for i, s in enumerate(trade.plan.settings) if trade.result.curves[i].points
+             and (s.is_scenes or best_of(trade, s.integrator) == i)]
     return found[:STRIP]
 
 
@@ -292,6 +303,7 @@ def times(trade: Trade) -> list[float]:
 
 
 def errors(trade: Trade) -> list[float]:
-    """Of 0.1%, 0.2%, 0.5%, ... those that some setting reaches with what was measured or a little more."""
+    """Of 0.1%, 0.2%, 0.5%, ... those that some setting reaches with what was measured or a little
+    more."""
     least = min([p.error for p in trade.result.points if p.noise > 0], default=math.inf)
     return [step for step in STEPS if step >= least / 4][:COLUMNS]

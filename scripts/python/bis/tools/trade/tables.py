@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """trade.csv, pareto.csv, equal_time.csv, equal_error.csv.
 
-Numbers read back as the same doubles; what is not known is an empty field. docs/command-line.md says what each column
-is.
+Numbers read back as the same doubles; what is not known is an empty field. docs/command-line.md
+says what each column is.
 """
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .stats import Point
 
 PARAMETERS = ("candidates", "shadowrays", "samples", "proposal")
 POINTS = (
-    "setting,integrator," + ",".join(PARAMETERS) + ",areaexponent,passes,seeds,seconds,camera_rays,shadow_rays,"
-    "candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto")
+    "setting,integrator," + ",".join(PARAMETERS) + ",areaexponent,passes,seeds,seconds,camera_rays,"
+    "shadow_rays,candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto")
 
 
 def _write(trade: Trade, name: str, rows: Iterable[str]) -> None:
@@ -29,9 +29,9 @@ def _write(trade: Trade, name: str, rows: Iterable[str]) -> None:
 def _point(trade: Trade, p: Point) -> str:
     s = trade.plan.settings[p.setting]
     return text.csv(
-        s.name, s.integrator, *(s.values.get(name, "") for name in PARAMETERS), s.area_exponent, p.passes, p.n,
-        p.seconds, p.camera_rays, p.shadow_rays, p.candidates, p.rmse, p.relmse, p.relmse_se, p.noise, p.bias,
-        p.bias_se, p.cost_variance, int(p.on_front))
+        s.name, s.integrator, *(s.values.get(name, "") for name in PARAMETERS), s.area_exponent,
+        p.passes, p.n, p.seconds, p.camera_rays, p.shadow_rays, p.candidates, p.rmse, p.relmse,
+        p.relmse_se, p.noise, p.bias, p.bias_se, p.cost_variance, int(p.on_front))
 
 
 def front(trade: Trade) -> list[Point]:
@@ -49,8 +49,8 @@ def _curves(trade: Trade, headings: Iterable[str], at: Iterable[float],
     for i, curve in enumerate(trade.result.curves):
         if not curve.points:
             continue
-        row: list[Any] = [trade.plan.settings[i].name, curve.cost_variance, curve.cost_variance_se, curve.slope,
-                          curve.slope_se]
+        row: list[Any] = [trade.plan.settings[i].name, curve.cost_variance, curve.cost_variance_se,
+                          curve.slope, curve.slope_se]
         for x in at:
             value, is_extrapolated = reach(trade, i, x)
             row += [value, int(is_extrapolated)]
@@ -63,6 +63,7 @@ def write_tables(trade: Trade) -> None:
     errors = stats.errors(trade)
     _write(trade, "trade.csv", [POINTS] + [_point(trade, p) for p in trade.result.points])
     _write(trade, "pareto.csv", [POINTS] + [_point(trade, p) for p in front(trade)])
-    _write(trade, "equal_time.csv", _curves(trade, ["error_at_%.4gs" % t for t in times], times, stats.error_at))
-    _write(trade, "equal_error.csv", _curves(trade, ["seconds_to_%.6g" % e for e in errors], errors,
-                                             stats.seconds_to))
+    at = ["error_at_%.4gs" % t for t in times]
+    to = ["seconds_to_%.6g" % e for e in errors]
+    _write(trade, "equal_time.csv", _curves(trade, at, times, stats.error_at))
+    _write(trade, "equal_error.csv", _curves(trade, to, errors, stats.seconds_to))
