@@ -52,7 +52,7 @@ int bis_flat_image_errors(float *colours, int width, int height, const float *a,
 
 /* bis_flat_image_of_light makes an image of a map in another mapping (bis_mapping_names); width is that of the image,
  * 0: as many pixels around the sphere as the map has. What lies outside a disc or a cross is black. power[2] receives
- * the integrals of r+g+b over the sphere before and after. Errors: BIS_INPUT (the mapping, a width that it cannot have),
- * BIS_NOMEM. */
+ * the integrals of r+g+b over the sphere before and after. Errors: BIS_INPUT (the mapping, a width that it cannot
+ * have), BIS_NOMEM. */
 int bis_flat_image_of_light(bis_flat_image **image, const bis_light *light, const char *mapping, int width,
                             double *power, char *say, size_t size);
