@@ -132,7 +132,7 @@ int bis_flat_image_compare(double *figures, int width, int height, const float *
     if (!status) status = two_images(pair, width, height, (const float *const[]){a, b}, &diag);
     if (!status) status = bis_compare(&c, &pair[0], &pair[1], &diag);
     if (!status) {
-        const double all[BIS_FLAT_FIGURES] = {c.mean_a, c.mean_b, c.bias, c.bias_se, c.rmse, c.relmse, c.max_abs,
+        const double all[BIS_FLAT_COMPARED] = {c.mean_a, c.mean_b, c.bias, c.bias_se, c.rmse, c.relmse, c.max_abs,
                                               (double)c.pixels, (double)c.nonfinite};
         memcpy(figures, all, sizeof all);
     }

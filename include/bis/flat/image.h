@@ -32,7 +32,7 @@ int bis_flat_image_exposure(double *exposure, int width, int height, const float
                             char *say, size_t size);
 
 /* So many figures has bis_flat_image_compare. */
-enum { BIS_FLAT_FIGURES = 9 };
+enum { BIS_FLAT_COMPARED = 9 };
 
 /* bis_flat_image_compare stores the figures of `bis compare` of a with the reference b: mean_a, mean_b, bias, bias_se,
  * rmse, relmse, max_abs, the number of pixels that were compared, and that of those left out because they are not
