@@ -24,6 +24,14 @@
 /* bis_flat_version returns the version of bis, "0.1.0". */
 const char *bis_flat_version(void);
 
+/* bis_flat_build returns a sum over all code of this build, "1dcf2a98-6914384". A program and a library of one build
+ * have the same one: make writes it. */
+const char *bis_flat_build(void);
+
+/* bis_flat_said stores in say[size] all messages of this thread's last call, where its own say was too short, and
+ * forgets them. It returns the size that they need; 0: nothing was cut. say may be NULL, to learn it. */
+size_t bis_flat_said(char *say, size_t size);
+
 /* ---- maps ---- */
 
 /* bis_flat_light_open reads a map for drawing directions by its importance. kind is "alias" or "cdf"; area_exponent
