@@ -4,6 +4,7 @@
  * besides changes no bit of what an integrator draws from it. */
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
+#include "bis/render/film.h"
 #include "bis/shape/accel.h"
 #include "bis/thesis/integrator.h"
 #include "flat/say.h"
@@ -180,4 +181,40 @@ bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_
         return BIS_OK;
     }
     return load_light(light, s, &wanted, needs, diag);
+}
+
+/* ---- what shapes cover ---- */
+
+static float covered(const bis_scene *scene, const bis_camera *camera, const bis_film *film, int x, int y)
+{
+    enum { SIDE = 4 };
+    int hits = 0;
+
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        const ray eye = bis_camera_ray(camera, film->full_width, film->full_height, x + (k % SIDE + 0.5) / SIDE,
+                                       y + (k / SIDE + 0.5) / SIDE);
+        bis_hit hit;
+        hits += bis_accel_intersect(scene->accel, &eye, &hit);
+    }
+    return (float)hits / (SIDE * SIDE);
+}
+
+int bis_flat_scene_coverage(float *coverage, bis_flat_scene *scene, const char *const *settings, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_flat_wishes w = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, coverage, scene, settings);
+
+    if (status) return bis_flat_end(status, &diag, say, size);
+    bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
+    status = bis_flat_wish(&d, &w, settings, &diag);
+    if (!status) {
+        const bis_film_desc *f = &d.view.film;
+        const bis_film film = bis_film_place(f->width, f->height, f->crop, w.step ? w.step : 1);
+        for (int i = 0; i < film.width * film.height; i++)
+            coverage[i] = !scene->scene->accel ? 0
+                                               : covered(scene->scene, &d.view.camera, &film,
+                                                         film.x0 + i % film.width, film.y0 + i / film.width);
+    }
+    return bis_flat_end(status, &diag, say, size);
 }

@@ -34,13 +34,19 @@ int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, con
  * BIS_INPUT (a setting), BIS_NOMEM. */
 int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, char *say, size_t size);
 
+/* bis_flat_scene_coverage stores in coverage[height][width] the share of each pixel that shapes cover, by 16 rays a
+ * pixel, of the film that bis_flat_scene_about tells of. Errors: BIS_INPUT (a setting). */
+int bis_flat_scene_coverage(float *coverage, bis_flat_scene *scene, const char *const *settings, char *say,
+                            size_t size);
+
 /* bis_flat_about returns as JSON what the library has: integrators with claim and parameters, proposals, layers,
  * accelerators, limits. The text is the library's; NULL: no memory. Not for two threads at once the first time. */
 const char *bis_flat_about(void);
 
 /* Figures of a picture. */
-enum { BIS_FLAT_FIGURES = 9 };
+enum { BIS_FLAT_FIGURES = 10 };
 
 /* bis_flat_picture_figures stores in figure[BIS_FLAT_FIGURES]: seconds of the render, passes, camera rays, shadow rays,
- * candidates, accepted ones, estimates that were not finite, threads, and 1 where it was interrupted. */
+ * candidates, accepted ones, estimates that were not finite, threads, 1 where it was interrupted, and the relative RMSE
+ * that its passes tell of (NaN: fewer than two), whether few pixels carry it or many. */
 void bis_flat_picture_figures(const bis_flat_picture *picture, double *figure);

@@ -71,11 +71,14 @@ _VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 
+_TYPES = {"count": "integer", "fraction": "float", "bool": "bool", "choice": "string"}  # in a scene
+
+
 class Parameter(NamedTuple):
     """A parameter of an integrator, as bis.about() tells of it."""
 
     name: str
-    type: str  #: of a scene: "integer", "float", "bool", "string"
+    type: str  #: "count", "fraction", "bool", "choice"
     default: Any
     is_option: bool  #: the command line has --NAME
 
@@ -86,7 +89,7 @@ class Integrators(dict[str, list[Parameter]]):
     @classmethod
     def of(cls, about: dict[str, Any]) -> Integrators:
         """From what bis.about() says."""
-        return cls((i["name"], [Parameter(p["name"], p["type"], p["default"], p["option"]) for p in i["parameters"]])
+        return cls((i["name"], [Parameter(p["name"], p["type"], p["default"], p["is_option"]) for p in i["parameters"]])
                    for i in about["integrators"])
 
     def rivals(self) -> list[str]:
@@ -104,10 +107,10 @@ class Integrators(dict[str, list[Parameter]]):
         words = ['Integrator "%s"' % s.integrator]
         for p in self[s.integrator]:
             value = s.values[p.name]
-            if p.type != "integer" and value == p.default:
+            if p.type != "count" and value == p.default:
                 continue
-            quote = '"' if p.type == "string" else ""
-            words.append('"%s %s" %s%s%s' % (p.type, p.name, quote, _word(value), quote))
+            quote = '"' if p.type == "choice" else ""
+            words.append('"%s %s" %s%s%s' % (_TYPES[p.type], p.name, quote, _word(value), quote))
         b = "" if s.area_exponent == scenes_b else '; in LightSource: "float areaexponent" ' + text.digits(
             s.area_exponent)
         return " ".join(words) + b
@@ -118,7 +121,7 @@ class Integrators(dict[str, list[Parameter]]):
         is_reachable = s.area_exponent == scenes_b
         for p in self[s.integrator]:
             value = s.values[p.name]
-            if p.type != "integer" and value == p.default:
+            if p.type != "count" and value == p.default:
                 continue
             is_reachable = is_reachable and p.is_option
             words.append("--%s %s" % (p.name, _word(value, ("off", "on"))))
