@@ -183,38 +183,38 @@ bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_
     return load_light(light, s, &wanted, needs, diag);
 }
 
-/* ---- what shapes cover ---- */
+/* ---- what it covers ---- */
 
-static float covered(const bis_scene *scene, const bis_camera *camera, const bis_film *film, int x, int y)
+/* The share of side x side rays through pixel (x, y) of the full picture that meet a shape. */
+static float cover(const bis_flat_scene *s, const bis_camera *camera, const bis_film *film, int x, int y, int side)
 {
-    enum { SIDE = 4 };
     int hits = 0;
 
-    for (int k = 0; k < SIDE * SIDE; k++) {
-        const ray eye = bis_camera_ray(camera, film->full_width, film->full_height, x + (k % SIDE + 0.5) / SIDE,
-                                       y + (k / SIDE + 0.5) / SIDE);
+    for (int k = 0; s->scene->accel && k < side * side; k++) {
+        const ray eye = bis_camera_ray(camera, film->full_width, film->full_height, x + (k % side + 0.5) / side,
+                                       y + (k / side + 0.5) / side);
         bis_hit hit;
-        hits += bis_accel_intersect(scene->accel, &eye, &hit);
+        hits += bis_accel_intersect(s->scene->accel, &eye, &hit);
     }
-    return (float)hits / (SIDE * SIDE);
+    return (float)hits / (float)(side * side);
 }
 
-int bis_flat_scene_coverage(float *coverage, bis_flat_scene *scene, const char *const *settings, char *say, size_t size)
+int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share, char *say,
+                            size_t size)
 {
     bis_diag diag = {0};
     bis_flat_wishes w = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, coverage, scene, settings);
+    bis_status status = BIS_FLAT_GIVEN(&diag, scene, settings, share);
 
+    if (!status && !(side >= 1 && side <= 64))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "side is %d: give 1 to 64", side);
     if (status) return bis_flat_end(status, &diag, say, size);
     bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
     status = bis_flat_wish(&d, &w, settings, &diag);
-    if (!status) {
-        const bis_film_desc *f = &d.view.film;
-        const bis_film film = bis_film_place(f->width, f->height, f->crop, w.step ? w.step : 1);
-        for (int i = 0; i < film.width * film.height; i++)
-            coverage[i] = !scene->scene->accel ? 0
-                                               : covered(scene->scene, &d.view.camera, &film,
-                                                         film.x0 + i % film.width, film.y0 + i / film.width);
-    }
-    return bis_flat_end(status, &diag, say, size);
+    if (!status) status = bis_flat_scene_check(scene, &d, &diag);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const bis_film film = bis_film_place(d.view.film.width, d.view.film.height, d.view.film.crop, 1);
+    for (int i = 0; i < film.width * film.height; i++)
+        share[i] = cover(scene, &d.view.camera, &film, film.x0 + i % film.width, film.y0 + i / film.width, side);
+    return bis_flat_end(BIS_OK, &diag, say, size);
 }

@@ -13,13 +13,13 @@ MAP = os.path.join(ROOT, "data/maps/interior.hdr")
 SCENE = b"""text=Film "rgb" "integer xresolution" 4 "integer yresolution" 3 LookAt 0 -4 0  0 0 0  0 0 1
 Camera "perspective" WorldBegin LightSource "infinite" "string filename" "%s" Shape "sphere" """ % MAP.encode()
 INPUT = 3
-MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values", "coverage"}
+MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values", "coverage", "attributes"}
 
 
 def functions():
     """Name, returned type and arguments, as (type, name), of each function of the headers."""
     found = []
-    for header in ("flat", "image", "taught"):
+    for header in ("flat", "image", "map", "taught"):
         with open(os.path.join(ROOT, "include/bis/flat", header + ".h")) as f:
             text = re.sub(r"/\*.*?\*/", "", f.read(), flags=re.DOTALL)
         for returned, name, arguments in re.findall(r"^([a-z][\w *]*?)(bis_flat_\w+)\(([^)]*)\);", text, re.MULTILINE):

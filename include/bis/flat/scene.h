@@ -34,9 +34,10 @@ int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, con
  * BIS_INPUT (a setting), BIS_NOMEM. */
 int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, char *say, size_t size);
 
-/* bis_flat_scene_coverage stores in coverage[height][width] the share of each pixel that shapes cover, by 16 rays a
- * pixel, of the film that bis_flat_scene_about tells of. Errors: BIS_INPUT (a setting). */
-int bis_flat_scene_coverage(float *coverage, bis_flat_scene *scene, const char *const *settings, char *say,
+/* bis_flat_scene_coverage stores in share[height][width] how much of each pixel of such a picture shapes cover: the
+ * share of side x side camera rays, evenly spread over the pixel, that meet one. bis_flat_scene_about tells the size, the
+ * "film". Errors: BIS_INPUT (a setting, side outside [1, 64]). */
+int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share, char *say,
                             size_t size);
 
 /* bis_flat_about returns as JSON what the library has: integrators with claim and parameters, proposals, layers,

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import ctypes
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, P, SAY, TEXT, Error, call, declare, real, text_bytes
+from ._library import D, INT, N, P, SAY, TEXT, Error, call, declare, real, text_bytes
 from ._sampling import _picture
 
 _read = declare("image_read", P, TEXT, *SAY)
 _close = declare("image_close", P, result=None)
 _place = declare("image_place", P, P, P, result=None)
 _pixels = declare("image_pixels", P, P, result=None)
-_save = declare("image_save", TEXT, INT, INT, P, D, *SAY)
+_save = declare("image_save", TEXT, INT, INT, P, D, P, *SAY)
+_png = declare("image_png", INT, INT, P, D, N, P, P, *SAY)
 _exposure = declare("image_exposure", P, INT, INT, P, P, *SAY)
 _compare = declare("image_compare", P, INT, INT, P, P, *SAY)
 _errors = declare("image_errors", P, INT, INT, P, P, *SAY)
@@ -103,7 +105,8 @@ def read_image(path: Path) -> tuple[Floats, Place]:
         _close(handle)
 
 
-def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None) -> None:
+def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
+               attributes: Optional[Mapping[str, str]] = None) -> None:
     """Write a picture, under a temporary name that is renamed at the end.
 
     Parameters
@@ -114,6 +117,8 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None) 
         Linear radiance.
     exposure : float, optional
         Of a .png, in EV; without it, the log-average of the picture becomes middle grey.
+    attributes : dict of str, optional
+        Texts for the header of an .exr, as ``{"bis:mapping": "angular"}`` for a map.
 
     Raises
     ------
@@ -122,7 +127,18 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None) 
     """
     a = _picture("pixels", pixels)
     ev = float("nan") if exposure is None else real("exposure", exposure)
-    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a.ctypes.data, ev)
+    texts = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
+    listed = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
+    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a.ctypes.data, ev, listed)
+
+
+def png(pixels: ArrayLike, exposure: float) -> bytes:
+    """The .png that `save_image` writes, as bytes."""
+    a = _picture("pixels", pixels)
+    room = 4 * a.shape[0] * a.shape[1] + (1 << 16)  # three bytes a pixel, and what packing in vain adds
+    data, length = ctypes.create_string_buffer(room), ctypes.c_size_t()
+    call(_png, a.shape[1], a.shape[0], a.ctypes.data, real("exposure", exposure), room, data, ctypes.byref(length))
+    return data.raw[:length.value]
 
 
 def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> float:

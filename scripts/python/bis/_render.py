@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, judge, real, run
-from ._library import shape, text_bytes
+from ._library import shape, text_bytes, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -32,8 +32,8 @@ _about = declare("about", result=TEXT)
 _scene_open = declare("scene_open", P, TEXT, P, P, *SAY)
 _scene_close = declare("scene_close", P, result=None)
 _scene_render = declare("scene_render", P, P, P, P, _WATCHER, P, P, *SAY)
+_scene_coverage = declare("scene_coverage", P, P, INT, P, *SAY)
 _scene_about = declare("scene_about", P, P, P, *SAY)
-_scene_coverage = declare("scene_coverage", P, P, P, *SAY)
 _picture_stats = declare("picture_stats", P, result=TEXT)
 
 Floats = NDArray[np.float32]
@@ -375,22 +375,24 @@ class Scene(Handle):
             call(_scene_about, ctypes.byref(text), self._handle, _list(_said(None, None, None, None, settings)))
             return dict(json.loads((text.value or b"").decode()))
 
-    def coverage(self, **settings: Any) -> Floats:
-        """Tell which share of each pixel shapes cover, by 16 rays a pixel.
+    def coverage(self, side: int = 4, **settings: Any) -> Floats:
+        """Tell how much of each pixel shapes cover: the rest is background.
 
         Parameters
         ----------
+        side : int
+            So many times so many camera rays go through each pixel.
         **settings
-            As those of `render`: width, height, crop and camera count.
+            As those of `render`; crop and size count.
 
         Returns
         -------
         array (h, w)
-            In [0, 1]; 0 where only the light is seen.
+            Shares in [0, 1].
         """
         film = self.about(**settings)["film"]
-        shares = np.empty((film["height"], film["width"]), np.float32)
+        share = np.empty((film["height"], film["width"]), np.float32)
         with self._busy:
-            call(_scene_coverage, shares.ctypes.data, self._handle,
-                 _list(_said(None, None, None, None, settings)))
-        return shares
+            call(_scene_coverage, self._handle, _list(_said(None, None, None, None, settings)), whole("side", side),
+                 share.ctypes.data)
+        return share
