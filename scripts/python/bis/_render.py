@@ -365,10 +365,10 @@ class Scene(Handle):
         Returns
         -------
         dict
-            path, files (all that hold its text); width, height and crop of the picture, film (x0, y0, width, height of what is rendered); integrator,
-            claim, parameters, line (the Integrator line that says it; whole_line: with defaults), as_printed; spp,
-            seed, is_stratified; accelerator, triangles, has_surface; light (file, is_black, is_constant, width, height,
-            area_exponent, levels).
+            path, files (all that hold its text); width, height and crop of the picture, film (x0, y0, width, height of
+            what is rendered); integrator, claim, parameters, line (the Integrator line that says it; whole_line: with
+            defaults), as_printed; spp, seed, is_stratified; accelerator, triangles, has_surface; light (file,
+            is_black, is_constant, width, height, area_exponent, levels).
         """
         text = TEXT()
         with self._busy:

@@ -8,7 +8,7 @@ import sys
 from types import SimpleNamespace
 from typing import Optional
 
-from ..._about import about
+from ..._render import about
 from ..._errors import Error, Status
 from ..._library import version
 from .. import command, text

@@ -97,14 +97,16 @@ class View:
             As `bis.render`.
         """
         t = self.t
-        film: dict[str, Any] = {"step": step}
+        how: dict[str, Any] = {"step": step}
         if step == 0:
-            film, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
+            how, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
         if self.has_map:  # a constant light is the same for all b
-            film["area_exponent"] = s.area_exponent
+            how["area_exponent"] = s.area_exponent
+        if t.options.threads:
+            how["threads"] = t.options.threads
         try:
             picture = self.scene.render(integrator=s.integrator, spp=passes, seed=seed, crop=crop, as_printed="none",
-                                        stop=t.interrupted, **film, **s.values)
+                                        stop=t.interrupted, **how, **s.values)
         except Error:
             if t.interrupted():
                 return None
