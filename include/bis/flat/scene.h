@@ -45,8 +45,9 @@ int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, 
 const char *bis_flat_about(void);
 
 /* Figures of a picture. */
-enum { BIS_FLAT_FIGURES = 9 };
+enum { BIS_FLAT_FIGURES = 10 };
 
 /* bis_flat_picture_figures stores in figure[BIS_FLAT_FIGURES]: seconds of the render, passes, camera rays, shadow rays,
- * candidates, accepted ones, estimates that were not finite, threads, and 1 where it was interrupted. */
+ * candidates, accepted ones, estimates that were not finite, threads, 1 where it was interrupted, and the relative RMSE
+ * that its passes tell of (NaN: fewer than two), whether few pixels carry it or many. */
 void bis_flat_picture_figures(const bis_flat_picture *picture, double *figure);

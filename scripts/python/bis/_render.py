@@ -83,6 +83,9 @@ class Picture:
         As used.
     interrupted : bool
         It was stopped; the picture has the passes that were complete.
+    error : float
+        The relative RMSE that its passes tell of; NaN: fewer than two. Where few pixels carry it, it may be far off;
+        then ``stats["estimated_relative_rmse"]`` is None.
     """
 
     rgb: Floats
@@ -98,6 +101,7 @@ class Picture:
     nonfinite: int
     threads: int
     interrupted: bool
+    error: float
 
     @property
     def pass_seconds(self) -> float:
@@ -255,12 +259,12 @@ def _picture(render_it: Callable[..., tuple[int, str]], light: Any, progress: Op
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
         _picture_pixels(handle, rgba.ctypes.data)
-        figures = np.empty(9)
+        figures = np.empty(10)
         _picture_figures(handle, figures.ctypes.data)
         counts = [int(x) for x in figures[1:8]]
         return Picture(np.ascontiguousarray(rgba[:, :, :3]), np.ascontiguousarray(rgba[:, :, 3]),
                        _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()),
-                       float(figures[0]), *counts, bool(figures[8]))
+                       float(figures[0]), *counts, bool(figures[8]), float(figures[9]))
     finally:
         _picture_close(handle)
 
@@ -361,10 +365,10 @@ class Scene(Handle):
         Returns
         -------
         dict
-            path; width, height and crop of the picture, film (x0, y0, width, height of what is rendered); integrator,
-            claim, parameters, line (the Integrator line that says it; whole_line: with defaults), as_printed; spp,
-            seed; accelerator, triangles, has_surface; light (file, is_black, is_constant, width, height,
-            area_exponent, levels).
+            path, files (all that hold its text); width, height and crop of the picture, film (x0, y0, width, height of
+            what is rendered); integrator, claim, parameters, line (the Integrator line that says it; whole_line: with
+            defaults), as_printed; spp, seed, is_stratified; accelerator, triangles, has_surface; light (file,
+            is_black, is_constant, width, height, area_exponent, levels).
         """
         text = TEXT()
         with self._busy:

@@ -13,6 +13,7 @@ follows from the runs (means, slopes, the front, the page) is computed again fro
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, field
 from typing import Any, Callable, Optional
 
@@ -27,6 +28,19 @@ ADVICE = 3  #: preview, good picture, final picture
 STRIP = 8  #: pictures in the report
 
 Image = NDArray[np.float32]  # (height, width, 3)
+
+
+_WORD = (1 << 64) - 1
+
+
+def hashed(x: int) -> int:
+    """Mix 64 bits into 64 bits, as bis_hash does."""
+    x &= _WORD
+    x ^= x >> 30
+    x = x * 0xbf58476d1ce4e5b9 & _WORD
+    x ^= x >> 27
+    x = x * 0x94d049bb133111eb & _WORD
+    return x ^ (x >> 31)
 
 
 @dataclass
@@ -179,7 +193,27 @@ class Trade:
     nonfinite: int = 0
     is_complete: bool = False  #: every run of the plan was measured
     is_reported: bool = False  #: tables and page agree with runs
-    view: Any = None  #: measure.View: the scene, which renders
+    view: Any = None  #: view.View: the scene, which renders
+    start: float = field(default_factory=time.monotonic)
+    progress: Optional[Progress] = None
+    is_interrupted: Callable[[], bool] = lambda: False
+
+    def spent(self) -> float:
+        """Seconds since the measurement began."""
+        return time.monotonic() - self.start
+
+    def interrupted(self) -> bool:
+        """Whether the user has interrupted the measurement."""
+        return self.is_interrupted()
+
+    def tell(self, what: str, share: float, seconds_left: float) -> None:
+        """Tell how far the measurement is, if somebody looks on."""
+        if self.progress:
+            self.progress(what, share, seconds_left)
+
+    def seed_of(self, purpose: int, place: int) -> int:
+        """The seed of a render: other purposes and places have others; 53 bits, as --seed takes."""
+        return hashed(hashed(self.plan.seed + purpose) + place) >> 11
 
     def find_run(self, setting: int, level: int, replicate: int) -> Optional[Run]:
         """The run of this place, or None."""
