@@ -16,7 +16,7 @@ from . import files, planfile, references, report, stats, tables
 from .check import check_advice
 from .model import Options, Trade
 from .pilot import run_pilot
-from .plan import fit_plan, seeds_for
+from .plan import Frame, fit_plan, seeds_for
 from .seconds import time_advice
 from .settings import Integrators
 from .shots import make_shots
@@ -158,6 +158,7 @@ def _measure(t: Trade, known: Integrators, say: command.Say) -> None:
     t.plan.fingerprint = planfile.fingerprint(version(), names, t.view.files)
     if t.options.resume:
         planfile.read_plan(t.options.folder, t.plan, t.options.scene, t.view.frame.crop)
+        t.view.frame = Frame(t.plan.full_width, t.plan.full_height, t.view.frame.crop)  # whatever --resolution was
         files.read_runs(t)
     elif not _make_plan(t, say):
         return

@@ -97,7 +97,7 @@ class View:
             As `bis.render`.
         """
         t = self.t
-        how: dict[str, Any] = {"step": step}
+        how: dict[str, Any] = {"step": step, "width": self.frame.width, "height": self.frame.height}
         if step == 0:
             how, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
         if self.has_map:  # a constant light is the same for all b
