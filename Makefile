@@ -257,7 +257,7 @@ envelope: $(ENVELOPE)
 W        := build/web
 WASM_CC  ?= clang
 WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c \
-    src/base/threads.c,$(SRC)) scripts/web/wasm.c
+    src/flat/flat_image.c src/base/threads.c,$(SRC)) scripts/web/wasm.c
 WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o)
 WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h \
     -nostdlibinc -isystem /usr/include/wasm32-wasi \

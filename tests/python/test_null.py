@@ -13,13 +13,13 @@ MAP = os.path.join(ROOT, "data/maps/interior.hdr")
 SCENE = b"""text=Film "rgb" "integer xresolution" 4 "integer yresolution" 3 LookAt 0 -4 0  0 0 0  0 0 1
 Camera "perspective" WorldBegin LightSource "infinite" "string filename" "%s" Shape "sphere" """ % MAP.encode()
 INPUT = 3
-MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values"}
+MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values", "coverage", "attributes"}
 
 
 def functions():
     """Name, returned type and arguments, as (type, name), of each function of the headers."""
     found = []
-    for header in ("flat", "taught"):
+    for header in ("flat", "image", "map", "taught"):
         with open(os.path.join(ROOT, "include/bis/flat", header + ".h")) as f:
             text = re.sub(r"/\*.*?\*/", "", f.read(), flags=re.DOTALL)
         for returned, name, arguments in re.findall(r"^([a-z][\w *]*?)(bis_flat_\w+)\(([^)]*)\);", text, re.MULTILINE):
@@ -31,7 +31,7 @@ def functions():
 
 
 def is_pointer(kind, what):
-    return "*" in kind or what in ("shape", "hash") or kind == "const volatile sig_atomic_t"
+    return "*" in kind or what in ("shape", "hash", "place") or kind == "const volatile sig_atomic_t"
 
 
 class Opened:
@@ -45,7 +45,8 @@ class Opened:
         self.of = {"light": self.open(library.bis_flat_light_make, 2, 1, pixels, b"cdf", ctypes.c_double(0), None),
                    "bsdf": self.open(library.bis_flat_bsdf_open, b"phong", up, up, ctypes.c_double(9), up, up),
                    "picture": self.open(library.bis_flat_render, b"scene", self.texts(SCENE, b"spp=1"), None),
-                   "stage": self.open(library.bis_flat_stage_open, b"scene", self.texts(SCENE))}
+                   "stage": self.open(library.bis_flat_stage_open, b"scene", self.texts(SCENE)),
+                   "image": self.open(library.bis_flat_image_read, MAP.encode())}
         library.bis_flat_stage_at(self.of["stage"], 1, 1, up, self.say, 1000)
 
     def texts(self, *texts):

@@ -78,7 +78,8 @@ def outfile(path: str) -> Iterator[IO[bytes]]:
                 yield out
                 out.flush()
                 if not is_named:
-                    os.link("/proc/self/fd/%d" % fd, temporary, follow_symlinks=True)
+                    # With src_dir_fd Python follows the link, which is what names the file; without, it does not.
+                    os.link("/proc/self/fd/%d" % fd, temporary, src_dir_fd=fd, follow_symlinks=True)
                     is_named = True
             os.replace(temporary, target)
         except BaseException:
