@@ -64,6 +64,7 @@ int bis_instrument_run(const char *name, char **argv)
 
     if (strlen(name) > NAME_MAX - 4 || strchr(name, '/')) return -1;
     snprintf(program, sizeof program, "bis-%s", name);
+    char *const before = argv[0];
     argv[0] = program;
     setenv("BIS_BUILD", bis_flat_build(), 1);
     if (find_self(self, &n)) {
@@ -74,6 +75,7 @@ int bis_instrument_run(const char *name, char **argv)
         }
     }
     execvp(program, argv);
+    argv[0] = before;
     if (errno == ENOENT || errno == EACCES) return -1;
     fprintf(stderr, "bis: error: \"%s\" cannot be run: %s\n", program, strerror(errno));
     return BIS_EXIT_FAILED;
