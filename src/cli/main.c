@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* main: which command? `bis SCENE` renders. */
-#include "display.h"
+#include "cli.h"
 #include "help.h"
 #include "instrument.h"
 
@@ -54,7 +54,7 @@ static int run_instrument(int argc, char **argv)
     if (argc < 2 || argv[1][0] == '-') return -1;
     const bis_subcommand *command = bis_subcommand_find(argv[1]);
     if (command ? command->run != NULL : access(argv[1], F_OK) == 0) return -1;
-    if (!bis_instrument_leads()) return BIS_EXIT_DONE;
+    if (!bis_instrument_leads()) return command ? BIS_EXIT_DONE : -1;
     const int status = bis_instrument_run(argv[1], argv + 1);
     if (status >= 0 || !command) return status;
     fprintf(stderr, "bis: error: the program bis-%s is not there: install bis anew, with Python 3\n", argv[1]);
@@ -71,7 +71,7 @@ int main(int argc, char **argv)
     bis_cli_ranks_close();
 
     /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
-    if (bis_mem_live() != 0 && !bis_display_is_left())
+    if (bis_mem_live() != 0)
         fprintf(stderr, "bis: error in bis itself: %ld blocks of memory were not freed; please report it\n",
                 bis_mem_live());
     return status;

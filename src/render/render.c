@@ -25,15 +25,14 @@
 #include "checkpoint.h"
 #include "first_light.h"
 #include "pass.h"
-#include "scheduler.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
 
 enum { MIN_ERROR_PASSES = 3, MOST_SAMPLES = 4 };
 
-static const double seconds_between_reports = 0.2, seconds_between_glimpses = 0.5;
-static const double share_of_glimpses = 0.02; /* of the time, at most, as a display takes */
+static const double seconds_between_reports = 0.2;
 
 typedef struct render {
     bis_workspace work;
@@ -45,8 +44,7 @@ typedef struct render {
     bis_done done;
     uint32_t kept;    /* passes in the last checkpoint that this process has written */
     double last_kept; /* when that was */
-    float *glimpse;   /* glimpse[height][width][4], for options->glimpse; NULL: nobody looks */
-    double next_glimpse, last_so_far;
+    double last_so_far;
     double missing;   /* share of pixels that the first pass did not reach */
     uint32_t size; /* camera samples of a pixel in the pass under way */
     bool has_forecast; /* what the error will take was told; the figure may become unknown and known again */
@@ -108,14 +106,8 @@ static void report(render *r, double share)
 static void report_tile(double share, void *user)
 {
     render *r = user;
-    const double now = bis_clock_now();
 
-    if (now - r->last_report > seconds_between_reports) report(r, share);
-    if (!r->glimpse || r->done.spp || now < r->next_glimpse) return;
-    const bool shows = bis_first_light_show(&r->work, r->glimpse);
-    if (shows) r->work.options->glimpse(r->glimpse, r->work.options->user);
-    const double cost = bis_clock_now() - now; /* to look in vain takes time, too */
-    r->next_glimpse = now + fmax(shows ? seconds_between_glimpses : 0, cost / share_of_glimpses);
+    if (bis_clock_now() - r->last_report > seconds_between_reports) report(r, share);
 }
 
 /* What the error budget will take, as far as the first passes know: the error falls with the root of the number of
@@ -193,7 +185,7 @@ static bool render_pass(render *r)
                            .weight = (double)r->size};
 
     r->work.film->most = expected_spp(r);
-    if (r->work.sched) bis_sched_call(r->work.sched, &pass, BIS_OK);
+    if (r->work.share) bis_team_call(&r->work, &pass, BIS_OK);
     const bool is_whole = bis_pass_render(&r->work, &pass, report_tile, r);
     if (r->work.fine && pass.first == 0) {
         if (!bis_first_light_fill(&r->work, &r->missing)) return false;
@@ -211,7 +203,7 @@ static void keep(render *r)
     const uint32_t passes = r->work.film->passes;
 
     if (!r->work.options->checkpoint || passes == r->kept) return;
-    if (r->work.sched) bis_sched_gather(r->work.sched);
+    if (r->work.share) bis_team_gather(&r->work);
     r->done.seconds = bis_clock_now() - r->start;
     bis_checkpoint_save(r->work.options->checkpoint, &r->work, &r->done);
     r->kept = passes;
@@ -229,7 +221,7 @@ static void fill_result(bis_render_result *result, const render *r)
     result->missing = r->missing;
     result->passes = film->passes;
     result->spp = r->done.spp;
-    result->bytes = bis_workspace_bytes(&r->work) + (r->work.sched ? bis_sched_bytes(r->work.sched) : 0);
+    result->bytes = bis_workspace_bytes(&r->work);
 }
 
 static void tell_so_far(render *r)
@@ -283,23 +275,14 @@ static bis_status prepare(render *r, bis_status status, int *n_threads, bis_diag
 {
     bis_workspace *w = &r->work;
     bis_ranks *ranks = w->options->ranks;
-    const bis_film *film = w->film;
 
-    if (!status && ranks) {
-        w->sched = bis_sched_new(ranks, w);
-        if (!w->sched) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d ranks", ranks->size);
-    }
     r->start = bis_clock_now();
-    if (!status && w->fine && w->options->glimpse) {
-        r->glimpse = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *r->glimpse);
-        if (!r->glimpse) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the picture's first light");
-    }
     if (!status) status = bis_workspace_find_edges(w, diag);
     status = bis_ranks_agree(ranks, status, diag);
     if (status) return status;
     bis_workspace_join_edges(w);
     *n_threads = w->n_threads;
-    return ranks ? bis_sched_meet(w->sched, w, n_threads, diag) : BIS_OK;
+    return ranks ? bis_team_meet(w, n_threads, diag) : BIS_OK;
 }
 
 static void ignore_progress(double share, void *user) { (void)share, (void)user; }
@@ -310,7 +293,8 @@ static bis_status follow(render *r)
     bis_pass pass;
     bis_status status;
 
-    while (bis_sched_follow(r->work.sched, &pass, &status)) bis_pass_render(&r->work, &pass, ignore_progress, NULL);
+    while (bis_team_follow(&r->work, &pass, &status))
+        if (bis_pass_render(&r->work, &pass, ignore_progress, NULL)) bis_pass_learn(&r->work);
     return status;
 }
 
@@ -320,12 +304,12 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
 
     r->done.counters.camera_rays = bis_workspace_edge_rays(&r->work);
     bis_status status = resume(r, diag);
+    if (!status && r->work.share && r->done.spp) bis_team_spread(&r->work);
     r->start = start - r->done.seconds;
     r->last_report = r->last_kept = r->last_so_far = start;
-    r->next_glimpse = start + seconds_between_glimpses;
     if (r->budget.seconds > 0) r->work.late = r->start + r->budget.seconds;
     if (!status) render_passes(r, result);
-    if (r->work.sched) bis_sched_call(r->work.sched, NULL, status);
+    if (r->work.share) bis_team_call(&r->work, NULL, status);
     return status;
 }
 
@@ -349,8 +333,6 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     status = prepare(&r, status, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
-    bis_sched_free(r.work.sched);
     bis_workspace_clear(&r.work);
-    bis_free(r.glimpse);
     return status;
 }
