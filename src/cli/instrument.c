@@ -66,7 +66,7 @@ int bis_instrument_run(const char *name, char **argv)
     snprintf(program, sizeof program, "bis-%s", name);
     char *const before = argv[0];
     argv[0] = program;
-    setenv("BIS_BUILD", bis_flat_build(), 1);
+    setenv("BIS_BUILD_ID", bis_flat_build(), 1);
     if (find_self(self, &n)) {
         name_library(self, n);
         for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
