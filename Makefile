@@ -63,14 +63,16 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
     $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
-PAGES   := $(wildcard src/tools/*/page.html)
+PAGES   := $(wildcard scripts/python/pages/[!f]*.html)
+# The pages of the instruments, each in one file, where the package finds them.
+ASSEMBLED := $(PAGES:scripts/python/pages/%=scripts/python/bis/pages/%)
 OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o) $B/src/cli/help_scene.o
 LIB     := $B/libbis.a
 # What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit.
 VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 STATIC  := $B/library/libbis.a
 SHARED_LIB := $B/library/libbis.so.$(VERSION)
-LIBRARY_OBJ := $(filter-out $B/src/cli/%,$(OBJ))
+LIBRARY_OBJ := $(filter-out $B/src/cli/%,$(OBJ)) $B/flat_build.o
 INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB)
 # A format is a literal, so that the compiler sees whether the arguments fit.
 $(SRC:%.c=$B/%.o): OURS += -Wformat=2
@@ -111,7 +113,7 @@ HAS_MPI := $(shell command -v $(MPICC))
 .PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long \
     envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall \
     tarball release deb clean
-all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
+all: bis data $(SHARED_LIB) $(ASSEMBLED) $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
 	@cmp -s $< $@ || cp -f $< $@
@@ -151,7 +153,13 @@ $(TESTS): $(SUPPORT) $(LIB)
 TESTING := -Itests/support -Wno-unused-parameter
 $B/tests/%.o: OURS += $(TESTING)
 
-$(LIB): $(OBJ)
+# Which build this is: a sum over the objects of the library.
+$B/flat_build.o: $(filter-out $B/flat_build.o,$(LIBRARY_OBJ))
+	$Qprintf '#include "bis/flat/flat.h"\nconst char *bis_flat_build(void) { return "%s"; }\n' \
+	    "$$(cat $^ | cksum | tr ' ' -)" | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+$B/src/cli/instrument.o: OURS += -DBIS_BUILD_FOLDER='"$B"'
+
+$(LIB): $(OBJ) $B/flat_build.o
 	$(call say,AR,$@)
 	@rm -f $@
 	$Q$(AR) rcs $@ $^
@@ -184,15 +192,17 @@ $B/%.o: %.c $B/.flags
 	$(call say,CC,$<)
 	$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
 
-# src/tools/NAME/page.html in the frame of all pages, with what that loads put in by page.awk, as the string
-# bis_NAME_page: a line of the page is a line of C.
-$(PAGES:%.html=$B/%.o): $B/%.o: %.html src/tools/page.awk src/tools/frame.html docs/live/plot.js \
-    docs/live/page.css $B/.flags
+# scripts/python/pages/NAME.html in the frame of all pages, with what that loads put in by page.awk.
+$(ASSEMBLED): scripts/python/bis/pages/%: scripts/python/pages/% scripts/python/pages/page.awk \
+    scripts/python/pages/frame.html docs/live/plot.js docs/live/page.css
 	@mkdir -p $(@D)
-	$(call say,CC,$<)
-	$Q{ echo 'const char bis_$(notdir $(<D))_page[] ='; \
-    awk -f src/tools/page.awk $< src/tools/frame.html | sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/'; echo ';'; } | \
-    $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
+	$(call say,PAGE,$@)
+	$Qawk -f scripts/python/pages/page.awk $< scripts/python/pages/frame.html >$@.new && mv $@.new $@
+# UNTIL THE INSTRUMENTS IN C ARE GONE: the same as strings.
+$(PAGES:%.html=$B/%.o): $B/scripts/python/pages/%.o: scripts/python/bis/pages/%.html $B/.flags
+	@mkdir -p $(@D)
+	$Q{ echo 'const char bis_$(subst envmap,survey,$(notdir $*))_page[] ='; \
+    sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 
 # The tables of the scene format, for `bis help`.
 $B/src/cli/help_scene.o: docs/scene-format.md src/cli/help_scene.awk src/cli/help.h $B/.flags

@@ -5,6 +5,7 @@
  * file does not read them, but runs the command with `--help` (or `--help=man`) and nothing else: what is printed here,
  * there and in the man page cannot differ. */
 #include "help.h"
+#include "instrument.h"
 
 #include "base/text.h"
 
@@ -52,7 +53,7 @@ static int run_help_of(const bis_subcommand *c)
 {
     static char option[] = "--help";
     char *arguments[] = {option};
-    return c->run(1, arguments);
+    return c->run ? c->run(1, arguments) : bis_instrument_print(c->name, option);
 }
 
 static void print_topic(const bis_topic *t)

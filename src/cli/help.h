@@ -8,7 +8,7 @@
 
 typedef struct bis_subcommand {
     const char *name;
-    int (*run)(int argc, char **argv);
+    int (*run)(int argc, char **argv); /* NULL: an instrument (instrument.h) */
     const char *help; /* one line */
 } bis_subcommand;
 

@@ -4,6 +4,7 @@
  * No text here is the page's own but the headings. The date of .TH is left empty: the same source makes the same page.
  */
 #include "help.h"
+#include "instrument.h"
 #include "man.h"
 
 #include "bis/base/version.h"
@@ -46,7 +47,7 @@ int bis_man_page(const bis_subcommand *commands, const char *intro)
     fputs(".SH COMMANDS\nEvery command knows \\fB\\-\\-help\\fR (\\fB\\-h\\fR) and \\fB\\-\\-version\\fR "
         "(\\fB\\-V\\fR).\n", out);
     for (const bis_subcommand *c = commands; c->name; c++) {
-        int exit_status = c->run(1, arguments);
+        const int exit_status = c->run ? c->run(1, arguments) : bis_instrument_print(c->name, option);
         if (exit_status) return exit_status;
     }
     for (const bis_topic *t = bis_topics; t->name; t++) put_topic(out, t);

@@ -2,6 +2,7 @@
 /* main: which command? `bis SCENE` renders. */
 #include "display.h"
 #include "help.h"
+#include "instrument.h"
 
 #include "bis/base/mem.h"
 #include "render/ranks.h"
@@ -36,7 +37,7 @@ static int run(int argc, char **argv)
         bis_cli_version(stdout);
         return bis_cli_finish(BIS_EXIT_DONE);
     }
-    if (command) return command->run(argc - 2, argv + 2);
+    if (command && command->run) return command->run(argc - 2, argv + 2);
     const char *near = nearest_command(argv[1]);
     if (near) {
         fprintf(stderr, "bis: error: no command and no scene \"%s\" (did you mean \"bis %s\"?); `bis help` lists "
@@ -46,8 +47,25 @@ static int run(int argc, char **argv)
     return bis_cmd_render(argc - 1, argv + 1);
 }
 
+/* A word that is an instrument, known or somebody's own, is run before ranks are opened, because it is another program.
+ * -1: it is none. */
+static int run_instrument(int argc, char **argv)
+{
+    if (argc < 2 || argv[1][0] == '-') return -1;
+    const bis_subcommand *command = bis_subcommand_find(argv[1]);
+    if (command ? command->run != NULL : access(argv[1], F_OK) == 0) return -1;
+    if (!bis_instrument_leads()) return BIS_EXIT_DONE;
+    const int status = bis_instrument_run(argv[1], argv + 1);
+    if (status >= 0 || !command) return status;
+    fprintf(stderr, "bis: error: the program bis-%s is not there: install bis anew, with Python 3\n", argv[1]);
+    return BIS_EXIT_USAGE;
+}
+
 int main(int argc, char **argv)
 {
+    const int of_instrument = run_instrument(argc, argv);
+
+    if (of_instrument >= 0) return of_instrument;
     bis_cli_ranks_open(&argc, &argv);
     const int status = run(argc, argv);
     bis_cli_ranks_close();

@@ -6,6 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/envmap.h"
 #include "flat/say.h"
+#include "flat/wishes.h"
 #include "thesis/candidates.h"
 #include "tools/verify/verify.h"
 

@@ -27,10 +27,3 @@ bis_status bis_flat_direction(vec3 *w, const float *all, size_t i, bis_diag *dia
 
 /* bis_flat_unit stores v[3], called name, as a unit vector. Errors: BIS_INPUT (it is 0 or not finite). */
 bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *diag);
-
-/* bis_flat_describe reads a scene with the settings of bis_flat_render. The caller frees *out, on failure too. Errors:
- * those of bis_scene_parse, BIS_INPUT (a setting). */
-bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag);
-
-/* bis_flat_apply changes a description by such settings. Errors: BIS_INPUT. */
-bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag);

@@ -235,8 +235,9 @@ void bis_parser_finish_light(bis_parser *p)
     bis_scene_desc *d = p->desc;
     const bis_loc whole = {d->files[0], 0, 0};
 
+    d->upright = upright(p);
     if (p->other_light) {
-        if (!d->has_light) d->light.to_world = upright(p);
+        if (!d->has_light) d->light.to_world = d->upright;
         d->has_light = true;
         return;
     }

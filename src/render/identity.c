@@ -102,9 +102,10 @@ const bis_identity_struct bis_identity_structs[] = {
                               "capacity_of_material cuts_off"},
     /* of files and meshes what is built of them counts */
     {"bis_scene_desc", by_hand, "path view outfile integrator_loc names_integrator light_needs accel has_light light "
-                                "materials n_materials capacity_materials textures meshes n_meshes capacity_meshes "
-                                "shapes n_shapes capacity_shapes files n_files capacity_files approximations "
-                                "n_approximations capacity_approximations version missing n_missing capacity_missing"},
+                                "upright materials n_materials capacity_materials textures meshes n_meshes "
+                                "capacity_meshes shapes n_shapes capacity_shapes files n_files capacity_files "
+                                "approximations n_approximations capacity_approximations version missing n_missing "
+                                "capacity_missing"},
     /* shape_end: for messages */
     {"bis_scene", by_hand, "desc geometry accel light images n_images shape_end seconds"},
     /* pass_size counts; the others say when and where a render ends, and who is told */

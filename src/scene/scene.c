@@ -220,6 +220,18 @@ bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_
     return bis_accel_new(out, &s->geometry, &options, diag);
 }
 
+bool bis_scene_accel_suits(const bis_scene *s, const bis_scene_desc *desc)
+{
+    bis_box now, then;
+    bis_accel_options options = desc->accel;
+    const bool is_known = !find_eyes(&now, desc, NULL) && !find_eyes(&then, s->desc, NULL);
+
+    options.eyes = &now;
+    const bool takes_embree = is_known && bis_accel_takes_embree(&s->geometry, &options);
+    options.eyes = &then;
+    return is_known && takes_embree == bis_accel_takes_embree(&s->geometry, &options);
+}
+
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag)
 {
     bis_scene *s = bis_alloc(1, sizeof *s);

@@ -45,6 +45,16 @@ static void embree_limit(char text[200], const bis_box *b)
     }
 }
 
+bool bis_accel_takes_embree(const bis_geometry *g, const bis_accel_options *options)
+{
+    const bis_box all = reach(g, options->eyes);
+    char limit[200];
+
+    if (!bis_accel_embree_version() || options->kind == BIS_ACCEL_GRID) return false;
+    embree_limit(limit, &all);
+    return !limit[0];
+}
+
 bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel_options *options, bis_diag *diag)
 {
     const bool by_default = options->kind == BIS_ACCEL_DEFAULT;

@@ -24,6 +24,10 @@
 /* bis_flat_version returns the version of bis, "0.1.0". */
 const char *bis_flat_version(void);
 
+/* bis_flat_build returns a sum over all code of this build, "1dcf2a98-6914384". A program and a library of one build
+ * have the same one: make writes it. */
+const char *bis_flat_build(void);
+
 /* ---- maps ---- */
 
 /* bis_flat_light_open reads a map for drawing directions by its importance. kind is "alias" or "cdf"; area_exponent

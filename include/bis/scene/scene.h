@@ -132,6 +132,7 @@ typedef struct bis_scene_desc {
     bis_accel_options accel;
     bool has_light;
     bis_light_desc light;
+    bis_xform upright; /* the frame of a map in a scene that has none: z along the camera's "up" */
     bis_material *materials;
     size_t n_materials, capacity_materials;
     bis_textures textures;
@@ -226,6 +227,10 @@ bis_scene_figures bis_scene_figures_of(const bis_scene *s);
  * does. Errors: those of bis_accel_new; BIS_INPUT if the camera stands beyond the largest float. */
 bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,
                            bis_diag *diag);
+
+/* bis_scene_accel_suits returns whether the accelerator of a scene that was built serves desc's camera, too: where rays
+ * start decides which one is the default. */
+bool bis_scene_accel_suits(const bis_scene *s, const bis_scene_desc *desc);
 
 /* The material of a point. Where it has textures, the point's bsdf points to `own`, so that this lives as long. */
 typedef struct bis_own_material {

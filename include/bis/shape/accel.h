@@ -59,6 +59,10 @@ typedef struct bis_accel_options {
  * value, the limit and the way out), BIS_NOMEM. */
 bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel_options *options, bis_diag *diag);
 
+/* bis_accel_takes_embree returns whether Embree is built in, allowed by the options, and reaches over the geometry and
+ * the eyes. */
+bool bis_accel_takes_embree(const bis_geometry *g, const bis_accel_options *options);
+
 /* bis_accel_free frees the accelerator; NULL is allowed. */
 void bis_accel_free(bis_accel *a);
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""bis from Python: pictures, maps, alias tables and materials as numpy arrays.
+"""bis from Python: pictures, maps, points, alias tables and materials as numpy arrays.
 
     import bis
     picture, stats = bis.render("scene.txt", integrator="sir", spp=16)     # (h, w, 3) float32, dict
+    scene = bis.Scene("scene.txt")                                         # built once, rendered often
     w, L, pdf = bis.Envmap("map.hdr").sample(1000)                         # (n, 3), (n, 3), (n,)
 
 The library is that of the environment variable BIS_LIBRARY, else a libbis.so in this folder (a wheel brings one), in
@@ -10,11 +11,41 @@ build/release/library of the repository, or where the system looks for libraries
 library's own message; warnings of the library become Python's. `python -m bis` is the program. docs/library.md
 explains the functions.
 """
-from ._library import Error, Status, WrongType, version
-from ._render import LAYERS, Picture, Progress, render
-from ._sampling import AliasTable, Envmap, Material
-from ._scene import Camera, Mesh
+from __future__ import annotations
 
-__all__ = ["AliasTable", "Camera", "Envmap", "Error", "LAYERS", "Material", "Mesh", "Picture", "Progress",
-           "Status", "WrongType", "render", "version"]
-__version__ = version()
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from ._errors import Error, Status, WrongType
+
+if TYPE_CHECKING:
+    from ._library import version
+    from ._render import LAYERS, Picture, Progress, Scene, about, render
+    from ._sampling import AliasTable, Envmap, Material
+    from ._scene import Camera, Mesh
+
+# What needs the library and numpy is loaded when it is asked for, because the help of the instruments needs neither.
+_HOMES = {
+    "_library": ("version",),
+    "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "render"),
+    "_sampling": ("AliasTable", "Envmap", "Material"),
+    "_scene": ("Camera", "Mesh"),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = ["AliasTable", "Camera", "Envmap", "Error", "LAYERS", "Material", "Mesh", "Picture",
+           "Progress", "Scene", "Status", "WrongType", "about", "render", "version"]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return __getattr__("version")()
+    if name not in _HOME:
+        raise AttributeError("module %r has no attribute %r" % (__name__, name))
+    value = getattr(importlib.import_module("." + _HOME[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
-import enum
 import glob
 import operator
 import os
@@ -14,32 +13,7 @@ from typing import Any, Callable, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-
-class Status(enum.IntEnum):
-    """What a function of the library returns: a bis_status of bis/base/status.h."""
-
-    OK = 0
-    IO = 1  #: a failure of the disk
-    NOMEM = 2  #: no memory
-    INPUT = 3  #: a mistake in the input
-
-
-class Error(Exception):
-    """A message of the library.
-
-    Attributes
-    ----------
-    status : Status
-        What kind of mistake it is.
-    """
-
-    def __init__(self, message: str, status: int = Status.INPUT) -> None:
-        super().__init__(message)
-        self.status = Status(status)
-
-
-class WrongType(Error, TypeError):
-    """An argument, or an object, of a kind that cannot be used. It is a TypeError, too."""
+from ._errors import Error, Status, WrongType
 
 
 def _candidates() -> list[str]:
@@ -56,11 +30,16 @@ def _load() -> ctypes.CDLL:
     found = _candidates()[0]
     try:
         library = ctypes.CDLL(found)
-        library.bis_flat_version.restype = ctypes.c_char_p
-        return library
+        library.bis_flat_version.restype = library.bis_flat_build.restype = ctypes.c_char_p
     except (OSError, AttributeError) as e:
         raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in the repository or "
                           "`make install`, or set BIS_LIBRARY to its path" % e) from None
+    build = library.bis_flat_build().decode("ascii")
+    if os.environ.get("BIS_BUILD", build) != build:
+        # `bis trade` measures what that program is: a student's material, not the one that is installed.
+        raise ImportError("%s is of another build than %s: make both, or install both, from one source"
+                          % (found, os.environ.get("BIS_PROGRAM", "the program")))
+    return library
 
 
 _library = _load()

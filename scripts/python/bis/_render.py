@@ -15,8 +15,8 @@ from typing import Any, Callable, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, P, SAY, TEXT, WrongType, declare, judge, real, run, shape
-from ._library import text_bytes
+from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, judge, real, run
+from ._library import shape, text_bytes
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -26,7 +26,13 @@ _picture_close = declare("picture_close", P, result=None)
 _picture_shape = declare("picture_shape", P, P, result=None)
 _picture_pixels = declare("picture_pixels", P, P, result=None)
 _picture_layer = declare("picture_layer", P, TEXT, P)
+_picture_figures = declare("picture_figures", P, P, result=None)
 _layer_name = declare("layer_name", INT, result=TEXT)
+_about = declare("about", result=TEXT)
+_scene_open = declare("scene_open", P, TEXT, P, P, *SAY)
+_scene_close = declare("scene_close", P, result=None)
+_scene_render = declare("scene_render", P, P, P, P, _WATCHER, P, P, *SAY)
+_scene_about = declare("scene_about", P, P, P, *SAY)
 _picture_stats = declare("picture_stats", P, result=TEXT)
 
 Floats = NDArray[np.float32]
@@ -64,12 +70,38 @@ class Picture:
         The layers that were asked for, by their names: (h, w, 3), or (h, w) of one value.
     stats : dict
         The figures of `bis --stats`.
+    seconds : float
+        Of the render alone.
+    passes : int
+        Complete ones.
+    camera_rays, shadow_rays, candidates, accepted : int
+        As counted.
+    nonfinite : int
+        Estimates that were not finite, and count as black.
+    threads : int
+        As used.
+    interrupted : bool
+        It was stopped; the picture has the passes that were complete.
     """
 
     rgb: Floats
     alpha: Floats
     layers: dict[str, Floats]
     stats: dict[str, Any]
+    seconds: float
+    passes: int
+    camera_rays: int
+    shadow_rays: int
+    candidates: int
+    accepted: int
+    nonfinite: int
+    threads: int
+    interrupted: bool
+
+    @property
+    def pass_seconds(self) -> float:
+        """Seconds of a pass in the mean."""
+        return self.seconds / self.passes
 
     def __iter__(self) -> Iterator[Any]:
         return iter((self.rgb, self.stats))
@@ -87,16 +119,13 @@ def _listed(name: str, values: Any, what: str, word: Callable[[Any], str]) -> st
         raise e if isinstance(e, WrongType) else WrongType("%s is %r: give %s" % (name, values, what)) from None
 
 
-def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any, progress: Any,
-              settings: dict[str, Any]) -> tuple[bytes, list[bytes]]:
-    """The name of the scene, and what is said of it, for the library."""
+def _said(layers: Any, crop: Any, camera: Any, progress: Any, settings: dict[str, Any]) -> list[bytes]:
+    """What is said of a picture, for the library."""
     if progress is not None and not callable(progress):
         raise WrongType("progress is %r: give a function" % (progress,))
     said = dict(settings)
-    if approximate is not False:
-        said["approximate"] = approximate
     for name, value in said.items():
-        if name in ("integrator", "accelerator") and not isinstance(value, str):
+        if name in ("integrator", "accelerator", "as_printed") and not isinstance(value, str):
             raise WrongType("%s is %r: give a text" % (name, value))
         if not isinstance(value, (str, Real, np.bool_)):
             raise WrongType("%s is %r: give a number, a text, True or False" % (name, value))
@@ -109,14 +138,27 @@ def _settings(scene: Any, layers: Any, approximate: bool, crop: Any, camera: Any
         if not isinstance(camera, (str, Camera)):
             raise WrongType("camera is %r: give a bis.Camera, or the text of one" % (camera,))
         said["camera"] = camera
+    return [text_bytes("scene" if name == "text" else "a setting", "%s=%s" % (name, _text(value)))
+            for name, value in said.items()]
+
+
+def _opened(scene: Any, approximate: Any, settings: dict[str, Any]) -> tuple[bytes, dict[str, Any]]:
+    """The name of a scene, and the settings that say how it is read."""
+    said = dict(settings)
+    if approximate is not False:
+        said["approximate"] = approximate
     if isinstance(scene, str) and "WorldBegin" in scene:
         said["text"], scene = scene, "scene"
-    return text_bytes("scene", scene), [text_bytes("scene" if name == "text" else "a setting",
-                                                   "%s=%s" % (name, _text(value))) for name, value in said.items()]
+    return text_bytes("scene", scene), said
+
+
+def _list(texts: list[bytes]) -> Any:
+    """Texts as the library takes a list of them."""
+    return (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
 
 
 def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
-          progress: Optional[Callable[[Progress], Any]]) -> None:
+          progress: Optional[Callable[[Progress], Any]], asked: Optional[Callable[[], bool]] = None) -> None:
     """Wait for a thread in small steps, because Python hears of Ctrl-C only between calls.
 
     The library tells of its progress in a thread of its own, where an exception would be lost: here it ends the render.
@@ -127,6 +169,8 @@ def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
             worker.join(0.1)
             if progress and seen:
                 progress(seen.pop())
+            if asked is not None and asked():
+                stop.value = 1
     except BaseException:
         stop.value = 1
         worker.join()
@@ -184,25 +228,144 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
     Error
         A mistake in the scene or in a setting; the message names file, line and column.
     """
-    path, texts = _settings(scene, layers, approximate, crop, camera, progress, settings)
+    path, said = _opened(scene, approximate, settings)
+    texts = _said(layers, crop, camera, progress, said)
+    return _picture(lambda *how: run(_render, how[0], path, _list(texts), *how[1:]), light, progress)
+
+
+def _picture(render_it: Callable[..., tuple[int, str]], light: Any, progress: Optional[Callable[[Progress], Any]],
+             stop: Optional[Callable[[], bool]] = None) -> Picture:
+    """Render in a thread of its own, and take the picture over."""
     sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
     given = sky and sky._handle  # here, because nobody hears what a thread raises
-    wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
-    handle, stop, said, seen = P(), ctypes.c_int(0), [], []  # type: ignore[var-annotated]
+    handle, ended, said, seen = P(), ctypes.c_int(0), [], []  # type: ignore[var-annotated]
 
     def look_on(share: float, seconds: float, left: float, user: Any) -> None:
         seen[:] = [Progress(share, seconds, left)]
 
     watcher = _WATCHER(look_on) if progress else _WATCHER()
+
+    def work() -> None:
+        said.append(render_it(ctypes.byref(handle), given, watcher, None, ctypes.byref(ended)))
+
     try:
-        _wait(threading.Thread(target=lambda: said.append(run(
-            _render, ctypes.byref(handle), path, wanted, given, watcher, None, ctypes.byref(stop)))),
-              stop, seen, progress)
+        _wait(threading.Thread(target=work), ended, seen, progress, stop)
         judge(*said[0])
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
         _picture_pixels(handle, rgba.ctypes.data)
+        figures = np.empty(9)
+        _picture_figures(handle, figures.ctypes.data)
+        counts = [int(x) for x in figures[1:8]]
         return Picture(np.ascontiguousarray(rgba[:, :, :3]), np.ascontiguousarray(rgba[:, :, 3]),
-                       _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()))
+                       _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()),
+                       float(figures[0]), *counts, bool(figures[8]))
     finally:
         _picture_close(handle)
+
+
+def about() -> dict[str, Any]:
+    """Tell what the library has.
+
+    Returns
+    -------
+    dict
+        "integrators" (a list: name, claim, parameters with type, default, range or choices), "layers",
+        "accelerators", "embree_version", "limits", "defaults".
+    """
+    return dict(json.loads(_about().decode()))
+
+
+class Scene(Handle):
+    """A scene that is parsed and built once, and rendered often.
+
+    Meshes and accelerator are loaded when it is made. Its pictures may differ in integrator, samples, seed, size,
+    crop, camera and light. Two scenes may be rendered in two threads at the same time; one scene makes one picture at
+    a time.
+
+    Parameters
+    ----------
+    scene : str or path
+        The file of the scene, or its text: a str with the word WorldBegin.
+    approximate : bool
+        Replace what of pbrt bis does not model; warnings list what was replaced.
+    light : Envmap, path or array (h, w, 3), optional
+        A map in the place of all lights of the scene, upright as with `--light`.
+    **settings
+        As those of `bis.render`, and accelerator: what each picture begins with.
+
+    Raises
+    ------
+    Error
+        A mistake in the scene or in a setting; the message names file, line and column.
+    """
+
+    _close = staticmethod(_scene_close)
+    _made = ("_handle",)
+
+    def __init__(self, scene: Union[str, os.PathLike[str]], *, approximate: bool = False,
+                 light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None, **settings: Any) -> None:
+        path, said = _opened(scene, approximate, settings)
+        self._sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
+        handle = P()
+        call(_scene_open, ctypes.byref(handle), path, _list(_said(None, None, None, None, said)),
+             self._sky and self._sky._handle)
+        self._handle = handle
+        self._busy = threading.Lock()
+
+    def render(self, *, layers: Union[None, str, Sequence[str]] = None,
+               light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None,
+               crop: Optional[Sequence[float]] = None, camera: Union[None, Camera, str] = None,
+               progress: Optional[Callable[[Progress], Any]] = None, stop: Optional[Callable[[], bool]] = None,
+               **settings: Any) -> Picture:
+        """Render a picture, to the bits of `bis.render` with the same settings.
+
+        Parameters
+        ----------
+        layers, light, crop, camera, progress
+            As those of `bis.render`, for this picture alone.
+        stop : callable, optional
+            It is asked some times a second; True ends the render after what is complete.
+        **settings
+            As those of `bis.render` but accelerator, and for maps and thin pictures
+
+            step : k renders of each k x k pixels one;
+            turn : degrees by which the map is turned about its own upright axis;
+            area_exponent : b of the map's importance (thesis 3.4);
+            as_printed : errata to follow as printed, as "E3,E13", or "none".
+
+        Returns
+        -------
+        Picture
+            rgb, alpha, layers, stats and counts.
+
+        Raises
+        ------
+        Error
+            A mistake in a setting, or it was stopped before its first pass was complete.
+        """
+        texts = _said(layers, crop, camera, progress, settings)
+        with self._busy:
+            return _picture(lambda *how: run(_scene_render, how[0], self._handle, _list(texts), *how[1:]), light,
+                            progress, stop)
+
+    def about(self, **settings: Any) -> dict[str, Any]:
+        """Tell what a picture with these settings would be of.
+
+        Parameters
+        ----------
+        **settings
+            As those of `render`.
+
+        Returns
+        -------
+        dict
+            path; width, height and crop of the picture, film (x0, y0, width, height of what is rendered); integrator,
+            claim, parameters, line (the Integrator line that says it; whole_line: with defaults), as_printed; spp,
+            seed; accelerator, triangles, has_surface; light (file, is_black, is_constant, width, height,
+            area_exponent, levels).
+        """
+        text = TEXT()
+        with self._busy:
+            call(_scene_about, ctypes.byref(text), self._handle, _list(_said(None, None, None, None, settings)))
+            return dict(json.loads((text.value or b"").decode()))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# page: a page put into the frame that all pages share (src/tools/frame.html), with the style sheet and the script that
-# the frame loads from docs/live put into it, and without comments of HTML. The Makefile calls it.
-#     awk -f src/tools/page.awk src/tools/trade/page.html src/tools/frame.html
+# page: a page put into the frame that all pages share (frame.html), with the style sheet and the script that the frame
+# loads from docs/live put into it, and without comments of HTML. The Makefile calls it.
+#     awk -f scripts/python/pages/page.awk scripts/python/pages/trade.html scripts/python/pages/frame.html
 function put(tag, name,    line) {
     print "<" tag ">"
     while ((getline line < ("docs/live/" name)) > 0) print line

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* flat_scene: a scene that stays open. What a picture of it asks for is a shallow copy of its description; geometry and
+ * accelerator serve every integrator, camera and light. A light is built for what any integrator needs: what it holds
+ * besides changes no bit of what an integrator draws from it. */
+#include "bis/base/clock.h"
+#include "bis/base/mem.h"
+#include "bis/shape/accel.h"
+#include "bis/thesis/integrator.h"
+#include "flat/say.h"
+#include "flat/wishes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const bis_loc nowhere = {0};
+static const unsigned all_needs = BIS_NEED_TABLE | BIS_NEED_CURVE | BIS_NEED_SPREAD; /* one table for all methods */
+
+/* ---- opening ---- */
+
+/* A light of these pixels in the place of the scene's, whose frame stands upright (BIS_PARSE_OTHER_LIGHT). */
+static bis_status replace_light(bis_light_desc *desc, bis_image *image, const bis_light *light, bis_diag *diag)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+
+    *image = (bis_image){em->width, em->height, em->pixels, NULL};
+    desc->image = image;
+    desc->filename = bis_strdup("the given light");
+    desc->has_mapping = true; /* lat-long by now, even where it is square */
+    return desc->filename ? BIS_OK : bis_error(diag, BIS_NOMEM, nowhere, "no memory for the light");
+}
+
+static void turn(bis_light_desc *light, double degrees)
+{
+    const bis_xform by = bis_xform_rotate(degrees, 0, 0, 1);
+    if (degrees != 0) light->to_world = bis_xform_compose(&light->to_world, &by);
+}
+
+bis_status bis_flat_scene_begin(bis_flat_scene *s, const char *path, const char *const *settings, bis_flat_wishes *w,
+                                bool is_kept, bis_diag *diag)
+{
+    const double start = bis_clock_now();
+    bis_status status = bis_flat_parse(&s->desc, path, settings, w->light, diag);
+
+    if (!status) status = bis_flat_wish(s->desc, w, settings, diag);
+    if (!status && w->light) status = replace_light(&s->desc->light, &s->pixels, w->light, diag);
+    if (status) return status;
+    turn(&s->desc->light, w->turn);
+    w->light = NULL; /* it is the scene's now, and so is its turn */
+    w->turn = 0;
+    const bis_settings *own = &s->desc->view.settings;
+    s->is_kept = is_kept;
+    s->needs = all_needs | own->integrator->light_needs(own);
+    if (is_kept) s->desc->light_needs = s->needs;
+    s->parse_seconds = bis_clock_now() - start;
+    return bis_scene_build(&s->scene, s->desc, diag);
+}
+
+void bis_flat_scene_end(bis_flat_scene *s)
+{
+    for (int i = 0; i < s->n_lights; i++) bis_light_free(s->lights[i].light);
+    bis_light_free(s->given);
+    bis_scene_free(s->scene);
+    bis_scene_desc_free(s->desc);
+}
+
+int bis_flat_scene_open(bis_flat_scene **scene, const char *path, const char *const *settings, const bis_light *light,
+                        char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_flat_wishes w = {.light = light};
+    bis_status status = BIS_FLAT_GIVEN(&diag, scene, path, settings);
+    bis_flat_scene *s = status ? NULL : bis_alloc(1, sizeof *s);
+
+    if (scene) *scene = NULL;
+    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a scene");
+    if (s) *s = (bis_flat_scene){0};
+    if (!status) status = bis_flat_scene_begin(s, path, settings, &w, true, &diag);
+    if (!status) *scene = s;
+    else bis_flat_scene_close(s);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+void bis_flat_scene_close(bis_flat_scene *scene)
+{
+    if (!scene) return;
+    bis_flat_scene_end(scene);
+    free(scene->about);
+    bis_free(scene);
+}
+
+/* ---- what changes from picture to picture ---- */
+
+bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag)
+{
+    bis_accel *other;
+
+    if (d->accel.kind != s->desc->accel.kind)
+        return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of an open scene is built: open it with another");
+    if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
+    const bis_status status = bis_scene_accel(&other, s->scene, d, d->accel.kind, diag);
+    if (!status) bis_accel_free(other);
+    return status ? status
+                  : bis_error(diag, BIS_INPUT, nowhere, "the accelerator of this scene does not reach to the camera: "
+                                                        "open the scene with this camera");
+}
+
+/* Whether a map with the settings of a is that with the settings of b. */
+static bool is_same_light(const bis_light_desc *a, const bis_light_desc *b)
+{
+    return a->area_exponent == b->area_exponent && a->as_printed == b->as_printed &&
+           memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
+}
+
+static bis_status load_light(bis_light **light, bis_flat_scene *s, const bis_light_desc *wanted, unsigned needs,
+                             bis_diag *diag)
+{
+    const int at = s->next_light;
+    const bis_status status = bis_light_load(light, wanted, needs, NULL, NULL); /* it warned when the scene was built */
+
+    if (status)
+        return bis_error(diag, status, nowhere, "%s \"%s\" with other settings",
+                         status == BIS_NOMEM ? "no memory to build" : "cannot build", wanted->filename);
+    if (at < s->n_lights) bis_light_free(s->lights[at].light);
+    else s->n_lights++;
+    s->lights[at].desc = *wanted;
+    s->lights[at].needs = needs;
+    s->lights[at].light = *light;
+    s->next_light = (at + 1) % BIS_FLAT_LIGHTS;
+    return BIS_OK;
+}
+
+/* A light that is given for one picture is built for that picture's method alone. */
+static bis_status take_given(bis_flat_scene *s, bis_scene_desc *d, const bis_flat_wishes *w, bis_diag *diag)
+{
+    const bis_envmap *em = bis_light_envmap(w->light);
+    const bis_image image = {em->width, em->height, em->pixels, NULL};
+    const unsigned needs = d->view.settings.integrator->light_needs(&d->view.settings);
+    bis_light_desc desc = bis_light_desc_default();
+
+    desc.filename = (char *)(uintptr_t)"the given light"; /* only read */
+    desc.image = &image;
+    desc.has_mapping = true;
+    desc.visible = d->light.visible;
+    if (w->has_area_exponent) desc.area_exponent = d->light.area_exponent;
+    desc.as_printed = d->view.settings.as_printed;
+    desc.to_world = d->light.to_world;
+    desc.table_kind = bis_light_table_kind(&desc, needs, d->view.sampler.kind);
+    bis_light_free(s->given);
+    s->given = NULL;
+    const bis_status status = bis_light_load(&s->given, &desc, needs, NULL, diag);
+    desc.image = NULL; /* it was read */
+    d->light = desc;
+    d->has_light = true;
+    return status;
+}
+
+bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_desc *d, const bis_flat_wishes *w,
+                                bis_diag *diag)
+{
+    const unsigned needs = s->needs | d->view.settings.integrator->light_needs(&d->view.settings);
+    bis_light_desc own = s->desc->light;
+
+    *light = s->scene->light;
+    if (w->light && !d->light.filename) d->light.to_world = s->desc->upright; /* as bis_scene_parse_as has it */
+    turn(&d->light, w->turn);
+    if (w->light) {
+        const bis_status status = take_given(s, d, w, diag);
+        *light = s->given;
+        return status;
+    }
+    bis_light_desc wanted = d->light;
+    if (!s->is_kept || !d->has_light || !d->n_shapes || !bis_light_desc_has_map(&wanted)) return BIS_OK;
+    own.as_printed = s->desc->view.settings.as_printed;
+    wanted.as_printed = d->view.settings.as_printed;
+    wanted.table_kind = bis_light_table_kind(&wanted, needs, d->view.sampler.kind);
+    if (needs == s->needs && is_same_light(&wanted, &own)) return BIS_OK;
+    for (int i = 0; i < s->n_lights; i++) {
+        if (s->lights[i].needs != needs || !is_same_light(&s->lights[i].desc, &wanted)) continue;
+        *light = s->lights[i].light;
+        return BIS_OK;
+    }
+    return load_light(light, s, &wanted, needs, diag);
+}
