@@ -73,7 +73,7 @@ VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/bas
 STATIC  := $B/library/libbis.a
 SHARED_LIB := $B/library/libbis.so.$(VERSION)
 LIBRARY_OBJ := $(filter-out $B/src/cli/%,$(OBJ)) $B/flat_build.o
-INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB)
+INSTALLED   = $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB) $(ASSEMBLED)
 # A format is a literal, so that the compiler sees whether the arguments fit.
 $(SRC:%.c=$B/%.o): OURS += -Wformat=2
 # tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/
@@ -110,10 +110,12 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data web test-web test-32 test test-python python-parts test-browser test-long \
+.PHONY: FORCE all pages data web test-web test-32 test test-python python-parts test-browser test-long \
     envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall \
     tarball release deb clean
 all: bis data $(SHARED_LIB) $(ASSEMBLED) $(if $(filter 1,$(MPI)),bis-mpi)
+
+pages: $(ASSEMBLED)
 
 bis bis-mpi: %: $B/% FORCE
 	@cmp -s $< $@ || cp -f $< $@
@@ -184,7 +186,7 @@ $B/bis.pc: $B/.flags include/bis/base/version.h Makefile
 	@printf '%s\n' 'prefix=@PREFIX@' 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' 'Name: bis' \
 	    'Description: direct light from environment maps' 'Version: $(VERSION)' 'Cflags: -I$${includedir}' \
 	    'Libs: -L$${libdir} -lbis' 'Libs.private: $(OPENMP) $(filter-out -Wl%,$(LIBS))' >$@
-$B/bis.1: $B/bis
+$B/bis.1: $B/bis $(wildcard scripts/python/bis/tools/*.py)
 	@$B/bis help --man >$@
 
 $B/%.o: %.c $B/.flags
@@ -317,8 +319,10 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 
 # What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py
 # calls it.
-python-parts: $B/bis $(SHARED_LIB)
-	@mkdir -p '$(TO)/program' && install -s -m 755 $B/bis '$(TO)/program/bis' && \
+python-parts: $B/bis $(SHARED_LIB) $(ASSEMBLED)
+	@mkdir -p '$(TO)/program' '$(TO)/pages' && install -s -m 755 $B/bis '$(TO)/program/bis' && \
+	 for n in trade pixel envmap; do install -m 755 scripts/python/bis-instrument '$(TO)'/program/bis-$$n; done && \
+	 install -m 644 $(ASSEMBLED) '$(TO)/pages' && \
 	 install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
 
 # The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer

@@ -18,6 +18,8 @@ if [ "$build" = --remove ]; then
     rm -f "$lib/libbis.a" "$lib/$shared" "$lib/libbis.so.${version%.*}" "$lib/libbis.so" "$lib/pkgconfig/bis.pc"
     cd "$to"
     rm -f bin/bis bin/bis-mpi share/man/man1/bis.1
+    rm -rf libexec/bis
+    [ ! -d libexec ] || rmdir libexec 2> /dev/null || true
     # One by one, and folders only if they are empty, because others may have put files there.
     for header in $headers; do rm -f "include/$header"; done
     [ ! -d include/bis ] || find include/bis -type d -empty -delete
@@ -32,6 +34,14 @@ install -m 644 "$build/library/libbis.a" "$lib/libbis.a"
 install -m 755 "$build/library/$shared" "$lib/$shared"
 ln -sf "$shared" "$lib/libbis.so.${version%.*}"
 ln -sf "libbis.so.${version%.*}" "$lib/libbis.so"
+# The instruments: programs of Python, and the library that they load, which is that of the program.
+package=$to/libexec/bis/python/bis
+for file in $(cd scripts/python && find bis -name '*.py' -o -name py.typed -o -path '*/pages/*.html'); do
+    mkdir -p "$to/libexec/bis/python/${file%/*}"
+    install -m 644 "scripts/python/$file" "$to/libexec/bis/python/$file"
+done
+for name in trade pixel envmap; do install -m 755 scripts/python/bis-instrument "$to/libexec/bis/bis-$name"; done
+ln -sf "${libdir:-../../../../lib}/$shared" "$package/libbis.so"
 for header in $headers; do
     mkdir -p "$to/include/${header%/*}"
     install -m 644 "include/$header" "$to/include/$header"

@@ -9,29 +9,29 @@
 # UNTRIED: Fedora and Arch, whose names come from documentation.
 set -eu
 
-# needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka, patch and python3 for the tests. light:
-# Embree (rays), which exists for some processors only, and libjpeg (textures); bis does without. mpi, web, python: by
-# option.
+# needed: compiler and build; OpenEXR, libpng and zlib for images; python3 with numpy for trade, pixel and envmap; cmocka
+# and patch for the tests. light: Embree (rays), which exists for some processors only, and libjpeg (textures); bis does
+# without. mpi, web, python: by option.
 if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
-    system=debian
-    needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch python3"
+    system=debian numpy="python3 python3-numpy"
+    needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch $numpy"
     light="libembree-dev libjpeg-dev"
     mpi="openmpi-bin libopenmpi-dev"
     web="pandoc chromium nodejs clang lld wasi-libc libclang-rt-dev-wasm32"
-    python="python3-numpy python3-pip python3-venv" marking="bubblewrap binutils"
+    python="python3-pip python3-venv" marking="bubblewrap binutils"
 elif command -v dnf > /dev/null; then
-    system=fedora
-    needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch python3"
+    system=fedora numpy="python3 python3-numpy"
+    needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch $numpy"
     light="embree-devel libjpeg-turbo-devel"
-    mpi="openmpi-devel" web="pandoc chromium nodejs" python="python3-numpy python3-pip" marking="bubblewrap binutils"
+    mpi="openmpi-devel" web="pandoc chromium nodejs" python="python3-pip" marking="bubblewrap binutils"
 elif command -v pacman > /dev/null; then
-    system=arch
-    needed="gcc make pkgconf openexr libpng zlib cmocka patch python"
+    system=arch numpy="python python-numpy"
+    needed="gcc make pkgconf openexr libpng zlib cmocka patch $numpy"
     light="embree libjpeg-turbo"
-    mpi="openmpi" web="pandoc-cli chromium nodejs" python="python-numpy python-pip" marking="bubblewrap binutils"
+    mpi="openmpi" web="pandoc-cli chromium nodejs" python="python-pip" marking="bubblewrap binutils"
 else
     echo "setup: this system has none of apt-get, dnf and pacman; please install: a C11 compiler, make, pkg-config," >&2
-    echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, python3, and (optional) Embree 3 or 4, libjpeg" >&2
+    echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, python3 with numpy, and (optional) Embree 3 or 4, libjpeg" >&2
     exit 1
 fi
 

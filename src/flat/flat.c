@@ -14,21 +14,45 @@
 
 #include <inttypes.h>
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const bis_loc nowhere = {0};
 
 const char *bis_flat_version(void) { return BIS_VERSION; }
 
+/* All messages of this thread's last call, where they did not fit. */
+static _Thread_local char *whole;
+
+static void append_all(char *say, size_t size, const bis_diag *diag)
+{
+    *say = '\0';
+    for (size_t i = 0; i < diag->n; i++) bis_append(say, size, "%s%s", i ? "\n" : "", diag->messages[i].text);
+}
+
 int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size)
 {
-    const bool says = say && size > 0;
+    size_t length = 1;
 
-    if (says) *say = '\0';
-    for (size_t i = 0; i < diag->n && says; i++)
-        bis_append(say, size, "%s%s", i ? "\n" : "", diag->messages[i].text);
+    free(whole);
+    whole = NULL;
+    for (size_t i = 0; i < diag->n; i++) length += strlen(diag->messages[i].text) + 1;
+    if (say && size > 0) append_all(say, size, diag);
+    if (say && length > size) whole = malloc(length); /* not bis_alloc: nobody need ask for it */
+    if (whole) append_all(whole, length, diag);
     bis_diag_clear(diag);
     return (int)status;
+}
+
+size_t bis_flat_said(char *say, size_t size)
+{
+    const size_t length = whole ? strlen(whole) + 1 : 0;
+
+    if (!say || size < length || !whole) return length;
+    memcpy(say, whole, length);
+    free(whole);
+    whole = NULL;
+    return length;
 }
 
 bis_status bis_flat_given(const char *names, const void *const *pointers, size_t n, bis_diag *diag)

@@ -28,6 +28,10 @@ const char *bis_flat_version(void);
  * have the same one: make writes it. */
 const char *bis_flat_build(void);
 
+/* bis_flat_said stores in say[size] all messages of this thread's last call, where its own say was too short, and
+ * forgets them. It returns the size that they need; 0: nothing was cut. say may be NULL, to learn it. */
+size_t bis_flat_said(char *say, size_t size);
+
 /* ---- maps ---- */
 
 /* bis_flat_light_open reads a map for drawing directions by its importance. kind is "alias" or "cdf"; area_exponent

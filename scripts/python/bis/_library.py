@@ -30,6 +30,7 @@ def _load() -> ctypes.CDLL:
     found = _candidates()[0]
     try:
         library = ctypes.CDLL(found)
+        library.bis_flat_said.restype = ctypes.c_size_t
         library.bis_flat_version.restype = library.bis_flat_build.restype = ctypes.c_char_p
     except (OSError, AttributeError) as e:
         raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in the repository or "
@@ -71,8 +72,12 @@ def declare(name: str, *arguments: Any, result: Any = INT) -> Any:
 
 def run(f: Callable[..., int], *arguments: Any) -> tuple[int, str]:
     """Status and messages of a call."""
-    say = ctypes.create_string_buffer(1 << 14)
+    say = ctypes.create_string_buffer(1 << 12)
     status = f(*arguments, say, len(say))
+    size = _library.bis_flat_said(None, N(0))
+    if size:
+        say = ctypes.create_string_buffer(size)
+        _library.bis_flat_said(say, N(size))
     return status, say.value.decode("utf-8", "replace")
 
 
