@@ -15,6 +15,26 @@
 
 static const bis_loc nowhere = {0};
 
+/* A stage of a scene that somebody keeps open. What it looks at may have another light. */
+static bis_status begin(bis_flat_stage *s, const bis_scene *scene, const bis_light *light, bis_diag *diag)
+{
+    const bis_flat_wishes w = {.light = light};
+    bis_status status = BIS_OK;
+
+    s->scene = *scene;
+    s->desc = *scene->desc;
+    s->scene.desc = &s->desc;
+    if (light) {
+        if (!s->desc.light.filename) s->desc.light.to_world = s->desc.upright; /* as bis_scene_parse_as has it */
+        status = bis_flat_scene_given(&s->own_light, &s->desc, &w, BIS_VERIFY_LIGHT_NEEDS, diag);
+    } else if (s->desc.light_needs & BIS_NEED_COMPENSATED) { /* of one method alone; the others would draw by it, too */
+        status = bis_light_load(&s->own_light, &s->desc.light, BIS_VERIFY_LIGHT_NEEDS, NULL, NULL);
+        if (status) bis_error(diag, status, nowhere, "the light cannot be built without compensation");
+    }
+    if (s->own_light) s->scene.light = s->own_light;
+    return status;
+}
+
 int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, char *say, size_t size)
 {
     bis_diag diag = {0};
@@ -28,7 +48,27 @@ int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *c
     if (!status) {
         s->own_desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
         status = bis_scene_build(&s->own_scene, s->own_desc, &diag);
-        s->scene = s->own_scene;
+    }
+    if (!status && !bis_light_envmap(s->own_scene->light))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
+    if (!status) status = begin(s, s->own_scene, NULL, &diag);
+    if (!status) *stage = s;
+    else bis_flat_stage_close(s);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, char *say,
+                      size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, scene);
+    bis_flat_stage *s = status ? NULL : bis_alloc(1, sizeof *s);
+
+    if (stage) *stage = NULL;
+    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a stage");
+    if (!status) {
+        *s = (bis_flat_stage){0};
+        status = begin(s, scene->scene, light, &diag);
     }
     if (!status) *stage = s;
     else bis_flat_stage_close(s);
@@ -38,6 +78,7 @@ int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *c
 void bis_flat_stage_close(bis_flat_stage *stage)
 {
     if (!stage) return;
+    bis_light_free(stage->own_light);
     bis_scene_free(stage->own_scene);
     bis_scene_desc_free(stage->own_desc);
     free(stage->about); /* of the C library */
@@ -50,7 +91,7 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, found);
 
     if (!status) {
-        const bis_film_desc *film = &stage->scene->desc->view.film;
+        const bis_film_desc *film = &stage->desc.view.film;
         if (!(x >= 0 && x < film->width && y >= 0 && y < film->height))
             status = bis_error(&diag, BIS_INPUT, nowhere, "pixel (%d, %d) is outside %d x %d", x, y, film->width,
                                film->height);
@@ -61,7 +102,7 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
     stage->is_chosen = true;
     stage->x = x;
     stage->y = y;
-    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, stage->scene, x, y, &stage->counters);
+    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, &stage->scene, x, y, &stage->counters);
     if (stage->is_hit) {
         const vec3 p = stage->pt.p, n = stage->pt.n;
         const double all[8] = {1, (double)p.x, (double)p.y, (double)p.z, (double)n.x, (double)n.y, (double)n.z,
@@ -106,9 +147,9 @@ int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, ch
 /* The axes of the light's frame in world space; a constant has those that the scene gives it. */
 static void axes_of(const bis_flat_stage *stage, vec3 axis[3])
 {
-    const bis_xform *to_world = &stage->scene->desc->light.to_world;
+    const bis_xform *to_world = &stage->desc.light.to_world;
 
-    if (!bis_light_is_constant(stage->scene->light)) bis_light_axes(stage->scene->light, axis);
+    if (!bis_light_is_constant(stage->scene.light)) bis_light_axes(stage->scene.light, axis);
     else for (int i = 0; i < 3; i++) axis[i] = bis_xform_vector(to_world, vec3_from(i == 0, i == 1, i == 2));
 }
 
@@ -196,7 +237,7 @@ bis_status bis_flat_stage_ask(bis_flat_stage *stage, const char *const *settings
     bis_scene_desc *asked = &stage->asked;
     bis_status status = bis_flat_stage_hit(stage, diag);
 
-    *asked = *stage->scene->desc; /* which is read alone, and never freed */
+    *asked = stage->desc; /* which is read alone, and never freed */
     for (int later = 0; later < 2; later++) { /* the integrator first */
         for (const char *const *s = settings; !status && *s; s++) {
             const char *const one[] = {*s, NULL};

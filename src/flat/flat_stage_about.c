@@ -24,7 +24,7 @@ static const char *kind_of(const bis_shape_desc *s)
 static const char *why_nothing(const bis_flat_stage *stage)
 {
     if (!stage->is_hit) return "no surface: the camera looks past all shapes";
-    if (bis_light_is_black(stage->scene->light)) return "no light: the scene has none, or a black one";
+    if (bis_light_is_black(stage->scene.light)) return "no light: the scene has none, or a black one";
     if (rgb_is_black(stage->hit.material->Kd) && rgb_is_black(stage->hit.material->Ks))
         return "no reflection: the material is black";
     if (bis_bsdf_is_black(&stage->pt.bsdf)) return "no reflection: the eye lies below the horizon of the shading normal";
@@ -59,7 +59,7 @@ static void put_material(bis_json *j, const bis_material *m, double p_specular)
 /* The surface, its texture coordinates, and what the width of its lobe is called. */
 static void put_hit(bis_json *j, const bis_flat_stage *stage)
 {
-    const bis_scene_desc *desc = stage->scene->desc;
+    const bis_scene_desc *desc = &stage->desc;
     const bis_shape_desc *s = &desc->shapes[stage->hit.shape];
     const bool is_file = s->kind == BIS_SHAPE_PLY || s->kind == BIS_SHAPE_OBJ;
     const bis_bsdf_width w = stage->hit.material->model->width(stage->hit.material);
@@ -79,7 +79,7 @@ static void put_hit(bis_json *j, const bis_flat_stage *stage)
     bis_json_number(j, "cos_wo", dot(stage->pt.n, stage->pt.wo));
     put_material(j, stage->hit.material, stage->pt.bsdf.p_specular);
     bis_json_close(j);
-    bis_geometry_uv(&stage->scene->geometry, stage->hit.prim, &stage->hit.eye, uv);
+    bis_geometry_uv(&stage->scene.geometry, stage->hit.prim, &stage->hit.eye, uv);
     bis_json_open(j, "uv", '[');
     BIS_JSON_NUMBERS(j, {NULL, uv[0]}, {NULL, uv[1]});
     bis_json_close(j);
@@ -121,11 +121,11 @@ static void put_methods(bis_json *j, const bis_settings *own)
 
 static void put_all(bis_json *j, const bis_flat_stage *stage)
 {
-    const bis_scene_desc *desc = stage->scene->desc;
+    const bis_scene_desc *desc = &stage->desc;
     const bis_view *view = &desc->view;
     const char *nothing = why_nothing(stage);
 
-    const bis_envmap *em = bis_light_envmap(stage->scene->light);
+    const bis_envmap *em = bis_light_envmap(stage->scene.light);
 
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "scene", desc->path);
@@ -140,7 +140,7 @@ static void put_all(bis_json *j, const bis_flat_stage *stage)
     bis_json_text(j, "nothing", nothing);
     if (nothing)
         put_colour(j, "radiance", stage->is_hit ? (rgb){0, 0, 0}
-                                                : bis_light_seen(&desc->light, stage->scene->light, stage->hit.eye.d));
+                                                : bis_light_seen(&desc->light, stage->scene.light, stage->hit.eye.d));
     put_methods(j, &view->settings);
     bis_json_close(j);
 }

@@ -185,7 +185,7 @@ int bis_flat_stage_angles(bis_flat_stage *stage, size_t n, const float *wi, doub
             status = bis_error(&diag, BIS_INPUT, nowhere, "direction %zu is not finite", i);
             break;
         }
-        const bis_pixel_direction d = bis_pixel_direction_of(&stage->scene->desc->light.to_world, w);
+        const bis_pixel_direction d = bis_pixel_direction_of(&stage->desc.light.to_world, w);
         angle[2 * i] = d.theta;
         angle[2 * i + 1] = d.phi;
     }
@@ -252,7 +252,7 @@ int bis_flat_stage_sphere(bis_flat_stage *stage, int columns, int rows, int sub,
         bis_counters counters = {0};
         bis_point mine = stage->pt;
         mine.counters = &counters;
-        fill_row(&s, &stage->scene->desc->light.to_world, &mine, y);
+        fill_row(&s, &stage->desc.light.to_world, &mine, y);
     }
     return bis_flat_end(BIS_OK, &diag, say, size);
 }

@@ -9,9 +9,10 @@
 struct bis_flat_stage {
     bis_scene_desc *own_desc; /* NULL: the scene is another's, who keeps it open */
     bis_scene *own_scene;
-    const bis_scene *scene;
-    /* what scene->desc says, with the settings of one question. It shares all that the description owns. */
-    bis_scene_desc asked;
+    bis_light *own_light; /* NULL: that of the scene */
+    /* The scene, its description, and that with the settings of one question. They share all that the scene owns. */
+    bis_scene scene;
+    bis_scene_desc desc, asked;
     bis_counters counters;
     int x, y;
     bool is_chosen, is_hit; /* is_chosen: there is a pixel; is_hit: it sees a surface */

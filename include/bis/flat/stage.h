@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* stage: one point of a scene for those who measure: what `bis pixel` tells, as numbers and arrays. The rules of
- * bis/flat/flat.h hold. A stage is opened by bis_flat_stage_open of bis/flat/taught.h, which has more of its functions;
- * bis_flat_stage_at of the same header chooses the pixel. Where that sees no surface, all but bis_flat_stage_about and
- * bis_flat_stage_angles are BIS_INPUT. seed is any number of 64 bits. settings are name=value of an integrator and its
- * parameters; unoccluded takes "proposal", too: em, brdf or mix. */
+ * bis/flat/flat.h hold. bis/flat/taught.h has more functions of a stage; bis_flat_stage_at there chooses the pixel. Where
+ * that sees no surface, all but bis_flat_stage_about and bis_flat_stage_angles are BIS_INPUT. seed is any number of 64
+ * bits. settings are name=value of an integrator and its parameters; unoccluded takes "proposal", too: em, brdf or mix.
+ */
 #pragma once
 
+#include "bis/flat/scene.h"
 #include "bis/flat/taught.h"
+
+/* bis_flat_stage_of makes a stage of an open scene, which must outlive it. light (may be NULL) takes the place of the
+ * scene's; it is copied. A scene may have several stages, and be rendered meanwhile. Errors: BIS_NOMEM. */
+int bis_flat_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, char *say,
+                      size_t size);
 
 /* bis_flat_stage_about returns in *text what is known of the scene and of the chosen pixel, as JSON: scene, light,
  * map_width, width, height, seed, sampler, x, y, hit (docs/live.md), uv, lobe, nothing, radiance, methods. It belongs to

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ._render import LAYERS, Picture, Progress, Scene, about, render
     from ._sampling import AliasTable, Envmap, Material
     from ._scene import Camera, Mesh
+    from ._stage import Stage
 
 # What needs the library and numpy is loaded when it is asked for, because the help of the instruments needs neither.
 _HOMES = {
@@ -30,11 +31,12 @@ _HOMES = {
     "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "render"),
     "_sampling": ("AliasTable", "Envmap", "Material"),
     "_scene": ("Camera", "Mesh"),
+    "_stage": ("Stage",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = ["AliasTable", "Camera", "Envmap", "Error", "LAYERS", "Material", "Mesh", "Picture",
-           "Progress", "Scene", "Status", "WrongType", "about", "render", "version"]
+           "Progress", "Scene", "Stage", "Status", "WrongType", "about", "render", "version"]
 
 
 def __getattr__(name: str) -> Any:

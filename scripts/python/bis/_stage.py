@@ -11,11 +11,13 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, Error, Handle, array, call, declare, judge, run, text_bytes, whole
-from ._render import _settings, _wait
+from ._errors import Error, WrongType
+from ._library import D, INT, N, P, SAY, TEXT, Handle, array, call, declare, judge, run, text_bytes, whole
+from ._render import Scene, _list, _said, _wait
+from ._sampling import Envmap
 
 U64, U32 = ctypes.c_uint64, ctypes.c_uint32
-_open = declare("stage_open", P, TEXT, P, *SAY)
+_of = declare("stage_of", P, P, P, *SAY)
 _close = declare("stage_close", P, result=None)
 _at = declare("stage_at", P, INT, INT, P, *SAY)
 _about = declare("stage_about", P, P, *SAY)
@@ -298,8 +300,7 @@ def _number(text: str) -> Any:
 
 def _texts(settings: dict[str, Any]) -> Any:
     """Settings of an integrator as the library takes them."""
-    texts = _settings("", None, False, None, None, None, settings)[1]
-    return (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
+    return _list(_said(None, None, None, None, settings))
 
 
 def _seed(seed: Any) -> int:
@@ -324,21 +325,23 @@ class Stage(Handle):
 
     Parameters
     ----------
-    scene : str or path
-        As in `bis.render`.
-    **settings
-        As in `bis.render`.
+    scene : Scene
+        It may be rendered meanwhile, and have other stages.
+    light : Envmap, path or array (h, w, 3), optional
+        A map in the place of the scene's light.
     """
 
     _close = staticmethod(_close)
-    _made = ("_handle",)
+    _made = ("_handle", "_scene")
 
-    def __init__(self, scene: Any, approximate: bool = False, **settings: Any) -> None:
-        path, texts = _settings(scene, None, approximate, None, None, None, settings)
-        wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
+    def __init__(self, scene: Scene, light: Any = None) -> None:
+        if not isinstance(scene, Scene):
+            raise WrongType("scene is %r: give a bis.Scene" % (scene,))
+        sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
         handle = P()
-        call(_open, ctypes.byref(handle), path, wanted)
+        call(_of, ctypes.byref(handle), scene._handle, sky and sky._handle)
         self._handle = handle
+        self._scene = scene  # the library looks at it
 
     def at(self, x: int, y: int) -> bool:
         """Choose the pixel whose centre sees the point.

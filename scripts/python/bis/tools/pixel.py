@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Iterator, Optional
 
 from . import text as form
-from .command import Command, Heading, Option, check_writable, run
+from .._errors import Error, Status
+from .command import COUNT, FLAG, NAME, SCENE_NOTE, SEED_MAX, TEXT, Command, Heading, Option, Say, run
+from .files import check_writable, outfile
 from .scenes import open_scene
 
 if TYPE_CHECKING:
@@ -23,26 +26,23 @@ COMMAND = Command(
             "weights and samples",
     options=[
         Heading("what to write"),
-        Option("output", "DIR", "the folder for CSV files and the page, made where it is missing (pixel_X_Y)", "TEXT"),
-        Option("html", None, "write pixel.html, too: a page to explore, in one file that needs nothing else", "FLAG"),
-        Option("json", None, "print JSON instead of text", "FLAG"),
+        Option("output", "DIR", "the folder for CSV files and the page, made where it is missing (pixel_X_Y)", TEXT),
+        Option("html", None, "write pixel.html, too: a page to explore, in one file that needs nothing else", FLAG),
+        Option("json", None, "print JSON instead of text", FLAG),
         Heading("what to compute (these override the scene file, for all methods)"),
         Option("approximate", None,
-               "what of pbrt bis does not model is replaced by the nearest that it does, and listed", "FLAG"),
-        Option("candidates", "M", "rejection, sir, unoccluded: candidates", "COUNT", lo=1, hi=1 << 20),
-        Option("shadowrays", "N", "rejection, sir: candidates that are shadow-tested", "COUNT", lo=1, hi=1 << 20),
-        Option("samples", "N", "em, brdf, mis: light samples, at least 2", "COUNT", lo=2, hi=1 << 20),
-        Option("proposal", "P", "sir, unoccluded: em, brdf or mix; sir: product", "NAME",
+               "what of pbrt bis does not model is replaced by the nearest that it does, and listed", FLAG),
+        Option("candidates", "M", "rejection, sir, unoccluded: candidates", COUNT, lo=1, hi=1 << 20),
+        Option("shadowrays", "N", "rejection, sir: candidates that are shadow-tested", COUNT, lo=1, hi=1 << 20),
+        Option("samples", "N", "em, brdf, mis: light samples, at least 2", COUNT, lo=2, hi=1 << 20),
+        Option("proposal", "P", "sir, unoccluded: em, brdf or mix; sir: product", NAME,
                names=["em", "brdf", "mix", "product"]),
-        Option("repeats", "R", "estimates by each method, for its mean and its error (2000)", "COUNT", lo=2, hi=10**8,
+        Option("repeats", "R", "estimates by each method, for its mean and its error (2000)", COUNT, lo=2, hi=10**8,
                default=2000),
-        Option("seed", "N", "of the random numbers (the scene's)", "COUNT", hi=(1 << 53) - 1),
+        Option("seed", "N", "of the random numbers (the scene's)", COUNT, hi=SEED_MAX),
     ],
     min_operands=3, max_operands=3,
-    notes="""\
-SCENE is a file, or - for standard input. The files that such a scene names are
-looked for in the working directory.
-
+    notes=SCENE_NOTE + """
 X counts from the left, Y from the top, both from 0, in the scene's film. The
 ray goes through the pixel's centre. The folder gets methods.csv, candidates.csv
 and rays.csv; with --html also pixel.html: figure 4.1 of the thesis (map, BRDF,
@@ -370,8 +370,8 @@ def write_files(report: Report) -> None:
     """The tables, and the page where it is asked for."""
     from . import page
     for name, rows in TABLES.items():
-        with page.outfile(os.path.join(report.folder, name)) as out:
-            out.write("".join(form.csv(*row) for row in rows(report)))
+        with outfile(os.path.join(report.folder, name)) as out:
+            out.write("".join(form.csv(*row) + "\n" for row in rows(report)).encode("utf-8"))
     if report.html:
         page.write(os.path.join(report.folder, "pixel.html"), "pixel", _page_data(report), text_of(report))
 
@@ -465,12 +465,11 @@ def _page_data(report: Report) -> dict[str, Any]:
 
 def _places_of(words: list[str], about: dict[str, Any]) -> list[int]:
     """X and Y. Both mistakes are told."""
-    from .. import Error
     wrong = []
     size = about["width"], about["height"]
     for name, word, limit in zip("XY", words, size):
         if not (word.isascii() and word.isdigit() and int(word) < limit):
-            wrong.append('%s is "%s", must be an integer in [0, %d]: the film of the scene has %d x %d pixels' % (
+            wrong.append('error: %s is "%s", must be an integer in [0, %d]: the film of the scene has %d x %d pixels' % (
                 name, word, limit - 1, *size))
     if wrong:
         raise Error("\n".join(wrong))
@@ -478,21 +477,19 @@ def _places_of(words: list[str], about: dict[str, Any]) -> list[int]:
 
 
 def _make_folder(path: str) -> None:
-    from .. import Error, Status
     try:
         os.mkdir(path)
     except FileExistsError:
         if not os.path.isdir(path):
-            raise Error('--output "%s": it is there already, and is no folder' % path, Status.IO) from None
+            raise Error('error: --output "%s": it is there already, and is no folder' % path, Status.IO) from None
     except OSError as e:
-        raise Error('--output "%s": the folder cannot be made: %s' % (path, e.strerror), Status.IO) from None
+        raise Error('error: --output "%s": the folder cannot be made: %s' % (path, e.strerror), Status.IO) from None
     check_writable(os.path.join(path, "methods.csv"))
 
 
-def _body(o: Any, operands: list[str], say: Any) -> int:
-    import sys
+def _body(o: Any, operands: list[str], say: Say) -> int:
     given = {"seed": o.seed} if "seed" in o.given else {}
-    scene = open_scene(operands[0], approximate=o.approximate, **given)
+    scene = open_scene(operands[0], say, approximate=o.approximate, **given)
     x, y = _places_of(operands[1:], scene.about())
     stage = scene.stage()
     stage.at(x, y)
