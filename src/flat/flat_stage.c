@@ -28,7 +28,10 @@ static bis_status begin(bis_flat_stage *s, const bis_scene *scene, const bis_lig
         if (!s->desc.light.filename) s->desc.light.to_world = s->desc.upright; /* as bis_scene_parse_as has it */
         status = bis_flat_scene_given(&s->own_light, &s->desc, &w, BIS_VERIFY_LIGHT_NEEDS, diag);
     } else if (s->desc.light_needs & BIS_NEED_COMPENSATED) { /* of one method alone; the others would draw by it, too */
-        status = bis_light_load(&s->own_light, &s->desc.light, BIS_VERIFY_LIGHT_NEEDS, NULL, NULL);
+        bis_light_desc *own = &s->desc.light;
+        own->as_printed = s->desc.view.settings.as_printed;
+        own->table_kind = bis_light_table_kind(own, BIS_VERIFY_LIGHT_NEEDS, s->desc.view.sampler.kind);
+        status = bis_light_load(&s->own_light, own, BIS_VERIFY_LIGHT_NEEDS, NULL, NULL);
         if (status) bis_error(diag, status, nowhere, "the light cannot be built without compensation");
     }
     if (s->own_light) s->scene.light = s->own_light;
