@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* flat_stage_about: what is known of a pixel without a random number, as JSON: the scene and its light, the surface, why
- * nothing is reflected, and the methods that are worth a run. */
+/* flat_stage_about: what is known of a pixel without a random number, as JSON: the scene and its light, the surface,
+ * why nothing is reflected, and the methods that are worth a run. */
 #include "flat/stage.h"
 
 #include "bis/base/file.h"
@@ -27,7 +27,8 @@ static const char *why_nothing(const bis_flat_stage *stage)
     if (bis_light_is_black(stage->scene.light)) return "no light: the scene has none, or a black one";
     if (rgb_is_black(stage->hit.material->Kd) && rgb_is_black(stage->hit.material->Ks))
         return "no reflection: the material is black";
-    if (bis_bsdf_is_black(&stage->pt.bsdf)) return "no reflection: the eye lies below the horizon of the shading normal";
+    if (bis_bsdf_is_black(&stage->pt.bsdf))
+        return "no reflection: the eye lies below the horizon of the shading normal";
     return NULL;
 }
 

@@ -537,9 +537,9 @@ static void too_few_accepted_candidates_are_counted(void **state)
     s.shadowrays = 1;
     assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL),
         BIS_OK);
+    const uint64_t seed = bis_verify_seed(&v, "p: rejection");
     assert_int_equal(bis_verify_runs(estimate,
-                         &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection"), NULL},
-                         &counters, NULL),
+                         &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, seed, NULL}, &counters, NULL),
         BIS_OK);
     assert_true(tested && v.n == 1 && counters.accepted > 50 && counters.accepted < 1000);
     snprintf(

@@ -288,7 +288,8 @@ static void runs_are_those_of_their_streams(void **state)
         s.candidates = 8; /* few: some runs of rejection fall back */
         estimate[RUNS] = (rgb){7, 8, 9};
         assert_int_equal(
-            bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, kinds[k], RUNS, SEED, NULL}, &counters, NULL), BIS_OK);
+            bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, kinds[k], RUNS, SEED, NULL}, &counters, NULL),
+            BIS_OK);
         assert_true(estimate[RUNS].r == 7 && estimate[RUNS].g == 8 && estimate[RUNS].b == 9);
         l.counters = (bis_counters){0};
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import Error, WrongType
-from ._library import D, INT, N, P, SAY, TEXT, Handle, array, call, declare, judge, run, text_bytes, whole
+from ._library import D, INT, N, P, SAY, TEXT, Handle, array, call, declare, judge, run
+from ._library import text_bytes, whole
 from ._render import Scene, _list, _said, _wait
 from ._sampling import Envmap
 
@@ -74,12 +75,13 @@ class Exact:
     lit, unoccluded : Radiance
         Eq. 4.1 of the thesis, and without visibility, eq. 4.5.
     by_patches : bool
-        By a sum over the patches of the light; else by a long run of `mis`, for a light of too many patches.
+        By a sum over the patches of the light; else by a long run of `mis`, for a light of too many
+        patches.
     patches, rays : int
         Of the light; of the sum.
     variance, third : array (3,)
-        Variance and third central moment of F V/q, r+g+b, of one direction that is drawn by q_L, by q_f, or by their
-        mean. They are known by patches.
+        Variance and third central moment of F V/q, r+g+b, of one direction that is drawn by q_L, by
+        q_f, or by their mean. They are known by patches.
     """
 
     lit: Radiance
@@ -102,15 +104,17 @@ class Runs:
     mean : Radiance
         Their mean and its standard error.
     z : float
-        The difference of the mean from what is exact (of a method without shadows: from `unoccluded`), r+g+b, in
-        standard errors. NaN where nothing scatters.
+        The difference of the mean from what is exact (of a method without shadows: from
+        `unoccluded`), r+g+b, in standard errors. NaN where nothing scatters.
     skewness : float
         Of the mean, from the estimates.
     true_skewness : float
-        The same of em, brdf and mis by the moments of `Exact`, as if all directions were independent; else NaN. Where
-        either is beyond 0.1, rare and bright estimates make z unlike that of a normal distribution.
+        The same of em, brdf and mis by the moments of `Exact`, as if all directions were
+        independent; else NaN. Where either is beyond 0.1, rare and bright estimates make z unlike
+        that of a normal distribution.
     relative_error : float
-        The root mean square difference of one estimate from what is exact, over that; NaN where that is 0.
+        The root mean square difference of one estimate from what is exact, over that; NaN where
+        that is 0.
     rays, accepted : float
         Shadow rays, and accepted candidates of rejection, of one estimate.
     """
@@ -142,8 +146,8 @@ class Candidates:
     seen : array (M,) of bool
         Chosen, and nothing hides the light.
     q_map, q_brdf, q, product : array (M,)
-        The densities of both proposals, that of their mixture, and f cos Le, r+g+b. Where the weight is 0 the three
-        densities are NaN and the product is 0.
+        The densities of both proposals, that of their mixture, and f cos Le, r+g+b. Where the
+        weight is 0 the three densities are NaN and the product is 0.
     shadowrays : int
         N.
     weights, squared_weights, effective_sample_size, largest_share : float
@@ -151,7 +155,8 @@ class Candidates:
     share_of_map : float
         beta of the mixture; NaN where nothing has a weight.
     n_map, positive, distinct, n_seen : int
-        Candidates of the map, those with a weight, those that were chosen; choices that see the light.
+        Candidates of the map, those with a weight, those that were chosen; choices that see the
+        light.
     estimate, estimate_unoccluded : array (3,)
         Of eq. 4.1 and 4.5.
     """
@@ -235,7 +240,7 @@ class Sphere(NamedTuple):
 
 
 class BestWeights(NamedTuple):
-    """What multiple importance sampling reaches with independent samples (docs/theory.md, "The best weights").
+    """What multiple importance sampling reaches (docs/theory.md, "The best weights").
 
     Parameters
     ----------
@@ -266,7 +271,8 @@ class Noises(NamedTuple):
     deviation : float
         The standard deviation of one estimate.
     of_candidates, of_choice : float
-        The parts of it by the candidates and by the choice among them. Their squares add up to that of the whole.
+        The parts of it by the candidates and by the choice among them. Their squares add up to that
+        of the whole.
     rays : float
         Of one estimate.
     """
@@ -320,8 +326,9 @@ def _seed32(seed: Any) -> int:
 class Stage(Handle):
     """One point of a scene: that which the centre of a pixel sees.
 
-    Choose it with `at`. Where the pixel sees no surface, `about` says so, and the other methods raise an `Error`.
-    A seed is an integer in [0, 2^64 - 1]; the same seed gives the same numbers, for any number of threads.
+    Choose it with `at`. Where the pixel sees no surface, `about` says so, and the other methods
+    raise an `Error`. A seed is an integer in [0, 2^64 - 1]; the same seed gives the same numbers,
+    for any number of threads.
 
     Parameters
     ----------
@@ -366,10 +373,11 @@ class Stage(Handle):
         Returns
         -------
         dict
-            scene, light, width, height, seed, sampler, x, y; hit (None: no surface) with the shape, its file and line,
-            the triangle, the point, the normals and the material; uv; lobe, the name and value of what the width of the
-            material's lobe is; nothing, why nothing is reflected, or None; radiance, what the camera sees then;
-            methods, those worth a run, with the numbers of the scene's integrator.
+            scene, light, width, height, seed, sampler, x, y; hit (None: no surface) with the shape,
+            its file and line, the triangle, the point, the normals and the material; uv; lobe, the
+            name and value of what the width of the material's lobe is; nothing, why nothing is
+            reflected, or None; radiance, what the camera sees then; methods, those worth a run,
+            with the numbers of the scene's integrator.
         """
         text = TEXT()
         call(_about, self._handle, ctypes.byref(text))
@@ -389,16 +397,17 @@ class Stage(Handle):
             By colour, with and without visibility.
         """
         value, moments, count = np.empty((2, 8)), np.empty((2, 3)), np.empty(3, np.uint64)
-        self._patiently(ctypes.c_int(0), _truth, _seed(seed), value.ctypes.data, moments.ctypes.data,
-                        count.ctypes.data)
+        self._patiently(ctypes.c_int(0), _truth, _seed(seed), value.ctypes.data,
+                        moments.ctypes.data, count.ctypes.data)
         self._knows = True
-        return Exact(_radiance(value[0]), _radiance(value[1]), bool(count[0]), int(count[1]), int(count[2]),
-                     moments[0], moments[1])
+        return Exact(_radiance(value[0]), _radiance(value[1]), bool(count[0]), int(count[1]),
+                     int(count[2]), moments[0], moments[1])
 
     def runs(self, n: int = 2000, seed: int = 0, **settings: Any) -> Runs:
         """Make many estimates by one method and hold them against what is exact.
 
-        The exact value is that of the last call of `exact`; without one, that is called first. Ctrl-C ends the work.
+        The exact value is that of the last call of `exact`; without one, that is called first.
+        Ctrl-C ends the work.
 
         Parameters
         ----------
@@ -407,7 +416,8 @@ class Stage(Handle):
         seed : int
             Of the random numbers.
         **settings
-            integrator and its parameters (`bis help integrators`); what they do not say is as in the scene.
+            integrator and its parameters (`bis help integrators`); what they do not say is as in
+            the scene.
 
         Returns
         -------
@@ -426,10 +436,10 @@ class Stage(Handle):
         return Runs(estimates, _radiance(value), *figures.tolist())
 
     def candidates(self, seed: int = 0, **settings: Any) -> Candidates:
-        """Make one estimate by sir and take it apart: its candidates, their weights, and which were chosen.
+        """Make one estimate by sir and take it apart.
 
-        With the seed of a scene it is that of the first camera sample of the pixel in a render whose samples go through
-        the pixels' centres.
+        With the seed of a scene it is that of the first camera sample of the pixel in a render
+        whose samples go through the pixels' centres.
 
         Parameters
         ----------
@@ -445,10 +455,10 @@ class Stage(Handle):
         """
         texts, room = _texts(dict({"integrator": "sir"}, **settings)), 1 << 12
         while True:
-            wi, w, counts, total = (np.empty((room, 3), np.float32), np.empty(room), np.empty((room, 3), np.uint32),
-                                    np.empty(17))
-            status, said = run(_estimate, self._handle, texts, _seed(seed), room, wi.ctypes.data, w.ctypes.data,
-                               counts.ctypes.data, total.ctypes.data)
+            wi, w, total = np.empty((room, 3), np.float32), np.empty(room), np.empty(17)
+            counts = np.empty((room, 3), np.uint32)
+            status, said = run(_estimate, self._handle, texts, _seed(seed), room, wi.ctypes.data,
+                               w.ctypes.data, counts.ctypes.data, total.ctypes.data)
             if status and "do not fit into arrays" in said and room < 1 << 32:
                 room *= 16
                 continue
@@ -462,9 +472,10 @@ class Stage(Handle):
         densities[weighs] = np.stack(self.look(wi[weighs]), axis=1)
         q = np.full(m, np.nan)
         q[weighs] = densities[weighs, 2] / w[weighs]
-        return Candidates(wi, w, counts[:, 0] > 0, counts[:, 1], counts[:, 2] > 0, densities[:, 0], densities[:, 1],
-                          q, densities[:, 2], int(total[1]), *total[2:7].tolist(),
-                          *[int(x) for x in total[7:11]], total[11:14], total[14:17])
+        return Candidates(wi, w, counts[:, 0] > 0, counts[:, 1], counts[:, 2] > 0,
+                          densities[:, 0], densities[:, 1], q, densities[:, 2], int(total[1]),
+                          *total[2:7].tolist(), *[int(x) for x in total[7:11]],
+                          total[11:14], total[14:17])
 
     def rays(self, runs: int = 1, seed: int = 0, **settings: Any) -> Rays:
         """Write down the shadow rays of estimates by any method.
@@ -490,8 +501,8 @@ class Stage(Handle):
         while n.value > room:
             room = n.value
             wi, which = np.empty((room, 3), np.float32), np.empty((room, 2), np.uint32)
-            call(_rays, self._handle, texts, _seed(seed), count, room, wi.ctypes.data, which.ctypes.data,
-                 ctypes.byref(n))
+            call(_rays, self._handle, texts, _seed(seed), count, room, wi.ctypes.data,
+                 which.ctypes.data, ctypes.byref(n))
         return Rays(wi[:n.value], which[:n.value, 0], which[:n.value, 1] > 0)
 
     def look(self, wi: ArrayLike) -> Densities:
@@ -565,7 +576,8 @@ class Stage(Handle):
         """
         shape = [whole(name, v) for name, v in (("columns", columns), ("rows", rows), ("sub", sub))]
         if not all(1 <= v <= 4096 for v in shape):
-            raise Error("a sphere of %s x %s cells of %s: give 1 to 4096 each" % (columns, rows, sub))
+            raise Error("a sphere of %s x %s cells of %s: give 1 to 4096 each"
+                        % (columns, rows, sub))
         field = np.empty((4, shape[1], shape[0]), np.float32)
         self._patiently(ctypes.c_int(0), _sphere, *shape, field.ctypes.data)
         return Sphere(*field)
@@ -588,8 +600,9 @@ class Stage(Handle):
             Of independent samples.
         """
         found = np.empty(5)
-        self._patiently(ctypes.c_int(0), _mis, _texts(dict({"integrator": "mis"}, **settings)), _seed32(seed),
-                        whole("n", n), found.ctypes.data)
+        texts = _texts(dict({"integrator": "mis"}, **settings))
+        self._patiently(ctypes.c_int(0), _mis, texts, _seed32(seed), whole("n", n),
+                        found.ctypes.data)
         return BestWeights(*found.tolist())
 
     def noises(self, n: int = 1000, seed: int = 0, **settings: Any) -> Noises:
@@ -610,8 +623,9 @@ class Stage(Handle):
             Of the candidates, and of the choice among them.
         """
         found = np.empty(5)
-        self._patiently(ctypes.c_int(0), _noises, _texts(dict({"integrator": "sir"}, **settings)), _seed32(seed),
-                        whole("n", n), found.ctypes.data)
+        texts = _texts(dict({"integrator": "sir"}, **settings))
+        self._patiently(ctypes.c_int(0), _noises, texts, _seed32(seed), whole("n", n),
+                        found.ctypes.data)
         return Noises(*found.tolist())
 
     def bounds(self) -> dict[str, float]:
@@ -647,12 +661,16 @@ class Stage(Handle):
         if len(w) != len(numbers):
             raise Error("weight has %d items and u has %d" % (len(w), len(numbers)))
         height, taken, count = np.empty(len(w)), np.empty(len(w), np.uint32), U32()
-        call(_accept, self._handle, text_bytes("proposal", proposal), len(w), w.ctypes.data, numbers.ctypes.data,
-             height.ctypes.data, taken.ctypes.data, ctypes.byref(count))
+        call(_accept, self._handle, text_bytes("proposal", proposal), len(w), w.ctypes.data,
+             numbers.ctypes.data, height.ctypes.data, taken.ctypes.data, ctypes.byref(count))
         return Acceptance(height, taken > 0)
 
     def _patiently(self, stop: ctypes.c_int, f: Any, *arguments: Any) -> None:
-        """Call a function that may take long, in a thread, because Python hears of Ctrl-C only between calls."""
+        """Call a function that may take long, in a thread: Python hears of Ctrl-C between calls."""
         said: list[tuple[int, str]] = []
-        _wait(threading.Thread(target=lambda: said.append(run(f, self._handle, *arguments))), stop, [], None)
+
+        def work() -> None:
+            said.append(run(f, self._handle, *arguments))
+
+        _wait(threading.Thread(target=work), stop, [], None)
         judge(*said[0])

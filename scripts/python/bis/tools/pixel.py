@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""`bis pixel SCENE X Y`: everything about one pixel, as text or JSON, and CSV files and a page in a folder."""
+"""`bis pixel SCENE X Y`: everything about one pixel, as text or JSON, CSV files and a page."""
 from __future__ import annotations
 
 import math
@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional
 
 from . import text as form
 from .._errors import Error, Status
-from .command import COUNT, FLAG, NAME, SCENE_NOTE, SEED_MAX, TEXT, Command, Heading, Option, Say, run
+from .command import COUNT, FLAG, NAME, SCENE_NOTE, SEED_MAX, TEXT
+from .command import Command, Heading, Option, Say, run
 from .files import check_writable, outfile
 from .scenes import open_scene
 
@@ -22,23 +23,29 @@ if TYPE_CHECKING:
 COMMAND = Command(
     name="pixel",
     usage="pixel [options] SCENE X Y",
-    summary="everything about one pixel: the hit, the exact integral, every method against it; candidates, "
-            "weights and samples",
+    summary="everything about one pixel: the hit, the exact integral, every method against it; "
+            "candidates, weights and samples",
     options=[
         Heading("what to write"),
-        Option("output", "DIR", "the folder for CSV files and the page, made where it is missing (pixel_X_Y)", TEXT),
-        Option("html", None, "write pixel.html, too: a page to explore, in one file that needs nothing else", FLAG),
+        Option("output", "DIR",
+               "the folder for CSV files and the page, made where it is missing (pixel_X_Y)", TEXT),
+        Option("html", None,
+               "write pixel.html, too: a page to explore, in one file that needs nothing else",
+               FLAG),
         Option("json", None, "print JSON instead of text", FLAG),
         Heading("what to compute (these override the scene file, for all methods)"),
         Option("approximate", None,
-               "what of pbrt bis does not model is replaced by the nearest that it does, and listed", FLAG),
-        Option("candidates", "M", "rejection, sir, unoccluded: candidates", COUNT, lo=1, hi=1 << 20),
-        Option("shadowrays", "N", "rejection, sir: candidates that are shadow-tested", COUNT, lo=1, hi=1 << 20),
+               "what of pbrt bis does not model is replaced by the nearest that it does, and "
+               "listed", FLAG),
+        Option("candidates", "M", "rejection, sir, unoccluded: candidates", COUNT,
+               lo=1, hi=1 << 20),
+        Option("shadowrays", "N", "rejection, sir: candidates that are shadow-tested", COUNT,
+               lo=1, hi=1 << 20),
         Option("samples", "N", "em, brdf, mis: light samples, at least 2", COUNT, lo=2, hi=1 << 20),
         Option("proposal", "P", "sir, unoccluded: em, brdf or mix; sir: product", NAME,
                names=["em", "brdf", "mix", "product"]),
-        Option("repeats", "R", "estimates by each method, for its mean and its error (2000)", COUNT, lo=2, hi=10**8,
-               default=2000),
+        Option("repeats", "R", "estimates by each method, for its mean and its error (2000)", COUNT,
+               lo=2, hi=10**8, default=2000),
         Option("seed", "N", "of the random numbers (the scene's)", COUNT, hi=SEED_MAX),
     ],
     min_operands=3, max_operands=3,
@@ -50,9 +57,10 @@ product), figure 4.2 (where each method looks), and the tables.
 """)
 
 MIS_RUNS = 1 << 14  # of the library: they stand in for a sum over too many patches
-SHOWN = 4096  # rays of a method, and candidates that were not chosen: a page should not have 10^6 dots
+SHOWN = 4096  # rays of a method, and candidates that were not chosen: 10^6 dots are too many
 WIDTH, HEIGHT, DECADES, CODES = 720, 360, 7, 65535  # of the page's sphere
-TOO_SKEW = 0.1  # beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6
+# Beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6.
+TOO_SKEW = 0.1
 
 
 @dataclass
@@ -70,7 +78,8 @@ class Method:
     @property
     def is_too_skew(self) -> bool:
         """Whether z is not that of a normal distribution."""
-        return abs(self.found.skewness) > TOO_SKEW or abs(self.found.true_skewness) > TOO_SKEW  # false for NaN
+        known = self.found.skewness, self.found.true_skewness
+        return any(abs(s) > TOO_SKEW for s in known)  # false for NaN
 
     @property
     def accepted(self) -> float:
@@ -95,7 +104,7 @@ class Report:
 # ---- what is found ----
 
 def _hash(x: int) -> int:
-    """Mix 64 bits, as bis_hash does (bis/base/hash.h): the parts of a report have seeds of their own."""
+    """Mix 64 bits, as bis_hash does (bis/base/hash.h): each part of a report has its own seed."""
     mask = (1 << 64) - 1
     x ^= x >> 30
     x = x * 0xbf58476d1ce4e5b9 & mask
@@ -149,7 +158,8 @@ def _vector(report: Report, name: str, v: list[float], is_direction: bool = True
 
 
 def _material_name(about: dict[str, Any]) -> str:
-    return "%s, %s %.6g" % (about["hit"]["material"]["model"], about["lobe"]["name"], about["lobe"]["value"])
+    lobe = about["lobe"]
+    return "%s, %s %.6g" % (about["hit"]["material"]["model"], lobe["name"], lobe["value"])
 
 
 def _angle(a: list[float], b: list[float]) -> float:
@@ -172,11 +182,13 @@ def _hit_lines(report: Report) -> Iterator[str]:
     yield _vector(report, "to the eye", hit["wo"])
     yield _vector(report, "mirrored", hit["mirrored"])
     yield "material    %s, Kd (%.4g %.4g %.4g), Ks (%.4g %.4g %.4g); seen at %.2f degrees" % (
-        _material_name(report.about), *material["Kd"], *material["Ks"], _angle(hit["normal"], hit["wo"]))
+        _material_name(report.about), *material["Kd"], *material["Ks"],
+        _angle(hit["normal"], hit["wo"]))
 
 
 def _value(name: str, v: Radiance) -> str:
-    return "%-12s%.6g +- %.1g   (%.6g %.6g %.6g)" % (name, v.sum, v.sum_standard_error, *v.rgb.tolist())
+    return "%-12s%.6g +- %.1g   (%.6g %.6g %.6g)" % (
+        name, v.sum, v.sum_standard_error, *v.rgb.tolist())
 
 
 def _exact_lines(e: Exact) -> Iterator[str]:
@@ -203,13 +215,17 @@ def _draws(m: Method) -> str:
 
 def _method_line(m: Method, e: Exact) -> str:
     found, truth = m.found, (e.unoccluded if m.is_open else e.lit).sum
-    line = "%-16s %9s %11.6g %10.2g" % (m.name, _draws(m), found.mean.sum, found.mean.sum_standard_error)
+    line = "%-16s %9s %11.6g %10.2g" % (
+        m.name, _draws(m), found.mean.sum, found.mean.sum_standard_error)
     line += " %8.4f" % (found.mean.sum / truth) if truth > 0 else " %8s" % "-"
     if math.isfinite(found.z):
         line += " %7.2f%s" % (found.z, "?" if m.is_too_skew else " ")
     else:
         line += " %8s" % "-"
-    line += " %10.3g %%" % (100 * found.relative_error) if math.isfinite(found.relative_error) else " %12s" % "-"
+    if math.isfinite(found.relative_error):
+        line += " %10.3g %%" % (100 * found.relative_error)
+    else:
+        line += " %12s" % "-"
     return line + " %8.4g" % found.rays
 
 
@@ -218,9 +234,11 @@ def _method_lines(report: Report, e: Exact) -> Iterator[str]:
         "method", "draws", "mean", "+-", "of exact", "z", "error of one", "rays")
     for m in report.methods:
         yield _method_line(m, e)
-    yield ("Means of %d estimates; z: the difference from exact (unoccluded: from that) in standard errors; error of "
-           "one: the\nroot mean square difference of a single estimate from exact; rays: cast by one. z with a ?: rare "
-           "and bright estimates\nmake the mean too skew for its standard error, which misses what has not been hit: "
+    yield ("Means of %d estimates; z: the difference from exact (unoccluded: from that) in "
+           "standard errors; error of one: the\n"
+           "root mean square difference of a single estimate from exact; rays: cast by one. "
+           "z with a ?: rare and bright estimates\n"
+           "make the mean too skew for its standard error, which misses what has not been hit: "
            "ask for more --repeats." % report.repeats)
 
 
@@ -236,7 +254,8 @@ def _candidate_lines(c: Candidates, e: Exact) -> Iterator[str]:
     yield "weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all" % (
         c.weights, c.weights / drawn, e.unoccluded.sum, 100 * c.largest_share)
     yield "effective   sample size %.4g = (sum w)^2 / sum w^2" % c.effective_sample_size
-    yield "chosen      %d rays at %d candidates, %d of them see the light" % (c.shadowrays, c.distinct, c.n_seen)
+    yield "chosen      %d rays at %d candidates, %d of them see the light" % (
+        c.shadowrays, c.distinct, c.n_seen)
     r, g, b = c.estimate.tolist()
     yield "estimate    %.6g   (%.6g %.6g %.6g)" % (r + g + b, r, g, b)
 
@@ -249,7 +268,8 @@ def _lines(report: Report) -> Iterator[str]:
         yield from _hit_lines(report)
     if report.exact is None or report.candidates is None:
         own = "" if about["hit"] else ", the light's own"
-        yield "nothing     %s\nradiance    (%.6g %.6g %.6g)%s" % (about["nothing"], *about["radiance"], own)
+        yield "nothing     %s" % about["nothing"]
+        yield "radiance    (%.6g %.6g %.6g)%s" % (*about["radiance"], own)
         return
     yield from _exact_lines(report.exact)
     yield from _method_lines(report, report.exact)
@@ -275,27 +295,31 @@ def _json_method(m: Method, repeats: int) -> dict[str, Any]:
     by_samples = "samples" in s
     return {"method": m.name, "claim": m.claim, "samples": s.get("samples"),
             "candidates": None if by_samples else s.get("candidates"),
-            "shadowrays": None if by_samples or m.is_open else s.get("shadowrays"), "repeats": repeats,
-            **_json_value(m.found.mean), "z": m.found.z, "skewness": m.found.skewness,
-            "relative_error": m.found.relative_error, "rays": m.found.rays, "accepted": m.accepted}
+            "shadowrays": None if by_samples or m.is_open else s.get("shadowrays"),
+            "repeats": repeats, **_json_value(m.found.mean), "z": m.found.z,
+            "skewness": m.found.skewness, "relative_error": m.found.relative_error,
+            "rays": m.found.rays, "accepted": m.accepted}
 
 
 def _json_candidates(c: Candidates) -> dict[str, Any]:
-    return {"drawn": len(c.weight), "share_of_map": c.share_of_map, "positive": c.positive, "weights": c.weights,
-            "squared_weights": c.squared_weights, "effective_sample_size": c.effective_sample_size,
-            "largest_share": c.largest_share, "shadowrays": c.shadowrays, "distinct": c.distinct, "seen": c.n_seen,
+    return {"drawn": len(c.weight), "share_of_map": c.share_of_map, "positive": c.positive,
+            "weights": c.weights, "squared_weights": c.squared_weights,
+            "effective_sample_size": c.effective_sample_size, "largest_share": c.largest_share,
+            "shadowrays": c.shadowrays, "distinct": c.distinct, "seen": c.n_seen,
             "estimate": c.estimate.tolist(), "estimate_unoccluded": c.estimate_unoccluded.tolist()}
 
 
 def json_of(report: Report) -> dict[str, Any]:
     """The report as `--json` prints it. What is not known is null."""
     about = report.about
-    told = {name: about[name] for name in ("scene", "x", "y", "width", "height", "seed", "hit", "nothing")}
+    names = "scene", "x", "y", "width", "height", "seed", "hit", "nothing"
+    told = {name: about[name] for name in names}
     if report.exact is None or report.candidates is None:
         return {**told, "radiance": about["radiance"]}
     e = report.exact
     return {**told,
-            "exact": {"by": "patches" if e.by_patches else "mis", "patches": e.patches, **_json_value(e.lit)},
+            "exact": {"by": "patches" if e.by_patches else "mis", "patches": e.patches,
+                      **_json_value(e.lit)},
             "unoccluded": _json_value(e.unoccluded),
             "methods": [_json_method(m, report.repeats) for m in report.methods],
             "candidates": _json_candidates(report.candidates),
@@ -309,13 +333,14 @@ def _row(v: Radiance) -> list[float]:
 
 
 def _methods_table(report: Report) -> Iterator[list[Any]]:
-    yield ("method,repeats,r,g,b,sum,se_r,se_g,se_b,se_sum,z,skewness,relative_error,rays,accepted").split(",")
+    yield ["method", "repeats", "r", "g", "b", "sum", "se_r", "se_g", "se_b", "se_sum", "z",
+           "skewness", "relative_error", "rays", "accepted"]
     assert report.exact
     yield ["exact", None, *_row(report.exact.lit)] + [None] * 5
     yield ["without visibility", None, *_row(report.exact.unoccluded)] + [None] * 5
     for m in report.methods:
-        yield [m.name, report.repeats, *_row(m.found.mean), m.found.z, m.found.skewness, m.found.relative_error,
-               m.found.rays, m.accepted]
+        yield [m.name, report.repeats, *_row(m.found.mean), m.found.z, m.found.skewness,
+               m.found.relative_error, m.found.rays, m.accepted]
 
 
 @dataclass
@@ -329,7 +354,8 @@ class Places:
 
 def _places(stage: Stage, wi: np.ndarray) -> Places:
     import numpy as np
-    return Places(stage.angles(wi).tolist(), wi.astype(float).tolist(), np.stack(stage.look(wi), axis=1).tolist())
+    return Places(stage.angles(wi).tolist(), wi.astype(float).tolist(),
+                  np.stack(stage.look(wi), axis=1).tolist())
 
 
 def _from(c: Candidates) -> list[Optional[str]]:
@@ -340,30 +366,34 @@ def _from(c: Candidates) -> list[Optional[str]]:
 
 
 def _candidates_table(report: Report) -> Iterator[list[Any]]:
-    yield "candidate,from,theta_deg,phi_deg,x,y,z,q_map,q_brdf,q,product,weight,share,chosen,seen".split(",")
+    yield ["candidate", "from", "theta_deg", "phi_deg", "x", "y", "z", "q_map", "q_brdf", "q",
+           "product", "weight", "share", "chosen", "seen"]
     c = report.candidates
     assert c
     angles, wi = report.stage.angles(c.wi).tolist(), c.wi.astype(float).tolist()
-    columns = zip(_from(c), angles, wi, c.q_map.tolist(), c.q_brdf.tolist(), c.q.tolist(), c.product.tolist(),
-                  c.weight.tolist(), c.chosen.tolist(), c.seen.tolist())
+    columns = zip(_from(c), angles, wi, c.q_map.tolist(), c.q_brdf.tolist(), c.q.tolist(),
+                  c.product.tolist(), c.weight.tolist(), c.chosen.tolist(), c.seen.tolist())
     for i, (whose, angle, w, q_map, q_brdf, q, product, weight, chosen, seen) in enumerate(columns):
         place = [*angle, *w] if weight > 0 else [None] * 5
         share = weight / c.weights if c.weights > 0 else 0
-        yield [i, whose, *place, q_map, q_brdf, q, product, weight, share, chosen, int(seen) if chosen else None]
+        yield [i, whose, *place, q_map, q_brdf, q, product, weight, share, chosen,
+               int(seen) if chosen else None]
 
 
 def _rays_table(report: Report) -> Iterator[list[Any]]:
-    yield "method,sample,theta_deg,phi_deg,x,y,z,q_map,q_brdf,product,seen".split(",")
+    yield ["method", "sample", "theta_deg", "phi_deg", "x", "y", "z", "q_map", "q_brdf", "product",
+           "seen"]
     for m in report.methods:
         if m.rays is None:
             continue
         p = _places(report.stage, m.rays.wi)
-        for angle, w, density, run_, seen in zip(p.angles, p.wi, p.density, m.rays.sample.tolist(),
-                                                 m.rays.seen.tolist()):
-            yield [m.name, run_, *angle, *w, *density, int(seen)]
+        columns = zip(p.angles, p.wi, p.density, m.rays.sample.tolist(), m.rays.seen.tolist())
+        for angle, w, density, sample, seen in columns:
+            yield [m.name, sample, *angle, *w, *density, int(seen)]
 
 
-TABLES = {"methods.csv": _methods_table, "candidates.csv": _candidates_table, "rays.csv": _rays_table}
+TABLES = {"methods.csv": _methods_table, "candidates.csv": _candidates_table,
+          "rays.csv": _rays_table}
 
 
 def write_files(report: Report) -> None:
@@ -373,7 +403,8 @@ def write_files(report: Report) -> None:
         with outfile(os.path.join(report.folder, name)) as out:
             out.write("".join(form.csv(*row) + "\n" for row in rows(report)).encode("utf-8"))
     if report.html:
-        page.write(os.path.join(report.folder, "pixel.html"), "pixel", _page_data(report), text_of(report))
+        path = os.path.join(report.folder, "pixel.html")
+        page.write(path, "pixel", _page_data(report), text_of(report))
 
 
 # ---- the page ----
@@ -384,8 +415,8 @@ def _integral(density: np.ndarray) -> float:
     total = 0.0
     rows = np.add.accumulate(density.astype(float), axis=1)[:, -1].tolist()
     for y, row in enumerate(rows):
-        total += row * (2 * math.pi / WIDTH * 2 * math.sin(math.pi * (y + 0.5) / HEIGHT) * math.sin(
-            math.pi / 2 / HEIGHT))
+        middle = math.pi * (y + 0.5) / HEIGHT
+        total += row * (2 * math.pi / WIDTH * 2 * math.sin(middle) * math.sin(math.pi / 2 / HEIGHT))
     return total
 
 
@@ -404,15 +435,19 @@ def _codes(density: np.ndarray, top: int) -> np.ndarray:
 
 
 def _json_sphere(report: Report) -> dict[str, Any]:
-    """The densities in places of the sphere. Each has the mean over a few directions, as many as the map has pixels
-    there, at most 8 x 8, so that a lamp of one pixel is not missed. The BRDF's is over its integral (eq. 4.3), the
-    product's over L_ns (eq. 4.4), so that what is seen integrates to L/L_ns."""
+    """The densities in places of the sphere.
+
+    Each place has the mean over a few directions, as many as the map has pixels there, at most
+    8 x 8, so that a lamp of one pixel is not missed. The BRDF's is over its integral (eq. 4.3),
+    the product's over L_ns (eq. 4.4), so that what is seen integrates to L/L_ns.
+    """
     from . import page
     stage, about, e = report.stage, report.about, report.exact
     assert e
     wanted = ((about["map_width"] or 1) + WIDTH - 1) // WIDTH
     q_map, f_cos, product, seen = stage.sphere(WIDTH, HEIGHT, max(2, min(wanted, 8)))
-    fields = {"map": q_map, "brdf": _scaled(f_cos, _integral(f_cos)), "product": _scaled(product, e.unoccluded.sum),
+    fields = {"map": q_map, "brdf": _scaled(f_cos, _integral(f_cos)),
+              "product": _scaled(product, e.unoccluded.sum),
               "seen": _scaled(seen, e.unoccluded.sum)}
     most = max(float(fields[name].max()) for name in ("map", "brdf", "product"))
     top = math.ceil(math.log10(most)) if most > 0 else 0
@@ -430,8 +465,9 @@ def _json_rays(report: Report) -> Iterator[dict[str, Any]]:
         if m.rays is None:
             continue
         p = _places(report.stage, m.rays.wi[:SHOWN])
-        for angle, density, run_, seen in zip(p.angles, p.density, m.rays.sample.tolist(), m.rays.seen.tolist()):
-            yield {"method": m.name, "sample": run_, "theta_deg": angle[0], "phi_deg": angle[1],
+        columns = zip(p.angles, p.density, m.rays.sample.tolist(), m.rays.seen.tolist())
+        for angle, density, sample, seen in columns:
+            yield {"method": m.name, "sample": sample, "theta_deg": angle[0], "phi_deg": angle[1],
                    "q_map": density[0], "q_brdf": density[1], "product": density[2], "seen": seen}
 
 
@@ -448,15 +484,17 @@ def _json_candidate_list(report: Report) -> Iterator[dict[str, Any]]:
             continue
         yield {"from": whose[i], "candidate": i, "theta_deg": angles[i][0], "phi_deg": angles[i][1],
                "q_map": float(c.q_map[i]), "q_brdf": float(c.q_brdf[i]), "q": float(c.q[i]),
-               "product": float(c.product[i]), "weight": weight, "share": weight / c.weights, "chosen": chosen,
-               "seen": bool(c.seen[i]) if chosen else None}
+               "product": float(c.product[i]), "weight": weight, "share": weight / c.weights,
+               "chosen": chosen, "seen": bool(c.seen[i]) if chosen else None}
 
 
 def _page_data(report: Report) -> dict[str, Any]:
     """What the page shows beyond the report (docs/live.md)."""
-    shown = [{"method": m.name, "estimates": m.estimates, "rays": 0 if m.rays is None else len(m.rays.wi),
-              "too_skew": m.is_too_skew} for m in report.methods]
-    return {**json_of(report), "sphere": _json_sphere(report), "shown": shown, "rays": list(_json_rays(report)),
+    shown = [{"method": m.name, "estimates": m.estimates,
+              "rays": 0 if m.rays is None else len(m.rays.wi), "too_skew": m.is_too_skew}
+             for m in report.methods]
+    return {**json_of(report), "sphere": _json_sphere(report), "shown": shown,
+            "rays": list(_json_rays(report)),
             "candidate_list": list(_json_candidate_list(report)), "light": report.about["light"],
             "material_name": _material_name(report.about)}
 
@@ -469,8 +507,8 @@ def _places_of(words: list[str], about: dict[str, Any]) -> list[int]:
     size = about["width"], about["height"]
     for name, word, limit in zip("XY", words, size):
         if not (word.isascii() and word.isdigit() and int(word) < limit):
-            wrong.append('error: %s is "%s", must be an integer in [0, %d]: the film of the scene has %d x %d pixels' % (
-                name, word, limit - 1, *size))
+            wrong.append('error: %s is "%s", must be an integer in [0, %d]: the film of the scene '
+                         "has %d x %d pixels" % (name, word, limit - 1, *size))
     if wrong:
         raise Error("\n".join(wrong))
     return [int(word) for word in words]
@@ -481,9 +519,11 @@ def _make_folder(path: str) -> None:
         os.mkdir(path)
     except FileExistsError:
         if not os.path.isdir(path):
-            raise Error('error: --output "%s": it is there already, and is no folder' % path, Status.IO) from None
+            raise Error('error: --output "%s": it is there already, and is no folder' % path,
+                        Status.IO) from None
     except OSError as e:
-        raise Error('error: --output "%s": the folder cannot be made: %s' % (path, e.strerror), Status.IO) from None
+        raise Error('error: --output "%s": the folder cannot be made: %s' % (path, e.strerror),
+                    Status.IO) from None
     check_writable(os.path.join(path, "methods.csv"))
 
 
