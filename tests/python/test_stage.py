@@ -508,6 +508,54 @@ class About(unittest.TestCase):
             self.assertRaisesRegex(bis.Error, "sees no surface", ask)
 
 
+class Points(unittest.TestCase):
+    def test_each_kind_fills_the_square_as_it_promises(self):
+        def in_boxes(u, a, b):
+            return np.bincount((u[:, 0] * a).astype(int) * b + (u[:, 1] * b).astype(int), minlength=a * b)
+
+        for a, b in ((64, 1), (16, 4), (8, 8), (1, 64)):  # a (0,2)-net in base 2; over the samples of a pixel, too
+            u = np.vstack([bis.points("sobol", 16, 7, sample=k, dim=3, spp=4) for k in range(4)])
+            self.assertTrue((in_boxes(u, a, b) == 1).all())
+        self.assertTrue((in_boxes(bis.points("stratified", 64, 7), 8, 8) == 1).all())
+        self.assertTrue((in_boxes(bis.points("halton", 6, 7), 2, 3) == 1).all())
+        self.assertTrue((in_boxes(bis.points("stratified", 12, 7, dim=None, spp=12), 4, 3) == 1).all())
+        for kind in ("random", "stratified", "sobol", "halton"):
+            u = bis.points(kind, 20000, 5)
+            self.assertLess(abs(u.mean() - 0.5), 5 / math.sqrt(12 * 40000))
+            np.testing.assert_array_equal(u, bis.points(kind, 20000, 5))
+            for other in ({"seed": 6}, {"dim": 1}, {"pixel": 1}, {"sample": 1}):
+                self.assertTrue((u != bis.points(kind, 20000, **{"seed": 5, **other})).any(), other)
+        even = bis.points("sobol", 256, 3, dim=None, spp=256)
+        np.testing.assert_allclose(even[::2] + even[1::2], 1, atol=1e-9)  # mirror images through the centre
+        for word, arguments in (("no sampler", ("lattice", 3)), ("n is", ("sobol", -1)), ("seed is", ("sobol", 1, -1))):
+            self.assertRaisesRegex(bis.Error, word, bis.points, *arguments)
+        self.assertRaisesRegex(bis.Error, "a sample or more", bis.points, "sobol", 1, spp=0)
+        self.assertEqual(bis.points("sobol", 0).shape, (0, 2))
+
+
+class Materials(unittest.TestCase):
+    def test_every_material_of_scenes_can_be_made(self):
+        n, wo = np.array([0, 0, 1.0]), np.array([0.6, 0, 0.8])
+        wi = np.random.default_rng(1).normal(size=(1000, 3)) * [1, 1, 0] + [0, 0, 0.7]
+        wi /= np.linalg.norm(wi, axis=1)[:, None]
+        f, pdf = bis.Material.of(GLOSSY, n, wo).look(wi)
+        f_cos, q = phong(wi, n, wo)
+        np.testing.assert_allclose(f * wi[:, 2:], f_cos, rtol=1e-3)
+        np.testing.assert_allclose(pdf, q, rtol=1e-3)
+        f, _ = bis.Material.of('Material "diffuse" "rgb reflectance" [.1 .2 .3]', n, wo).look(wi)
+        np.testing.assert_allclose(f, np.tile([0.1, 0.2, 0.3], (1000, 1)) / np.pi, rtol=1e-5)
+        # In scenes it is pbrt's alpha, the square of ours.
+        own = bis.Material(eta=0.2, k=3.9, roughness=0.3, normal=n, wo=wo).look(wi)[0]
+        metal = 'Material "metal" "rgb eta" [.2 .2 .2] "rgb k" [3.9 3.9 3.9] "float roughness" .09'
+        np.testing.assert_allclose(bis.Material.of(metal + ' "bool remaproughness" false', n, wo).look(wi)[0], own,
+                                   rtol=1e-4)
+        for model in ("coateddiffuse", "conductor", "metal", "plastic", "substrate", "uber", "matte"):
+            self.assertGreater(bis.Material.of('Material "%s"' % model, n, wo).look(wi)[0].sum(), 0)
+        for word, text in (("nothing", 'Material "nothing"'), ("texture", 'Texture "t" "spectrum" "checkerboard" '
+                                                               'Material "matte" "texture Kd" "t"')):
+            self.assertRaisesRegex(bis.Error, word, bis.Material.of, text)
+
+
 class Use(unittest.TestCase):
     def test_another_light_takes_the_place_of_the_scenes(self):
         scene = world(GLOSSY + GROUND + WALL, light=spotty())

@@ -20,6 +20,7 @@ from ._errors import Error, Status, WrongType
 
 if TYPE_CHECKING:
     from ._library import version
+    from ._points import points
     from ._render import LAYERS, Picture, Progress, Scene, about, render
     from ._sampling import AliasTable, Envmap, Material
     from ._scene import Camera, Mesh
@@ -28,8 +29,9 @@ if TYPE_CHECKING:
 # What needs the library and numpy is loaded when it is asked for, because the help of the instruments needs neither.
 _HOMES = {
     "_library": ("version",),
-    "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "render"),
+    "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "points", "render"),
     "_sampling": ("AliasTable", "Envmap", "Material"),
+    "_points": ("points",),
     "_scene": ("Camera", "Mesh"),
     "_stage": ("Stage",),
 }

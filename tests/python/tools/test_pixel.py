@@ -64,7 +64,8 @@ class Turned:
         x = np.arange(columns)
         product = 0.5 * cosine / np.pi
         seen = product * ((x > 180) & (x < 540))
-        return Sphere(*(np.float32(f) for f in (0 * cosine + 1 / (4 * np.pi), 0.9 * cosine / np.pi, product, seen)))
+        fields = 0 * cosine + 1 / (4 * np.pi), 0.9 * cosine / np.pi, product, seen
+        return Sphere(*(np.float32(f) for f in fields))
 
 
 def radiance(rgb, se, total, total_se):
@@ -82,8 +83,8 @@ def by_hand(**changed):
     wi = np.float32([[0, 0, 0], [0, 1, 0], [0.6, 0, 0.8], [0, -1, 0], [-0.6, 0, 0.8]])
     c = Candidates(wi, np.array([0, 1, 4, 100, 0.01]), np.array([0, 1, 0, 1, 0]) > 0, np.uint32([0, 0, 3, 1, 0]),
                    np.array([0, 0, 1, 0, 0]) > 0, np.array([NONE, 0.5, 1, 5, 9]), np.array([NONE, 0.25, 2, 6, 10]),
-                   np.array([NONE, 0.75, 3, 7, 11]), np.array([0.0, 7, 4, 8, 12]), 4, 5.0, 30.0, 2.125, 0.625, 0.4, 2, 4,
-                   2, 3, np.array([0.1, 0.2, 0.3]), np.array([0.25, 0.5, 0.75]))
+                   np.array([NONE, 0.75, 3, 7, 11]), np.array([0.0, 7, 4, 8, 12]), 4, 5.0, 30.0, 2.125, 0.625, 0.4, 2,
+                   4, 2, 3, np.array([0.1, 0.2, 0.3]), np.array([0.25, 0.5, 0.75]))
     rays = Rays(np.float32([[0.6, 0, 0.8], [0, 0, -1]]), np.uint32([1, 0]), np.array([True, False]))
     none = Rays(rays.wi[:0], rays.sample[:0], rays.seen[:0])
     hit = {"shape": "plymesh", "file": "mesh.ply", "line": 8, "triangle": 6, "distance": 2.5, "point": [1, 2, 3],
@@ -180,22 +181,21 @@ class ByHand(unittest.TestCase):
         r = by_hand(html=True)
         hit, e, c = r.about["hit"], r.exact, r.candidates
         hit.update(shape="sphere", file=None, triangle=None, geometric_normal=[0, 1, 0])
-        r.exact = Exact(radiance([0.0] * 3, [0.1] * 3, 0.0, 0.5), radiance([0.0] * 3, [0.1] * 3, 0.0, 0.5), False, 100, 0,
-                        e.variance, e.third)
+        r.exact = Exact(*[radiance([0.0] * 3, [0.1] * 3, 0.0, 0.5)] * 2, False, 100, 0, e.variance, e.third)
         r.candidates = Candidates(*[NONE if k == "share_of_map" else 0.0 if k == "weights" else v
                                     for k, v in vars(c).items()])
         words = pixel.text_of(r)
         for part in ("sphere of line 8; 2.5", "of the face (0 1 0)   in the map: theta 90.00, phi 0.00 degrees",
                      "by 16384 runs of mis; 100 patches are too many for their sum", "\nseen        -\n",
-                     "em                      16         6.5       0.25        -    2.00 ", "5 drawn; 4 weigh something\n",
-                     "written     out/pixel.html methods.csv"):
+                     "em                      16         6.5       0.25        -    2.00 ",
+                     "5 drawn; 4 weigh something\n", "written     out/pixel.html methods.csv"):
             self.assertIn(part, words)
         self.assertNotIn("weights     sum", words)
 
     def test_the_json_has_each_figure_under_its_name(self):
         j = json.loads(text.json(pixel.json_of(by_hand())))
-        self.assertEqual(list(j), ["scene", "x", "y", "width", "height", "seed", "hit", "nothing", "exact", "unoccluded",
-                                   "methods", "candidates", "folder"])
+        self.assertEqual(list(j), ["scene", "x", "y", "width", "height", "seed", "hit", "nothing", "exact",
+                                   "unoccluded", "methods", "candidates", "folder"])
         self.assertEqual(j["hit"], by_hand().about["hit"])
         self.assertEqual(j["exact"], {"by": "patches", "patches": 100, "radiance": [1, 2, 3],
                                       "standard_error": [0.1, 0.2, 0.3], "sum": 6, "sum_standard_error": 0.5})
@@ -272,7 +272,8 @@ class ByHand(unittest.TestCase):
                      "2 shadow rays of 3 estimates, 1 saw the light; error of one: 50 %",
                      '<circle cx="574" cy="81.74" r="3.6" fill="#59ffeb"/>',
                      '<circle cx="574" cy="368" r="3" fill="none" stroke-width="1.7" stroke="#ff6b52"/>',
-                     '<figure data-panel="candidates of sir">', "5 drawn, 4 weigh something; effective sample size 2.125",
+                     '<figure data-panel="candidates of sir">',
+                     "5 drawn, 4 weigh something; effective sample size 2.125",
                      '<circle cx="34" cy="188" r="2.4" fill="#59ffeb"/>',
                      '<circle cx="214" cy="81.74" r="0.9" fill="#bffa59"/>',
                      '<circle cx="394" cy="188" r="9" fill="#59ffeb"/>', '<figure data-panel="sir">',
@@ -368,7 +369,8 @@ class Command(unittest.TestCase):
         self.write("black.txt", more='Material "phong" "rgb Kd" [0 0 0] "rgb Ks" [0 0 0]\n'
                                      'Shape "disk" "float radius" 50 "float height" 5\n')
         self.write("constant.txt", light='LightSource "infinite" "rgb L" [1 0.5 0.25]\n')
-        for scene, place, words, light in (("scene.txt", (0, 0), "no surface", None), ("dark.txt", (6, 3), "no light", None),
+        for scene, place, words, light in (("scene.txt", (0, 0), "no surface", None),
+                                           ("dark.txt", (6, 3), "no light", None),
                                            ("black.txt", (0, 0), "the material is black", None),
                                            ("constant.txt", (0, 0), "no surface", "(1 0.5 0.25), the light's own")):
             found = self.run_it(scene, *place)
@@ -384,8 +386,8 @@ class Command(unittest.TestCase):
         with open("file", "w"):
             pass
         for status, arguments, message in (
-                (2, ("scene.txt", 8, 4), 'bis: error: X is "8", must be an integer in [0, 7]: the film of the scene has '
-                                         '8 x 4 pixels\nbis: error: Y is "4", must be an integer in [0, 3]'),
+                (2, ("scene.txt", 8, 4), 'bis: error: X is "8", must be an integer in [0, 7]: the film of the scene '
+                                         'has 8 x 4 pixels\nbis: error: Y is "4", must be an integer in [0, 3]'),
                 (2, ("scene.txt", "1.5", 0), 'X is "1.5"'), (2, ("scene.txt", "\u0661", 0), "X is"),
                 (2, ("scene.txt", 0, "-1"), 'unknown option "-1"'),
                 (2, ("scene.txt", 1), "too few operands: 2 given; usage: bis pixel [options] SCENE X Y"),
@@ -402,8 +404,8 @@ class Command(unittest.TestCase):
         self.assertFalse([f for f in os.listdir("out") if f.startswith(".")])
 
     def test_options_override_the_scene_for_all_methods(self):
-        options = ("--repeats", 3, "--candidates", 17, "--shadowrays", 4, "--samples", 6, "--proposal", "em", "--seed", 5,
-                   "--json", "--output", "o", "scene.txt", 3, 2)
+        options = ("--repeats", 3, "--candidates", 17, "--shadowrays", 4, "--samples", 6, "--proposal", "em", "--seed",
+                   5, "--json", "--output", "o", "scene.txt", 3, 2)
         found = self.run_it(*options)
         j = json.loads(found)
         self.assertEqual((j["seed"], j["candidates"]["drawn"], j["candidates"]["shadowrays"]), (5, 17, 4))
@@ -430,7 +432,8 @@ class Command(unittest.TestCase):
 
     def test_as_many_runs_are_shown_as_make_150_rays(self):
         for samples, shadowrays in ((149, 4), (150, 150)):
-            self.run_it("--repeats", 2, "--samples", samples, "--shadowrays", shadowrays, "--output", "s", "scene.txt", 3, 2)
+            self.run_it("--repeats", 2, "--samples", samples, "--shadowrays", shadowrays, "--output", "s", "scene.txt",
+                        3, 2)
             last = {r["method"]: int(r["sample"]) for r in self.table("s/rays.csv")}
             for name, rays in (("em", samples), ("brdf", samples), ("sir", shadowrays)):
                 self.assertEqual(last[name], math.ceil(150 / rays) - 1)
