@@ -9,7 +9,7 @@
 # UNTRIED: Fedora and Arch, whose names come from documentation.
 set -eu
 
-# needed: compiler and build; OpenEXR, libpng and zlib for images; python3 with numpy for trade, pixel and envmap; cmocka
+# needed: compiler and build; OpenEXR, libpng and zlib for images; python3, numpy for trade, pixel and envmap; cmocka
 # and patch for the tests. light: Embree (rays), which exists for some processors only, and libjpeg (textures); bis does
 # without. mpi, web, python: by option.
 if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
 #     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel,
-#                                                          thesis, errata, plots, results, machines (default: all)
+#                                                          thesis, errata, plots, results (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis, plots (of the errata without a switch) and results, make
 # build/release/figures. What is timed differs from run to run, and so does its picture.
@@ -23,7 +23,6 @@ if [ "${1:-}" = --list ]; then
     echo live-sir.gif
     for name in 3.3 3.4 3.8 3.9 4.3 4.4; do echo thesis-$name.svg; done
     echo results-4.5.svg
-    echo many-machines.svg
     for item in E3 E6 E13 E20 E21 E22 E23 E27 E29 E34; do
         echo errata-$item-printed.png
         echo errata-$item-right.png
@@ -33,7 +32,7 @@ if [ "${1:-}" = --list ]; then
 fi
 build=${1:?BUILD_DIR, as build/release}
 shift
-[ $# -gt 0 ] || set -- chess methods live microfacet pbrt map pixel thesis errata plots results machines
+[ $# -gt 0 ] || set -- chess methods live microfacet pbrt map pixel thesis errata plots results
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -178,14 +177,9 @@ for picture; do
         copy build/figures/4.5.svg results-4.5
         for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.svg results-$figure; done
         ;;
-    machines) # a simulation
-        python3 scripts/bench/many_machines.py --json "$tmp/many-machines.json" >/dev/null
-        node scripts/figures/still.js "$tmp/many-machines.json"
-        copy "$tmp/many-machines.svg" many-machines
-        ;;
     *)
         echo "docs_figures.sh: no picture \"$picture\" among chess, methods, live, microfacet, pbrt, map," \
-            "pixel, thesis, errata, plots, results, machines" >&2
+            "pixel, thesis, errata, plots, results" >&2
         exit 2
         ;;
     esac

@@ -144,7 +144,6 @@ static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, 
     options.glimpse = options.first_light && o->viewer ? show_glimpse : NULL;
     options.so_far = leads && o->write_every > 0 && !o->part.share.n ? write_so_far : NULL;
     options.every = o->write_every;
-    if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
     if (!status && o->viewer) {
         const char *name = o->files.part ? o->files.part : o->files.pictures.text[0];
         if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);

@@ -15,7 +15,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* From the folder of the program. make says which folder it built in (BIS_BUILD_FOLDER). */
+#ifndef BIS_BUILD_FOLDER /* make says which one */
+#define BIS_BUILD_FOLDER "build/release"
+#endif
+
+/* From the folder of the program. */
 static const char *const programs[] = {"", "libexec/bis/", "../libexec/bis/", "scripts/python/",
                                        "../../scripts/python/"};
 static const char *const libraries[] = {"library/libbis.so." BIS_VERSION,

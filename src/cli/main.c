@@ -54,7 +54,7 @@ static int run_instrument(int argc, char **argv)
     if (argc < 2 || argv[1][0] == '-') return -1;
     const bis_subcommand *command = bis_subcommand_find(argv[1]);
     if (command ? command->run != NULL : access(argv[1], F_OK) == 0) return -1;
-    if (!bis_instrument_leads()) return BIS_EXIT_DONE;
+    if (!bis_instrument_leads()) return command ? BIS_EXIT_DONE : -1;
     const int status = bis_instrument_run(argv[1], argv + 1);
     if (status >= 0 || !command) return status;
     fprintf(stderr, "bis: error: the program bis-%s is not there: install bis anew, with Python 3\n", argv[1]);

@@ -14,8 +14,8 @@
 #include "edges.h"
 #include "first_light.h"
 #include "gather.h"
-#include "scheduler.h"
 #include "survey.h"
+#include "team.h"
 #include "wave.h"
 
 #include "bis/base/clock.h"
@@ -137,35 +137,23 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     return true;
 }
 
-/* The tiles that rank 0 gives to this process. */
-static void render_with_ranks(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
-{
-    bis_sched_begin(w->sched, progress, user);
-#pragma omp parallel num_threads(w->n_threads)
-    for (int t; (t = bis_sched_next(w->sched, bis_workspace_thread())) >= 0;) {
-        const double begin = bis_clock_now();
-        render_tile(w, &w->workers[bis_workspace_thread()], t, pass, false);
-        bis_sched_finish(w->sched, bis_workspace_thread(), t, bis_clock_now() - begin);
-    }
-    bis_sched_end(w->sched);
-}
-
-/* All tiles: glimpses, or what they are. The latter ends when it is late. */
+/* All tiles that are rendered here: glimpses, or what they are. The latter ends when it is late. */
 static void sweep(bis_workspace *w, const bis_pass *pass, bool is_glimpse, bis_pass_progress *progress, void *user)
 {
     const bool may_end = !is_glimpse && w->fine && pass->first == 0;
+    const int n = bis_workspace_shared(w);
     int n_done = 0;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
-    for (int i = 0; i < w->n_own; i++) {
-        const int t = bis_workspace_own(w, i);
+    for (int i = 0; i < n; i++) {
+        const int t = bis_workspace_share(w, i);
         int done;
         if (may_end && bis_clock_now() >= w->late) continue;
         if (render_tile(w, &w->workers[bis_workspace_thread()], t, pass, is_glimpse) && w->fine)
             __atomic_store_n(&w->fine[t], is_glimpse ? BIS_TILE_GLIMPSED : BIS_TILE_WHOLE, __ATOMIC_RELEASE);
 #pragma omp atomic capture
         done = ++n_done;
-        if (bis_workspace_thread() == 0) progress(is_glimpse ? 0 : (double)done / w->n_own, user);
+        if (bis_workspace_thread() == 0) progress(is_glimpse ? 0 : (double)done / n, user);
     }
 }
 
@@ -184,9 +172,11 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
     if (w->fine && is_first) sweep(w, pass, true, progress, user);
     if (looks) bis_survey(w, true, is_first, progress, user);
     if (looks && !is_first) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
-    if (w->sched) render_with_ranks(w, pass, progress, user);
-    else sweep(w, pass, false, progress, user);
-    return !bis_workspace_interrupted(w);
+    if (w->share) bis_team_begin_pass(w);
+    sweep(w, pass, false, progress, user);
+    if (!w->share) return !bis_workspace_interrupted(w);
+    bis_team_end_pass(w);
+    return !w->is_ended; /* as all ranks see it, even where the flag was set since */
 }
 
 static void keep_pixels(const bis_workspace *w, bis_rect r, double weight)
@@ -204,6 +194,12 @@ static void keep_pixels(const bis_workspace *w, bis_rect r, double weight)
         bis_film_add_twin(f, &t, w->pass_twins[t.at], weight);
 }
 
+void bis_pass_learn(const bis_workspace *w)
+{
+    const int *tiles = w->share ? w->share : w->own;
+    bis_visibility_learn(&w->visibility, tiles, (size_t)bis_workspace_shared(w), w->n_threads);
+}
+
 void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)
 {
     bis_film *f = w->film;
@@ -215,7 +211,6 @@ void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)
         keep_pixels(w, w->own ? bis_film_tile_of_crop(f, BIS_RENDER_TILE, w->own[i]) : row, pass->weight);
     }
     for (int i = 0; i < w->n_threads; i++) bis_counters_add(sum, &w->workers[i].counters);
-    if (w->sched) bis_sched_learn(w->sched);
-    else bis_visibility_learn(&w->visibility, w->own, (size_t)w->n_own, w->n_threads);
+    bis_pass_learn(w);
     bis_film_end_pass(f, pass->weight);
 }

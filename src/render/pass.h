@@ -16,5 +16,8 @@ typedef struct bis_pass {
  * it then returns true, too. */
 bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user);
 
+/* bis_pass_learn lets visibility learn from a complete pass, in the tiles that were rendered here. */
+void bis_pass_learn(const bis_workspace *w);
+
 /* bis_pass_keep adds the pass under way to the film and its counters to *sum, and lets visibility learn from it. */
 void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum);

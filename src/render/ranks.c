@@ -38,51 +38,52 @@ static const char *first_error(const bis_diag *diag)
     return text;
 }
 
+/* The report of a rank, which all then have. */
+static report told_by(bis_ranks *ranks, int rank, const report *own)
+{
+    report r = *own;
+    ranks->broadcast(ranks, rank, &r, sizeof r);
+    return r;
+}
+
 bis_status bis_ranks_agree(bis_ranks *ranks, bis_status status, bis_diag *diag)
 {
     if (!ranks) return status;
-    report own = report_of(ranks);
+    report own = report_of(ranks), worst = {0};
+    int failing = 0;
+
     own.status = (int32_t)status;
     if (status) bis_append(own.text, sizeof own.text, "%s", first_error(diag));
-    if (ranks->rank > 0) ranks->send(ranks, 0, &own, sizeof own);
-    int failing = status ? 0 : ranks->size;
-    report worst = own;
-    for (int i = 1; i < ranks->size && ranks->rank == 0; i++) {
-        int from;
-        size_t n;
-        report r;
-        memcpy(&r, ranks->receive(ranks, &from, &n, true), sizeof r);
-        if (r.status && from < failing) worst = r, failing = from;
+    for (int i = 0; i < ranks->size; i++) {
+        const report r = told_by(ranks, i, &own);
+        if (r.status && !worst.status) worst = r, failing = i;
     }
     if (ranks->rank == 0 && !status && worst.status)
         bis_error(diag, (bis_status)worst.status, (bis_loc){0}, "rank %d on \"%s\" cannot go on: %s", failing,
                   worst.host, worst.text);
-    ranks->broadcast(ranks, &worst.status, sizeof worst.status);
     return (bis_status)worst.status;
 }
 
-bis_status bis_ranks_compare(bis_ranks *ranks, const uint64_t parts[BIS_IDENTITY_PARTS], int n_threads, int *threads,
-                            bis_diag *diag)
+bis_status bis_ranks_compare(bis_ranks *ranks, const uint64_t parts[BIS_IDENTITY_PARTS], int *n_threads,
+                             bis_diag *diag)
 {
-    report own = report_of(ranks);
-    int32_t status = BIS_OK;
+    report own = report_of(ranks), first = own;
+    bis_status status = BIS_OK;
+    int sum = 0;
 
-    own.n_threads = n_threads;
+    own.n_threads = *n_threads;
     memcpy(own.parts, parts, sizeof own.parts);
-    if (ranks->rank > 0) ranks->send(ranks, 0, &own, sizeof own);
-    for (int i = 1; i < ranks->size && ranks->rank == 0; i++) {
-        int from;
-        size_t n;
+    for (int i = 0; i < ranks->size; i++) {
         char list[1024];
-        report r;
-        memcpy(&r, ranks->receive(ranks, &from, &n, true), sizeof r);
-        threads[from] = r.n_threads;
-        if (!bis_identity_differs(list, sizeof list, parts, r.parts)) continue;
+        const report r = told_by(ranks, i, &own);
+        if (i == 0) first = r;
+        sum += r.n_threads;
+        if (!bis_identity_differs(list, sizeof list, first.parts, r.parts)) continue;
         status = BIS_INPUT;
-        bis_error(diag, BIS_INPUT, (bis_loc){0}, "rank %d on \"%s\" has read another scene than rank 0 on \"%s\". "
-                  "These differ: %s. Give all machines the same files", from, r.host, ranks->host, list);
+        if (ranks->rank == 0)
+            bis_error(diag, BIS_INPUT, (bis_loc){0}, "rank %d on \"%s\" has read another scene than rank 0 on \"%s\". "
+                      "These differ: %s. Give all machines the same files", i, r.host, ranks->host, list);
     }
-    threads[0] = n_threads;
-    ranks->broadcast(ranks, &status, sizeof status);
-    return (bis_status)status;
+    *n_threads = sum;
+    return status;
 }

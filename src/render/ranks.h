@@ -13,14 +13,12 @@
 struct bis_ranks {
     int rank, size; /* size > 1 */
     const char *host; /* name of this machine */
-    /* n bytes of rank 0 to all ranks; all must call it */
-    void (*broadcast)(bis_ranks *ranks, void *data, size_t n);
-    /* data[n] becomes the bitwise or of that of all ranks, everywhere; all must call it */
+    /* n bytes of rank `from` to all ranks; all must call each of these */
+    void (*broadcast)(bis_ranks *ranks, int from, void *data, size_t n);
+    /* data[n] becomes the bitwise or of that of all ranks, everywhere */
     void (*join_bits)(bis_ranks *ranks, unsigned char *data, size_t n);
-    /* returns at once; data may then be changed. Messages between two ranks arrive in their order */
-    void (*send)(bis_ranks *ranks, int to, const void *data, size_t n);
-    /* the next message, borrowed until the next call; NULL: there is none yet, only where wait is false */
-    unsigned char *(*receive)(bis_ranks *ranks, int *from, size_t *n, bool wait);
+    /* data[n] becomes the sum over all ranks, everywhere */
+    void (*add)(bis_ranks *ranks, uint64_t *data, size_t n);
 };
 
 /* bis_rank_leads returns whether this process is the one that talks to the user: rank 0, or alone. */
@@ -31,7 +29,7 @@ static inline bool bis_rank_leads(const bis_ranks *ranks) { return !ranks || ran
  * must call it; without ranks it returns status. */
 bis_status bis_ranks_agree(bis_ranks *ranks, bis_status status, bis_diag *diag);
 
-/* bis_ranks_compare compares what the ranks are about to render, by the hashes of identity.h, and gathers their numbers
- * of threads in threads[size] of rank 0. Errors: BIS_INPUT on all ranks; rank 0 names the rank and what differs. */
-bis_status bis_ranks_compare(bis_ranks *ranks, const uint64_t parts[BIS_IDENTITY_PARTS], int n_threads, int *threads,
-                            bis_diag *diag);
+/* bis_ranks_compare compares what the ranks are about to render, by the hashes of identity.h. *n_threads becomes their
+ * sum. Errors: BIS_INPUT on all ranks; rank 0 names the rank and what differs. */
+bis_status bis_ranks_compare(bis_ranks *ranks, const uint64_t parts[BIS_IDENTITY_PARTS], int *n_threads,
+                             bis_diag *diag);

@@ -25,7 +25,7 @@
 #include "checkpoint.h"
 #include "first_light.h"
 #include "pass.h"
-#include "scheduler.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
@@ -193,7 +193,7 @@ static bool render_pass(render *r)
                            .weight = (double)r->size};
 
     r->work.film->most = expected_spp(r);
-    if (r->work.sched) bis_sched_call(r->work.sched, &pass, BIS_OK);
+    if (r->work.share) bis_team_call(&r->work, &pass, BIS_OK);
     const bool is_whole = bis_pass_render(&r->work, &pass, report_tile, r);
     if (r->work.fine && pass.first == 0) {
         if (!bis_first_light_fill(&r->work, &r->missing)) return false;
@@ -211,7 +211,7 @@ static void keep(render *r)
     const uint32_t passes = r->work.film->passes;
 
     if (!r->work.options->checkpoint || passes == r->kept) return;
-    if (r->work.sched) bis_sched_gather(r->work.sched);
+    if (r->work.share) bis_team_gather(&r->work);
     r->done.seconds = bis_clock_now() - r->start;
     bis_checkpoint_save(r->work.options->checkpoint, &r->work, &r->done);
     r->kept = passes;
@@ -229,7 +229,7 @@ static void fill_result(bis_render_result *result, const render *r)
     result->missing = r->missing;
     result->passes = film->passes;
     result->spp = r->done.spp;
-    result->bytes = bis_workspace_bytes(&r->work) + (r->work.sched ? bis_sched_bytes(r->work.sched) : 0);
+    result->bytes = bis_workspace_bytes(&r->work);
 }
 
 static void tell_so_far(render *r)
@@ -285,10 +285,6 @@ static bis_status prepare(render *r, bis_status status, int *n_threads, bis_diag
     bis_ranks *ranks = w->options->ranks;
     const bis_film *film = w->film;
 
-    if (!status && ranks) {
-        w->sched = bis_sched_new(ranks, w);
-        if (!w->sched) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d ranks", ranks->size);
-    }
     r->start = bis_clock_now();
     if (!status && w->fine && w->options->glimpse) {
         r->glimpse = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *r->glimpse);
@@ -299,7 +295,7 @@ static bis_status prepare(render *r, bis_status status, int *n_threads, bis_diag
     if (status) return status;
     bis_workspace_join_edges(w);
     *n_threads = w->n_threads;
-    return ranks ? bis_sched_meet(w->sched, w, n_threads, diag) : BIS_OK;
+    return ranks ? bis_team_meet(w, n_threads, diag) : BIS_OK;
 }
 
 static void ignore_progress(double share, void *user) { (void)share, (void)user; }
@@ -310,7 +306,8 @@ static bis_status follow(render *r)
     bis_pass pass;
     bis_status status;
 
-    while (bis_sched_follow(r->work.sched, &pass, &status)) bis_pass_render(&r->work, &pass, ignore_progress, NULL);
+    while (bis_team_follow(&r->work, &pass, &status))
+        if (bis_pass_render(&r->work, &pass, ignore_progress, NULL)) bis_pass_learn(&r->work);
     return status;
 }
 
@@ -320,12 +317,13 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
 
     r->done.counters.camera_rays = bis_workspace_edge_rays(&r->work);
     bis_status status = resume(r, diag);
+    if (!status && r->work.share && r->done.spp) bis_team_spread(&r->work);
     r->start = start - r->done.seconds;
     r->last_report = r->last_kept = r->last_so_far = start;
     r->next_glimpse = start + seconds_between_glimpses;
     if (r->budget.seconds > 0) r->work.late = r->start + r->budget.seconds;
     if (!status) render_passes(r, result);
-    if (r->work.sched) bis_sched_call(r->work.sched, NULL, status);
+    if (r->work.share) bis_team_call(&r->work, NULL, status);
     return status;
 }
 
@@ -349,7 +347,6 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     status = prepare(&r, status, &result->n_threads, diag);
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
-    bis_sched_free(r.work.sched);
     bis_workspace_clear(&r.work);
     bis_free(r.glimpse);
     return status;

@@ -118,12 +118,18 @@ static bis_status make_pass(bis_workspace *w, bis_diag *diag)
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
-/* The tiles of a part, or all. A part must have a tile, because an empty file would say nothing when it is merged. */
+/* The tiles of a part, or all, and of these the share of a rank. A part must have a tile, because an empty file would
+ * say nothing when it is merged. */
 static bis_status find_own_tiles(bis_workspace *w, bis_diag *diag)
 {
     const bis_part part = w->options->part;
 
+    const bis_ranks *ranks = w->options->ranks;
+
     w->n_own = w->n_tiles;
+    if (ranks)
+        return bis_share_tiles(&w->share, &w->n_share, w->film,
+                               (bis_part){(uint32_t)ranks->rank + 1, (uint32_t)ranks->size}, diag);
     if (!part.n) return BIS_OK;
     if (part.n > (uint32_t)w->n_tiles)
         return bis_error(diag, BIS_INPUT, (bis_loc){0},
@@ -174,22 +180,9 @@ static bool find_edges_of(bis_workspace *w, const int *tiles, int n, const doubl
     return good;
 }
 
-/* The share of this rank; the others' pixels stay 0. */
-static bool find_edges_of_rank(bis_workspace *w, const bis_ranks *ranks, const double *turns)
-{
-    const bis_part share = {(uint32_t)ranks->rank + 1, (uint32_t)ranks->size};
-    int *tiles, n;
-
-    if (bis_share_tiles(&tiles, &n, w->film, share, NULL)) return false;
-    const bool good = find_edges_of(w, tiles, n, turns);
-    bis_free(tiles);
-    return good;
-}
-
 bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 {
     const int width = w->area.x1 - w->area.x0, height = w->area.y1 - w->area.y0;
-    const bis_ranks *ranks = w->options->ranks;
 
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     for (int kind = 0; kind < BIS_EDGE_KINDS; kind++) {
@@ -203,7 +196,7 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     double *turns = bis_edges_turns(w->desc);
     const bis_edge_eye from = {w->film, w->scene, w->view, turns};
     bool good = w->edge && turns;
-    if (good && ranks) good = find_edges_of_rank(w, ranks, turns);
+    if (good && w->share) good = find_edges_of(w, w->share, w->n_share, turns); /* the others' pixels stay 0 */
     else if (good && w->own) good = find_edges_of(w, w->own, w->n_own, turns);
     else if (good) good = bis_edges_find(w->edge, w->area, w->area, &from, w->n_threads);
     bis_free(turns);
@@ -243,6 +236,7 @@ void bis_workspace_clear(bis_workspace *w)
     bis_clusters_clear(&w->of_twins);
     bis_visibility_clear(&w->visibility);
     bis_free(w->own);
+    bis_free(w->share);
     bis_free(w->workers);
     bis_free(w->pass);
     bis_free(w->pass_twins);

@@ -50,8 +50,9 @@ typedef struct bis_workspace {
     bool surveyed;             /* its squares are closed, see survey.h */
 
     int n_tiles;              /* bis_film_tiles */
-    struct bis_sched *sched;    /* other processes that render tiles, see scheduler.h; NULL: none */
-    int *own, n_own;          /* own[n_own]: the tiles that are rendered, ascending; NULL: all n_tiles */
+    int *own, n_own;          /* own[n_own]: the tiles that the film has, ascending; NULL: all n_tiles */
+    int *share, n_share;      /* share[n_share]: those of them that this rank renders (team.h); NULL: all */
+    bool is_ended;            /* a rank was interrupted in the last pass */
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
     unsigned char *edge;      /* bits of the area, see edges.h; NULL: all pixels are alike */
@@ -80,8 +81,15 @@ void bis_workspace_join_edges(bis_workspace *w);
 /* bis_workspace_edge_rays returns how many rays find the edges of what is rendered, by all ranks together. */
 uint64_t bis_workspace_edge_rays(const bis_workspace *w);
 
-/* bis_workspace_own returns the i-th of the n_own tiles that are rendered. */
+/* bis_workspace_own returns the i-th of the n_own tiles that the film has. */
 static inline int bis_workspace_own(const bis_workspace *w, int i) { return w->own ? w->own[i] : i; }
+
+/* bis_workspace_shared returns how many tiles are rendered here, bis_workspace_share the i-th of them. */
+static inline int bis_workspace_shared(const bis_workspace *w) { return w->share ? w->n_share : w->n_own; }
+static inline int bis_workspace_share(const bis_workspace *w, int i)
+{
+    return w->share ? w->share[i] : bis_workspace_own(w, i);
+}
 
 /* bis_workspace_thread returns the number of this thread, which is that of its worker. */
 static inline int bis_workspace_thread(void)
@@ -93,10 +101,11 @@ static inline int bis_workspace_thread(void)
 #endif
 }
 
-/* bis_workspace_interrupted returns true once the flag of the options is set. The read is atomic, because another
- * thread may set it as well as a signal. */
+/* bis_workspace_interrupted returns true once the flag of the options is set, here or on another rank. The read is
+ * atomic, because another thread may set it as well as a signal. */
 static inline bool bis_workspace_interrupted(const bis_workspace *w)
 {
+    if (w->is_ended) return true;
     return w->options->interrupted && __atomic_load_n(w->options->interrupted, __ATOMIC_RELAXED);
 }
 

@@ -17,7 +17,6 @@
 #include "lit.h"
 #include "map_help.h"
 #include "render/ranks.h"
-#include "render/scheduler.h"
 #include "render/workspace.h"
 #include "world.h"
 
@@ -285,29 +284,6 @@ static void what_a_render_with_twins_works_with(void **state)
     clear_world(&w);
 }
 
-static void what_a_scheduler_has_for_tiles_and_ranks(void **state)
-{
-    static const struct { int ranks, side; } cases[] = {{2, 16}, {2, 1600}, {1000, 16}, {900, 3200}};
-    size_t said[4], taken[4];
-
-    for (int i = 0; i < 4; i++) {
-        bis_ranks ranks = {.size = cases[i].ranks};
-        bis_film film;
-        int across;
-        assert_int_equal(bis_film_init(&film, cases[i].side, cases[i].side, whole, (bis_loc){0}, NULL), BIS_OK);
-        bis_workspace w = {.film = &film, .n_tiles = bis_film_tiles(&film, BIS_RENDER_TILE, &across)};
-        const account before = begin();
-        bis_sched *sched = bis_sched_new(&ranks, &w);
-        taken[i] = in_use() - before.bytes;
-        said[i] = bis_sched_bytes(sched);
-        bis_sched_free(sched);
-        bis_film_clear(&film);
-        /* 14 blocks more or less aligned, some of them rounded up to pages; what begins with 0 has one number more */
-        assert_true(fabs((double)taken[i] - (double)said[i]) < 14 * 208 + (i == 3 ? 14 * 4096 : 0));
-    }
-    assert_true(said[1] - said[0] > 40000 && said[2] - said[0] > 200000); /* so that a part of either is seen */
-}
-
 /* malloc counts what it keeps aside for reuse as in use; it must keep nothing. It reads this once, at the start. */
 static void start_again_without_caches(char **argv)
 {
@@ -334,7 +310,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_a_render_works_with),
         cmocka_unit_test(what_a_wave_of_camera_samples_has),
         cmocka_unit_test(what_a_render_with_twins_works_with),
-        cmocka_unit_test(what_a_scheduler_has_for_tiles_and_ranks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
