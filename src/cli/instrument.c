@@ -59,7 +59,7 @@ static void become(const char *path, char **argv)
 
 int bis_instrument_run(const char *name, char **argv)
 {
-    char self[PATH_MAX], path[2 * PATH_MAX], program[NAME_MAX + 1];
+    char self[PATH_MAX], path[2 * PATH_MAX], program[NAME_MAX + 1], *word = argv[0];
     int n;
 
     if (strlen(name) > NAME_MAX - 4 || strchr(name, '/')) return -1;
@@ -74,6 +74,7 @@ int bis_instrument_run(const char *name, char **argv)
         }
     }
     execvp(program, argv);
+    argv[0] = word; /* it may be a scene */
     if (errno == ENOENT || errno == EACCES) return -1;
     fprintf(stderr, "bis: error: \"%s\" cannot be run: %s\n", program, strerror(errno));
     return BIS_EXIT_FAILED;
