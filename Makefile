@@ -64,6 +64,8 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
 
 SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 PAGES   := $(wildcard scripts/python/pages/[!f]*.html)
+# The commands that are Python.
+INSTRUMENTS := $(filter-out bis-instrument,$(notdir $(wildcard scripts/python/bis-*)))
 # The pages of the instruments, each in one file, where the package finds them.
 ASSEMBLED := $(PAGES:scripts/python/pages/%=scripts/python/bis/pages/%)
 OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o) $B/src/cli/help_scene.o
@@ -255,7 +257,7 @@ envelope: $(ENVELOPE)
 W        := build/web
 WASM_CC  ?= clang
 WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c \
-    src/base/threads.c,$(SRC)) scripts/web/wasm.c
+    src/flat/flat_image.c src/base/threads.c,$(SRC)) scripts/web/wasm.c
 WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o)
 WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h \
     -nostdlibinc -isystem /usr/include/wasm32-wasi \
@@ -321,7 +323,7 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 # calls it.
 python-parts: $B/bis $(SHARED_LIB) $(ASSEMBLED)
 	@mkdir -p '$(TO)/program' '$(TO)/pages' && install -s -m 755 $B/bis '$(TO)/program/bis' && \
-	 for n in trade pixel envmap; do install -m 755 scripts/python/bis-instrument '$(TO)'/program/bis-$$n; done && \
+	 for n in $(INSTRUMENTS); do install -m 755 scripts/python/bis-instrument '$(TO)'/program/$$n; done && \
 	 install -m 644 $(ASSEMBLED) '$(TO)/pages' && \
 	 install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
 

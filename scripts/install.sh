@@ -40,7 +40,7 @@ for file in $(cd scripts/python && find bis -name '*.py' -o -name py.typed -o -p
     mkdir -p "$to/libexec/bis/python/${file%/*}"
     install -m 644 "scripts/python/$file" "$to/libexec/bis/python/$file"
 done
-for name in trade pixel envmap; do install -m 755 scripts/python/bis-instrument "$to/libexec/bis/bis-$name"; done
+for program in scripts/python/bis-*; do install -m 755 "$program" "$to/libexec/bis/${program##*/}"; done
 ln -sf "${libdir:-../../../../lib}/$shared" "$package/libbis.so"
 for header in $headers; do
     mkdir -p "$to/include/${header%/*}"

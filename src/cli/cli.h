@@ -177,6 +177,5 @@ int bis_cmd_render(int argc, char **argv);
 int bis_cmd_trade(int argc, char **argv);
 int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_convert(int argc, char **argv);
-int bis_cmd_envmap(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);
 int bis_cmd_merge(int argc, char **argv);

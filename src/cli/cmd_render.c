@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "bis/base/clock.h"
 
-#include "display.h"
 #include "help.h"
 #include "override.h"
 #include "progress.h"
@@ -27,12 +26,9 @@
 typedef struct render_options {
     bis_render_files files;
     bis_override over;
-    const char *viewer; /* HOST:PORT */
-    bis_display *display;
-    bis_film *film; /* what is rendered, and what display shows */
+    bis_film *film;
     const bis_scene *scene;
     const bis_scene_desc *desc;
-    bool shows_progress;
     bool quiet, plan, approximate, has_every;
     double seconds, error, every, write_every;
     bis_render_part part;
@@ -40,26 +36,11 @@ typedef struct render_options {
     double start; /* of the command, on bis_clock_now's clock */
 } render_options;
 
-static bool read_viewer(void *value, const char *text)
-{
-    *(const char **)value = text;
-    return bis_display_is_address(text);
-}
-
-/* While a pass is rendered, the film holds those before it. */
 static void show_progress(const bis_progress *p, void *user)
 {
-    const render_options *o = user;
     char text[BIS_PROGRESS_TEXT];
-    if (o->shows_progress) fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
-    if (o->display) bis_display_offer(o->display, o->film);
-}
-
-/* The first pass as far as it is. */
-static void show_glimpse(const float *rgba, void *user)
-{
-    const render_options *o = user;
-    bis_display_offer_pixels(o->display, rgba);
+    (void)user;
+    fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
 }
 
 /* --write-every: the pictures of the passes so far. That one of them cannot be written stops nothing. */
@@ -130,27 +111,19 @@ static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, 
         .budget = {.spp = (uint32_t)o->over.spp, .seconds = o->seconds, .error = o->error},
         .n_threads = (int)o->over.threads,
         .interrupted = &bis_cli_signal,
-        .progress = show || (leads && o->viewer) ? show_progress : NULL,
+        .progress = show ? show_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
         .part = o->part.share,
         .ranks = bis_cli_ranks,
     };
     bis_cli_catch_signals();
-    o->shows_progress = show;
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
     options.first_light = !options.checkpoint && !bis_cli_ranks;
-    options.glimpse = options.first_light && o->viewer ? show_glimpse : NULL;
     options.so_far = leads && o->write_every > 0 && !o->part.share.n ? write_so_far : NULL;
     options.every = o->write_every;
-    if (!status && o->viewer) {
-        const char *name = o->files.part ? o->files.part : o->files.pictures.text[0];
-        if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);
-        status = bis_ranks_agree(bis_cli_ranks, status, diag);
-    }
     if (!status) status = bis_render(result, film, o->scene, &desc->view, &options, diag);
-    bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
     char text[BIS_PERCENT];
     if (!status && leads && o->error > 0 && !(result->error.is_bounded && result->error.upper <= o->error)) {
@@ -367,10 +340,6 @@ static void make_options(option_table *t, render_options *o)
         {.name = "exposure", .argument = "EV",
          .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
          .value = &o->files.exposure, .given = &o->files.has_exposure, .lo = -100, .hi = 100},
-        {.name = "display", .argument = "HOST:PORT",
-         .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone "
-                 "stops nothing", .kind = BIS_OPTION_OWN, .value = &o->viewer, .read = read_viewer,
-         .rule = "HOST:PORT with a port in [1, 65535], as in localhost:14158"},
         {.name = "write-every", .argument = "SECONDS",
          .help = "write the picture of the passes so far to its files at intervals, looked at between passes, so that "
                  "any viewer can look", .kind = BIS_OPTION_SECONDS, .value = &o->write_every, .above = true, .hi = 1e8},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* main: which command? `bis SCENE` renders. */
-#include "display.h"
+#include "cli.h"
 #include "help.h"
 #include "instrument.h"
 
@@ -71,7 +71,7 @@ int main(int argc, char **argv)
     bis_cli_ranks_close();
 
     /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
-    if (bis_mem_live() != 0 && !bis_display_is_left())
+    if (bis_mem_live() != 0)
         fprintf(stderr, "bis: error in bis itself: %ld blocks of memory were not freed; please report it\n",
                 bis_mem_live());
     return status;

@@ -68,8 +68,7 @@ bis_status bis_flat_given(const char *names, const void *const *pointers, size_t
     return BIS_OK;
 }
 
-/* The numbers of n samples, k each. */
-static bis_status check_numbers(size_t n, size_t k, const double *u, bis_diag *diag)
+bis_status bis_flat_check_numbers(size_t n, size_t k, const double *u, bis_diag *diag)
 {
     for (size_t i = 0; i < n * k; i++) {
         if (u[i] >= 0 && u[i] < 1) continue;
@@ -118,9 +117,8 @@ static int look(rgb (*value_of)(const void *self, vec3 w, double *pdf), const vo
 
 /* ---- maps ---- */
 
-/* What the arguments say of a map. */
-static bis_status describe(bis_light_desc *desc, const char *name, const char *kind, double area_exponent,
-                           const char *mapping, bis_diag *diag)
+bis_status bis_flat_light_describe(bis_light_desc *desc, const char *name, const char *kind, double area_exponent,
+                                   const char *mapping, bis_diag *diag)
 {
     *desc = bis_light_desc_default();
     desc->filename = (char *)(uintptr_t)name; /* only read */
@@ -148,7 +146,7 @@ int bis_flat_light_open(bis_light **light, const char *path, const char *kind, d
     bis_status status = BIS_FLAT_GIVEN(&diag, light, path, kind);
 
     if (light) *light = NULL;
-    if (!status) status = describe(&desc, path, kind, area_exponent, mapping, &diag);
+    if (!status) status = bis_flat_light_describe(&desc, path, kind, area_exponent, mapping, &diag);
     if (!status) status = bis_light_load(light, &desc, BIS_NEED_TABLE, NULL, &diag);
     return bis_flat_end(status, &diag, say, size);
 }
@@ -162,7 +160,7 @@ int bis_flat_light_make(bis_light **light, int width, int height, const float *p
     bis_status status = BIS_FLAT_GIVEN(&diag, light, pixels, kind);
 
     if (light) *light = NULL;
-    if (!status) status = describe(&desc, "the array", kind, area_exponent, mapping, &diag);
+    if (!status) status = bis_flat_light_describe(&desc, "the array", kind, area_exponent, mapping, &diag);
     if (!status) status = bis_image_init(&image, width, height, &diag);
     if (status) return bis_flat_end(status, &diag, say, size);
     const size_t n = (size_t)width * (size_t)height;
@@ -198,7 +196,7 @@ int bis_flat_light_sample(const bis_light *light, size_t n, const double *u, flo
     bis_status status = BIS_FLAT_GIVEN(&diag, light);
 
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, u, w, L, pdf);
-    if (!status) status = check_numbers(n, 4, u, &diag);
+    if (!status) status = bis_flat_check_numbers(n, 4, u, &diag);
     for (size_t i = 0; !status && i < n; i++) {
         bis_light_point p;
         if (!bis_light_sample(light, u + 4 * i, &p)) {
@@ -279,7 +277,7 @@ int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, s
     if (!status) status = BIS_FLAT_GIVEN(&diag, prob, alias);
     if (!status && m > 0) status = BIS_FLAT_GIVEN(&diag, u, item);
     if (!status) status = check_tables(n, prob, alias, &diag);
-    if (!status) status = check_numbers(m, 1, u, &diag);
+    if (!status) status = bis_flat_check_numbers(m, 1, u, &diag);
     for (size_t i = 0; !status && i < m; i++) item[i] = (uint32_t)bis_alias_pick(prob, alias, n, u[i]);
     return bis_flat_end(status, &diag, say, size);
 }
@@ -422,7 +420,7 @@ int bis_flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float 
     bis_status status = BIS_FLAT_GIVEN(&diag, bsdf);
 
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, u, wi, lobe);
-    if (!status) status = check_numbers(n, 3, u, &diag);
+    if (!status) status = bis_flat_check_numbers(n, 3, u, &diag);
     if (!status && bis_bsdf_is_black(bsdf))
         status = bis_error(&diag, BIS_INPUT, nowhere,
                            "the material is black as seen from wo: it has no directions to draw");

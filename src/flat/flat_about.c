@@ -137,6 +137,9 @@ static void put_scene(bis_json *j, const bis_flat_scene *s, const bis_scene_desc
 
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "path", d->path);
+    bis_json_open(j, "files", '[');
+    for (size_t i = 0; i < d->n_files; i++) bis_json_text(j, NULL, d->files[i]);
+    bis_json_close(j);
     put_film(j, &d->view.film, w->step ? w->step : 1);
     put_settings(j, &d->view.settings);
     bis_json_bool(j, "names_integrator", d->names_integrator);
@@ -144,6 +147,7 @@ static void put_scene(bis_json *j, const bis_flat_scene *s, const bis_scene_desc
     BIS_JSON_NUMBERS(j, {"integrator_line", d->integrator_loc.line}, {"integrator_column", d->integrator_loc.column});
     bis_json_count(j, "spp", d->view.sampler.spp);
     bis_json_count(j, "seed", d->view.sampler.seed);
+    bis_json_bool(j, "is_stratified", d->view.sampler.kind == BIS_SAMPLER_STRATIFIED);
     bis_json_text(j, "accelerator", *figures.accelerator ? figures.accelerator : NULL);
     bis_json_count(j, "triangles", figures.triangles);
     bis_json_bool(j, "has_surface", s->scene->accel != NULL);

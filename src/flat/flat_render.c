@@ -209,7 +209,7 @@ void bis_flat_picture_figures(const bis_flat_picture *picture, double *figure)
     const double all[BIS_FLAT_FIGURES] = {r->seconds, r->passes, (double)r->counters.camera_rays,
                                           (double)r->counters.shadow_rays, (double)r->counters.candidates,
                                           (double)r->counters.accepted, (double)r->counters.nonfinite, r->n_threads,
-                                          r->interrupted};
+                                          r->interrupted, r->error.relative_rmse};
     memcpy(figure, all, sizeof all);
 }
 

@@ -4,6 +4,7 @@
  * besides changes no bit of what an integrator draws from it. */
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
+#include "bis/render/film.h"
 #include "bis/shape/accel.h"
 #include "bis/thesis/integrator.h"
 #include "flat/say.h"
@@ -180,4 +181,40 @@ bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_
         return BIS_OK;
     }
     return load_light(light, s, &wanted, needs, diag);
+}
+
+/* ---- what it covers ---- */
+
+/* The share of side x side rays through pixel (x, y) of the full picture that meet a shape. */
+static float cover(const bis_flat_scene *s, const bis_camera *camera, const bis_film *film, int x, int y, int side)
+{
+    int hits = 0;
+
+    for (int k = 0; s->scene->accel && k < side * side; k++) {
+        const ray eye = bis_camera_ray(camera, film->full_width, film->full_height, x + (k % side + 0.5) / side,
+                                       y + (k / side + 0.5) / side);
+        bis_hit hit;
+        hits += bis_accel_intersect(s->scene->accel, &eye, &hit);
+    }
+    return (float)hits / (float)(side * side);
+}
+
+int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share, char *say,
+                            size_t size)
+{
+    bis_diag diag = {0};
+    bis_flat_wishes w = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, scene, settings, share);
+
+    if (!status && !(side >= 1 && side <= 64))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "side is %d: give 1 to 64", side);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
+    status = bis_flat_wish(&d, &w, settings, &diag);
+    if (!status) status = bis_flat_scene_check(scene, &d, &diag);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const bis_film film = bis_film_place(d.view.film.width, d.view.film.height, d.view.film.crop, 1);
+    for (int i = 0; i < film.width * film.height; i++)
+        share[i] = cover(scene, &d.view.camera, &film, film.x0 + i % film.width, film.y0 + i / film.width, side);
+    return bis_flat_end(BIS_OK, &diag, say, size);
 }

@@ -292,43 +292,6 @@ int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, doub
 
 /* ---- thesis 3.3, 3.4: maps ---- */
 
-static bis_status set_light(bis_light_desc *desc, const char *setting, bis_diag *diag)
-{
-    const size_t n = strcspn(setting, "=");
-    const char *text = setting[n] ? setting + n + 1 : "", *end;
-    const double v = bis_parse_double(text, &end);
-    const bool is_number = end != text && !*end;
-
-    if (strncmp(setting, "kind=", 5) == 0 && (strcmp(text, "alias") == 0 || strcmp(text, "cdf") == 0)) {
-        desc->has_table_kind = true;
-        desc->table_kind = *text == 'c' ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
-    } else if (strncmp(setting, "area_exponent=", 14) == 0 && is_number && v >= 0 && v <= BIS_AREA_EXPONENT_MAX) {
-        desc->area_exponent = v;
-    } else if (strncmp(setting, "levels=", 7) == 0 && is_number && v >= 1 && v <= BIS_LEVELS_MAX && v == floor(v)) {
-        desc->levels = (int)v;
-    } else if (strncmp(setting, "as_printed=", 11) == 0 && bis_erratum_find(text)) {
-        desc->as_printed |= bis_erratum_find(text)->flag;
-    } else {
-        return bis_error(diag, BIS_INPUT, nowhere, "\"%.60s\" is no setting of a map: give kind=alias or cdf, "
-                         "area_exponent=0 to %g, levels=1 to %d, as_printed=E3", setting, BIS_AREA_EXPONENT_MAX,
-                         BIS_LEVELS_MAX);
-    }
-    return BIS_OK;
-}
-
-int bis_flat_light_open_as(bis_light **light, const char *path, const char *const *settings, char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_light_desc desc = bis_light_desc_default();
-    bis_status status = BIS_FLAT_GIVEN(&diag, light, path, settings);
-
-    if (light) *light = NULL;
-    desc.filename = (char *)(uintptr_t)path; /* only read */
-    for (size_t i = 0; !status && settings[i]; i++) status = set_light(&desc, settings[i], &diag);
-    if (!status) status = bis_light_load(light, &desc, BIS_NEED_TABLE, NULL, &diag);
-    return bis_flat_end(status, &diag, say, size);
-}
-
 int bis_flat_light_find(const bis_light *light, size_t n, const float *w, uint32_t *pixel, char *say, size_t size)
 {
     bis_diag diag = {0};

@@ -27,3 +27,11 @@ bis_status bis_flat_direction(vec3 *w, const float *all, size_t i, bis_diag *dia
 
 /* bis_flat_unit stores v[3], called name, as a unit vector. Errors: BIS_INPUT (it is 0 or not finite). */
 bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *diag);
+
+/* bis_flat_check_numbers checks the random numbers u[n][k] of n samples. Errors: BIS_INPUT (one outside [0,1)). */
+bis_status bis_flat_check_numbers(size_t n, size_t k, const double *u, bis_diag *diag);
+
+/* bis_flat_light_describe stores what the arguments say of a map: its name in messages, its table, b of thesis 3.4, and
+ * how it covers the sphere (NULL: not said). name is borrowed. Errors: BIS_INPUT (kind, area_exponent, mapping). */
+bis_status bis_flat_light_describe(bis_light_desc *desc, const char *name, const char *kind, double area_exponent,
+                                   const char *mapping, bis_diag *diag);

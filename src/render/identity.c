@@ -109,7 +109,7 @@ const bis_identity_struct bis_identity_structs[] = {
     /* shape_end: for messages */
     {"bis_scene", by_hand, "desc geometry accel light images n_images shape_end seconds"},
     /* pass_size counts; the others say when and where a render ends, and who is told */
-    {"bis_render_options", by_hand, "budget n_threads pass_size interrupted progress forecast first_light glimpse "
+    {"bis_render_options", by_hand, "budget n_threads pass_size interrupted progress forecast first_light "
                                     "so_far every user part ranks checkpoint"},
     {NULL, NULL, NULL},
 };

@@ -127,8 +127,7 @@ static bool render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         for (int x = kept.x0; x < kept.x1; x++) {
             if (is_glimpse && !bis_first_light_glimpses(f, x, y)) continue;
             const bis_pixel_sum *sum = &me->pixels[index_in(kept, x, y)];
-            bis_first_light_put(&w->pass[index_in(crop, x, y)],
-                                (bis_pixel_mean){mean_of(sum), (float)sum->hits / (float)sum->n});
+            w->pass[index_in(crop, x, y)] = (bis_pixel_mean){mean_of(sum), (float)sum->hits / (float)sum->n};
             if (sum->values) bis_gather_mean(sum->values, &f->layers, sum->n / pass->weight);
         }
     }
@@ -150,7 +149,7 @@ static void sweep(bis_workspace *w, const bis_pass *pass, bool is_glimpse, bis_p
         int done;
         if (may_end && bis_clock_now() >= w->late) continue;
         if (render_tile(w, &w->workers[bis_workspace_thread()], t, pass, is_glimpse) && w->fine)
-            __atomic_store_n(&w->fine[t], is_glimpse ? BIS_TILE_GLIMPSED : BIS_TILE_WHOLE, __ATOMIC_RELEASE);
+            w->fine[t] = is_glimpse ? BIS_TILE_GLIMPSED : BIS_TILE_WHOLE;
 #pragma omp atomic capture
         done = ++n_done;
         if (bis_workspace_thread() == 0) progress(is_glimpse ? 0 : (double)done / n, user);

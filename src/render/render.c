@@ -32,8 +32,7 @@
 
 enum { MIN_ERROR_PASSES = 3, MOST_SAMPLES = 4 };
 
-static const double seconds_between_reports = 0.2, seconds_between_glimpses = 0.5;
-static const double share_of_glimpses = 0.02; /* of the time, at most, as a display takes */
+static const double seconds_between_reports = 0.2;
 
 typedef struct render {
     bis_workspace work;
@@ -45,8 +44,7 @@ typedef struct render {
     bis_done done;
     uint32_t kept;    /* passes in the last checkpoint that this process has written */
     double last_kept; /* when that was */
-    float *glimpse;   /* glimpse[height][width][4], for options->glimpse; NULL: nobody looks */
-    double next_glimpse, last_so_far;
+    double last_so_far;
     double missing;   /* share of pixels that the first pass did not reach */
     uint32_t size; /* camera samples of a pixel in the pass under way */
     bool has_forecast; /* what the error will take was told; the figure may become unknown and known again */
@@ -108,14 +106,8 @@ static void report(render *r, double share)
 static void report_tile(double share, void *user)
 {
     render *r = user;
-    const double now = bis_clock_now();
 
-    if (now - r->last_report > seconds_between_reports) report(r, share);
-    if (!r->glimpse || r->done.spp || now < r->next_glimpse) return;
-    const bool shows = bis_first_light_show(&r->work, r->glimpse);
-    if (shows) r->work.options->glimpse(r->glimpse, r->work.options->user);
-    const double cost = bis_clock_now() - now; /* to look in vain takes time, too */
-    r->next_glimpse = now + fmax(shows ? seconds_between_glimpses : 0, cost / share_of_glimpses);
+    if (bis_clock_now() - r->last_report > seconds_between_reports) report(r, share);
 }
 
 /* What the error budget will take, as far as the first passes know: the error falls with the root of the number of
@@ -283,13 +275,8 @@ static bis_status prepare(render *r, bis_status status, int *n_threads, bis_diag
 {
     bis_workspace *w = &r->work;
     bis_ranks *ranks = w->options->ranks;
-    const bis_film *film = w->film;
 
     r->start = bis_clock_now();
-    if (!status && w->fine && w->options->glimpse) {
-        r->glimpse = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *r->glimpse);
-        if (!r->glimpse) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the picture's first light");
-    }
     if (!status) status = bis_workspace_find_edges(w, diag);
     status = bis_ranks_agree(ranks, status, diag);
     if (status) return status;
@@ -320,7 +307,6 @@ static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
     if (!status && r->work.share && r->done.spp) bis_team_spread(&r->work);
     r->start = start - r->done.seconds;
     r->last_report = r->last_kept = r->last_so_far = start;
-    r->next_glimpse = start + seconds_between_glimpses;
     if (r->budget.seconds > 0) r->work.late = r->start + r->budget.seconds;
     if (!status) render_passes(r, result);
     if (r->work.share) bis_team_call(&r->work, NULL, status);
@@ -348,6 +334,5 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (!status) r.passes_total = passes_in(&r, r.most);
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
     bis_workspace_clear(&r.work);
-    bis_free(r.glimpse);
     return status;
 }

@@ -87,12 +87,6 @@ static void compare_says_so(void **state)
     each_may_fail(bis_cmd_compare, "--json " DIR "/a.exr " DIR "/b.pfm", 1000);
 }
 
-static void envmap_says_so(void **state)
-{
-    each_may_fail(bis_cmd_envmap, DIR "/map.pfm --samples 5 --out " DIR "/e.png", 1000);
-    each_may_fail(bis_cmd_envmap, DIR "/probe.pfm --json --mapping angular --width 16", 1000);
-}
-
 static void render_says_so(void **state)
 {
     each_may_fail(bis_cmd_render, DIR "/scene.txt --quiet --spp 2 --nthreads 1 --accelerator grid --layers all "
@@ -153,7 +147,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(compare_says_so),
-        cmocka_unit_test(envmap_says_so),
         cmocka_unit_test(render_says_so),
         cmocka_unit_test(a_light_of_its_own_says_so),
         cmocka_unit_test(merge_says_so),
@@ -170,7 +163,5 @@ int main(void)
     pixels[3].r = 100;
     assert_int_equal(bis_image_save(&image, DIR "/b.pfm", NULL), BIS_OK);
     program_write_file(DIR "/dark.txt", "WorldBegin Material \"diffuse\" \"float reflectance\" 0 Shape \"sphere\"\n");
-    const bis_image probe = {5, 5, pixels, NULL};
-    assert_int_equal(bis_image_save(&probe, DIR "/probe.pfm", NULL), BIS_OK);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -383,11 +383,17 @@ static void the_settings_of_a_map_are_those_of_its_light(void **state)
 
 static void a_setting_of_a_map_has_its_limits(void **state)
 {
-    static const struct { const char *setting; bool is_good; } rows[] = {
-        {"kind=alias", true}, {"kind=cdf", true}, {"kind=list", false}, {"kind=", false}, {"kind=alias2", false},
-        {"area_exponent=0", true}, {"area_exponent=10", true}, {"area_exponent=-0.1", false},
-        {"area_exponent=10.1", false}, {"area_exponent=", false}, {"area_exponent=1x", false},
-        {"area_exponent=nan", false}, {"levels=1", true}, {"levels=254", true}, {"levels=0", false},
+#define TABLE(name) "there is no table \"" name "\": give \"alias\" or \"cdf\""
+#define EXPONENT(b) "area_exponent is " b ": give a number in [0, 10]"
+    static const struct { const char *setting; bool is_good; const char *text; } rows[] = {
+        {"kind=alias", true}, {"kind=cdf", true}, {"kind=list", false, TABLE("list")}, {"kind=", false, TABLE("")},
+        {"kind=alias2", false, TABLE("alias2")},
+        {"area_exponent=0", true}, {"area_exponent=10", true}, {"area_exponent=-0.1", false, EXPONENT("-0.1")},
+        {"area_exponent=10.1", false, EXPONENT("10.1")}, {"area_exponent=", false}, {"area_exponent=1x", false},
+        {"area_exponent=nan", false, EXPONENT("nan")}, {"mapping=latlong", true}, {"mapping=", false,
+            "there is no mapping \"\"; `bis help lights` lists them, as \"latlong\""},
+        {"width=1", true}, {"width=65536", true}, {"width=0", false}, {"width=65537", false}, {"width=1.5", false},
+        {"width=", false}, {"levels=1", true}, {"levels=254", true}, {"levels=0", false},
         {"levels=255", false}, {"levels=2.5", false}, {"levels=4x", false}, {"levels=", false}, {"levels", false},
         {"as_printed=E13", true}, {"as_printed=E3", true}, {"as_printed=E999", false}, {"as_printed", false},
         {"kin=cdf", false}, {"area=1", false}, {"1", false}, {"level=1", false},
@@ -395,11 +401,14 @@ static void a_setting_of_a_map_has_its_limits(void **state)
     bis_light *light;
 
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char text[200];
+        char text[300];
         const int status = bis_flat_light_open_as(&light, DIR "/white.pfm", (const char *[]){rows[i].setting, NULL},
             SAY);
-        snprintf(text, sizeof text, "\"%s\" is no setting of a map: give kind=alias or cdf, area_exponent=0 to 10, "
-            "levels=1 to 254, as_printed=E3", rows[i].setting);
+        if (rows[i].text)
+            snprintf(text, sizeof text, "%s", rows[i].text);
+        else
+            snprintf(text, sizeof text, "\"%s\" is no setting of a map: give kind=alias or cdf, area_exponent=0 to "
+                "10, levels=1 to 254, mapping=latlong or another, width=1 to 65536, as_printed=E3", rows[i].setting);
         if (rows[i].is_good) assert_int_equal(status, 0);
         else refuses(status, text);
         assert_int_equal(light != NULL, rows[i].is_good);

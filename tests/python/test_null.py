@@ -14,13 +14,13 @@ SCENE = b"""text=Film "rgb" "integer xresolution" 4 "integer yresolution" 3 Look
 Camera "perspective" WorldBegin LightSource "infinite" "string filename" "%s" Shape "sphere" """ % MAP.encode()
 INPUT = 3
 LIGHT_MAY_BE_NULL = {"bis_flat_render_with", "bis_flat_scene_open", "bis_flat_scene_render", "bis_flat_stage_of"}
-MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values"}
+MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values", "coverage", "attributes"}
 
 
 def functions():
     """Name, returned type and arguments, as (type, name), of each function of the headers."""
     found = []
-    for header in ("flat", "taught", "scene", "stage"):
+    for header in ("flat", "image", "map", "scene", "stage", "taught"):
         with open(os.path.join(ROOT, "include/bis/flat", header + ".h")) as f:
             text = re.sub(r"/\*.*?\*/", "", f.read(), flags=re.DOTALL)
         for returned, name, arguments in re.findall(r"^([a-z][\w *]*?)(bis_flat_\w+)\(([^)]*)\);", text, re.MULTILINE):
@@ -32,7 +32,7 @@ def functions():
 
 
 def is_pointer(kind, what):
-    return "*" in kind or what in ("shape", "hash") or kind == "const volatile sig_atomic_t"
+    return "*" in kind or what in ("shape", "hash", "place") or kind == "const volatile sig_atomic_t"
 
 
 class Opened:
@@ -47,7 +47,8 @@ class Opened:
                    "bsdf": self.open(library.bis_flat_bsdf_open, b"phong", up, up, ctypes.c_double(9), up, up),
                    "picture": self.open(library.bis_flat_render, b"scene", self.texts(SCENE, b"spp=1"), None),
                    "stage": self.open(library.bis_flat_stage_open, b"scene", self.texts(SCENE)),
-                   "scene": self.open(library.bis_flat_scene_open, b"scene", self.texts(SCENE), None)}
+                   "scene": self.open(library.bis_flat_scene_open, b"scene", self.texts(SCENE), None),
+                   "image": self.open(library.bis_flat_image_read, MAP.encode())}
         library.bis_flat_stage_at(self.of["stage"], 1, 1, up, self.say, 1000)
 
     def texts(self, *texts):

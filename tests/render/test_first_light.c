@@ -175,35 +175,6 @@ static void the_layer_of_samples_tells_which_pixels_are_missing(void **state)
     clear_world(&w);
 }
 
-/* Two tiles side by side, the first one whole: by hand, pixel (x, y) is x + 100 y. */
-static void what_is_shown_is_the_pixel_or_its_glimpse(void **state)
-{
-    enum { W = 20, H = 9 };
-    bis_film film;
-    bis_pixel_mean pass[W * H];
-    unsigned char fine[2] = {BIS_TILE_GLIMPSED, BIS_TILE_MISSING};
-    float rgba[4 * W * H];
-    bis_diag diag = {0};
-    assert_int_equal(bis_film_init(&film, W, H, whole, (bis_loc){0}, &diag), BIS_OK);
-    bis_workspace w = {.film = &film, .pass = pass, .fine = fine, .n_tiles = 2};
-    for (int i = 0; i < W * H; i++) {
-        const float value = (float)(i % W + 100 * (i / W));
-        pass[i] = (bis_pixel_mean){{value, -1, value}, 0.5f};
-    }
-    assert_false(bis_first_light_show(&w, rgba));
-    fine[0] = BIS_TILE_WHOLE;
-    fine[1] = BIS_TILE_GLIMPSED;
-    assert_true(bis_first_light_show(&w, rgba));
-    for (int y = 0; y < H; y++) {
-        for (int x = 0; x < W; x++) {
-            const float *c = rgba + 4 * (y * W + x);
-            const int value = x < 16 ? x + 100 * y : y < 8 ? 16 : 816;
-            assert_true(c[0] == (float)value && c[1] == 0 && c[2] == c[0] && c[3] == 0.5f);
-        }
-    }
-    bis_film_clear(&film);
-}
-
 /* ---- the result so far ---- */
 
 typedef struct seen {
@@ -258,7 +229,6 @@ int main(void)
         cmocka_unit_test(without_it_the_first_pass_is_complete),
         cmocka_unit_test(an_interrupted_first_pass_leaves_what_there_is),
         cmocka_unit_test(the_layer_of_samples_tells_which_pixels_are_missing),
-        cmocka_unit_test(what_is_shown_is_the_pixel_or_its_glimpse),
         cmocka_unit_test(the_result_so_far_is_told_between_passes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -739,10 +739,6 @@ typedef struct telling {
     double at[16];          /* seconds, of what was told n times */
     uint64_t spp[16];
     double most[16];        /* of the film */
-    int n_glimpses;
-    double glimpses[16];    /* seconds */
-    const float *rgba;
-    float first[4 * WIDTH]; /* glimpse, of one row */
     int n_forecasts;
     bis_forecast forecast;
     double share;           /* of the first report after it */
@@ -992,82 +988,6 @@ static void a_later_process_knows_the_seconds_and_finds_its_own_speed(void **sta
     clear_ticking(&w);
 }
 
-static void note_glimpse(const float *rgba, void *user)
-{
-    telling *t = user;
-    assert_true(t->n_glimpses < 16);
-    if (t->n_glimpses == 0) memcpy(t->first, rgba, sizeof t->first);
-    t->glimpses[t->n_glimpses++] = elapsed();
-}
-
-/* One row, 0.05 s a sample: the glimpse of pixels 0, 8, 16, 24 and 32 is complete after 0.25 s, the tiles of the first
- * pass after 1.05, 1.85 and 2.1 s. What there is is shown then, if half a second has passed since it was last, and not
- * in the second pass. */
-static void what_there_is_is_shown_every_half_second_of_the_first_pass(void **state)
-{
-    static const struct {
-        double tick;
-        int n;
-        double at[3];
-    } cases[] = {{0.05, 2, {1.05, 1.85}}, {1, 4, {5, 21, 37}}, {0.1, 4, {0.5, 2.1, 3.7}}, {0.02, 1, {0.74}},
-                 {0.01, 0, {0}}};
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        telling t = {0};
-        world w;
-        bis_film film, clean;
-        bis_render_result result;
-        make_ticking(&w, cases[i].tick, FOR_EVER);
-        render_part(&clean, &result, &w, one_row, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 1});
-        set_watch(cases[i].tick, FOR_EVER);
-        render_part(&film, &result, &w, one_row,
-                    &(bis_render_options){.budget = {.spp = 2}, .n_threads = 1, .first_light = true,
-                                          .glimpse = note_glimpse, .progress = note_report, .user = &t});
-        assert_int_equal(t.n_glimpses, cases[i].n);
-        for (int k = 0; k < 10 && cases[i].tick == 1; k++) { /* the three tiles of a glimpse are no part of a pass */
-            assert_int_equal(t.n, 10);
-            assert_true(fabs(t.reports[k].share - (k < 3 ? 0 : k < 9 ? (k - 2) / 6.0 : 1)) < 1e-9);
-            assert_true((k < 3) == isnan(t.reports[k].seconds_left));
-        }
-        for (int k = 0; k < t.n_glimpses && k < 3; k++) assert_true(fabs(t.glimpses[k] - cases[i].at[k]) < 1e-6);
-        for (int x = 0; x < WIDTH && i == 0; x++) { /* of two tiles every 8th pixel is there */
-            const int from = x < 16 ? x : x / 8 * 8;
-            assert_true(t.first[4 * x] == (float)clean.sum[3 * from] && t.first[4 * x + 3] == 1);
-        }
-        bis_film_clear(&film);
-        bis_film_clear(&clean);
-        clear_ticking(&w);
-    }
-}
-
-static double seconds_of_a_glimpse;
-
-static void note_slow_glimpse(const float *rgba, void *user)
-{
-    note_glimpse(rgba, user);
-    pass_time(seconds_of_a_glimpse);
-}
-
-/* The row of 0.1 s a sample again, in 4 s: 0.01 s for a look leaves four of them, and after 0.1 s the next one waits
- * for 5 s. Else a picture so large that a look takes half a second would be looked at after each tile. */
-static void looks_take_a_fiftieth_of_the_time(void **state)
-{
-    for (int slow = 0; slow < 2; slow++) {
-        telling t = {0};
-        world w;
-        bis_film film;
-        bis_render_result result;
-        seconds_of_a_glimpse = slow ? 0.1 : 0.01;
-        make_ticking(&w, 0.1, FOR_EVER);
-        render_part(&film, &result, &w, one_row,
-                    &(bis_render_options){.budget = {.spp = 2}, .n_threads = 1, .first_light = true,
-                                          .glimpse = note_slow_glimpse, .user = &t});
-        assert_int_equal(t.n_glimpses, slow ? 1 : 4);
-        bis_film_clear(&film);
-        clear_ticking(&w);
-    }
-}
-
 /* The same row, 1 s a sample: the glimpse is there after 5 s, and tiles of 16 and 16 pixels end after 21 and 37 s. None
  * begins when the time is over; those that have not begun miss all but every 8th pixel. */
 static void the_first_pass_ends_with_the_time(void **state)
@@ -1282,8 +1202,6 @@ static void an_error_that_is_just_reached_is_enough(void **state)
     clear_ticking(&w);
 }
 
-static void forget_glimpse(const float *rgba, void *user) {}
-
 /* Of what a render with edges and with a glimpse, or of a part, takes, each piece that is missing is told, and nothing
  * stays. */
 static void without_memory_there_is_no_first_light_and_no_part(void **state)
@@ -1298,7 +1216,7 @@ static void without_memory_there_is_no_first_light_and_no_part(void **state)
     for (int part = 0; part < 2; part++)
         FOR_LACK(l) {
             const bis_render_options options = {.budget = {.spp = 1}, .n_threads = 1, .first_light = !part,
-                                                .glimpse = forget_glimpse, .part = {(uint32_t)part, part ? 2 : 0}};
+                                                .part = {(uint32_t)part, part ? 2 : 0}};
             bis_film film;
             bis_render_result result;
             bis_diag diag = {0};
@@ -1625,8 +1543,6 @@ int main(void)
         cmocka_unit_test(the_film_is_told_how_many_samples_are_expected),
         cmocka_unit_test(a_checkpoint_is_kept_once_in_an_interval),
         cmocka_unit_test(a_later_process_knows_the_seconds_and_finds_its_own_speed),
-        cmocka_unit_test(what_there_is_is_shown_every_half_second_of_the_first_pass),
-        cmocka_unit_test(looks_take_a_fiftieth_of_the_time),
         cmocka_unit_test(the_first_pass_ends_with_the_time),
         cmocka_unit_test(a_forecast_is_the_square_of_the_errors_times_what_was_taken),
         cmocka_unit_test(who_interrupts_a_finished_render_comes_too_late),

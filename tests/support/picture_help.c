@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "picture_help.h"
 
-#include "out/palette.h"
 #include "claim.h"
 
 #include <stdlib.h>
@@ -31,7 +30,9 @@ void picture_in(bis_image *image, const char *drawing, const char *name)
     assert_true(png_image_finish_read(&png, NULL, rows, 0, NULL));
     assert_int_equal(bis_image_init(image, (int)png.width, (int)png.height, NULL), BIS_OK);
     for (size_t i = 0; i < (size_t)png.width * png.height; i++) {
-        image->pixels[i] = bis_palette_srgb(rows[3 * i] / 255.0, rows[3 * i + 1] / 255.0, rows[3 * i + 2] / 255.0);
+        double c[3];
+        for (size_t k = 0; k < 3; k++) c[k] = bis_image_to_linear(rows[3 * i + k] / 255.0, BIS_GAMMA_SRGB);
+        image->pixels[i] = rgb_from(c[0], c[1], c[2]);
     }
     free(rows);
     free(file);

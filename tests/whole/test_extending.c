@@ -281,7 +281,7 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
     const char *tests = getenv("BIS_LONG")
                             ? "all"
                             : "test_help test_verify test_parameters test_bytes test_errata test_layers test_render "
-                              "test_verify_view test_survey test_options test_expect test_parser test_scene test_flat";
+                              "test_verify_view test_options test_expect test_parser test_scene test_flat";
     char command[256];
     snprintf(command, sizeof command, "sh scripts/check/check_extending.sh %s", tests);
     assert_int_equal(system(command), 0);

@@ -34,13 +34,20 @@ int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, con
  * BIS_INPUT (a setting), BIS_NOMEM. */
 int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, char *say, size_t size);
 
+/* bis_flat_scene_coverage stores in share[height][width] how much of each pixel of such a picture shapes cover: the
+ * share of side x side camera rays, evenly spread over the pixel, that meet one. bis_flat_scene_about tells the size,
+ * the "film". Errors: BIS_INPUT (a setting, side outside [1, 64]). */
+int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share, char *say,
+                            size_t size);
+
 /* bis_flat_about returns as JSON what the library has: integrators with claim and parameters, proposals, layers,
  * accelerators, limits. The text is the library's; NULL: no memory. Not for two threads at once the first time. */
 const char *bis_flat_about(void);
 
 /* Figures of a picture. */
-enum { BIS_FLAT_FIGURES = 9 };
+enum { BIS_FLAT_FIGURES = 10 };
 
 /* bis_flat_picture_figures stores in figure[BIS_FLAT_FIGURES]: seconds of the render, passes, camera rays, shadow rays,
- * candidates, accepted ones, estimates that were not finite, threads, and 1 where it was interrupted. */
+ * candidates, accepted ones, estimates that were not finite, threads, 1 where it was interrupted, and the relative RMSE
+ * that its passes tell of (NaN: fewer than two), whether few pixels carry it or many. */
 void bis_flat_picture_figures(const bis_flat_picture *picture, double *figure);

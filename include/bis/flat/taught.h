@@ -4,6 +4,7 @@
 #pragma once
 
 #include "bis/flat/flat.h"
+#include "bis/flat/map.h"
 
 /* ---- numbers, hashes ---- */
 
@@ -75,10 +76,6 @@ int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, doub
                  size_t size);
 
 /* ---- thesis 3.3, 3.4: maps ---- */
-
-/* bis_flat_light_open_as reads a map as a scene does whose light has these settings, a list of "name=value" that ends
- * with NULL: kind, area_exponent, levels, as_printed (E3,E13,E20). Errors: as bis_flat_light_open. */
-int bis_flat_light_open_as(bis_light **light, const char *path, const char *const *settings, char *say, size_t size);
 
 /* bis_flat_light_find stores in pixel[n] the pixel (y * width + x) of the map that each direction w[n][3] meets.
  * Errors: as bis_flat_light_look. */

@@ -69,9 +69,6 @@ typedef struct bis_render_options {
      * then end before it is complete: by `seconds` or `interrupted`. Neither with a part or the ranks, nor with a
      * checkpoint, because these hold whole passes only */
     bool first_light;
-    /* called in the first pass every half second by one thread with what there is, if first_light is set:
-     * rgba[height][width][4] of the film, missing pixels like one within 7 rows and columns; may be NULL */
-    void (*glimpse)(const float *rgba, void *user);
     /* called between passes by one thread, each time `every` seconds have passed, with the result so far, of which the
      * film is then complete; may be NULL */
     void (*so_far)(const bis_render_result *result, void *user);

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, judge, real, run
-from ._library import shape, text_bytes
+from ._library import shape, text_bytes, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -35,6 +35,7 @@ _about = declare("about", result=TEXT)
 _scene_open = declare("scene_open", P, TEXT, P, P, *SAY)
 _scene_close = declare("scene_close", P, result=None)
 _scene_render = declare("scene_render", P, P, P, P, _WATCHER, P, P, *SAY)
+_scene_coverage = declare("scene_coverage", P, P, INT, P, *SAY)
 _scene_about = declare("scene_about", P, P, P, *SAY)
 _picture_stats = declare("picture_stats", P, result=TEXT)
 
@@ -85,6 +86,9 @@ class Picture:
         As used.
     interrupted : bool
         It was stopped; the picture has the passes that were complete.
+    error : float
+        The relative RMSE that its passes tell of; NaN: fewer than two. Where few pixels carry it, it may be far off;
+        then ``stats["estimated_relative_rmse"]`` is None.
     """
 
     rgb: Floats
@@ -100,6 +104,7 @@ class Picture:
     nonfinite: int
     threads: int
     interrupted: bool
+    error: float
 
     @property
     def pass_seconds(self) -> float:
@@ -257,12 +262,12 @@ def _picture(render_it: Callable[..., tuple[int, str]], light: Any, progress: Op
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
         _picture_pixels(handle, rgba.ctypes.data)
-        figures = np.empty(9)
+        figures = np.empty(10)
         _picture_figures(handle, figures.ctypes.data)
         counts = [int(x) for x in figures[1:8]]
         return Picture(np.ascontiguousarray(rgba[:, :, :3]), np.ascontiguousarray(rgba[:, :, 3]),
                        _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()),
-                       float(figures[0]), *counts, bool(figures[8]))
+                       float(figures[0]), *counts, bool(figures[8]), float(figures[9]))
     finally:
         _picture_close(handle)
 
@@ -379,12 +384,34 @@ class Scene(Handle):
         Returns
         -------
         dict
-            path; width, height and crop of the picture, film (x0, y0, width, height of what is rendered); integrator,
-            claim, parameters, line (the Integrator line that says it; whole_line: with defaults), as_printed; spp,
-            seed; accelerator, triangles, has_surface; light (file, is_black, is_constant, width, height,
-            area_exponent, levels).
+            path, files (all that hold its text); width, height and crop of the picture, film (x0, y0, width, height of
+            what is rendered); integrator, claim, parameters, line (the Integrator line that says it; whole_line: with
+            defaults), as_printed; spp, seed, is_stratified; accelerator, triangles, has_surface; light (file,
+            is_black, is_constant, width, height, area_exponent, levels).
         """
         text = TEXT()
         with self._busy:
             call(_scene_about, ctypes.byref(text), self._handle, _list(_said(None, None, None, None, settings)))
             return dict(json.loads((text.value or b"").decode()))
+
+    def coverage(self, side: int = 4, **settings: Any) -> Floats:
+        """Tell how much of each pixel shapes cover: the rest is background.
+
+        Parameters
+        ----------
+        side : int
+            So many times so many camera rays go through each pixel.
+        **settings
+            As those of `render`; crop and size count.
+
+        Returns
+        -------
+        array (h, w)
+            Shares in [0, 1].
+        """
+        film = self.about(**settings)["film"]
+        share = np.empty((film["height"], film["width"]), np.float32)
+        with self._busy:
+            call(_scene_coverage, self._handle, _list(_said(None, None, None, None, settings)),
+                 whole("side", side), share.ctypes.data)
+        return share

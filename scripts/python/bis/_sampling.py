@@ -4,22 +4,35 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Optional, Union
+from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, N, P, SAY, TEXT, Error, Handle, Made, WrongType, array, call, declare, given
-from ._library import numbers, real, shape, text_bytes
+from ._library import numbers, real, shape, text_bytes, whole
 
-_light_open = declare("light_open", P, TEXT, TEXT, D, TEXT, *SAY)
-_light_make = declare("light_make", P, INT, INT, P, TEXT, D, TEXT, *SAY)
+_uniform = declare("uniform", ctypes.c_uint32, ctypes.c_uint32, N, P, result=None)
+_light_open = declare("light_open_as", P, TEXT, P, *SAY)
+_light_make = declare("light_make_as", P, INT, INT, P, P, *SAY)
 _light_close = declare("light_close", P, result=None)
 _light_shape = declare("light_shape", P, P, result=None)
 _light_pixels = declare("light_pixels", P, P, result=None)
 _light_power = declare("light_power", P, result=D)
 _light_sample = declare("light_sample", P, N, P, P, P, P, *SAY)
 _light_look = declare("light_look", P, N, P, P, P, *SAY)
+_light_source = declare("light_source", P, result=TEXT)
+_light_facts = declare("light_facts", P, P, result=None)
+_light_angles = declare("light_angles", P, P, result=None)
+_light_density = declare("light_density", P, P, P, P, *SAY)
+_light_regions = declare("light_regions", P, INT, D, P, P, P, P, P, *SAY)
+_light_find = declare("light_find", P, N, P, P, *SAY)
+_light_centres = declare("light_centres", P, N, P, P, *SAY)
+_light_draw = declare("light_draw", P, N, P, P, *SAY)
+_image_of_light = declare("image_of_light", P, P, TEXT, INT, P, *SAY)
+_image_place = declare("image_place", P, P, P, result=None)
+_image_pixels = declare("image_pixels", P, P, result=None)
+_image_close = declare("image_close", P, result=None)
 _alias_build = declare("alias_build", N, P, P, P, P, *SAY)
 _alias_sample = declare("alias_sample", N, P, P, N, P, P, *SAY)
 _bsdf_open = declare("bsdf_open", P, TEXT, P, P, D, P, P, *SAY)
@@ -33,6 +46,13 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 
 
+def uniform(n: int, seed: int = 0, stream: int = 0) -> Doubles:
+    """n numbers of the library's own generator, in [0, 1)."""
+    u = np.empty(n)
+    _uniform(seed, stream, n, u.ctypes.data)
+    return u
+
+
 def _picture(name: str, a: ArrayLike) -> Floats:
     """An array (h, w, 3). The library looks at the sides, but they must fit into its int."""
     raw = given(name, a)
@@ -42,6 +62,51 @@ def _picture(name: str, a: ArrayLike) -> Floats:
         raise Error("%s has the shape %s: give (h, w, 3)" % (name, raw.shape))
     with np.errstate(over="ignore"):  # a double beyond all floats becomes infinite, of which the library tells
         return np.ascontiguousarray(raw, np.float32)
+
+
+class Defects(NamedTuple):
+    """Values of a map's file that no radiance has. They count as 0.
+
+    Parameters
+    ----------
+    nan, infinite, negative : int
+        How many there are of each kind.
+    solid_angle : float
+        Of their pixels, in sr.
+    """
+
+    nan: int
+    infinite: int
+    negative: int
+    solid_angle: float
+
+
+class Regions(NamedTuple):
+    """The light sources of a map, as thesis 3.4 finds them: connected pixels of one level.
+
+    Parameters
+    ----------
+    label : array (h, w)
+        The region of each pixel, from 0; -1 where it is black.
+    level : array (h, w)
+        The level of each pixel, equal steps of the logarithm of r+g+b; -1 where it is black.
+    factor : array (h, w)
+        The factor of the importance, min(0.01 sr, solid angle of the region)^b over 0.01^b.
+    levels : array (n,)
+        The level of each region.
+    solid_angles : array (n,)
+        In sr, of each region.
+    """
+
+    label: NDArray[np.signedinteger[Any]]
+    level: NDArray[np.int32]
+    factor: Doubles
+    levels: NDArray[np.int32]
+    solid_angles: Doubles
+
+
+# Rows and columns: an index of the pixels' array.
+Pixels = tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 class Envmap(Handle):
@@ -58,6 +123,11 @@ class Envmap(Handle):
     mapping : str, optional
         How the map covers the sphere: "latlong", "angular", "equalarea", "mirrorball", "verticalcross",
         "horizontalcross", "cubestrip". A map that is not "latlong" is resampled to one.
+    levels : int
+        Of intensity, in [1, 254], in which regions are found (thesis 3.4).
+    width : int, optional
+        Of the lat-long map that another one is resampled to; without it, as many pixels as show
+        all detail.
 
     Attributes
     ----------
@@ -74,16 +144,24 @@ class Envmap(Handle):
     _made = ("_handle", "shape")
 
     def __init__(self, map: Union[str, os.PathLike[str], ArrayLike], table: str = "alias", area_exponent: float = 0.15,
-                 mapping: Optional[str] = None) -> None:
+                 mapping: Optional[str] = None, *, levels: int = 8,
+                 width: Optional[int] = None) -> None:
         handle = P()
-        how = (text_bytes("table", table), real("area_exponent", area_exponent),
-               None if mapping is None else text_bytes("mapping", mapping))
+        said = [b"kind=" + text_bytes("table", table),
+                b"area_exponent=" + repr(real("area_exponent", area_exponent)).encode(),
+                b"levels=%d" % whole("levels", levels)]
+        if mapping is not None:
+            said.append(b"mapping=" + text_bytes("mapping", mapping))
+        if width is not None:
+            said.append(b"width=%d" % whole("width", width))
+        how = (ctypes.c_char_p * (len(said) + 1))(*said, None)
         if isinstance(map, (str, bytes, os.PathLike)):
-            call(_light_open, ctypes.byref(handle), text_bytes("map", map), *how)
+            call(_light_open, ctypes.byref(handle), text_bytes("map", map), how)
         else:
             a = _picture("map", map)
-            call(_light_make, ctypes.byref(handle), a.shape[1], a.shape[0], a.ctypes.data, *how)
+            call(_light_make, ctypes.byref(handle), a.shape[1], a.shape[0], a.ctypes.data, how)
         self._handle = handle
+        self._levels, self._area_exponent = levels, area_exponent
         self.shape = shape(_light_shape, handle)
 
     @property
@@ -97,6 +175,177 @@ class Envmap(Handle):
     def power(self) -> float:
         """The integral of r+g+b over the sphere."""
         return float(_light_power(self._handle))
+
+    @property
+    def mapping(self) -> str:
+        """How the file covered the sphere. A map that was not "latlong" was resampled to it."""
+        return str(_light_source(self._handle), "ascii")
+
+    def _facts(self) -> Doubles:
+        facts = np.empty(7)
+        _light_facts(self._handle, facts.ctypes.data)
+        return facts
+
+    @property
+    def resampled(self) -> Optional[tuple[float, float]]:
+        """The power before and after resampling; None of a map that was not resampled."""
+        before, after = self._facts()[:2].tolist()
+        return None if self.mapping == "latlong" else (before, after)
+
+    @property
+    def defects(self) -> Defects:
+        """Values of the file that count as 0."""
+        nan, infinite, negative, solid_angle = self._facts()[2:6].tolist()
+        return Defects(int(nan), int(infinite), int(negative), solid_angle)
+
+    @property
+    def table_bytes(self) -> int:
+        """The memory that drawing directions takes, beyond the map."""
+        return int(self._facts()[6])
+
+    @property
+    def solid_angles(self) -> Doubles:
+        """The solid angle in sr of one pixel of each row, (h,)."""
+        a = np.empty(self.shape[0])
+        _light_angles(self._handle, a.ctypes.data)
+        return a
+
+    def density(self) -> Doubles:
+        """The density with which `sample` draws directions.
+
+        Returns
+        -------
+        array (h, w)
+            In 1/sr, inside each pixel.
+        """
+        pdf, peak, share = np.empty(self.shape), D(), np.empty(self.shape[0])
+        call(_light_density, self._handle, pdf.ctypes.data, ctypes.byref(peak), share.ctypes.data)
+        return pdf
+
+    def regions(self, levels: Optional[int] = None,
+                area_exponent: Optional[float] = None) -> Regions:
+        """Find the light sources of thesis 3.4.
+
+        Parameters
+        ----------
+        levels : int, optional
+            Of intensity, in [1, 254]; without it, those of the map.
+        area_exponent : float, optional
+            b, for `factor`; without it, that of the map.
+
+        Returns
+        -------
+        Regions
+            Labels and levels of the pixels, and of each region its level and solid angle.
+        """
+        label, level = np.empty(self.shape, np.uint32), np.empty(self.shape, np.uint32)
+        area, factor, n = np.empty(self.shape), np.empty(self.shape), ctypes.c_uint32()
+        wanted = whole("levels", self._levels if levels is None else levels)
+        # What C's int cannot hold is out of range, too.
+        call(_light_regions, self._handle, min(max(wanted, 0), 255),
+             real("area_exponent", self._area_exponent if area_exponent is None else area_exponent),
+             label.ctypes.data, level.ctypes.data, area.ctypes.data, factor.ctypes.data,
+             ctypes.byref(n))
+        # Black is 2^32 - 1 there, and -1 as a signed number of as many bits. Few maps have 2^31
+        # regions.
+        kind = np.int32 if n.value < 1 << 31 else np.int64
+        lit = level.view(np.int32) >= 0
+        levels_of, angles = np.empty(n.value, np.int32), np.empty(n.value)
+        levels_of[label[lit]] = level[lit]
+        angles[label[lit]] = area[lit]
+        labels = label.view(np.int32) if kind is np.int32 else np.where(lit, label, -1).astype(kind)
+        return Regions(labels, level.view(np.int32), factor, levels_of, angles)
+
+    def _pixels(self, index: NDArray[np.uint32]) -> Pixels:
+        rows, columns = np.divmod(index.astype(np.int64), self.shape[1])
+        return rows, columns
+
+    def find(self, w: ArrayLike) -> Pixels:
+        """Find the pixels in which directions lie.
+
+        Parameters
+        ----------
+        w : array (n, 3)
+            Directions of any length but 0.
+
+        Returns
+        -------
+        rows, columns : array (n,)
+            So that ``map.pixels[map.find(w)]`` is the radiance from there.
+        """
+        w = array(w, 3, np.float32, "w")
+        pixel = np.empty(len(w), np.uint32)
+        call(_light_find, self._handle, len(w), w.ctypes.data, pixel.ctypes.data)
+        return self._pixels(pixel)
+
+    def directions(self, rows: ArrayLike, columns: ArrayLike) -> Floats:
+        """Where pixels lie.
+
+        Parameters
+        ----------
+        rows, columns : array (n,)
+            Pixels, from 0.
+
+        Returns
+        -------
+        array (n, 3)
+            Unit directions to the middle, by solid angle, of each.
+        """
+        y, x = array(rows, 0, np.int64, "rows"), array(columns, 0, np.int64, "columns")
+        height, width = self.shape
+        if y.shape != x.shape or ((y < 0) | (y >= height) | (x < 0) | (x >= width)).any():
+            raise Error("rows and columns are no pixels of the map: give as many of each, below %d "
+                        "and %d" % self.shape)
+        pixel, w = (y * self.shape[1] + x).astype(np.uint32), np.empty((len(y), 3), np.float32)
+        call(_light_centres, self._handle, len(w), pixel.ctypes.data, w.ctypes.data)
+        return w
+
+    def draw(self, n: Optional[int] = None, seed: int = 0, u: Optional[ArrayLike] = None) -> Pixels:
+        """Draw pixels by the importance of the map: those in which the directions of `sample` lie.
+
+        Parameters
+        ----------
+        n, seed, u
+            As in `sample`.
+
+        Returns
+        -------
+        rows, columns : array (n,)
+            Pixels, from 0.
+        """
+        u = numbers(n, 4, seed, u)
+        pixel = np.empty(len(u), np.uint32)
+        call(_light_draw, self._handle, len(u), u.ctypes.data, pixel.ctypes.data)
+        return self._pixels(pixel)
+
+    def to_mapping(self, mapping: str, width: Optional[int] = None) -> tuple[Floats, float, float]:
+        """Resample the map to another mapping; its energy is kept.
+
+        Parameters
+        ----------
+        mapping : str
+            As in `Envmap`.
+        width : int, optional
+            Of the new picture; without it, as many pixels around the sphere as the map has.
+
+        Returns
+        -------
+        pixels : array (h, w, 3)
+            The new picture. What lies outside a disc or a cross is black.
+        before, after : float
+            The power of the map and of the new one, which agree but for rounding.
+        """
+        handle, size, place, power = P(), (ctypes.c_int * 2)(), (ctypes.c_int * 4)(), np.empty(2)
+        call(_image_of_light, ctypes.byref(handle), self._handle, text_bytes("mapping", mapping),
+             0 if width is None else min(max(whole("width", width), -1), 1 << 30),
+             power.ctypes.data)
+        try:
+            _image_place(handle, size, place)
+            pixels = np.empty((size[1], size[0], 3), np.float32)
+            _image_pixels(handle, pixels.ctypes.data)
+        finally:
+            _image_close(handle)
+        return pixels, float(power[0]), float(power[1])
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
                u: Optional[ArrayLike] = None) -> tuple[Floats, Floats, Doubles]:

@@ -6,7 +6,7 @@ import importlib
 import os
 import sys
 
-INSTRUMENTS = ("trade", "pixel", "envmap")
+INSTRUMENTS = ("trade", "pixel", "envmap", "tev")
 
 
 def main() -> None:

@@ -41,15 +41,6 @@ def _open_unnamed(folder: str) -> int:
     return -1
 
 
-def _name(fd: int, path: str) -> None:
-    """Give a name to a file without one. Only with a folder's number does Python follow the link in /proc."""
-    folder = os.open("/proc/self/fd", os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        os.link(str(fd), path, src_dir_fd=folder, follow_symlinks=True)
-    finally:
-        os.close(folder)
-
-
 @contextlib.contextmanager
 def outfile(path: str) -> Iterator[IO[bytes]]:
     """Write a file under no name, and let it take the place of an older one when it is complete.
@@ -87,7 +78,8 @@ def outfile(path: str) -> Iterator[IO[bytes]]:
                 yield out
                 out.flush()
                 if not is_named:
-                    _name(fd, temporary)
+                    # With src_dir_fd Python follows the link, which is what names the file; without, it does not.
+                    os.link("/proc/self/fd/%d" % fd, temporary, src_dir_fd=fd, follow_symlinks=True)
                     is_named = True
             os.replace(temporary, target)
         except BaseException:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import _image
 from .._errors import Error
 from . import files, text
 
@@ -81,3 +82,21 @@ def numbers(values: ArrayLike, size: int) -> str:
     """
     words = np.ascontiguousarray(values, ">u4").reshape(-1, 1).view(np.uint8)
     return base64.b64encode(words[:, 4 - size:].tobytes()).decode("ascii")
+
+
+def png(pixels: ArrayLike, exposure: float) -> str:
+    """Return a picture as an address that a page can show.
+
+    Parameters
+    ----------
+    pixels : array (h, w, 3)
+        Linear radiance.
+    exposure : float
+        In EV; with 0 the colours appear as they are.
+
+    Returns
+    -------
+    str
+        "data:image/png;base64,...".
+    """
+    return "data:image/png;base64," + base64.b64encode(_image.png(pixels, exposure)).decode("ascii")

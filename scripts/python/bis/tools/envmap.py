@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""`bis envmap MAP`: what is in an environment map, as text, JSON or a page, and its levels, regions
+and importance as pictures (thesis figures 3.5 and 3.6); or the map itself in another mapping."""
+from __future__ import annotations
+
+import math
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from .._errors import Error, Status
+from . import command, files, text
+from .command import COUNT, DONE, FLAG, NAME, REAL, Command, Heading, Option, Say
+
+if TYPE_CHECKING:  # they need numpy, and the help does not
+    from .._sampling import Envmap
+    from .survey import Direction, Map, Survey
+
+MAPPINGS = ("latlong", "angular", "equalarea", "mirrorball", "verticalcross", "horizontalcross",
+            "cubestrip")
+ENDINGS = (".exr", ".pfm", ".hdr", ".png")
+PICTURES = ("map", "levels", "regions", "importance")
+
+COMMAND = Command(
+    "envmap", "envmap [options] MAP", "what is in a map; levels, regions, importance as pictures",
+    [
+        Heading("what to read"),
+        Option("mapping", "M",
+               "latlong (the default), angular (a light probe), equalarea (pbrt-v4's), mirrorball, "
+               "verticalcross, horizontalcross or cubestrip; a square map must say which", NAME,
+               names=MAPPINGS),
+        Option("width", "N",
+               "of the lat-long map that another one is resampled to (default: twice a square, "
+               "four faces of a cube); with --to, of what is written (default: all detail)", COUNT,
+               lo=1, hi=65536),
+        Option("levels", "N", "levels of intensity (8)", COUNT, lo=1, hi=254, default=8),
+        Option("areaexponent", "B",
+               "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
+               REAL, lo=0, hi=10, default=0.15),
+        Heading("what to write"),
+        Option("to", "M",
+               "no report, but the map itself in mapping M, to the file of --out; energy is kept, "
+               "and printed", NAME, names=MAPPINGS),
+        Option("json", None, "print JSON instead of text", FLAG),
+        Option("html", "F", "write a page to explore the map, in one file that needs nothing else"),
+        Option("out", "F",
+               "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "
+               "NAME-importance.png; also .exr, .pfm, .hdr"),
+        Option("outdir", "D", "the same into folder D, by the map's own name, as PNG"),
+        Option("samples", "N", "directions drawn as dots on the importance (300)", COUNT,
+               hi=1000000, default=300),
+    ],
+    1, 1,
+    "Directions are in the map's own frame: z is up, towards row 0; theta is the\n"
+    "angle from it, phi runs with the columns. Levels are equal steps of the\n"
+    "logarithm of r+g+b, regions are connected pixels of one level, a light\n"
+    "source each. On the pictures brighter is more; the importance is the\n"
+    "density by which directions are drawn, on a logarithmic scale.\n")
+
+
+# ---- the report ----
+
+def _change(before: float, after: float) -> float:
+    """In percent."""
+    return 100 * (after / before - 1) if before > 0 else 0.0
+
+
+def _vector(d: Direction) -> str:
+    return "(%.3f %.3f %.3f)" % (d.x, d.y, d.z)
+
+
+def _levels_text(s: Survey) -> str:
+    lines = ["\nlevel       from         to    pixels    sphere     power   regions\n"]
+    for k, level in enumerate(s.levels):
+        lines.append("%5d %10.4g %10.4g %9d %8.4f%% %8.4f%% %9d\n" % (
+            k, level.least, level.most, level.pixels, 100 * level.sphere, 100 * level.power,
+            level.regions))
+    return "".join(lines)
+
+
+def _largest_text(s: Survey) -> str:
+    lines = ["\nregions with most power\n"
+             "  rank level     power   solid angle  theta    phi   direction\n"]
+    for k, r in enumerate(s.largest, 1):
+        d = r.direction
+        where = " %6.1f %6.1f   %s" % (d.theta, d.phi, _vector(d)) if d else "  on all sides"
+        lines.append("%6d %5d %8.4f%% %10.4g sr%s\n" % (
+            k, r.level, 100 * r.power, r.solid_angle, where))
+    return "".join(lines)
+
+
+def report_text(path: str, s: Survey, light: Envmap) -> str:
+    """The report as text."""
+    height, width = light.shape
+    from_another = light.mapping != "latlong"
+    lines = ["map         %s, %d x %d, %s%s" % (
+        path, width, height, "resampled from " if from_another else "", light.mapping)]
+    if light.resampled:
+        before, after = light.resampled
+        lines.append("power       %.6g before, %.6g after resampling (%+.3f%%)" % (
+            before, after, _change(before, after)))
+    lines += [
+        "intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that "
+        "are not black)" % (s.least, s.median, s.mean, s.most),
+        "mean        %.4g %.4g %.4g (red, green, blue)" % s.mean_rgb,
+        "power       %.6g (r+g+b integrated over the sphere)" % s.power,
+        "bad values  %d NaN, %d infinite, %d negative, set to 0" % light.defects[:3],
+        "black       %s of the sphere" % text.percent(s.black),
+    ]
+    if s.peak_direction:
+        d = s.peak_direction
+        lines += [
+            "contrast    %.4g : 1" % (s.most / s.least),
+            "brightest   0.1%% of the sphere holds %.2f%% of the power" % (100 * s.brightest),
+            "peak        pixel (%d, %d), theta %.1f, phi %.1f degrees, direction %s" % (
+                *s.peak, d.theta, d.phi, _vector(d)),
+        ]
+    n = len(s.levels)
+    lines += ["regions     %d in %d level%s" % (s.n_regions, n, "" if n == 1 else "s"),
+              "table       %.1f bytes a pixel beyond the map" % (
+                  light.table_bytes / (width * height))]
+    words = "".join(line + "\n" for line in lines)
+    return words + _levels_text(s) + _largest_text(s) if s.power > 0 else words
+
+
+def _direction_data(d: Any) -> Any:
+    return d and {"theta_deg": d.theta, "phi_deg": d.phi, "x": d.x, "y": d.y, "z": d.z}
+
+
+def report_data(path: str, s: Survey, light: Envmap) -> dict[str, Any]:
+    """The report as an object of JSON."""
+    before, after = light.resampled or (None, None)
+    bad = light.defects
+    peak = {"x": s.peak[0], "y": s.peak[1], "direction": _direction_data(s.peak_direction)}
+    return {
+        "map": path, "width": light.shape[1], "height": light.shape[0], "mapping": light.mapping,
+        "power_before": before, "power_after": after, "min": s.least, "median": s.median,
+        "mean": s.mean, "max": s.most, "mean_rgb": list(s.mean_rgb),
+        "contrast": s.most / s.least if s.power > 0 else None,
+        "power": s.power, "black_share": s.black, "brightest_0.1_percent": s.brightest,
+        "peak": peak if s.peak_direction else None,
+        "bad_values": {"nan": bad.nan, "infinite": bad.infinite, "negative": bad.negative,
+                       "sphere_share": bad.solid_angle / (4 * math.pi)},
+        "regions": s.n_regions, "table_bytes": light.table_bytes,
+        "levels": [{"from": level.least, "to": level.most, "pixels": level.pixels,
+                    "sphere_share": level.sphere, "power_share": level.power,
+                    "regions": level.regions} for level in s.levels],
+        "largest_regions": [{"level": r.level, "power_share": r.power, "solid_angle": r.solid_angle,
+                             "direction": _direction_data(r.direction)} for r in s.largest],
+    }
+
+
+# ---- the pictures ----
+
+def _picture_path(out: str, what: str) -> str:
+    """"dir/NAME.png" and "levels" make "dir/NAME-levels.png"."""
+    stem, ending = os.path.splitext(out)
+    return "%s-%s%s" % (stem, what, ending)
+
+
+def _write_pictures(o: SimpleNamespace, out: str, m: Map) -> None:
+    """The map itself takes the exposure of its own log-average; the colours of the others are to be
+    seen as they are."""
+    from .._image import save_image
+    from . import survey
+
+    save_image(_picture_path(out, "map"), m.pixels)
+    save_image(_picture_path(out, "levels"), survey.levels_picture(m, o.levels), 0)
+    save_image(_picture_path(out, "regions"), survey.regions_picture(m), 0)
+    save_image(_picture_path(out, "importance"), survey.importance_picture(m, o.samples), 0)
+
+
+def _check_ending(out: str) -> None:
+    if os.path.splitext(out)[1].lower() not in ENDINGS:
+        raise Error('error: --out "%s": the ending must be .exr, .pfm, .hdr or .png' % out)
+
+
+def _check_output(path: str, source: str) -> None:
+    files.check_writable(path)
+    files.check_distinct([source], [path])
+
+
+def _find_out(o: SimpleNamespace, source: str) -> str:
+    """Where pictures go: --out itself, or --outdir with the map's name and .png. "": none are asked
+    for."""
+    if o.html:
+        _check_output(o.html, source)
+    if not o.out and not o.outdir:
+        return ""
+    if o.out and o.outdir:
+        raise Error("error: --out and --outdir exclude each other")
+    stem = os.path.splitext(os.path.basename(source))[0]
+    out: str = o.out or "%s/%s.png" % (o.outdir, stem)
+    if len(os.fsencode(out)) > 4000:
+        raise Error("error: --out: the name is longer than 4000 bytes")
+    _check_ending(out)
+    for what in PICTURES:
+        _check_output(_picture_path(out, what), source)
+    return out
+
+
+# ---- --to ----
+
+def _check_conversion(o: SimpleNamespace, source: str) -> None:
+    if not o.out or o.outdir or o.json or o.html:
+        raise Error("error: --to %s writes one map: name it by --out FILE, without --outdir, "
+                    "--html and --json" % o.to)
+    _check_ending(o.out)
+    _check_output(o.out, source)
+
+
+def _convert(o: SimpleNamespace, light: Envmap) -> str:
+    """Write the map in another mapping. What it was before it was read is lat-long, or was
+    resampled to it."""
+    from .._image import save_image
+
+    pixels, before, after = light.to_mapping(o.to, o.width)
+    save_image(o.out, pixels, attributes={"bis:mapping": o.to})
+    if light.resampled:
+        before = light.resampled[0]
+    height, width = pixels.shape[:2]
+    return ("wrote       %s, %d x %d, %s\n"
+            "power       %.6g before, %.6g after resampling (%+.3f%%)\n"
+            % (o.out, width, height, o.to, before, after, _change(before, after)))
+
+
+# ---- the command ----
+
+def _is_picture(source: str) -> bool:
+    """Whether the file can be read. One that can may still be no map: of another shape than its
+    mapping's."""
+    from .._image import read_image
+
+    try:
+        read_image(source)
+    except Error:
+        return False
+    return True
+
+
+def _open(o: SimpleNamespace, source: str, say: Say) -> Envmap:
+    """Read the map. A conversion needs no regions, and no width of the lat-long map between."""
+    from .._sampling import Envmap
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            if o.to:
+                return Envmap(source, "cdf", 0, o.mapping)
+            return Envmap(source, "alias", o.areaexponent, o.mapping, levels=o.levels,
+                          width=o.width)
+        except Error as e:
+            raise Error(str(e), e.status if _is_picture(source) else Status.IO) from None
+        finally:
+            for w in caught:
+                say.of_library(str(w.message), False)
+
+
+def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:
+    from . import page, survey
+
+    m = survey.Map(light)
+    s = survey.survey(m, o.levels)
+    if out:
+        _write_pictures(o, out, m)
+    data = report_data(source, s, light)
+    words = report_text(source, s, light)
+    if o.html:
+        page.write(o.html, "envmap", {**data, **survey.page_data(s, m, o.samples)}, words)
+    return text.json(data) if o.json else words
+
+
+def _body(o: SimpleNamespace, operands: list[str], say: Say) -> int:
+    source = operands[0]
+    out = ""
+    if o.to:
+        _check_conversion(o, source)
+    else:
+        out = _find_out(o, source)
+    light = _open(o, source, say)
+    words = _convert(o, light) if o.to else _report(o, source, out, light)
+    sys.stdout.buffer.write(words.encode("utf-8", "surrogateescape"))
+    return DONE
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command with these arguments. Returns its exit state."""
+    return command.run(COMMAND, argv, _body)

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""plan.txt, which a measurement is resumed by.
+
+It is text that a user may look at, with numbers that read back as the same doubles. What is read is not trusted: a name
+that the table has not, or a number out of range, is an error with its line. A plan belongs to one text of one scene and
+to one version of bis, which its fingerprint tells.
+"""
+from __future__ import annotations
+
+import math
+import os
+import re
+import sys
+from typing import Callable, Optional
+
+import numpy as np
+
+from ..._errors import Error
+from ..._library import N, P, declare
+from .. import text
+from ..files import outfile
+from .model import LEVELS, MOST_PASSES, SEEDS, Plan
+from .plan import MOST_PIXELS, Frame, may_be_reference, thinned
+
+_fnv = declare("fnv", P, N, P, result=None)
+_LEAST = 5e-324  # above 0
+_MOST_SIDE = 32768
+_MOST_SEED = (1 << 53) - 1
+_DAMAGED = "the file is damaged, measure into a new folder"
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.A)
+
+
+def fingerprint(version: str, names: list[str], files: list[str]) -> int:
+    """Return the hash (FNV-1a) of all that a plan belongs to.
+
+    Parameters
+    ----------
+    version : str
+        Of bis.
+    names : list of str
+        Of the settings in the table.
+    files : list of str
+        Those of the scene's text. Meshes and maps are not looked into.
+
+    Returns
+    -------
+    int
+        64 bits.
+    """
+    state = np.zeros(2, np.uint32)
+    for part in [os.fsencode(word) for word in [version, *names]]:
+        _fnv(state.ctypes.data, len(part), part)
+    for path in files:
+        with open(path, "rb") as f:
+            part = f.read()
+        _fnv(state.ctypes.data, len(part), part)
+    return int(state[1]) << 32 | int(state[0])
+
+
+# ---- writing ----
+
+
+def plan_text(plan: Plan) -> str:
+    """Return plan.txt."""
+    lines = ["fingerprint %016x" % plan.fingerprint, "full %d %d" % (plan.full_width, plan.full_height),
+             "step %d" % plan.step, "size %d %d" % (plan.width, plan.height), "seeds %d" % plan.n_seeds,
+             "seed %d" % plan.seed, "run_seconds " + text.digits(plan.run_seconds), "given %d" % plan.is_given]
+    for k, i in enumerate(plan.reference):
+        if i >= 0:
+            lines.append("reference %d %d %s" % (k, plan.reference_passes[k], plan.settings[i].name))
+    for s in plan.settings:
+        if s.is_swept:
+            seconds = [text.digits(v) for v in (s.pass_seconds, s.fill_seconds, s.pass_relmse)]
+            lines.append("setting %d %s %s" % (s.levels, " ".join(seconds), s.name))
+    return "\n".join(lines) + "\n"
+
+
+def write_plan(folder: str, plan: Plan) -> None:
+    """Write plan.txt into a folder."""
+    with outfile(os.path.join(folder, "plan.txt")) as f:
+        f.write(os.fsencode(plan_text(plan)))
+
+
+# ---- reading ----
+
+
+class _Refused(Exception):
+    """A line that holds something else than it should."""
+
+
+def _real(word: str, lo: float, hi: float) -> float:
+    if not _NUMBER.fullmatch(word) or not lo <= float(word) <= hi:
+        raise _Refused
+    return float(word)
+
+
+def _count(word: str, lo: int, hi: int) -> int:
+    v = _real(word, lo, hi)
+    if v != math.floor(v):
+        raise _Refused
+    return int(v)
+
+
+def _size(words: str) -> tuple[int, int]:
+    width, height = words.split(" ")
+    return _count(width, 1, _MOST_SIDE), _count(height, 1, _MOST_SIDE)
+
+
+def _read_fingerprint(plan: Plan, rest: str) -> None:
+    if not re.fullmatch("[0-9a-f]{16}", rest):
+        raise _Refused
+    plan.fingerprint = int(rest, 16)
+
+
+def _read_full(plan: Plan, rest: str) -> None:
+    plan.full_width, plan.full_height = _size(rest)
+
+
+def _read_step(plan: Plan, rest: str) -> None:
+    plan.step = _count(rest, 1, _MOST_SIDE)
+
+
+def _read_size(plan: Plan, rest: str) -> None:
+    size = plan.width, plan.height = _size(rest)
+    if plan.step < 1 or size != (thinned(plan.full_width, plan.step), thinned(plan.full_height, plan.step)):
+        raise _Refused
+
+
+def _read_seeds(plan: Plan, rest: str) -> None:
+    plan.n_seeds = _count(rest, 1, SEEDS)
+
+
+def _read_seed(plan: Plan, rest: str) -> None:
+    plan.seed = _count(rest, 0, _MOST_SEED)
+
+
+def _read_run_seconds(plan: Plan, rest: str) -> None:
+    plan.run_seconds = _real(rest, _LEAST, 1e9)
+
+
+def _read_given(plan: Plan, rest: str) -> None:
+    plan.is_given = _count(rest, 0, 1) == 1
+
+
+def _read_reference(plan: Plan, rest: str) -> None:
+    which, passes, name = rest.split(" ", 2)
+    k = _count(which, 0, 1)
+    i = plan.find(name)
+    if plan.reference[k] >= 0 or i < 0 or not may_be_reference(plan.settings[i], k):
+        raise _Refused
+    plan.reference[k], plan.reference_passes[k] = i, _count(passes, 1, MOST_PASSES)
+
+
+def _read_setting(plan: Plan, rest: str) -> None:
+    levels, seconds, fill, relmse, name = rest.split(" ", 4)
+    i = plan.find(name)
+    if i < 0 or plan.settings[i].is_swept:
+        raise _Refused
+    s = plan.settings[i]
+    s.levels = _count(levels, 0, LEVELS)
+    s.pass_seconds, s.fill_seconds = _real(seconds, _LEAST, 1e9), _real(fill, 0, 1e9)
+    s.pass_relmse = math.nan if relmse in ("nan", "-nan") else _real(relmse, 0, sys.float_info.max)
+    s.is_swept = True
+
+
+# The lines of a plan: what reads one, and what must stand in it. All but the last two stand once.
+_LINES: dict[str, tuple[Callable[[Plan, str], None], str]] = {
+    "fingerprint": (_read_fingerprint, "16 digits 0-9, a-f"),
+    "full": (_read_full, "width and height in pixels, from 1 to 32768"),
+    "step": (_read_step, "a number from 1 to 32768"),
+    "size": (_read_size, 'width and height in pixels, those of "full" divided by "step", which stand before'),
+    "seeds": (_read_seeds, "a number from 1 to 16"),
+    "seed": (_read_seed, "a whole number from 0 to 2^53 - 1"),
+    "run_seconds": (_read_run_seconds, "a number above 0, at most 1e9"),
+    "given": (_read_given, "0 or 1"),
+    "reference": (_read_reference, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of "
+                                   "a setting that may be one"),
+    "setting": (_read_setting, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the "
+                               "name of a setting, once"),
+}
+
+
+def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
+    """What is wrong with a line, or None."""
+    word, _, rest = line.partition(" ")
+    if word not in _LINES:
+        return '"%s" is no line of a plan; %s' % (line, _DAMAGED)
+    if word in seen and word not in ("reference", "setting"):
+        return '"%s" is the second line of its kind; %s' % (line, _DAMAGED)
+    seen.add(word)
+    read, rule = _LINES[word]
+    try:
+        read(plan, rest)
+    except (_Refused, ValueError):
+        return '"%s": behind "%s" must stand %s; %s' % (line, word, rule, _DAMAGED)
+    return None
+
+
+def _check(plan: Plan, crop: tuple[float, float, float, float], seen: set[str]) -> Optional[str]:
+    """What is missing in a plan, or None. It has no more pixels than a plan has."""
+    for word in _LINES:
+        if word not in seen and word != "reference":
+            return 'a plan has a line "%s", and this one has none; %s' % (word, _DAMAGED)
+    film = Frame(plan.full_width, plan.full_height, crop).film(plan.step)
+    if film.width < 1 or film.height < 1 or film.pixels > 4 * MOST_PIXELS:
+        return ('by "full" and "step" %d x %d pixels are to be measured, must be at least 1 and at most %d; %s'
+                % (film.width, film.height, 4 * MOST_PIXELS, _DAMAGED))
+    for s in plan.settings:
+        if s.is_swept and s.levels and plan.reference[s.judge] < 0 and not plan.is_given:
+            return ('"%s" is to be measured, and the line "reference %d" that says what it is compared with is '
+                    "missing; %s" % (s.name, s.judge, _DAMAGED))
+    return None
+
+
+def read_plan(folder: str, plan: Plan, scene: str, crop: tuple[float, float, float, float]) -> None:
+    """Read plan.txt of a folder.
+
+    Parameters
+    ----------
+    folder : str
+        Where it is.
+    plan : Plan
+        With the table of settings and the fingerprint of the scene as it is now; it receives the rest.
+    scene : str
+        The scene's name, for messages.
+    crop : four floats
+        The scene's crop, in shares of the picture.
+
+    Raises
+    ------
+    Error
+        With the line that holds something else than it should.
+    """
+    path = os.path.join(folder, "plan.txt")
+    ours = plan.fingerprint
+    seen: set[str] = set()
+    with open(path, "rb") as f:
+        lines = os.fsdecode(f.read()).split("\n")
+    for s in plan.settings:
+        s.is_swept = False
+    for number, line in enumerate(lines[:-1] if lines[-1] == "" else lines, 1):
+        wrong = _read_line(plan, line, seen)
+        if wrong:
+            raise Error("%s:%d:1: error: %s" % (path, number, wrong))
+    if "fingerprint" in seen and plan.fingerprint != ours:
+        raise Error('%s: error: this measurement is of another scene than "%s" as it is now, or by another version of '
+                    "bis; measure into a new folder" % (path, scene))
+    wrong = _check(plan, crop, seen)
+    if wrong:
+        raise Error("%s: error: %s" % (path, wrong))
