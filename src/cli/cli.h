@@ -177,5 +177,4 @@ int bis_cmd_render(int argc, char **argv);
 int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_convert(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);
-int bis_cmd_pixel(int argc, char **argv);
 int bis_cmd_merge(int argc, char **argv);

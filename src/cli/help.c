@@ -29,7 +29,7 @@ const bis_subcommand bis_subcommands[] = {
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR, PNG)"},
     {"convert", bis_cmd_convert, "a picture in another format; exposure and tone curve for a PNG"},
     {"envmap", NULL, "what is in a map; levels, regions, importance as pictures"},
-    {"pixel", bis_cmd_pixel, "all about one pixel: every method against the exact integral"},
+    {"pixel", NULL, "all about one pixel: every method against the exact integral"},
     {"verify", bis_cmd_verify, "is it right? samplers, materials, integrators on your own files"},
     {"tev", NULL, "render, and show the passes in the viewer tev"},
     {"help", bis_cmd_help, "this list; the options of a command; a topic; the man page"},

@@ -114,13 +114,6 @@ static void merge_says_so(void **state)
                                  "/r.pfm", 1000);
 }
 
-static void pixel_says_so(void **state)
-{
-    each_may_fail(bis_cmd_pixel, DIR "/scene.txt 12 8 --repeats 2 --candidates 4 --shadowrays 2 --samples 2 "
-                                 "--output " DIR "/pixel", 60);
-    each_may_fail(bis_cmd_pixel, DIR "/scene.txt 0 0 --json --output " DIR "/pixel", 1000);
-}
-
 static void verify_says_so(void **state)
 {
     each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 1000);
@@ -134,7 +127,6 @@ int main(void)
         cmocka_unit_test(render_says_so),
         cmocka_unit_test(a_light_of_its_own_says_so),
         cmocka_unit_test(merge_says_so),
-        cmocka_unit_test(pixel_says_so),
         cmocka_unit_test(verify_says_so),
     };
     rgb pixels[32];

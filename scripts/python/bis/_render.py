@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 from numbers import Real
-from typing import Any, Callable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,9 @@ from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, ju
 from ._library import shape, text_bytes, whole
 from ._sampling import Envmap
 from ._scene import Camera
+
+if TYPE_CHECKING:
+    from ._stage import Stage
 
 _WATCHER = ctypes.CFUNCTYPE(None, D, D, D, P)
 _render = declare("render_with", P, TEXT, P, P, _WATCHER, P, P, *SAY)
@@ -353,6 +356,22 @@ class Scene(Handle):
         with self._busy:
             return _picture(lambda *how: run(_scene_render, how[0], self._handle, _list(texts), *how[1:]), light,
                             progress, stop)
+
+    def stage(self, light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None) -> Stage:
+        """Look at points of the scene.
+
+        Parameters
+        ----------
+        light : Envmap, path or array (h, w, 3), optional
+            A map in the place of the scene's light.
+
+        Returns
+        -------
+        Stage
+            Its method `at` chooses a pixel.
+        """
+        from ._stage import Stage
+        return Stage(self, light)
 
     def about(self, **settings: Any) -> dict[str, Any]:
         """Tell what a picture with these settings would be of.
