@@ -64,6 +64,7 @@ class View:
         self.frame = Frame(about["width"], about["height"], tuple(about["crop"]))
         self.files: list[str] = about["files"]
         self.has_map = not light["is_constant"]
+        self.built = {(light["area_exponent"], False)}
         t.stratified = about["is_stratified"]
         own = (about["integrator"], about["parameters"]) if about["integrator"] in known.rivals() else None
         t.plan.settings = Table(known, light["area_exponent"]).settings(
@@ -102,6 +103,7 @@ class View:
             how, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
         if self.has_map:  # a constant light is the same for all b
             how["area_exponent"] = s.area_exponent
+            self._tell_of_light(s)
         if t.options.threads:
             how["threads"] = t.options.threads
         try:
@@ -116,6 +118,13 @@ class View:
         t.threads = picture.threads
         t.nonfinite += picture.nonfinite
         return picture
+
+    def _tell_of_light(self, s: Setting) -> None:
+        """Tell of what the render will do first."""
+        light = s.area_exponent, bool(s.values.get("compensate"))
+        if light not in self.built:
+            self.built.add(light)
+            self.t.tell("building the map's importance", math.nan, math.nan)
 
     def coverage(self) -> NDArray[np.float32]:
         """The share of geometry in each pixel of the measured window, (h, w)."""
