@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._errors import Error
-from ..._render import Picture, Scene
+from ..._render import Picture
 from .. import command
+from ..scenes import open_scene
 from .model import Setting, Trade
 from .plan import Frame
 from .settings import Integrators, Table
@@ -48,7 +49,7 @@ class View:
             settings.update(width=asked.size[0], height=asked.size[1])
         t.tell("reading the scene", math.nan, math.nan)
         self.t = t
-        self.scene = Scene(asked.scene, approximate=asked.approximate, **settings)
+        self.scene = open_scene(asked.scene, say, approximate=asked.approximate, **settings)
         about = self.scene.about()
         if about["as_printed"]:
             say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are measured as they should '
