@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make
-# data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall,
+# data, make assignment, make grade, make grade-class, make install, make uninstall,
 # make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
 #   make MPI=1           bis-mpi, too, for several machines (docs/command-line.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
@@ -86,7 +86,11 @@ TESTS   := $(call program,$(TEST_SRC))
 CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) \
     $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
 # Tests of the program by Python's standard library: files as other programs write them, and what bis makes of each.
-SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py)
+# Those of tests/python need numpy: the first python3 that has it runs them (PYTHON names another).
+PYTHON  ?= $(shell for p in $$BIS_PYTHON python3 /usr/bin/python3; do \
+    $$p -c 'import numpy' 2>/dev/null && echo $$p && break; done)
+SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py) \
+    $(if $(PYTHON),$(wildcard tests/python/test_*.py tests/python/*/test_*.py))
 SCRIPTS := $(if $(T),$(sort $(filter tests/$(T)/%,$(SCRIPTS)) \
     $(foreach t,$(SCRIPTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(SCRIPTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
@@ -112,7 +116,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all pages data web test-web test-32 test test-python python-parts test-browser test-long \
+.PHONY: FORCE all pages data web test-web test-32 test python-parts test-browser test-long \
     envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall \
     tarball release deb clean
 all: bis data $(SHARED_LIB) $(ASSEMBLED) $(if $(filter 1,$(MPI)),bis-mpi)
@@ -226,11 +230,14 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 
 # Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and
 # the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) \
+test: $(CHOSEN) $B/bis $B/bis-data $(SHARED_LIB) $(ASSEMBLED) $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) \
     $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
 	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
-	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN) $(SCRIPTS)
+	@BIS_PROGRAM=$B/bis BIS_LIBRARY=$(abspath $(SHARED_LIB)) PYTHON='$(PYTHON)' \
+	    sh scripts/check/run_tests.sh $(CHOSEN) $(SCRIPTS)
+	@[ -n '$(PYTHON)' ] || echo "make test: the tests of Python were SKIPPED: no python3 here has numpy;" \
+	    "scripts/setup.sh installs it, PYTHON=program names another"
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.
 test-long:
@@ -326,18 +333,6 @@ python-parts: $B/bis $(SHARED_LIB) $(ASSEMBLED)
 	 for n in $(INSTRUMENTS); do install -m 755 scripts/python/bis-instrument '$(TO)'/program/$$n; done && \
 	 install -m 644 $(ASSEMBLED) '$(TO)/pages' && \
 	 install -s -m 644 $(SHARED_LIB) '$(TO)/libbis.so'
-
-# The package of scripts/python over the shared library, the wheel, the notebooks of docs/, and 100 scenes by a renderer
-# in numpy; no part of `make test`, because it needs numpy.
-PYTHON ?= python3
-test-python: $B/bis $(SHARED_LIB) $(STAMP)
-	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then \
-	    BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive \
-	    $(PYTHON) -m unittest discover -s tests/python; \
-	else \
-	    echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it," \
-	        "PYTHON=program names another"; \
-	fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md. `make installed` builds them
 # only.

@@ -23,7 +23,11 @@ if [ "${1:-}" = --one ]; then
     root=$all/$JOB
     begin=$(date +%s)
     echo "==== $name" >"$all/logs/$name"
-    (cd "$root" && timeout "${TEST_SECONDS:-1800}" "$3") >>"$all/logs/$name" 2>&1
+    case $3 in
+    tests/python/*) set -- "$1" "$2" "${PYTHON:-python3}" -m unittest discover -s "${3%/*}" -p "$name" ;;
+    esac
+    shift 2
+    (cd "$root" && timeout "${TEST_SECONDS:-1800}" "$@") >>"$all/logs/$name" 2>&1
     status=$?
     [ $status -eq 0 ] || echo "$root/build" >"$all/failed/$name"
     echo "---- $name: $status after $(($(date +%s) - begin)) s" >>"$all/logs/$name"
@@ -72,8 +76,12 @@ done
 printf '%s\n' "$@" | xargs -n 1 -P "$jobs" --process-slot-var=JOB sh "$0" --one "$all"
 
 # cmocka: "[       OK ] name" for each, "[  SKIPPED ] 2 test(s), listed below:" once in a program.
-ok=$(cat "$all"/logs/* | grep -c '^\[       OK \]')
-skipped=$(cat "$all"/logs/* | awk '/^\[  SKIPPED \] [0-9]+ test/ { n += $4 } END { print n + 0 }')
+# unittest: "Ran 38 tests in 9 s", and "OK (skipped=2)" or "FAILED (failures=1)".
+ok=$(cat "$all"/logs/* | awk '/^\[       OK \]/ { n++ } /^Ran [0-9]+ test/ { n += $2 }
+    /^FAILED \(|^OK \(/ { while (match($0, /[0-9]+/)) { n -= substr($0, RSTART, RLENGTH)
+                                                      $0 = substr($0, RSTART + RLENGTH) } } END { print n + 0 }')
+skipped=$(cat "$all"/logs/* | awk '/^\[  SKIPPED \] [0-9]+ test/ { n += $4 }
+    /skipped=[0-9]+\)/ { sub(/.*skipped=/, ""); n += $0 + 0 } END { print n + 0 }')
 # What scripts/check/power.sh makes a page of.
 for power in "$all"/*/build/power; do
     [ ! -d "$power" ] || { mkdir -p build/power && cp "$power"/* build/power/; }

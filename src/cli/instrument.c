@@ -59,13 +59,14 @@ static void become(const char *path, char **argv)
 
 int bis_instrument_run(const char *name, char **argv)
 {
-    char self[PATH_MAX], path[2 * PATH_MAX], program[NAME_MAX + 1], *word = argv[0];
+    char self[PATH_MAX], path[2 * PATH_MAX], program[NAME_MAX + 1];
     int n;
 
     if (strlen(name) > NAME_MAX - 4 || strchr(name, '/')) return -1;
     snprintf(program, sizeof program, "bis-%s", name);
+    char *const before = argv[0];
     argv[0] = program;
-    setenv("BIS_BUILD", bis_flat_build(), 1);
+    setenv("BIS_BUILD_ID", bis_flat_build(), 1);
     if (find_self(self, &n)) {
         name_library(self, n);
         for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
@@ -74,7 +75,7 @@ int bis_instrument_run(const char *name, char **argv)
         }
     }
     execvp(program, argv);
-    argv[0] = word; /* it may be a scene */
+    argv[0] = before;
     if (errno == ENOENT || errno == EACCES) return -1;
     fprintf(stderr, "bis: error: \"%s\" cannot be run: %s\n", program, strerror(errno));
     return BIS_EXIT_FAILED;

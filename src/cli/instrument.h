@@ -8,7 +8,7 @@
 
 /* bis_instrument_run becomes `bis-NAME` with these arguments; argv[0] is replaced and argv[argc] is NULL. It looks
  * beside the program, in libexec/bis and in scripts/python of a source tree, then on PATH. In the environment it names
- * the program (BIS_PROGRAM), the library of the same build (BIS_LIBRARY) and that build (BIS_BUILD). It returns only
+ * the program (BIS_PROGRAM), the library of the same build (BIS_LIBRARY) and that build (BIS_BUILD_ID). It returns only
  * where that fails: the exit status, with a message; -1 without one if there is no such program. */
 int bis_instrument_run(const char *name, char **argv);
 

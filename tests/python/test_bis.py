@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What the package bis of scripts/python promises (make test-python). Expected values are closed forms, sums over
+"""What the package bis of scripts/python promises. Expected values are closed forms, sums over
 pixels, or pictures of the program.
 
 Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each

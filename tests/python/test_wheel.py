@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What the wheel promises (make test-python): pip makes it, and in an empty place it renders and samples without a
+"""What the wheel promises: pip makes it, and in an empty place it renders and samples without a
 compiler."""
 import glob
 import importlib.util

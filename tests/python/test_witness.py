@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""bis against another renderer (witness.py): 100 random scenes, every integrator (make test-python).
+"""bis against another renderer (witness.py): 100 random scenes, every integrator.
 
 A scene has a small map, a few spheres, disks and triangles under random matrices, and both materials, some with
 textures. Compared is the mean of the picture, over pixels and channels, with N_SEEDS seeds. For each scene and

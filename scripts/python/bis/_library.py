@@ -36,7 +36,7 @@ def _load() -> ctypes.CDLL:
         raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in the repository or "
                           "`make install`, or set BIS_LIBRARY to its path" % e) from None
     build = library.bis_flat_build().decode("ascii")
-    if os.environ.get("BIS_BUILD", build) != build:
+    if os.environ.get("BIS_BUILD_ID", build) != build:
         # `bis trade` measures what that program is: a student's material, not the one that is installed.
         raise ImportError("%s is of another build than %s: make both, or install both, from one source"
                           % (found, os.environ.get("BIS_PROGRAM", "the program")))

@@ -222,7 +222,10 @@ class Pictures(unittest.TestCase):
 
     def test_heat_has_its_ends_and_grows_lighter(self):
         colours = survey.heat(np.linspace(-0.5, 1.5, 400))
-        np.testing.assert_array_equal(colours[[0, -1]], survey.srgb(survey.STOPS[[0, -1]]))
+        stops = [(0.05, 0.03, 0.2), (0.25, 0.07, 0.43), (0.53, 0.13, 0.42), (0.8, 0.24, 0.3), (0.95, 0.47, 0.12),
+                 (0.98, 0.76, 0.22), (1, 0.99, 0.8)]
+        np.testing.assert_allclose(survey.heat(np.arange(7) / 6), survey.srgb(stops), atol=1e-6)
+        np.testing.assert_array_equal(colours[[0, -1]], survey.srgb([stops[0], stops[-1]]))
         self.assertTrue((np.diff(colours @ [0.2126, 0.7152, 0.0722]) >= -1e-7).all())
         np.testing.assert_allclose(survey.heat([1.5 / 6])[0], survey.srgb((survey.STOPS[1] + survey.STOPS[2]) / 2))
 
@@ -345,6 +348,14 @@ class Command(unittest.TestCase):
         self.assertEqual(np.flatnonzero(level).tolist(), [1, 961])
         self.assertAlmostEqual(density[1], 1 + 65534 * math.log(24 / 9) / math.log(16), delta=1)
         self.assertEqual((density[0], density[1], density[961]), (1, density[2], 65535))
+
+    def test_an_option_that_is_not_given_has_the_value_of_the_help(self):
+        self.save("lamp.pfm", np.where(np.arange(64 * 128 * 3).reshape(64, 128, 3) < 6, 50, 1))
+        for name, options in (("a", ()), ("b", ("--levels", "8", "--areaexponent", "0.15", "--samples", "300"))):
+            self.run_it("{}/lamp.pfm", *options, "--html", "{}/%s.html" % name)
+        self.assertEqual(self.page("a.html"), self.page("b.html"))
+        self.run_it("{}/lamp.pfm", "--areaexponent", "0.2", "--html", "{}/c.html")
+        self.assertNotEqual(self.page("a.html"), self.page("c.html"))  # twin
 
     def test_samples_are_the_dots_of_the_picture(self):
         self.run_it("{}/map.pfm", "--samples", "3", "--html", "{}/p.html", "--out", "{}/p.pfm", "--json")

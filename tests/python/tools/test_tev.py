@@ -4,13 +4,16 @@ import os
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
 import threading
 import unittest
 
 import numpy as np
 
-import bis
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
+import bis  # noqa: E402
 
 PROGRAM = os.environ.get("BIS_PROGRAM", "build/release/bis")
 SCENE = """

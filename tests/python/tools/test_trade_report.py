@@ -137,6 +137,16 @@ class Figures(unittest.TestCase):
                 r.relmse_both = 1 / 64 + 1 / 128
         stats.summarise(t)
         self.near(t.result.curves[MIS].slope, -0.75)
+        for r in t.runs:  # a fifth of what the references add is hidden, three tenths are seen
+            if r.setting == MIS and r.level == 3:
+                r.relmse_both = FLOOR * 1.22
+        stats.summarise(t)
+        self.near(t.result.curves[MIS].slope, NAN)
+        for r in t.runs:
+            if r.setting == MIS and r.level == 3:
+                r.relmse_both = FLOOR * 1.3
+        stats.summarise(t)
+        self.near(t.result.curves[MIS].slope, -0.9342414, 6)
 
     def test_slopes_and_costs_of_the_root_law_are_found_whatever_the_seeds_are(self):
         for n in (1, 2, 3, 5):
@@ -185,7 +195,8 @@ class Figures(unittest.TestCase):
             self.assertEqual(is_beyond, beyond, (which, at))
         for which, at, value, beyond in (
                 (MIS, 0.6, 1, False), (MIS, 0.5, 1, False), (MIS, 0.3, 0.5 / 0.3, False), (MIS, 0.2, 2.5, False),
-                (MIS, 0.125, 4, False), (MIS, math.sqrt(0.125 * end), math.sqrt(32), False), (MIS, end / 2, 32, True),
+                (MIS, 0.125, 4, False), (MIS, math.sqrt(0.125 * end), math.sqrt(32), False),
+                (MIS, end / 2, 32, True), (MIS, end / 8, 512, True),
                 (MIS, end / 7.9, 8 * 7.9 ** 2, True), (MIS, end / 8.1, NAN, True), (EM, 0.25, 12, True),
                 (REJECTION, 0.2, 0.5, False), (REJECTION, 0.1, NAN, True), (BRDF, 1, NAN, False)):
             found, is_beyond = stats.seconds_to(t, which, at)
@@ -206,6 +217,11 @@ class Figures(unittest.TestCase):
         self.assertEqual(stats.heads(t), [EM, MIS, MIS_LONG, SIR, REJECTION])  # mis 64 is the scene's own
         t.plan.settings[MIS_LONG].is_scenes = False
         self.assertEqual(stats.heads(t), [EM, MIS, SIR, REJECTION])
+        for cost, best in ((0.875 / 15, EM), (0.01, EM), (0.06, MIS)):  # of equal ones the first
+            t.result.curves[EM].cost_variance = t.result.curves[MIS].cost_variance if best == EM else cost
+            t.result.curves[EM].cost_variance -= 0.01 if cost == 0.01 else 0
+            t.result.curves[EM].cost_variance_se = NAN
+            self.assertEqual(stats.best_of(t), best)
         for s in t.plan.settings:
             s.is_scenes = True
         t.plan.settings, t.result.curves = t.plan.settings * 2, t.result.curves * 2
@@ -400,6 +416,8 @@ class Folder(unittest.TestCase):
         self.strip(t)
         t.result.advice[0].setting = -1
         t.result.curves[MIS].points[2].bias, t.result.curves[MIS].points[2].bias_se = -0.1, NAN
+        t.result.curves[EM].points[0].noise = 0  # below what the references tell
+        t.result.advice[1].setting = SIR  # which the options cannot say
         report.write_report(t)
         page = self.text("report.html")
         data = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL).group(1))
@@ -418,7 +436,10 @@ class Folder(unittest.TestCase):
         self.assertEqual(data["settings"][4]["points"][1]["rays"], 110 * 2 * 2 / 128)
         self.assertEqual(mis["error_at"][0], {"value": None, "extrapolated": False})
         self.assertEqual(data["advice"][0], {"purpose": "preview", "setting": None})
-        self.assertEqual(data["advice"][2]["samples"], 16)
+        self.assertEqual([data["advice"][1][k] for k in ("candidates", "shadowrays", "samples", "options", "line")],
+                         [64, 4, None, "", 'Integrator "sir"'])
+        self.assertEqual((data["advice"][2]["samples"], data["advice"][2]["line"]), (16, ""))
+        self.assertEqual(data["advice"][2]["options"], "--integrator mis --samples 16")
         self.assertEqual(data["noise"], 0.125)
         self.assertAlmostEqual(data["difference"], 0.02)
         self.assertAlmostEqual(data["difference_se"], math.hypot(0.03, 0.04) / 0.5)
@@ -433,6 +454,7 @@ class Folder(unittest.TestCase):
         text = re.search(r'<pre id="text">(.*?)</pre>', page, re.DOTALL).group(1)
         self.assertIn("29 of 33 runs in ", text)
         self.assertRegex(text, r"mis 16 +8 +8 s +4.4% yes\n")
+        self.assertRegex(text, r"em 16 +1 +1.5 s +- \n")
 
     def test_a_page_without_pictures_or_runs_is_one(self):
         t = forged(self.folder.name)
@@ -441,6 +463,9 @@ class Folder(unittest.TestCase):
         stats.summarise(t)
         found = report.values(t)
         self.assertEqual((found["best"], found["settings"], found["shots"], found["crops"]), (None, [], [], []))
+        t.plan.reference, t.result.best = [EM, EM], EM  # the first of the table
+        found = report.values(t)
+        self.assertEqual((found["best"], found["references"][0]["name"]), ("em 16", "em 16"))
         self.assertEqual((len(found["references"]), found["difference"]), (1, None))
 
     def test_crops_are_quarters_and_do_not_depend_on_the_unit(self):
@@ -451,6 +476,12 @@ class Folder(unittest.TestCase):
                              [(12, 6), (2, 2)])
         plain = np.ones((9, 13, 3), np.float32)  # windows of 4 x 3: the first, and the first beside it
         self.assertEqual(report.crops([plain], plain), [(0, 0), (4, 0)])
+        t.both.image, t.strip = plain, [Shot(MIS, 1, 1, 1, plain)]
+        self.assertEqual([(c["width"], c["height"]) for c in report.values(t)["crops"]], [(4, 3)] * 2)
+        for channel in range(3):  # each of them counts
+            other = plain.copy()
+            other[7, 10, channel] = 2
+            self.assertEqual(report.crops([other], plain)[0], (8, 6))
 
 
 if __name__ == "__main__":

@@ -68,7 +68,7 @@ def _advise_for(trade: Trade, purpose: str, error: float) -> Advice:
             continue
         one = _advice_of(trade, i, purpose, error)
         doubt = curve.rank / curve.cost_variance if curve.cost_variance > 0 else 1.0
-        if one.setting >= 0 and (best.setting < 0 or one.seconds * doubt < least):
+        if one.setting >= 0 and one.seconds * doubt < least:
             best = one
             least = one.seconds * doubt
     return best
