@@ -384,19 +384,22 @@ static void the_settings_of_a_map_are_those_of_its_light(void **state)
 static void a_setting_of_a_map_has_its_limits(void **state)
 {
 #define TABLE(name) "there is no table \"" name "\": give \"alias\" or \"cdf\""
+#define SHORT(setting, is_good) {setting, is_good, NULL}
 #define EXPONENT(b) "area_exponent is " b ": give a number in [0, 10]"
     static const struct { const char *setting; bool is_good; const char *text; } rows[] = {
-        {"kind=alias", true}, {"kind=cdf", true}, {"kind=list", false, TABLE("list")}, {"kind=", false, TABLE("")},
-        {"kind=alias2", false, TABLE("alias2")},
-        {"area_exponent=0", true}, {"area_exponent=10", true}, {"area_exponent=-0.1", false, EXPONENT("-0.1")},
-        {"area_exponent=10.1", false, EXPONENT("10.1")}, {"area_exponent=", false}, {"area_exponent=1x", false},
-        {"area_exponent=nan", false, EXPONENT("nan")}, {"mapping=latlong", true}, {"mapping=", false,
-            "there is no mapping \"\"; `bis help lights` lists them, as \"latlong\""},
-        {"width=1", true}, {"width=65536", true}, {"width=0", false}, {"width=65537", false}, {"width=1.5", false},
-        {"width=", false}, {"levels=1", true}, {"levels=254", true}, {"levels=0", false},
-        {"levels=255", false}, {"levels=2.5", false}, {"levels=4x", false}, {"levels=", false}, {"levels", false},
-        {"as_printed=E13", true}, {"as_printed=E3", true}, {"as_printed=E999", false}, {"as_printed", false},
-        {"kin=cdf", false}, {"area=1", false}, {"1", false}, {"level=1", false},
+        SHORT("kind=alias", true), SHORT("kind=cdf", true), {"kind=list", false, TABLE("list")},
+        {"kind=", false, TABLE("")}, {"kind=alias2", false, TABLE("alias2")}, SHORT("area_exponent=0", true),
+        SHORT("area_exponent=10", true), {"area_exponent=-0.1", false, EXPONENT("-0.1")},
+        {"area_exponent=10.1", false, EXPONENT("10.1")}, SHORT("area_exponent=", false),
+        SHORT("area_exponent=1x", false), {"area_exponent=nan", false, EXPONENT("nan")},
+        SHORT("mapping=latlong", true),
+        {"mapping=", false, "there is no mapping \"\"; `bis help lights` lists them, as \"latlong\""},
+        SHORT("width=1", true), SHORT("width=65536", true), SHORT("width=0", false), SHORT("width=65537", false),
+        SHORT("width=1.5", false), SHORT("width=", false), SHORT("levels=1", true), SHORT("levels=254", true),
+        SHORT("levels=0", false), SHORT("levels=255", false), SHORT("levels=2.5", false), SHORT("levels=4x", false),
+        SHORT("levels=", false), SHORT("levels", false), SHORT("as_printed=E13", true), SHORT("as_printed=E3", true),
+        SHORT("as_printed=E999", false), SHORT("as_printed", false), SHORT("kin=cdf", false), SHORT("area=1", false),
+        SHORT("1", false), SHORT("level=1", false),
     };
     bis_light *light;
 
