@@ -25,7 +25,7 @@ static const char intro[] = "bis renders scenes in a subset of the pbrt format, 
 const bis_subcommand bis_subcommands[] = {
     {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},
     {"merge", bis_cmd_merge, "one picture of the parts that `bis render --part` has made"},
-    {"trade", bis_cmd_trade, "error against time, measured for your own scene: what to use?"},
+    {"trade", NULL, "error against time, measured for your own scene: what to use?"},
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR, PNG)"},
     {"convert", bis_cmd_convert, "a picture in another format; exposure and tone curve for a PNG"},
     {"envmap", NULL, "what is in a map; levels, regions, importance as pictures"},

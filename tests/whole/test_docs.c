@@ -451,9 +451,9 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
         {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
          "src/thesis/sir.c:2: thesis may not include \"bis/scene/scene.h\""},
         {"base/file.c", "#  include \"shape/grid.h\"\n", "src/base/file.c:1: base may not include \"shape/grid.h\""},
-        {"tools/trade/trade.c", "#include \"bis/thesis/envmap.h\"\n#include \"trade.h\"\n", NULL},
-        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n",
-         "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
+        {"tools/verify/verify.c", "#include \"bis/thesis/envmap.h\"\n#include \"verify.h\"\n", NULL},
+        {"tools/verify/verify.c", "#include \"cli/cli.h\"\n",
+         "src/tools/verify/verify.c:1: tools may not include \"cli/cli.h\""},
         {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

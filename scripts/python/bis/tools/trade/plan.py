@@ -11,7 +11,7 @@ The pilot says what a pixel of a pass costs with each setting, c, and what scatt
 - so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its end, and that one pass
   of each of them fits;
 - r such that all runs fill 50 % of what is left of the time; the references get 22 %, the pictures 6 %, the seconds of
-  the full picture as much (seconds.py), the error of the advice 9 % (check.py), and the rest is for surprises.
+  the full picture 9 % (seconds.py), the error of the advice as much (check.py), and the rest is for surprises.
 
 With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock.
 With --quick the time is given and not asked for. Where it is too short, there are fewer pixels, then one seed, then

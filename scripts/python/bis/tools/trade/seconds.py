@@ -14,10 +14,10 @@ from typing import Optional
 from .model import Advice, Setting, Trade
 from .plan import Film
 
-TIMING_SHARE = 0.02  # each of the advised settings takes so much of the time
+TIMING_SHARE = 0.03  # each of the advised settings takes so much of the time
 TILE = 16  # the side of what a thread takes at once
 TILES = 8  # of a block for each thread, so that all of them have work until its end
-MOST_BLOCKS, LEAST_BLOCKS = 12, 3
+MOST_BLOCKS, LEAST_BLOCKS = 6, 3
 
 
 def blocks(film: Film, pixels: float, threads: int) -> list[Film]:
