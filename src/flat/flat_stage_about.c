@@ -6,7 +6,7 @@
 #include "bis/base/file.h"
 #include "bis/thesis/envmap.h"
 #include "flat/say.h"
-#include "out/json.h"
+#include "tools/json.h"
 
 #include <stdlib.h>
 #include <string.h>
