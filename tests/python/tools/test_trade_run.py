@@ -13,13 +13,15 @@ import sys
 import tempfile
 import time
 import unittest
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
-from bis.tools.trade import check, pilot, planfile, references, seconds  # noqa: E402
+from bis.tools.trade import check, pilot, planfile, references, seconds, shots, stats, sweep  # noqa: E402
 from bis.tools.trade.model import LEVELS, MOST_PASSES, Advice, Options, Plan, Reference, Setting, Trade  # noqa: E402
 from bis.tools.trade.plan import MAKERS, MOST_PIXELS, Film, Frame, fit_plan  # noqa: E402
 from bis.tools.trade.settings import Integrators, Table  # noqa: E402
@@ -527,6 +529,149 @@ class Seconds(unittest.TestCase):
         start = time.process_time()
         scene.render(integrator="em", samples=64, spp=4, seed=9, threads=1)
         self.assertAlmostEqual(t.result.advice[0].seconds / (time.process_time() - start), 1, delta=0.4)
+
+
+class World:
+    """A scene whose methods are formulas. A render of n passes takes fill + c pixels seconds a pass on a clock of its
+    own, and its noise has relMSE v n^-p, an edge's 1 <= p <= 3/2."""
+
+    def __init__(self, frame, settings, p=1.0, seed=1):
+        self.frame, self.p, self.now, self.settings = frame, p, 1000.0, settings
+        self.rng = np.random.default_rng(seed)
+        self.cost = {name: cost for name, cost, _, _ in settings}
+        self.variance = {name: variance for name, _, variance, _ in settings}
+        self.log = []
+
+    def clock(self):
+        return self.now
+
+    def right(self, film):
+        y, x = np.mgrid[:film.height, :film.width]
+        return np.repeat(1 + 0.5 * np.sin(0.1 * x + 0.2 * y)[:, :, None], 3, axis=2)
+
+    def render(self, s, step, passes, seed, crop=None):
+        if crop is not None:
+            across, down = ((math.ceil(n * a), math.ceil(n * b)) for n, (a, b) in
+                            ((self.frame.width, crop[:2]), (self.frame.height, crop[2:])))
+            film = Film(0, 0, across[1] - across[0], down[1] - down[0])
+        else:
+            film = self.frame.film(step) if step else Film(0, 0, 1, 1)
+        seconds = passes * (1e-3 + self.cost[s.name] * film.pixels)
+        self.now += seconds
+        self.log.append((s.name, passes, film))
+        right = self.right(film)
+        relmse = self.variance[s.name] * passes ** -self.p
+        noise = right * math.sqrt(relmse) * self.rng.standard_normal(right.shape)
+        return SimpleNamespace(rgb=(right + noise).astype(np.float32), seconds=seconds, error=math.sqrt(relmse),
+                               camera_rays=1, shadow_rays=1, candidates=1)
+
+
+class InAWorld(unittest.TestCase):
+    """The measurement where all is known."""
+
+    METHODS = (("mis 16", 4e-6, 0.4, 1), ("mis 64", 1.5e-5, 0.12, 1), ("sir 64/4", 2e-6, 0.3, 0),
+               ("sir 256/16", 6e-6, 0.08, 0), ("em 16", 3e-6, 3.0, 1), ("rejection 100/8", 5e-6, 0.5, 0))
+
+    def measured(self, world, seconds_, **asked):
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        t = Trade(Options("s", folder, seconds_, **asked), view=world, start=world.now, stratified=False)
+        t.plan.settings = [Setting(name, name.split()[0], {}, 1, judge=judge, is_biased=name.startswith("rej"))
+                           for name, _, _, judge in world.settings]
+        t.plan.n_seeds = 3
+        t.plan.full_width, t.plan.full_height = world.frame.width, world.frame.height
+        with mock.patch("time.monotonic", world.clock):
+            self.assertEqual(pilot.run_pilot(t), [])
+            fit_plan(t.plan, t.options, world.frame, seconds_ - t.spent(), t.spent())
+            references.make_references(t)
+            sweep.run_sweep(t)
+            stats.summarise(t)
+            t.swept = t.spent()
+            check.check_advice(t)
+            seconds.time_advice(t)
+            shots.make_shots(t)
+        return t
+
+    def test_the_pilot_finds_costs_and_errors_in_its_time(self):
+        world = World(Frame(800, 600), self.METHODS)
+        t = Trade(Options("s", "f", 60), view=world, start=world.now)
+        t.plan.settings = [Setting(name, name.split()[0], {}, 1) for name, _, _, _ in self.METHODS]
+        with mock.patch("time.monotonic", world.clock):
+            pilot.run_pilot(t)
+            self.assertLess(t.spent(), 3 * 0.08 * 60)
+        for s, (name, cost_, variance, _) in zip(t.plan.settings, self.METHODS):
+            self.assertAlmostEqual(s.pass_seconds / cost_, 1, delta=0.2)
+            self.assertAlmostEqual(s.pass_relmse / variance, 1, delta=0.01)
+            self.assertAlmostEqual(s.fill_seconds, 1e-3, delta=1e-4)
+
+    def test_all_keeps_to_the_time_and_spends_it(self):
+        for total in (10, 40, 150):
+            world = World(Frame(800, 600), self.METHODS)
+            t = self.measured(world, total)
+            self.assertTrue(t.is_complete)
+            self.assertLess(t.swept, 0.8 * total * TINY)
+            self.assertLess(world.now - 1000, 1.02 * total)
+            self.assertGreater(world.now - 1000, 0.5 * total)
+            self.assertEqual(len(t.runs), t.plan.planned_runs())
+
+    def test_a_sweep_that_is_out_of_time_has_measured_all_equally_far(self):
+        world = World(Frame(800, 600), self.METHODS)
+        usual = world.render
+
+        def slower(s, step, passes, seed, crop=None):
+            picture = usual(s, step, passes, seed, crop)
+            if len(world.log) > 80:
+                world.now += picture.seconds  # the machine got other work
+            return picture
+
+        world.render = slower
+        t = self.measured(world, 40)
+        self.assertFalse(t.is_complete)
+        self.assertLess(t.swept, 0.85 * 40)
+        done = {(r.setting, r.level, r.replicate) for r in t.runs}
+        last = max(r.level for r in t.runs)
+        for i, s in enumerate(t.plan.settings):
+            for level in range(min(s.levels, last)):
+                self.assertTrue(all((i, level, k) in done for k in range(3)), s.name)
+
+    def test_what_is_promised_comes_out(self):
+        """The error of the advice is that of so many passes, whether noise rules or edges do, and its seconds are those
+        of the full picture."""
+        for p in (1.0, 1.5):
+            for total in (20, 100):
+                world = World(Frame(400, 300), self.METHODS, p)
+                t = self.measured(world, total)
+                for a in t.result.advice:
+                    name = t.plan.settings[a.setting].name
+                    true = math.sqrt(np.mean(self.share(world)) * world.variance[name] * a.passes ** -p)
+                    with self.subTest(p=p, total=total, purpose=a.purpose, extrapolated=a.is_extrapolated):
+                        self.assertLess(a.expected_error, 1.08 * a.error)
+                        self.assertAlmostEqual(a.expected_error / true, 1, delta=0.1)
+                        self.assertAlmostEqual(a.seconds / (a.passes * (1e-3 + world.cost[name] * 120000)), 1,
+                                               delta=0.1)
+
+    def share(self, world):
+        """Of relMSE: b^2 / (b^2 + m^2/100)."""
+        b = world.right(world.frame.film(1))
+        return b * b / (b * b + b.mean() ** 2 / 100)
+
+    def test_the_root_law_gives_slope_minus_half_and_a_constant_cost(self):
+        world = World(Frame(800, 600), self.METHODS)
+        t = self.measured(world, 150)
+        pixels = world.frame.film(t.plan.step).pixels
+        self.assertGreater(sum(len(curve.points) > 2 for curve in t.result.curves), 3)
+        for i, (name, cost_, variance, _) in enumerate(self.METHODS):
+            curve = t.result.curves[i]
+            if len(curve.points) > 2:
+                self.assertAlmostEqual(curve.slope, -0.5, delta=0.03)
+            self.assertAlmostEqual(curve.cost_variance / (variance * np.mean(self.share(world)) *
+                                                          (1e-3 + cost_ * pixels)), 1, delta=0.05)
+
+    def test_shots_have_the_passes_of_the_longest_runs(self):
+        t = self.measured(World(Frame(800, 600), self.METHODS), 40)
+        for shot in t.strip:
+            each = t.result.curves[shot.setting].pass_seconds
+            self.assertTrue(shot.passes == 1 or abs(shot.passes * each - t.plan.run_seconds) <= each)
 
 
 class Pilot(unittest.TestCase):

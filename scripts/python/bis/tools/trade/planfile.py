@@ -11,7 +11,7 @@ import math
 import os
 import re
 import sys
-from typing import Callable, Optional
+from typing import Optional
 
 import numpy as np
 
@@ -101,58 +101,19 @@ def _count(word: str, lo: int, hi: int) -> int:
     return int(v)
 
 
-def _size(words: str) -> tuple[int, int]:
-    width, height = words.split(" ")
+def _sides(fields: list[str]) -> tuple[int, int]:
+    width, height = fields
     return _count(width, 1, _MOST_SIDE), _count(height, 1, _MOST_SIDE)
 
 
-def _read_fingerprint(plan: Plan, rest: str) -> None:
-    if not re.fullmatch("[0-9a-f]{16}", rest):
-        raise _Refused
-    plan.fingerprint = int(rest, 16)
-
-
-def _read_full(plan: Plan, rest: str) -> None:
-    plan.full_width, plan.full_height = _size(rest)
-
-
-def _read_step(plan: Plan, rest: str) -> None:
-    plan.step = _count(rest, 1, _MOST_SIDE)
-
-
-def _read_size(plan: Plan, rest: str) -> None:
-    size = plan.width, plan.height = _size(rest)
-    if plan.step < 1 or size != (thinned(plan.full_width, plan.step), thinned(plan.full_height, plan.step)):
-        raise _Refused
-
-
-def _read_seeds(plan: Plan, rest: str) -> None:
-    plan.n_seeds = _count(rest, 1, SEEDS)
-
-
-def _read_seed(plan: Plan, rest: str) -> None:
-    plan.seed = _count(rest, 0, _MOST_SEED)
-
-
-def _read_run_seconds(plan: Plan, rest: str) -> None:
-    plan.run_seconds = _real(rest, _LEAST, 1e9)
-
-
-def _read_given(plan: Plan, rest: str) -> None:
-    plan.is_given = _count(rest, 0, 1) == 1
-
-
-def _read_reference(plan: Plan, rest: str) -> None:
-    which, passes, name = rest.split(" ", 2)
-    k = _count(which, 0, 1)
-    i = plan.find(name)
+def _read_reference(plan: Plan, which: str, passes: str, name: str) -> None:
+    k, i = _count(which, 0, 1), plan.find(name)
     if plan.reference[k] >= 0 or i < 0 or not may_be_reference(plan.settings[i], k):
         raise _Refused
     plan.reference[k], plan.reference_passes[k] = i, _count(passes, 1, MOST_PASSES)
 
 
-def _read_setting(plan: Plan, rest: str) -> None:
-    levels, seconds, fill, relmse, name = rest.split(" ", 4)
+def _read_setting(plan: Plan, levels: str, seconds: str, fill: str, relmse: str, name: str) -> None:
     i = plan.find(name)
     if i < 0 or plan.settings[i].is_swept:
         raise _Refused
@@ -163,21 +124,49 @@ def _read_setting(plan: Plan, rest: str) -> None:
     s.is_swept = True
 
 
-# The lines of a plan: what reads one, and what must stand in it. All but the last two stand once.
-_LINES: dict[str, tuple[Callable[[Plan, str], None], str]] = {
-    "fingerprint": (_read_fingerprint, "16 digits 0-9, a-f"),
-    "full": (_read_full, "width and height in pixels, from 1 to 32768"),
-    "step": (_read_step, "a number from 1 to 32768"),
-    "size": (_read_size, 'width and height in pixels, those of "full" divided by "step", which stand before'),
-    "seeds": (_read_seeds, "a number from 1 to 16"),
-    "seed": (_read_seed, "a whole number from 0 to 2^53 - 1"),
-    "run_seconds": (_read_run_seconds, "a number above 0, at most 1e9"),
-    "given": (_read_given, "0 or 1"),
-    "reference": (_read_reference, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of "
-                                   "a setting that may be one"),
-    "setting": (_read_setting, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the "
-                               "name of a setting, once"),
+# The lines of a plan: how many fields, and what must stand in them. All but the last two stand once.
+_LINES = {
+    "fingerprint": (1, "16 digits 0-9, a-f"),
+    "full": (2, "width and height in pixels, from 1 to 32768"),
+    "step": (1, "a number from 1 to 32768"),
+    "size": (2, 'width and height in pixels, those of "full" divided by "step", which stand before'),
+    "seeds": (1, "a number from 1 to 16"),
+    "seed": (1, "a whole number from 0 to 2^53 - 1"),
+    "run_seconds": (1, "a number above 0, at most 1e9"),
+    "given": (1, "0 or 1"),
+    "reference": (3, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of a setting that "
+                     "may be one"),
+    "setting": (5, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the name of a "
+                   "setting, once"),
 }
+
+
+def _read_fields(plan: Plan, word: str, fields: list[str]) -> None:
+    if word == "fingerprint":
+        if not re.fullmatch("[0-9a-f]{16}", fields[0]):
+            raise _Refused
+        plan.fingerprint = int(fields[0], 16)
+    elif word == "full":
+        plan.full_width, plan.full_height = _sides(fields)
+    elif word == "step":
+        plan.step = _count(fields[0], 1, _MOST_SIDE)
+    elif word == "size":
+        plan.width, plan.height = _sides(fields)
+        size = thinned(plan.full_width, max(plan.step, 1)), thinned(plan.full_height, max(plan.step, 1))
+        if plan.step < 1 or (plan.width, plan.height) != size:
+            raise _Refused
+    elif word == "seeds":
+        plan.n_seeds = _count(fields[0], 1, SEEDS)
+    elif word == "seed":
+        plan.seed = _count(fields[0], 0, _MOST_SEED)
+    elif word == "run_seconds":
+        plan.run_seconds = _real(fields[0], _LEAST, 1e9)
+    elif word == "given":
+        plan.is_given = _count(fields[0], 0, 1) == 1
+    elif word == "reference":
+        _read_reference(plan, *fields)
+    else:
+        _read_setting(plan, *fields)
 
 
 def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
@@ -188,10 +177,13 @@ def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
     if word in seen and word not in ("reference", "setting"):
         return '"%s" is the second line of its kind; %s' % (line, _DAMAGED)
     seen.add(word)
-    read, rule = _LINES[word]
+    n, rule = _LINES[word]
+    fields = rest.split(" ", n - 1)
     try:
-        read(plan, rest)
-    except (_Refused, ValueError):
+        if len(fields) < n:
+            raise _Refused
+        _read_fields(plan, word, fields)
+    except _Refused:
         return '"%s": behind "%s" must stand %s; %s' % (line, word, rule, _DAMAGED)
     return None
 

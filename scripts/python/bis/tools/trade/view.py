@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._errors import Error
-from ..._render import Picture, Scene
+from ..._render import Picture
 from .. import command
+from ..scenes import open_scene
 from .model import Setting, Trade
 from .plan import Frame
 from .settings import Integrators, Table
@@ -48,7 +49,7 @@ class View:
             settings.update(width=asked.size[0], height=asked.size[1])
         t.tell("reading the scene", math.nan, math.nan)
         self.t = t
-        self.scene = Scene(asked.scene, approximate=asked.approximate, **settings)
+        self.scene = open_scene(asked.scene, say, approximate=asked.approximate, **settings)
         about = self.scene.about()
         if about["as_printed"]:
             say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are measured as they should '
@@ -64,6 +65,7 @@ class View:
         self.frame = Frame(about["width"], about["height"], tuple(about["crop"]))
         self.files: list[str] = about["files"]
         self.has_map = not light["is_constant"]
+        self.built = {(light["area_exponent"], False)}
         t.stratified = about["is_stratified"]
         own = (about["integrator"], about["parameters"]) if about["integrator"] in known.rivals() else None
         t.plan.settings = Table(known, light["area_exponent"]).settings(
@@ -102,6 +104,7 @@ class View:
             how, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
         if self.has_map:  # a constant light is the same for all b
             how["area_exponent"] = s.area_exponent
+            self._tell_of_light(s)
         if t.options.threads:
             how["threads"] = t.options.threads
         try:
@@ -116,6 +119,13 @@ class View:
         t.threads = picture.threads
         t.nonfinite += picture.nonfinite
         return picture
+
+    def _tell_of_light(self, s: Setting) -> None:
+        """Tell of what the render will do first."""
+        light = s.area_exponent, bool(s.values.get("compensate"))
+        if light not in self.built:
+            self.built.add(light)
+            self.t.tell("building the map's importance", math.nan, math.nan)
 
     def coverage(self) -> NDArray[np.float32]:
         """The share of geometry in each pixel of the measured window, (h, w)."""
