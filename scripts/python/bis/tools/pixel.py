@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Iterator, Optional
 
 from . import text as form
 from .._errors import Error, Status
 from .command import COUNT, FLAG, NAME, SCENE_NOTE, SEED_MAX, TEXT
-from .command import Command, Heading, Option, Say, run
+from .command import Command, Heading, Option, Say, put, run
 from .files import check_writable, outfile
 from .scenes import open_scene
 
@@ -533,12 +532,15 @@ def _body(o: Any, operands: list[str], say: Say) -> int:
     x, y = _places_of(operands[1:], scene.about())
     stage = scene.stage()
     stage.at(x, y)
-    report = Report(stage, stage.about(), o.output or "pixel_%d_%d" % (x, y), o.html, o.repeats)
+    about = stage.about()
+    if operands[0] != "-":
+        about["scene"] = operands[0]  # byte for byte, whatever these are
+    report = Report(stage, about, o.output or "pixel_%d_%d" % (x, y), o.html, o.repeats)
     if not report.about["nothing"]:  # an answer without files: nothing is hit, or nothing reflected
         _make_folder(report.folder)  # before the work, whose files could go nowhere
         ask(report, o)
         write_files(report)
-    sys.stdout.write(form.json(json_of(report)) if o.json else text_of(report))
+    put(form.json(json_of(report)) if o.json else text_of(report))
     return 0
 
 
