@@ -6,8 +6,10 @@ Statistical tests compare within 5 standard errors, or 5 of their own deviation 
 twin, a wrong value that the same test refuses."""
 import math
 import os
+import signal
 import sys
 import threading
+import time
 import unittest
 import warnings
 
@@ -599,6 +601,17 @@ class Use(unittest.TestCase):
                           ("proposal", lambda: stage.accept("mix", [1], [0.5])),
                           ("give a bis.Scene", lambda: Stage("scene.txt"))):
             self.assertRaisesRegex(bis.Error, word, ask)
+
+    def test_ctrl_c_ends_the_runs(self):
+        self.addCleanup(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT))
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever a program before has made of it
+        stage = stage_of(GLOSSY + GROUND, light=smooth())
+        stage.exact()
+        timer, before = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)), time.monotonic()
+        timer.start()
+        self.assertRaises(KeyboardInterrupt, stage.runs, 10**7, integrator="sir")  # minutes
+        self.assertLess(time.monotonic() - before, 20)
+        self.assertLess(abs(stage.runs(100, integrator="em").z), 5)  # it can be used again
 
     def test_threads_change_no_number_and_two_scenes_work_at_once(self):
         found = {}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import json
-import threading
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Optional
 
@@ -672,5 +671,5 @@ class Stage(Handle):
         def work() -> None:
             said.append(run(f, self._handle, *arguments))
 
-        _wait(threading.Thread(target=work), stop, [], None)
+        _wait(work, stop, [], None)
         judge(*said[0])

@@ -253,6 +253,12 @@ class ByHand(unittest.TestCase):
             codes = np.frombuffer(base64.b64decode(s[name]), ">u2").reshape(360, 720).astype(float)
             found = np.where(codes > 0, 10 ** (s["top"] - 7 * (1 - (codes - 1) / 65534)), 0)
             np.testing.assert_allclose(found, np.where(expected >= 1e-7, expected, 0), rtol=1.4e-4, atol=1e-12)
+        for width, sub in ((None, 2), (1440, 2), (1441, 3), (2160, 3), (99999, 8)):  # as many as the map has pixels
+            r = by_hand()
+            r.about["map_width"] = width
+            with mock.patch.object(r.stage, "sphere", side_effect=r.stage.sphere) as asked:
+                pixel._json_sphere(r)
+            asked.assert_called_once_with(720, 360, sub)
         bright = by_hand()
         bright.exact = Exact(bright.exact.lit, radiance([0.0] * 3, [0.0] * 3, 0.001, 0.0), True, 1, 1, None, None)
         self.assertEqual(pixel._json_sphere(bright)["top"], 3)  # 0.5/pi over 0.001 is 159
