@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""`bis trade`, what measures: whatever the settings cost, a plan keeps to its time and gives the better more; each run
-is the render of its seed; a folder goes through interruption and --resume; bad input is refused with its cause."""
+"""`bis trade`, what measures: whatever the settings cost, a plan keeps to its time and gives the
+better more; each run is the render of its seed; a folder goes through interruption and --resume;
+bad input is refused with its cause."""
 import csv
 import math
 import os
@@ -47,7 +48,8 @@ SWEEP, REFERENCES, TINY = 0.5, 0.22, 1 + 1e-9
 
 
 def made_up(case):
-    """A pilot: frame, settings with the seconds of a pixel, how many seeds, seconds that are left."""
+    """A pilot: frame, settings with the seconds of a pixel, how many seeds, seconds that are
+    left."""
     r = random.Random(case)
 
     def between(lo, hi):
@@ -254,7 +256,8 @@ class TheTable(unittest.TestCase):
         self.assertTrue(set(MAKERS[0] + MAKERS[1]) <= {s.name for s in settings})
 
     def test_the_words_of_a_setting_render_it(self):
-        """Options and scene line say what the values are: parsed back by the library they are the same."""
+        """Options and scene line say what the values are: parsed back by the library they are the
+        same."""
         head, tail = SCENE.split("Integrator", 1)[0], SCENE.split("\n", 3)[3]
         with tempfile.TemporaryDirectory() as folder:
             write_scene(folder)
@@ -273,7 +276,8 @@ class TheTable(unittest.TestCase):
 
 class TheScatter(unittest.TestCase):
     def test_is_the_error_of_one_render(self):
-        """Renders of known noise against a reference of known noise, and without the worst pixels."""
+        """Renders of known noise against a reference of known noise, and without the worst
+        pixels."""
         rng = np.random.default_rng(5)
         right = rng.uniform(1, 2, (60, 80, 3))
 
@@ -532,8 +536,8 @@ class Seconds(unittest.TestCase):
 
 
 class World:
-    """A scene whose methods are formulas. A render of n passes takes fill + c pixels seconds a pass on a clock of its
-    own, and its noise has relMSE v n^-p, an edge's 1 <= p <= 3/2."""
+    """A scene whose methods are formulas. A render of n passes takes fill + c pixels seconds a pass
+    on a clock of its own, and its noise has relMSE v n^-p, an edge's 1 <= p <= 3/2."""
 
     def __init__(self, frame, settings, p=1.0, seed=1):
         self.frame, self.p, self.now, self.settings = frame, p, 1000.0, settings
@@ -635,8 +639,8 @@ class InAWorld(unittest.TestCase):
                 self.assertTrue(all((i, level, k) in done for k in range(3)), s.name)
 
     def test_what_is_promised_comes_out(self):
-        """The error of the advice is that of so many passes, whether noise rules or edges do, and its seconds are those
-        of the full picture."""
+        """The error of the advice is that of so many passes, whether noise rules or edges do, and
+        its seconds are those of the full picture."""
         for p in (1.0, 1.5):
             for total in (20, 100):
                 world = World(Frame(400, 300), self.METHODS, p)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """plan.txt, which a measurement is resumed by.
 
-It is text that a user may look at, with numbers that read back as the same doubles. What is read is not trusted: a name
-that the table has not, or a number out of range, is an error with its line. A plan belongs to one text of one scene and
-to one version of bis, which its fingerprint tells.
+It is text that a user may look at, with numbers that read back as the same doubles. What is read is
+not trusted: a name that the table has not, or a number out of range, is an error with its line. A
+plan belongs to one text of one scene and to one version of bis, which its fingerprint tells.
 """
 from __future__ import annotations
 
@@ -62,12 +62,18 @@ def fingerprint(version: str, names: list[str], files: list[str]) -> int:
 
 def plan_text(plan: Plan) -> str:
     """Return plan.txt."""
-    lines = ["fingerprint %016x" % plan.fingerprint, "full %d %d" % (plan.full_width, plan.full_height),
-             "step %d" % plan.step, "size %d %d" % (plan.width, plan.height), "seeds %d" % plan.n_seeds,
-             "seed %d" % plan.seed, "run_seconds " + text.digits(plan.run_seconds), "given %d" % plan.is_given]
+    lines = ["fingerprint %016x" % plan.fingerprint,
+             "full %d %d" % (plan.full_width, plan.full_height),
+             "step %d" % plan.step,
+             "size %d %d" % (plan.width, plan.height),
+             "seeds %d" % plan.n_seeds,
+             "seed %d" % plan.seed,
+             "run_seconds " + text.digits(plan.run_seconds),
+             "given %d" % plan.is_given]
     for k, i in enumerate(plan.reference):
         if i >= 0:
-            lines.append("reference %d %d %s" % (k, plan.reference_passes[k], plan.settings[i].name))
+            lines.append("reference %d %d %s" % (k, plan.reference_passes[k],
+                                                 plan.settings[i].name))
     for s in plan.settings:
         if s.is_swept:
             seconds = [text.digits(v) for v in (s.pass_seconds, s.fill_seconds, s.pass_relmse)]
@@ -124,20 +130,22 @@ def _read_setting(plan: Plan, levels: str, seconds: str, fill: str, relmse: str,
     s.is_swept = True
 
 
-# The lines of a plan: how many fields, and what must stand in them. All but the last two stand once.
+# The lines of a plan: how many fields, and what must stand in them. All but the last two stand
+# once.
 _LINES = {
     "fingerprint": (1, "16 digits 0-9, a-f"),
     "full": (2, "width and height in pixels, from 1 to 32768"),
     "step": (1, "a number from 1 to 32768"),
-    "size": (2, 'width and height in pixels, those of "full" divided by "step", which stand before'),
+    "size": (2,
+             'width and height in pixels, those of "full" divided by "step", which stand before'),
     "seeds": (1, "a number from 1 to 16"),
     "seed": (1, "a whole number from 0 to 2^53 - 1"),
     "run_seconds": (1, "a number above 0, at most 1e9"),
     "given": (1, "0 or 1"),
-    "reference": (3, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of a setting that "
-                     "may be one"),
-    "setting": (5, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the name of a "
-                   "setting, once"),
+    "reference": (3, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the "
+                     "name of a setting that may be one"),
+    "setting": (5, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, "
+                   "and the name of a setting, once"),
 }
 
 
@@ -152,7 +160,8 @@ def _read_fields(plan: Plan, word: str, fields: list[str]) -> None:
         plan.step = _count(fields[0], 1, _MOST_SIDE)
     elif word == "size":
         plan.width, plan.height = _sides(fields)
-        size = thinned(plan.full_width, max(plan.step, 1)), thinned(plan.full_height, max(plan.step, 1))
+        step = max(plan.step, 1)
+        size = thinned(plan.full_width, step), thinned(plan.full_height, step)
         if plan.step < 1 or (plan.width, plan.height) != size:
             raise _Refused
     elif word == "seeds":
@@ -195,12 +204,13 @@ def _check(plan: Plan, crop: tuple[float, float, float, float], seen: set[str]) 
             return 'a plan has a line "%s", and this one has none; %s' % (word, _DAMAGED)
     film = Frame(plan.full_width, plan.full_height, crop).film(plan.step)
     if film.width < 1 or film.height < 1 or film.pixels > 4 * MOST_PIXELS:
-        return ('by "full" and "step" %d x %d pixels are to be measured, must be at least 1 and at most %d; %s'
+        return ('by "full" and "step" %d x %d pixels are to be measured, must be at least 1 and at '
+                'most %d; %s'
                 % (film.width, film.height, 4 * MOST_PIXELS, _DAMAGED))
     for s in plan.settings:
         if s.is_swept and s.levels and plan.reference[s.judge] < 0 and not plan.is_given:
-            return ('"%s" is to be measured, and the line "reference %d" that says what it is compared with is '
-                    "missing; %s" % (s.name, s.judge, _DAMAGED))
+            return ('"%s" is to be measured, and the line "reference %d" that says what it is '
+                    'compared with is missing; %s' % (s.name, s.judge, _DAMAGED))
     return None
 
 
@@ -212,7 +222,8 @@ def read_plan(folder: str, plan: Plan, scene: str, crop: tuple[float, float, flo
     folder : str
         Where it is.
     plan : Plan
-        With the table of settings and the fingerprint of the scene as it is now; it receives the rest.
+        With the table of settings and the fingerprint of the scene as it is now; it receives the
+        rest.
     scene : str
         The scene's name, for messages.
     crop : four floats
@@ -235,8 +246,8 @@ def read_plan(folder: str, plan: Plan, scene: str, crop: tuple[float, float, flo
         if wrong:
             raise Error("%s:%d:1: error: %s" % (path, number, wrong))
     if "fingerprint" in seen and plan.fingerprint != ours:
-        raise Error('%s: error: this measurement is of another scene than "%s" as it is now, or by another version of '
-                    "bis; measure into a new folder" % (path, scene))
+        raise Error('%s: error: this measurement is of another scene than "%s" as it is now, or by '
+                    'another version of bis; measure into a new folder' % (path, scene))
     wrong = _check(plan, crop, seen)
     if wrong:
         raise Error("%s: error: %s" % (path, wrong))

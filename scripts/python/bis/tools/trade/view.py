@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The scene of a sweep, built once for all settings, and one render of it.
 
-Geometry and accelerator serve every integrator; the map is built once for each b, and once more where mis wants it
-compensated. The picture is the one that `bis render` makes with the same setting, passes and seed.
+Geometry and accelerator serve every integrator; the map is built once for each b, and once more
+where mis wants it compensated. The picture is the one that `bis render` makes with the same
+setting, passes and seed.
 """
 from __future__ import annotations
 
@@ -52,22 +53,28 @@ class View:
         self.scene = open_scene(asked.scene, say, approximate=asked.approximate, **settings)
         about = self.scene.about()
         if about["as_printed"]:
-            say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are measured as they should '
-                           "be" % (about["integrator_file"], about["integrator_line"], about["integrator_column"]),
+            say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are '
+                           'measured as they should '
+                           'be' % (about["integrator_file"], about["integrator_line"],
+                                   about["integrator_column"]),
                            False)
         light = about["light"]
         if not about["has_surface"] or light["is_black"]:
-            raise Error("%s: error: the scene has no %s: every method gives the same picture at once, and there is "
-                        "nothing to trade" % (about["path"], "light" if about["has_surface"] else "surface"))
+            raise Error("%s: error: the scene has no %s: every method gives the same picture at "
+                        "once, and there is nothing to "
+                        "trade" % (about["path"], "light" if about["has_surface"]
+                                              else "surface"))
         pixels = light["width"] * light["height"]
         if not light["is_constant"] and pixels > _MANY_PIXELS:
-            say.warn("the map has more than 2^24 pixels: other values of b and compensation are left out")
+            say.warn("the map has more than 2^24 pixels: other values of b and compensation are "
+                     "left out")
         self.frame = Frame(about["width"], about["height"], tuple(about["crop"]))
         self.files: list[str] = about["files"]
         self.has_map = not light["is_constant"]
         self.built = {(light["area_exponent"], False)}
         t.stratified = about["is_stratified"]
-        own = (about["integrator"], about["parameters"]) if about["integrator"] in known.rivals() else None
+        own = (about["integrator"],
+               about["parameters"]) if about["integrator"] in known.rivals() else None
         t.plan.settings = Table(known, light["area_exponent"]).settings(
             asked, self.has_map and pixels <= _MANY_PIXELS, own)
 
@@ -108,7 +115,8 @@ class View:
         if t.options.threads:
             how["threads"] = t.options.threads
         try:
-            picture = self.scene.render(integrator=s.integrator, spp=passes, seed=seed, crop=crop, as_printed="none",
+            picture = self.scene.render(integrator=s.integrator, spp=passes, seed=seed, crop=crop,
+                                        as_printed="none",
                                         stop=t.interrupted, **how, **s.values)
         except Error:
             if t.interrupted():
