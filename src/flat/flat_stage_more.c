@@ -194,6 +194,7 @@ int bis_flat_stage_angles(bis_flat_stage *stage, size_t n, const float *wi, doub
 
 /* ---- the whole sphere ---- */
 
+/* q_L (eq. 4.2); f cos, of which eq. 4.3 is the density; the product (eq. 4.4); the part of it that is seen. */
 enum { MAP, BRDF, PRODUCT, SEEN, N_FIELDS };
 
 static void look_there(double sum[N_FIELDS], const bis_point *pt, vec3 wi, double share)
