@@ -45,7 +45,7 @@ reached() {
 common="thesis/rng.c thesis/sampler.c thesis/envmap.c thesis/importance.c thesis/regions.c thesis/light.c
     thesis/bsdf.c thesis/phong.c
  thesis/phong_formulas.h"
-sets="thesis/candidates.c thesis/draw.c thesis/set.c"
+sets="thesis/phong_many.c thesis/candidates.c thesis/draw.c thesis/set.c"
 bad=0
 check() {
     name=$1 options=$2 files=$3
