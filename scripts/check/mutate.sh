@@ -480,11 +480,11 @@ exit
 # - k.s_x = (real)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
 # + k.s_x = 0;
 #
-# * microfacet test_f_many : draws forget what the rounding of the mirror direction left
+# * microfacet_formulas.h test_f_many : draws forget what the rounding of the mirror direction left
 # - if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
 # + if (rest) *rest = (vec3){0, 0, 0};
 #
-# * microfacet test_f_many : a cone is as wide as a direction
+# * microfacet_many test_f_many : a cone is as wide as a direction
 # - const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
 # + const float chord = 0x1p-20f;
 #
