@@ -14,8 +14,8 @@ FORMULA reflection f(const constants *k, direction wi, const int kind)
 {
     const real cos_theta = along(k->n, wi);
 
-    /* Yours to write: f of eq. 3.14 in three channels, and the density of the mixture of both lobes. Of use: power, choose.
-     * kind == 1: there is a lobe. */
+    /* Yours to write: f of eq. 3.14 in three channels, and the density of the mixture of both lobes. Of use: power,
+     * choose. kind == 1: there is a lobe. */
     (void)kind;
     return (reflection){0, 0, 0, cos_theta, 1};
 }
