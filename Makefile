@@ -93,7 +93,7 @@ SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py) \
     $(if $(PYTHON),$(wildcard tests/python/test_*.py tests/python/*/test_*.py))
 SCRIPTS := $(if $(T),$(sort $(filter tests/$(T)/%,$(SCRIPTS)) \
     $(foreach t,$(SCRIPTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(SCRIPTS))
-SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
+SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c tests/support/*/*.c))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
 DATA_SRC := $(wildcard data/generate/*.c)
 TOOLS    := $(patsubst scripts/bench/%.c,$B/%,$(filter-out scripts/bench/measure.c,$(wildcard scripts/bench/*.c)))
@@ -351,6 +351,6 @@ clean:
 include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
 ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) \
-    $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
+    $(wildcard tests/support/*.c tests/support/*/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
 .SECONDARY: $(ALL_C:%.c=$B/%.o)
 -include $(ALL_C:%.c=$B/%.d) $(WASM_OBJ:.o=.d)

@@ -21,12 +21,11 @@ awk '
     function declares(line) {
         if (line !~ /^[A-Za-z_]/ || line ~ /^(typedef|struct|enum|union|extern|return)[ {]/) return ""
         gsub(/__attribute__\(\([a-z_]*\)\) */, "", line)
-        if (match(line, /[^A-Za-z_](OF|NAMED)\([a-z_]+\)\(/)) { # thesis/real.h, model.h: one text for several types
+        if (match(line, /[^A-Za-z_]NAMED\([a-z_]+\)\(/)) { # thesis/model_many.h
             line = substr(line, RSTART + 1, RLENGTH - 3)
             sub(/.*\(/, "", line)
             return line
         }
-        if (line ~ /^FORMULA /) sub(/_float\(/, "(", line)
         if (line ~ /^bis_alias_builder [a-z_]+;/) {
             sub(/^bis_alias_builder /, "", line)
             sub(/;.*/, "", line)
@@ -140,7 +139,7 @@ awk -v whole=$(($# == 0)) '
         begin = 0
         text = head
         if (gsub(/\(/, "", text) > gsub(/\)/, "", text)) next
-        while (match(head, /(OF|NAMED)\([a-z_]+\)/)) { # thesis/real.h, model.h: one text for several types
+        while (match(head, /NAMED\([a-z_]+\)/)) { # thesis/model_many.h
             name = substr(head, RSTART, RLENGTH - 1)
             sub(/.*\(/, "", name)
             head = substr(head, 1, RSTART - 1) name substr(head, RSTART + RLENGTH)

@@ -5,7 +5,7 @@
 # copy of the sources; only what changed is compiled, and linked before the present library; then the program has one
 # integrator more.
 #     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too.
-# First a BRDF, by the page's section: its dust, and Phong's file once more under the name "again", each by the page's
+# First a BRDF, by the page's section: its dust, and Phong's files once more under the name "again", each by the page's
 # line in parser_world.c. With textures for all that it has, "again" must render the bits of Material "phong".
 # EXTENDING_EDIT: a sed script for that copy (a twin). EXTENDING_PAGE: another page. TEST "all": all as make test runs
 # them, but this one and those of the course, the pages and what is installed.
@@ -38,11 +38,14 @@ awk -v root="$root" '
 test -s "$root/src/beyond/uniform.c" && test -s "$root/page.diff" || say "the page has no example"
 
 # ---- the BRDF ----
-sed -e 's/bis_phong/bis_again/g; s/phong_reach_lanes/again_reach_lanes/g' \
-    -e 's/define MODEL phong/define MODEL again/; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' \
-    -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
+for part in .c _many.c _formulas.h; do
+    sed -e 's/bis_phong/bis_again/g; s/phong_reach_lanes/again_reach_lanes/g' \
+        -e 's/define MODEL phong/define MODEL again/; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' \
+        -e 's|thesis/phong_formulas.h|beyond/again_formulas.h|' \
+        -e "${EXTENDING_EDIT:-}" "src/thesis/phong$part" >"$root/src/beyond/again$part"
+done
 sed 's/bis_phong/bis_again/g' include/bis/thesis/phong.h >"$root/include/bis/beyond/again.h"
-cp tests/support/beyond/moon.c tests/support/beyond/moon_formulas.h "$root/src/beyond"
+cp tests/support/beyond/moon*.[ch] "$root/src/beyond"
 row=$(grep -o '{"moon", [^}]*}' "${EXTENDING_PAGE:-docs/extending.md}" | sed 's/&/\\&/g')
 test -n "$row" || say "the page has no line for materials[]"
 {
@@ -51,13 +54,13 @@ test -n "$row" || say "the page has no line for materials[]"
     sed "s/^} materials\[\] = {/&\n    $row,\n    $(echo "$row" | sed 's/moon/again/g'),/" src/parse/parser_world.c
 } >"$root/src/parse/world_again.c"
 grep -q '"again"' "$root/src/parse/world_again.c" || say "parser_world.c has no place for a material"
-for file in src/beyond/again src/beyond/moon src/parse/world_again; do
+for file in src/beyond/again src/beyond/again_many src/beyond/moon src/beyond/moon_many src/parse/world_again; do
     (cd "$root" && $BIS_COMPILE -Werror -c -o "$(basename $file).o" "$file.c") ||
         say "$file does not compile without warnings"
 done
 # shellcheck disable=SC2086
-$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/moon.o" "$root/world_again.o" \
-    "$BIS_BUILD/libbis.a" $BIS_LIBS ||
+$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/again_many.o" "$root/moon.o" \
+    "$root/moon_many.o" "$root/world_again.o" "$BIS_BUILD/libbis.a" $BIS_LIBS ||
     say "the program with a BRDF more does not link"
 library "$root/again.o" "$root/moon.o" "$root/world_again.o"
 # What scenes may say of dust, and what they may not.

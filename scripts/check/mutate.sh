@@ -109,32 +109,32 @@ exit
 
 # MUTATIONS
 # * phong_formulas.h test_phong : eq. 3.16 with n+2 for n+1
-# - (REAL)(1 / (b->material->exponent + 1))}
-# + (REAL)(1 / (b->material->exponent + 2))}
+# - (real)(1 / (b->material->exponent + 1))}
+# + (real)(1 / (b->material->exponent + 2))}
 #
 # * phong test_phong : the lobe's density without its +1 (eq. 3.15)
 # - return (n + 1) * (INV_PI / 2) * bis_phong_power
 # + return n * (INV_PI / 2) * bis_phong_power
 #
 # * phong_formulas.h test_phong : max(0, cos) forgotten: the lobe's back shines
-# - return OF(choose)(ahead, power, 0);
-# + return power;
+# - return choose(ahead, cos_n, 0);
+# + return cos_n;
 #
 # * phong_formulas.h test_phong : the mixture's density counts the diffuse lobe whole
-# - (REAL)((1 - p) * INV_PI)
-# + (REAL)INV_PI
+# - (real)((1 - p) * INV_PI)
+# + (real)INV_PI
 #
 # * phong test_phong : rejection's bound is the smaller of two
 # - return fmax(specular, diffuse) * unit_slack;
 # + return fmin(specular, diffuse) * unit_slack;
 #
 # * microfacet_formulas.h test_microfacet : facets drawn without the stretched view: all of them, not the visible
-# - const REAL hx = k->a * (sine * c + k->v[0]),
-# + const REAL hx = k->a * (sine * c),
+# - const real hx = k->a * (sine * c + k->v[0]),
+# + const real hx = k->a * (sine * c),
 #
 # * microfacet_formulas.h test_microfacet : separable instead of height-correlated shadowing
-# - const REAL shadow = c_i * k->S_o + k->c_o * OF(stretched)(k->a2, k->one_minus_a2, c_i);
-# + const REAL shadow = (k->c_o + k->S_o) * (c_i + OF(stretched)(k->a2, k->one_minus_a2, c_i)) / 2;
+# - const real shadow = c_i * k->S_o + k->c_o * stretched(k->a2, k->one_minus_a2, c_i);
+# + const real shadow = (k->c_o + k->S_o) * (c_i + stretched(k->a2, k->one_minus_a2, c_i)) / 2;
 #
 # * microfacet_formulas.h test_microfacet : a facet that lies face down reflects
 # - const bool face_up = s_z > 0;
@@ -145,8 +145,8 @@ exit
 # + fresnel_at(b->material, 1)
 #
 # * direction_formulas.h test_warp : a disc that is not uniform
-# - const REAL sine = OF(sqrt)(u1);
-# + const REAL sine = u1;
+# - const real sine = root(u1);
+# + const real sine = u1;
 #
 # * cdf test_cdf : < for <=: an item of weight 0 can be drawn
 # - if (c->c[middle] <= u)
@@ -461,11 +461,11 @@ exit
 # + ;
 #
 # * phong_formulas.h test_phong : the mixture's density without the cosine lobe
-# - k->pdf_lobe * power + k->pdf_base * OF(choose)(cos_theta > 0, cos_theta, 0)};
-# + k->pdf_lobe * power};
+# - k->pdf_lobe * cos_n + k->pdf_base * choose(cos_theta > 0, cos_theta, 0)};
+# + k->pdf_lobe * cos_n};
 #
-# * model.h test_f_many : a lobe is drawn where its share of the numbers ends
-# - place_in_part_float(&parts, u1[i])
+# * model_many.h test_f_many : a lobe is drawn where its share of the numbers ends
+# - place_in_part(&lobes, u1[i])
 # + u1[i]
 #
 # * cone.h test_clusters : the lobe's largest cosine over a cone is that of its axis
@@ -473,18 +473,18 @@ exit
 # + const float most = c + 0x1p-20f;
 #
 # * microfacet_formulas.h test_microfacet : the mixture's density without the cosine lobe
-# - return k->pdf_lobe * f->R2 + k->pdf_base * OF(choose)(f->c_i > 0, f->c_i, 0);
+# - return k->pdf_lobe * f->R2 + k->pdf_base * choose(f->c_i > 0, f->c_i, 0);
 # + return k->pdf_lobe * f->R2;
 #
 # * microfacet_formulas.h test_microfacet : wi + wo without what the rounded mirror direction leaves
-# - k.s_x = (REAL)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
+# - k.s_x = (real)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
 # + k.s_x = 0;
 #
-# * microfacet test_f_many : draws forget what the rounding of the mirror direction left
+# * microfacet_formulas.h test_f_many : draws forget what the rounding of the mirror direction left
 # - if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
 # + if (rest) *rest = (vec3){0, 0, 0};
 #
-# * microfacet test_f_many : a cone is as wide as a direction
+# * microfacet_many test_f_many : a cone is as wide as a direction
 # - const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
 # + const float chord = 0x1p-20f;
 #

@@ -19,80 +19,42 @@
  * Plastic is pbrt's: Fresnel's equations of a dielectric in the place of Schlick's curve, times Ks over what they give
  * head on, and Lambert's base, whole.
  *
- * The formulas stand in microfacet_formulas.h, once for one direction in double and for many in float. Directions in
+ * The formulas stand in microfacet_formulas.h; microfacet_many.c has the loops over many directions. Directions in
  * float blur a lobe whose width across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: three square roots,
  * three quotients for f and q: 0.7 ns a direction with AVX-512. */
 #include "bis/beyond/microfacet.h"
 
-#include "bis/base/fresnel.h"
-
 #include <assert.h>
 
-/* Floats are good to this: a direction nearer to the horizon counts as on it, and reflects nothing. So f stays below
- * 1/(2 pi a^3 2^-24) = 3e18 and, where it is not 0, is no denormal float: rounding cannot carry it above the bounds
- * below. */
-#define LEAST_COS 0x1p-24
+#include "thesis/real_double.h"
 
-/* The terms of f that a loop needs: the base alone, Schlick's F, also Fresnel's in some channel; plastic. */
-enum { BASE, LOBE, FRESNEL, PLASTIC, KINDS };
+#include "beyond/microfacet_formulas.h"
 
-/* What makes the mean of A cos over the hemisphere 1. */
-static const double base_norm = 28 / 23.0;
-
-/* What the lobe leaves for the base, in one channel. */
-static double share_of_base(bool is_plastic, float Ks)
-{
-    return is_plastic ? 1 : 1 - (double)Ks;
-}
-
-/* wo mirrored about n, of wo's length. Above the least cosine, that of n to 2^-23. *rest may be NULL, or gets what the
- * rounding to floats left. */
-static vec3 mirrored_view(const bis_bsdf *b, vec3 *rest)
-{
-    const vec3 n = b->local.z, wo = b->wo;
-    const double k = 2 * dot(n, wo) / dot(n, n);
-    const double x = k * (double)n.x - (double)wo.x, y = k * (double)n.y - (double)wo.y,
-                 z = k * (double)n.z - (double)wo.z;
-    const vec3 m = vec3_from(x, y, z);
-
-    if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
-    return m;
-}
-
-static double unit_of(const bis_bsdf *b)
-{
-    (void)b;
-    return 1;
-}
-
-#define MODEL facet
-#define FORMULAS "beyond/microfacet_formulas.h"
-#include "thesis/model.h"
+#include "thesis/model_one.h"
 
 /* ---- the mixture ---- */
 
 /* F at a cosine, in each channel. */
 static rgbd fresnel_at(const bis_material *m, double c)
 {
-    const bool is_plastic = m->model == &bis_plastic_model;
-    const coat_double r = coat_of_double(is_plastic, m->Ks.r, m->eta.r),
-                      g = coat_of_double(is_plastic, m->Ks.g, m->eta.g),
-                      b = coat_of_double(is_plastic, m->Ks.b, m->eta.b);
-    const double x5 = fifth_power_double(1 - c);
+    const bool plastic = is_plastic(m);
+    const coat r = coat_of(plastic, m->Ks.r, m->eta.r), g = coat_of(plastic, m->Ks.g, m->eta.g),
+               b = coat_of(plastic, m->Ks.b, m->eta.b);
+    const double x5 = fifth_power(1 - c);
 
-    return (rgbd){fresnel_double(&r, c, c * c, x5, FRESNEL), fresnel_double(&g, c, c * c, x5, FRESNEL),
-                  fresnel_double(&b, c, c * c, x5, FRESNEL)};
+    return (rgbd){fresnel(&r, c, c * c, x5, FRESNEL), fresnel(&g, c, c * c, x5, FRESNEL),
+                  fresnel(&b, c, c * c, x5, FRESNEL)};
 }
 
 /* The base's reflectance times A(c), in each channel. */
 static rgbd base_at(const bis_material *m, double c)
 {
-    const bool is_plastic = m->model == &bis_plastic_model;
-    const double A = through_coat_double(c, is_plastic ? PLASTIC : BASE);
+    const bool plastic = is_plastic(m);
+    const double A = through_coat(c, plastic ? PLASTIC : BASE);
 
-    return (rgbd){(double)m->Kd.r * share_of_base(is_plastic, m->Ks.r) * A,
-                  (double)m->Kd.g * share_of_base(is_plastic, m->Ks.g) * A,
-                  (double)m->Kd.b * share_of_base(is_plastic, m->Ks.b) * A};
+    return (rgbd){(double)m->Kd.r * share_of_base(plastic, m->Ks.r) * A,
+                  (double)m->Kd.g * share_of_base(plastic, m->Ks.g) * A,
+                  (double)m->Kd.b * share_of_base(plastic, m->Ks.b) * A};
 }
 
 /* A lobe's probability is its share of what is reflected: Fresnel's at the view, the base's albedo; means over RGB.
@@ -108,73 +70,6 @@ static void init(bis_bsdf *b)
     b->lobe = frame_about(b->r);
     b->p_specular = specular > 0 ? specular / (specular + diffuse) : 0;
     if (b->p_specular == 1 && !rgb_is_black(m->Kd)) b->p_specular = 1 - 0x1p-53;
-}
-
-/* ---- bounds over cones ---- */
-
-/* f, with F at facet f or head on, where it is larger. */
-FORMULA float most_f(const constants_float *k, const facet_float *f, int channel, const int kind)
-{
-    if (kind < FRESNEL) return f_of_float(k, f, channel, kind);
-    const coat_float *coat = &k->coat[channel];
-    const float F = fresnel_float(coat, f->c_d, f->c2_d, f->x5, kind), Ks = coat->Ks;
-
-    return k->base[channel] * f->A + bis_lanes_choose(F > Ks, F, Ks) * f->specular;
-}
-
-/* f cos is a product. Each factor is taken at its largest over the cone: F where wi is farthest from wo (a metal's
- * there or head on, because it has one minimum and no maximum between the ends), A(c_i) c_i and c_i/(c_i S_o + c_o S_i)
- * where c_i is largest, R where t = tan theta_h is smallest. Two bounds of t hold, of which the larger one is taken:
- * - wi and m are mirror images of wo about h and n: theta_h is at least half of the angle between them. This bound is
- *   good in the plane of incidence.
- * - no wi of the cone is farther from its axis than the chord of the half angle: |p| is smaller by that at most, s_z
- *   larger by that at most. This bound is good across, where a lobe at grazing angles is narrow. */
-FORMULA void reach_loop(float *w, const constants_float *c, vec3 wo, const bis_cones *cones, uint32_t n,
-                        const int kind)
-{
-    const constants_float k = *c;
-    const bis_cones l = *cones;
-    const vec3 behind = neg(wo);
-    const float least = (float)LEAST_COS;
-
-#pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float x = l.x[i], y = l.y[i], z = l.z[i], cosine = l.cosine[i];
-        const float c_i = bis_cone_cosine(k.local.z, x, y, z, cosine, l.sine[i]);
-        const float c_m = bis_cone_cosine(k.m, x, y, z, cosine, l.sine[i]), t2_mirror = (1 - c_m) / (1 + c_m);
-        const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
-        const direction_float s = {x + wo.x, y + wo.y, z + wo.z};
-        const float s_x = along_float(k.local.x, s), s_y = along_float(k.local.y, s);
-        const float s_z = along_float(k.local.z, s) + chord, p = sqrtf(s_x * s_x + s_y * s_y) - chord;
-        /* no direction of the cone is above the horizon if s_z is not; least keeps the quotient finite */
-        const float t = bis_lanes_choose(p > 0, p, 0) / bis_lanes_choose(s_z > least, s_z, least);
-        const float t2 = bis_lanes_choose(t * t > t2_mirror, t * t, t2_mirror), R = (1 + t2) / (k.a2 + t2);
-        /* 2 cos^2 theta_d = 1 + wi wo */
-        const float c_d = sqrtf((1 - bis_cone_cosine(behind, x, y, z, cosine, l.sine[i])) * 0.5f);
-        const float c_up = bis_lanes_choose(c_i > least, c_i, least);
-        const float shadow = c_up * k.S_o + k.c_o * stretched_float(k.a2, k.one_minus_a2, c_up);
-        const facet_float f = {.A = through_coat_float(c_up, kind), .specular = k.lobe * (R * R) / shadow,
-                               .c_d = c_d, .c2_d = c_d * c_d, .x5 = fifth_power_float(1 - c_d)};
-        const float phat = most_f(&k, &f, 0, kind) * l.r[i] + most_f(&k, &f, 1, kind) * l.g[i] +
-                           most_f(&k, &f, 2, kind) * l.b[i];
-
-        w[i] = bis_lanes_choose(c_i > 0, c_up * phat, 0);
-    }
-}
-
-BIS_LANES
-static void facet_reach_lanes(float *w, const constants_float *c, vec3 wo, const bis_cones *cones, uint32_t n)
-{
-    if (c->kind == PLASTIC) reach_loop(w, c, wo, cones, n, PLASTIC);
-    else if (c->kind == FRESNEL) reach_loop(w, c, wo, cones, n, FRESNEL);
-    else reach_loop(w, c, wo, cones, n, LOBE);
-}
-
-static void reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
-{
-    const constants_float c = constants_of_float(b, 1);
-
-    facet_reach_lanes(w, &c, b->wo, cones, bis_lanes_round_up(n));
 }
 
 /* ---- the bounds of rejection (docs/errata.md E27) ---- */
@@ -199,9 +94,9 @@ static rgbd most_fresnel(const bis_bsdf *b)
 /* A(c_i) <= A(1). */
 static rgbd most_base(const bis_bsdf *b)
 {
-    const int kind = b->material->model == &bis_plastic_model ? PLASTIC : BASE;
+    const int kind = is_plastic(b->material) ? PLASTIC : BASE;
 
-    return rgbd_scale(base_at(b->material, fmax(0, bis_bsdf_cos(b, b->wo))), base_norm * through_coat_double(1, kind));
+    return rgbd_scale(base_at(b->material, fmax(0, bis_bsdf_cos(b, b->wo))), base_norm * through_coat(1, kind));
 }
 
 static double rgbd_max(rgbd a)
@@ -214,7 +109,7 @@ static double rgbd_max(rgbd a)
 static double max_f_cos(const bis_bsdf *b)
 {
     const double a2 = b->material->alpha * b->material->alpha, c_o = fmax(0, bis_bsdf_cos(b, b->wo));
-    const double specular = INV_PI / a2 / (2 * (c_o + stretched_double(a2, 1 - a2, c_o)));
+    const double specular = INV_PI / a2 / (2 * (c_o + stretched(a2, 1 - a2, c_o)));
     const rgbd F = most_fresnel(b), base = most_base(b);
 
     return rgbd_max(rgbd_add(rgbd_scale(F, specular), rgbd_scale(base, INV_PI))) * unit_slack;
@@ -250,12 +145,13 @@ static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *
 }
 
 /* The functions of both are the same: those that compute F ask which model they serve. */
-#define FACETS(called) \
+#define FACETS(called, loops) \
     {.name = called, .init = init, .sample = sample, .f_pdf = f_pdf, .max_f_cos = max_f_cos, .max_ratio = max_ratio, \
      .usual = {{0, 0, 0}, {0.9f, 0.9f, 0.9f}, 0.5}, .remake = remake, .of_half_vector = true, .width = width, \
-     .f_many = f_many, .sample_many = sample_many, .reach = reach}
+     .many = &loops}
 
-const bis_bsdf_model bis_microfacet_model = FACETS("microfacet"), bis_plastic_model = FACETS("plastic");
+const bis_bsdf_model bis_microfacet_model = FACETS("microfacet", bis_microfacet_many),
+                     bis_plastic_model = FACETS("plastic", bis_plastic_many);
 
 /* As Phong's: what reflects less than 2^-67 is black. */
 static bool is_visible(double k)

@@ -3,11 +3,9 @@
  * the model and stands behind the model's functions. */
 #include "bis/thesis/bsdf.h"
 
-#include "real.h"
+#include "thesis/real_double.h"
 
-#define REAL double
-#include "direction_formulas.h"
-#undef REAL
+#include "thesis/direction_formulas.h"
 
 void bis_material_numbers(double v[BIS_MATERIAL_NUMBERS], const bis_material *m)
 {
@@ -30,9 +28,9 @@ void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo)
 
 bool bis_bsdf_draw(const bis_bsdf *b, const double u[2], vec3 *wi)
 {
-    const parts_double parts = parts_of_double(b->p_specular);
+    const parts lobes = parts_of(b->p_specular);
 
-    return bis_bsdf_sample(b, u[0], place_in_part_double(&parts, u[0]), u[1], wi);
+    return bis_bsdf_sample(b, u[0], place_in_part(&lobes, u[0]), u[1], wi);
 }
 
 bool bis_bsdf_is_black(const bis_bsdf *b)
@@ -64,9 +62,9 @@ static double one_by_one(const bis_reflected *f, const bis_bsdf *b, const bis_la
 
 double bis_bsdf_f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 {
-    const bis_bsdf_model *model = b->material->model;
+    const bis_bsdf_many *many = b->material->model->many;
 
-    return (model->f_many ? model->f_many : one_by_one)(f, b, y, n);
+    return (many ? many->f : one_by_one)(f, b, y, n);
 }
 
 static void draw_one_by_one(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
@@ -82,9 +80,9 @@ static void draw_one_by_one(const bis_lanes *y, const bis_bsdf *b, const float *
 
 void bis_bsdf_sample_many(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
 {
-    const bis_bsdf_model *model = b->material->model;
+    const bis_bsdf_many *many = b->material->model->many;
 
-    (model->sample_many ? model->sample_many : draw_one_by_one)(y, b, u1, u2, n);
+    (many ? many->sample : draw_one_by_one)(y, b, u1, u2, n);
 }
 
 /* All cones alike: where the light is alone decides. */
@@ -96,7 +94,7 @@ static void reach_of_light(float *w, const bis_bsdf *b, const bis_cones *cones, 
 
 void bis_bsdf_reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
 {
-    const bis_bsdf_model *model = b->material->model;
+    const bis_bsdf_many *many = b->material->model->many;
 
-    (model->reach ? model->reach : reach_of_light)(w, b, cones, n);
+    (many && many->reach ? many->reach : reach_of_light)(w, b, cones, n);
 }

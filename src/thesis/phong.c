@@ -17,29 +17,19 @@
  * 1 - cos alpha = |R - wi|^2 / 2 has no cancellation. Unit vectors in float limit the relative error of the power to
  * about 1e-7 (1 + sqrt(n)).
  *
- * The formulas stand in phong_formulas.h, once for one direction in double and for many in float (model.h). Cost: one
- * logarithm and one exponential for f and the density together; none if Ks = 0. */
+ * The formulas stand in phong_formulas.h; phong_many.c has the loops over many directions. Cost: one logarithm and one
+ * exponential for f and the density together; none if Ks = 0. */
 #include "bis/thesis/phong.h"
 
-#include <float.h>
+#include "thesis/real_double.h"
 
-/* The larger of the peaks of both terms. */
-static double unit_of(const bis_bsdf *b)
-{
-    const bis_material *m = b->material;
-    const double peak = (m->exponent + 1) * (INV_PI / 2);
+#include "thesis/phong_formulas.h"
 
-    return fmax(rgb_max(m->Ks) * peak, rgb_max(m->Kd) * INV_PI);
-}
-
-#define MODEL phong
-#define FORMULAS "thesis/phong_formulas.h"
-#define KINDS 2
-#include "thesis/model.h"
+#include "thesis/model_one.h"
 
 double bis_phong_power(vec3 a, vec3 b, double n)
 {
-    return power_double(a, n, (direction_double){(double)b.x, (double)b.y, (double)b.z});
+    return power(a, n, (direction){(double)b.x, (double)b.y, (double)b.z});
 }
 
 /* Eq. 3.15. */
@@ -50,7 +40,7 @@ double bis_phong_lobe_pdf(vec3 axis, vec3 wi, double n)
 
 void bis_phong_lobe_sample(vec3 *wi, double *pdf, double n, double u1, double u2)
 {
-    const direction_double w = lobe_double(1 / (n + 1), u1, u2);
+    const direction w = lobe(1 / (n + 1), u1, u2);
 
     *wi = vec3_from(w.x, w.y, w.z);
     *pdf = (n + 1) * (INV_PI / 2) * exp(n * log1p(-u1) / (n + 1)); /* eq. 3.15 */
@@ -69,43 +59,6 @@ static void init(bis_bsdf *b)
     b->lobe = frame_about(b->r);
     b->p_specular = Ks > 0 ? Ks / (Ks + Kd) : 0;
     if (b->p_specular == 1 && Kd > 0) b->p_specular = 1 - 0x1p-53;
-}
-
-/* A bound of f cos over cones: power and cosine each at their largest. kind, as in f: without a lobe it has no power,
- * which is three quarters of the time. */
-FORMULA void reach_loop(float *w, const constants_float *c, const bis_cones *cones, uint32_t n, const int kind)
-{
-    const constants_float k = *c;
-    const bis_cones l = *cones;
-
-#pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float cos_theta = bis_cone_cosine(k.n, l.x[i], l.y[i], l.z[i], l.cosine[i], l.sine[i]);
-        float p = 0;
-        if (kind == 1) {
-            const float cos_alpha = bis_cone_cosine(k.r, l.x[i], l.y[i], l.z[i], l.cosine[i], l.sine[i]);
-            const float x = bis_lanes_choose(cos_alpha > 0x1p-20f, 1 - cos_alpha, 1 - 0x1p-20f);
-            p = bis_lanes_exp(k.exponent * bis_lanes_log1m(x));
-        }
-        const float phat = (k.base[0] + k.lobe[0] * p) * l.r[i] + (k.base[1] + k.lobe[1] * p) * l.g[i] +
-                           (k.base[2] + k.lobe[2] * p) * l.b[i];
-
-        w[i] = bis_lanes_choose(cos_theta > 0, cos_theta * phat, 0);
-    }
-}
-
-BIS_LANES
-static void phong_reach_lanes(float *w, const constants_float *c, const bis_cones *cones, uint32_t n)
-{
-    if (c->kind == 1) reach_loop(w, c, cones, n, 1);
-    else reach_loop(w, c, cones, n, 0);
-}
-
-static void reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
-{
-    const constants_float k = constants_of_float(b, unit_of(b));
-
-    phong_reach_lanes(w, &k, cones, bis_lanes_round_up(n));
 }
 
 /* The slack of rejection's bounds (E27). Both bounds are products of two cosines, or of a cosine and f. Float vectors
@@ -148,8 +101,7 @@ static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *
 const bis_bsdf_model bis_phong_model = {.name = "phong", .init = init, .sample = sample, .f_pdf = f_pdf,
     .max_f_cos = max_f_cos, .max_ratio = max_ratio, .of_half_vector = false,
     .usual = {{0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, .remake = remake,
-    .gains_beyond_1 = true, .width = width,
-    .f_many = f_many, .sample_many = sample_many, .reach = reach};
+    .gains_beyond_1 = true, .width = width, .many = &bis_phong_many};
 
 /* Returns k with 0 for each channel below 2^-67. A direction that was drawn has an f of at least Ks 2^-53/(2 pi) by
  * eq. 3.16. With a smaller Ks this could be a denormal float, whose rounding could exceed the bounds above. */

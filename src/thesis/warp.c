@@ -3,11 +3,9 @@
  * = 1 would lose half its digits. */
 #include "bis/thesis/warp.h"
 
-#include "real.h"
+#include "thesis/real_double.h"
 
-#define REAL double
-#include "direction_formulas.h"
-#undef REAL
+#include "thesis/direction_formulas.h"
 
 vec3 bis_warp_sphere(double u1, double u2)
 {
@@ -18,7 +16,7 @@ vec3 bis_warp_sphere(double u1, double u2)
 
 vec3 bis_warp_cosine(double u1, double u2)
 {
-    const direction_double w = cosine_double(u1, u2);
+    const direction w = cosine(u1, u2);
 
     return vec3_from(w.x, w.y, w.z);
 }

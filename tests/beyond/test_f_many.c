@@ -658,14 +658,17 @@ static void all_processors_give_the_same_bits(void **state)
     for (int k = 0; k < 2 * MATERIALS; k++) {
         const bool avx2 = k / MATERIALS && clone_has_avx2();
         const bis_material ours = material(k % MATERIALS);
+        bis_bsdf_model model = *ours.model;
         bis_material theirs = ours;
-        bis_bsdf at, there;
         bis_rng r;
-        if (ours.model == &bis_phong_model) theirs.model = avx2 ? &avx2_phong_model : &plain_phong_model;
-        else if (ours.model == &bis_plastic_model) theirs.model = avx2 ? &avx2_plastic_model : &plain_plastic_model;
-        else theirs.model = avx2 ? &avx2_microfacet_model : &plain_microfacet_model;
+        if (ours.model == &bis_phong_model) model.many = avx2 ? &avx2_phong_many : &plain_phong_many;
+        else if (ours.model == &bis_plastic_model) model.many = avx2 ? &avx2_plastic_many : &plain_plastic_many;
+        else model.many = avx2 ? &avx2_microfacet_many : &plain_microfacet_many;
+        theirs.model = &model;
+        bis_bsdf at;
         seen_from(&at, &ours, 70);
-        seen_from(&there, &theirs, 70);
+        bis_bsdf there = at;
+        there.material = &theirs;
         bis_rng_init(&r, SEED, 97, (uint64_t)k, 0);
         fill(&a.y, &at, (uint64_t)k);
         fill_cones(&a.cones, &at, &r, 1.2);

@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* [facet-density] */
-FORMULA REAL OF(density)(const OF(constants) *k, const OF(facet) *f)
+FORMULA real density(const constants *k, const facet *f)
 {
-    /* Yours to write: the density of what OF(draw) draws, at the direction that facet f mirrors wo to. */
+    /* Yours to write: the density of what draw draws, at the direction that facet f mirrors wo to. */
     (void)k, (void)f;
     return 1;
 }
 /* [end] */
 /* [facet-draw] */
-/* Yours to write: what OF(draw) needs of a point. */
-typedef struct OF(draws) {
+/* Yours to write: what draw needs of a point. */
+typedef struct draws {
     frame local;
-} OF(draws);
+} draws;
 
-static OF(draws) OF(draws_of)(const bis_bsdf *b)
+FORMULA draws draws_of(const bis_bsdf *b)
 {
-    return (OF(draws)){b->local};
+    return (draws){b->local};
 }
 
-FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
+FORMULA direction draw(const draws *k, int specular, real u1, real u2)
 {
     /* Yours to write: a direction from two uniform numbers; of the lobe if specular, as proposals count on it. */
     (void)specular, (void)u1, (void)u2;
-    return (OF(direction)){(REAL)k->local.z.x, (REAL)k->local.z.y, (REAL)k->local.z.z};
+    return (direction){(real)k->local.z.x, (real)k->local.z.y, (real)k->local.z.z};
 }
 /* [end] */
 /* [facet-bound] */

@@ -4,25 +4,25 @@
 /* loses: it_is_less_noisy_than_the_cosine */
 /* loses: it_is_nearly_as_good_as_visible_normals */
 /* [facet-density] */
-FORMULA REAL OF(density)(const OF(constants) *k, const OF(facet) *f)
+FORMULA real density(const constants *k, const facet *f)
 {
     (void)k;
-    return (REAL)INV_PI * OF(choose)(f->c_i > 0, f->c_i, 0);
+    return (real)INV_PI * choose(f->c_i > 0, f->c_i, 0);
 }
 /* [end] */
 /* [facet-draw] */
-typedef struct OF(draws) {
+typedef struct draws {
     frame local;
-} OF(draws);
+} draws;
 
-static OF(draws) OF(draws_of)(const bis_bsdf *b)
+FORMULA draws draws_of(const bis_bsdf *b)
 {
-    return (OF(draws)){b->local};
+    return (draws){b->local};
 }
 
-FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
+FORMULA direction draw(const draws *k, int specular, real u1, real u2)
 {
     (void)specular;
-    return OF(turned)(&k->local, OF(cosine)(u1, u2));
+    return turned(&k->local, cosine(u1, u2));
 }
 /* [end] */

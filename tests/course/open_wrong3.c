@@ -4,8 +4,8 @@
 /* loses: the_albedo_comes_out_of_the_samples */
 /* loses: the_bound_of_rejection_holds */
 /* [facet-draw] */
--FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
-+FORMULA OF(direction) OF(draw)(const OF(draws) *k, int is_specular, REAL u1, REAL u2)
+-FORMULA direction draw(const draws *k, int specular, real u1, real u2)
++FORMULA direction draw(const draws *k, int is_specular, real u1, real u2)
  {
 +    const int specular = !is_specular;
 /* [end] */

@@ -3,12 +3,12 @@
 /* loses: samples_have_the_density */
 /* loses: the_albedo_comes_out_of_the_samples */
 /* [phong-draw] */
-FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
+FORMULA direction draw(const draws *k, int specular, real u1, real u2)
 {
-    const OF(direction) w = OF(either)(specular, OF(turned)(&k->about_r, OF(lobe)(k->inverse_n1, u1, u2)),
-                                       OF(turned)(&k->local, OF(cosine)(u1, u2)));
-    const REAL c = OF(along)(k->local.z, w), up = OF(choose)(c < 0, 2 * c, 0);
+    const direction w = either(specular, turned(&k->about_r, lobe(k->inverse_n1, u1, u2)),
+                               turned(&k->local, cosine(u1, u2)));
+    const real c = along(k->local.z, w), up = choose(c < 0, 2 * c, 0);
 
-    return (OF(direction)){w.x - up * (REAL)k->local.z.x, w.y - up * (REAL)k->local.z.y, w.z - up * (REAL)k->local.z.z};
+    return (direction){w.x - up * (real)k->local.z.x, w.y - up * (real)k->local.z.y, w.z - up * (real)k->local.z.z};
 }
 /* [end] */

@@ -20,8 +20,8 @@ extern clone_pixels plain_envmap_pixels, avx2_envmap_pixels;
 extern clone_weigh plain_set_weigh, avx2_set_weigh;
 extern clone_mean plain_set_mean, avx2_set_mean;
 extern clone_choose plain_set_choose, avx2_set_choose;
-extern const bis_bsdf_model plain_phong_model, avx2_phong_model;
-extern const bis_bsdf_model plain_microfacet_model, avx2_microfacet_model, plain_plastic_model, avx2_plastic_model;
+extern const bis_bsdf_many plain_phong_many, avx2_phong_many;
+extern const bis_bsdf_many plain_microfacet_many, avx2_microfacet_many, plain_plastic_many, avx2_plastic_many;
 
 /* May avx2_* be called here? */
 static inline bool clone_has_avx2(void)

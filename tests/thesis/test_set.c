@@ -229,9 +229,7 @@ static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(voi
         example e;
         new_example(&e, k);
         bis_bsdf_model one_by_one = *e.l.material.model;
-        one_by_one.f_many = NULL;
-        one_by_one.sample_many = NULL;
-        one_by_one.reach = NULL;
+        one_by_one.many = NULL;
         e.l.material.model = &one_by_one;
         draw(&e, (uint64_t)k);
         bis_set_weigh(e.x, &e.l.pt);

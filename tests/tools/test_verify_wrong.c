@@ -64,7 +64,7 @@ static rgb Lo_not_a_number(const bis_settings *s, const bis_point *pt, bis_strea
 /* The same for many directions, which the truth does not ask: the weights of sir alone are wrong. */
 static double f_many_without_cosine(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 {
-    const double unit = bis_phong_model.f_many(f, b, y, n);
+    const double unit = bis_phong_many.f(f, b, y, n);
     for (uint32_t i = 0; i < n; i++) f->cos[i] = f->cos[i] > 0 ? 1 : 0;
     return unit;
 }
@@ -74,10 +74,12 @@ static double f_many_without_cosine(const bis_reflected *f, const bis_bsdf *b, c
 static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_bsdf_many many = bis_phong_many;
     bis_bsdf_model model = bis_phong_model;
     lit l;
     bool tested;
-    model.f_many = f_many_without_cosine;
+    many.f = f_many_without_cosine;
+    model.many = &many;
     lit_init(&l, light, verify_glossy(&model, 10), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
     const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
     for (int i = 0; i < 3; i++) {

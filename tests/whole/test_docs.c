@@ -333,11 +333,12 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
         {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "12345678901234 */\n", NULL, NULL},
         {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "123456789012345 */\n",
          "src/base/x.c:1: 121 columns", NULL},
-        {"/* f does it. */\nint f(int x);\n", "\n", NULL, "/* g does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
+        {"/* f does it. */\nint f(int x);\n", "\n", NULL,
+         "/* g does it. */\nBIS_LANES\nstatic void NAMED(g)(real x)\n{\n}\n"},
         {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g",
          "/* Does it. */\nint g(int x);\n"},
         {"/* f does it. */\nint f(int x);\n", "\n", "src/base/y.h:2: the comment above g",
-         "/* Does it. */\nFORMULA REAL OF(g)(REAL x)\n{\n}\n"},
+         "/* Does it. */\nFORMULA real g(real x)\n{\n}\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_int_equal(
@@ -420,7 +421,7 @@ static void a_function_of_more_than_six_parameters_is_found(void **state)
         {"src/base/x.c", "static const int *f(" FIVE ", int g)\n{\n    h(a, b, c, d, e, g, 1);\n}\n", NULL},
         {"src/base/x.c", "int y;\nstatic const int *f(" FIVE ",\n                    int g, int h)\n{\n}\n",
          "src/base/x.c:2: f has 7 parameters, at most 6 are allowed\n"},
-        {"src/base/y.h", "/* f does it. */\nFORMULA REAL OF(f)(" FIVE ", OF(g) g, REAL h);\n",
+        {"src/base/y.h", "/* f does it. */\nstatic void NAMED(f)(" FIVE ", draws g, real h);\n",
          "src/base/y.h:2: f has 7 parameters, at most 6 are allowed\n"},
         {"src/base/x.c", "static int mix(" FIVE ", int g, int h)\n{\n}\n", NULL},
         {"src/flat/x.c", "int f(" FIVE ", int g, int h)\n{\n}\n", NULL},

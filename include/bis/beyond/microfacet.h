@@ -17,6 +17,7 @@
 #define BIS_MICROFACET_MIN_ROUGHNESS 0.01
 
 extern const bis_bsdf_model bis_microfacet_model, bis_plastic_model;
+extern const bis_bsdf_many bis_microfacet_many, bis_plastic_many; /* their loops over many directions */
 
 /* bis_microfacet returns a microfacet material. Ks (reflectance at normal incidence) and Kd are in [0,1] per channel;
  * a channel with Ks = 0 has no lobe, and a value below 2^-67 = 7e-21 counts as 0. roughness is in

@@ -53,6 +53,15 @@ typedef struct bis_reflected {
     float *r, *g, *b, *cos, *q;
 } bis_reflected;
 
+/* The functions of a model for many directions at once, for sets of candidates (src/thesis/set.h): bis_bsdf_f_many,
+ * bis_bsdf_sample_many and bis_bsdf_reach say what they do. They are computed in float, in a file of their own. reach
+ * may be NULL: cones are then all alike. */
+typedef struct bis_bsdf_many {
+    double (*f)(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n);
+    void (*sample)(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n);
+    void (*reach)(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n);
+} bis_bsdf_many;
+
 /* The functions of a model. wi and wo are unit vectors in world space that point away from the surface. One function
  * computes f and the density of `sample`, because both need the power of the lobe, which is the most expensive part
  * of each. */
@@ -80,11 +89,7 @@ struct bis_bsdf_model {
     /* for --plan, `bis pixel` and `bis verify`, which describe materials */
     bis_bsdf_width (*width)(const bis_material *m);
 
-    /* The same for many directions at once, for sets of candidates (src/thesis/set.h). Each may be NULL: directions are
-     * then asked one by one, and cones are all alike. See bis_bsdf_f_many, bis_bsdf_sample_many, bis_bsdf_reach. */
-    double (*f_many)(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n);
-    void (*sample_many)(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n);
-    void (*reach)(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n);
+    const bis_bsdf_many *many; /* or NULL: directions are asked one by one, and cones are all alike */
 };
 
 /* bis_bsdf_init prepares *b for material m and direction wo. n is the shading normal. n and wo are unit vectors in

@@ -5,7 +5,7 @@
  * cost 1 to 2 ns each. This needs structures of float arrays, loops without calls or branches, polynomials for log and
  * exp, and BIS_LANES: it compiles a function for AVX-512, for AVX2 and for any processor, and the program chooses when
  * it starts. There are no intrinsics and no -ffast-math. A material's formulas serve lanes and single directions alike
- * (src/thesis/real.h).
+ * (src/thesis/real_float.h).
  *
  * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums
  * have a fixed order. */

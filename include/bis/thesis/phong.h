@@ -11,6 +11,7 @@
 #include "bis/thesis/bsdf.h"
 
 extern const bis_bsdf_model bis_phong_model;
+extern const bis_bsdf_many bis_phong_many; /* its loops over many directions */
 
 /* bis_phong returns a phong material. Kd and Ks are in [0,1] per channel; a value below 2^-67 = 7e-21 counts as 0.
  * exponent is finite and >= 0. */

@@ -1,21 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* moon: dust, by the law of Lommel and Seeliger. */
-#include "bis/thesis/bsdf.h"
+#include "thesis/real_double.h"
 
-extern const bis_bsdf_model bis_moon_model;
+#include "beyond/moon_formulas.h"
 
-/* f cos = Kd/(4 pi) c_i/(c_i + c_o) grows with c_i. Unit vectors are such to 2^-23, f is rounded to float: 2^-21. */
-static double max_f_cos(const bis_bsdf *b)
-{
-    return rgb_max(b->material->Kd) * INV_PI / 4 / (1 + bis_bsdf_cos(b, b->wo)) * (1 + 0x1p-21);
-}
-
-static double unit_of(const bis_bsdf *b) { return max_f_cos(b); }
-
-#define MODEL moon
-#define FORMULAS "beyond/moon_formulas.h"
-#define KINDS 1
-#include "thesis/model.h"
+#include "thesis/model_one.h"
 
 /* f cos/(cos/pi) = Kd/(4 (c_i + c_o)) falls with c_i. */
 static double max_ratio(const bis_bsdf *b)
@@ -42,5 +31,5 @@ static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *
 }
 
 const bis_bsdf_model bis_moon_model = {.name = "moon", .init = init, .sample = sample, .f_pdf = f_pdf,
-    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .usual = {.Kd = {0.5f, 0.5f, 0.5f}}, .remake = remake,
-    .width = width, .f_many = f_many, .sample_many = sample_many};
+    .max_f_cos = unit_of, .max_ratio = max_ratio, .usual = {.Kd = {0.5f, 0.5f, 0.5f}}, .remake = remake,
+    .width = width, .many = &bis_moon_many};

@@ -1,42 +1,58 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* moon_formulas: the law of Lommel and Seeliger for REAL numbers (thesis/real.h, thesis/model.h), f = Kd/(4 pi (cos
- * theta_i + cos theta_o)): dust as on the moon, whose disc is as bright at the rim as in the middle. */
+/* moon_formulas: the law of Lommel and Seeliger, f = Kd/(4 pi (cos theta_i + cos theta_o)): dust as on the moon, whose
+ * disc is as bright at the rim as in the middle. */
+#pragma once
 
-typedef struct OF(constants) {
+#include "bis/thesis/bsdf.h"
+
+#include "thesis/direction_formulas.h"
+
+extern const bis_bsdf_model bis_moon_model;
+extern const bis_bsdf_many bis_moon_many;
+
+enum { KINDS = 1 }; /* f has one form */
+
+/* f cos = Kd/(4 pi) c_i/(c_i + c_o) grows with c_i. Unit vectors are such to 2^-23, f is rounded to float: 2^-21. */
+FORMULA double unit_of(const bis_bsdf *b)
+{
+    return rgb_max(b->material->Kd) * INV_PI / 4 / (1 + bis_bsdf_cos(b, b->wo)) * (1 + 0x1p-21);
+}
+
+typedef struct constants {
     vec3 n;
-    REAL c_o, r, g, b; /* cos theta_o; Kd/(4 pi) over the unit */
-    int kind;          /* 0, because f has one form */
-} OF(constants);
+    real c_o, r, g, b; /* cos theta_o; Kd/(4 pi) over the unit */
+    int kind;          /* 0 */
+} constants;
 
-FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
+FORMULA constants constants_of(const bis_bsdf *b, double unit)
 {
     const rgb Kd = b->material->Kd;
     const double k = INV_PI / 4 / unit;
 
-    return (OF(constants)){.n = b->local.z, .c_o = (REAL)bis_bsdf_cos(b, b->wo),
-                           .r = (REAL)((double)Kd.r * k), .g = (REAL)((double)Kd.g * k), .b = (REAL)((double)Kd.b * k)};
+    return (constants){.n = b->local.z, .c_o = (real)bis_bsdf_cos(b, b->wo),
+                       .r = (real)((double)Kd.r * k), .g = (real)((double)Kd.g * k), .b = (real)((double)Kd.b * k)};
 }
 
-FORMULA OF(reflection) OF(f)(const OF(constants) *k, OF(direction) wi, const int kind)
+FORMULA reflection f(const constants *k, direction wi, const int kind)
 {
-    const REAL cos_theta = OF(along)(k->n, wi), c_i = OF(choose)(cos_theta > 0, cos_theta, 0);
-    const REAL share = 1 / (c_i + k->c_o);
+    const real cos_theta = along(k->n, wi), c_i = choose(cos_theta > 0, cos_theta, 0);
+    const real share = 1 / (c_i + k->c_o);
 
     (void)kind;
-    return (OF(reflection)){k->r * share, k->g * share, k->b * share, cos_theta, c_i * (REAL)INV_PI};
+    return (reflection){k->r * share, k->g * share, k->b * share, cos_theta, c_i * (real)INV_PI};
 }
 
-typedef struct OF(draws) {
+typedef struct draws {
     frame local;
-} OF(draws);
+} draws;
 
-FORMULA OF(draws) OF(draws_of)(const bis_bsdf *b)
+FORMULA draws draws_of(const bis_bsdf *b)
 {
-    return (OF(draws)){b->local};
+    return (draws){b->local};
 }
 
-FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
+FORMULA direction draw(const draws *k, int specular, real u1, real u2)
 {
     (void)specular; /* there is no lobe */
-    return OF(turned)(&k->local, OF(cosine)(u1, u2));
+    return turned(&k->local, cosine(u1, u2));
 }
