@@ -49,7 +49,8 @@ def points(kind: str, n: int, seed: int = 0, *, dim: Optional[int] = 0, pixel: i
     """
     count = whole("n", n)
     ranges = [("seed", seed, 1 << 64), ("pixel", pixel, 1 << 32), ("sample", sample, 1 << 32),
-              ("spp", spp, 1 << 32), ("dim", _CAMERA if dim is None else dim, _CAMERA + (dim is None))]
+              ("spp", spp, 1 << 32),
+              ("dim", _CAMERA if dim is None else dim, _CAMERA + (dim is None))]
     for name, value, end in [("n", count, 1 << 32)] + ranges:
         if not 0 <= whole(name, value) < end:
             raise Error("%s is %s: give an integer in [0, %d]" % (name, value, end - 1))
