@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""What the instruments share as programs: options from a table, help made of the same table, messages, exit states.
+"""What the instruments share as programs: options, help of the same table, messages, exit states.
 
-The forms are those of the commands in C (src/cli/cli.c): who reads one knows the other. One description of a command
-serves the command line, `--help` and the man page. numpy is not needed here, because a machine without it has help.
+The forms are those of the commands in C (src/cli/cli.c): who reads one knows the other. One
+description of a command serves the command line, `--help` and the man page. numpy is not needed
+here, because a machine without it has help.
 """
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ import os
 import re
 import signal
 import sys
+import textwrap
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Callable, Optional, Sequence, Union
@@ -35,7 +37,7 @@ class Kind(enum.Enum):
     LIST = enum.auto()  #: list of str: the option may be repeated
     COUNT = enum.auto()  #: int in [lo, hi], digits alone
     REAL = enum.auto()  #: float in [lo, hi]; in (lo, hi] where `above`
-    SHARE = enum.auto()  #: like REAL, or in percent: "5%" is 0.05. A plain number above 1: a warning asks
+    SHARE = enum.auto()  #: like REAL, or "5%", which is 0.05. A warning asks about 5
     SECONDS = enum.auto()  #: like REAL, or with a unit: "10s", "2min", "1.5h"
     NAME = enum.auto()  #: str, one of `names`
     SIZE = enum.auto()  #: (int, int): "640x480"
@@ -54,37 +56,18 @@ class Heading:
 
 @dataclass(frozen=True)
 class Option:
-    """An option of a command. Its value is an attribute of what the command's body gets, by the option's name.
+    """An option of a command. Its value is an attribute of what the command's body gets, by the
+    option's name."""
 
-    Attributes
-    ----------
-    name : str
-        Without "--".
-    argument : str or None
-        "N", shown in the help; None for a flag.
-    help : str
-        A phrase; the help wraps it.
-    kind : Kind
-        What it takes.
-    lo, hi : float
-        The range.
-    above : bool
-        lo itself is out of range.
-    names : sequence of str
-        Of a NAME.
-    default : object
-        Where it is not given; a LIST begins empty.
-    """
-
-    name: str
-    argument: Optional[str]
-    help: str
+    name: str  #: without "--"
+    argument: Optional[str]  #: "N", shown in the help; None for a flag
+    help: str  #: a phrase; the help wraps it
     kind: Kind = Kind.TEXT
     lo: float = 0
     hi: float = math.inf
-    above: bool = False
-    names: Sequence[str] = ()
-    default: Any = None
+    above: bool = False  #: lo itself is out of range
+    names: Sequence[str] = ()  #: of a NAME
+    default: Any = None  #: where it is not given; a LIST begins empty
 
 
 @dataclass(frozen=True)
@@ -111,11 +94,11 @@ class Say:
         self.messages.append((False, "warning: " + message))
 
     def error(self, message: str) -> None:
-        """Add an error about the command line or the machine. The body then returns an exit state itself."""
+        """Add an error about the command line or the machine. The body returns an exit state."""
         self.messages.append((True, "error: " + message))
 
     def of_library(self, message: str, is_error: bool) -> None:
-        """Add messages of the library, one a line, which begin with a place, "error: " or "warning: "."""
+        """Add messages of the library, lines that begin with a place, "error: " or "warning: "."""
         for line in message.split("\n"):
             self.messages.append((is_error and ": warning: " not in line, line))
 
@@ -136,19 +119,15 @@ class Say:
 # ---- help ----
 
 
-def _wrapped(words: str, indent: int, column: int) -> str:
-    """The words between columns indent and 80. The cursor stands at `column`."""
-    out = []
-    for word in words.split():
-        if column > indent and column + 1 + len(word) > _WIDTH:
-            out.append("\n" + " " * indent)
-            column = indent
-        elif column > indent:
-            out.append(" ")
-            column += 1
-        out.append(word)
-        column += len(word)
-    return "".join(out) + "\n"
+def _lines(words: str, width: int) -> list[str]:
+    """Lines of so many columns. A longer word is not divided."""
+    return textwrap.wrap(" ".join(words.split()), width, break_long_words=False,
+                         break_on_hyphens=False)
+
+
+def _wrapped(words: str, indent: int) -> str:
+    """The words between columns indent and 80, where the cursor stands at `indent`."""
+    return ("\n" + " " * indent).join(_lines(words, _WIDTH - indent)) + "\n"
 
 
 def _term(option: Option) -> str:
@@ -159,23 +138,12 @@ def _entry(term: str, words: str) -> str:
     start = "  " + term
     if len(start) > _INDENT - 2:
         start += "\n" + " " * _INDENT
-    return start.ljust(_INDENT) + _wrapped(words, _INDENT, _INDENT)
+    return start.ljust(_INDENT) + _wrapped(words, _INDENT)
 
 
 def help_text(c: Command) -> str:
-    """Return the help of a command, at most 80 columns wide.
-
-    Parameters
-    ----------
-    c : Command
-        The command.
-
-    Returns
-    -------
-    str
-        What `--help` prints.
-    """
-    out = ["usage: bis %s\n" % c.usage, _wrapped(c.summary, 0, 0)]
+    """Return what `--help` prints, at most 80 columns wide."""
+    out = ["usage: bis %s\n" % c.usage, _wrapped(c.summary, 0)]
     for o in c.options:
         out.append("\n%s:\n" % o.text if isinstance(o, Heading) else _entry(_term(o), o.help))
     out.append("\nabout bis:\n" + _entry("-h, --help", "this text"))
@@ -183,7 +151,8 @@ def help_text(c: Command) -> str:
     return "".join(out) + ("\n" + c.notes if c.notes else "")
 
 
-_TROFF = str.maketrans({"\\": "\\e", "-": "\\-", "'": "\\(aq", "`": "\\(ga", "^": "\\(ha", "~": "\\(ti"})
+_TROFF = str.maketrans({"\\": "\\e", "-": "\\-", "'": "\\(aq", "`": "\\(ga", "^": "\\(ha",
+                        "~": "\\(ti"})
 
 
 def _escaped(words: str) -> str:
@@ -192,21 +161,13 @@ def _escaped(words: str) -> str:
 
 
 def _paragraph(words: str) -> str:
-    lines, column = [""], 0
-    for word in words.split():
-        if column > 0 and column + 1 + len(word) > _MAN_WIDTH:
-            lines.append("")
-            column = 0
-        elif column > 0:
-            lines[-1] += " "
-            column += 1
-        lines[-1] += _escaped(word)
-        column += len(word)
-    return "\n".join(lines) + "\n"
+    return "".join(" ".join(map(_escaped, line.split())) + "\n"
+                   for line in _lines(words, _MAN_WIDTH))
 
 
 def _man_notes(notes: str) -> str:
-    """Notes are wrapped by hand. Lines up to an empty one are a paragraph; what begins with a blank stays a line."""
+    """Notes are wrapped by hand: lines up to an empty one are a paragraph. What begins with a blank
+    stays a line."""
     out = ".PP\n"
     for part in re.findall(r"^$|^ .*$|(?:^[^ \n].*\n?)+", notes.rstrip("\n"), re.M):
         if not part:
@@ -217,18 +178,7 @@ def _man_notes(notes: str) -> str:
 
 
 def man_text(c: Command) -> str:
-    """Return the part of the man page that tells of a command.
-
-    Parameters
-    ----------
-    c : Command
-        The command.
-
-    Returns
-    -------
-    str
-        In the language of man(7).
-    """
+    """Return the part of the man page that tells of a command, in the language of man(7)."""
     out = [".SS bis %s\n" % _escaped(c.usage), _paragraph(c.summary)]
     for o in c.options:
         if isinstance(o, Heading):
@@ -241,7 +191,9 @@ def man_text(c: Command) -> str:
 # ---- values ----
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.A)
-_UNITS = {REAL: {"": 1.0}, SHARE: {"": 1.0, "%": 1.0}, SECONDS: {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}}
+_UNITS = {REAL: {"": 1.0}, SHARE: {"": 1.0, "%": 1.0},
+          SECONDS: {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}}
+_ALSO = {SECONDS: ", or with a unit: 10s, 2min, 1.5h", SHARE: ", as in 0.05, or 5%"}
 
 
 def _rule(o: Option) -> str:
@@ -254,9 +206,9 @@ def _rule(o: Option) -> str:
         return "an integer in [%.0f, %.0f]" % (o.lo, o.hi)
     if math.isinf(o.hi):
         return "a number %s %s" % (">" if o.above else ">=", text.digits(o.lo))
-    also = {SECONDS: ", or with a unit: 10s, 2min, 1.5h", SHARE: ", as in 0.05, or 5%"}.get(o.kind, "")
-    return "a number %sin %s%s, %s]%s" % ("of seconds " if o.kind == SECONDS else "", "(" if o.above else "[",
-                                          text.digits(o.lo), text.digits(o.hi), also)
+    return "a number %sin %s%s, %s]%s" % (
+        "of seconds " if o.kind == SECONDS else "", "(" if o.above else "[", text.digits(o.lo),
+        text.digits(o.hi), _ALSO.get(o.kind, ""))
 
 
 def _number(o: Option, word: str, say: Say) -> Optional[float]:
@@ -300,9 +252,8 @@ def _value(o: Option, word: str, say: Say) -> Any:
     if o.kind == NAME:
         if word in o.names:
             return word
-        near = text.nearest(word, list(o.names))
-        hint = ' (did you mean "%s"?)' % near if near else ""
-        say.error('--%s: no such thing as "%s"%s; it is one of %s' % (o.name, word, hint, ", ".join(o.names)))
+        say.error('--%s: no such thing as "%s"%s; it is one of %s'
+                  % (o.name, word, text.hint(word, o.names), ", ".join(o.names)))
         return None
     if o.kind == COUNT:
         v: Any = _count(word, o.lo, o.hi)
@@ -358,7 +309,8 @@ class _Reader:
         if near:
             self.say.error('unknown option "--%s" (did you mean "--%s"?)' % (name, near))
         else:
-            self.say.error('unknown option "--%s"; `bis %s --help` lists them' % (name, self.command.name))
+            self.say.error('unknown option "--%s"; `bis %s --help` lists them'
+                           % (name, self.command.name))
 
     def store(self, o: Option, value: Any) -> None:
         """Keep a value under the option's name."""
@@ -393,7 +345,7 @@ class _Reader:
         self.count_operands()
 
     def count_operands(self) -> None:
-        """Tell if there are too few or too many. Behind an unknown option its value may be one of too many."""
+        """Tell if there are too few or too many. Of these one may be an unknown option's value."""
         c, n = self.command, len(self.operands)
         if n < c.min_operands or (n > c.max_operands and not self.has_unknown):
             many = "too few operands" if n < c.min_operands else "too many operands"
@@ -434,7 +386,8 @@ def interrupted() -> bool:
 
 
 def catch_signals() -> None:
-    """Let the first INT, TERM or HUP set a flag, so that what was measured is written. The second one kills.
+    """Let the first INT, TERM or HUP set a flag, so that what was measured is written. The second
+    one kills.
 
     A handler, never KeyboardInterrupt: that could come in the middle of a rename.
     """
@@ -448,35 +401,12 @@ def catch_signals() -> None:
         signal.signal(number, caught)
 
 
-def exit_status(status: int) -> int:
-    """Return the exit state of a status of the library.
-
-    Parameters
-    ----------
-    status : Status
-        Of an `Error`.
-
-    Returns
-    -------
-    int
-        2 for a mistake in the input, 1 for the disk and for memory.
-    """
-    if status == Status.OK:
-        return DONE
-    return USAGE if status == Status.INPUT else FAILED
-
-
 _unwritten: Optional[OSError] = None
 
 
 def put(words: str) -> None:
-    """Write to standard output. `finish` tells if that cannot be written.
-
-    Parameters
-    ----------
-    words : str
-        What is no UTF-8 in them, as in a file's name, is written as it came.
-    """
+    """Write to standard output; what is no UTF-8, as in a file's name, as it came. `finish` tells
+    if that cannot be written."""
     global _unwritten
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(encoding=sys.getfilesystemencoding(), errors="surrogateescape")
@@ -506,7 +436,7 @@ def _outcome(body: Callable[[], int], say: Say) -> int:
         return body()
     except Error as e:
         say.of_library(str(e), True)
-        return exit_status(e.status)
+        return USAGE if e.status == Status.INPUT else FAILED
     except MemoryError:
         say.error("no memory")
         return FAILED
@@ -518,22 +448,12 @@ def _outcome(body: Callable[[], int], say: Say) -> int:
 
 def run(c: Command, arguments: Sequence[str],
         body: Callable[[SimpleNamespace, list[str], Say], int]) -> int:
-    """Take a command from its arguments to its exit state.
+    """Take a command from its arguments, those behind its name, to its exit state: 0 done, 1 could
+    not read or write, or no memory, 2 bad usage or bad scene, 130 interrupted.
 
-    Parameters
-    ----------
-    c : Command
-        What it is.
-    arguments : sequence of str
-        Behind its name.
-    body : callable
-        It is given the values of the options, the operands, and where its messages go. It returns the exit state.
-        What it raises becomes a message: an `Error` exit state 2 or 1, an OSError or MemoryError 1.
-
-    Returns
-    -------
-    int
-        0 done, 1 could not read or write, or no memory, 2 bad usage or bad scene, 130 interrupted.
+    The body gets the values of the options, the operands, and where its messages go. It returns the
+    exit state. What it raises becomes a message: an `Error` exit state 2 or 1, an OSError or
+    MemoryError 1.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # ends the process, as it ends a program in C
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)

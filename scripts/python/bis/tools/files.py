@@ -30,7 +30,8 @@ def _beside(target: str) -> str:
 
 
 def _open_unnamed(folder: str) -> int:
-    """A file without a name: whatever ends this process, nothing is left. -1 where the system has no such thing."""
+    """A file without a name: whatever ends this process, nothing is left. -1 where the system has
+    no such thing."""
     try:
         fd = os.open(folder or ".", os.O_TMPFILE | os.O_WRONLY | os.O_CLOEXEC, 0o666)
     except (OSError, AttributeError):
@@ -41,29 +42,17 @@ def _open_unnamed(folder: str) -> int:
     return -1
 
 
+def _cannot_write(path: str, why: Optional[str]) -> Error:
+    return Error('%s: error: cannot write "%s": %s' % (path, path, why), Status.IO)
+
+
 @contextlib.contextmanager
 def outfile(path: str) -> Iterator[IO[bytes]]:
-    """Write a file under no name, and let it take the place of an older one when it is complete.
-
-    Parameters
-    ----------
-    path : str
-        The file. An older one stays as it is if the body raises; a new one keeps an older one's mode.
-
-    Yields
-    ------
-    binary file
-        To write to.
-
-    Raises
-    ------
-    Error
-        The file cannot be written: with its name and the system's reason.
-    """
+    """Write a file under no name, and let it take the place of an older one, with its mode, when it
+    is complete. If the body raises, the older one stays as it is."""
     what = _irregular(path)
     if what:  # renaming onto /dev/null would remove it
-        raise Error('%s: error: cannot write "%s": it is %s, must be a regular file or new'
-                    % (path, path, what), Status.IO)
+        raise _cannot_write(path, "it is %s, must be a regular file or new" % what)
     try:
         target = os.path.realpath(path)
         temporary = _beside(target)
@@ -78,7 +67,7 @@ def outfile(path: str) -> Iterator[IO[bytes]]:
                 yield out
                 out.flush()
                 if not is_named:
-                    # With src_dir_fd Python follows the link, which is what names the file; without, it does not.
+                    # Only with src_dir_fd does Python follow the link, which names the file.
                     os.link("/proc/self/fd/%d" % fd, temporary, src_dir_fd=fd, follow_symlinks=True)
                     is_named = True
             os.replace(temporary, target)
@@ -88,22 +77,12 @@ def outfile(path: str) -> Iterator[IO[bytes]]:
                     os.unlink(temporary)
             raise
     except OSError as e:
-        raise Error('%s: error: cannot write "%s": %s' % (path, path, e.strerror), Status.IO) from None
+        raise _cannot_write(path, e.strerror) from None
 
 
 def check_writable(path: str) -> None:
-    """Check whether a file can be made at path, before hours of work. The write itself is checked again.
-
-    Parameters
-    ----------
-    path : str
-        The file; its folder, behind all links, must be there and writable.
-
-    Raises
-    ------
-    Error
-        It cannot, and why.
-    """
+    """Check whether a file can be made at path, behind all links, before hours of work. The write
+    itself is checked again."""
     def refuse(reason: str) -> None:
         raise Error('error: "%s" cannot be written: %s' % (path, reason), Status.IO)
 
@@ -130,18 +109,8 @@ def _try_to_make(path: str) -> None:
 
 
 def check_distinct(inputs: Sequence[str], outputs: Sequence[str]) -> None:
-    """Refuse an output that is one of the inputs or another output, because what it holds would be lost.
-
-    Parameters
-    ----------
-    inputs, outputs : sequence of str
-        Files. A pipe, a device or "-" may stand for several.
-
-    Raises
-    ------
-    Error
-        Which two are one file.
-    """
+    """Refuse an output that is one of the inputs or another output, because what it holds would be
+    lost. A pipe, a device or "-" may stand for several."""
     for i, output in enumerate(outputs):
         if output == "-" or _irregular(output):
             continue
@@ -151,8 +120,8 @@ def check_distinct(inputs: Sequence[str], outputs: Sequence[str]) -> None:
                             "give the output another name" % (output, other))
         for other in outputs[:i]:
             if _is_same(output, other):
-                raise Error('error: outputs "%s" and "%s" are one file; give one of them another name'
-                            % (other, output))
+                raise Error('error: outputs "%s" and "%s" are one file; give one of them another '
+                            "name" % (other, output))
 
 
 def _is_same(a: str, b: str) -> bool:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Pages: a file of HTML that shows a JSON object by its own script, and needs nothing but itself.
 
-`make` puts each page of scripts/python/pages into the frame that all share, with the scripts and the style of the
-live figures, and keeps it in the package. The frame has two places to be filled: the object, and the same as text for
-a browser without JavaScript.
+`make` puts each page of scripts/python/pages into the frame that all share, with the scripts and
+the style of the live figures, and keeps it in the package. The frame has two places to be filled:
+the object, and the same as text for a browser without JavaScript.
 """
 from __future__ import annotations
 
@@ -30,73 +30,34 @@ def _escaped(words: str) -> str:
 
 
 def write(path: str, name: str, data: Any, words: str) -> None:
-    """Write a page, whole or not at all.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-    name : {"trade", "pixel", "envmap"}
-        Which page.
-    data : dict
-        What the page shows, for `text.json`.
-    words : str
-        The same as text.
-
-    Raises
-    ------
-    Error
-        The file cannot be written.
-    """
+    """Write page `name` (trade, pixel, envmap), whole or not at all, with the object that it shows
+    and the same as text."""
     here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     source = os.path.join(here, "pages", name + ".html")
     try:
         with open(source, encoding="utf-8", newline="") as f:
             page = f.read()
     except OSError as e:
-        raise Error('error: the page "%s" cannot be read: %s; `make` writes it' % (source, e.strerror)) from None
+        raise Error('error: the page "%s" cannot be read: %s; `make` writes it'
+                    % (source, e.strerror)) from None
     before, _, rest = page.partition(_TEXT)
     middle, _, rest = rest.partition(_DATA)
     after = rest[rest.index("<"):]  # without the null
     # In JSON a < stands in strings alone, which may have it as an escape.
-    filled = (before + _TEXT + _escaped(words) + middle + _DATA + text.json(data).replace("<", "\\u003c")
-              + after)
+    filled = "".join((before, _TEXT, _escaped(words), middle, _DATA,
+                      text.json(data).replace("<", "\\u003c"), after))
     with files.outfile(path) as out:
         out.write(filled.encode("utf-8"))
 
 
 def numbers(values: ArrayLike, size: int) -> str:
-    """Return integers as a text for the page's script.
-
-    Parameters
-    ----------
-    values : array of int
-        At least 0.
-    size : int
-        Bytes of each, 1 to 4: its lowest ones, the highest first.
-
-    Returns
-    -------
-    str
-        In base64 (RFC 4648).
-    """
+    """Return integers >= 0 in base64 (RFC 4648) for the page's script: of each its `size` lowest
+    bytes, 1 to 4, the highest first."""
     words = np.ascontiguousarray(values, ">u4").reshape(-1, 1).view(np.uint8)
     return base64.b64encode(words[:, 4 - size:].tobytes()).decode("ascii")
 
 
 def png(pixels: ArrayLike, exposure: float) -> str:
-    """Return a picture as an address that a page can show.
-
-    Parameters
-    ----------
-    pixels : array (h, w, 3)
-        Linear radiance.
-    exposure : float
-        In EV; with 0 the colours appear as they are.
-
-    Returns
-    -------
-    str
-        "data:image/png;base64,...".
-    """
+    """Return a picture (h, w, 3) as an address (data:) that a page can show. With exposure 0 (in
+    EV) the colours appear as they are."""
     return "data:image/png;base64," + base64.b64encode(_image.png(pixels, exposure)).decode("ascii")

@@ -545,16 +545,5 @@ def _body(o: Any, operands: list[str], say: Say) -> int:
 
 
 def main(argv: list[str]) -> int:
-    """Run `bis pixel` with these arguments.
-
-    Parameters
-    ----------
-    argv : list of str
-        What stands behind the word `pixel`.
-
-    Returns
-    -------
-    int
-        The exit status.
-    """
+    """Run `bis pixel` with these arguments, those behind the word. Returns the exit status."""
     return run(COMMAND, argv, _body)

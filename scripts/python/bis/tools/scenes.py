@@ -15,27 +15,8 @@ if TYPE_CHECKING:
 
 
 def open_scene(operand: str, say: Say, **how: Any) -> Scene:
-    """Open a scene, and tell the warnings of the library.
-
-    Parameters
-    ----------
-    operand : str
-        A file, or "-" for standard input, which messages call <stdin>.
-    say : Say
-        Where the warnings go.
-    **how
-        As `bis.Scene` takes it.
-
-    Returns
-    -------
-    Scene
-        Built, and ready to be rendered.
-
-    Raises
-    ------
-    Error
-        As `bis.Scene` does.
-    """
+    """Open a scene, as `bis.Scene` does, and tell the warnings of the library. "-" is standard
+    input, which messages call <stdin>."""
     from .._render import Scene
 
     if operand == "-":

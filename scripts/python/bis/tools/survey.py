@@ -251,20 +251,7 @@ def _rank_regions(s: Survey, m: Map) -> None:
 
 
 def survey(m: Map, levels: int) -> Survey:
-    """Find the figures of a map.
-
-    Parameters
-    ----------
-    m : Map
-        It was opened with these levels.
-    levels : int
-        Of intensity.
-
-    Returns
-    -------
-    Survey
-        Its figures.
-    """
+    """Find the figures of a map, which was opened with so many levels of intensity."""
     s = Survey()
     _sum_map(s, m)
     _find_quantiles(s, m)

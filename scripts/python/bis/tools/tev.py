@@ -45,20 +45,8 @@ def _message(kind: int, body: bytes) -> bytes:
 
 
 def messages(name: str, picture: np.ndarray) -> list[bytes]:
-    """Return what shows a picture in tev.
-
-    Parameters
-    ----------
-    name : str
-        Of the image in tev; one of the same name is replaced.
-    picture : array (h, w, 3)
-        Radiance, row 0 at the top.
-
-    Returns
-    -------
-    list of bytes
-        Messages of tev's protocol.
-    """
+    """Return the messages of tev's protocol that show a picture (h, w, 3). An image of the same
+    name is replaced."""
     height, width = picture.shape[:2]
     channels = b"".join(_text(c) for c in "RGB")
     out = [_message(4, _text(name) + struct.pack("<III", width, height, 3) + channels)]

@@ -5,22 +5,13 @@ from __future__ import annotations
 import math
 import re
 import sys
+from collections.abc import Sequence
 from typing import Any, Optional
 
 
 def digits(value: float) -> str:
-    """Return the shortest text that reads back as the same double, in the form of C's %g.
-
-    Parameters
-    ----------
-    value : float
-        Any number; numpy's, too.
-
-    Returns
-    -------
-    str
-        As "0.05", "1e-05", "-0", "inf".
-    """
+    """Return the shortest text that reads back as the same double, in the form of C's %g: "0.05",
+    "1e-05", "-0", "inf". numpy's numbers are taken, too."""
     v = float(value)
     if abs(v) < 1e15:  # Python's own shortest text, which is C's but for the ".0"
         text = repr(v)
@@ -35,18 +26,8 @@ def digits(value: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a duration with two to three digits, in the unit that keeps the number small.
-
-    Parameters
-    ----------
-    seconds : float
-        At least 0.
-
-    Returns
-    -------
-    str
-        As "42 ms", "3.1 s", "90 s", "6.5 min", "2.5 h", "12 days".
-    """
+    """Return seconds >= 0 with two to three digits, in the unit that keeps the number small: "42
+    ms", "3.1 s", "90 s", "6.5 min", "2.5 h", "12 days"."""
     # The limits lie where rounding would reach the next form: 9.95 would be "1e+01 s" by %.2g.
     if 0 < seconds < 0.0995:
         return "%.2g ms" % (1e3 * seconds)
@@ -62,18 +43,8 @@ def duration(seconds: float) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in percent as a person writes it: two digits, or a whole number.
-
-    Parameters
-    ----------
-    share : float
-        At least 0; 1 is the whole.
-
-    Returns
-    -------
-    str
-        As "0.034%", "3.4%", "12%", "170%"; "below 0.0001%" and "over 1000000%" beyond these.
-    """
+    """Return a share >= 0 in percent as a person writes it, two digits or a whole number: "0.034%",
+    "3.4%", "12%", "170%"; "below 0.0001%" and "over 1000000%" beyond these."""
     p = 100 * float(share)
     if 0 < p < 1e-4:  # where %g begins to write 1e-05
         return "below 0.0001%"
@@ -85,18 +56,8 @@ def percent(share: float) -> str:
 
 
 def clean(text: str) -> str:
-    """Return text in which bytes that are no UTF-8 (a file's name may hold any) are U+FFFD.
-
-    Parameters
-    ----------
-    text : str
-        As `os.fsdecode` makes it: such bytes are lone surrogates in it.
-
-    Returns
-    -------
-    str
-        Text that UTF-8 can hold.
-    """
+    """Return text in which bytes that are no UTF-8 (a file's name may hold any; `os.fsdecode` makes
+    lone surrogates of them) are U+FFFD."""
     return re.sub("[\ud800-\udfff]", "\ufffd", text)
 
 
@@ -110,14 +71,14 @@ def _string(text: str) -> str:
 
 
 def _lines(value: Any, depth: int) -> str:
-    is_object = isinstance(value, dict)
-    if not is_object and not isinstance(value, (list, tuple)):
-        return _scalar(value)
-    if is_object:
+    if isinstance(value, dict):
         members = ["%s: %s" % (_string(k), _lines(v, depth + 1)) for k, v in value.items()]
-    else:
+        opening, closing = "{}"
+    elif isinstance(value, (list, tuple)):
         members = [_lines(v, depth + 1) for v in value]
-    opening, closing = "{}" if is_object else "[]"
+        opening, closing = "[]"
+    else:
+        return _scalar(value)
     if not members:
         return opening + closing
     inner = "\n" + "  " * (depth + 1)
@@ -131,68 +92,37 @@ def _scalar(value: Any) -> str:
         return _string(value)
     if isinstance(value, bool) or type(value).__name__ in ("bool_", "bool"):
         return "true" if value else "false"
+    return _number(value) or "null"
+
+
+def _number(value: Any) -> str:
+    """A number as text; "" where it is not finite."""
     if isinstance(value, int):
-        return str(value)
-    v = float(value)
-    return digits(v) if math.isfinite(v) else "null"
+        return str(int(value))
+    return digits(value) if math.isfinite(value) else ""
 
 
 def json(value: Any) -> str:
-    """Return a value as JSON in the layout of `--stats`: a member a line, and a newline at the end.
-
-    Parameters
-    ----------
-    value : dict, list, str, float, int, bool or None
-        NaN and infinities become null. numpy's scalars are numbers, too.
-
-    Returns
-    -------
-    str
-        Valid JSON (RFC 8259).
-    """
+    """Return a value as JSON (RFC 8259) in the layout of `--stats`: a member a line, and a newline
+    at the end. NaN and infinities become null; numpy's scalars are numbers, too."""
     return _lines(value, 0) + "\n"
 
 
 def csv(*fields: Any) -> str:
-    """Return a line of a table (RFC 4180) without its end.
-
-    Parameters
-    ----------
-    *fields : str, float or None
-        A number reads back as the same double. What is None, NaN or infinite is an empty field.
-
-    Returns
-    -------
-    str
-        The fields with commas between them.
-    """
+    """Return a line of a table (RFC 4180) without its end. A number reads back as the same double;
+    what is None, NaN or infinite is an empty field."""
     return ",".join(_field(x) for x in fields)
 
 
 def _field(value: Any) -> str:
     if value is None or isinstance(value, str):
         return value or ""
-    if isinstance(value, int):
-        return str(int(value))
-    v = float(value)
-    return digits(v) if math.isfinite(v) else ""
+    return _number(value)
 
 
-def nearest(word: str, names: list[str]) -> Optional[str]:
-    """Return the name that word is a slip of.
-
-    Parameters
-    ----------
-    word : str
-        What was written.
-    names : list of str
-        What may be meant; the first of equally near ones is taken.
-
-    Returns
-    -------
-    str or None
-        A name at most a third of word's letters away; None if there is none.
-    """
+def nearest(word: str, names: Sequence[str]) -> Optional[str]:
+    """Return the name that word is a slip of, the first of equally near ones; None if none is at
+    most a third of word's letters away."""
     best = None
     limit = max(len(word) // 3, 1)
     for name in names:
@@ -200,6 +130,12 @@ def nearest(word: str, names: list[str]) -> Optional[str]:
         if distance < limit or (distance == limit and best is None):
             best, limit = name, distance
     return best
+
+
+def hint(word: str, names: Sequence[str]) -> str:
+    """Return a question for a message: whether the nearest name was meant; "" if none is near."""
+    near = nearest(word, names)
+    return ' (did you mean "%s"?)' % near if near else ""
 
 
 def _edits(a: str, b: str) -> int:

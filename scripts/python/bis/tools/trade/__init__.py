@@ -66,16 +66,5 @@ def _body(o: SimpleNamespace, operands: list[str], say: command.Say) -> int:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the command.
-
-    Parameters
-    ----------
-    arguments : sequence of str
-        Behind its name.
-
-    Returns
-    -------
-    int
-        The exit state.
-    """
+    """Run `bis trade` with these arguments, those behind the word. Returns the exit status."""
     return command.run(COMMAND, arguments, _body)

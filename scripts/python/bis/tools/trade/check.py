@@ -68,24 +68,13 @@ def _scatter(mean: Doubles, variance: Doubles, spared: int, reference: Doubles, 
 
 
 def scatter(images: list[Image], spared: int, reference: Reference) -> float:
-    """Return the relMSE of one of several renders that differ in their seeds alone.
+    """Return the relMSE of one of several renders, two at least, that differ in their seeds alone.
+    The `spared` pixels of the largest errors count as 0.
 
-    Parameters
-    ----------
-    images : list of arrays (h, w, 3)
-        At least two.
-    spared : int
-        So many pixels of the largest errors count as 0.
-    reference : Reference
-        Of the same size. With relmse = 0 it is trusted alone.
-
-    Returns
-    -------
-    float
-        In each pixel and channel the variance of the renders (over n - 1) is divided by b^2 +
-        m^2/100, as `bis.compare` does. b is the mean of the reference and of the renders, weighted
-        by 1/variance, and m is the mean of b. What noise is left in b makes the result biased, by
-        terms of the order of b's own relMSE.
+    In each pixel and channel the variance of the renders (over n - 1) is divided by b^2 + m^2/100,
+    as `bis.compare` does. b is the mean of the reference (with relmse = 0 it is trusted alone) and
+    of the renders, weighted by 1/variance, and m is the mean of b. What noise is left in b makes
+    the result biased, by terms of the order of b's own relMSE.
     """
     n = len(images)
     assert reference.image is not None
@@ -219,13 +208,7 @@ class _Check:
 
 def check_advice(t: Trade) -> None:
     """Replace the advice's passes and errors by such as were measured with that many passes, as far
-    as there is time.
-
-    Parameters
-    ----------
-    t : Trade
-        With its result.
-    """
+    as there is time."""
     start, share = time.monotonic(), CHECK_SHARE * t.options.seconds
     advice = t.result.advice
     for i, a in enumerate(advice):

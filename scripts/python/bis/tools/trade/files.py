@@ -95,12 +95,7 @@ def _path(trade: Trade) -> str:
 
 def read_runs(trade: Trade) -> None:
     """Read the runs of the folder into trade.runs. There is no file if it was interrupted before
-    the first one.
-
-    Raises
-    ------
-    Error
-        A line is no run of the plan, or the second one of its place.
+    the first one. An Error names a line that is no run of the plan, or the second one of its place.
     """
     path = _path(trade)
     if not os.path.exists(path):

@@ -110,20 +110,8 @@ def _is_enough(t: Trade, looked: list[Setting]) -> bool:
 def run_pilot(t: Trade) -> Optional[list[Setting]]:
     """Look at each setting of the plan: fill_seconds, pass_relmse, and pass_seconds of a pixel.
 
-    Parameters
-    ----------
-    t : Trade
-        With settings in its plan.
-
-    Returns
-    -------
-    list of Setting or None
-        Those that --quick had no time to look at; they are not swept. None: it was interrupted.
-
-    Raises
-    ------
-    Error
-        There is too little time.
+    Returns those that --quick had no time to look at, which are not swept; None if it was
+    interrupted. Raises an Error where there is too little time.
     """
     piloted = [s for s in t.plan.settings if s.is_swept or may_be_reference(s, 0)
                or may_be_reference(s, 1)]

@@ -225,26 +225,8 @@ def _choose_references(plan: Plan, asked: Options, seconds: float) -> None:
 
 
 def too_few_seconds(plan: Plan, asked: Options, what: str, least: float, spent: float) -> Error:
-    """The error that says how much time is needed.
-
-    Parameters
-    ----------
-    plan : Plan
-        With its size.
-    asked : Options
-        The time that there is.
-    what : str
-        What does not fit.
-    least : float
-        Seconds of a single pass of it, with all seeds.
-    spent : float
-        Seconds until now.
-
-    Returns
-    -------
-    Error
-        To be raised.
-    """
+    """The error that says how much time is needed, because a single pass of `what` with all seeds
+    takes `least` seconds, and `spent` were needed until now."""
     return Error("error: %g s are too few: a single pass of %s, %d x %d pixels and %d seeds, wants "
                  "about %s in all; give --time more than that, or name fewer integrators by "
                  "--integrator"
@@ -299,26 +281,11 @@ def _step_that_fits(fit: _Fit, spent: float) -> int:
 
 
 def fit_plan(plan: Plan, asked: Options, frame: Frame, left: float, spent: float = 0) -> None:
-    """Fit a plan to a time: its size, levels, run_seconds and references.
+    """Fit a plan to the seconds that are left: its size, levels, run_seconds and references.
 
-    Parameters
-    ----------
-    plan : Plan
-        With n_seeds and settings from the pilot: pass_seconds of a pixel, which become those of a
-        pass, and pass_relmse. With --quick it may get fewer seeds.
-    asked : Options
-        passes, error, quick.
-    frame : Frame
-        The full picture.
-    left : float
-        Seconds for all that comes.
-    spent : float
-        Seconds until now, for messages.
-
-    Raises
-    ------
-    Error
-        Not even one pass of the best settings fits, or the error is out of reach.
+    The plan has n_seeds and, from the pilot, pass_relmse and the pass_seconds of a pixel, which
+    become those of a pass. With --quick it may get fewer seeds. Raises an Error where not even one
+    pass of the best settings fits, or where the error is out of reach.
     """
     fit = _Fit(plan, asked, frame, SWEEP_SHARE * left)
     fit.set_size(_step_that_fits(fit, spent))

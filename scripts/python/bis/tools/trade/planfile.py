@@ -31,22 +31,8 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.A)
 
 
 def fingerprint(version: str, names: list[str], files: list[str]) -> int:
-    """Return the hash (FNV-1a) of all that a plan belongs to.
-
-    Parameters
-    ----------
-    version : str
-        Of bis.
-    names : list of str
-        Of the settings in the table.
-    files : list of str
-        Those of the scene's text. Meshes and maps are not looked into.
-
-    Returns
-    -------
-    int
-        64 bits.
-    """
+    """Return the hash (FNV-1a, 64 bits) of all that a plan belongs to: the version of bis, the
+    names of the settings, the files of the scene's text. Meshes and maps are not looked into."""
     state = np.zeros(2, np.uint32)
     for part in [os.fsencode(word) for word in [version, *names]]:
         _fnv(state.ctypes.data, len(part), part)
@@ -215,25 +201,8 @@ def _check(plan: Plan, crop: tuple[float, float, float, float], seen: set[str]) 
 
 
 def read_plan(folder: str, plan: Plan, scene: str, crop: tuple[float, float, float, float]) -> None:
-    """Read plan.txt of a folder.
-
-    Parameters
-    ----------
-    folder : str
-        Where it is.
-    plan : Plan
-        With the table of settings and the fingerprint of the scene as it is now; it receives the
-        rest.
-    scene : str
-        The scene's name, for messages.
-    crop : four floats
-        The scene's crop, in shares of the picture.
-
-    Raises
-    ------
-    Error
-        With the line that holds something else than it should.
-    """
+    """Read plan.txt of a folder into a plan that has the table of settings and the fingerprint of
+    the scene as it is now. An Error names the line that holds something else than it should."""
     path = os.path.join(folder, "plan.txt")
     ours = plan.fingerprint
     seen: set[str] = set()

@@ -56,18 +56,10 @@ def mean_of(image: Image) -> float:
 
 
 def combine(replicates: list[Image]) -> Reference:
-    """The mean over replicates, and what it is worth.
+    """The mean over renders that differ in their seeds alone, and what it is worth.
 
-    Parameters
-    ----------
-    replicates : list of arrays (h, w, 3)
-        Renders that differ in their seeds alone.
-
-    Returns
-    -------
-    Reference
-        relmse is the variance of the mean over pixels and channels, each divided by (mean^2 +
-        m^2/100), m the mean of all.
+    relmse is the variance of the mean over pixels and channels, each divided by (mean^2 + m^2/100),
+    m the mean of all.
     """
     n = len(replicates)
     means = [mean_of(r) for r in replicates]
@@ -133,18 +125,7 @@ def _replicate(t: Trade, which: int, r: int) -> Optional[Image]:
 
 def make_references(t: Trade) -> None:
     """Read what references/ holds and render what it lacks. Where that is interrupted, they are not
-    ready.
-
-    Parameters
-    ----------
-    t : Trade
-        With its plan; references and both are set.
-
-    Raises
-    ------
-    Error
-        A file of references/ is no picture of this plan, or cannot be written.
-    """
+    ready."""
     make_folder(t, "references")
     if t.plan.is_given:
         path = os.path.join(t.options.folder, "references/given.exr")
@@ -182,25 +163,8 @@ def make_one(path: str) -> bool:
 
 
 def read_given(path: str, frame: Frame) -> Image:
-    """Read a reference of the full picture.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-    frame : Frame
-        The full picture.
-
-    Returns
-    -------
-    array (h, w, 3)
-        Its pixels, those of the scene's crop.
-
-    Raises
-    ------
-    Error
-        It cannot be read, or has another size.
-    """
+    """Read a reference of the full picture, the pixels of the scene's crop. An Error tells if it
+    has another size."""
     image, at = read_image(path)
     height, width = image.shape[:2]
     film = frame.film(1)

@@ -41,9 +41,8 @@ def _check_integrators(asked: list[str], rivals: list[str]) -> None:
     wrong = []
     for name in asked:
         if name not in rivals:
-            near = text.nearest(name, rivals)
             wrong.append("error: --integrator %s: must be %s%s"
-                         % (name, among, ' (did you mean "%s"?)' % near if near else ""))
+                         % (name, among, text.hint(name, rivals)))
     if wrong:
         raise Error("\n".join(wrong))
 
@@ -206,22 +205,7 @@ def _remove_if_empty(folder: str) -> None:
 
 
 def trade(o: SimpleNamespace, scene: str, say: command.Say) -> int:
-    """Run `bis trade`.
-
-    Parameters
-    ----------
-    o : SimpleNamespace
-        Its options.
-    scene : str
-        The scene's file.
-    say : command.Say
-        Where messages go.
-
-    Returns
-    -------
-    int
-        The exit state.
-    """
+    """Run `bis trade` on a scene's file with these options. Returns the exit status."""
     known = Integrators.of(about())
     _check_resume(o)
     _check_integrators(o.integrator, known.rivals())

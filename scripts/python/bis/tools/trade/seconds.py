@@ -22,22 +22,8 @@ MOST_BLOCKS, LEAST_BLOCKS = 6, 3
 
 
 def blocks(film: Film, pixels: float, threads: int) -> list[Film]:
-    """Choose blocks of whole pixels that lie evenly in a film.
-
-    Parameters
-    ----------
-    film : Film
-        Of the full picture.
-    pixels : float
-        How many they should have together.
-    threads : int
-        That render.
-
-    Returns
-    -------
-    list of Film
-        The film itself where they would be most of it.
-    """
+    """Choose blocks of whole pixels, so many in all, that lie evenly in the film of the full
+    picture: the film itself where they would be most of it."""
     n = int(min(max(pixels / (TILE * TILE * TILES * threads), LEAST_BLOCKS), MOST_BLOCKS))
     area = max(pixels / n, TILE * TILE)
     height = min(TILE * math.ceil(area / (TILE * film.width)), film.height)
@@ -89,13 +75,7 @@ def _known_seconds(earlier: list[Advice], a: Advice) -> Optional[float]:
 
 
 def time_advice(t: Trade) -> None:
-    """Replace the advice's seconds, which are the sweep's times the pixels, by better ones.
-
-    Parameters
-    ----------
-    t : Trade
-        With its result.
-    """
+    """Replace the advice's seconds, which are the sweep's times the pixels, by better ones."""
     timed: list[Advice] = []
     for i, a in enumerate(t.result.advice):
         if a.setting < 0 or t.interrupted():

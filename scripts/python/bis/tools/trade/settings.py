@@ -137,15 +137,7 @@ def _word(value: Any, of_bool: tuple[str, str] = ("false", "true")) -> str:
 
 
 class Table:
-    """Makes the settings for a scene.
-
-    Parameters
-    ----------
-    known : Integrators
-        All integrators and their parameters.
-    scenes_b : float
-        b of the scene's light.
-    """
+    """Makes the settings for a scene, whose light has this b."""
 
     def __init__(self, known: Integrators, scenes_b: float) -> None:
         self.known = known
@@ -180,21 +172,11 @@ class Table:
 
     def settings(self, asked: Options, small_map: bool,
                  own: Optional[tuple[str, dict[str, Any]]]) -> list[Setting]:
-        """All that make sense for the scene's light, and the scene's own.
+        """All that make sense for the scene's light, and the scene's own, in the order of the
+        table. Those that are not swept may make a reference.
 
-        Parameters
-        ----------
-        asked : Options
-            quick and integrators say which of them are swept.
-        small_map : bool
-            The light is a map that is not huge.
-        own : (str, dict) or None
-            Integrator and values of the scene; None if it is no rival.
-
-        Returns
-        -------
-        list of Setting
-            In the order of the table; those that are not swept may make a reference.
+        small_map: the light is a map that is not huge. own: integrator and values of the scene;
+        None if it is no rival.
         """
         settings = []
         for r in _RECIPES:

@@ -67,19 +67,8 @@ def _shot(t: Trade, setting: int) -> Optional[Shot]:
 
 
 def make_shots(t: Trade) -> None:
-    """Read from pictures/, or render, pictures of equal time of the best setting of each
-    integrator.
-
-    Parameters
-    ----------
-    t : Trade
-        With its result; strip is set.
-
-    Raises
-    ------
-    Error
-        A picture cannot be read or written.
-    """
+    """Read from pictures/, or render, pictures of equal time of the best setting of each integrator
+    into t.strip."""
     make_folder(t, "pictures")
     settings = heads(t)
     for i, setting in enumerate(settings):

@@ -92,18 +92,7 @@ class _Sweep:
 
 
 def run_sweep(t: Trade) -> None:
-    """Measure the runs that are not in t.runs, as far as there is time, and write runs.csv.
-
-    Parameters
-    ----------
-    t : Trade
-        With plan and references.
-
-    Raises
-    ------
-    Error
-        A render failed, or runs.csv cannot be written.
-    """
+    """Measure the runs that are not in t.runs, as far as there is time, and write runs.csv."""
     sweep = _Sweep(t)
     try:
         goes_on = not t.interrupted()

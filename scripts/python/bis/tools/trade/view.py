@@ -26,22 +26,7 @@ _MANY_PIXELS = 1 << 24  # a map of 8192 x 2048: each further importance takes 28
 
 
 class View:
-    """The scene, and what trade needs to know of it. It fills in t.plan.settings.
-
-    Parameters
-    ----------
-    t : Trade
-        A measurement that begins.
-    known : Integrators
-        All integrators.
-    say : command.Say
-        Where warnings go.
-
-    Raises
-    ------
-    Error
-        The scene has a mistake, or nothing to trade.
-    """
+    """The scene, and what trade needs to know of it. It fills in t.plan.settings."""
 
     def __init__(self, t: Trade, known: Integrators, say: command.Say) -> None:
         asked = t.options
@@ -80,30 +65,10 @@ class View:
 
     def render(self, s: Setting, step: int, passes: int, seed: int,
                crop: Optional[Sequence[float]] = None) -> Optional[Picture]:
-        """Render with a setting.
+        """Render with a setting. None: it was interrupted.
 
-        Parameters
-        ----------
-        s : Setting
-            How.
-        step : int
-            Of each step x step pixels one; 0: a film of one pixel that sees all.
-        passes : int
-            Camera samples of a pixel.
-        seed : int
-            Of the random numbers.
-        crop : four floats, optional
-            In the place of the scene's.
-
-        Returns
-        -------
-        Picture or None
-            None: it was interrupted.
-
-        Raises
-        ------
-        Error
-            As `bis.render`.
+        Of each step x step pixels one is rendered; step 0 is a film of one pixel that sees all. A
+        crop takes the place of the scene's.
         """
         t = self.t
         how: dict[str, Any] = {"step": step, "width": self.frame.width, "height": self.frame.height}
