@@ -3,13 +3,13 @@
 
     import bis
     picture, stats = bis.render("scene.txt", integrator="sir", spp=16)     # (h, w, 3) float32, dict
-    scene = bis.Scene("scene.txt")                                         # built once, rendered often
+    scene = bis.Scene("scene.txt")                         # built once, rendered often
     w, L, pdf = bis.Envmap("map.hdr").sample(1000)                         # (n, 3), (n, 3), (n,)
 
-The library is that of the environment variable BIS_LIBRARY, else a libbis.so in this folder (a wheel brings one), in
-build/release/library of the repository, or where the system looks for libraries. A mistake raises bis.Error with the
-library's own message; warnings of the library become Python's. `python -m bis` is the program. docs/library.md
-explains the functions.
+The library is that of the environment variable BIS_LIBRARY, else a libbis.so in this folder (a
+wheel brings one), in build/release/library of the repository, or where the system looks for
+libraries. A mistake raises bis.Error with the library's own message; warnings of the library become
+Python's. `python -m bis` is the program. docs/library.md explains the functions.
 """
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 from ._errors import Error, Status, WrongType
 
 if TYPE_CHECKING:
-    from ._image import Comparison, Place, compare, compare_colours, exposure_of, read_image, save_image
+    from ._image import Comparison, Place, compare, compare_colours, exposure_of, read_image
+    from ._image import save_image
     from ._library import version
     from ._points import points
     from ._render import LAYERS, Picture, Progress, Scene, about, render
@@ -27,9 +28,11 @@ if TYPE_CHECKING:
     from ._scene import Camera, Mesh
     from ._stage import Stage
 
-# What needs the library and numpy is loaded when it is asked for, because the help of the instruments needs neither.
+# What needs the library and numpy is loaded when it is asked for, because the help of the
+# instruments needs neither.
 _HOMES = {
-    "_image": ("Comparison", "Place", "compare", "compare_colours", "exposure_of", "read_image", "save_image"),
+    "_image": ("Comparison", "Place", "compare", "compare_colours", "exposure_of", "read_image",
+               "save_image"),
     "_library": ("version",),
     "_points": ("points",),
     "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "render"),

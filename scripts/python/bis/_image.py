@@ -11,13 +11,10 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, Error, call, declare, real, text_bytes
-from ._sampling import _picture
+from ._library import D, INT, N, P, SAY, TEXT, Error, call, declare, real, text_bytes, texts
+from ._sampling import _picture, taken
 
 _read = declare("image_read", P, TEXT, *SAY)
-_close = declare("image_close", P, result=None)
-_place = declare("image_place", P, P, P, result=None)
-_pixels = declare("image_pixels", P, P, result=None)
 _save = declare("image_save", TEXT, INT, INT, P, D, P, *SAY)
 _png = declare("image_png", INT, INT, P, D, N, P, P, *SAY)
 _exposure = declare("image_exposure", P, INT, INT, P, P, *SAY)
@@ -95,15 +92,10 @@ def read_image(path: Path) -> tuple[Floats, Place]:
     Error
         The file cannot be read, or is no picture.
     """
-    handle, shape, place = P(), (ctypes.c_int * 2)(), (ctypes.c_int * 4)()
+    handle = P()
     call(_read, ctypes.byref(handle), text_bytes("path", path))
-    try:
-        _place(handle, shape, place)
-        pixels = np.empty((shape[1], shape[0], 3), np.float32)
-        _pixels(handle, pixels.ctypes.data)
-        return pixels, Place(*place)
-    finally:
-        _close(handle)
+    pixels, place = taken(handle)
+    return pixels, Place(*place)
 
 
 def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
@@ -128,9 +120,8 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
     """
     a = _picture("pixels", pixels)
     ev = float("nan") if exposure is None else real("exposure", exposure)
-    texts = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
-    listed = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
-    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a.ctypes.data, ev, listed)
+    said = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
+    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a, ev, texts(said))
 
 
 def png(pixels: ArrayLike, exposure: float) -> bytes:
@@ -139,7 +130,7 @@ def png(pixels: ArrayLike, exposure: float) -> bytes:
     # Three bytes a pixel, and what packing in vain adds.
     room = 4 * a.shape[0] * a.shape[1] + (1 << 16)
     data, length = ctypes.create_string_buffer(room), ctypes.c_size_t()
-    call(_png, a.shape[1], a.shape[0], a.ctypes.data, real("exposure", exposure), room, data,
+    call(_png, a.shape[1], a.shape[0], a, real("exposure", exposure), room, data,
          ctypes.byref(length))
     return data.raw[:length.value]
 
@@ -170,8 +161,7 @@ def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> floa
     if weights is not None and weights.shape != a.shape[:2]:
         raise Error("coverage has the shape %s: give %s" % (weights.shape, a.shape[:2]))
     found = ctypes.c_double()
-    call(_exposure, ctypes.byref(found), a.shape[1], a.shape[0], a.ctypes.data,
-         None if weights is None else weights.ctypes.data)
+    call(_exposure, ctypes.byref(found), a.shape[1], a.shape[0], a, weights)
     return found.value
 
 
@@ -204,7 +194,7 @@ def compare(a: ArrayLike, b: ArrayLike) -> Comparison:
     """
     a, b = _two(a, b)
     figures = (ctypes.c_double * 9)()
-    call(_compare, figures, a.shape[1], a.shape[0], a.ctypes.data, b.ctypes.data)
+    call(_compare, figures, a.shape[1], a.shape[0], a, b)
     return Comparison(*figures[:7], int(figures[7]), int(figures[8]))
 
 
@@ -229,5 +219,5 @@ def compare_colours(a: ArrayLike, b: ArrayLike) -> Floats:
     """
     a, b = _two(a, b)
     colours = np.empty(a.shape, np.float32)
-    call(_errors, colours.ctypes.data, a.shape[1], a.shape[0], a.ctypes.data, b.ctypes.data)
+    call(_errors, colours, a.shape[1], a.shape[0], a, b)
     return colours

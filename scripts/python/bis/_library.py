@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The library itself: where it is, how its functions are called, and how a mistake becomes an exception."""
+"""The library: where it is, how its functions are called, how a mistake becomes an exception."""
 from __future__ import annotations
 
 import ctypes
@@ -8,6 +8,7 @@ import glob
 import operator
 import os
 import warnings
+from collections.abc import Sequence
 from typing import Any, Callable, Optional
 
 import numpy as np
@@ -22,8 +23,10 @@ def _candidates() -> list[str]:
     build = os.path.join(here, "..", "..", "..", "build")
     if os.environ.get("BIS_LIBRARY"):
         return [os.environ["BIS_LIBRARY"]]
-    return (glob.glob(os.path.join(here, "libbis.so")) + glob.glob(build + "/release/library/libbis.so.*")
-            + glob.glob(build + "/release-*/library/libbis.so.*") + [ctypes.util.find_library("bis") or "libbis.so"])
+    return [*glob.glob(os.path.join(here, "libbis.so")),
+            *glob.glob(build + "/release/library/libbis.so.*"),
+            *glob.glob(build + "/release-*/library/libbis.so.*"),
+            ctypes.util.find_library("bis") or "libbis.so"]
 
 
 def _load() -> ctypes.CDLL:
@@ -33,18 +36,20 @@ def _load() -> ctypes.CDLL:
         library.bis_flat_said.restype = ctypes.c_size_t
         library.bis_flat_version.restype = library.bis_flat_build.restype = ctypes.c_char_p
     except (OSError, AttributeError) as e:
-        raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in the repository or "
-                          "`make install`, or set BIS_LIBRARY to its path" % e) from None
+        raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in "
+                          "the repository or `make install`, or set BIS_LIBRARY to its path"
+                          % e) from None
     build = library.bis_flat_build().decode("ascii")
     if os.environ.get("BIS_BUILD_ID", build) != build:
-        # `bis trade` measures what that program is: a student's material, not the one that is installed.
-        raise ImportError("%s is of another build than %s: make both, or install both, from one source"
-                          % (found, os.environ.get("BIS_PROGRAM", "the program")))
+        # `bis trade` measures what that program is: a student's material, not the installed one.
+        raise ImportError("%s is of another build than %s: make both, or install both, from one "
+                          "source" % (found, os.environ.get("BIS_PROGRAM", "the program")))
     return library
 
 
 _library = _load()
-P, N, D, INT, TEXT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_int, ctypes.c_char_p
+P, N, D = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double
+INT, U32, U64, TEXT = ctypes.c_int, ctypes.c_uint32, ctypes.c_uint64, ctypes.c_char_p
 SAY = (TEXT, N)  # the buffer of messages and its size
 
 
@@ -64,16 +69,18 @@ def declare(name: str, *arguments: Any, result: Any = INT) -> Any:
     try:
         f = getattr(_library, "bis_flat_" + name)
     except AttributeError:
-        raise ImportError("the package bis needs another libbis.so than %s (version %s), which has no bis_flat_%s: "
-                          "install both from one source" % (_library._name, version(), name)) from None
+        raise ImportError("the package bis needs another libbis.so than %s (version %s), which has "
+                          "no bis_flat_%s: install both from one source"
+                          % (_library._name, version(), name)) from None
     f.argtypes, f.restype = list(arguments), result
     return f
 
 
 def run(f: Callable[..., int], *arguments: Any) -> tuple[int, str]:
-    """Status and messages of a call."""
+    """Status and messages of a call, in which an array stands for its address."""
     say = ctypes.create_string_buffer(1 << 12)
-    status = f(*arguments, say, len(say))
+    status = f(*[a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments],
+               say, len(say))
     size = _library.bis_flat_said(None, N(0))
     if size:
         say = ctypes.create_string_buffer(size)
@@ -102,7 +109,7 @@ def given(name: str, a: ArrayLike) -> NDArray[Any]:
 
 
 def array(a: ArrayLike, columns: int, dtype: Any, name: str = "an array") -> NDArray[Any]:
-    """a as a dense array (n, columns), or (n,) for columns = 0. The sizes are checked here: C cannot see them."""
+    """a as a dense array (n, columns), or (n,) for columns = 0. C cannot see the sizes."""
     raw = given(name, a)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise WrongType("%s holds values of the type %s: give numbers" % (name, raw.dtype))
@@ -115,7 +122,8 @@ def array(a: ArrayLike, columns: int, dtype: Any, name: str = "an array") -> NDA
 
 
 def text_bytes(name: str, text: Any) -> bytes:
-    """A path or a name as bytes. A NUL would end it in C, so that another file would be opened than the one given."""
+    """A path or a name as bytes. A NUL would end it in C, so that another file would be opened
+    than the one given."""
     try:
         encoded = os.fsencode(text)
     except TypeError:
@@ -126,7 +134,7 @@ def text_bytes(name: str, text: Any) -> bytes:
 
 
 def whole(name: str, value: Any) -> int:
-    """An integer. True is none, although Python counts with it, because it is most likely a slip."""
+    """An integer. True is none, although Python counts with it: it is most likely a slip."""
     try:
         if isinstance(value, (bool, np.bool_)):
             raise TypeError
@@ -145,17 +153,29 @@ def real(name: str, value: Any) -> float:
         raise WrongType("%s is %r: give a number" % (name, value)) from None
 
 
-def numbers(n: Optional[int], columns: int, seed: int, u: Optional[ArrayLike]) -> NDArray[np.float64]:
+def in_range(name: str, value: Any, lo: int, hi: int, what: str = "an integer") -> int:
+    """An integer in [lo, hi]."""
+    number = whole(name, value)
+    if not lo <= number <= hi:
+        raise Error("%s is %s: give %s in [%d, %d]" % (name, value, what, lo, hi))
+    return number
+
+
+def texts(words: Sequence[bytes]) -> Any:
+    """Texts as the library takes a list of them."""
+    return (TEXT * (len(words) + 1))(*words, None)
+
+
+def numbers(n: Optional[int], columns: int, seed: int,
+            u: Optional[ArrayLike]) -> NDArray[np.float64]:
     """Random numbers (n, columns): those that the caller gives, or numpy's."""
     if (n is None) == (u is None):
         raise Error("give n (how many) or u (random numbers), one of both")
     if u is not None:
         return array(u, columns, np.float64, "u")
     count, seed = whole("n", n), whole("seed", seed)
-    if not 0 <= count < 1 << 40:
-        raise Error("n is %s: give a count in [0, 1099511627775]" % n)
-    if not 0 <= seed < 1 << 53:
-        raise Error("seed is %s: give an integer in [0, 9007199254740991]" % seed)
+    count = in_range("n", count, 0, (1 << 40) - 1, "a count")
+    seed = in_range("seed", seed, 0, (1 << 53) - 1)
     return np.random.default_rng(seed).random((count, columns) if columns else count)
 
 
@@ -167,7 +187,8 @@ def shape(f: Callable[..., None], handle: Any) -> tuple[int, int]:
 
 
 class Made:
-    """An object whose values __init__ makes. One that was born without it says so, where it would have no attribute."""
+    """An object whose values __init__ makes. One that was born without it says so, where it would
+    have no attribute."""
 
     _made: tuple[str, ...] = ()
 
@@ -184,10 +205,11 @@ class Handle(Made):
     _close: Callable[[Any], None]
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        # copy.copy, copy.deepcopy and pickle all ask here. A second object with the same handle would free it again.
+        # copy.copy, copy.deepcopy and pickle all ask here. A second object with the same handle
+        # would free it again.
         kind = type(self).__name__
-        raise WrongType("a bis.%s cannot be copied or pickled, because it lives in the library: use the object itself, "
-                        "or make another one of the same arguments" % kind)
+        raise WrongType("a bis.%s cannot be copied or pickled, because it lives in the library: "
+                        "use the object itself, or make another one of the same arguments" % kind)
 
     def __del__(self) -> None:
         handle = self.__dict__.pop("_handle", None)

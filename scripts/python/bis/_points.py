@@ -2,17 +2,16 @@
 """The point sets of the samplers."""
 from __future__ import annotations
 
-import ctypes
 from typing import Optional
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._errors import Error
-from ._library import N, P, SAY, TEXT, call, declare, text_bytes, whole
+from ._library import N, P, SAY, TEXT, U32, U64, call, declare, in_range, text_bytes
 
-_U32, _CAMERA = ctypes.c_uint32, (1 << 32) - 1
-_points = declare("points", TEXT, ctypes.c_uint64, _U32, _U32, _U32, _U32, N, P, *SAY)
+_MOST = (1 << 32) - 1
+_CAMERA = _MOST  # as a dimension: places in the pixel
+_points = declare("points", TEXT, U64, U32, U32, U32, U32, N, P, *SAY)
 
 
 def points(kind: str, n: int, seed: int = 0, *, dim: Optional[int] = 0, pixel: int = 0,
@@ -47,14 +46,10 @@ def points(kind: str, n: int, seed: int = 0, *, dim: Optional[int] = 0, pixel: i
     Error
         A number is out of its range, or there is no such kind.
     """
-    count = whole("n", n)
-    ranges = [("seed", seed, 1 << 64), ("pixel", pixel, 1 << 32), ("sample", sample, 1 << 32),
-              ("spp", spp, 1 << 32),
-              ("dim", _CAMERA if dim is None else dim, _CAMERA + (dim is None))]
-    for name, value, end in [("n", count, 1 << 32)] + ranges:
-        if not 0 <= whole(name, value) < end:
-            raise Error("%s is %s: give an integer in [0, %d]" % (name, value, end - 1))
+    count = in_range("n", n, 0, _MOST)
+    words = [in_range("seed", seed, 0, (1 << 64) - 1), in_range("pixel", pixel, 0, _MOST),
+             in_range("sample", sample, 0, _MOST), in_range("spp", spp, 0, _MOST),
+             _CAMERA if dim is None else in_range("dim", dim, 0, _CAMERA - 1)]
     u = np.empty((count, 2))
-    call(_points, text_bytes("kind", kind), *[whole(name, value) for name, value, _ in ranges],
-         count, u.ctypes.data)
+    call(_points, text_bytes("kind", kind), *words, count, u)
     return u

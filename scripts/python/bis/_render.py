@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, judge, real, run
-from ._library import shape, text_bytes, whole
+from ._library import shape, text_bytes, texts, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -41,6 +41,8 @@ _scene_about = declare("scene_about", P, P, P, *SAY)
 _picture_stats = declare("picture_stats", P, result=TEXT)
 
 Floats = NDArray[np.float32]
+Light = Union[None, Envmap, str, "os.PathLike[str]", ArrayLike]
+Asked = Optional[Callable[[], bool]]
 
 
 class Progress(NamedTuple):
@@ -59,6 +61,9 @@ class Progress(NamedTuple):
     share: float
     seconds: float
     seconds_left: float
+
+
+Watcher = Optional[Callable[[Progress], Any]]
 
 
 @dataclass(frozen=True)
@@ -88,8 +93,8 @@ class Picture:
     interrupted : bool
         It was stopped; the picture has the passes that were complete.
     error : float
-        The relative RMSE that its passes tell of; NaN: fewer than two. Where few pixels carry it, it may be far off;
-        then ``stats["estimated_relative_rmse"]`` is None.
+        The relative RMSE that its passes tell of; NaN: fewer than two. Where few pixels carry it,
+        it may be far off; then ``stats["estimated_relative_rmse"]`` is None.
     """
 
     rgb: Floats
@@ -125,10 +130,13 @@ def _listed(name: str, values: Any, what: str, word: Callable[[Any], str]) -> st
     try:
         return ",".join([word(x) for x in values])
     except TypeError as e:
-        raise e if isinstance(e, WrongType) else WrongType("%s is %r: give %s" % (name, values, what)) from None
+        if isinstance(e, WrongType):
+            raise
+        raise WrongType("%s is %r: give %s" % (name, values, what)) from None
 
 
-def _said(layers: Any, crop: Any, camera: Any, progress: Any, settings: dict[str, Any]) -> list[bytes]:
+def _said(layers: Any, crop: Any, camera: Any, progress: Any,
+          settings: dict[str, Any]) -> list[bytes]:
     """What is said of a picture, for the library."""
     if progress is not None and not callable(progress):
         raise WrongType("progress is %r: give a function" % (progress,))
@@ -161,19 +169,26 @@ def _opened(scene: Any, approximate: Any, settings: dict[str, Any]) -> tuple[byt
     return text_bytes("scene", scene), said
 
 
-def _list(texts: list[bytes]) -> Any:
-    """Texts as the library takes a list of them."""
-    return (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
+def settings_of(settings: dict[str, Any]) -> Any:
+    """Settings alone as the library takes them."""
+    return texts(_said(None, None, None, None, settings))
 
 
-def _wait(work: Callable[[], Any], stop: ctypes.c_int, seen: list[Progress],
-          progress: Optional[Callable[[Progress], Any]], asked: Optional[Callable[[], bool]] = None) -> None:
-    """Do work in a thread, and wait in small steps, because Python hears of Ctrl-C only between calls.
+def sky_of(light: Any) -> Optional[Envmap]:
+    """The map of an argument `light`, if there is one."""
+    return light if light is None or isinstance(light, Envmap) else Envmap(light)
 
-    The library tells of its progress in a thread of its own, where an exception would be lost: here it ends the work.
-    It has always ended when this returns or raises, because it writes to what the caller frees.
+
+def wait(work: Callable[[], Any], stop: ctypes.c_int, seen: Optional[list[Progress]] = None,
+         progress: Watcher = None, asked: Asked = None) -> None:
+    """Do work in a thread, and wait in small steps: Python hears of Ctrl-C only between calls.
+
+    The library tells of its progress in a thread of its own, where an exception would be lost: here
+    it ends the work, which has always ended when this returns or raises, because it writes to what
+    the caller frees.
     """
-    done = threading.Event()  # a join that Ctrl-C interrupts takes the thread for dead (Python 3.10 to 3.12)
+    # Not a join: one that Ctrl-C interrupts takes the thread for dead (Python 3.10 to 3.12).
+    done = threading.Event()
 
     def all_of_it() -> None:
         try:
@@ -208,23 +223,24 @@ def _layers(handle: Any, size: tuple[int, int], names: Sequence[str]) -> dict[st
     return found
 
 
-LAYERS: tuple[str, ...] = tuple(name.decode() for name in iter(map(_layer_name, count()).__next__, None))
+LAYERS: tuple[str, ...] = tuple(name.decode() for name in
+                                iter(map(_layer_name, count()).__next__, None))
 
 
 def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequence[str]] = None,
-           approximate: bool = False, light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None,
+           approximate: bool = False, light: Light = None,
            crop: Optional[Sequence[float]] = None, camera: Union[None, Camera, str] = None,
-           progress: Optional[Callable[[Progress], Any]] = None, **settings: Any) -> Picture:
-    """Render a scene, to the bits of the program `bis` with the same settings. Ctrl-C ends the render.
+           progress: Watcher = None, **settings: Any) -> Picture:
+    """Render a scene, to the bits of the program `bis` with the same settings. Ctrl-C ends it.
 
     Parameters
     ----------
     scene : str or path
-        The file of the scene, or its text: a str with the word WorldBegin. Files that a text names are looked for in
-        the working directory.
+        The file of the scene, or its text: a str with the word WorldBegin. Files that a text names
+        are looked for in the working directory.
     layers : str or list of str, optional
-        What to keep beside the colours: names of `bis.LAYERS`, or "all". A standard error needs two passes, and is left
-        out of the result where there is one.
+        What to keep beside the colours: names of `bis.LAYERS`, or "all". A standard error needs two
+        passes, and is left out of the result where there is one.
     approximate : bool
         Replace what of pbrt bis does not model; warnings list what was replaced.
     light : Envmap, path or array (h, w, 3), optional
@@ -234,10 +250,12 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
     camera : Camera or str, optional
         A camera in the place of the scene's.
     progress : callable, optional
-        It is given a `Progress` a few times a second, in the thread of the caller. What it raises ends the render.
+        It is given a `Progress` a few times a second, in the thread of the caller. What it raises
+        ends the render.
     **settings
-        integrator, accelerator, spp, seed, seconds, error, threads, width, height, and the parameters of the
-        integrator (`bis help integrators`), as in ``integrator="sir", candidates=256, spp=16``.
+        integrator, accelerator, spp, seed, seconds, error, threads, width, height, and the
+        parameters of the integrator (`bis help integrators`), as in
+        ``integrator="sir", candidates=256, spp=16``.
 
     Returns
     -------
@@ -250,14 +268,14 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
         A mistake in the scene or in a setting; the message names file, line and column.
     """
     path, said = _opened(scene, approximate, settings)
-    texts = _said(layers, crop, camera, progress, said)
-    return _picture(lambda *how: run(_render, how[0], path, _list(texts), *how[1:]), light, progress)
+    how = texts(_said(layers, crop, camera, progress, said))
+    return _picture(_render, path, how, light, progress)
 
 
-def _picture(render_it: Callable[..., tuple[int, str]], light: Any, progress: Optional[Callable[[Progress], Any]],
-             stop: Optional[Callable[[], bool]] = None) -> Picture:
+def _picture(f: Any, what: Any, how: Any, light: Any, progress: Watcher,
+             stop: Asked = None) -> Picture:
     """Render in a thread of its own, and take the picture over."""
-    sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
+    sky = sky_of(light)
     given = sky and sky._handle  # here, because nobody hears what a thread raises
     handle, ended, said, seen = P(), ctypes.c_int(0), [], []  # type: ignore[var-annotated]
 
@@ -267,10 +285,11 @@ def _picture(render_it: Callable[..., tuple[int, str]], light: Any, progress: Op
     watcher = _WATCHER(look_on) if progress else _WATCHER()
 
     def work() -> None:
-        said.append(render_it(ctypes.byref(handle), given, watcher, None, ctypes.byref(ended)))
+        said.append(run(f, ctypes.byref(handle), what, how, given, watcher, None,
+                        ctypes.byref(ended)))
 
     try:
-        _wait(work, ended, seen, progress, stop)
+        wait(work, ended, seen, progress, stop)
         judge(*said[0])
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
@@ -291,8 +310,8 @@ def about() -> dict[str, Any]:
     Returns
     -------
     dict
-        "integrators" (a list: name, claim, parameters with type, default, range or choices), "layers",
-        "accelerators", "embree_version", "limits", "defaults".
+        "integrators" (a list: name, claim, parameters with type, default, range or choices),
+        "layers", "accelerators", "embree_version", "limits", "defaults".
     """
     return dict(json.loads(_about().decode()))
 
@@ -300,9 +319,9 @@ def about() -> dict[str, Any]:
 class Scene(Handle):
     """A scene that is parsed and built once, and rendered often.
 
-    Meshes and accelerator are loaded when it is made. Its pictures may differ in integrator, samples, seed, size,
-    crop, camera and light. Two scenes may be rendered in two threads at the same time; one scene makes one picture at
-    a time.
+    Meshes and accelerator are loaded when it is made. Its pictures may differ in integrator,
+    samples, seed, size, crop, camera and light. Two scenes may be rendered in two threads at the
+    same time; one scene makes one picture at a time.
 
     Parameters
     ----------
@@ -325,20 +344,17 @@ class Scene(Handle):
     _made = ("_handle",)
 
     def __init__(self, scene: Union[str, os.PathLike[str]], *, approximate: bool = False,
-                 light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None, **settings: Any) -> None:
+                 light: Light = None, **settings: Any) -> None:
         path, said = _opened(scene, approximate, settings)
-        self._sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
-        handle = P()
-        call(_scene_open, ctypes.byref(handle), path, _list(_said(None, None, None, None, said)),
+        self._sky, handle = sky_of(light), P()
+        call(_scene_open, ctypes.byref(handle), path, settings_of(said),
              self._sky and self._sky._handle)
         self._handle = handle
         self._busy = threading.Lock()
 
-    def render(self, *, layers: Union[None, str, Sequence[str]] = None,
-               light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None,
+    def render(self, *, layers: Union[None, str, Sequence[str]] = None, light: Light = None,
                crop: Optional[Sequence[float]] = None, camera: Union[None, Camera, str] = None,
-               progress: Optional[Callable[[Progress], Any]] = None, stop: Optional[Callable[[], bool]] = None,
-               **settings: Any) -> Picture:
+               progress: Watcher = None, stop: Asked = None, **settings: Any) -> Picture:
         """Render a picture, to the bits of `bis.render` with the same settings.
 
         Parameters
@@ -365,12 +381,11 @@ class Scene(Handle):
         Error
             A mistake in a setting, or it was stopped before its first pass was complete.
         """
-        texts = _said(layers, crop, camera, progress, settings)
+        how = texts(_said(layers, crop, camera, progress, settings))
         with self._busy:
-            return _picture(lambda *how: run(_scene_render, how[0], self._handle, _list(texts), *how[1:]), light,
-                            progress, stop)
+            return _picture(_scene_render, self._handle, how, light, progress, stop)
 
-    def stage(self, light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None) -> Stage:
+    def stage(self, light: Light = None) -> Stage:
         """Look at points of the scene.
 
         Parameters
@@ -397,14 +412,15 @@ class Scene(Handle):
         Returns
         -------
         dict
-            path, files (all that hold its text); width, height and crop of the picture, film (x0, y0, width, height of
-            what is rendered); integrator, claim, parameters, line (the Integrator line that says it; whole_line: with
-            defaults), as_printed; spp, seed, is_stratified; accelerator, triangles, has_surface; light (file,
-            is_black, is_constant, width, height, area_exponent, levels).
+            path, files (all that hold its text); width, height and crop of the picture, film (x0,
+            y0, width, height of what is rendered); integrator, claim, parameters, line (the
+            Integrator line that says it; whole_line: with defaults), as_printed; spp, seed,
+            is_stratified; accelerator, triangles, has_surface; light (file, is_black, is_constant,
+            width, height, area_exponent, levels).
         """
         text = TEXT()
         with self._busy:
-            call(_scene_about, ctypes.byref(text), self._handle, _list(_said(None, None, None, None, settings)))
+            call(_scene_about, ctypes.byref(text), self._handle, settings_of(settings))
             return dict(json.loads((text.value or b"").decode()))
 
     def coverage(self, side: int = 4, **settings: Any) -> Floats:
@@ -425,6 +441,6 @@ class Scene(Handle):
         film = self.about(**settings)["film"]
         share = np.empty((film["height"], film["width"]), np.float32)
         with self._busy:
-            call(_scene_coverage, self._handle, _list(_said(None, None, None, None, settings)),
-                 whole("side", side), share.ctypes.data)
+            call(_scene_coverage, self._handle, settings_of(settings),
+                 whole("side", side), share)
         return share

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, Error, Handle, Made, WrongType, array, call, declare, given
-from ._library import numbers, real, shape, text_bytes, whole
+from ._library import D, INT, N, P, SAY, TEXT, U32, Error, Handle, Made, WrongType, array, call
+from ._library import declare, given, numbers, real, shape, text_bytes, texts, whole
 
-_uniform = declare("uniform", ctypes.c_uint32, ctypes.c_uint32, N, P, result=None)
+_uniform = declare("uniform", U32, U32, N, P, result=None)
 _light_open = declare("light_open_as", P, TEXT, P, *SAY)
 _light_make = declare("light_make_as", P, INT, INT, P, P, *SAY)
 _light_close = declare("light_close", P, result=None)
@@ -60,8 +60,20 @@ def _picture(name: str, a: ArrayLike) -> Floats:
         raise WrongType("%s is %.60r: give a path, or an array of numbers" % (name, a))
     if raw.ndim != 3 or raw.shape[2] != 3 or max(raw.shape) >= 1 << 31:
         raise Error("%s has the shape %s: give (h, w, 3)" % (name, raw.shape))
-    with np.errstate(over="ignore"):  # a double beyond all floats becomes infinite, of which the library tells
+    with np.errstate(over="ignore"):  # beyond all floats is infinite, of which the library tells
         return np.ascontiguousarray(raw, np.float32)
+
+
+def taken(handle: Any) -> tuple[Floats, list[int]]:
+    """The pixels (h, w, 3) of an image of the library, and their place. The image is freed."""
+    size, place = (INT * 2)(), (INT * 4)()
+    try:
+        _image_place(handle, size, place)
+        pixels = np.empty((size[1], size[0], 3), np.float32)
+        _image_pixels(handle, pixels.ctypes.data)
+        return pixels, list(place)
+    finally:
+        _image_close(handle)
 
 
 class Defects(NamedTuple):
@@ -121,8 +133,9 @@ class Envmap(Handle):
     area_exponent : float
         b of thesis 3.4; 0 is the plain importance.
     mapping : str, optional
-        How the map covers the sphere: "latlong", "angular", "equalarea", "mirrorball", "verticalcross",
-        "horizontalcross", "cubestrip". A map that is not "latlong" is resampled to one.
+        How the map covers the sphere: "latlong", "angular", "equalarea", "mirrorball",
+        "verticalcross", "horizontalcross", "cubestrip". A map that is not "latlong" is resampled to
+        one.
     levels : int
         Of intensity, in [1, 254], in which regions are found (thesis 3.4).
     width : int, optional
@@ -143,8 +156,8 @@ class Envmap(Handle):
     _close = staticmethod(_light_close)
     _made = ("_handle", "shape")
 
-    def __init__(self, map: Union[str, os.PathLike[str], ArrayLike], table: str = "alias", area_exponent: float = 0.15,
-                 mapping: Optional[str] = None, *, levels: int = 8,
+    def __init__(self, map: Union[str, os.PathLike[str], ArrayLike], table: str = "alias",
+                 area_exponent: float = 0.15, mapping: Optional[str] = None, *, levels: int = 8,
                  width: Optional[int] = None) -> None:
         handle = P()
         said = [b"kind=" + text_bytes("table", table),
@@ -154,12 +167,11 @@ class Envmap(Handle):
             said.append(b"mapping=" + text_bytes("mapping", mapping))
         if width is not None:
             said.append(b"width=%d" % whole("width", width))
-        how = (ctypes.c_char_p * (len(said) + 1))(*said, None)
         if isinstance(map, (str, bytes, os.PathLike)):
-            call(_light_open, ctypes.byref(handle), text_bytes("map", map), how)
+            call(_light_open, ctypes.byref(handle), text_bytes("map", map), texts(said))
         else:
             a = _picture("map", map)
-            call(_light_make, ctypes.byref(handle), a.shape[1], a.shape[0], a.ctypes.data, how)
+            call(_light_make, ctypes.byref(handle), a.shape[1], a.shape[0], a, texts(said))
         self._handle = handle
         self._levels, self._area_exponent = levels, area_exponent
         self.shape = shape(_light_shape, handle)
@@ -219,7 +231,7 @@ class Envmap(Handle):
             In 1/sr, inside each pixel.
         """
         pdf, peak, share = np.empty(self.shape), D(), np.empty(self.shape[0])
-        call(_light_density, self._handle, pdf.ctypes.data, ctypes.byref(peak), share.ctypes.data)
+        call(_light_density, self._handle, pdf, ctypes.byref(peak), share)
         return pdf
 
     def regions(self, levels: Optional[int] = None,
@@ -244,8 +256,7 @@ class Envmap(Handle):
         # What C's int cannot hold is out of range, too.
         call(_light_regions, self._handle, min(max(wanted, 0), 255),
              real("area_exponent", self._area_exponent if area_exponent is None else area_exponent),
-             label.ctypes.data, level.ctypes.data, area.ctypes.data, factor.ctypes.data,
-             ctypes.byref(n))
+             label, level, area, factor, ctypes.byref(n))
         # Black is 2^32 - 1 there, and -1 as a signed number of as many bits. Few maps have 2^31
         # regions.
         kind = np.int32 if n.value < 1 << 31 else np.int64
@@ -275,7 +286,7 @@ class Envmap(Handle):
         """
         w = array(w, 3, np.float32, "w")
         pixel = np.empty(len(w), np.uint32)
-        call(_light_find, self._handle, len(w), w.ctypes.data, pixel.ctypes.data)
+        call(_light_find, self._handle, len(w), w, pixel)
         return self._pixels(pixel)
 
     def directions(self, rows: ArrayLike, columns: ArrayLike) -> Floats:
@@ -297,7 +308,7 @@ class Envmap(Handle):
             raise Error("rows and columns are no pixels of the map: give as many of each, below %d "
                         "and %d" % self.shape)
         pixel, w = (y * self.shape[1] + x).astype(np.uint32), np.empty((len(y), 3), np.float32)
-        call(_light_centres, self._handle, len(w), pixel.ctypes.data, w.ctypes.data)
+        call(_light_centres, self._handle, len(w), pixel, w)
         return w
 
     def draw(self, n: Optional[int] = None, seed: int = 0, u: Optional[ArrayLike] = None) -> Pixels:
@@ -315,7 +326,7 @@ class Envmap(Handle):
         """
         u = numbers(n, 4, seed, u)
         pixel = np.empty(len(u), np.uint32)
-        call(_light_draw, self._handle, len(u), u.ctypes.data, pixel.ctypes.data)
+        call(_light_draw, self._handle, len(u), u, pixel)
         return self._pixels(pixel)
 
     def to_mapping(self, mapping: str, width: Optional[int] = None) -> tuple[Floats, float, float]:
@@ -335,17 +346,10 @@ class Envmap(Handle):
         before, after : float
             The power of the map and of the new one, which agree but for rounding.
         """
-        handle, size, place, power = P(), (ctypes.c_int * 2)(), (ctypes.c_int * 4)(), np.empty(2)
+        handle, power = P(), np.empty(2)
         call(_image_of_light, ctypes.byref(handle), self._handle, text_bytes("mapping", mapping),
-             0 if width is None else min(max(whole("width", width), -1), 1 << 30),
-             power.ctypes.data)
-        try:
-            _image_place(handle, size, place)
-            pixels = np.empty((size[1], size[0], 3), np.float32)
-            _image_pixels(handle, pixels.ctypes.data)
-        finally:
-            _image_close(handle)
-        return pixels, float(power[0]), float(power[1])
+             0 if width is None else min(max(whole("width", width), -1), 1 << 30), power)
+        return (taken(handle)[0], *power.tolist())
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
                u: Optional[ArrayLike] = None) -> tuple[Floats, Floats, Doubles]:
@@ -370,8 +374,9 @@ class Envmap(Handle):
             The density in 1/sr.
         """
         u = numbers(n, 4, seed, u)
-        w, L, pdf = np.empty((len(u), 3), np.float32), np.empty((len(u), 3), np.float32), np.empty(len(u))
-        call(_light_sample, self._handle, len(u), u.ctypes.data, w.ctypes.data, L.ctypes.data, pdf.ctypes.data)
+        w, L = np.empty((2, len(u), 3), np.float32)
+        pdf = np.empty(len(u))
+        call(_light_sample, self._handle, len(u), u, w, L, pdf)
         return w, L, pdf
 
     def look(self, w: ArrayLike) -> tuple[Floats, Doubles]:
@@ -391,7 +396,7 @@ class Envmap(Handle):
         """
         w = array(w, 3, np.float32, "w")
         L, pdf = np.empty((len(w), 3), np.float32), np.empty(len(w))
-        call(_light_look, self._handle, len(w), w.ctypes.data, L.ctypes.data, pdf.ctypes.data)
+        call(_light_look, self._handle, len(w), w, L, pdf)
         return L, pdf
 
 
@@ -418,10 +423,11 @@ class AliasTable(Made):
     def __init__(self, weights: ArrayLike) -> None:
         w = array(weights, 0, np.float64, "weights")
         prob, alias, total = np.empty(len(w)), np.empty(len(w), np.uint32), D()
-        call(_alias_build, len(w), w.ctypes.data, prob.ctypes.data, alias.ctypes.data, ctypes.byref(total))
+        call(_alias_build, len(w), w, prob, alias, ctypes.byref(total))
         self.prob, self.alias, self.total = prob, alias, total.value
 
-    def sample(self, n: Optional[int] = None, seed: int = 0, u: Optional[ArrayLike] = None) -> NDArray[np.uint32]:
+    def sample(self, n: Optional[int] = None, seed: int = 0,
+               u: Optional[ArrayLike] = None) -> NDArray[np.uint32]:
         """Draw items by their weights.
 
         Parameters
@@ -439,14 +445,16 @@ class AliasTable(Made):
             Items from 0.
         """
         items = np.asarray(self.alias)
-        if items.dtype.kind not in "iu" or np.any(items < 0) or np.any(items >= 1 << 32):  # uint32 would wrap
+        # uint32 would wrap
+        if items.dtype.kind not in "iu" or np.any(items < 0) or np.any(items >= 1 << 32):
             raise Error("alias holds what is no item: give integers in [0, 4294967295]")
-        prob, alias = array(self.prob, 0, np.float64, "prob"), array(self.alias, 0, np.uint32, "alias")
+        prob = array(self.prob, 0, np.float64, "prob")
+        alias = array(self.alias, 0, np.uint32, "alias")
         if len(prob) != len(alias):
             raise Error("prob has %d items and alias has %d" % (len(prob), len(alias)))
         u = numbers(n, 0, seed, u)
         items = np.empty(len(u), np.uint32)
-        call(_alias_sample, len(prob), prob.ctypes.data, alias.ctypes.data, len(u), u.ctypes.data, items.ctypes.data)
+        call(_alias_sample, len(prob), prob, alias, len(u), u, items)
         return items
 
 
@@ -456,6 +464,11 @@ def _three(name: str, value: ArrayLike) -> Doubles:
     if raw.shape not in ((), (3,)) or raw.dtype.kind not in "iuf":
         raise WrongType("%s is %s: give a number or three" % (name, raw))
     return np.ascontiguousarray(np.broadcast_to(raw.astype(np.float64), 3))
+
+
+def _vectors(normal: ArrayLike, wo: ArrayLike) -> list[Doubles]:
+    return [array(given(name, v)[None], 3, np.float64, name)
+            for name, v in (("normal", normal), ("wo", wo))]
 
 
 class Material(Handle):
@@ -474,8 +487,8 @@ class Material(Handle):
     normal, wo : array (3,)
         The normal, and the direction to the eye, of any length but 0.
     eta, k : float or array (3,), optional
-        Of a metal: refractive index (> 0) and absorption (>= 0) of R, G and B. Facets then reflect by Fresnel's
-        equations.
+        Of a metal: refractive index (> 0) and absorption (>= 0) of R, G and B. Facets then reflect
+        by Fresnel's equations.
     """
 
     _close = staticmethod(_bsdf_close)
@@ -493,15 +506,14 @@ class Material(Handle):
         if [name for name in parts if parts[name] is not None] != list(names):
             raise Error("give Kd and Ks, or of a metal eta and k")
         colours = [_three(name, parts[name]) for name in names]
-        vectors = [array(given(name, v)[None], 3, np.float64, name) for name, v in (("normal", normal), ("wo", wo))]
-        arrays = [a.ctypes.data for a in colours + vectors]
+        vectors = _vectors(normal, wo)
         width = real("exponent", exponent) if roughness is None else real("roughness", roughness)
         handle = P()
         if is_metal:
-            call(_bsdf_metal, ctypes.byref(handle), *arrays[:2], width, *arrays[2:])
+            call(_bsdf_metal, ctypes.byref(handle), *colours, width, *vectors)
         else:
-            call(_bsdf_open, ctypes.byref(handle), b"phong" if roughness is None else b"microfacet", *arrays[:2],
-                 width, *arrays[2:])
+            model = b"phong" if roughness is None else b"microfacet"
+            call(_bsdf_open, ctypes.byref(handle), model, *colours, width, *vectors)
         self._handle = handle
 
     @classmethod
@@ -520,11 +532,9 @@ class Material(Handle):
         Material
             At a point, seen from wo.
         """
-        vectors = [array(given(name, v)[None], 3, np.float64, name)
-                   for name, v in (("normal", normal), ("wo", wo))]
+        vectors = _vectors(normal, wo)
         handle, made = P(), cls.__new__(cls)
-        call(_bsdf_read, ctypes.byref(handle), text_bytes("text", text),
-             *[v.ctypes.data for v in vectors])
+        call(_bsdf_read, ctypes.byref(handle), text_bytes("text", text), *vectors)
         made._handle = handle
         return made
 
@@ -550,7 +560,7 @@ class Material(Handle):
         """
         u = numbers(n, 3, seed, u)
         wi, lobe = np.empty((len(u), 3), np.float32), np.empty(len(u), np.uint8)
-        call(_bsdf_sample, self._handle, len(u), u.ctypes.data, wi.ctypes.data, lobe.ctypes.data)
+        call(_bsdf_sample, self._handle, len(u), u, wi, lobe)
         return wi, lobe.astype(bool)
 
     def look(self, wi: ArrayLike) -> tuple[Floats, Doubles]:
@@ -570,5 +580,5 @@ class Material(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         f, pdf = np.empty((len(wi), 3), np.float32), np.empty(len(wi))
-        call(_bsdf_look, self._handle, len(wi), wi.ctypes.data, f.ctypes.data, pdf.ctypes.data)
+        call(_bsdf_look, self._handle, len(wi), wi, f, pdf)
         return f, pdf

@@ -40,7 +40,8 @@ class Mesh:
                  uv: Optional[ArrayLike] = None) -> None:
         self.vertices = array(vertices, 3, np.float32, "vertices")
         if np.asarray(faces).dtype.kind not in "iu":
-            raise WrongType("faces holds values of the type %s: give integers" % np.asarray(faces).dtype)
+            raise WrongType("faces holds values of the type %s: give integers"
+                            % np.asarray(faces).dtype)
         self.faces = array(faces, 3, np.int64, "faces")
         self.normals = None if normals is None else array(normals, 3, np.float32, "normals")
         self.uv = None if uv is None else array(uv, 2, np.float32, "uv")
@@ -51,7 +52,8 @@ class Mesh:
             if a is not None and not np.isfinite(a).all():
                 raise Error("%s holds a value that is not finite" % name)
         if not len(self.faces) or self.faces.min() < 0 or self.faces.max() >= n:
-            raise Error("faces has %d rows: give 1 or more, of vertices 0 to %d" % (len(self.faces), n - 1))
+            raise Error("faces has %d rows: give 1 or more, of vertices 0 to %d"
+                        % (len(self.faces), n - 1))
 
     def __str__(self) -> str:
         text = 'Shape "trianglemesh" "integer indices" [%s] "point3 P" [%s]' % (
@@ -64,7 +66,7 @@ class Mesh:
 
 
 def _place(name: str, value: Any) -> list[float]:
-    """Three numbers of a camera. What is none is told by its name, because float() would not say where it stands."""
+    """Three numbers of a camera. What is none is told by its name: float() would not say it."""
     try:
         values = list(value)
     except TypeError:
@@ -75,7 +77,7 @@ def _place(name: str, value: Any) -> list[float]:
 
 
 class Camera(NamedTuple):
-    """A perspective camera. ``str(camera)`` is its text in a scene; `render` takes it, or such a text.
+    """A perspective camera. ``str(camera)`` is its text in a scene; `render` takes both.
 
     Parameters
     ----------
@@ -98,6 +100,7 @@ class Camera(NamedTuple):
     fov: float = 40
 
     def __str__(self) -> str:
-        places = _place("camera.eye", self.eye) + _place("camera.to", self.to) + _place("camera.up", self.up)
+        places = [x for name in ("eye", "to", "up")
+                  for x in _place("camera." + name, getattr(self, name))]
         fov = real("camera.fov", self.fov)
         return 'LookAt %s\nCamera "perspective" "float fov" %r' % (" ".join(map(repr, places)), fov)

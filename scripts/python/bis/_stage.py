@@ -11,12 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import Error, WrongType
-from ._library import D, INT, N, P, SAY, TEXT, Handle, array, call, declare, judge, run
-from ._library import text_bytes, whole
-from ._render import Scene, _list, _said, _wait
-from ._sampling import Envmap
+from ._library import INT, N, P, SAY, TEXT, U32, U64, Handle, array, call, declare, in_range, judge
+from ._library import run, text_bytes, whole
+from ._render import Scene, settings_of, sky_of, wait
 
-U64, U32 = ctypes.c_uint64, ctypes.c_uint32
 _of = declare("stage_of", P, P, P, *SAY)
 _close = declare("stage_close", P, result=None)
 _at = declare("stage_at", P, INT, INT, P, *SAY)
@@ -40,23 +38,11 @@ Flags = NDArray[np.bool_]
 
 
 class Radiance(NamedTuple):
-    """An estimate of radiance by colour.
+    """An estimate of radiance by colour."""
 
-    Parameters
-    ----------
-    rgb : array (3,)
-        Red, green, blue.
-    standard_error : array (3,)
-        Of each.
-    sum : float
-        Their sum.
-    sum_standard_error : float
-        Of the sum.
-    """
-
-    rgb: Doubles
-    standard_error: Doubles
-    sum: float
+    rgb: Doubles  #: (3,)
+    standard_error: Doubles  #: of each
+    sum: float  #: of the colours
     sum_standard_error: float
 
 
@@ -67,235 +53,118 @@ def _radiance(value: Doubles) -> Radiance:
 
 @dataclass(frozen=True)
 class Exact:
-    """What is exact at a point.
+    """What is exact at a point."""
 
-    Attributes
-    ----------
-    lit, unoccluded : Radiance
-        Eq. 4.1 of the thesis, and without visibility, eq. 4.5.
-    by_patches : bool
-        By a sum over the patches of the light; else by a long run of `mis`, for a light of too many
-        patches.
-    patches, rays : int
-        Of the light; of the sum.
-    variance, third : array (3,)
-        Variance and third central moment of F V/q, r+g+b, of one direction that is drawn by q_L, by
-        q_f, or by their mean. They are known by patches.
-    """
-
-    lit: Radiance
-    unoccluded: Radiance
+    lit: Radiance  #: eq. 4.1 of the thesis
+    unoccluded: Radiance  #: without visibility, eq. 4.5
+    #: by a sum over the patches of the light; else by a long run of `mis`, for too many patches
     by_patches: bool
-    patches: int
-    rays: int
+    patches: int  #: of the light
+    rays: int  #: of the sum
+    #: (3,) of F V/q, r+g+b, of one direction that is drawn by q_L, by q_f, or by their mean; known
+    #: by patches
     variance: Doubles
-    third: Doubles
+    third: Doubles  #: the third central moment of the same
 
 
 @dataclass(frozen=True)
 class Runs:
-    """Many estimates by one method.
+    """Many estimates by one method."""
 
-    Attributes
-    ----------
-    estimates : array (n, 3)
-        Each of them.
-    mean : Radiance
-        Their mean and its standard error.
-    z : float
-        The difference of the mean from what is exact (of a method without shadows: from
-        `unoccluded`), r+g+b, in standard errors. NaN where nothing scatters.
-    skewness : float
-        Of the mean, from the estimates.
-    true_skewness : float
-        The same of em, brdf and mis by the moments of `Exact`, as if all directions were
-        independent; else NaN. Where either is beyond 0.1, rare and bright estimates make z unlike
-        that of a normal distribution.
-    relative_error : float
-        The root mean square difference of one estimate from what is exact, over that; NaN where
-        that is 0.
-    rays, accepted : float
-        Shadow rays, and accepted candidates of rejection, of one estimate.
-    """
-
-    estimates: Floats
+    estimates: Floats  #: (n, 3)
     mean: Radiance
+    #: the difference of the mean from what is exact (of a method without shadows: from
+    #: `unoccluded`), r+g+b, in standard errors. NaN where nothing scatters
     z: float
-    skewness: float
+    skewness: float  #: of the mean, from the estimates
+    #: the same of em, brdf and mis by the moments of `Exact`, as if all directions were
+    #: independent; else NaN. Where either is beyond 0.1, rare and bright estimates make z unlike
+    #: that of a normal distribution
     true_skewness: float
+    #: root mean square difference of one estimate from what is exact, over that; NaN: that is 0
     relative_error: float
-    rays: float
-    accepted: float
+    rays: float  #: shadow rays of one estimate
+    accepted: float  #: candidates of rejection, of one estimate
 
 
 @dataclass(frozen=True)
 class Candidates:
-    """One estimate by sir, taken apart (thesis 4.4).
+    """One estimate by sir, taken apart (thesis 4.4)."""
 
-    Attributes
-    ----------
-    wi : array (M, 3)
-        The directions.
-    weight : array (M,)
-        Product over q.
-    from_map : array (M,) of bool
-        From the map; else from the BRDF.
-    chosen : array (M,) of int
-        How often.
-    seen : array (M,) of bool
-        Chosen, and nothing hides the light.
-    q_map, q_brdf, q, product : array (M,)
-        The densities of both proposals, that of their mixture, and f cos Le, r+g+b. Where the
-        weight is 0 the three densities are NaN and the product is 0.
-    shadowrays : int
-        N.
-    weights, squared_weights, effective_sample_size, largest_share : float
-        Sums over the weights, and what follows from them.
-    share_of_map : float
-        beta of the mixture; NaN where nothing has a weight.
-    n_map, positive, distinct, n_seen : int
-        Candidates of the map, those with a weight, those that were chosen; choices that see the
-        light.
-    estimate, estimate_unoccluded : array (3,)
-        Of eq. 4.1 and 4.5.
-    """
-
-    wi: Floats
-    weight: Doubles
-    from_map: Flags
-    chosen: NDArray[np.uint32]
-    seen: Flags
+    wi: Floats  #: (M, 3) the directions
+    weight: Doubles  #: (M,) product over q
+    from_map: Flags  #: (M,) from the map; else from the BRDF
+    chosen: NDArray[np.uint32]  #: (M,) how often
+    seen: Flags  #: (M,) chosen, and nothing hides the light
+    #: (M,) the densities of both proposals and of their mixture: NaN where the weight is 0
     q_map: Doubles
     q_brdf: Doubles
     q: Doubles
-    product: Doubles
-    shadowrays: int
-    weights: float
+    product: Doubles  #: (M,) f cos Le, r+g+b: 0 where the weight is 0
+    shadowrays: int  #: N
+    weights: float  #: their sum
     squared_weights: float
     effective_sample_size: float
     largest_share: float
-    share_of_map: float
-    n_map: int
-    positive: int
-    distinct: int
-    n_seen: int
-    estimate: Doubles
-    estimate_unoccluded: Doubles
+    share_of_map: float  #: beta of the mixture; NaN where nothing has a weight
+    n_map: int  #: candidates of the map
+    positive: int  #: those with a weight
+    distinct: int  #: those that were chosen
+    n_seen: int  #: choices that see the light
+    estimate: Doubles  #: (3,) of eq. 4.1
+    estimate_unoccluded: Doubles  #: (3,) of eq. 4.5
 
 
 class Rays(NamedTuple):
-    """The shadow rays of some estimates.
+    """The shadow rays of some estimates."""
 
-    Parameters
-    ----------
-    wi : array (n, 3)
-        Their directions.
-    sample : array (n,) of int
-        The camera sample that cast each.
-    seen : array (n,) of bool
-        Whether it reached the light.
-    """
-
-    wi: Floats
-    sample: NDArray[np.uint32]
-    seen: Flags
+    wi: Floats  #: (n, 3) their directions
+    sample: NDArray[np.uint32]  #: (n,) the camera sample that cast each
+    seen: Flags  #: (n,) whether it reached the light
 
 
 class Densities(NamedTuple):
-    """What lies in given directions, in 1/sr.
+    """What lies in given directions, (n,) each, in 1/sr."""
 
-    Parameters
-    ----------
-    q_map, q_brdf : array (n,)
-        The densities of the proposals, eq. 4.2 and 4.3.
-    product : array (n,)
-        f cos Le, r+g+b; eq. 4.4 without its divisor.
-    """
-
-    q_map: Doubles
-    q_brdf: Doubles
-    product: Doubles
+    q_map: Doubles  #: eq. 4.2
+    q_brdf: Doubles  #: eq. 4.3
+    product: Doubles  #: f cos Le, r+g+b: eq. 4.4 without its divisor
 
 
 class Sphere(NamedTuple):
-    """Fields over all directions, (rows, columns) in the frame of the light, row 0 at +z.
+    """Fields over all directions, (rows, columns) in the frame of the light, row 0 at +z."""
 
-    Parameters
-    ----------
-    q_map : array
-        The density of the map.
-    f_cos : array
-        f cos, r+g+b.
-    product : array
-        f cos Le, r+g+b.
-    seen : array
-        What of the product nothing hides.
-    """
-
-    q_map: Floats
-    f_cos: Floats
-    product: Floats
-    seen: Floats
+    q_map: Floats  #: the density of the map
+    f_cos: Floats  #: f cos, r+g+b
+    product: Floats  #: f cos Le, r+g+b
+    seen: Floats  #: what of the product nothing hides
 
 
 class BestWeights(NamedTuple):
-    """What multiple importance sampling reaches (docs/theory.md, "The best weights").
+    """What multiple importance sampling reaches (docs/theory.md, "The best weights")."""
 
-    Parameters
-    ----------
-    mean : float
-        Of one estimate, r+g+b.
-    balance, best : float
-        Its standard deviation by the balance heuristic, and by the best weights.
-    beta : float
-        Of the best weights.
-    overlap : float
-        Of the two densities, in [0, 1].
-    """
-
-    mean: float
-    balance: float
-    best: float
-    beta: float
-    overlap: float
+    mean: float  #: of one estimate, r+g+b
+    balance: float  #: its standard deviation by the balance heuristic
+    best: float  #: and by the best weights
+    beta: float  #: of the best weights
+    overlap: float  #: of the two densities, in [0, 1]
 
 
 class Noises(NamedTuple):
-    """The two noises of sir (docs/errata.md E31).
+    """The two noises of sir (docs/errata.md E31). Their squares add up to that of the whole."""
 
-    Parameters
-    ----------
-    mean : float
-        Of one estimate, r+g+b.
-    deviation : float
-        The standard deviation of one estimate.
-    of_candidates, of_choice : float
-        The parts of it by the candidates and by the choice among them. Their squares add up to that
-        of the whole.
-    rays : float
-        Of one estimate.
-    """
-
-    mean: float
-    deviation: float
-    of_candidates: float
-    of_choice: float
-    rays: float
+    mean: float  #: of one estimate, r+g+b
+    deviation: float  #: the standard deviation of one estimate
+    of_candidates: float  #: the part of it by the candidates
+    of_choice: float  #: and by the choice among them
+    rays: float  #: of one estimate
 
 
 class Acceptance(NamedTuple):
-    """Candidates held against the bound of rejection.
+    """Candidates held against the bound of rejection."""
 
-    Parameters
-    ----------
-    height : array (n,)
-        u times the bound.
-    taken : array (n,) of bool
-        Whether it lies below the weight.
-    """
-
-    height: Doubles
-    taken: Flags
+    height: Doubles  #: (n,) u times the bound
+    taken: Flags  #: (n,) whether it lies below the weight
 
 
 def _number(text: str) -> Any:
@@ -303,23 +172,8 @@ def _number(text: str) -> Any:
     return -0.0 if text == "-0" else int(text)
 
 
-def _texts(settings: dict[str, Any]) -> Any:
-    """Settings of an integrator as the library takes them."""
-    return _list(_said(None, None, None, None, settings))
-
-
-def _seed(seed: Any) -> int:
-    value = whole("seed", seed)
-    if not 0 <= value < 1 << 64:
-        raise Error("seed is %s: give an integer in [0, 18446744073709551615]" % seed)
-    return value
-
-
-def _seed32(seed: Any) -> int:
-    value = whole("seed", seed)
-    if not 0 <= value < 1 << 32:
-        raise Error("seed is %s: give an integer in [0, 4294967295]" % seed)
-    return value
+def _seed(seed: Any, bits: int = 64) -> int:
+    return in_range("seed", seed, 0, (1 << bits) - 1)
 
 
 class Stage(Handle):
@@ -343,8 +197,7 @@ class Stage(Handle):
     def __init__(self, scene: Scene, light: Any = None) -> None:
         if not isinstance(scene, Scene):
             raise WrongType("scene is %r: give a bis.Scene" % (scene,))
-        sky = light if light is None or isinstance(light, Envmap) else Envmap(light)
-        handle = P()
+        sky, handle = sky_of(light), P()
         call(_of, ctypes.byref(handle), scene._handle, sky and sky._handle)
         self._handle = handle
         self._scene = scene  # the library looks at it
@@ -363,7 +216,7 @@ class Stage(Handle):
             Whether it sees a surface.
         """
         found = np.empty(8)
-        call(_at, self._handle, whole("x", x), whole("y", y), found.ctypes.data)
+        call(_at, self._handle, whole("x", x), whole("y", y), found)
         return bool(found[0])
 
     def about(self) -> dict[str, Any]:
@@ -396,8 +249,7 @@ class Stage(Handle):
             By colour, with and without visibility.
         """
         value, moments, count = np.empty((2, 8)), np.empty((2, 3)), np.empty(3, np.uint64)
-        self._patiently(ctypes.c_int(0), _truth, _seed(seed), value.ctypes.data,
-                        moments.ctypes.data, count.ctypes.data)
+        self._patiently(_truth, _seed(seed), value, moments, count)
         self._knows = True
         return Exact(_radiance(value[0]), _radiance(value[1]), bool(count[0]), int(count[1]),
                      int(count[2]), moments[0], moments[1])
@@ -423,15 +275,13 @@ class Stage(Handle):
         Runs
             The estimates and their figures.
         """
-        count = whole("n", n)
-        if not 2 <= count <= 10**8:
-            raise Error("n is %s: give an integer in [2, 100000000]" % n)
+        count = in_range("n", n, 2, 10**8)
         if not self.__dict__.get("_knows"):
             self.exact()
         stop = ctypes.c_int(0)
         estimates, value, figures = np.empty((count, 3), np.float32), np.empty(8), np.empty(6)
-        self._patiently(stop, _method, _texts(settings), _seed(seed), count, ctypes.byref(stop),
-                        estimates.ctypes.data, value.ctypes.data, figures.ctypes.data)
+        self._patiently(_method, settings_of(settings), _seed(seed), count, ctypes.byref(stop),
+                        estimates, value, figures, stop=stop)
         return Runs(estimates, _radiance(value), *figures.tolist())
 
     def candidates(self, seed: int = 0, **settings: Any) -> Candidates:
@@ -452,12 +302,12 @@ class Stage(Handle):
         Candidates
             Arrays, and the figures that follow from them.
         """
-        texts, room = _texts(dict({"integrator": "sir"}, **settings)), 1 << 12
+        texts, room = settings_of(dict({"integrator": "sir"}, **settings)), 1 << 12
         while True:
             wi, w, total = np.empty((room, 3), np.float32), np.empty(room), np.empty(17)
             counts = np.empty((room, 3), np.uint32)
-            status, said = run(_estimate, self._handle, texts, _seed(seed), room, wi.ctypes.data,
-                               w.ctypes.data, counts.ctypes.data, total.ctypes.data)
+            status, said = run(_estimate, self._handle, texts, _seed(seed), room, wi, w, counts,
+                               total)
             if status and "do not fit into arrays" in said and room < 1 << 32:
                 room *= 16
                 continue
@@ -493,15 +343,13 @@ class Stage(Handle):
         Rays
             In the order in which they were cast.
         """
-        count, texts, n = whole("runs", runs), _texts(settings), ctypes.c_size_t(1 << 12)
-        if not 0 <= count <= 1 << 20:
-            raise Error("runs is %s: give an integer in [0, 1048576]" % runs)
+        texts, n = settings_of(settings), ctypes.c_size_t(1 << 12)
+        count = in_range("runs", runs, 0, 1 << 20)
         room = 0
         while n.value > room:
             room = n.value
             wi, which = np.empty((room, 3), np.float32), np.empty((room, 2), np.uint32)
-            call(_rays, self._handle, texts, _seed(seed), count, room, wi.ctypes.data,
-                 which.ctypes.data, ctypes.byref(n))
+            call(_rays, self._handle, texts, _seed(seed), count, room, wi, which, ctypes.byref(n))
         return Rays(wi[:n.value], which[:n.value, 0], which[:n.value, 1] > 0)
 
     def look(self, wi: ArrayLike) -> Densities:
@@ -519,7 +367,7 @@ class Stage(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         density = np.empty((len(wi), 3))
-        call(_look, self._handle, len(wi), wi.ctypes.data, density.ctypes.data)
+        call(_look, self._handle, len(wi), wi, density)
         return Densities(density[:, 0], density[:, 1], density[:, 2])
 
     def sees(self, wi: ArrayLike) -> Flags:
@@ -537,7 +385,7 @@ class Stage(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         seen = np.empty(len(wi), np.uint8)
-        call(_sees, self._handle, len(wi), wi.ctypes.data, seen.ctypes.data)
+        call(_sees, self._handle, len(wi), wi, seen)
         return seen > 0
 
     def angles(self, wi: ArrayLike) -> Doubles:
@@ -555,7 +403,7 @@ class Stage(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         angle = np.empty((len(wi), 2))
-        call(_angles, self._handle, len(wi), wi.ctypes.data, angle.ctypes.data)
+        call(_angles, self._handle, len(wi), wi, angle)
         return angle
 
     def sphere(self, columns: int = 720, rows: int = 360, sub: int = 2) -> Sphere:
@@ -578,7 +426,7 @@ class Stage(Handle):
             raise Error("a sphere of %s x %s cells of %s: give 1 to 4096 each"
                         % (columns, rows, sub))
         field = np.empty((4, shape[1], shape[0]), np.float32)
-        self._patiently(ctypes.c_int(0), _sphere, *shape, field.ctypes.data)
+        self._patiently(_sphere, *shape, field)
         return Sphere(*field)
 
     def best_weights(self, n: int = 10000, seed: int = 0, **settings: Any) -> BestWeights:
@@ -599,9 +447,8 @@ class Stage(Handle):
             Of independent samples.
         """
         found = np.empty(5)
-        texts = _texts(dict({"integrator": "mis"}, **settings))
-        self._patiently(ctypes.c_int(0), _mis, texts, _seed32(seed), whole("n", n),
-                        found.ctypes.data)
+        texts = settings_of(dict({"integrator": "mis"}, **settings))
+        self._patiently(_mis, texts, _seed(seed, 32), whole("n", n), found)
         return BestWeights(*found.tolist())
 
     def noises(self, n: int = 1000, seed: int = 0, **settings: Any) -> Noises:
@@ -622,9 +469,8 @@ class Stage(Handle):
             Of the candidates, and of the choice among them.
         """
         found = np.empty(5)
-        texts = _texts(dict({"integrator": "sir"}, **settings))
-        self._patiently(ctypes.c_int(0), _noises, texts, _seed32(seed), whole("n", n),
-                        found.ctypes.data)
+        texts = settings_of(dict({"integrator": "sir"}, **settings))
+        self._patiently(_noises, texts, _seed(seed, 32), whole("n", n), found)
         return Noises(*found.tolist())
 
     def bounds(self) -> dict[str, float]:
@@ -636,7 +482,7 @@ class Stage(Handle):
             "em" and "brdf": no weight of that proposal is larger.
         """
         bound = np.empty(2)
-        call(_bounds, self._handle, bound.ctypes.data)
+        call(_bounds, self._handle, bound)
         return {"em": float(bound[0]), "brdf": float(bound[1])}
 
     def accept(self, proposal: str, weight: ArrayLike, u: ArrayLike) -> Acceptance:
@@ -660,16 +506,13 @@ class Stage(Handle):
         if len(w) != len(numbers):
             raise Error("weight has %d items and u has %d" % (len(w), len(numbers)))
         height, taken, count = np.empty(len(w)), np.empty(len(w), np.uint32), U32()
-        call(_accept, self._handle, text_bytes("proposal", proposal), len(w), w.ctypes.data,
-             numbers.ctypes.data, height.ctypes.data, taken.ctypes.data, ctypes.byref(count))
+        call(_accept, self._handle, text_bytes("proposal", proposal), len(w), w, numbers, height,
+             taken, ctypes.byref(count))
         return Acceptance(height, taken > 0)
 
-    def _patiently(self, stop: ctypes.c_int, f: Any, *arguments: Any) -> None:
+    def _patiently(self, f: Any, *arguments: Any, stop: Optional[ctypes.c_int] = None) -> None:
         """Call a function that may take long, in a thread: Python hears of Ctrl-C between calls."""
         said: list[tuple[int, str]] = []
-
-        def work() -> None:
-            said.append(run(f, self._handle, *arguments))
-
-        _wait(work, stop, [], None)
+        wait(lambda: said.append(run(f, self._handle, *arguments)),
+             ctypes.c_int() if stop is None else stop)
         judge(*said[0])

@@ -126,7 +126,7 @@ def run_pilot(t: Trade) -> Optional[list[Setting]]:
                 left = piloted[done:]
                 for other in left:
                     other.is_swept = False
-                return [other for other in left]
+                return left
             t.tell("pilot", done / n, math.nan)
             _pilot_setting(t, s, PILOT_SHARE * t.options.seconds / n)
             if done + 1 < n and not t.options.quick:

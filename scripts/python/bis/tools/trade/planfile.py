@@ -11,7 +11,7 @@ import math
 import os
 import re
 import sys
-from typing import Optional
+from typing import Callable, Optional
 
 import numpy as np
 
@@ -19,26 +19,25 @@ from ..._errors import Error
 from ..._library import N, P, declare
 from .. import text
 from ..files import outfile
+from .files import MOST_SEED, count, real
 from .model import LEVELS, MOST_PASSES, SEEDS, Plan
 from .plan import MOST_PIXELS, Frame, may_be_reference, thinned
 
 _fnv = declare("fnv", P, N, P, result=None)
 _LEAST = 5e-324  # above 0
 _MOST_SIDE = 32768
-_MOST_SEED = (1 << 53) - 1
 _DAMAGED = "the file is damaged, measure into a new folder"
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.A)
 
 
 def fingerprint(version: str, names: list[str], files: list[str]) -> int:
     """Return the hash (FNV-1a, 64 bits) of all that a plan belongs to: the version of bis, the
     names of the settings, the files of the scene's text. Meshes and maps are not looked into."""
     state = np.zeros(2, np.uint32)
-    for part in [os.fsencode(word) for word in [version, *names]]:
-        _fnv(state.ctypes.data, len(part), part)
+    parts = [os.fsencode(word) for word in [version, *names]]
     for path in files:
         with open(path, "rb") as f:
-            part = f.read()
+            parts.append(f.read())
+    for part in parts:
         _fnv(state.ctypes.data, len(part), part)
     return int(state[1]) << 32 | int(state[0])
 
@@ -49,12 +48,9 @@ def fingerprint(version: str, names: list[str], files: list[str]) -> int:
 def plan_text(plan: Plan) -> str:
     """Return plan.txt."""
     lines = ["fingerprint %016x" % plan.fingerprint,
-             "full %d %d" % (plan.full_width, plan.full_height),
-             "step %d" % plan.step,
-             "size %d %d" % (plan.width, plan.height),
-             "seeds %d" % plan.n_seeds,
-             "seed %d" % plan.seed,
-             "run_seconds " + text.digits(plan.run_seconds),
+             "full %d %d" % (plan.full_width, plan.full_height), "step %d" % plan.step,
+             "size %d %d" % (plan.width, plan.height), "seeds %d" % plan.n_seeds,
+             "seed %d" % plan.seed, "run_seconds " + text.digits(plan.run_seconds),
              "given %d" % plan.is_given]
     for k, i in enumerate(plan.reference):
         if i >= 0:
@@ -76,43 +72,26 @@ def write_plan(folder: str, plan: Plan) -> None:
 # ---- reading ----
 
 
-class _Refused(Exception):
-    """A line that holds something else than it should."""
-
-
-def _real(word: str, lo: float, hi: float) -> float:
-    if not _NUMBER.fullmatch(word) or not lo <= float(word) <= hi:
-        raise _Refused
-    return float(word)
-
-
-def _count(word: str, lo: int, hi: int) -> int:
-    v = _real(word, lo, hi)
-    if v != math.floor(v):
-        raise _Refused
-    return int(v)
-
-
 def _sides(fields: list[str]) -> tuple[int, int]:
     width, height = fields
-    return _count(width, 1, _MOST_SIDE), _count(height, 1, _MOST_SIDE)
+    return count(width, 1, _MOST_SIDE), count(height, 1, _MOST_SIDE)
 
 
 def _read_reference(plan: Plan, which: str, passes: str, name: str) -> None:
-    k, i = _count(which, 0, 1), plan.find(name)
+    k, i = count(which, 0, 1), plan.find(name)
     if plan.reference[k] >= 0 or i < 0 or not may_be_reference(plan.settings[i], k):
-        raise _Refused
-    plan.reference[k], plan.reference_passes[k] = i, _count(passes, 1, MOST_PASSES)
+        raise ValueError
+    plan.reference[k], plan.reference_passes[k] = i, count(passes, 1, MOST_PASSES)
 
 
 def _read_setting(plan: Plan, levels: str, seconds: str, fill: str, relmse: str, name: str) -> None:
     i = plan.find(name)
     if i < 0 or plan.settings[i].is_swept:
-        raise _Refused
+        raise ValueError
     s = plan.settings[i]
-    s.levels = _count(levels, 0, LEVELS)
-    s.pass_seconds, s.fill_seconds = _real(seconds, _LEAST, 1e9), _real(fill, 0, 1e9)
-    s.pass_relmse = math.nan if relmse in ("nan", "-nan") else _real(relmse, 0, sys.float_info.max)
+    s.levels = count(levels, 0, LEVELS)
+    s.pass_seconds, s.fill_seconds = real(seconds, _LEAST, 1e9), real(fill, 0, 1e9)
+    s.pass_relmse = math.nan if relmse in ("nan", "-nan") else real(relmse, 0, sys.float_info.max)
     s.is_swept = True
 
 
@@ -122,8 +101,8 @@ _LINES = {
     "fingerprint": (1, "16 digits 0-9, a-f"),
     "full": (2, "width and height in pixels, from 1 to 32768"),
     "step": (1, "a number from 1 to 32768"),
-    "size": (2,
-             'width and height in pixels, those of "full" divided by "step", which stand before'),
+    "size": (2, 'width and height in pixels, those of "full" divided by "step", which stand '
+                'before'),
     "seeds": (1, "a number from 1 to 16"),
     "seed": (1, "a whole number from 0 to 2^53 - 1"),
     "run_seconds": (1, "a number above 0, at most 1e9"),
@@ -135,33 +114,31 @@ _LINES = {
 }
 
 
+# Lines of one number: the member of the plan, and what it is.
+_NUMBERS: dict[str, tuple[str, Callable[[str, float, float], float], float, float]] = {
+    "step": ("step", count, 1, _MOST_SIDE), "seeds": ("n_seeds", count, 1, SEEDS),
+    "seed": ("seed", count, 0, MOST_SEED), "run_seconds": ("run_seconds", real, _LEAST, 1e9),
+    "given": ("is_given", lambda *field: count(*field) == 1, 0, 1)}
+
+
 def _read_fields(plan: Plan, word: str, fields: list[str]) -> None:
     if word == "fingerprint":
         if not re.fullmatch("[0-9a-f]{16}", fields[0]):
-            raise _Refused
+            raise ValueError
         plan.fingerprint = int(fields[0], 16)
     elif word == "full":
         plan.full_width, plan.full_height = _sides(fields)
-    elif word == "step":
-        plan.step = _count(fields[0], 1, _MOST_SIDE)
     elif word == "size":
         plan.width, plan.height = _sides(fields)
         step = max(plan.step, 1)
         size = thinned(plan.full_width, step), thinned(plan.full_height, step)
         if plan.step < 1 or (plan.width, plan.height) != size:
-            raise _Refused
-    elif word == "seeds":
-        plan.n_seeds = _count(fields[0], 1, SEEDS)
-    elif word == "seed":
-        plan.seed = _count(fields[0], 0, _MOST_SEED)
-    elif word == "run_seconds":
-        plan.run_seconds = _real(fields[0], _LEAST, 1e9)
-    elif word == "given":
-        plan.is_given = _count(fields[0], 0, 1) == 1
-    elif word == "reference":
-        _read_reference(plan, *fields)
+            raise ValueError
+    elif word in _NUMBERS:
+        name, kind, lo, hi = _NUMBERS[word]
+        setattr(plan, name, kind(fields[0], lo, hi))
     else:
-        _read_setting(plan, *fields)
+        (_read_reference if word == "reference" else _read_setting)(plan, *fields)
 
 
 def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
@@ -176,9 +153,9 @@ def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
     fields = rest.split(" ", n - 1)
     try:
         if len(fields) < n:
-            raise _Refused
+            raise ValueError
         _read_fields(plan, word, fields)
-    except _Refused:
+    except ValueError:
         return '"%s": behind "%s" must stand %s; %s' % (line, word, rule, _DAMAGED)
     return None
 

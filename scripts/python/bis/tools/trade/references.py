@@ -27,18 +27,9 @@ from ..._errors import Error, Status
 from ..._image import read_image, save_image
 from .model import REPLICATES, Image, Reference, Trade, hashed
 from .plan import Frame
+from .stats import total
 
 _MAKERS = ("mis", "sir")
-
-
-def path_of(folder: str, which: int, replicate: int) -> str:
-    """The file of a replicate."""
-    return os.path.join(folder, "references/%s-%d.exr" % (_MAKERS[which], replicate + 1))
-
-
-def seed_of(seed: int, which: int, replicate: int) -> int:
-    """A seed that no run has."""
-    return hashed(hashed(~seed) + REPLICATES * which + replicate) >> 11
 
 
 def in_order(values: NDArray[np.float64]) -> float:
@@ -63,11 +54,8 @@ def combine(replicates: list[Image]) -> Reference:
     """
     n = len(replicates)
     means = [mean_of(r) for r in replicates]
-    mean, m2 = 0.0, 0.0
-    for v in means:
-        mean += v / n
-    for v in means:
-        m2 += (v - mean) * (v - mean)
+    mean = total(v / n for v in means)
+    m2 = total((v - mean) * (v - mean) for v in means)
     image, squares = np.zeros(replicates[0].shape), np.zeros(replicates[0].shape)
     for r in replicates:
         image += r.astype(np.float64) / n
@@ -110,13 +98,14 @@ def _check_size(t: Trade, image: Image, path: str) -> Image:
 
 def _replicate(t: Trade, which: int, r: int) -> Optional[Image]:
     """Read, or rendered and kept; None: interrupted."""
-    path = path_of(t.options.folder, which, r)
+    path = os.path.join(t.options.folder, "references/%s-%d.exr" % (_MAKERS[which], r + 1))
     setting, passes = t.plan.settings[t.plan.reference[which]], t.plan.reference_passes[which]
     t.tell("reference by " + _MAKERS[which], r / REPLICATES,
            setting.pass_seconds * passes * (REPLICATES - r))
     if os.path.exists(path):
         return _check_size(t, read_image(path)[0], path)
-    picture = t.view.render(setting, t.plan.step, passes, seed_of(t.plan.seed, which, r))
+    seed = hashed(hashed(~t.plan.seed) + REPLICATES * which + r) >> 11  # that no run has
+    picture = t.view.render(setting, t.plan.step, passes, seed)
     if picture is None:
         return None
     save_image(path, picture.rgb)

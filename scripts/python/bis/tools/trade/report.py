@@ -19,6 +19,7 @@ from ..._library import version
 from .. import page, text
 from . import stats
 from .model import REPLICATES, Advice, Image, Shot, Trade
+from .references import in_order
 from .stats import Point
 
 JUDGED = ("sir and rejection", "em, brdf and mis")  #: by reference 0 and 1
@@ -83,12 +84,6 @@ def _settings(trade: Trade) -> Json:
 
 # ---- advice ----
 
-def _command(trade: Trade, a: Advice) -> str:
-    """The command's options, or where it has none for the setting, the scene's line."""
-    s = trade.plan.settings[a.setting]
-    return s.option_text or s.scene_text
-
-
 def _advice(trade: Trade, a: Advice) -> Json:
     if a.setting < 0:
         return {"purpose": a.purpose, "setting": None}
@@ -138,11 +133,6 @@ def _method(trade: Trade) -> Json:
 
 # ---- pictures ----
 
-def _in_order(values: Doubles) -> float:
-    """The sum term by term, whatever numpy makes of a sum."""
-    return float(np.cumsum(values)[-1]) if values.size else 0.0
-
-
 def _intensity(image: Image) -> Doubles:
     r, g, b = np.moveaxis(image.astype(np.float64), 2, 0)
     return r + g + b
@@ -168,7 +158,7 @@ def crops(images: list[Image], reference: Image) -> list[tuple[int, int]]:
             for x in range(0, reference.shape[1] - width + 1, width // 3 + 1):
                 if any(abs(x - u) < width and abs(y - v) < height for u, v in found):
                     continue
-                here = _in_order(error[:, y:y + height, x:x + width].ravel())
+                here = in_order(error[:, y:y + height, x:x + width])
                 if here > most:
                     most, place = here, (x, y)
         found.append(place)
@@ -217,9 +207,10 @@ def summary(trade: Trade) -> str:
     for a in trade.result.advice:
         if a.setting < 0:
             continue
+        s = trade.plan.settings[a.setting]
         lines.append("%-14s error %-5s %s%-8s %s --spp %d" % (
             a.purpose, text.percent(a.expected_error), "~" if a.is_extrapolated else " ",
-            text.duration(a.seconds), _command(trade, a), a.passes))
+            text.duration(a.seconds), s.option_text or s.scene_text, a.passes))
     if not lines:
         lines.append("no advice: no setting has enough runs; give --resume --time more")
     lines.append("%d of %d runs in %s/report.html" % (len(trade.runs), trade.plan.planned_runs(),

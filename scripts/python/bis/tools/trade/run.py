@@ -2,6 +2,7 @@
 """A measurement from the scene to the page."""
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import sys
@@ -12,11 +13,11 @@ from ..._render import about
 from ..._errors import Error, Status
 from ..._library import version
 from .. import command, text
-from . import files, planfile, references, report, stats, tables
+from . import DEFAULT_SECONDS, QUICK_SECONDS, files, planfile, references, report, stats, tables
 from .check import check_advice
 from .model import Options, Trade
 from .pilot import run_pilot
-from .plan import Frame, fit_plan, seeds_for
+from .plan import LEAST_PIXELS, Frame, fit_plan, seeds_for
 from .seconds import time_advice
 from .settings import Integrators
 from .shots import make_shots
@@ -47,21 +48,14 @@ def _check_integrators(asked: list[str], rivals: list[str]) -> None:
         raise Error("\n".join(wrong))
 
 
-def default_folder(scene: str) -> str:
-    """ "a/b/scene.txt": "scene-trade"."""
+def _options(o: SimpleNamespace, scene: str) -> Options:
+    seconds = o.time if "time" in o.given else QUICK_SECONDS if o.quick else DEFAULT_SECONDS
     name = os.path.basename(scene)
     dot = name.rfind(".")
-    return (name[:dot] if dot > 0 else name) + "-trade"
-
-
-def _options(o: SimpleNamespace, scene: str) -> Options:
-    seconds = o.time if "time" in o.given else 28 if o.quick else 150
-    return Options(scene=scene, folder=o.output or default_folder(scene), seconds=seconds,
-                   reference=o.reference,
-                   error=o.error, quick=o.quick, resume=o.resume, approximate=o.approximate,
-                   size=o.resolution,
-                   n_seeds=o.seeds, passes=o.passes, seed=o.seed, threads=o.nthreads,
-                   integrators=o.integrator)
+    folder = o.output or (name[:dot] if dot > 0 else name) + "-trade"
+    return Options(scene, folder, seconds, reference=o.reference, error=o.error, quick=o.quick,
+                   resume=o.resume, approximate=o.approximate, size=o.resolution, n_seeds=o.seeds,
+                   passes=o.passes, seed=o.seed, threads=o.nthreads, integrators=o.integrator)
 
 
 # ---- the folder ----
@@ -76,8 +70,7 @@ def _check_folder(t: Trade, say: command.Say) -> bool:
     except OSError as e:
         status = Status.INPUT if isinstance(e, NotADirectoryError) else Status.IO
         raise Error('%s: error: "%s" is no folder that can be read: %s'
-                    % (folder, folder, e.strerror),
-                    status) from None
+                    % (folder, folder, e.strerror), status) from None
     if not names:
         if t.options.resume:
             say.of_library("%s: warning: there is no measurement to go on with; a new one begins"
@@ -88,8 +81,7 @@ def _check_folder(t: Trade, say: command.Say) -> bool:
                     'name a new or empty folder by --output' % (folder, folder, names[0]))
     elif not t.options.resume:
         raise Error('%s: error: "%s" holds a measurement; --resume goes on with it, --output names '
-                    'another folder'
-                    % (folder, folder))
+                    'another folder' % (folder, folder))
     return is_new
 
 
@@ -110,10 +102,9 @@ def _say_less(t: Trade, unseen: int, say: command.Say) -> None:
     """Tell of what --quick made do without."""
     plan = t.plan
     slow = sum(s.is_swept and not s.levels for s in plan.settings)
-    less = []
-    if plan.n_seeds < seeds_for(t.options):
-        less.append("1 seed")
-    if t.view.frame.film(plan.step).pixels < t.view.frame.film(t.view.frame.step_for(4800)).pixels:
+    less = ["1 seed"] if plan.n_seeds < seeds_for(t.options) else []
+    frame = t.view.frame
+    if frame.film(plan.step).pixels < frame.film(frame.step_for(LEAST_PIXELS)).pixels:
         less.append("%d x %d pixels" % (plan.width, plan.height))
     if unseen + slow and less:
         less.append("%d settings fewer" % (unseen + slow))
@@ -156,10 +147,6 @@ def _nothing_measured(t: Trade) -> Error:
                  % (t.plan.planned_runs(), t.options.seconds, text.duration(need)))
 
 
-def _references_are_ready(t: Trade) -> bool:
-    return all(t.references[s.judge].is_ready for s in t.plan.settings if s.levels)
-
-
 def _measure(t: Trade, known: Integrators, say: command.Say) -> None:
     t.view = View(t, known, say)
     names = [s.name for s in t.plan.settings]
@@ -173,7 +160,7 @@ def _measure(t: Trade, known: Integrators, say: command.Say) -> None:
         return
     before = len(t.runs)
     references.make_references(t)
-    if not _references_are_ready(t):
+    if not all(t.references[s.judge].is_ready for s in t.plan.settings if s.levels):
         return  # interrupted: a plan without them is none
     run_sweep(t)
     if not t.runs and not t.interrupted():
@@ -197,13 +184,6 @@ def _print_progress(what: str, share: float, seconds_left: float) -> None:
     sys.stderr.flush()
 
 
-def _remove_if_empty(folder: str) -> None:
-    try:
-        os.rmdir(folder)
-    except OSError:
-        pass
-
-
 def trade(o: SimpleNamespace, scene: str, say: command.Say) -> int:
     """Run `bis trade` on a scene's file with these options. Returns the exit status."""
     known = Integrators.of(about())
@@ -222,7 +202,8 @@ def trade(o: SimpleNamespace, scene: str, say: command.Say) -> int:
         failed = False
     finally:
         if made_folder:
-            _remove_if_empty(t.options.folder)  # goes only where nothing was written
+            with contextlib.suppress(OSError):  # it goes only where nothing was written
+                os.rmdir(t.options.folder)
         if show:
             sys.stderr.write("\r\033[K")
         _say_end(t, failed, say)

@@ -103,15 +103,17 @@ class Integrators(dict[str, list[Parameter]]):
         """The values of an integrator's parameters where nothing is said."""
         return {p.name: p.default for p in self[name]}
 
+    def _told(self, s: Setting) -> list[tuple[Parameter, Any]]:
+        """The parameters that a text names, and their values."""
+        return [(p, s.values[p.name]) for p in self[s.integrator]
+                if p.type == "count" or s.values[p.name] != p.default]
+
     def scene_text(self, s: Setting, scenes_b: float) -> str:
         """What a scene file says: counts, and what differs from the defaults."""
         words = ['Integrator "%s"' % s.integrator]
-        for p in self[s.integrator]:
-            value = s.values[p.name]
-            if p.type != "count" and value == p.default:
-                continue
-            quote = '"' if p.type == "choice" else ""
-            words.append('"%s %s" %s%s%s' % (_TYPES[p.type], p.name, quote, _word(value), quote))
+        for p, value in self._told(s):
+            form = '"%s %s" "%s"' if p.type == "choice" else '"%s %s" %s'
+            words.append(form % (_TYPES[p.type], p.name, _word(value)))
         b = ""
         if s.area_exponent != scenes_b:
             b = '; in LightSource: "float areaexponent" ' + text.digits(s.area_exponent)
@@ -121,10 +123,7 @@ class Integrators(dict[str, list[Parameter]]):
         """What the command line says; "" where it has no such option."""
         words = ["--integrator " + s.integrator]
         is_reachable = s.area_exponent == scenes_b
-        for p in self[s.integrator]:
-            value = s.values[p.name]
-            if p.type != "count" and value == p.default:
-                continue
+        for p, value in self._told(s):
             is_reachable = is_reachable and p.is_option
             words.append("--%s %s" % (p.name, _word(value, ("off", "on"))))
         return " ".join(words) if is_reachable else ""
@@ -146,11 +145,9 @@ class Table:
     def _setting(self, integrator: str, values: dict[str, Any], variant: str, b: float) -> Setting:
         rays = values["shadowrays"] if "shadowrays" in values else values["samples"]
         counts = "%d/%d" % (values["candidates"], rays) if "candidates" in values else "%d" % rays
-        s = Setting(name=" ".join(["%s %s" % (integrator, counts)] + ([variant] if variant
-                                                                      else [])),
-                    integrator=integrator, values=values, area_exponent=b,
-                    is_biased=values.get("estimator") == "ratio", judge=0 if "shadowrays" in values
-                    else 1)
+        s = Setting(" ".join(filter(None, (integrator, counts, variant))), integrator, values, b,
+                    is_biased=values.get("estimator") == "ratio",
+                    judge=0 if "shadowrays" in values else 1)
         s.option_text = self.known.option_text(s, self.scenes_b)
         s.scene_text = self.known.scene_text(s, self.scenes_b)
         return s

@@ -13,7 +13,7 @@ from typing import Optional
 
 from ..._image import compare, read_image, save_image
 from .. import text
-from ..files import outfile
+from .files import write_lines
 from .model import Shot, Trade
 from .references import make_folder
 from .stats import heads
@@ -55,9 +55,10 @@ def _shot(t: Trade, setting: int) -> Optional[Shot]:
     if seconds > 0 and os.path.exists(path):
         image = read_image(path)[0]
     else:
-        picture = None if t.interrupted() else t.view.render(t.plan.settings[setting], t.plan.step,
-                                                             passes,
-                                                             t.seed_of(2, setting))
+        picture = None
+        if not t.interrupted():
+            picture = t.view.render(t.plan.settings[setting], t.plan.step, passes,
+                                    t.seed_of(2, setting))
         if picture is None:
             return None
         image, seconds = picture.rgb, picture.seconds
@@ -76,9 +77,6 @@ def make_shots(t: Trade) -> None:
         shot = _shot(t, setting)
         if shot:
             t.strip.append(shot)
-    lines = [_HEADER] + ["%s,%d,%s,%s,%s" % (t.plan.settings[p.setting].name, p.passes,
-                                             text.digits(p.seconds),
-                                             text.digits(p.relmse), _file_of(p.setting))
-                         for p in t.strip]
-    with outfile(os.path.join(t.options.folder, "pictures.csv")) as f:
-        f.write(("\n".join(lines) + "\n").encode())
+    write_lines(t, "pictures.csv", [_HEADER] + [
+        text.csv(t.plan.settings[p.setting].name, p.passes, p.seconds, p.relmse,
+                 _file_of(p.setting)) for p in t.strip])

@@ -227,11 +227,6 @@ def _between(xa: float, ya: float, xb: float, yb: float, at: float) -> float:
     return ya * (yb / ya) ** (math.log(at / xa) / math.log(xb / xa))
 
 
-def _ratio(a: float, b: float) -> float:
-    """a/b of numbers >= 0, infinite for b = 0."""
-    return a / b if b > 0 else math.inf
-
-
 def error_at(trade: Trade, setting: int, seconds: float) -> tuple[float, bool]:
     """The error of a setting after so many seconds, and whether that is extrapolated.
 
@@ -245,7 +240,7 @@ def error_at(trade: Trade, setting: int, seconds: float) -> tuple[float, bool]:
     for a, b in zip(points, points[1:]):
         if seconds < b.seconds:
             return _between(a.seconds, a.error, b.seconds, b.error, seconds), False
-    factor = _ratio(seconds, points[-1].seconds)
+    factor = seconds / points[-1].seconds if points[-1].seconds > 0 else math.inf
     beyond = factor > 1
     if factor > FARTHEST or (trade.plan.settings[setting].is_biased and beyond):
         return math.nan, beyond

@@ -30,8 +30,8 @@ def _measure_run(t: Trade, setting: int, level: int, replicate: int) -> Optional
     assert judge is not None and both is not None
     c = compare(picture.rgb, judge)
     return Run(setting, level, replicate, seed, picture.seconds, picture.camera_rays,
-               picture.shadow_rays,
-               picture.candidates, c.rmse, c.relmse, c.bias, compare(picture.rgb, both).relmse)
+               picture.shadow_rays, picture.candidates, c.rmse, c.relmse, c.bias,
+               compare(picture.rgb, both).relmse)
 
 
 def planned_left(t: Trade) -> float:

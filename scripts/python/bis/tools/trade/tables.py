@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from typing import Any, Callable
 
 from .. import text
-from ..files import outfile
 from . import stats
+from .files import write_lines
 from .model import Trade
 from .stats import Point
 
@@ -19,11 +19,6 @@ PARAMETERS = ("candidates", "shadowrays", "samples", "proposal")
 POINTS = (
     "setting,integrator," + ",".join(PARAMETERS) + ",areaexponent,passes,seeds,seconds,camera_rays,"
     "shadow_rays,candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto")
-
-
-def _write(trade: Trade, name: str, rows: Iterable[str]) -> None:
-    with outfile("%s/%s" % (trade.options.folder, name)) as out:
-        out.write("".join(row + "\n" for row in rows).encode())
 
 
 def _point(trade: Trade, p: Point) -> str:
@@ -61,9 +56,9 @@ def write_tables(trade: Trade) -> None:
     """Write the four tables of the folder."""
     times = stats.times(trade)
     errors = stats.errors(trade)
-    _write(trade, "trade.csv", [POINTS] + [_point(trade, p) for p in trade.result.points])
-    _write(trade, "pareto.csv", [POINTS] + [_point(trade, p) for p in front(trade)])
+    write_lines(trade, "trade.csv", [POINTS] + [_point(trade, p) for p in trade.result.points])
+    write_lines(trade, "pareto.csv", [POINTS] + [_point(trade, p) for p in front(trade)])
     at = ["error_at_%.4gs" % t for t in times]
     to = ["seconds_to_%.6g" % e for e in errors]
-    _write(trade, "equal_time.csv", _curves(trade, at, times, stats.error_at))
-    _write(trade, "equal_error.csv", _curves(trade, to, errors, stats.seconds_to))
+    write_lines(trade, "equal_time.csv", _curves(trade, at, times, stats.error_at))
+    write_lines(trade, "equal_error.csv", _curves(trade, to, errors, stats.seconds_to))

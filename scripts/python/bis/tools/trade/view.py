@@ -39,16 +39,14 @@ class View:
         about = self.scene.about()
         if about["as_printed"]:
             say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are '
-                           'measured as they should '
-                           'be' % (about["integrator_file"], about["integrator_line"],
-                                   about["integrator_column"]),
-                           False)
+                           'measured as they should be'
+                           % (about["integrator_file"], about["integrator_line"],
+                              about["integrator_column"]), False)
         light = about["light"]
         if not about["has_surface"] or light["is_black"]:
             raise Error("%s: error: the scene has no %s: every method gives the same picture at "
-                        "once, and there is nothing to "
-                        "trade" % (about["path"], "light" if about["has_surface"]
-                                              else "surface"))
+                        "once, and there is nothing to trade"
+                        % (about["path"], "light" if about["has_surface"] else "surface"))
         pixels = light["width"] * light["height"]
         if not light["is_constant"] and pixels > _MANY_PIXELS:
             say.warn("the map has more than 2^24 pixels: other values of b and compensation are "
@@ -58,10 +56,10 @@ class View:
         self.has_map = not light["is_constant"]
         self.built = {(light["area_exponent"], False)}
         t.stratified = about["is_stratified"]
-        own = (about["integrator"],
-               about["parameters"]) if about["integrator"] in known.rivals() else None
+        own = about["integrator"], about["parameters"]
         t.plan.settings = Table(known, light["area_exponent"]).settings(
-            asked, self.has_map and pixels <= _MANY_PIXELS, own)
+            asked, self.has_map and pixels <= _MANY_PIXELS,
+            own if own[0] in known.rivals() else None)
 
     def render(self, s: Setting, step: int, passes: int, seed: int,
                crop: Optional[Sequence[float]] = None) -> Optional[Picture]:
@@ -81,8 +79,7 @@ class View:
             how["threads"] = t.options.threads
         try:
             picture = self.scene.render(integrator=s.integrator, spp=passes, seed=seed, crop=crop,
-                                        as_printed="none",
-                                        stop=t.interrupted, **how, **s.values)
+                                        as_printed="none", stop=t.interrupted, **how, **s.values)
         except Error:
             if t.interrupted():
                 return None
