@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 import os
 import sys
-import warnings
 from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from .._errors import Error, Status
 from . import command, files, text
 from .command import COUNT, DONE, FLAG, NAME, REAL, Command, Heading, Option, Say
+from .scenes import telling
 
 if TYPE_CHECKING:  # they need numpy, and the help does not
     from .._sampling import Envmap
@@ -119,9 +119,9 @@ def report_text(path: str, s: Survey, light: Envmap) -> str:
                 *s.peak, d.theta, d.phi, _vector(d)),
         ]
     n = len(s.levels)
+    a_pixel = light.table_bytes / (width * height)
     lines += ["regions     %d in %d level%s" % (s.n_regions, n, "" if n == 1 else "s"),
-              "table       %.1f bytes a pixel beyond the map" % (
-                  light.table_bytes / (width * height))]
+              "table       %.1f bytes a pixel beyond the map" % a_pixel]
     words = "".join(line + "\n" for line in lines)
     return words + _levels_text(s) + _largest_text(s) if s.power > 0 else words
 
@@ -245,8 +245,7 @@ def _open(o: SimpleNamespace, source: str, say: Say) -> Envmap:
     """Read the map. A conversion needs no regions, and no width of the lat-long map between."""
     from .._sampling import Envmap
 
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with telling(say):
         try:
             if o.to:
                 return Envmap(source, "cdf", 0, o.mapping)
@@ -254,9 +253,6 @@ def _open(o: SimpleNamespace, source: str, say: Say) -> Envmap:
                           width=o.width)
         except Error as e:
             raise Error(str(e), e.status if _is_picture(source) else Status.IO) from None
-        finally:
-            for w in caught:
-                say.of_library(str(w.message), False)
 
 
 def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:

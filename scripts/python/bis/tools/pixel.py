@@ -12,7 +12,7 @@ from .._errors import Error, Status
 from .command import COUNT, FLAG, NAME, SCENE_NOTE, SEED_MAX, TEXT
 from .command import Command, Heading, Option, Say, put, run
 from .files import check_writable, outfile
-from .scenes import open_scene
+from .scenes import hashed, open_scene
 
 if TYPE_CHECKING:
     import numpy as np
@@ -102,16 +102,6 @@ class Report:
 
 # ---- what is found ----
 
-def _hash(x: int) -> int:
-    """Mix 64 bits, as bis_hash does (bis/base/hash.h): each part of a report has its own seed."""
-    mask = (1 << 64) - 1
-    x ^= x >> 30
-    x = x * 0xbf58476d1ce4e5b9 & mask
-    x ^= x >> 27
-    x = x * 0x94d049bb133111eb & mask
-    return x ^ x >> 31
-
-
 def _overridden(settings: dict[str, Any], o: Any) -> dict[str, Any]:
     """A method's settings with the command line's. What does not apply to it applies to others."""
     changed = dict(settings)
@@ -134,10 +124,11 @@ def _runs_to_show(settings: dict[str, Any]) -> int:
 def ask(report: Report, o: Any) -> None:
     """Compute all that needs random numbers."""
     stage, seed = report.stage, report.about["seed"]
-    report.exact = stage.exact(_hash(seed ^ 1 << 40))
+    # Each part of a report has its own seed.
+    report.exact = stage.exact(hashed(seed ^ 1 << 40))
     for i, asked in enumerate(report.about["methods"]):
         settings = _overridden(asked["settings"], o)
-        found = stage.runs(report.repeats, _hash(seed ^ i + 2 << 40), **settings)
+        found = stage.runs(report.repeats, hashed(seed ^ i + 2 << 40), **settings)
         method = Method(asked["method"], asked["claim"], asked["without_shadows"], settings, found)
         if not method.is_open:
             method.estimates = _runs_to_show(settings)
@@ -342,21 +333,6 @@ def _methods_table(report: Report) -> Iterator[list[Any]]:
                m.found.relative_error, m.found.rays, m.accepted]
 
 
-@dataclass
-class Places:
-    """Candidates or rays as columns of numbers."""
-
-    angles: list[list[float]]
-    wi: list[list[float]]
-    density: list[list[float]]  # q_map, q_brdf, product
-
-
-def _places(stage: Stage, wi: np.ndarray) -> Places:
-    import numpy as np
-    return Places(stage.angles(wi).tolist(), wi.astype(float).tolist(),
-                  np.stack(stage.look(wi), axis=1).tolist())
-
-
 def _from(c: Candidates) -> list[Optional[str]]:
     """Who drew each candidate; None where that cannot be told."""
     if math.isnan(c.share_of_map):
@@ -369,26 +345,28 @@ def _candidates_table(report: Report) -> Iterator[list[Any]]:
            "product", "weight", "share", "chosen", "seen"]
     c = report.candidates
     assert c
-    angles, wi = report.stage.angles(c.wi).tolist(), c.wi.astype(float).tolist()
-    columns = zip(_from(c), angles, wi, c.q_map.tolist(), c.q_brdf.tolist(), c.q.tolist(),
-                  c.product.tolist(), c.weight.tolist(), c.chosen.tolist(), c.seen.tolist())
+    columns = zip(_from(c), report.stage.angles(c.wi).tolist(), c.wi.astype(float).tolist(),
+                  c.q_map.tolist(), c.q_brdf.tolist(), c.q.tolist(), c.product.tolist(),
+                  c.weight.tolist(), c.chosen.tolist(), c.seen.tolist())
     for i, (whose, angle, w, q_map, q_brdf, q, product, weight, chosen, seen) in enumerate(columns):
         place = [*angle, *w] if weight > 0 else [None] * 5
         share = weight / c.weights if c.weights > 0 else 0
         yield [i, whose, *place, q_map, q_brdf, q, product, weight, share, chosen,
-               int(seen) if chosen else None]
+               seen if chosen else None]
 
 
-def _rays_table(report: Report) -> Iterator[list[Any]]:
+def _rays_table(report: Report, most: Optional[int] = None) -> Iterator[list[Any]]:
     yield ["method", "sample", "theta_deg", "phi_deg", "x", "y", "z", "q_map", "q_brdf", "product",
            "seen"]
     for m in report.methods:
         if m.rays is None:
             continue
-        p = _places(report.stage, m.rays.wi)
-        columns = zip(p.angles, p.wi, p.density, m.rays.sample.tolist(), m.rays.seen.tolist())
-        for angle, w, density, sample, seen in columns:
-            yield [m.name, sample, *angle, *w, *density, int(seen)]
+        wi = m.rays.wi[:most]
+        columns = zip(m.rays.sample.tolist(), report.stage.angles(wi).tolist(),
+                      wi.astype(float).tolist(), *(q.tolist() for q in report.stage.look(wi)),
+                      m.rays.seen.tolist())
+        for sample, angle, w, q_map, q_brdf, product, seen in columns:
+            yield [m.name, sample, *angle, *w, q_map, q_brdf, product, seen]
 
 
 TABLES = {"methods.csv": _methods_table, "candidates.csv": _candidates_table,
@@ -459,32 +437,29 @@ def _json_sphere(report: Report) -> dict[str, Any]:
     return sphere
 
 
+def _records(rows: Iterator[list[Any]], names: str) -> Iterator[dict[str, Any]]:
+    """The rows of a table as objects with these members."""
+    heading = next(rows)
+    places = [(name, heading.index(name)) for name in names.split()]
+    for row in rows:
+        yield {name: row[place] for name, place in places}
+
+
 def _json_rays(report: Report) -> Iterator[dict[str, Any]]:
-    for m in report.methods:
-        if m.rays is None:
-            continue
-        p = _places(report.stage, m.rays.wi[:SHOWN])
-        columns = zip(p.angles, p.density, m.rays.sample.tolist(), m.rays.seen.tolist())
-        for angle, density, sample, seen in columns:
-            yield {"method": m.name, "sample": sample, "theta_deg": angle[0], "phi_deg": angle[1],
-                   "q_map": density[0], "q_brdf": density[1], "product": density[2], "seen": seen}
+    return _records(_rays_table(report, SHOWN),
+                    "method sample theta_deg phi_deg q_map q_brdf product seen")
 
 
 def _json_candidate_list(report: Report) -> Iterator[dict[str, Any]]:
     """Those that weigh something: the others have no direction."""
-    c, n = report.candidates, 0
-    assert c
-    angles, whose = report.stage.angles(c.wi).tolist(), _from(c)
-    for i, (weight, chosen) in enumerate(zip(c.weight.tolist(), c.chosen.tolist())):
-        if weight <= 0:
+    n = 0
+    for one in _records(_candidates_table(report), "from candidate theta_deg phi_deg q_map q_brdf "
+                                                   "q product weight share chosen seen"):
+        if one["weight"] <= 0:
             continue
-        n += not chosen
-        if not chosen and n > SHOWN:
-            continue
-        yield {"from": whose[i], "candidate": i, "theta_deg": angles[i][0], "phi_deg": angles[i][1],
-               "q_map": float(c.q_map[i]), "q_brdf": float(c.q_brdf[i]), "q": float(c.q[i]),
-               "product": float(c.product[i]), "weight": weight, "share": weight / c.weights,
-               "chosen": chosen, "seen": bool(c.seen[i]) if chosen else None}
+        n += not one["chosen"]
+        if one["chosen"] or n <= SHOWN:
+            yield one
 
 
 def _page_data(report: Report) -> dict[str, Any]:

@@ -22,6 +22,8 @@ from typing import Any, Callable, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scenes import hashed
+
 LEVELS = 21  #: budgets of 1 ... 2^20 passes
 SEEDS = 16  #: at most
 MOST_PASSES = 1 << 22  #: of a replicate of a reference: four times the longest budget
@@ -30,19 +32,6 @@ ADVICE = 3  #: preview, good picture, final picture
 STRIP = 8  #: pictures in the report
 
 Image = NDArray[np.float32]  # (height, width, 3)
-
-
-_WORD = (1 << 64) - 1
-
-
-def hashed(x: int) -> int:
-    """Mix 64 bits into 64 bits, as bis_hash does."""
-    x &= _WORD
-    x ^= x >> 30
-    x = x * 0xbf58476d1ce4e5b9 & _WORD
-    x ^= x >> 27
-    x = x * 0x94d049bb133111eb & _WORD
-    return x ^ (x >> 31)
 
 
 @dataclass

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from ..._errors import Error, Status
 from ..._image import read_image, save_image
-from .model import REPLICATES, Image, Reference, Trade, hashed
+from ..scenes import hashed
+from .model import REPLICATES, Image, Reference, Trade
 from .plan import Frame
 from .stats import total
 
