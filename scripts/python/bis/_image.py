@@ -11,7 +11,8 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, Error, call, declare, real, text_bytes, texts
+from ._library import D, INT, N, P, SAY, TEXT, Error, Floats, call, declare, real, text_bytes
+from ._library import texts
 from ._sampling import _picture, taken
 
 _read = declare("image_read", P, TEXT, *SAY)
@@ -21,7 +22,6 @@ _exposure = declare("image_exposure", P, INT, INT, P, P, *SAY)
 _compare = declare("image_compare", P, INT, INT, P, P, *SAY)
 _errors = declare("image_errors", P, INT, INT, P, P, *SAY)
 
-Floats = NDArray[np.float32]
 Path = Union[str, "os.PathLike[str]"]
 
 

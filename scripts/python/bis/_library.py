@@ -50,6 +50,8 @@ def _load() -> ctypes.CDLL:
 _library = _load()
 P, N, D = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double
 INT, U32, U64, TEXT = ctypes.c_int, ctypes.c_uint32, ctypes.c_uint64, ctypes.c_char_p
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
 SAY = (TEXT, N)  # the buffer of messages and its size
 
 
@@ -173,8 +175,7 @@ def numbers(n: Optional[int], columns: int, seed: int,
         raise Error("give n (how many) or u (random numbers), one of both")
     if u is not None:
         return array(u, columns, np.float64, "u")
-    count, seed = whole("n", n), whole("seed", seed)
-    count = in_range("n", count, 0, (1 << 40) - 1, "a count")
+    count = in_range("n", n, 0, (1 << 40) - 1, "a count")
     seed = in_range("seed", seed, 0, (1 << 53) - 1)
     return np.random.default_rng(seed).random((count, columns) if columns else count)
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, judge, real, run
-from ._library import shape, text_bytes, texts, whole
+from ._library import D, INT, P, SAY, TEXT, Floats, Handle, WrongType, call, declare, judge, real
+from ._library import run, shape, text_bytes, texts, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -40,7 +40,6 @@ _scene_coverage = declare("scene_coverage", P, P, INT, P, *SAY)
 _scene_about = declare("scene_about", P, P, P, *SAY)
 _picture_stats = declare("picture_stats", P, result=TEXT)
 
-Floats = NDArray[np.float32]
 Light = Union[None, Envmap, str, "os.PathLike[str]", ArrayLike]
 Asked = Optional[Callable[[], bool]]
 

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, U32, Error, Handle, Made, WrongType, array, call
-from ._library import declare, given, numbers, real, shape, text_bytes, texts, whole
+from ._library import D, INT, N, P, SAY, TEXT, U32, Doubles, Error, Floats, Handle, Made, WrongType
+from ._library import array, call, declare, given, numbers, real, shape, text_bytes, texts, whole
 
 _uniform = declare("uniform", U32, U32, N, P, result=None)
 _light_open = declare("light_open_as", P, TEXT, P, *SAY)
@@ -41,9 +41,6 @@ _bsdf_read = declare("bsdf_read", P, TEXT, P, P, *SAY)
 _bsdf_close = declare("bsdf_close", P, result=None)
 _bsdf_sample = declare("bsdf_sample", P, N, P, P, P, *SAY)
 _bsdf_look = declare("bsdf_look", P, N, P, P, P, *SAY)
-
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
 
 
 def uniform(n: int, seed: int = 0, stream: int = 0) -> Doubles:
@@ -432,12 +429,8 @@ class AliasTable(Made):
 
         Parameters
         ----------
-        n : int, optional
-            How many. Give n or u.
-        seed : int
-            Of numpy's random numbers, in [0, 2^53 - 1].
-        u : array (n,), optional
-            Random numbers in [0, 1) in their place.
+        n, seed, u
+            As in `Envmap.sample`; u is an array (n,).
 
         Returns
         -------
@@ -544,12 +537,8 @@ class Material(Handle):
 
         Parameters
         ----------
-        n : int, optional
-            How many. Give n or u.
-        seed : int
-            Of numpy's random numbers, in [0, 2^53 - 1].
-        u : array (n, 3), optional
-            Random numbers in [0, 1) in their place.
+        n, seed, u
+            As in `Envmap.sample`; u is an array (n, 3).
 
         Returns
         -------

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import Error, WrongType
-from ._library import INT, N, P, SAY, TEXT, U32, U64, Handle, array, call, declare, in_range, judge
-from ._library import run, text_bytes, whole
+from ._library import INT, N, P, SAY, TEXT, U32, U64, Doubles, Floats, Handle, array, call, declare
+from ._library import in_range, judge, run, text_bytes, whole
 from ._render import Scene, settings_of, sky_of, wait
 
 _of = declare("stage_of", P, P, P, *SAY)
@@ -32,8 +32,6 @@ _noises = declare("stage_noises", P, P, U32, N, P, *SAY)
 _bounds = declare("stage_bounds", P, P, *SAY)
 _accept = declare("stage_accept", P, TEXT, N, P, P, P, P, P, *SAY)
 
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 

@@ -118,7 +118,6 @@ class Say:
 
 # ---- help ----
 
-
 def _lines(words: str, width: int) -> list[str]:
     """Lines of so many columns. A longer word is not divided."""
     return textwrap.wrap(" ".join(words.split()), width, break_long_words=False,
@@ -267,7 +266,6 @@ def _value(o: Option, word: str, say: Say) -> Any:
 
 
 # ---- the command line ----
-
 
 @dataclass
 class _Reader:

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from .._library import Doubles, Floats
 from .._sampling import Envmap, Regions, uniform
 from . import page
 
@@ -36,8 +37,6 @@ CELLS = (149 + 130) << MANTISSA
 BLOCK = 1 << 22  #: pixels
 EPSILON = 2.0 ** -23  #: of a float
 
-Doubles = NDArray[np.float64]
-Floats = NDArray[np.float32]
 
 
 # ---- sums in order ----

@@ -39,6 +39,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from ..._library import Doubles
 from .advice import square_passes, take_cheapest
 from .model import Advice, Image, Reference, Trade
 from .references import in_order
@@ -50,11 +51,8 @@ CLOSE_ENOUGH = 1.15  # in passes: 7 % in error
 FIRST_SHARE = 0.125  # of the passes that there is time for, if the advice has more
 NOISE_FALLS, EDGES_FALL = 1.0, 1.5  # p
 
-Doubles = NDArray[np.float64]
-
 
 # ---- the scatter of renders ----
-
 
 def _scatter(mean: Doubles, variance: Doubles, spared: int, reference: Doubles, w: float) -> float:
     """b = w reference + (1 - w) mean of the renders."""
@@ -88,7 +86,6 @@ def scatter(images: list[Image], spared: int, reference: Reference) -> float:
 
 
 # ---- one advice ----
-
 
 class _Measured(NamedTuple):
     """What so many passes leave; 0: none were measured."""

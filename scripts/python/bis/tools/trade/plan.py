@@ -45,7 +45,6 @@ MAKERS = (("mis 16", "mis 64"), ("sir 64/4", "sir 256/16", "sir 256/16 product")
 
 # ---- the film ----
 
-
 class Film(NamedTuple):
     """The pixels that are rendered, in those of the thin picture."""
 
@@ -88,7 +87,6 @@ def thinned(at: int, step: int) -> int:
 
 # ---- who is the best of the pilot? ----
 
-
 def may_be_reference(s: Setting, which: int) -> bool:
     """Whether a setting may make reference 0 (a mis) or 1 (a sir)."""
     return s.name in MAKERS[which]
@@ -111,7 +109,6 @@ def _gets_long_curve(plan: Plan, s: Setting) -> bool:
 
 
 # ---- budgets ----
-
 
 class _Fit:
     """A plan that is being fitted. pass_seconds are those of a pixel until the size is known."""
@@ -202,7 +199,6 @@ def set_size(plan: Plan, frame: Frame, step: int) -> None:
 
 # ---- references ----
 
-
 def _choose_references(plan: Plan, asked: Options, seconds: float) -> None:
     needed = {s.judge for s in plan.settings if s.is_swept}
     for k in range(2):
@@ -222,7 +218,6 @@ def _choose_references(plan: Plan, asked: Options, seconds: float) -> None:
 
 
 # ---- can it be done? ----
-
 
 def too_few_seconds(plan: Plan, asked: Options, what: str, least: float, spent: float) -> Error:
     """The error that says how much time is needed, because a single pass of `what` with all seeds

@@ -44,7 +44,6 @@ def fingerprint(version: str, names: list[str], files: list[str]) -> int:
 
 # ---- writing ----
 
-
 def plan_text(plan: Plan) -> str:
     """Return plan.txt."""
     lines = ["fingerprint %016x" % plan.fingerprint,
@@ -70,7 +69,6 @@ def write_plan(folder: str, plan: Plan) -> None:
 
 
 # ---- reading ----
-
 
 def _sides(fields: list[str]) -> tuple[int, int]:
     width, height = fields

@@ -46,7 +46,6 @@ def mean_of(image: Image) -> float:
 
 # ---- from replicates to one ----
 
-
 def combine(replicates: list[Image]) -> Reference:
     """The mean over renders that differ in their seeds alone, and what it is worth.
 
@@ -86,7 +85,6 @@ def combine_both(a: Reference, b: Reference) -> Reference:
 
 
 # ---- making them ----
-
 
 def _check_size(t: Trade, image: Image, path: str) -> Image:
     film = t.view.frame.film(t.plan.step)
@@ -150,7 +148,6 @@ def make_one(path: str) -> bool:
 
 
 # ---- a given one ----
-
 
 def read_given(path: str, frame: Frame) -> Image:
     """Read a reference of the full picture, the pixels of the scene's crop. An Error tells if it

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._image import compare_colours, exposure_of
-from ..._library import version
+from ..._library import Doubles, version
 from .. import page, text
 from . import stats
 from .model import REPLICATES, Advice, Image, Shot, Trade
@@ -26,7 +26,6 @@ JUDGED = ("sir and rejection", "em, brdf and mis")  #: by reference 0 and 1
 CROP = 4  #: a crop is 1/CROP of the sides
 CROPS = 2
 
-Doubles = NDArray[np.float64]
 Json = dict[str, Any]
 
 

@@ -60,7 +60,6 @@ def _options(o: SimpleNamespace, scene: str) -> Options:
 
 # ---- the folder ----
 
-
 def _check_folder(t: Trade, say: command.Say) -> bool:
     """Whether it was not there before. It is empty, or holds a measurement to go on with."""
     folder = t.options.folder
@@ -86,7 +85,6 @@ def _check_folder(t: Trade, say: command.Say) -> bool:
 
 
 # ---- the plan ----
-
 
 def _check_unbiased(t: Trade) -> None:
     """Only what is unbiased is advised. That is known before the first pass, so nobody waits for a
@@ -135,7 +133,6 @@ def _make_plan(t: Trade, say: command.Say) -> bool:
 
 
 # ---- all of it ----
-
 
 def _nothing_measured(t: Trade) -> Error:
     """A page without a run would be a page without an answer. The plan and its references stay for
