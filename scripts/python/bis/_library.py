@@ -180,6 +180,13 @@ def numbers(n: Optional[int], columns: int, seed: int,
     return np.random.default_rng(seed).random((count, columns) if columns else count)
 
 
+def filled(f: Callable[..., None], handle: Any, size: Any, kind: Any = np.float64) -> NDArray[Any]:
+    """An array that the library fills."""
+    a = np.empty(size, kind)
+    f(handle, a.ctypes.data)
+    return a
+
+
 def shape(f: Callable[..., None], handle: Any) -> tuple[int, int]:
     """Height and width of what the library has made."""
     size = (ctypes.c_int * 2)()

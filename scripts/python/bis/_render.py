@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, P, SAY, TEXT, Floats, Handle, WrongType, call, declare, judge, real
-from ._library import run, shape, text_bytes, texts, whole
+from ._library import filled, run, shape, text_bytes, texts, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -291,14 +291,11 @@ def _picture(f: Any, what: Any, how: Any, light: Any, progress: Watcher,
         wait(work, ended, seen, progress, stop)
         judge(*said[0])
         size = shape(_picture_shape, handle)
-        rgba = np.empty(size + (4,), np.float32)
-        _picture_pixels(handle, rgba.ctypes.data)
-        figures = np.empty(10)
-        _picture_figures(handle, figures.ctypes.data)
-        counts = [int(x) for x in figures[1:8]]
+        rgba = filled(_picture_pixels, handle, size + (4,), np.float32)
+        figures = filled(_picture_figures, handle, 10).tolist()
         return Picture(np.ascontiguousarray(rgba[:, :, :3]), np.ascontiguousarray(rgba[:, :, 3]),
                        _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()),
-                       float(figures[0]), *counts, bool(figures[8]), float(figures[9]))
+                       figures[0], *map(int, figures[1:8]), bool(figures[8]), figures[9])
     finally:
         _picture_close(handle)
 

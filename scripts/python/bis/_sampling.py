@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, N, P, SAY, TEXT, U32, Doubles, Error, Floats, Handle, Made, WrongType
-from ._library import array, call, declare, given, numbers, real, shape, text_bytes, texts, whole
+from ._library import array, call, declare, filled, given, numbers, real, shape, text_bytes, texts
+from ._library import whole
 
 _uniform = declare("uniform", U32, U32, N, P, result=None)
 _light_open = declare("light_open_as", P, TEXT, P, *SAY)
@@ -66,9 +67,7 @@ def taken(handle: Any) -> tuple[Floats, list[int]]:
     size, place = (INT * 2)(), (INT * 4)()
     try:
         _image_place(handle, size, place)
-        pixels = np.empty((size[1], size[0], 3), np.float32)
-        _image_pixels(handle, pixels.ctypes.data)
-        return pixels, list(place)
+        return filled(_image_pixels, handle, (size[1], size[0], 3), np.float32), list(place)
     finally:
         _image_close(handle)
 
@@ -176,9 +175,7 @@ class Envmap(Handle):
     @property
     def pixels(self) -> Floats:
         """A copy of the radiance, (h, w, 3), row 0 at +z."""
-        a = np.empty(self.shape + (3,), np.float32)
-        _light_pixels(self._handle, a.ctypes.data)
-        return a
+        return filled(_light_pixels, self._handle, self.shape + (3,), np.float32)
 
     @property
     def power(self) -> float:
@@ -191,9 +188,7 @@ class Envmap(Handle):
         return str(_light_source(self._handle), "ascii")
 
     def _facts(self) -> Doubles:
-        facts = np.empty(7)
-        _light_facts(self._handle, facts.ctypes.data)
-        return facts
+        return filled(_light_facts, self._handle, 7)
 
     @property
     def resampled(self) -> Optional[tuple[float, float]]:
@@ -215,9 +210,7 @@ class Envmap(Handle):
     @property
     def solid_angles(self) -> Doubles:
         """The solid angle in sr of one pixel of each row, (h,)."""
-        a = np.empty(self.shape[0])
-        _light_angles(self._handle, a.ctypes.data)
-        return a
+        return filled(_light_angles, self._handle, self.shape[0])
 
     def density(self) -> Doubles:
         """The density with which `sample` draws directions.

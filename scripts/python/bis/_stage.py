@@ -444,10 +444,7 @@ class Stage(Handle):
         BestWeights
             Of independent samples.
         """
-        found = np.empty(5)
-        texts = settings_of(dict({"integrator": "mis"}, **settings))
-        self._patiently(_mis, texts, _seed(seed, 32), whole("n", n), found)
-        return BestWeights(*found.tolist())
+        return BestWeights(*self._measured(_mis, "mis", n, seed, settings))
 
     def noises(self, n: int = 1000, seed: int = 0, **settings: Any) -> Noises:
         """Measure the two noises of sir.
@@ -466,10 +463,14 @@ class Stage(Handle):
         Noises
             Of the candidates, and of the choice among them.
         """
+        return Noises(*self._measured(_noises, "sir", n, seed, settings))
+
+    def _measured(self, f: Any, integrator: str, n: int, seed: int,
+                  settings: dict[str, Any]) -> list[float]:
         found = np.empty(5)
-        texts = settings_of(dict({"integrator": "sir"}, **settings))
-        self._patiently(_noises, texts, _seed(seed, 32), whole("n", n), found)
-        return Noises(*found.tolist())
+        self._patiently(f, settings_of({"integrator": integrator, **settings}), _seed(seed, 32),
+                        whole("n", n), found)
+        return found.tolist()
 
     def bounds(self) -> dict[str, float]:
         """Compute the bounds of rejection (figure 4.4).

@@ -358,19 +358,13 @@ def _answers(c: Command, arguments: Sequence[str]) -> bool:
             sys.stdout.write(help_text(c))
         elif a == "--help=man":
             sys.stdout.write(man_text(c))
-        elif a in ("--version", "-V"):
-            _print_version()
+        elif a in ("--version", "-V"):  # the program knows its libraries
+            sys.stdout.flush()
+            os.execvp(os.environ.get("BIS_PROGRAM", "bis"), ["bis", "--version"])
         else:
             continue
         return True
     return False
-
-
-def _print_version() -> None:
-    """Print what the program says of itself: the program knows its libraries."""
-    program = os.environ.get("BIS_PROGRAM", "bis")
-    sys.stdout.flush()
-    os.execvp(program, ["bis", "--version"])
 
 
 # ---- running ----

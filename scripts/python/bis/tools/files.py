@@ -24,11 +24,6 @@ def _irregular(path: str) -> Optional[str]:
     return "a folder" if stat.S_ISDIR(mode) else "not a regular file"
 
 
-def _beside(target: str) -> str:
-    name = ".bis-%x-%x" % (os.getpid(), time.time_ns() % 1_000_000_000)
-    return os.path.join(os.path.dirname(target), name)
-
-
 def _open_unnamed(folder: str) -> int:
     """A file without a name: whatever ends this process, nothing is left. -1 where the system has
     no such thing."""
@@ -55,8 +50,10 @@ def outfile(path: str) -> Iterator[IO[bytes]]:
         raise _cannot_write(path, "it is %s, must be a regular file or new" % what)
     try:
         target = os.path.realpath(path)
-        temporary = _beside(target)
-        fd = _open_unnamed(os.path.dirname(target))
+        folder = os.path.dirname(target)
+        name = ".bis-%x-%x" % (os.getpid(), time.time_ns() % 1_000_000_000)
+        temporary = os.path.join(folder, name)
+        fd = _open_unnamed(folder)
         is_named = fd < 0
         if is_named:
             fd = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
@@ -95,17 +92,12 @@ def check_writable(path: str) -> None:
     if not os.access(folder, os.W_OK | os.X_OK):
         reason = errno.EACCES if os.path.isdir(folder) else errno.ENOENT
         refuse('folder "%s": %s' % (os.path.dirname(path) or ".", os.strerror(reason)))
-    _try_to_make(path)
+    with contextlib.suppress(_Tried), outfile(path):  # the surest test is to do it
+        raise _Tried  # and nothing is left
 
 
 class _Tried(Exception):
     """A file could be made, and shall not be."""
-
-
-def _try_to_make(path: str) -> None:
-    """The surest test is to do it. Nothing is left."""
-    with contextlib.suppress(_Tried), outfile(path):
-        raise _Tried
 
 
 def check_distinct(inputs: Sequence[str], outputs: Sequence[str]) -> None:

@@ -111,13 +111,7 @@ def json(value: Any) -> str:
 def csv(*fields: Any) -> str:
     """Return a line of a table (RFC 4180) without its end. A number reads back as the same double;
     what is None, NaN or infinite is an empty field."""
-    return ",".join(_field(x) for x in fields)
-
-
-def _field(value: Any) -> str:
-    if value is None or isinstance(value, str):
-        return value or ""
-    return _number(value)
+    return ",".join((x or "") if x is None or isinstance(x, str) else _number(x) for x in fields)
 
 
 def nearest(word: str, names: Sequence[str]) -> Optional[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from .model import Advice, Trade
 from .stats import best_of
@@ -97,6 +98,5 @@ def take_cheapest(advice: Sequence[Advice]) -> list[Advice]:
             is_as_sure = best.is_extrapolated or not other.is_extrapolated
             if best.setting >= 0 and other.setting >= 0 and is_cheaper and keeps_it and is_as_sure:
                 best = other
-        result[i] = Advice(wanted.purpose, wanted.error, best.setting, best.passes, best.seconds,
-                           best.expected_error, best.is_extrapolated)
+        result[i] = replace(best, purpose=wanted.purpose, error=wanted.error)
     return result

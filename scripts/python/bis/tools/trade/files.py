@@ -115,13 +115,10 @@ def read_runs(trade: Trade) -> None:
         trade.runs.append(run)
 
 
-def _fields(run: Run, plan: Plan) -> list[Any]:
-    return [plan.settings[run.setting].name, 1 << run.level, run.replicate + 1,
-            *(getattr(run, column) for column in _COLUMNS)]
-
-
 def write_runs(trade: Trade) -> None:
     """Sort the runs by setting, budget and seed, and write them."""
     trade.runs.sort(key=lambda r: (r.setting, r.level, r.replicate))
-    write_lines(trade, "runs.csv", [HEADER] + [text.csv(*_fields(run, trade.plan))
-                                               for run in trade.runs])
+    settings = trade.plan.settings
+    write_lines(trade, "runs.csv", [HEADER] + [
+        text.csv(settings[r.setting].name, 1 << r.level, r.replicate + 1,
+                 *(getattr(r, column) for column in _COLUMNS)) for r in trade.runs])

@@ -213,10 +213,3 @@ class Trade:
     def seed_of(self, purpose: int, place: int) -> int:
         """The seed of a render: other purposes and places have others; 53 bits, as --seed takes."""
         return hashed(hashed(self.plan.seed + purpose) + place) >> 11
-
-    def find_run(self, setting: int, level: int, replicate: int) -> Optional[Run]:
-        """The run of this place, or None."""
-        for r in self.runs:
-            if (r.setting, r.level, r.replicate) == (setting, level, replicate):
-                return r
-        return None

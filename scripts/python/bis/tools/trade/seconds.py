@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Optional
 
-from .model import Advice, Setting, Trade
+from .model import Setting, Trade
 from .plan import Film
 
 TIMING_SHARE = 0.03  # each of the advised settings takes so much of the time
@@ -66,24 +66,16 @@ def _time_pass(t: Trade, s: Setting, about: float) -> Optional[float]:
     return s.fill_seconds + seconds * film.pixels / sum(block.pixels for block in chosen)
 
 
-def _known_seconds(earlier: list[Advice], a: Advice) -> Optional[float]:
-    """Of a pass, from an earlier advice with the same setting."""
-    for other in earlier:
-        if other.setting == a.setting:
-            return other.seconds / other.passes
-    return None
-
-
 def time_advice(t: Trade) -> None:
     """Replace the advice's seconds, which are the sweep's times the pixels, by better ones."""
-    timed: list[Advice] = []
+    timed: dict[int, float] = {}  # seconds of a pass, by setting
     for i, a in enumerate(t.result.advice):
         if a.setting < 0 or t.interrupted():
             continue
         t.tell("seconds of the full picture", i / len(t.result.advice), math.nan)
-        one = _known_seconds(timed, a)
+        one = timed.get(a.setting)
         if one is None:
             one = _time_pass(t, t.plan.settings[a.setting], a.seconds / a.passes)
         if one is not None:
             a.seconds = a.passes * one
-            timed.append(a)
+            timed.setdefault(a.setting, a.seconds / a.passes)

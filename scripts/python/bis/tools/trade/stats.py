@@ -138,11 +138,8 @@ def _point(trade: Trade, setting: int, level: int, runs: Sequence[Run]) -> Point
         shadow_rays=mean([float(r.shadow_rays) for r in runs]),
         candidates=mean([float(r.candidates) for r in runs]),
         rmse=math.sqrt(total(r.rmse * r.rmse for r in runs) / n),
-        relmse=mean([r.relmse for r in runs]),
-        relmse_se=standard_error([r.relmse for r in runs]),
-        noise=noise,
-        noise_se=standard_error(both),
-        bias=mean(bias),
+        relmse=mean([r.relmse for r in runs]), relmse_se=standard_error([r.relmse for r in runs]),
+        noise=noise, noise_se=standard_error(both), bias=mean(bias),
         # numpy's is that of the C library; that of math has another last digit
         bias_se=float(np.hypot(standard_error(bias), reference.se)),
         cost_variance=seconds * noise)

@@ -74,7 +74,10 @@ class View:
             how, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
         if self.has_map:  # a constant light is the same for all b
             how["area_exponent"] = s.area_exponent
-            self._tell_of_light(s)
+            built = s.area_exponent, bool(s.values.get("compensate"))
+            if built not in self.built:  # that takes a while, before the render
+                self.built.add(built)
+                t.tell("building the map's importance", math.nan, math.nan)
         if t.options.threads:
             how["threads"] = t.options.threads
         try:
@@ -89,13 +92,6 @@ class View:
         t.threads = picture.threads
         t.nonfinite += picture.nonfinite
         return picture
-
-    def _tell_of_light(self, s: Setting) -> None:
-        """Tell of what the render will do first."""
-        light = s.area_exponent, bool(s.values.get("compensate"))
-        if light not in self.built:
-            self.built.add(light)
-            self.t.tell("building the map's importance", math.nan, math.nan)
 
     def coverage(self) -> NDArray[np.float32]:
         """The share of geometry in each pixel of the measured window, (h, w)."""
