@@ -200,11 +200,7 @@ def _rule(o: Option) -> str:
     if o.kind == SIZE:
         return SIZE_RULE
     if o.kind == COUNT:
-        if o.hi >= 2.0 ** 64:
-            return "an integer >= %s, below 2^64" % text.digits(o.lo)
         return "an integer in [%.0f, %.0f]" % (o.lo, o.hi)
-    if math.isinf(o.hi):
-        return "a number %s %s" % (">" if o.above else ">=", text.digits(o.lo))
     return "a number %sin %s%s, %s]%s" % (
         "of seconds " if o.kind == SECONDS else "", "(" if o.above else "[", text.digits(o.lo),
         text.digits(o.hi), _ALSO.get(o.kind, ""))
@@ -228,17 +224,12 @@ def _number(o: Option, word: str, say: Say) -> Optional[float]:
 
 
 def _count(word: str, lo: float, hi: float) -> Optional[int]:
-    if not re.fullmatch("[0-9]+", word):
-        return None
-    v = int(word)
-    return v if int(lo) <= v <= (int(hi) if math.isfinite(hi) else (1 << 64) - 1) else None
+    return int(word) if re.fullmatch("[0-9]+", word) and lo <= int(word) <= hi else None
 
 
-def _size(word: str) -> Optional[tuple[int, int]]:
+def _size(word: str) -> Optional[tuple[int, ...]]:
     sides = [_count(side, 1, 32768) for side in word.split("x")]
-    if len(sides) != 2 or sides[0] is None or sides[1] is None:
-        return None
-    return sides[0], sides[1]
+    return tuple(side for side in sides if side) if len(sides) == 2 and all(sides) else None
 
 
 def _value(o: Option, word: str, say: Say) -> Any:
@@ -246,14 +237,12 @@ def _value(o: Option, word: str, say: Say) -> Any:
     if o.kind in (TEXT, LIST):
         if not word:
             say.error("--%s is empty, wants %s" % (o.name, o.argument))
-            return None
-        return word
+        return word or None
     if o.kind == NAME:
-        if word in o.names:
-            return word
-        say.error('--%s: no such thing as "%s"%s; it is one of %s'
-                  % (o.name, word, text.hint(word, o.names), ", ".join(o.names)))
-        return None
+        if word not in o.names:
+            say.error('--%s: no such thing as "%s"%s; it is one of %s'
+                      % (o.name, word, text.hint(word, o.names), ", ".join(o.names)))
+        return word if word in o.names else None
     if o.kind == COUNT:
         v: Any = _count(word, o.lo, o.hi)
     elif o.kind == SIZE:
@@ -277,28 +266,23 @@ class _Reader:
     operands: list[str] = field(default_factory=list)
     has_unknown: bool = False
 
-    def option(self, arguments: Sequence[str], i: int) -> int:
-        """Read the option at i. Returns how many arguments it took."""
-        name, equals, value = arguments[i][2:].partition("=")
-        options = [o for o in self.command.options if isinstance(o, Option)]
-        found = [o for o in options if o.name == name]
-        if not found:
-            self.unknown(name, [o.name for o in options])
-            return 1
-        o = found[0]
+    def option(self, word: str, rest: list[str]) -> None:
+        """Read an option. Its value may be the first one of the rest, which is taken from there."""
+        name, equals, value = word[2:].partition("=")
+        options = {o.name: o for o in self.command.options if isinstance(o, Option)}
+        if name not in options:
+            self.unknown(name, list(options))
+            return
+        o = options[name]
         self.values.given.add(o.name)
         if o.kind == FLAG and equals:
             self.say.error('--%s takes no value, has "%s"' % (o.name, value))
         elif o.kind == FLAG:
             self.store(o, True)
-        elif equals:
-            self.store(o, _value(o, value, self.say))
-        elif i + 1 == len(arguments) or arguments[i + 1].startswith("--"):
+        elif not equals and (not rest or rest[0].startswith("--")):
             self.say.error("--%s wants a value: --%s %s" % (o.name, o.name, o.argument))
         else:
-            self.store(o, _value(o, arguments[i + 1], self.say))
-            return 2
-        return 1
+            self.store(o, _value(o, value if equals else rest.pop(0), self.say))
 
     def unknown(self, name: str, names: list[str]) -> None:
         """Tell of an option that the command does not have."""
@@ -325,25 +309,20 @@ class _Reader:
 
     def read(self, arguments: Sequence[str]) -> None:
         """Read all arguments. Options and operands may be mixed; "--" ends the options."""
-        i = 0
-        options_over = False
-        while i < len(arguments):
-            a = arguments[i]
-            taken = 1
-            if options_over or not a.startswith("-") or a == "-":
+        rest = list(arguments)
+        while rest:
+            a = rest.pop(0)
+            if not a.startswith("-") or a == "-":
                 self.operands.append(a)
             elif a == "--":
-                options_over = True
+                self.operands += rest
+                break
             elif a.startswith("--"):
-                taken = self.option(arguments, i)
+                self.option(a, rest)
             else:
                 self.say.error('unknown option "%s"; options start with "--"' % a)
                 self.has_unknown = True
-            i += taken
-        self.count_operands()
-
-    def count_operands(self) -> None:
-        """Tell if there are too few or too many. Of these one may be an unknown option's value."""
+        # Of too many one may be an unknown option's value.
         c, n = self.command, len(self.operands)
         if n < c.min_operands or (n > c.max_operands and not self.has_unknown):
             many = "too few operands" if n < c.min_operands else "too many operands"

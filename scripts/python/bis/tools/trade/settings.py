@@ -74,13 +74,7 @@ _VARIANTS: dict[str, dict[str, Any]] = {
 _TYPES = {"count": "integer", "fraction": "float", "bool": "bool", "choice": "string"}  # in a scene
 
 
-class Parameter(NamedTuple):
-    """A parameter of an integrator, as bis.about() tells of it."""
-
-    name: str
-    type: str  #: "count", "fraction", "bool", "choice"
-    default: Any
-    is_option: bool  #: the command line has --NAME
+Parameter = dict[str, Any]  # name, type, default, is_option (there is --NAME), ...
 
 
 class Integrators(dict[str, list[Parameter]]):
@@ -89,31 +83,29 @@ class Integrators(dict[str, list[Parameter]]):
     @classmethod
     def of(cls, about: dict[str, Any]) -> Integrators:
         """From what bis.about() says."""
-        return cls((i["name"], [Parameter(p["name"], p["type"], p["default"], p["is_option"])
-                                for p in i["parameters"]])
-                   for i in about["integrators"])
+        return cls((i["name"], i["parameters"]) for i in about["integrators"])
 
     def rivals(self) -> list[str]:
         """Those that are compared. `exact` and `unoccluded` are not, because one is a reference and
         the other leaves the shadows out."""
         return [name for name, parameters in self.items()
-                if any(p.name in ("shadowrays", "samples") for p in parameters)]
+                if any(p["name"] in ("shadowrays", "samples") for p in parameters)]
 
     def defaults(self, name: str) -> dict[str, Any]:
         """The values of an integrator's parameters where nothing is said."""
-        return {p.name: p.default for p in self[name]}
+        return {p["name"]: p["default"] for p in self[name]}
 
     def _told(self, s: Setting) -> list[tuple[Parameter, Any]]:
         """The parameters that a text names, and their values."""
-        return [(p, s.values[p.name]) for p in self[s.integrator]
-                if p.type == "count" or s.values[p.name] != p.default]
+        return [(p, s.values[p["name"]]) for p in self[s.integrator]
+                if p["type"] == "count" or s.values[p["name"]] != p["default"]]
 
     def scene_text(self, s: Setting, scenes_b: float) -> str:
         """What a scene file says: counts, and what differs from the defaults."""
         words = ['Integrator "%s"' % s.integrator]
         for p, value in self._told(s):
-            form = '"%s %s" "%s"' if p.type == "choice" else '"%s %s" %s'
-            words.append(form % (_TYPES[p.type], p.name, _word(value)))
+            form = '"%s %s" "%s"' if p["type"] == "choice" else '"%s %s" %s'
+            words.append(form % (_TYPES[p["type"]], p["name"], _word(value)))
         b = ""
         if s.area_exponent != scenes_b:
             b = '; in LightSource: "float areaexponent" ' + text.digits(s.area_exponent)
@@ -124,8 +116,8 @@ class Integrators(dict[str, list[Parameter]]):
         words = ["--integrator " + s.integrator]
         is_reachable = s.area_exponent == scenes_b
         for p, value in self._told(s):
-            is_reachable = is_reachable and p.is_option
-            words.append("--%s %s" % (p.name, _word(value, ("off", "on"))))
+            is_reachable = is_reachable and p["is_option"]
+            words.append("--%s %s" % (p["name"], _word(value, ("off", "on"))))
         return " ".join(words) if is_reachable else ""
 
 
