@@ -208,15 +208,10 @@ def _method_line(m: Method, e: Exact) -> str:
     line = "%-16s %9s %11.6g %10.2g" % (
         m.name, _draws(m), found.mean.sum, found.mean.sum_standard_error)
     line += " %8.4f" % (found.mean.sum / truth) if truth > 0 else " %8s" % "-"
-    if math.isfinite(found.z):
-        line += " %7.2f%s" % (found.z, "?" if m.is_too_skew else " ")
-    else:
-        line += " %8s" % "-"
-    if math.isfinite(found.relative_error):
-        line += " %10.3g %%" % (100 * found.relative_error)
-    else:
-        line += " %12s" % "-"
-    return line + " %8.4g" % found.rays
+    z = "%7.2f%s" % (found.z, "?" if m.is_too_skew else " ") if math.isfinite(found.z) else "-"
+    error = 100 * found.relative_error
+    error_of_one = "%10.3g %%" % error if math.isfinite(error) else "-"
+    return line + " %8s %12s %8.4g" % (z, error_of_one, found.rays)
 
 
 def _method_lines(report: Report, e: Exact) -> Iterator[str]:
@@ -445,11 +440,6 @@ def _records(rows: Iterator[list[Any]], names: str) -> Iterator[dict[str, Any]]:
         yield {name: row[place] for name, place in places}
 
 
-def _json_rays(report: Report) -> Iterator[dict[str, Any]]:
-    return _records(_rays_table(report, SHOWN),
-                    "method sample theta_deg phi_deg q_map q_brdf product seen")
-
-
 def _json_candidate_list(report: Report) -> Iterator[dict[str, Any]]:
     """Those that weigh something: the others have no direction."""
     n = 0
@@ -467,8 +457,9 @@ def _page_data(report: Report) -> dict[str, Any]:
     shown = [{"method": m.name, "estimates": m.estimates,
               "rays": 0 if m.rays is None else len(m.rays.wi), "too_skew": m.is_too_skew}
              for m in report.methods]
-    return {**json_of(report), "sphere": _json_sphere(report), "shown": shown,
-            "rays": list(_json_rays(report)),
+    rays = _records(_rays_table(report, SHOWN),
+                    "method sample theta_deg phi_deg q_map q_brdf product seen")
+    return {**json_of(report), "sphere": _json_sphere(report), "shown": shown, "rays": list(rays),
             "candidate_list": list(_json_candidate_list(report)), "light": report.about["light"],
             "material_name": _material_name(report.about)}
 

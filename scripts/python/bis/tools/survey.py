@@ -212,10 +212,9 @@ def _sum_levels(s: Survey, m: Map, levels: int) -> None:
         sphere = _add_by(sphere, index, angle / SPHERE)
         power = _add_by(power, index, value * angle / s.power)
     regions = np.bincount(m.regions.levels, minlength=n)
-    for k in range(n):
-        s.levels.append(Level(
-            s.least * math.exp(log_range * k / n), s.least * math.exp(log_range * (k + 1) / n),
-            int(pixels[k]), float(sphere[k]), float(power[k]), int(regions[k])))
+    edges = [s.least * math.exp(log_range * k / n) for k in range(n + 1)]
+    s.levels = list(map(Level, edges, edges[1:], pixels.astype(int).tolist(), sphere.tolist(),
+                        power.tolist(), regions.tolist()))
 
 
 def _rank_regions(s: Survey, m: Map) -> None:

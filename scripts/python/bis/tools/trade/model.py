@@ -79,10 +79,7 @@ class Plan:
 
     def find(self, name: str) -> int:
         """The index of the setting with this name, or -1."""
-        for i, s in enumerate(self.settings):
-            if s.name == name:
-                return i
-        return -1
+        return next((i for i, s in enumerate(self.settings) if s.name == name), -1)
 
     def planned_runs(self) -> int:
         """How many runs the sweep has."""
@@ -195,15 +192,11 @@ class Trade:
     view: Any = None  #: view.View: the scene, which renders
     start: float = field(default_factory=time.monotonic)
     progress: Optional[Progress] = None
-    is_interrupted: Callable[[], bool] = lambda: False
+    interrupted: Callable[[], bool] = lambda: False  #: whether the user has interrupted it
 
     def spent(self) -> float:
         """Seconds since the measurement began."""
         return time.monotonic() - self.start
-
-    def interrupted(self) -> bool:
-        """Whether the user has interrupted the measurement."""
-        return self.is_interrupted()
 
     def tell(self, what: str, share: float, seconds_left: float) -> None:
         """Tell how far the measurement is, if somebody looks on."""

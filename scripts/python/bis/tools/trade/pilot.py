@@ -67,12 +67,11 @@ def _pilot_setting(t: Trade, s: Setting, seconds: float) -> None:
         # So many that three passes fit into twice the setting's share of the time, but so many that
         # what a pass costs whatever its size is 1/16 of it, less than the pilot's scatter: it would
         # count as the pixels' else.
-        wanted = min(wanted, max(PROBE_PIXELS, max(2 * seconds / 3,
-                                                   16 * s.fill_seconds) / of_pixel))
+        least = max(2 * seconds / 3, 16 * s.fill_seconds)
+        wanted = min(wanted, max(PROBE_PIXELS, least / of_pixel))
     step = frame.step_for(wanted)
     pixels = frame.film(step).pixels
     first, _ = _seconds(t, s, step, 1, seed)
-    s.pass_seconds, s.pass_relmse = first / pixels, math.nan
     passes = int(min(max(seconds / first, 2), MOST_PASSES))
     second, error = _seconds(t, s, step, passes, seed + 1)
     s.pass_seconds, s.pass_relmse = second / pixels / passes, error * error * passes

@@ -190,7 +190,7 @@ def trade(o: SimpleNamespace, scene: str, say: command.Say) -> int:
         raise Error("error: bis trade reads the scene again with --resume: give a file, not -")
     show = not o.quiet and os.isatty(2)
     t = Trade(_options(o, scene), progress=_print_progress if show else None,
-              is_interrupted=command.interrupted)
+              interrupted=command.interrupted)
     command.catch_signals()
     made_folder, failed = False, True
     try:
