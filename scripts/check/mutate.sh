@@ -192,11 +192,11 @@ exit
 # - x > 0 ? pixel - 1 : pixel + (width - 1)
 # + x > 0 ? pixel - 1 : pixel
 #
-# * regions test_regions : bands of rows are not joined
-# - join_bands(r->label, level, em);
+# * components test_regions : bands of rows are not joined
+# - if (!status) join_bands(&m);
 # + (void)join_bands;
 #
-# * regions test_regions : the later of two joined bands gives the label
+# * components test_regions : the later of two joined bands gives the label
 # - if (above < here) label[here] = above;
 # + if (above > here) label[here] = above;
 #
