@@ -68,7 +68,7 @@ PAGES   := $(wildcard scripts/python/pages/[!f]*.html)
 INSTRUMENTS := $(filter-out bis-instrument,$(notdir $(wildcard scripts/python/bis-*)))
 # The pages of the instruments, each in one file, where the package finds them.
 ASSEMBLED := $(PAGES:scripts/python/pages/%=scripts/python/bis/pages/%)
-OBJ     := $(SRC:%.c=$B/%.o) $(PAGES:%.html=$B/%.o) $B/src/cli/help_scene.o
+OBJ     := $(SRC:%.c=$B/%.o) $B/src/cli/help_scene.o
 LIB     := $B/libbis.a
 # What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit.
 VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
@@ -206,12 +206,6 @@ $(ASSEMBLED): scripts/python/bis/pages/%: scripts/python/pages/% scripts/python/
 	@mkdir -p $(@D)
 	$(call say,PAGE,$@)
 	$Qawk -f scripts/python/pages/page.awk $< scripts/python/pages/frame.html >$@.new && mv $@.new $@
-# UNTIL THE INSTRUMENTS IN C ARE GONE: the same as strings.
-$(PAGES:%.html=$B/%.o): $B/scripts/python/pages/%.o: scripts/python/bis/pages/%.html $B/.flags
-	@mkdir -p $(@D)
-	$Q{ echo 'const char bis_$(subst envmap,survey,$(notdir $*))_page[] ='; \
-    sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
-
 # The tables of the scene format, for `bis help`.
 $B/src/cli/help_scene.o: docs/scene-format.md src/cli/help_scene.awk src/cli/help.h $B/.flags
 	@mkdir -p $(@D)

@@ -3,9 +3,9 @@
 # setup: installs what bis needs to build, to render and to test itself, and nothing when all of it is there.
 #     scripts/setup.sh [--mpi] [--web] [--python] [--marking] [--all]
 # Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs`, `make web`, `make
-# test-web` and `make test-browser`, --python the tests of the wheel and notebooks; --marking the sandbox of `make grade`; --all is all
-# four. As root, or by sudo. For Debian 12 and 13 (there libembree-dev is Embree 4; the source takes both) and Ubuntu
-# 24.04.
+# test-web` and `make test-browser`, --python the tests of the wheel and notebooks; --marking the sandbox of `make
+# grade`; --all is all four. As root, or by sudo. For Debian 12 and 13 (there libembree-dev is Embree 4; the source
+# takes both) and Ubuntu 24.04.
 # UNTRIED: Fedora and Arch, whose names come from documentation.
 set -eu
 

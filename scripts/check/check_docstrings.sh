@@ -115,9 +115,9 @@ awk -v whole=$(($# == 0)) '
     BEGIN {
         list = "choose_systematic mix weigh" # lanes: restrict belongs to a parameter
         list = list " add_em add_brdf" # taught: answers of the course have these heads
-        list = list " bis_film_init_thin bis_page_numbers" # a place or a name for messages beside what is made
+        list = list " bis_film_init_thin" # a place or a name for messages beside what is made
         # one caller, for which alone a struct would be filled in
-        list = list " add_samples gather bis_pixel_method_run bis_pixel_rays_record bis_product_draw"
+        list = list " add_samples gather bis_pixel_rays_record bis_product_draw"
         list = list " bis_render_part_write"
         n = split(list, names, " ")
         for (i = 1; i <= n; i++) stays[names[i]]

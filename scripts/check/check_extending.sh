@@ -18,6 +18,16 @@ say() {
     exit 1
 }
 
+# library OBJECT...: what a program of these objects measures with (bis pixel, bis trade). The objects come before ours.
+version=$(sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
+library() {
+    # shellcheck disable=SC2086
+    mkdir -p "$root/library" && $BIS_LINK -shared -Wl,--allow-multiple-definition \
+        -o "$root/library/libbis.so.$version" "$@" \
+        -Wl,--whole-archive "$BIS_BUILD/libbis.a" -Wl,--no-whole-archive $BIS_LIBS ||
+        say "the library does not link"
+}
+
 rm -rf "$root" && mkdir -p "$root" && cp -R src include docs scripts "$root" || exit 1
 awk -v root="$root" '
     /^<!-- tests\/whole\/uniform\.c/ { file = root "/src/beyond/uniform.c"; next }
@@ -52,6 +62,7 @@ done
 $BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/again_many.o" "$root/moon.o" \
     "$root/moon_many.o" "$root/world_again.o" "$BIS_BUILD/libbis.a" $BIS_LIBS ||
     say "the program with a BRDF more does not link"
+library "$root/again.o" "$root/moon.o" "$root/world_again.o"
 # What scenes may say of dust, and what they may not.
 dust() {
     cat <<END
@@ -107,6 +118,8 @@ done
 # shellcheck disable=SC2086
 $BIS_LINK -o "$root/bis" "$BIS_BUILD/src/cli/main.o" $objects "$BIS_BUILD/libbis.a" $BIS_LIBS ||
     say "the program does not link"
+# shellcheck disable=SC2086
+library $objects
 
 # has NAME TEXT COMMAND...: the command ends well and prints that text.
 has() {

@@ -13,10 +13,9 @@ BEGIN {
     may["scene"]  = "base shape thesis beyond files"
     may["parse"]  = "base shape thesis beyond files scene"
     may["render"] = "base shape thesis beyond scene"
-    may["out"]    = "base files"
-    may["tools"]  = "base shape thesis beyond files scene render out"
-    may["flat"]   = "base shape thesis beyond files scene parse render out tools"
-    may["cli"]    = "base shape thesis beyond files scene parse render out tools flat"
+    may["tools"]  = "base shape thesis beyond files scene render"
+    may["flat"]   = "base shape thesis beyond files scene parse render tools"
+    may["cli"]    = "base shape thesis beyond files scene parse render tools flat"
 }
 function folder(path) { sub(/^(src|include\/bis|bis)\//, "", path); sub(/\/.*/, "", path); return path }
 FNR == 1 {

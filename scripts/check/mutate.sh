@@ -540,14 +540,6 @@ exit
 # - static double student_975(double dof)
 # + static double student_975(double d) { return 1.96 + 0 * d; } __attribute__((unused)) static double old(double dof)
 #
-# * trade_stats test_trade : the reference's noise counts as the method's
-# - p.noise = mean_of(&both) - t->both.relmse;
-# + p.noise = mean_of(&both);
-#
-# * trade_reference test_trade : the noisier reference gets the larger weight
-# - b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
-# + b->relmse > 0 ? a->relmse / (a->relmse + b->relmse) : 0.5;
-#
 # * point.h test_point : terms below the surface are noted
 # - if (dot(pt->ng, wi) <= 0) return;
 # + ;

@@ -4,7 +4,7 @@
 # browser? `make test-browser` calls it; no part of `make test`.
 #     scripts/check/test_browser.sh BIS FOLDER
 # Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what
-# the page's script says of itself (src/tools/trade/page.html): it draws, the slider's cut moves, the choice of a
+# the page's script says of itself (scripts/python/pages/trade.html): it draws, the slider's cut moves, the choice of a
 # picture works, nothing was fetched. Then two screenshots, wide and narrow, must not be blank. And a twin: the page
 # without its script must fail. Without a Chromium it says so and exits with 0.
 bis=$1

@@ -136,13 +136,21 @@ trade_pages() {
         echo "bis trade is not run: it needs bubblewrap"
         return
     fi
+    version=$(sed -n 's/^#define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
     for who in mine ours; do
         objects=""
         [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/units"
         # shellcheck disable=SC2086
-        $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
-        run "$tool" run -c 120 -r "$work/bis-$who" -r "$PWD/data" -w "$work/kept" -- \
-            "$work/bis-$who" trade --quick --time 60 --quiet --integrator brdf --integrator sir \
+        home=$work/bis-$who
+        mkdir -p "$home/library"
+        # The program, and its library, which trade loads: theirs comes before ours of the same name.
+        # shellcheck disable=SC2086
+        $BIS_LINK -o "$home/bis" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
+        # shellcheck disable=SC2086
+        $BIS_LINK -shared -o "$home/library/libbis.so.$version" $objects -Wl,--allow-multiple-definition \
+            -Wl,--whole-archive ${BIS_OBJECTS##* } -Wl,--no-whole-archive $BIS_LIBS || return
+        PATH="$PWD/scripts/python:$PATH" run "$tool" run -c 120 -r "$home" -r "$PWD/scripts/python" -r "$PWD/data" \
+            -w "$work/kept" -- "$home/bis" trade --quick --time 60 --quiet --integrator brdf --integrator sir \
             --output "$work/kept/trade-$who" "$PWD/data/scenes/microfacet.txt" >"$work/messages" || {
             sed 5q "$work/messages" >&2
             return

@@ -4,7 +4,7 @@
 #include "still.h"
 
 #include "bis/base/file.h"
-#include "out/page.h"
+#include "files/image_png.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,9 +47,35 @@ bis_image still_field(int width, int height)
     return field;
 }
 
+/* RFC 4648. */
+static void put_base64(FILE *out, const unsigned char *data, size_t n)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < n; i += 3) {
+        const unsigned second = i + 1 < n ? data[i + 1] : 0, third = i + 2 < n ? data[i + 2] : 0;
+        const unsigned v = (unsigned)data[i] << 16 | second << 8 | third;
+        fputc(digits[v >> 18], out);
+        fputc(digits[v >> 12 & 63], out);
+        fputc(i + 1 < n ? digits[v >> 6 & 63] : '=', out);
+        fputc(i + 2 < n ? digits[v & 63] : '=', out);
+    }
+}
+
 void still_picture(bis_json *j, const char *key, bis_image *image)
 {
-    char *png = bis_page_png(image, 0, NULL);
+    bis_channel channels[4];
+    bis_picture picture = bis_image_picture(image, channels);
+    char *bytes = NULL, *png = NULL;
+    size_t n = 0, length = 0;
+    FILE *binary = open_memstream(&bytes, &n), *text = open_memstream(&png, &length);
+
+    picture.has_exposure = true; /* 0: the colours as they are */
+    still_check(binary && text ? bis_png_write(binary, &picture, "picture", NULL) : BIS_NOMEM);
+    still_check(fclose(binary) == 0 ? BIS_OK : BIS_NOMEM);
+    fputs("data:image/png;base64,", text);
+    put_base64(text, (const unsigned char *)bytes, n);
+    still_check(fclose(text) == 0 ? BIS_OK : BIS_NOMEM);
+    free(bytes);
 
     if (!png) still_check(BIS_NOMEM);
     bis_json_text(j, key, png);

@@ -10,7 +10,7 @@
 #include "bis/thesis/integrator.h"
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
-#include "out/json.h"
+#include "tools/json.h"
 
 enum { ERRATA_SEED = 34 };
 

@@ -174,9 +174,7 @@ void bis_cli_ranks_close(void);
 /* bis_cmd_render and the others are the commands: they take the arguments behind the command's name and return the exit
  * status. */
 int bis_cmd_render(int argc, char **argv);
-int bis_cmd_trade(int argc, char **argv);
 int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_convert(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);
-int bis_cmd_pixel(int argc, char **argv);
 int bis_cmd_merge(int argc, char **argv);

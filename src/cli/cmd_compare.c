@@ -5,7 +5,7 @@
 #include "bis/files/image_file.h"
 
 #include "cli.h"
-#include "out/json.h"
+#include "tools/json.h"
 
 typedef struct compare_options {
     bool json, has_tolerance;

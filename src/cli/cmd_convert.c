@@ -5,7 +5,7 @@
 #include "files/image_png.h"
 
 #include "cli.h"
-#include "out/tone.h"
+#include "tone.h"
 
 #include <string.h>
 

@@ -9,7 +9,7 @@
 #include "bis/scene/light_load.h"
 
 #include "cli.h"
-#include "out/json.h"
+#include "tools/json.h"
 
 #include <string.h>
 #include <strings.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* image_png: 8 bit sRGB pictures to look at, written by libpng, and colours for textures, read by it. For
- * src/files/image_file.c, and src/tools/trade/trade_strips.c and src/out/page.c, whose pictures stand in a page. */
+ * src/files/image_file.c, and src/flat/flat_image.c, whose pictures stand in a page. */
 #pragma once
 
 #include "bis/files/image_file.h"

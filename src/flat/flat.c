@@ -8,6 +8,7 @@
 #include "bis/base/version.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/scene/light_load.h"
+#include "bis/scene/scene.h"
 #include "bis/thesis/alias.h"
 #include "bis/thesis/phong.h"
 #include "flat/say.h"
@@ -382,6 +383,31 @@ int bis_flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, dou
         else Ks[i] = bis_fresnel(eta[i], k[i] * k[i], 1);
     }
     if (!status) status = place(bsdf, bis_microfacet_metal(colour(Ks), colour(eta), roughness), normal, wo, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_bsdf_read(bis_bsdf **bsdf, const char *text, const double *normal, const double *wo, char *say,
+                       size_t size)
+{
+    static const char world[] = "WorldBegin\nLightSource \"infinite\"\n", shape[] = "\nShape \"sphere\"\n";
+    bis_diag diag = {0};
+    bis_scene_desc *d = NULL;
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, text, normal, wo);
+    const size_t room = status ? 0 : strlen(text) + sizeof world + sizeof shape;
+    char *scene = status ? NULL : bis_alloc(room, 1);
+
+    if (bsdf) *bsdf = NULL;
+    if (!status && !scene) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a material");
+    if (!status) {
+        snprintf(scene, room, "%s%s%s", world, text, shape);
+        status = bis_scene_parse_text(&d, "material", scene, 0, &diag);
+    }
+    bis_free(scene);
+    const uint32_t at = status ? 0 : d->shapes[d->n_shapes - 1].material;
+    if (!status && bis_textures_of(&d->textures, at))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the material has a texture: give it values");
+    if (!status) status = place(bsdf, d->materials[at], normal, wo, &diag);
+    bis_scene_desc_free(d);
     return bis_flat_end(status, &diag, say, size);
 }
 

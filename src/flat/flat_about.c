@@ -10,7 +10,7 @@
 #include "bis/thesis/integrator.h"
 #include "flat/say.h"
 #include "flat/wishes.h"
-#include "out/json.h"
+#include "tools/json.h"
 #include "tools/describe.h"
 
 #include <stdlib.h>

@@ -130,12 +130,11 @@ static bis_status load_light(bis_light **light, bis_flat_scene *s, const bis_lig
     return BIS_OK;
 }
 
-/* A light that is given for one picture is built for that picture's method alone. */
-static bis_status take_given(bis_flat_scene *s, bis_scene_desc *d, const bis_flat_wishes *w, bis_diag *diag)
+bis_status bis_flat_scene_given(bis_light **light, bis_scene_desc *d, const bis_flat_wishes *w, unsigned needs,
+                                bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(w->light);
     const bis_image image = {em->width, em->height, em->pixels, NULL};
-    const unsigned needs = d->view.settings.integrator->light_needs(&d->view.settings);
     bis_light_desc desc = bis_light_desc_default();
 
     desc.filename = (char *)(uintptr_t)"the given light"; /* only read */
@@ -146,9 +145,7 @@ static bis_status take_given(bis_flat_scene *s, bis_scene_desc *d, const bis_fla
     desc.as_printed = d->view.settings.as_printed;
     desc.to_world = d->light.to_world;
     desc.table_kind = bis_light_table_kind(&desc, needs, d->view.sampler.kind);
-    bis_light_free(s->given);
-    s->given = NULL;
-    const bis_status status = bis_light_load(&s->given, &desc, needs, NULL, diag);
+    const bis_status status = bis_light_load(light, &desc, needs, NULL, diag);
     desc.image = NULL; /* it was read */
     d->light = desc;
     d->has_light = true;
@@ -164,8 +161,11 @@ bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_
     *light = s->scene->light;
     if (w->light && !d->light.filename) d->light.to_world = s->desc->upright; /* as bis_scene_parse_as has it */
     turn(&d->light, w->turn);
-    if (w->light) {
-        const bis_status status = take_given(s, d, w, diag);
+    if (w->light) { /* built for this picture's method alone */
+        bis_light_free(s->given);
+        s->given = NULL;
+        const bis_status status =
+            bis_flat_scene_given(&s->given, d, w, d->view.settings.integrator->light_needs(&d->view.settings), diag);
         *light = s->given;
         return status;
     }

@@ -1,32 +1,42 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* flat_stage: one point of a scene, for the figures of chapter 4 that live. What `bis pixel` prints of a pixel stands
  * here as arrays; src/tools/pixel computes it for both. */
-#include "bis/flat/taught.h"
+#include "flat/stage.h"
 
 #include "bis/base/mem.h"
 #include "bis/thesis/envmap.h"
 #include "flat/say.h"
 #include "flat/wishes.h"
 #include "thesis/candidates.h"
-#include "tools/pixel/pixel.h"
 #include "tools/verify/verify.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-struct bis_flat_stage {
-    bis_scene_desc *desc;
-    bis_scene *scene;
-    bis_settings own; /* of the scene: each question begins with them */
-    bis_counters counters;
-    bis_pixel_hit hit;
-    bis_point pt;
-    bool is_hit;
-    bool knows_exact;
-    uint32_t exact_seed;
-    bis_pixel_exact exact;
-};
-
 static const bis_loc nowhere = {0};
+
+/* A stage of a scene that somebody keeps open. What it looks at may have another light. */
+static bis_status begin(bis_flat_stage *s, const bis_scene *scene, const bis_light *light, bis_diag *diag)
+{
+    const bis_flat_wishes w = {.light = light};
+    bis_status status = BIS_OK;
+
+    s->scene = *scene;
+    s->desc = *scene->desc;
+    s->scene.desc = &s->desc;
+    if (light) {
+        if (!s->desc.light.filename) s->desc.light.to_world = s->desc.upright; /* as bis_scene_parse_as has it */
+        status = bis_flat_scene_given(&s->own_light, &s->desc, &w, BIS_VERIFY_LIGHT_NEEDS, diag);
+    } else if (s->desc.light_needs & BIS_NEED_COMPENSATED) { /* of one method alone; the others would draw by it, too */
+        bis_light_desc *own = &s->desc.light;
+        own->as_printed = s->desc.view.settings.as_printed;
+        own->table_kind = bis_light_table_kind(own, BIS_VERIFY_LIGHT_NEEDS, s->desc.view.sampler.kind);
+        status = bis_light_load(&s->own_light, own, BIS_VERIFY_LIGHT_NEEDS, NULL, NULL);
+        if (status) bis_error(diag, status, nowhere, "the light cannot be built without compensation");
+    }
+    if (s->own_light) s->scene.light = s->own_light;
+    return status;
+}
 
 int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, char *say, size_t size)
 {
@@ -37,14 +47,32 @@ int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *c
     if (stage) *stage = NULL;
     if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a stage");
     if (!status) *s = (bis_flat_stage){0};
-    if (!status) status = bis_flat_describe(&s->desc, scene, settings, &diag);
+    if (!status) status = bis_flat_describe(&s->own_desc, scene, settings, &diag);
     if (!status) {
-        s->desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
-        s->own = s->desc->view.settings;
-        status = bis_scene_build(&s->scene, s->desc, &diag);
+        s->own_desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+        status = bis_scene_build(&s->own_scene, s->own_desc, &diag);
     }
-    if (!status && !bis_light_envmap(s->scene->light))
+    if (!status && !bis_light_envmap(s->own_scene->light))
         status = bis_error(&diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
+    if (!status) status = begin(s, s->own_scene, NULL, &diag);
+    if (!status) *stage = s;
+    else bis_flat_stage_close(s);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, char *say,
+                      size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, stage, scene);
+    bis_flat_stage *s = status ? NULL : bis_alloc(1, sizeof *s);
+
+    if (stage) *stage = NULL;
+    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a stage");
+    if (!status) {
+        *s = (bis_flat_stage){0};
+        status = begin(s, scene->scene, light, &diag);
+    }
     if (!status) *stage = s;
     else bis_flat_stage_close(s);
     return bis_flat_end(status, &diag, say, size);
@@ -53,8 +81,10 @@ int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *c
 void bis_flat_stage_close(bis_flat_stage *stage)
 {
     if (!stage) return;
-    bis_scene_free(stage->scene);
-    bis_scene_desc_free(stage->desc);
+    bis_light_free(stage->own_light);
+    bis_scene_free(stage->own_scene);
+    bis_scene_desc_free(stage->own_desc);
+    free(stage->about); /* of the C library */
     bis_free(stage);
 }
 
@@ -64,7 +94,7 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, found);
 
     if (!status) {
-        const bis_film_desc *film = &stage->desc->view.film;
+        const bis_film_desc *film = &stage->desc.view.film;
         if (!(x >= 0 && x < film->width && y >= 0 && y < film->height))
             status = bis_error(&diag, BIS_INPUT, nowhere, "pixel (%d, %d) is outside %d x %d", x, y, film->width,
                                film->height);
@@ -72,7 +102,10 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
     if (status) return bis_flat_end(status, &diag, say, size);
     memset(found, 0, 8 * sizeof *found);
     stage->knows_exact = false;
-    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, stage->scene, x, y, &stage->counters);
+    stage->is_chosen = true;
+    stage->x = x;
+    stage->y = y;
+    stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, &stage->scene, x, y, &stage->counters);
     if (stage->is_hit) {
         const vec3 p = stage->pt.p, n = stage->pt.n;
         const double all[8] = {1, (double)p.x, (double)p.y, (double)p.z, (double)n.x, (double)n.y, (double)n.z,
@@ -82,10 +115,21 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
     return bis_flat_end(BIS_OK, &diag, say, size);
 }
 
-static bis_status check_hit(const bis_flat_stage *stage, bis_diag *diag)
+bis_status bis_flat_stage_hit(const bis_flat_stage *stage, bis_diag *diag)
 {
     if (stage->is_hit) return BIS_OK;
     return bis_error(diag, BIS_INPUT, nowhere, "no point was chosen, or its pixel sees no surface: choose another one");
+}
+
+bis_status bis_flat_stage_know(bis_flat_stage *stage, uint64_t seed, bis_diag *diag)
+{
+    bis_status status = bis_flat_stage_hit(stage, diag);
+
+    if (status || (stage->knows_exact && stage->exact_seed == seed)) return status;
+    status = bis_pixel_exact_of(&stage->exact, &stage->pt, BIS_PIXEL_MAX_PATCHES, seed, diag);
+    stage->knows_exact = !status;
+    stage->exact_seed = seed;
+    return status;
 }
 
 int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, char *say, size_t size)
@@ -93,12 +137,7 @@ int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, ch
     bis_diag diag = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, value);
 
-    if (!status) status = check_hit(stage, &diag);
-    if (!status && !(stage->knows_exact && stage->exact_seed == seed)) {
-        status = bis_pixel_exact_of(&stage->exact, &stage->pt, BIS_PIXEL_MAX_PATCHES, seed, &diag);
-        stage->knows_exact = !status;
-        stage->exact_seed = seed;
-    }
+    if (!status) status = bis_flat_stage_know(stage, seed, &diag);
     if (!status) {
         const bis_pixel_exact *e = &stage->exact;
         memcpy(value, (double[]){e->lit.mean[3], e->lit.se[3], e->open.mean[3], e->open.se[3]}, 4 * sizeof *value);
@@ -107,6 +146,15 @@ int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, ch
 }
 
 /* ---- directions of a lat-long field in the light's frame ---- */
+
+/* The axes of the light's frame in world space; a constant has those that the scene gives it. */
+static void axes_of(const bis_flat_stage *stage, vec3 axis[3])
+{
+    const bis_xform *to_world = &stage->desc.light.to_world;
+
+    if (!bis_light_is_constant(stage->scene.light)) bis_light_axes(stage->scene.light, axis);
+    else for (int i = 0; i < 3; i++) axis[i] = bis_xform_vector(to_world, vec3_from(i == 0, i == 1, i == 2));
+}
 
 /* The middle of a cell in world space. */
 static vec3 middle_of(const vec3 axis[3], int columns, int rows, int x, int y)
@@ -117,7 +165,7 @@ static vec3 middle_of(const vec3 axis[3], int columns, int rows, int x, int y)
     return normalize(to_world(&light, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta))));
 }
 
-static bis_status check_field(int columns, int rows, bis_diag *diag)
+bis_status bis_flat_stage_field(int columns, int rows, bis_diag *diag)
 {
     if (columns >= 1 && columns <= 4096 && rows >= 1 && rows <= 4096) return BIS_OK;
     return bis_error(diag, BIS_INPUT, nowhere, "a field of %d x %d: give 1 to 4096 each", columns, rows);
@@ -130,10 +178,10 @@ int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, q_L, q_f, product, seen, peak);
     vec3 axis[3];
 
-    if (!status) status = check_field(columns, rows, &diag);
-    if (!status) status = check_hit(stage, &diag);
+    if (!status) status = bis_flat_stage_field(columns, rows, &diag);
+    if (!status) status = bis_flat_stage_hit(stage, &diag);
     if (status) return bis_flat_end(status, &diag, say, size);
-    bis_light_axes(stage->scene->light, axis);
+    axes_of(stage, axis);
     memset(peak, 0, 4 * sizeof *peak);
     for (int i = 0; i < columns * rows; i++) {
         const vec3 wi = middle_of(axis, columns, rows, i % columns, i / columns);
@@ -155,8 +203,8 @@ int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, 
     vec3 axis[3];
 
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, wi, cell);
-    if (!status) status = check_field(columns, rows, &diag);
-    if (!status) bis_light_axes(stage->scene->light, axis);
+    if (!status) status = bis_flat_stage_field(columns, rows, &diag);
+    if (!status) axes_of(stage, axis);
     for (size_t i = 0; !status && i < n; i++) {
         const frame light = {axis[0], axis[1], axis[2]};
         const float *d = wi + 3 * i;
@@ -175,18 +223,39 @@ int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, 
 
 /* ---- methods ---- */
 
-/* Sets the integrator of the description for one question. */
-static bis_status ask_for(bis_flat_stage *stage, const char *const *settings, bis_diag *diag)
+/* unoccluded draws candidates as sir does. It has no parameter for that in scenes, because it only looks at them. */
+static bis_status set_proposal(bis_settings *s, const char *name, bis_diag *diag)
 {
-    const bis_status status = check_hit(stage, diag);
-
-    stage->desc->view.settings = stage->own;
-    return status ? status : bis_flat_apply(stage->desc, settings, diag);
+    for (bis_proposal p = BIS_PROPOSAL_EM; p <= BIS_PROPOSAL_MIX; p++) {
+        if (strcmp(name, bis_proposal_name(p)) != 0) continue;
+        s->proposal = p;
+        return BIS_OK;
+    }
+    return bis_error(diag, BIS_INPUT, nowhere, "proposal is \"%.40s\": integrator \"unoccluded\" takes em, brdf or mix",
+                     name);
 }
 
-static bis_status check_sir(const bis_flat_stage *stage, size_t room, bis_diag *diag)
+bis_status bis_flat_stage_ask(bis_flat_stage *stage, const char *const *settings, bis_diag *diag)
 {
-    const bis_settings *s = &stage->desc->view.settings;
+    bis_scene_desc *asked = &stage->asked;
+    bis_status status = bis_flat_stage_hit(stage, diag);
+
+    *asked = stage->desc; /* which is read alone, and never freed */
+    for (int later = 0; later < 2; later++) { /* the integrator first */
+        for (const char *const *s = settings; !status && *s; s++) {
+            const char *const one[] = {*s, NULL};
+            if ((strncmp(*s, "integrator=", 11) != 0) != later) continue;
+            if (asked->view.settings.integrator == &bis_unoccluded && strncmp(*s, "proposal=", 9) == 0)
+                status = set_proposal(&asked->view.settings, *s + 9, diag);
+            else status = bis_flat_apply(asked, one, diag);
+        }
+    }
+    return status;
+}
+
+bis_status bis_flat_stage_sir(const bis_flat_stage *stage, size_t room, bis_diag *diag)
+{
+    const bis_settings *s = &stage->asked.view.settings;
 
     if (s->integrator != &bis_sir)
         return bis_error(diag, BIS_INPUT, nowhere, "integrator \"%s\" has no candidates to show: give sir",
@@ -204,7 +273,7 @@ static bis_status draw(bis_pixel_candidates *c, bis_flat_stage *stage, uint32_t 
 
     bis_sampler_set_spp(&sampler, 1);
     bis_stream_init(&stream, &sampler, run, 0);
-    return bis_pixel_candidates_draw(c, &stage->pt, &stage->desc->view.settings, &stream, diag);
+    return bis_pixel_candidates_draw(c, &stage->pt, &stage->asked.view.settings, &stream, diag);
 }
 
 int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room, float *wi,
@@ -214,8 +283,8 @@ int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings
     bis_pixel_candidates c = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, wi, w, chosen, kind, sum);
 
-    if (!status) status = ask_for(stage, settings, &diag);
-    if (!status) status = check_sir(stage, room, &diag);
+    if (!status) status = bis_flat_stage_ask(stage, settings, &diag);
+    if (!status) status = bis_flat_stage_sir(stage, room, &diag);
     const uint64_t before = status ? 0 : stage->counters.shadow_rays;
     if (!status) status = draw(&c, stage, seed, 0, &diag);
     for (size_t i = 0; !status && i < room; i++) {
@@ -242,12 +311,12 @@ static bis_status run(rgb **estimate, bis_counters *counters, bis_flat_stage *st
 {
     if (!(n >= 2 && n <= most))
         return bis_error(diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to %zu", n, most);
-    const bis_status status = ask_for(stage, settings, diag);
+    const bis_status status = bis_flat_stage_ask(stage, settings, diag);
     if (status) return status;
     *estimate = bis_alloc(n, sizeof **estimate);
     if (!*estimate) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
-    const bis_view *view = &stage->desc->view;
-    const bis_verify_job job = {&stage->pt, &view->settings, view->sampler.kind, (uint32_t)n, seed};
+    const bis_view *view = &stage->asked.view;
+    const bis_verify_job job = {&stage->pt, &view->settings, view->sampler.kind, (uint32_t)n, seed, NULL};
     return bis_verify_runs(*estimate, &job, counters, diag);
 }
 
@@ -279,8 +348,8 @@ int bis_flat_stage_mis(bis_flat_stage *stage, const char *const *settings, uint3
 
     if (!status && !(n >= 2 && n <= 1000000))
         status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 1000000", n);
-    if (!status) status = ask_for(stage, settings, &diag);
-    const bis_settings *s = status ? NULL : &stage->desc->view.settings;
+    if (!status) status = bis_flat_stage_ask(stage, settings, &diag);
+    const bis_settings *s = status ? NULL : &stage->asked.view.settings;
     if (s && s->integrator != &bis_mis)
         status = bis_error(&diag, BIS_INPUT, nowhere, "integrator \"%s\" does not combine two techniques: give mis",
                            s->integrator->name);
@@ -314,8 +383,8 @@ int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, ui
 
     if (!status && !(n >= 2 && n <= 100000))
         status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 100000", n);
-    if (!status) status = ask_for(stage, settings, &diag);
-    if (!status) status = check_sir(stage, SIZE_MAX, &diag);
+    if (!status) status = bis_flat_stage_ask(stage, settings, &diag);
+    if (!status) status = bis_flat_stage_sir(stage, SIZE_MAX, &diag);
     const uint64_t before = status ? 0 : stage->counters.shadow_rays;
     double distinct = 0;
     for (size_t i = 0; !status && i < n; i++) {
@@ -343,7 +412,7 @@ int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_
     bis_diag diag = {0};
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, bound);
 
-    if (!status) status = check_hit(stage, &diag);
+    if (!status) status = bis_flat_stage_hit(stage, &diag);
     if (!status) {
         bound[0] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_EM);
         bound[1] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_BRDF);
@@ -358,7 +427,7 @@ int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n,
     bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, accepted);
 
     if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, w, u, height, taken);
-    if (!status) status = check_hit(stage, &diag);
+    if (!status) status = bis_flat_stage_hit(stage, &diag);
     if (!status && strcmp(proposal, "em") != 0 && strcmp(proposal, "brdf") != 0)
         status = bis_error(&diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
     if (status) return bis_flat_end(status, &diag, say, size);
@@ -382,7 +451,7 @@ int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, 
     rgb *estimate = NULL;
     if (!status) status = run(&estimate, &counters, stage, settings, seed, n, 100000, &diag);
     if (!status)
-        memcpy(count, (double[]){(double)counters.accepted / (double)n, stage->desc->view.settings.candidates,
+        memcpy(count, (double[]){(double)counters.accepted / (double)n, stage->asked.view.settings.candidates,
                                  (double)counters.shadow_rays / (double)n}, 3 * sizeof *count);
     bis_free(estimate);
     return bis_flat_end(status, &diag, say, size);

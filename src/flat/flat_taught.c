@@ -12,6 +12,7 @@
 #include "bis/thesis/marsaglia.h"
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
+#include "bis/thesis/sampler.h"
 #include "bis/thesis/warp.h"
 #include "bis/tools/compare.h"
 #include "flat/say.h"
@@ -41,6 +42,35 @@ void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u)
 
     bis_rng_init(&rng, seed, stream, 0, 0);
     for (size_t i = 0; u && i < n; i++) u[i] = bis_rng_double(&rng);
+}
+
+int bis_flat_points(const char *kind, uint64_t seed, uint32_t pixel, uint32_t sample, uint32_t spp, uint32_t dim,
+                    size_t n, double *u, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_sampler sampler = {.seed = seed, .jitter = true};
+    bis_stream stream;
+    int k = 0;
+    bis_status status = BIS_FLAT_GIVEN(&diag, kind);
+
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, u);
+    while (!status && k <= BIS_SAMPLER_HALTON && strcmp(kind, bis_sampler_name((bis_sampler_kind)k)) != 0) k++;
+    if (k > BIS_SAMPLER_HALTON)
+        status = bis_error(&diag, BIS_INPUT, nowhere,
+                           "there is no sampler \"%.40s\": give random, stratified, sobol or halton", kind);
+    if (!status && !(spp > 0 && n <= UINT32_MAX && (dim < INT32_MAX || dim == UINT32_MAX)))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu points of %u samples, dimension %" PRIu32 ": give at most "
+                           "2^32 - 1 points, a sample or more, a dimension below 2^31 - 1", n, (unsigned)spp, dim);
+    if (status) return bis_flat_end(status, &diag, say, size);
+    sampler.kind = (bis_sampler_kind)k;
+    bis_sampler_set_spp(&sampler, spp);
+    for (size_t i = 0; dim == UINT32_MAX && i < n; i++) {
+        bis_stream_init(&stream, &sampler, pixel, sample + i);
+        bis_stream_camera(&stream, u + 2 * i);
+    }
+    bis_stream_init(&stream, &sampler, pixel, sample);
+    if (dim != UINT32_MAX) bis_stream_points(&stream, dim, (uint32_t)n, (double(*)[2])u);
+    return bis_flat_end(BIS_OK, &diag, say, size);
 }
 
 int bis_flat_histogram(size_t n, const double *values, const double *unit, double most, size_t cells, uint32_t *count,

@@ -63,6 +63,11 @@ void bis_flat_scene_end(bis_flat_scene *s);
 /* bis_flat_scene_check refuses what a scene that is built can no longer become. Errors: BIS_INPUT. */
 bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag);
 
+/* bis_flat_scene_given builds the light w->light, for these needs, and makes it that of d. The caller frees it. Errors:
+ * those of bis_light_load. */
+bis_status bis_flat_scene_given(bis_light **light, bis_scene_desc *d, const bis_flat_wishes *w, unsigned needs,
+                                bis_diag *diag);
+
 /* bis_flat_scene_light finds the light that d and the wishes ask for, which is s's: the scene's own, the same map with
  * other settings, or w->light. It changes d's light to that. Errors: those of bis_light_load. */
 bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_desc *d, const bis_flat_wishes *w,

@@ -2,10 +2,10 @@
 /* parser_colours: pbrt's other ways to say a colour: spectra, files of them, XYZ, black bodies; docs/scene-format.md,
  * "Colours".
  *
- * bis computes in RGB. What a spectrum becomes is what it looks like under D65 (bis/base/spectrum.h), and what lies
+ * bis computes in RGB. What a spectrum becomes is what it looks like under D65 (src/parse/spectrum.h), and what lies
  * outside of RGB's colours is cut off with a warning. */
 #include "bis/base/file.h"
-#include "bis/base/spectrum.h"
+#include "spectrum.h"
 #include "approximate.h"
 #include "base/grow.h"
 #include "parser_ask.h"

@@ -2,7 +2,7 @@
 /* parser_colours: colours in other words than rgb: spectra, xyz, blackbody. */
 #pragma once
 
-#include "bis/base/spectrum.h"
+#include "spectrum.h"
 #include "parser.h"
 
 /* A spectrum: one number, pairs, or a file of pairs. own: what `is` borrows, for bis_parser_spectrum_clear, which is

@@ -7,7 +7,7 @@
  * bis_microfacet's own roughness is its square root. */
 #include "approximate.h"
 #include "bis/base/fresnel.h"
-#include "bis/base/spectrum.h"
+#include "spectrum.h"
 #include "bis/beyond/coat.h"
 #include "bis/beyond/microfacet.h"
 #include "parser_colours.h"

@@ -3,8 +3,8 @@
  *
  * Before the first pass, every 8th pixel of every 8th row of the film is rendered: a glimpse, for a 64th of the pass.
  * It leaves nothing to the pass, neither pixels nor what was learned nor counted, so a finished pass has the bits that
- * it has without. A pixel of a tile that is not done gets the colour of its glimpse. So a render that must end within its
- * first pass leaves a picture. */
+ * it has without. A pixel of a tile that is not done gets the colour of its glimpse. So a render that must end within
+ * its first pass leaves a picture. */
 #pragma once
 
 #include "workspace.h"

@@ -6,7 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
 #include "base/text.h"
-#include "out/json.h"
+#include "tools/json.h"
 
 #include <assert.h>
 #include <string.h>

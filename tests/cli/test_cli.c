@@ -3,7 +3,7 @@
 #include "cli/cli.h"
 #include "cli/progress.h"
 #include "cli/render_files.h"
-#include "out/json.h"
+#include "tools/json.h"
 #include "render/ranks.h"
 
 #include "claim.h"

@@ -114,40 +114,10 @@ static void merge_says_so(void **state)
                                  "/r.pfm", 1000);
 }
 
-static void pixel_says_so(void **state)
-{
-    each_may_fail(bis_cmd_pixel, DIR "/scene.txt 12 8 --repeats 2 --candidates 4 --shadowrays 2 --samples 2 "
-                                 "--output " DIR "/pixel", 60);
-    each_may_fail(bis_cmd_pixel, DIR "/scene.txt 0 0 --json --output " DIR "/pixel", 1000);
-}
-
 static void verify_says_so(void **state)
 {
     each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 1000);
     each_may_fail(bis_cmd_verify, DIR "/dark.txt", 16);
-}
-
-/* A measurement into a new folder each time; what it had measured by then stays there. */
-static void trade_says_so(void **state)
-{
-    static const char arguments[] =
-        DIR "/scene.txt --quiet --integrator em --passes 1 --seeds 1 --time 0.1 --error 900% "
-            "--nthreads 1 --output " DIR "/trade";
-    static answer whole, a;
-    const long live = bis_mem_live();
-    assert_int_equal(system("rm -rf " DIR "/trade"), 0);
-    run(&whole, bis_cmd_trade, arguments, 0);
-    if (whole.exit_status != 0) fail_msg("%s", whole.messages);
-    for (long k = 1; k <= whole.allocations; k += k < 60 ? 1 : k / 12) {
-        assert_int_equal(system("rm -rf " DIR "/trade"), 0);
-        run(&a, bis_cmd_trade, arguments, k);
-        if (a.allocations < k) break; /* the clock decides how many passes a pilot has */
-        if (a.exit_status != BIS_EXIT_FAILED || a.output[0] || !lines_with(a.messages, "error:") ||
-            (!strstr(a.messages, "memory") && !strstr(a.messages, "allocate")))
-            fail_msg("allocation %ld of %ld: status %d, \"%s\", \"%s\"", k, whole.allocations, a.exit_status, a.output,
-                     a.messages);
-        if (bis_mem_live() != live) fail_msg("allocation %ld: %ld blocks stay", k, bis_mem_live() - live);
-    }
 }
 
 int main(void)
@@ -157,9 +127,7 @@ int main(void)
         cmocka_unit_test(render_says_so),
         cmocka_unit_test(a_light_of_its_own_says_so),
         cmocka_unit_test(merge_says_so),
-        cmocka_unit_test(pixel_says_so),
         cmocka_unit_test(verify_says_so),
-        cmocka_unit_test(trade_says_so),
     };
     rgb pixels[32];
     const bis_image image = {8, 4, pixels, NULL};

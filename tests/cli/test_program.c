@@ -278,9 +278,9 @@ static void on_a_terminal_a_line_tells_how_far_it_is(void **state)
          "\rpass 3 of 3, 100%, 0 s left   \033[K\r\033[Kbis: wrote " DIR "/shown.pfm: "},
         {SCENE " --spp 3 --quiet --outfile " DIR "/shown.pfm", NULL},
         {"trade " SCENE " --integrator em --passes 1 --seeds 1 --time 3 --error 60% --output " DIR "/shown",
-         "\rreading the scene   \033[K", "\rbuilding the map's importance   \033[K", "\rpilot, 0%   \033[K",
-         "\rpilot, 9%   \033[K", "\rreference by sir, 50%, ", " left   \033[K", "\rrun 1 of 6, 0%, ", "\rrun 6 of 6, ",
-         "\rpictures, 0%, ", " left   \033[K\r\033[K"},
+         "\rreading the scene   \033[K", "\rpilot, 0%   \033[K", "\rpilot, 9%   \033[K",
+         "\rbuilding the map's importance   \033[K", "\rreference by sir, 50%, ", " left   \033[K",
+         "\rrun 1 of 6, 0%, ", "\rrun 6 of 6, ", "\rpictures, 0%, ", " left   \033[K\r\033[K"},
         {"trade " SCENE " --integrator em --passes 1 --seeds 1 --time 3 --quiet --output " DIR "/quiet", NULL},
         {"verify " DIR "/map.pfm", "\rthe map ...\033[K\ralias ...\033[K\rcdf ...\033[K\rcurve ...\033[K\r\033[K"},
     };

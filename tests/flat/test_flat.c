@@ -154,42 +154,15 @@ static void alias_tables_of_the_caller_are_checked(void **state)
         "prob of bin 0 is -1: give numbers in [0, 1]");
 }
 
-/* In turn each pointer of each function. Without a status: what the header says. */
-static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
+/* Where a function has no status; the others: test_flat_null.c. */
+static void null_is_nothing_where_there_is_no_status(void **state)
 {
-    const double up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
     bis_light *light;
-    float w[3] = {0, 0, 1}, v[3];
-    double pdf, prob[1] = {1}, total;
-    uint32_t alias[1] = {0}, item;
+    bis_flat_picture *p;
+    float v[3];
     int shape[2] = {7, 7};
 
     assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, NULL, 99), 0); /* say may be NULL */
-    refuses(bis_flat_light_open(NULL, "m.hdr", "cdf", 0, NULL, SAY), "light is NULL");
-    refuses(bis_flat_light_open(&(bis_light *){NULL}, NULL, "cdf", 0, NULL, SAY), "path is NULL");
-    refuses(bis_flat_light_open(&(bis_light *){NULL}, "m.hdr", NULL, 0, NULL, SAY), "kind is NULL");
-    refuses(bis_flat_light_sample(NULL, 1, u, w, v, &pdf, SAY), "light is NULL");
-    refuses(bis_flat_light_sample(NULL, 0, NULL, NULL, NULL, NULL, SAY), "light is NULL");
-    refuses(bis_flat_light_sample(light, 1, NULL, w, v, &pdf, SAY), "u is NULL");
-    refuses(bis_flat_light_sample(light, 1, u, NULL, v, &pdf, SAY), "w is NULL");
-    refuses(bis_flat_light_sample(light, 1, u, w, NULL, &pdf, SAY), "L is NULL");
-    refuses(bis_flat_light_sample(light, 1, u, w, v, NULL, SAY), "pdf is NULL");
-    refuses(bis_flat_light_look(NULL, 1, w, v, &pdf, SAY), "handle is NULL");
-    refuses(bis_flat_light_look(light, 1, NULL, v, &pdf, SAY), "w is NULL");
-    refuses(bis_flat_light_look(light, 1, w, NULL, &pdf, SAY), "value is NULL");
-    refuses(bis_flat_light_look(light, 1, w, v, NULL, SAY), "pdf is NULL");
-    refuses(bis_flat_light_make(NULL, 1, 1, v, "cdf", 0, NULL, SAY), "light is NULL");
-    refuses(bis_flat_light_make(&(bis_light *){NULL}, 1, 1, NULL, "cdf", 0, NULL, SAY), "pixels is NULL");
-    refuses(bis_flat_light_make(&(bis_light *){NULL}, 1, 1, v, NULL, 0, NULL, SAY), "kind is NULL");
-    refuses(bis_flat_alias_build(1, NULL, prob, alias, &total, SAY), "w is NULL");
-    refuses(bis_flat_alias_build(1, up + 2, NULL, alias, &total, SAY), "prob is NULL");
-    refuses(bis_flat_alias_build(1, up + 2, prob, NULL, &total, SAY), "alias is NULL");
-    refuses(bis_flat_alias_build(1, up + 2, prob, alias, NULL, SAY), "total is NULL");
-    refuses(bis_flat_alias_sample(1, NULL, alias, 1, u, &item, SAY), "prob is NULL");
-    refuses(bis_flat_alias_sample(1, prob, NULL, 1, u, &item, SAY), "alias is NULL");
-    refuses(bis_flat_alias_sample(1, prob, alias, 1, NULL, &item, SAY), "u is NULL");
-    refuses(bis_flat_alias_sample(1, prob, alias, 1, u, NULL, SAY), "item is NULL");
-    assert_int_equal(bis_flat_alias_sample(1, prob, alias, 0, NULL, NULL, SAY), 0);
     bis_flat_light_shape(NULL, shape);
     assert_true(shape[0] == 0 && shape[1] == 0);
     bis_flat_light_pixels(NULL, v);
@@ -198,113 +171,18 @@ static void null_is_an_error_wherever_a_map_or_a_table_is_due(void **state)
     bis_flat_light_pixels(light, NULL);
     assert_true(isnan(bis_flat_light_power(NULL)));
     bis_flat_light_close(light);
-}
-
-/* Of several pointers that are NULL the first is named, whatever stands behind it. */
-static void of_several_nulls_the_first_is_named(void **state)
-{
-    const double u[3] = {0.5, 0.5, 0.5};
-    bis_light *light, *none = NULL;
-    bis_bsdf *bsdf, *b = NULL;
-    bis_flat_picture *p = NULL;
-    float v[3] = {0, 0, 1};
-    double d[3] = {1, 1, 1};
-    uint32_t k[1] = {0};
-
-    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, SAY), 0);
-    assert_int_equal(bis_flat_bsdf_open(&bsdf, "phong", u, u, 9, u, u, SAY), 0);
-    refuses(bis_flat_light_open(NULL, NULL, NULL, 0, NULL, SAY), "light is NULL");
-    refuses(bis_flat_light_open(&none, NULL, NULL, 0, NULL, SAY), "path is NULL");
-    refuses(bis_flat_light_open(&none, "m.hdr", NULL, 0, NULL, SAY), "kind is NULL");
-    refuses(bis_flat_light_make(NULL, 1, 1, NULL, NULL, 0, NULL, SAY), "light is NULL");
-    refuses(bis_flat_light_make(&none, 1, 1, NULL, NULL, 0, NULL, SAY), "pixels is NULL");
-    refuses(bis_flat_light_make(&none, 1, 1, v, NULL, 0, NULL, SAY), "kind is NULL");
-    refuses(bis_flat_light_sample(light, 1, NULL, NULL, NULL, NULL, SAY), "u is NULL");
-    refuses(bis_flat_light_sample(light, 1, u, NULL, NULL, NULL, SAY), "w is NULL");
-    refuses(bis_flat_light_sample(light, 1, u, v, NULL, NULL, SAY), "L is NULL");
-    refuses(bis_flat_light_sample(light, 1, u, v, v, NULL, SAY), "pdf is NULL");
-    refuses(bis_flat_light_look(light, 1, NULL, NULL, NULL, SAY), "w is NULL");
-    refuses(bis_flat_light_look(light, 1, v, NULL, NULL, SAY), "value is NULL");
-    refuses(bis_flat_light_look(light, 1, v, v, NULL, SAY), "pdf is NULL");
-    refuses(bis_flat_alias_build(1, NULL, NULL, NULL, NULL, SAY), "w is NULL");
-    refuses(bis_flat_alias_build(1, u, NULL, NULL, NULL, SAY), "prob is NULL");
-    refuses(bis_flat_alias_build(1, u, d, NULL, NULL, SAY), "alias is NULL");
-    refuses(bis_flat_alias_build(1, u, d, k, NULL, SAY), "total is NULL");
-    refuses(bis_flat_alias_sample(1, NULL, NULL, 1, u, k, SAY), "prob is NULL");
-    refuses(bis_flat_alias_sample(1, u, NULL, 1, u, k, SAY), "alias is NULL");
-    refuses(bis_flat_alias_sample(1, u, k, 1, NULL, NULL, SAY), "u is NULL");
-    refuses(bis_flat_alias_sample(1, u, k, 1, u, NULL, SAY), "item is NULL");
-    refuses(bis_flat_bsdf_open(NULL, NULL, NULL, NULL, 9, NULL, NULL, SAY), "bsdf is NULL");
-    refuses(bis_flat_bsdf_open(&b, NULL, NULL, NULL, 9, NULL, NULL, SAY), "model is NULL");
-    refuses(bis_flat_bsdf_open(&b, "phong", NULL, NULL, 9, NULL, NULL, SAY), "Kd is NULL");
-    refuses(bis_flat_bsdf_open(&b, "phong", u, NULL, 9, NULL, NULL, SAY), "Ks is NULL");
-    refuses(bis_flat_bsdf_open(&b, "phong", u, u, 9, NULL, NULL, SAY), "normal is NULL");
-    refuses(bis_flat_bsdf_open(&b, "phong", u, u, 9, u, NULL, SAY), "wo is NULL");
-    refuses(bis_flat_bsdf_metal(NULL, NULL, NULL, 1, NULL, NULL, SAY), "bsdf is NULL");
-    refuses(bis_flat_bsdf_metal(&b, NULL, NULL, 1, NULL, NULL, SAY), "eta is NULL");
-    refuses(bis_flat_bsdf_metal(&b, u, NULL, 1, NULL, NULL, SAY), "k is NULL");
-    refuses(bis_flat_bsdf_metal(&b, u, u, 1, NULL, NULL, SAY), "normal is NULL");
-    refuses(bis_flat_bsdf_metal(&b, u, u, 1, u, NULL, SAY), "wo is NULL");
-    refuses(bis_flat_bsdf_sample(bsdf, 1, NULL, NULL, NULL, SAY), "u is NULL");
-    refuses(bis_flat_bsdf_sample(bsdf, 1, u, NULL, NULL, SAY), "wi is NULL");
-    refuses(bis_flat_bsdf_sample(bsdf, 1, u, v, NULL, SAY), "lobe is NULL");
-    refuses(bis_flat_render(NULL, NULL, NULL, NULL, SAY), "picture is NULL");
-    refuses(bis_flat_render(&p, NULL, NULL, NULL, SAY), "scene is NULL");
-    refuses(bis_flat_render(&p, SCENE, NULL, NULL, SAY), "settings is NULL");
-    bis_flat_light_close(light);
-    bis_flat_bsdf_close(bsdf);
-}
-
-static void null_is_an_error_wherever_a_material_or_a_picture_is_due(void **state)
-{
-    const double half[3] = {0.5, 0.5, 0.5}, up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
-    const char *const none[] = {NULL};
-    bis_light *light;
-    bis_bsdf *b;
-    bis_flat_picture *p;
-    float w[3] = {0, 0, 1}, v[3];
-    double pdf;
-    uint8_t lobe;
-    int shape[2] = {7, 7};
-
-    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, SAY), 0);
-    assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
-    refuses(bis_flat_bsdf_open(NULL, "phong", half, half, 9, up, up, SAY), "bsdf is NULL");
-    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, NULL, half, half, 9, up, up, SAY), "model is NULL");
-    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", NULL, half, 9, up, up, SAY), "Kd is NULL");
-    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, NULL, 9, up, up, SAY), "Ks is NULL");
-    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, half, 9, NULL, up, SAY), "normal is NULL");
-    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, half, 9, up, NULL, SAY), "wo is NULL");
-    refuses(bis_flat_bsdf_metal(NULL, half, half, 1, up, up, SAY), "bsdf is NULL");
-    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, NULL, half, 1, up, up, SAY), "eta is NULL");
-    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, half, NULL, 1, up, up, SAY), "k is NULL");
-    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, half, half, 1, NULL, up, SAY), "normal is NULL");
-    refuses(bis_flat_bsdf_metal(&(bis_bsdf *){NULL}, half, half, 1, up, NULL, SAY), "wo is NULL");
-    refuses(bis_flat_bsdf_sample(NULL, 1, u, w, &lobe, SAY), "bsdf is NULL");
-    refuses(bis_flat_bsdf_sample(b, 1, NULL, w, &lobe, SAY), "u is NULL");
-    refuses(bis_flat_bsdf_sample(b, 1, u, NULL, &lobe, SAY), "wi is NULL");
-    refuses(bis_flat_bsdf_sample(b, 1, u, w, NULL, SAY), "lobe is NULL");
-    refuses(bis_flat_bsdf_look(NULL, 1, w, v, &pdf, SAY), "handle is NULL");
-    refuses(bis_flat_render(NULL, SCENE, none, NULL, SAY), "picture is NULL");
-    refuses(bis_flat_render(&p, NULL, none, NULL, SAY), "scene is NULL");
-    refuses(bis_flat_render(&p, SCENE, NULL, NULL, SAY), "settings is NULL");
-    assert_null(p);
+    shape[0] = shape[1] = 7;
     bis_flat_picture_shape(NULL, shape);
     assert_true(shape[0] == 0 && shape[1] == 0);
     bis_flat_picture_pixels(NULL, v);
     bis_flat_picture_shape(NULL, NULL);
-    assert_int_equal(bis_flat_render(&p, SCENE, none, NULL, SAY), 0);
+    assert_int_equal(bis_flat_render(&p, SCENE, (const char *[]){NULL}, NULL, SAY), 0);
     bis_flat_picture_shape(p, NULL);
     bis_flat_picture_pixels(p, NULL);
     bis_flat_picture_close(p);
     assert_null(bis_flat_picture_stats(NULL));
     assert_int_equal(bis_flat_picture_layer(NULL, "depth", v), 0);
-    refuses(bis_flat_render_with(NULL, SCENE, none, light, NULL, NULL, NULL, SAY), "picture is NULL");
-    refuses(bis_flat_render_with(&p, NULL, none, light, NULL, NULL, NULL, SAY), "scene is NULL");
-    refuses(bis_flat_render_with(&p, SCENE, NULL, light, NULL, NULL, NULL, SAY), "settings is NULL");
     bis_flat_picture_close(NULL);
-    bis_flat_light_close(light);
-    bis_flat_bsdf_close(b);
 }
 
 static void a_material_gives_f_and_density(void **state)
@@ -1143,9 +1021,7 @@ int main(void)
         cmocka_unit_test(a_black_map_has_no_directions),
         cmocka_unit_test(alias_tables_are_those_of_the_thesis),
         cmocka_unit_test(alias_tables_of_the_caller_are_checked),
-        cmocka_unit_test(null_is_an_error_wherever_a_map_or_a_table_is_due),
-        cmocka_unit_test(of_several_nulls_the_first_is_named),
-        cmocka_unit_test(null_is_an_error_wherever_a_material_or_a_picture_is_due),
+        cmocka_unit_test(null_is_nothing_where_there_is_no_status),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
         cmocka_unit_test(a_metal_reflects_by_fresnels_equations),

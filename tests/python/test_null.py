@@ -13,13 +13,14 @@ MAP = os.path.join(ROOT, "data/maps/interior.hdr")
 SCENE = b"""text=Film "rgb" "integer xresolution" 4 "integer yresolution" 3 LookAt 0 -4 0  0 0 0  0 0 1
 Camera "perspective" WorldBegin LightSource "infinite" "string filename" "%s" Shape "sphere" """ % MAP.encode()
 INPUT = 3
+LIGHT_MAY_BE_NULL = {"bis_flat_render_with", "bis_flat_scene_open", "bis_flat_scene_render", "bis_flat_stage_of"}
 MAY_BE_NULL = {"mapping", "stop", "watcher", "user", "say", "values", "coverage", "attributes"}
 
 
 def functions():
     """Name, returned type and arguments, as (type, name), of each function of the headers."""
     found = []
-    for header in ("flat", "image", "map", "taught"):
+    for header in ("flat", "image", "map", "scene", "stage", "taught"):
         with open(os.path.join(ROOT, "include/bis/flat", header + ".h")) as f:
             text = re.sub(r"/\*.*?\*/", "", f.read(), flags=re.DOTALL)
         for returned, name, arguments in re.findall(r"^([a-z][\w *]*?)(bis_flat_\w+)\(([^)]*)\);", text, re.MULTILINE):
@@ -46,6 +47,7 @@ class Opened:
                    "bsdf": self.open(library.bis_flat_bsdf_open, b"phong", up, up, ctypes.c_double(9), up, up),
                    "picture": self.open(library.bis_flat_render, b"scene", self.texts(SCENE, b"spp=1"), None),
                    "stage": self.open(library.bis_flat_stage_open, b"scene", self.texts(SCENE)),
+                   "scene": self.open(library.bis_flat_scene_open, b"scene", self.texts(SCENE), None),
                    "image": self.open(library.bis_flat_image_read, MAP.encode())}
         library.bis_flat_stage_at(self.of["stage"], 1, 1, up, self.say, 1000)
 
@@ -65,7 +67,7 @@ class Opened:
             return self.texts()
         if kind.endswith("**"):
             return ctypes.byref(ctypes.c_void_p())
-        if what in self.of and "*" in kind:
+        if what in self.of and "*" in kind and kind != "const char *":
             return self.of[what]
         if what == "watcher" or what == "user" or "volatile" in kind:
             return None
@@ -92,7 +94,7 @@ def call_all():
             values[k] = None
             opened.say.value = b""
             status = getattr(library, name)(*values)
-            may = what in MAY_BE_NULL or (name, what) == ("bis_flat_render_with", "light")
+            may = what in MAY_BE_NULL or (what == "light" and name in LIGHT_MAY_BE_NULL)
             if returned == "int" and arguments[-1][1] == "size" and not may:
                 said = opened.say.value.decode()
                 if status != INPUT or not re.match(r"error: (%s|handle|value|w) is NULL: " % what, said):

@@ -3,7 +3,7 @@
  * roughness against pbrt's formulas, worked out by hand. */
 #include "bis/base/fresnel.h"
 #include "bis/base/mem.h"
-#include "bis/base/spectrum.h"
+#include "parse/spectrum.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/scene/scene.h"
 

@@ -4,7 +4,7 @@
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
-#include "out/tone.h"
+#include "cli/tone.h"
 #include "program.h"
 
 #include <math.h>

@@ -537,9 +537,9 @@ static void too_few_accepted_candidates_are_counted(void **state)
     s.shadowrays = 1;
     assert_int_equal(bis_verify_point(&v, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, &s, 1, &tested, NULL),
         BIS_OK);
+    const uint64_t seed = bis_verify_seed(&v, "p: rejection");
     assert_int_equal(bis_verify_runs(estimate,
-                         &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")},
-                         &counters, NULL),
+                         &(bis_verify_job){&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, seed, NULL}, &counters, NULL),
         BIS_OK);
     assert_true(tested && v.n == 1 && counters.accepted > 50 && counters.accepted < 1000);
     snprintf(
@@ -566,7 +566,7 @@ static void a_thousand_accepted_candidates_are_enough(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_verify v = {.seed = cases[i].seed, .halvings = 9};
         const bis_verify_place place = {"p", &l.pt, BIS_SAMPLER_RANDOM};
-        const bis_verify_job job = {&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection")};
+        const bis_verify_job job = {&l.pt, &s, BIS_SAMPLER_RANDOM, RUNS, bis_verify_seed(&v, "p: rejection"), NULL};
         bis_counters counters = {0};
         rgb estimate[RUNS];
         bool tested;

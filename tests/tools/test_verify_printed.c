@@ -107,7 +107,8 @@ static double bias_of(double *least_found, const lit *l, const bis_settings *s, 
     bis_verify_moments m = {0};
     bis_counters counters = {0};
     assert_int_equal(
-        bis_verify_runs(estimate, &(bis_verify_job){&l->pt, s, BIS_SAMPLER_RANDOM, RUNS, 77}, &counters, NULL), BIS_OK);
+        bis_verify_runs(estimate, &(bis_verify_job){&l->pt, s, BIS_SAMPLER_RANDOM, RUNS, 77, NULL}, &counters, NULL),
+        BIS_OK);
     for (int i = 0; i < RUNS; i++)
         bis_verify_add(
             &m, bis_verify_measure((rgbd){(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b}));

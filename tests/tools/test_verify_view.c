@@ -288,7 +288,8 @@ static void runs_are_those_of_their_streams(void **state)
         s.candidates = 8; /* few: some runs of rejection fall back */
         estimate[RUNS] = (rgb){7, 8, 9};
         assert_int_equal(
-            bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, kinds[k], RUNS, SEED}, &counters, NULL), BIS_OK);
+            bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, kinds[k], RUNS, SEED, NULL}, &counters, NULL),
+            BIS_OK);
         assert_true(estimate[RUNS].r == 7 && estimate[RUNS].g == 8 && estimate[RUNS].b == 9);
         l.counters = (bis_counters){0};
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
@@ -516,7 +517,7 @@ static void z_and_p_of_ours_are_those_by_hand(void **state)
         lit_init(&l, light, m, lit_tilted(), cases[i].degrees, LIT_OPEN);
         const bis_truth t = reference_of(&l, &v, is_exact ? NULL : &cases[i].q);
         const uint64_t seed = bis_verify_seed(&v, "p: %s", s.integrator->name);
-        const bis_verify_job job = {&l.pt, &s, BIS_SAMPLER_STRATIFIED, n, seed};
+        const bis_verify_job job = {&l.pt, &s, BIS_SAMPLER_STRATIFIED, n, seed, NULL};
         assert_int_equal(bis_verify_runs(estimate, &job, &counters, NULL), BIS_OK);
         for (uint32_t r = 0; r < n; r++)
             bis_verify_add(&runs, 4 * (double)estimate[r].r + 2 * (double)estimate[r].g + (double)estimate[r].b);

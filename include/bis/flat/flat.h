@@ -96,6 +96,12 @@ int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, con
 int bis_flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, double roughness, const double *normal,
                         const double *wo, char *say, size_t size);
 
+/* bis_flat_bsdf_read makes a material of its text in a scene, as Material "coateddiffuse" "rgb reflectance" [.5 .4 .3].
+ * The vectors are as those of bis_flat_bsdf_open. Errors: those of bis_scene_parse, BIS_INPUT (a texture, because a
+ * material on arrays has no place), BIS_NOMEM. */
+int bis_flat_bsdf_read(bis_bsdf **bsdf, const char *text, const double *normal, const double *wo, char *say,
+                       size_t size);
+
 /* bis_flat_bsdf_close frees the material; NULL is allowed. */
 void bis_flat_bsdf_close(bis_bsdf *bsdf);
 

@@ -15,6 +15,13 @@ void bis_flat_fnv(uint32_t hash[2], size_t n, const uint8_t *bytes);
 /* bis_flat_uniform stores n numbers of the stream (seed, stream), uniform in [0,1). */
 void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u);
 
+/* bis_flat_points stores points u[n][2] of one camera sample of a pixel, by a sampler of this kind: "random",
+ * "stratified", "sobol" or "halton". dim is the pair of dimensions, as an integrator numbers its own; UINT32_MAX: the
+ * places in the pixel of camera samples `sample` to sample + n - 1. spp is how many the pixel has. Errors: BIS_INPUT
+ * (kind, spp is 0, dim from 2^31 - 1 on, n above 2^32 - 1). */
+int bis_flat_points(const char *kind, uint64_t seed, uint32_t pixel, uint32_t sample, uint32_t spp, uint32_t dim,
+                    size_t n, double *u, char *say, size_t size);
+
 /* bis_flat_histogram counts values[n] in equal cells from 0 to most times *unit: count[cells]. What lies below falls
  * into the first cell, what lies above into the last one, as all does where *unit is 0. Errors: BIS_INPUT (no cell, a
  * value that is no number, *unit or most negative or not finite). */

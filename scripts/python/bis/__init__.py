@@ -21,24 +21,28 @@ from ._errors import Error, Status, WrongType
 if TYPE_CHECKING:
     from ._image import Comparison, Place, compare, compare_colours, exposure_of, read_image, save_image
     from ._library import version
+    from ._points import points
     from ._render import LAYERS, Picture, Progress, Scene, about, render
     from ._sampling import AliasTable, Defects, Envmap, Material, Regions
     from ._scene import Camera, Mesh
+    from ._stage import Stage
 
 # What needs the library and numpy is loaded when it is asked for, because the help of the instruments needs neither.
 _HOMES = {
     "_image": ("Comparison", "Place", "compare", "compare_colours", "exposure_of", "read_image", "save_image"),
     "_library": ("version",),
+    "_points": ("points",),
     "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "render"),
     "_sampling": ("AliasTable", "Defects", "Envmap", "Material", "Regions"),
     "_scene": ("Camera", "Mesh"),
+    "_stage": ("Stage",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = ["AliasTable", "Camera", "Comparison", "Defects", "Envmap", "Error",
            "LAYERS", "Material", "Mesh", "Picture", "Place", "Progress", "Regions",
-           "Scene", "Status", "WrongType", "about", "compare", "compare_colours",
-           "exposure_of", "read_image", "render", "save_image", "version"]
+           "Scene", "Stage", "Status", "WrongType", "about", "compare", "compare_colours",
+           "exposure_of", "points", "read_image", "render", "save_image", "version"]
 
 
 def __getattr__(name: str) -> Any:

@@ -60,7 +60,8 @@ class Comparison:
     max_abs : float
         The largest difference.
     pixels, nonfinite : int
-        How many pixels were compared, and how many left out, because a value in them is NaN or infinite.
+        How many pixels were compared, and how many left out, because a value in them is NaN or
+        infinite.
     """
 
     mean_a: float
@@ -151,7 +152,8 @@ def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> floa
     pixels : array (h, w, 3)
         Linear radiance.
     coverage : array (h, w), optional
-        The weight of each pixel in the log-average, in [0, 1]: alpha, so that a background does not count.
+        The weight of each pixel in the log-average, in [0, 1]: alpha, so that a background does not
+        count.
 
     Returns
     -------
@@ -217,7 +219,8 @@ def compare_colours(a: ArrayLike, b: ArrayLike) -> Floats:
     Returns
     -------
     array (h, w, 3)
-        Black, blue, red, yellow, white for relative errors from 0.001 to 10; magenta where a value is not finite.
+        Black, blue, red, yellow, white for relative errors from 0.001 to 10; magenta where a value
+        is not finite.
 
     Raises
     ------

@@ -2,6 +2,7 @@
 """Pictures of scenes."""
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import json
 import os
@@ -10,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 from numbers import Real
-from typing import Any, Callable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +20,9 @@ from ._library import D, INT, P, SAY, TEXT, Handle, WrongType, call, declare, ju
 from ._library import shape, text_bytes, whole
 from ._sampling import Envmap
 from ._scene import Camera
+
+if TYPE_CHECKING:
+    from ._stage import Stage
 
 _WATCHER = ctypes.CFUNCTYPE(None, D, D, D, P)
 _render = declare("render_with", P, TEXT, P, P, _WATCHER, P, P, *SAY)
@@ -162,23 +166,35 @@ def _list(texts: list[bytes]) -> Any:
     return (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
 
 
-def _wait(worker: threading.Thread, stop: ctypes.c_int, seen: list[Progress],
+def _wait(work: Callable[[], Any], stop: ctypes.c_int, seen: list[Progress],
           progress: Optional[Callable[[Progress], Any]], asked: Optional[Callable[[], bool]] = None) -> None:
-    """Wait for a thread in small steps, because Python hears of Ctrl-C only between calls.
+    """Do work in a thread, and wait in small steps, because Python hears of Ctrl-C only between calls.
 
-    The library tells of its progress in a thread of its own, where an exception would be lost: here it ends the render.
+    The library tells of its progress in a thread of its own, where an exception would be lost: here it ends the work.
+    It has always ended when this returns or raises, because it writes to what the caller frees.
     """
-    worker.start()
+    done = threading.Event()  # a join that Ctrl-C interrupts takes the thread for dead (Python 3.10 to 3.12)
+
+    def all_of_it() -> None:
+        try:
+            work()
+        finally:
+            done.set()
+
+    threading.Thread(target=all_of_it).start()
     try:
-        while worker.is_alive():
-            worker.join(0.1)
+        while not done.wait(0.1):
             if progress and seen:
                 progress(seen.pop())
             if asked is not None and asked():
                 stop.value = 1
+        if progress and seen:
+            progress(seen.pop())
     except BaseException:
         stop.value = 1
-        worker.join()
+        while not done.is_set():
+            with contextlib.suppress(KeyboardInterrupt):
+                done.wait()
         raise
 
 
@@ -254,7 +270,7 @@ def _picture(render_it: Callable[..., tuple[int, str]], light: Any, progress: Op
         said.append(render_it(ctypes.byref(handle), given, watcher, None, ctypes.byref(ended)))
 
     try:
-        _wait(threading.Thread(target=work), ended, seen, progress, stop)
+        _wait(work, ended, seen, progress, stop)
         judge(*said[0])
         size = shape(_picture_shape, handle)
         rgba = np.empty(size + (4,), np.float32)
@@ -353,6 +369,22 @@ class Scene(Handle):
         with self._busy:
             return _picture(lambda *how: run(_scene_render, how[0], self._handle, _list(texts), *how[1:]), light,
                             progress, stop)
+
+    def stage(self, light: Union[None, Envmap, str, os.PathLike[str], ArrayLike] = None) -> Stage:
+        """Look at points of the scene.
+
+        Parameters
+        ----------
+        light : Envmap, path or array (h, w, 3), optional
+            A map in the place of the scene's light.
+
+        Returns
+        -------
+        Stage
+            Its method `at` chooses a pixel.
+        """
+        from ._stage import Stage
+        return Stage(self, light)
 
     def about(self, **settings: Any) -> dict[str, Any]:
         """Tell what a picture with these settings would be of.

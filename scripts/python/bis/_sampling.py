@@ -37,6 +37,7 @@ _alias_build = declare("alias_build", N, P, P, P, P, *SAY)
 _alias_sample = declare("alias_sample", N, P, P, N, P, P, *SAY)
 _bsdf_open = declare("bsdf_open", P, TEXT, P, P, D, P, P, *SAY)
 _bsdf_metal = declare("bsdf_metal", P, P, P, D, P, P, *SAY)
+_bsdf_read = declare("bsdf_read", P, TEXT, P, P, *SAY)
 _bsdf_close = declare("bsdf_close", P, result=None)
 _bsdf_sample = declare("bsdf_sample", P, N, P, P, P, *SAY)
 _bsdf_look = declare("bsdf_look", P, N, P, P, P, *SAY)
@@ -502,6 +503,30 @@ class Material(Handle):
             call(_bsdf_open, ctypes.byref(handle), b"phong" if roughness is None else b"microfacet", *arrays[:2],
                  width, *arrays[2:])
         self._handle = handle
+
+    @classmethod
+    def of(cls, text: str, normal: ArrayLike = (0, 0, 1), wo: ArrayLike = (0, 0, 1)) -> Material:
+        """Make a material of its text in a scene.
+
+        Parameters
+        ----------
+        text : str
+            Of any model that scenes have, as ``'Material "coateddiffuse" "rgb reflectance" .5'``.
+        normal, wo : array (3,)
+            As of `Material`.
+
+        Returns
+        -------
+        Material
+            At a point, seen from wo.
+        """
+        vectors = [array(given(name, v)[None], 3, np.float64, name)
+                   for name, v in (("normal", normal), ("wo", wo))]
+        handle, made = P(), cls.__new__(cls)
+        call(_bsdf_read, ctypes.byref(handle), text_bytes("text", text),
+             *[v.ctypes.data for v in vectors])
+        made._handle = handle
+        return made
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
                u: Optional[ArrayLike] = None) -> tuple[Floats, NDArray[np.bool_]]:

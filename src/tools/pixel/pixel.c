@@ -25,6 +25,7 @@ bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, const bis_scene *scene, i
     if (!bis_scene_point(pt, &hit->own, scene, hit->eye, counters, &h)) return false;
     hit->t = (double)h.t;
     hit->material = pt->bsdf.material;
+    hit->prim = h.prim;
     hit->shape = bis_scene_shape_of(scene, h.prim, &hit->part);
     return true;
 }
@@ -93,15 +94,14 @@ static double skewness_of_runs(const rgb *estimate, uint32_t n, const bis_pixel_
     return sum / n / sqrt(n);
 }
 
-static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_verify_job *job, bis_counters *counters,
-                           bis_diag *diag)
+/* The mean of many runs that nobody looks at one by one. */
+static bis_status run_many(bis_pixel_value *v, const bis_verify_job *job, bis_diag *diag)
 {
-    const uint32_t n = job->n;
-    rgb *estimate = bis_alloc(n, sizeof *estimate);
-    if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u estimates", (unsigned)n);
-    const bis_status status = bis_verify_runs(estimate, job, counters, diag);
-    if (!status) *v = value_of_runs(estimate, n);
-    if (!status && skewness) *skewness = skewness_of_runs(estimate, n, v);
+    rgb *estimate = bis_alloc(job->n, sizeof *estimate);
+    bis_counters counters = {0};
+    if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u estimates", (unsigned)job->n);
+    const bis_status status = bis_verify_runs(estimate, job, &counters, diag);
+    if (!status) *v = value_of_runs(estimate, job->n);
     bis_free(estimate);
     return status;
 }
@@ -125,13 +125,13 @@ bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t ma
 
     const bis_point open = without_shadows(pt);
     bis_settings mis = bis_settings_default(&bis_mis);
-    bis_counters counters = {0};
     mis.samples = BIS_PIXEL_MIS_SAMPLES;
     e->by_patches = false;
-    const bis_verify_job lit = {pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed)};
-    const bis_verify_job without = {&open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1)};
-    const bis_status status = run_many(&e->lit, NULL, &lit, &counters, diag);
-    return status ? status : run_many(&e->open, NULL, &without, &counters, diag);
+    const bis_verify_job lit = {pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed), NULL};
+    const bis_verify_job without = {&open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1),
+                                    NULL};
+    const bis_status status = run_many(&e->lit, &lit, diag);
+    return status ? status : run_many(&e->open, &without, diag);
 }
 
 /* ---- the methods ---- */
@@ -181,22 +181,25 @@ static double true_skewness(const bis_pixel_method *m, const bis_pixel_exact *e,
     return e->third[k] / pow(variance, 1.5) / sqrt((double)n * m->settings.samples);
 }
 
-bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact,
-                                bis_sampler_kind kind, uint32_t repeats, uint64_t seed, bis_diag *diag)
+bis_status bis_pixel_method_run(bis_pixel_method *m, rgb *estimate, const bis_pixel_exact *exact, bis_verify_job job,
+                                bis_diag *diag)
 {
     const bis_pixel_value *truth = m->is_open ? &exact->open : &exact->lit;
+    const uint32_t n = job.n;
     bis_counters counters = {0};
-    const bis_verify_job job = {pt, &m->settings, kind, repeats, seed};
-    const bis_status status = run_many(&m->L, &m->skewness, &job, &counters, diag);
 
+    job.settings = &m->settings;
+    const bis_status status = bis_verify_runs(estimate, &job, &counters, diag);
     if (status) return status;
+    m->L = value_of_runs(estimate, n);
     const double se = hypot(m->L.se[3], truth->se[3]);
     const double difference = m->L.mean[3] - truth->mean[3];
-    m->repeats = repeats;
-    m->true_skewness = true_skewness(m, exact, repeats);
-    m->error = truth->mean[3] > 0 ? hypot(m->L.se[3] * sqrt(repeats), difference) / truth->mean[3] : (double)NAN;
+    m->repeats = n;
+    m->skewness = skewness_of_runs(estimate, n, &m->L);
+    m->true_skewness = true_skewness(m, exact, n);
+    m->error = truth->mean[3] > 0 ? hypot(m->L.se[3] * sqrt(n), difference) / truth->mean[3] : (double)NAN;
     m->z = se > 0 ? difference / se : (double)NAN;
-    m->rays = (double)counters.shadow_rays / repeats;
-    m->accepted = (double)counters.accepted / repeats;
+    m->rays = (double)counters.shadow_rays / n;
+    m->accepted = (double)counters.accepted / n;
     return BIS_OK;
 }

@@ -2,11 +2,11 @@
 /* pixel: everything about one pixel, for `bis pixel`: the point that its centre sees, what eq. 4.1 is there, what every
  * method makes of it, and the candidates, weights and shadow rays behind that.
  *
- * Nothing here prints; src/cli/cmd_pixel.c does. Results do not depend on the number of threads.
+ * Nothing here prints; scripts/python/bis/tools/pixel.py does. Results do not depend on the number of threads.
  *
  *     if (bis_pixel_find(&hit, &pt, scene, x, y, &counters)) {
- *         status = bis_pixel_exact_of(&exact, &pt, seed, diag);              // the truth
- *         status = bis_pixel_method_run(&method, &pt, &exact, ..., diag);    // one method against it
+ *         status = bis_pixel_exact_of(&exact, &pt, seed, diag);                   // the truth
+ *         status = bis_pixel_method_run(&method, estimate, &exact, job, diag);    // one method against it
  *         status = bis_pixel_candidates_draw(&c, &pt, &settings, &stream, diag);
  *         ...
  *         bis_pixel_candidates_clear(&c);
@@ -14,12 +14,14 @@
 #pragma once
 
 #include "bis/scene/scene.h"
+#include "tools/verify/verify.h"
 
 /* ---- src/tools/pixel/pixel.c: the point, the truth, the methods ---- */
 
 typedef struct bis_pixel_hit {
     ray eye;                        /* of the pixel's centre; all else only where it meets a surface */
     double t;                       /* along it, in world units */
+    uint32_t prim;                  /* of the geometry */
     size_t shape, part;             /* index into desc->shapes; the triangle in it */
     const bis_material *material;   /* of this point */
     bis_own_material own;           /* what the point's bsdf may point to: the hit must outlive the point, unmoved */
@@ -94,9 +96,10 @@ enum { BIS_PIXEL_MAX_METHODS = 12 };
  * returns their number. */
 size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis_settings *own);
 
-/* bis_pixel_method_run runs a method and fills all from L on. repeats >= 2. Errors: BIS_NOMEM. */
-bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact,
-                                bis_sampler_kind kind, uint32_t repeats, uint64_t seed, bis_diag *diag);
+/* bis_pixel_method_run makes estimate[job->n] by the method and fills all from L on. job: where, how many (2 or more),
+ * and by which numbers; its settings are those of *m. Errors: BIS_NOMEM, BIS_INPUT (it was stopped). */
+bis_status bis_pixel_method_run(bis_pixel_method *m, rgb *estimate, const bis_pixel_exact *exact, bis_verify_job job,
+                                bis_diag *diag);
 
 /* ---- src/tools/pixel/pixel_rays.c: what a method does ---- */
 

@@ -21,6 +21,8 @@
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
 
+#include <signal.h>
+
 #define BIS_VERIFY_ALPHA 0.01
 
 typedef enum bis_verdict { BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_SKIPPED } bis_verdict;
@@ -185,11 +187,12 @@ typedef struct bis_verify_job {
     bis_sampler_kind kind;
     uint32_t n;
     uint64_t seed;
+    const volatile sig_atomic_t *stop; /* NULL, or it is set to end the work soon */
 } bis_verify_job;
 
 /* bis_verify_runs makes estimate[job->n] on all threads. Each is independent of the others: proposal "product" draws
  * the directions of its clusters anew for each, and nothing is learned. counters: shadow rays, accepted candidates and
- * fallbacks are added to it. Errors: BIS_NOMEM. */
+ * fallbacks are added to it. Errors: BIS_NOMEM, BIS_INPUT (it was stopped). */
 bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counters *counters, bis_diag *diag);
 
 /* bis_verify_cost returns about how long one estimate takes, in units of 60 ns: 8 for a shadow ray, 1 for a candidate.

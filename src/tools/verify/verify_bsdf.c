@@ -215,7 +215,7 @@ static bis_status check_furnace(bis_verify *v, const cells *c, const bis_setting
         const char *integrator = settings[i].integrator->name;
         bis_verify_moments runs = {0};
         const bis_verify_job job = {&pt, &settings[i], BIS_SAMPLER_STRATIFIED, n_runs,
-                                    bis_verify_seed(v, "%s: furnace, %s", name, integrator)};
+                                    bis_verify_seed(v, "%s: furnace, %s", name, integrator), NULL};
         status = bis_verify_runs(estimate, &job, &counters, diag);
         for (uint32_t run = 0; run < n_runs && !status; run++) {
             bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g,

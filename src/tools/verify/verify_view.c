@@ -57,7 +57,7 @@ bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counter
 #pragma omp for schedule(dynamic, 16)
         for (uint32_t run = 0; run < job->n; run++) {
             bis_stream stream;
-            if (!ok) continue;
+            if (!ok || (job->stop && *job->stop)) continue;
             bis_stream_init(&stream, &sampler, run, 0);
             bis_probe_begin_pass(&probe, pt->light, job->seed, run); /* the runs share nothing */
             estimate[run] = s->integrator->Lo(s, &mine, &stream, &probe.scratch);
@@ -70,6 +70,7 @@ bis_status bis_verify_runs(rgb *estimate, const bis_verify_job *job, bis_counter
     counters->accepted += accepted;
     counters->fallbacks += fallbacks;
     counters->shadow_rays += rays;
+    if (job->stop && *job->stop) return bis_error(diag, BIS_INPUT, (bis_loc){0}, "the estimates were stopped");
     return failed ? bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's workspace") : BIS_OK;
 }
 
@@ -212,7 +213,7 @@ static bis_status compare(bis_verify *v, const bis_verify_place *at, const bis_t
     if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u runs", (unsigned)n);
     const uint64_t seed = bis_verify_seed(v, "%s: %s", at->name, s->integrator->name);
     bis_status status =
-        bis_verify_runs(estimate, &(bis_verify_job){at->pt, s, at->kind, n, seed}, &counters, diag);
+        bis_verify_runs(estimate, &(bis_verify_job){at->pt, s, at->kind, n, seed, NULL}, &counters, diag);
     for (uint32_t run = 0; run < n; run++) {
         bis_verify_add(&runs, bis_verify_measure(
                                   (rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));

@@ -466,9 +466,32 @@ def exit_status(status: int) -> int:
     return USAGE if status == Status.INPUT else FAILED
 
 
+_unwritten: Optional[OSError] = None
+
+
+def put(words: str) -> None:
+    """Write to standard output. `finish` tells if that cannot be written.
+
+    Parameters
+    ----------
+    words : str
+        What is no UTF-8 in them, as in a file's name, is written as it came.
+    """
+    global _unwritten
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(encoding=sys.getfilesystemencoding(), errors="surrogateescape")
+    try:
+        sys.stdout.write(words)
+        sys.stdout.flush()
+    except OSError as e:
+        _unwritten = e
+
+
 def finish(status: int) -> int:
     """Return status after standard output is written; 1, with a message, if it cannot be."""
     try:
+        if _unwritten:
+            raise _unwritten
         sys.stdout.flush()
     except OSError as e:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left must not fail again at exit

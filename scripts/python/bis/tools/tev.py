@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """bis tev: a render that tev shows while it goes on.
 
-The render is `bis` itself, which writes its picture every second (`--write-every`). Each time the file has changed it is
-sent to tev, by two messages of tev's protocol (its README and include/tev/Ipc.h): 4 creates an image, 3 fills a
-channel of it. A viewer that is missing or goes stops nothing.
+The render is `bis` itself, which writes its picture every second (`--write-every`). Each time the
+file has changed it is sent to tev, by two messages of tev's protocol (its README and
+include/tev/Ipc.h): 4 creates an image, 3 fills a channel of it. A viewer that is missing or goes
+stops nothing.
 """
 from __future__ import annotations
 

@@ -22,6 +22,9 @@ def digits(value: float) -> str:
         As "0.05", "1e-05", "-0", "inf".
     """
     v = float(value)
+    if abs(v) < 1e15:  # Python's own shortest text, which is C's but for the ".0"
+        text = repr(v)
+        return text[:-2] if text.endswith(".0") else text
     # A normal double keeps 15 digits. A subnormal one holds fewer: there the search begins at 1.
     first = 1 if abs(v) < sys.float_info.min else 15
     for n in range(first, 18):
@@ -99,6 +102,8 @@ def clean(text: str) -> str:
 
 def _string(text: str) -> str:
     """A string of JSON. What is no UTF-8 is written as an escape."""
+    if text.isascii() and text.isprintable() and '"' not in text and "\\" not in text:
+        return '"%s"' % text
     out = text.replace("\\", "\\\\").replace('"', '\\"')
     out = re.sub("[\x00-\x1f\x7f]", lambda m: "\\u%04x" % ord(m.group()), out)
     return '"%s"' % re.sub("[\ud800-\udfff]", r"\\ufffd", out)

@@ -1,27 +1,33 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What error does the advised number of passes really leave?
 
-The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than what is advised. The
-root law that leads from there to the advice is that of independent samples. A stratified camera does better: at an edge
-the error falls faster, and what the short budgets say is too much. So the advised setting is rendered with the advised
-passes, in the pixels of the sweep, with seeds of its own: twice, and more often while there is time. The scatter of
-these renders is the error, since only unbiased settings are advised. (Their distance from the references is not used:
-these are often noisier than what is advised, and what was left after their share had been subtracted was up to half too
-large on scene.txt.) relMSE divides by the square of the right pixel, which nobody has. A noisy stand-in is too dark in
-most pixels, and what is divided by its square comes out too large: twice the error with a reference of 4 passes. So it
-is the mean of the references and these renders, weighted by 1/variance.
-A pixel at an outline may see a lamp with one camera ray of many. A render that meets it may have three times the error
-that most have. What is promised is what half of the pictures have at most. What a picture meets with probability 1/2 is
-met log 2 times in the mean, and r log 2 times by renders with as many pixels as r pictures. So the worst r log 2
-pixels, rounded down, are left out: one of 8 renders of a quarter of the pixels, none if r < 1.45.
-The scatter says how many passes are right. When these are others by more than CLOSE_ENOUGH, they are rendered in turn.
-Where two such renders take too long, they get the passes that there is time for, and the rest is a law's, which is
-said: the relMSE of n passes falls as n^-p. Noise falls as 1/n, the error at edges as n^-3/2 (src/render/film_error.c),
-so p is in [1, 3/2], and two measured numbers of passes tell it. The first one is an eighth, rendered four times, so
-that it takes a quarter of the time. (The root law, p = 1, promised 5 % where 4 % came out: fine checks, from some 10
-passes to 33.) Time that one advice does not need is the next one's. With --passes, which asks for no clock, there are
-eight renders, or so many that all together have at most 64 times the passes of the longest budget, two at least, of
-that many passes at most, however long they take.
+The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than
+what is advised. The root law that leads from there to the advice is that of independent samples. A
+stratified camera does better: at an edge the error falls faster, and what the short budgets say is
+too much. So the advised setting is rendered with the advised passes, in the pixels of the sweep,
+with seeds of its own: twice, and more often while there is time. The scatter of these renders is
+the error, since only unbiased settings are advised. (Their distance from the references is not
+used: these are often noisier than what is advised, and what was left after their share had been
+subtracted was up to half too large on scene.txt.) relMSE divides by the square of the right pixel,
+which nobody has. A noisy stand-in is too dark in most pixels, and what is divided by its square
+comes out too large: twice the error with a reference of 4 passes. So it is the mean of the
+references and these renders, weighted by 1/variance.
+
+A pixel at an outline may see a lamp with one camera ray of many. A render that meets it may have
+three times the error that most have. What is promised is what half of the pictures have at most.
+What a picture meets with probability 1/2 is met log 2 times in the mean, and r log 2 times by
+renders with as many pixels as r pictures. So the worst r log 2 pixels, rounded down, are left out:
+one of 8 renders of a quarter of the pixels, none if r < 1.45.
+
+The scatter says how many passes are right. When these are others by more than CLOSE_ENOUGH, they
+are rendered in turn. Where two such renders take too long, they get the passes that there is time
+for, and the rest is a law's, which is said: the relMSE of n passes falls as n^-p. Noise falls as
+1/n, the error at edges as n^-3/2 (src/render/film_error.c), so p is in [1, 3/2], and two measured
+numbers of passes tell it. The first one is an eighth, rendered four times, so that it takes a
+quarter of the time. (The root law, p = 1, promised 5 % where 4 % came out: fine checks, from some
+10 passes to 33.) Time that one advice does not need is the next one's. With --passes, which asks
+for no clock, there are eight renders, or so many that all together have at most 64 times the passes
+of the longest budget, two at least, of that many passes at most, however long they take.
 """
 from __future__ import annotations
 
@@ -76,9 +82,10 @@ def scatter(images: list[Image], spared: int, reference: Reference) -> float:
     Returns
     -------
     float
-        In each pixel and channel the variance of the renders (over n - 1) is divided by b^2 + m^2/100, as `bis.compare`
-        does. b is the mean of the reference and of the renders, weighted by 1/variance, and m is the mean of b. What
-        noise is left in b makes the result biased, by terms of the order of b's own relMSE.
+        In each pixel and channel the variance of the renders (over n - 1) is divided by b^2 +
+        m^2/100, as `bis.compare` does. b is the mean of the reference and of the renders, weighted
+        by 1/variance, and m is the mean of b. What noise is left in b makes the result biased, by
+        terms of the order of b's own relMSE.
     """
     n = len(images)
     assert reference.image is not None
@@ -122,7 +129,8 @@ class _Check:
         return self.end - time.monotonic()
 
     def goes_on(self, n: int, each: float) -> bool:
-        """Is there time for one more render after n of them? A turn leaves half of the time to the next ones."""
+        """Is there time for one more render after n of them? A turn leaves half of the time to the
+        next ones."""
         passes = self.t.options.passes
         if self.t.interrupted() or n == MOST_RENDERS:
             return False
@@ -139,14 +147,16 @@ class _Check:
         t, images = self.t, []
         while self.goes_on(len(images), passes * a_pass):
             place = (self.place * MOST_TURNS + self.turn) * MOST_RENDERS + len(images)
-            picture = t.view.render(t.plan.settings[self.advice.setting], t.plan.step, passes, t.seed_of(3, place))
+            picture = t.view.render(t.plan.settings[self.advice.setting], t.plan.step, passes,
+                                    t.seed_of(3, place))
             if picture is None:
                 break
             images.append(picture.rgb)
         if len(images) < LEAST_RENDERS:
             return None
         frame = t.view.frame
-        spared = int(math.log(2) * len(images) * frame.film(t.plan.step).pixels / frame.film(1).pixels)
+        pictures = len(images) * frame.film(t.plan.step).pixels / frame.film(1).pixels
+        spared = int(math.log(2) * pictures)
         return scatter(images, spared, t.both)
 
     def exponent(self) -> float:
@@ -161,7 +171,8 @@ class _Check:
         """The passes of the next renders: the advice's, or as many as there is time for."""
         if self.advice.passes <= most:
             return self.advice.passes
-        return square_passes(self.t, max(1, most / CLOSE_ENOUGH if self.turn else most * FIRST_SHARE))
+        return square_passes(self.t, max(1, most / CLOSE_ENOUGH if self.turn
+                                         else most * FIRST_SHARE))
 
     def take(self, passes: int) -> None:
         """Put what was measured into the advice."""
@@ -187,7 +198,8 @@ class _Check:
         t, a = self.t, self.advice
         a_pass, full_pass = t.result.curves[a.setting].pass_seconds, a.seconds / a.passes
         while self.turn < MOST_TURNS and (self.turn == 0 or t.options.passes or self.left() > 0):
-            most = MOST_BUDGETS * t.options.passes if t.options.passes else self.left() / (LEAST_RENDERS * a_pass)
+            most = (MOST_BUDGETS * t.options.passes if t.options.passes
+                    else self.left() / (LEAST_RENDERS * a_pass))
             passes = self.passes_of(most)
             self.is_short = passes < a.passes
             self.turn_end = self.end - self.left() / 2
@@ -206,7 +218,8 @@ class _Check:
 
 
 def check_advice(t: Trade) -> None:
-    """Replace the advice's passes and errors by such as were measured with that many passes, as far as there is time.
+    """Replace the advice's passes and errors by such as were measured with that many passes, as far
+    as there is time.
 
     Parameters
     ----------

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What a measurement is made of: settings, the plan, runs, references, pictures, the advice.
 
-A sweep is a table of settings (integrator, M, N, proposal, b, ...) x budgets of 1, 2, 4, ... passes x seeds. Each of
-these runs is a render of its own, the one that `bis render --spp --seed` would make, compared with a reference that no
-method of its own family has made:
+A sweep is a table of settings (integrator, M, N, proposal, b, ...) x budgets of 1, 2, 4, ... passes
+x seeds. Each of these runs is a render of its own, the one that `bis render --spp --seed` would
+make, compared with a reference that no method of its own family has made:
 
-    pilot (what does a pass cost?) -> plan.txt -> references/ -> runs.csv, a line a run -> pictures/ -> tables, page
+    pilot (what does a pass cost?) -> plan.txt -> references/ -> runs.csv, a line a run
+        -> pictures/ -> tables, page
 
-Everything that was measured is in the folder at once, so that a run can be interrupted and resumed anywhere; what
-follows from the runs (means, slopes, the front, the page) is computed again from runs.csv.
+Everything that was measured is in the folder at once, so that a run can be interrupted and resumed
+anywhere; what follows from the runs (means, slopes, the front, the page) is computed again from
+runs.csv.
 """
 from __future__ import annotations
 
@@ -49,17 +51,21 @@ class Setting:
 
     name: str  #: "sir 256/16", without a comma: the key in all files
     integrator: str
-    values: dict[str, Any]  #: the parameters that the integrator reads, as bis.Scene.render takes them
+    #: the parameters that the integrator reads, as bis.Scene.render takes them
+    values: dict[str, Any]
     area_exponent: float  #: b
     is_biased: bool = False  #: by its claim
     is_scenes: bool = False  #: the scene's own setting
     is_swept: bool = True  #: else only a candidate for the reference
-    judge: int = 0  #: the reference that judges it: 0, by mis, or 1, by sir; never one of its own family
-    option_text: str = ""  #: "--integrator sir --candidates 256 ...", "" where the options cannot say it
+    #: the reference that judges it: 0, by mis, or 1, by sir; never one of its own family
+    judge: int = 0
+    #: "--integrator sir --candidates 256 ...", "" where the options cannot say it
+    option_text: str = ""
     scene_text: str = ""  #: 'Integrator "sir" "integer candidates" 256 ...'
     pass_seconds: float = 0  #: of one pass of the sweep's size, from the pilot
     fill_seconds: float = 0  #: of these, what a pass of any size takes: pools, clusters
-    pass_relmse: float = math.nan  #: estimated by the pilot from the scatter of passes; NaN: not known
+    #: estimated by the pilot from the scatter of passes; NaN: not known
+    pass_relmse: float = math.nan
     levels: int = 0  #: budgets 1 ... 2^(levels-1) passes; 0: one pass is too slow for this plan
 
 
@@ -77,7 +83,8 @@ class Plan:
     n_seeds: int = 0
     seed: int = 1
     run_seconds: float = 0  #: of the longest runs: the time of the equal-time pictures
-    reference: list[int] = field(default_factory=lambda: [-1, -1])  #: settings, a mis and a sir; -1: none is needed
+    #: settings, a mis and a sir; -1: none is needed
+    reference: list[int] = field(default_factory=lambda: [-1, -1])
     reference_passes: list[int] = field(default_factory=lambda: [0, 0])  #: of each replicate
     is_given: bool = False  #: --reference: references/given.exr
 
@@ -165,7 +172,8 @@ class Options:
     quick: bool = False
     resume: bool = False
     approximate: bool = False
-    size: Optional[tuple[int, int]] = None  #: width and height of the full picture; None: the scene's
+    #: width and height of the full picture; None: the scene's
+    size: Optional[tuple[int, int]] = None
     n_seeds: int = 0  #: 0: by the time
     passes: int = 0  #: the largest budget of every setting; 0: by the time
     seed: int = 1
@@ -179,12 +187,14 @@ Progress = Callable[[str, float, float], None]
 
 @dataclass
 class Trade:
-    """A measurement: what was asked, planned and measured. What follows from that is in `result`."""
+    """A measurement: what was asked, planned and measured. What follows from that is in
+    `result`."""
 
     options: Options
     plan: Plan = field(default_factory=Plan)
     runs: list[Run] = field(default_factory=list)
-    references: list[Reference] = field(default_factory=lambda: [Reference(), Reference()])  #: by mis, by sir
+    #: by mis, by sir
+    references: list[Reference] = field(default_factory=lambda: [Reference(), Reference()])
     both: Reference = field(default_factory=Reference)  #: their mean; its se is not known
     strip: list[Shot] = field(default_factory=list)
     result: Any = None  #: stats.Result

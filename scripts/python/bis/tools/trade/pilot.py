@@ -31,16 +31,17 @@ def _seconds(t: Trade, s: Setting, step: int, passes: int, seed: int) -> tuple[f
 
 
 def _probe(t: Trade, s: Setting, pixels: float) -> float:
-    """What a pixel of a pass costs, by a film of so few pixels that the slowest setting is no long wait. What a pass
-    costs whatever its size does not count. 0: below what the clock tells."""
+    """What a pixel of a pass costs, by a film of so few pixels that the slowest setting is no long
+    wait. What a pass costs whatever its size does not count. 0: below what the clock tells."""
     step = t.view.frame.step_for(pixels)
     seconds, _ = _seconds(t, s, step, 1, t.plan.seed)
     return max(0, seconds - s.fill_seconds) / t.view.frame.film(step).pixels
 
 
 def _check_own(t: Trade, s: Setting, of_pixel: float) -> float:
-    """The scene's own setting is always measured. If it takes more than the whole time, that is said at once. A second
-    probe confirms it, because the machine may have had other work. Returns the seconds of a pixel."""
+    """The scene's own setting is always measured. If it takes more than the whole time, that is
+    said at once. A second probe confirms it, because the machine may have had other work. Returns
+    the seconds of a pixel."""
     plan, asked = t.plan, t.options
     if not s.is_scenes or not s.is_swept or asked.passes or asked.quick:
         return of_pixel
@@ -55,15 +56,19 @@ def _check_own(t: Trade, s: Setting, of_pixel: float) -> float:
 
 
 def _pilot_setting(t: Trade, s: Setting, seconds: float) -> None:
-    """A probe, one pass to see what it costs, then as many as the setting's share of the time allows, 2 at least."""
+    """A probe, one pass to see what it costs, then as many as the setting's share of the time
+    allows, 2 at least."""
     seed, frame = t.plan.seed, t.view.frame
-    s.fill_seconds = _seconds(t, s, 0, FILL_PASSES, seed)[0] / FILL_PASSES  # what a single pixel takes
+    # what a single pixel takes
+    s.fill_seconds = _seconds(t, s, 0, FILL_PASSES, seed)[0] / FILL_PASSES
     of_pixel = _check_own(t, s, _probe(t, s, PROBE_PIXELS))
     wanted: float = PILOT_PIXELS
     if not t.options.passes and of_pixel > 0:
-        # So many that three passes fit into twice the setting's share of the time, but so many that what a pass costs
-        # whatever its size is 1/16 of it, less than the pilot's scatter: it would count as the pixels' else.
-        wanted = min(wanted, max(PROBE_PIXELS, max(2 * seconds / 3, 16 * s.fill_seconds) / of_pixel))
+        # So many that three passes fit into twice the setting's share of the time, but so many that
+        # what a pass costs whatever its size is 1/16 of it, less than the pilot's scatter: it would
+        # count as the pixels' else.
+        wanted = min(wanted, max(PROBE_PIXELS, max(2 * seconds / 3,
+                                                   16 * s.fill_seconds) / of_pixel))
     step = frame.step_for(wanted)
     pixels = frame.film(step).pixels
     first, _ = _seconds(t, s, step, 1, seed)
@@ -77,13 +82,15 @@ def _check_time(t: Trade, done: int, n: int) -> None:
     """A pilot that takes more than the time for everything is not waited for."""
     spent = t.spent()
     if not t.options.passes and spent >= t.options.seconds:
-        raise Error("error: %g s are too few: the pilot alone, a look at each of %d settings, wants about %s; give "
-                    "--time some times that, or name fewer integrators by --integrator"
+        raise Error("error: %g s are too few: the pilot alone, a look at each of %d settings, "
+                    "wants about %s; give --time some times that, or name fewer integrators by "
+                    "--integrator"
                     % (t.options.seconds, n, text.duration(spent / done * n)))
 
 
 def _order(settings: list[Setting]) -> list[Setting]:
-    """First the one of each integrator that a plan needs most: where --quick stops early, the others are left out."""
+    """First the one of each integrator that a plan needs most: where --quick stops early, the
+    others are left out."""
     first: dict[str, Setting] = {}
     for s in settings:
         first.setdefault(s.integrator, s)
@@ -96,7 +103,8 @@ def _is_enough(t: Trade, looked: list[Setting]) -> bool:
         return False
     judges = {k for k in range(2) for s in looked if may_be_reference(s, k)}
     needed = {s.judge for s in looked if s.is_swept}
-    return (t.plan.is_given or needed <= judges) and any(s.is_swept and not s.is_biased for s in looked)
+    return (t.plan.is_given or needed <= judges) and any(s.is_swept and not s.is_biased
+                                                         for s in looked)
 
 
 def run_pilot(t: Trade) -> Optional[list[Setting]]:
@@ -117,7 +125,8 @@ def run_pilot(t: Trade) -> Optional[list[Setting]]:
     Error
         There is too little time.
     """
-    piloted = [s for s in t.plan.settings if s.is_swept or may_be_reference(s, 0) or may_be_reference(s, 1)]
+    piloted = [s for s in t.plan.settings if s.is_swept or may_be_reference(s, 0)
+               or may_be_reference(s, 1)]
     n = len(piloted)
     if t.options.quick:
         piloted = _order(piloted)

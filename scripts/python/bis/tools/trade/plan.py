@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """How many pixels, passes and seeds fit into the time?
 
-A small picture is not a large one made small: its pixels are larger, more of them hold an edge, and each is noisier
-(scene.txt: 12 % at 98 x 74 where 800 x 600 have 8 %). So what is measured is a thin film: of each k x k pixels of the
-full picture one, at its size, with its random numbers.
-The pilot says what a pixel of a pass costs with each setting, c, and what scatter it leaves, v. From that:
+A small picture is not a large one made small: its pixels are larger, more of them hold an edge, and
+each is noisier (scene.txt: 12 % at 98 x 74 where 800 x 600 have 8 %). So what is measured is a thin
+film: of each k x k pixels of the full picture one, at its size, with its random numbers. The pilot
+says what a pixel of a pass costs with each setting, c, and what scatter it leaves, v. From that:
 
-- the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4,
-  because cost x variance hardly changes along a curve, so that a short one says nearly as much;
-- so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its end, and that one pass
-  of each of them fits;
-- r such that all runs fill 50 % of what is left of the time; the references get 22 %, the pictures 6 %, the seconds of
-  the full picture as much (seconds.py), the error of the advice 9 % (check.py), and the rest is for surprises.
+- the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds;
+  the others r/4, because cost x variance hardly changes along a curve, so that a short one says
+  nearly as much;
+- so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its
+  end, and that one pass of each of them fits;
+- r such that all runs fill 50 % of what is left of the time; the references get 22 %, the pictures
+  6 %, the seconds of the full picture 9 % (seconds.py), the error of the advice as much (check.py),
+  and the rest is for surprises.
 
-With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock.
-With --quick the time is given and not asked for. Where it is too short, there are fewer pixels, then one seed, then
-fewer settings.
+With --passes all of them get that many instead, however long that takes, and only the pixels depend
+on the clock. With --quick the time is given and not asked for. Where it is too short, there are
+fewer pixels, then one seed, then fewer settings.
 """
 from __future__ import annotations
 
@@ -34,9 +36,11 @@ MIDDLE_PASSES = 8
 REFERENCE_BUDGETS = 4  # with --passes: a replicate of a reference has so many times the passes
 SWEEP_SHARE, REFERENCE_SHARE = 0.5, 0.22
 SHORT_CURVE = 0.25  # of r, for settings that are not the best of their integrator
-TOO_SLOW = 4  # a setting whose single pass takes so many r is left out; the best of an integrator: 4 times that
+# a setting whose single pass takes so many r is left out; the best of an integrator: 4 times that
+TOO_SLOW = 4
 SLACK = 2  # in reaching an error: budgets are doubled, and a pilot is short
-MAKERS = (("mis 16", "mis 64"), ("sir 64/4", "sir 256/16", "sir 256/16 product"))  # of the references
+# of the references
+MAKERS = (("mis 16", "mis 64"), ("sir 64/4", "sir 256/16", "sir 256/16 product"))
 
 
 # ---- the film ----
@@ -70,7 +74,8 @@ class Frame:
         return Film(x0, y0, x1 - x0, y1 - y0)
 
     def step_for(self, pixels: float) -> int:
-        """The step of the film with about so many pixels; each row and column keeps one at least."""
+        """The step of the film with about so many pixels; each row and column keeps one at
+        least."""
         whole = self.film(1)
         step = math.floor(math.sqrt(whole.pixels / pixels) + 0.5)
         return max(1, min(step, whole.width, whole.height))
@@ -100,7 +105,8 @@ def _gets_long_curve(plan: Plan, s: Setting) -> bool:
     """Best of its integrator among the swept, or the scene's own."""
     if not s.is_swept:
         return False
-    rivals = [o for o in plan.settings if o is not s and o.is_swept and o.integrator == s.integrator]
+    rivals = [o for o in plan.settings if o is not s and o.is_swept
+              and o.integrator == s.integrator]
     return s.is_scenes or not any(_is_better(o, s) for o in rivals)
 
 
@@ -154,12 +160,14 @@ class _Fit:
         return lo
 
     def step(self, least_pixels: float) -> int:
-        """Of the film. What fits into some time fits into every longer one, because it is measured with as few pixels
-        where it has to be."""
+        """Of the film. What fits into some time fits into every longer one, because it is measured
+        with as few pixels where it has to be."""
         costs = sorted(s.pass_seconds for s in self.best())
-        a_pixel = self.sweep_seconds(MIDDLE_PASSES * costs[(len(costs) - 1) // 2])  # what each one adds
+        # what each one adds
+        a_pixel = self.sweep_seconds(MIDDLE_PASSES * costs[(len(costs) - 1) // 2])
         most = self.frame.step_for(least_pixels)
-        step = min(most, self.frame.step_for(min(max(self.seconds / a_pixel, least_pixels), MOST_PIXELS)))
+        step = min(most, self.frame.step_for(min(max(self.seconds / a_pixel, least_pixels),
+                                                 MOST_PIXELS)))
         while not self.asked.passes and step < most and not self.fits(step):
             step += 1
         return step
@@ -178,7 +186,8 @@ class _Fit:
 
     def keep_one(self) -> None:
         """Where even a single pass of everything is too slow, the cheapest advice is left."""
-        swept = [s for s in self.plan.settings if s.is_swept and not s.is_biased and s.pass_seconds > 0]
+        swept = [s for s in self.plan.settings if s.is_swept and not s.is_biased
+                 and s.pass_seconds > 0]
         if not any(s.levels for s in swept):
             cheapest = min(swept, key=lambda s: s.pass_seconds)
             cheapest.levels = 1
@@ -236,8 +245,9 @@ def too_few_seconds(plan: Plan, asked: Options, what: str, least: float, spent: 
     Error
         To be raised.
     """
-    return Error("error: %g s are too few: a single pass of %s, %d x %d pixels and %d seeds, wants about %s in all; "
-                 "give --time more than that, or name fewer integrators by --integrator"
+    return Error("error: %g s are too few: a single pass of %s, %d x %d pixels and %d seeds, wants "
+                 "about %s in all; give --time more than that, or name fewer integrators by "
+                 "--integrator"
                  % (asked.seconds, what, plan.width, plan.height, plan.n_seeds,
                     text.duration(1.2 * (least / SWEEP_SHARE + spent))))
 
@@ -253,10 +263,11 @@ def _check_error(plan: Plan, asked: Options) -> None:
             seconds, best = it, s
     if seconds <= SLACK * plan.run_seconds:
         return
-    raise Error('error: a relative error of %g is out of reach: by the pilot "%s", the best, needs about %s for one '
-                "picture of %d x %d pixels, and in %g s of measurement a run gets %.2g s. Give --error %.2g or more, or "
-                "--time for about %s"
-                % (asked.error, best.name, text.duration(seconds), plan.width, plan.height, asked.seconds,
+    raise Error('error: a relative error of %g is out of reach: by the pilot "%s", the best, needs '
+                'about %s for one picture of %d x %d pixels, and in %g s of measurement a run gets '
+                '%.2g s. Give --error %.2g or more, or --time for about %s'
+                % (asked.error, best.name, text.duration(seconds), plan.width, plan.height,
+                   asked.seconds,
                    plan.run_seconds, asked.error * math.sqrt(seconds / plan.run_seconds),
                    text.duration(asked.seconds * seconds / plan.run_seconds)))
 
@@ -293,8 +304,8 @@ def fit_plan(plan: Plan, asked: Options, frame: Frame, left: float, spent: float
     Parameters
     ----------
     plan : Plan
-        With n_seeds and settings from the pilot: pass_seconds of a pixel, which become those of a pass, and
-        pass_relmse. With --quick it may get fewer seeds.
+        With n_seeds and settings from the pilot: pass_seconds of a pixel, which become those of a
+        pass, and pass_relmse. With --quick it may get fewer seeds.
     asked : Options
         passes, error, quick.
     frame : Frame

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """plan.txt, which a measurement is resumed by.
 
-It is text that a user may look at, with numbers that read back as the same doubles. What is read is not trusted: a name
-that the table has not, or a number out of range, is an error with its line. A plan belongs to one text of one scene and
-to one version of bis, which its fingerprint tells.
+It is text that a user may look at, with numbers that read back as the same doubles. What is read is
+not trusted: a name that the table has not, or a number out of range, is an error with its line. A
+plan belongs to one text of one scene and to one version of bis, which its fingerprint tells.
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import math
 import os
 import re
 import sys
-from typing import Callable, Optional
+from typing import Optional
 
 import numpy as np
 
@@ -62,12 +62,18 @@ def fingerprint(version: str, names: list[str], files: list[str]) -> int:
 
 def plan_text(plan: Plan) -> str:
     """Return plan.txt."""
-    lines = ["fingerprint %016x" % plan.fingerprint, "full %d %d" % (plan.full_width, plan.full_height),
-             "step %d" % plan.step, "size %d %d" % (plan.width, plan.height), "seeds %d" % plan.n_seeds,
-             "seed %d" % plan.seed, "run_seconds " + text.digits(plan.run_seconds), "given %d" % plan.is_given]
+    lines = ["fingerprint %016x" % plan.fingerprint,
+             "full %d %d" % (plan.full_width, plan.full_height),
+             "step %d" % plan.step,
+             "size %d %d" % (plan.width, plan.height),
+             "seeds %d" % plan.n_seeds,
+             "seed %d" % plan.seed,
+             "run_seconds " + text.digits(plan.run_seconds),
+             "given %d" % plan.is_given]
     for k, i in enumerate(plan.reference):
         if i >= 0:
-            lines.append("reference %d %d %s" % (k, plan.reference_passes[k], plan.settings[i].name))
+            lines.append("reference %d %d %s" % (k, plan.reference_passes[k],
+                                                 plan.settings[i].name))
     for s in plan.settings:
         if s.is_swept:
             seconds = [text.digits(v) for v in (s.pass_seconds, s.fill_seconds, s.pass_relmse)]
@@ -101,58 +107,19 @@ def _count(word: str, lo: int, hi: int) -> int:
     return int(v)
 
 
-def _size(words: str) -> tuple[int, int]:
-    width, height = words.split(" ")
+def _sides(fields: list[str]) -> tuple[int, int]:
+    width, height = fields
     return _count(width, 1, _MOST_SIDE), _count(height, 1, _MOST_SIDE)
 
 
-def _read_fingerprint(plan: Plan, rest: str) -> None:
-    if not re.fullmatch("[0-9a-f]{16}", rest):
-        raise _Refused
-    plan.fingerprint = int(rest, 16)
-
-
-def _read_full(plan: Plan, rest: str) -> None:
-    plan.full_width, plan.full_height = _size(rest)
-
-
-def _read_step(plan: Plan, rest: str) -> None:
-    plan.step = _count(rest, 1, _MOST_SIDE)
-
-
-def _read_size(plan: Plan, rest: str) -> None:
-    size = plan.width, plan.height = _size(rest)
-    if plan.step < 1 or size != (thinned(plan.full_width, plan.step), thinned(plan.full_height, plan.step)):
-        raise _Refused
-
-
-def _read_seeds(plan: Plan, rest: str) -> None:
-    plan.n_seeds = _count(rest, 1, SEEDS)
-
-
-def _read_seed(plan: Plan, rest: str) -> None:
-    plan.seed = _count(rest, 0, _MOST_SEED)
-
-
-def _read_run_seconds(plan: Plan, rest: str) -> None:
-    plan.run_seconds = _real(rest, _LEAST, 1e9)
-
-
-def _read_given(plan: Plan, rest: str) -> None:
-    plan.is_given = _count(rest, 0, 1) == 1
-
-
-def _read_reference(plan: Plan, rest: str) -> None:
-    which, passes, name = rest.split(" ", 2)
-    k = _count(which, 0, 1)
-    i = plan.find(name)
+def _read_reference(plan: Plan, which: str, passes: str, name: str) -> None:
+    k, i = _count(which, 0, 1), plan.find(name)
     if plan.reference[k] >= 0 or i < 0 or not may_be_reference(plan.settings[i], k):
         raise _Refused
     plan.reference[k], plan.reference_passes[k] = i, _count(passes, 1, MOST_PASSES)
 
 
-def _read_setting(plan: Plan, rest: str) -> None:
-    levels, seconds, fill, relmse, name = rest.split(" ", 4)
+def _read_setting(plan: Plan, levels: str, seconds: str, fill: str, relmse: str, name: str) -> None:
     i = plan.find(name)
     if i < 0 or plan.settings[i].is_swept:
         raise _Refused
@@ -163,21 +130,52 @@ def _read_setting(plan: Plan, rest: str) -> None:
     s.is_swept = True
 
 
-# The lines of a plan: what reads one, and what must stand in it. All but the last two stand once.
-_LINES: dict[str, tuple[Callable[[Plan, str], None], str]] = {
-    "fingerprint": (_read_fingerprint, "16 digits 0-9, a-f"),
-    "full": (_read_full, "width and height in pixels, from 1 to 32768"),
-    "step": (_read_step, "a number from 1 to 32768"),
-    "size": (_read_size, 'width and height in pixels, those of "full" divided by "step", which stand before'),
-    "seeds": (_read_seeds, "a number from 1 to 16"),
-    "seed": (_read_seed, "a whole number from 0 to 2^53 - 1"),
-    "run_seconds": (_read_run_seconds, "a number above 0, at most 1e9"),
-    "given": (_read_given, "0 or 1"),
-    "reference": (_read_reference, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of "
-                                   "a setting that may be one"),
-    "setting": (_read_setting, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the "
-                               "name of a setting, once"),
+# The lines of a plan: how many fields, and what must stand in them. All but the last two stand
+# once.
+_LINES = {
+    "fingerprint": (1, "16 digits 0-9, a-f"),
+    "full": (2, "width and height in pixels, from 1 to 32768"),
+    "step": (1, "a number from 1 to 32768"),
+    "size": (2,
+             'width and height in pixels, those of "full" divided by "step", which stand before'),
+    "seeds": (1, "a number from 1 to 16"),
+    "seed": (1, "a whole number from 0 to 2^53 - 1"),
+    "run_seconds": (1, "a number above 0, at most 1e9"),
+    "given": (1, "0 or 1"),
+    "reference": (3, "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the "
+                     "name of a setting that may be one"),
+    "setting": (5, "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, "
+                   "and the name of a setting, once"),
 }
+
+
+def _read_fields(plan: Plan, word: str, fields: list[str]) -> None:
+    if word == "fingerprint":
+        if not re.fullmatch("[0-9a-f]{16}", fields[0]):
+            raise _Refused
+        plan.fingerprint = int(fields[0], 16)
+    elif word == "full":
+        plan.full_width, plan.full_height = _sides(fields)
+    elif word == "step":
+        plan.step = _count(fields[0], 1, _MOST_SIDE)
+    elif word == "size":
+        plan.width, plan.height = _sides(fields)
+        step = max(plan.step, 1)
+        size = thinned(plan.full_width, step), thinned(plan.full_height, step)
+        if plan.step < 1 or (plan.width, plan.height) != size:
+            raise _Refused
+    elif word == "seeds":
+        plan.n_seeds = _count(fields[0], 1, SEEDS)
+    elif word == "seed":
+        plan.seed = _count(fields[0], 0, _MOST_SEED)
+    elif word == "run_seconds":
+        plan.run_seconds = _real(fields[0], _LEAST, 1e9)
+    elif word == "given":
+        plan.is_given = _count(fields[0], 0, 1) == 1
+    elif word == "reference":
+        _read_reference(plan, *fields)
+    else:
+        _read_setting(plan, *fields)
 
 
 def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
@@ -188,10 +186,13 @@ def _read_line(plan: Plan, line: str, seen: set[str]) -> Optional[str]:
     if word in seen and word not in ("reference", "setting"):
         return '"%s" is the second line of its kind; %s' % (line, _DAMAGED)
     seen.add(word)
-    read, rule = _LINES[word]
+    n, rule = _LINES[word]
+    fields = rest.split(" ", n - 1)
     try:
-        read(plan, rest)
-    except (_Refused, ValueError):
+        if len(fields) < n:
+            raise _Refused
+        _read_fields(plan, word, fields)
+    except _Refused:
         return '"%s": behind "%s" must stand %s; %s' % (line, word, rule, _DAMAGED)
     return None
 
@@ -203,12 +204,13 @@ def _check(plan: Plan, crop: tuple[float, float, float, float], seen: set[str]) 
             return 'a plan has a line "%s", and this one has none; %s' % (word, _DAMAGED)
     film = Frame(plan.full_width, plan.full_height, crop).film(plan.step)
     if film.width < 1 or film.height < 1 or film.pixels > 4 * MOST_PIXELS:
-        return ('by "full" and "step" %d x %d pixels are to be measured, must be at least 1 and at most %d; %s'
+        return ('by "full" and "step" %d x %d pixels are to be measured, must be at least 1 and at '
+                'most %d; %s'
                 % (film.width, film.height, 4 * MOST_PIXELS, _DAMAGED))
     for s in plan.settings:
         if s.is_swept and s.levels and plan.reference[s.judge] < 0 and not plan.is_given:
-            return ('"%s" is to be measured, and the line "reference %d" that says what it is compared with is '
-                    "missing; %s" % (s.name, s.judge, _DAMAGED))
+            return ('"%s" is to be measured, and the line "reference %d" that says what it is '
+                    'compared with is missing; %s' % (s.name, s.judge, _DAMAGED))
     return None
 
 
@@ -220,7 +222,8 @@ def read_plan(folder: str, plan: Plan, scene: str, crop: tuple[float, float, flo
     folder : str
         Where it is.
     plan : Plan
-        With the table of settings and the fingerprint of the scene as it is now; it receives the rest.
+        With the table of settings and the fingerprint of the scene as it is now; it receives the
+        rest.
     scene : str
         The scene's name, for messages.
     crop : four floats
@@ -243,8 +246,8 @@ def read_plan(folder: str, plan: Plan, scene: str, crop: tuple[float, float, flo
         if wrong:
             raise Error("%s:%d:1: error: %s" % (path, number, wrong))
     if "fingerprint" in seen and plan.fingerprint != ours:
-        raise Error('%s: error: this measurement is of another scene than "%s" as it is now, or by another version of '
-                    "bis; measure into a new folder" % (path, scene))
+        raise Error('%s: error: this measurement is of another scene than "%s" as it is now, or by '
+                    'another version of bis; measure into a new folder' % (path, scene))
     wrong = _check(plan, crop, seen)
     if wrong:
         raise Error("%s: error: %s" % (path, wrong))

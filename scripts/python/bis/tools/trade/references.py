@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What the runs are compared with.
 
-No method may judge itself: an error that its render and its reference share would not be seen. So there are two
-references, by the best mis of the pilot for sir and rejection, and by the best sir for em, brdf and mis, each the mean
-of eight renders with seeds of their own. That shows a bias. Noise needs no other method, but the least noise: it is
-measured from the mean of both references, weighted by 1/variance (a reference by mis may be ten times as noisy as what
-it judges, and would hide which is the better).
-The eight say what the reference itself is worth: the standard error of its mean, and its noise as a share of relMSE,
-which adds to that of whoever is compared with it (the errors are independent) and can be subtracted. Each is a file in
-references/, so an interrupted measurement loses one at most. A given reference is trusted: nothing tells its noise.
+No method may judge itself: an error that its render and its reference share would not be seen. So
+there are two references, by the best mis of the pilot for sir and rejection, and by the best sir
+for em, brdf and mis, each the mean of eight renders with seeds of their own. That shows a bias.
+Noise needs no other method, but the least noise: it is measured from the mean of both references,
+weighted by 1/variance (a reference by mis may be ten times as noisy as what it judges, and would
+hide which is the better). The eight say what the reference itself is worth: the standard error of
+its mean, and its noise as a share of relMSE, which adds to that of whoever is compared with it (the
+errors are independent) and can be subtracted. Each is a file in references/, so an interrupted
+measurement loses one at most. A given reference is trusted: nothing tells its noise.
 
-All sums run in the order of the pixels, because a sum in pairs, as numpy's, would have other last digits than those of
-an older measurement of the folder.
+All sums run in the order of the pixels, because a sum in pairs, as numpy's, would have other last
+digits than those of an older measurement of the folder.
 """
 from __future__ import annotations
 
@@ -65,8 +66,8 @@ def combine(replicates: list[Image]) -> Reference:
     Returns
     -------
     Reference
-        relmse is the variance of the mean over pixels and channels, each divided by (mean^2 + m^2/100), m the mean of
-        all.
+        relmse is the variance of the mean over pixels and channels, each divided by (mean^2 +
+        m^2/100), m the mean of all.
     """
     n = len(replicates)
     means = [mean_of(r) for r in replicates]
@@ -83,7 +84,8 @@ def combine(replicates: list[Image]) -> Reference:
     scale = image * image + mean * mean / 100
     variance = squares / (n - 1) / n
     relative = np.divide(variance, scale, out=np.zeros_like(scale), where=scale > 0)
-    return Reference(image.astype(np.float32), in_order(relative) / image.size, mean, math.sqrt(m2 / (n - 1) / n))
+    return Reference(image.astype(np.float32), in_order(relative) / image.size, mean,
+                     math.sqrt(m2 / (n - 1) / n))
 
 
 def combine_both(a: Reference, b: Reference) -> Reference:
@@ -108,7 +110,8 @@ def combine_both(a: Reference, b: Reference) -> Reference:
 def _check_size(t: Trade, image: Image, path: str) -> Image:
     film = t.view.frame.film(t.plan.step)
     if image.shape[:2] != (film.height, film.width):
-        raise Error("%s: error: %d x %d pixels, must have the %d x %d of plan.txt; remove it and it is made again"
+        raise Error("%s: error: %d x %d pixels, must have the %d x %d of plan.txt; remove it and "
+                    "it is made again"
                     % (path, image.shape[1], image.shape[0], film.width, film.height))
     return image
 
@@ -117,7 +120,8 @@ def _replicate(t: Trade, which: int, r: int) -> Optional[Image]:
     """Read, or rendered and kept; None: interrupted."""
     path = path_of(t.options.folder, which, r)
     setting, passes = t.plan.settings[t.plan.reference[which]], t.plan.reference_passes[which]
-    t.tell("reference by " + _MAKERS[which], r / REPLICATES, setting.pass_seconds * passes * (REPLICATES - r))
+    t.tell("reference by " + _MAKERS[which], r / REPLICATES,
+           setting.pass_seconds * passes * (REPLICATES - r))
     if os.path.exists(path):
         return _check_size(t, read_image(path)[0], path)
     picture = t.view.render(setting, t.plan.step, passes, seed_of(t.plan.seed, which, r))
@@ -128,7 +132,8 @@ def _replicate(t: Trade, which: int, r: int) -> Optional[Image]:
 
 
 def make_references(t: Trade) -> None:
-    """Read what references/ holds and render what it lacks. Where that is interrupted, they are not ready.
+    """Read what references/ holds and render what it lacks. Where that is interrupted, they are not
+    ready.
 
     Parameters
     ----------
@@ -168,7 +173,8 @@ def make_one(path: str) -> bool:
     except FileExistsError:
         return False
     except OSError as e:
-        raise Error('%s: error: cannot make the folder "%s": %s' % (path, path, e.strerror), Status.IO) from None
+        raise Error('%s: error: cannot make the folder "%s": %s' % (path, path, e.strerror),
+                    Status.IO) from None
     return True
 
 
@@ -202,8 +208,8 @@ def read_given(path: str, frame: Frame) -> Image:
         raise Error("%s: error: the reference is the crop at (%d, %d), the scene's is at (%d, %d)"
                     % (path, at.x, at.y, film.x, film.y))
     if (width, height) != (film.width, film.height):
-        raise Error("%s: error: the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution "
-                    "%dx%d, or a reference of the scene's size"
+        raise Error("%s: error: the reference has %d x %d pixels, the scene's picture has %d x %d; "
+                    "give --resolution %dx%d, or a reference of the scene's size"
                     % (path, width, height, film.width, film.height, width, height))
     return image
 

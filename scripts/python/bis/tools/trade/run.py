@@ -32,8 +32,8 @@ def _check_resume(o: SimpleNamespace) -> None:
     """The plan of a measurement stays as it is."""
     for name in _OF_PLAN:
         if o.resume and name in o.given:
-            raise Error("error: --resume goes on by the plan in the folder, which --%s would change; leave it out, or "
-                        "measure into another folder" % name)
+            raise Error("error: --resume goes on by the plan in the folder, which --%s would "
+                        "change; leave it out, or measure into another folder" % name)
 
 
 def _check_integrators(asked: list[str], rivals: list[str]) -> None:
@@ -57,9 +57,12 @@ def default_folder(scene: str) -> str:
 
 def _options(o: SimpleNamespace, scene: str) -> Options:
     seconds = o.time if "time" in o.given else 28 if o.quick else 150
-    return Options(scene=scene, folder=o.output or default_folder(scene), seconds=seconds, reference=o.reference,
-                   error=o.error, quick=o.quick, resume=o.resume, approximate=o.approximate, size=o.resolution,
-                   n_seeds=o.seeds, passes=o.passes, seed=o.seed, threads=o.nthreads, integrators=o.integrator)
+    return Options(scene=scene, folder=o.output or default_folder(scene), seconds=seconds,
+                   reference=o.reference,
+                   error=o.error, quick=o.quick, resume=o.resume, approximate=o.approximate,
+                   size=o.resolution,
+                   n_seeds=o.seeds, passes=o.passes, seed=o.seed, threads=o.nthreads,
+                   integrators=o.integrator)
 
 
 # ---- the folder ----
@@ -73,17 +76,20 @@ def _check_folder(t: Trade, say: command.Say) -> bool:
         names = os.listdir(folder)
     except OSError as e:
         status = Status.INPUT if isinstance(e, NotADirectoryError) else Status.IO
-        raise Error('%s: error: "%s" is no folder that can be read: %s' % (folder, folder, e.strerror),
+        raise Error('%s: error: "%s" is no folder that can be read: %s'
+                    % (folder, folder, e.strerror),
                     status) from None
     if not names:
         if t.options.resume:
-            say.of_library("%s: warning: there is no measurement to go on with; a new one begins" % folder, False)
+            say.of_library("%s: warning: there is no measurement to go on with; a new one begins"
+                           % folder, False)
         t.options.resume = False
     elif "plan.txt" not in names:
-        raise Error('%s: error: "%s" holds other things ("%s") and no plan.txt of `bis trade`; name a new or empty '
-                    "folder by --output" % (folder, folder, names[0]))
+        raise Error('%s: error: "%s" holds other things ("%s") and no plan.txt of `bis trade`; '
+                    'name a new or empty folder by --output' % (folder, folder, names[0]))
     elif not t.options.resume:
-        raise Error('%s: error: "%s" holds a measurement; --resume goes on with it, --output names another folder'
+        raise Error('%s: error: "%s" holds a measurement; --resume goes on with it, --output names '
+                    'another folder'
                     % (folder, folder))
     return is_new
 
@@ -92,11 +98,12 @@ def _check_folder(t: Trade, say: command.Say) -> bool:
 
 
 def _check_unbiased(t: Trade) -> None:
-    """Only what is unbiased is advised. That is known before the first pass, so nobody waits for a page without
-    advice."""
+    """Only what is unbiased is advised. That is known before the first pass, so nobody waits for a
+    page without advice."""
     if not any(s.is_swept and not s.is_biased for s in t.plan.settings):
-        raise Error("error: all settings to be measured are biased (the ratio estimator of rejection), so there would "
-                    "be no advice; name another integrator, too, by --integrator%s"
+        raise Error("error: all settings to be measured are biased (the ratio estimator of "
+                    "rejection), so there would be no advice; name another integrator, too, by "
+                    "--integrator%s"
                     % (", or leave out --quick" if t.options.quick else ""))
 
 
@@ -141,10 +148,12 @@ def _make_plan(t: Trade, say: command.Say) -> bool:
 
 
 def _nothing_measured(t: Trade) -> Error:
-    """A page without a run would be a page without an answer. The plan and its references stay for --resume."""
+    """A page without a run would be a page without an answer. The plan and its references stay for
+    --resume."""
     need = t.spent() + planned_left(t) / (1 - PICTURES_SHARE)
-    return Error("error: 0 of %d runs: none fitted into %g s, so there is no advice and no page; go on with --resume "
-                 "--time for about %s, or measure into another folder with fewer integrators (--integrator)"
+    return Error("error: 0 of %d runs: none fitted into %g s, so there is no advice and no page; "
+                 "go on with --resume --time for about %s, or measure into another folder with "
+                 "fewer integrators (--integrator)"
                  % (t.plan.planned_runs(), t.options.seconds, text.duration(need)))
 
 
@@ -158,7 +167,8 @@ def _measure(t: Trade, known: Integrators, say: command.Say) -> None:
     t.plan.fingerprint = planfile.fingerprint(version(), names, t.view.files)
     if t.options.resume:
         planfile.read_plan(t.options.folder, t.plan, t.options.scene, t.view.frame.crop)
-        t.view.frame = Frame(t.plan.full_width, t.plan.full_height, t.view.frame.crop)  # whatever --resolution was
+        # whatever --resolution was
+        t.view.frame = Frame(t.plan.full_width, t.plan.full_height, t.view.frame.crop)
         files.read_runs(t)
     elif not _make_plan(t, say):
         return
@@ -218,7 +228,8 @@ def trade(o: SimpleNamespace, scene: str, say: command.Say) -> int:
     if scene == "-":
         raise Error("error: bis trade reads the scene again with --resume: give a file, not -")
     show = not o.quiet and os.isatty(2)
-    t = Trade(_options(o, scene), progress=_print_progress if show else None, is_interrupted=command.interrupted)
+    t = Trade(_options(o, scene), progress=_print_progress if show else None,
+              is_interrupted=command.interrupted)
     command.catch_signals()
     made_folder, failed = False, True
     try:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The settings that are swept, in words and as they stand in a scene file.
 
-One table. Rows differ from the first of their integrator in one thing, so that what is compared is that thing: N, then
-M, then the proposal, the stratification, b. The thesis's own setting, 15 of 800, is there for rejection and SIR. A new
-option of an integrator that changes cost or variance wants a row here; a new integrator without one is swept with its
-defaults.
+One table. Rows differ from the first of their integrator in one thing, so that what is compared is
+that thing: N, then M, then the proposal, the stratification, b. The thesis's own setting, 15 of
+800, is there for rejection and SIR. A new option of an integrator that changes cost or variance
+wants a row here; a new integrator without one is swept with its defaults.
 """
 from __future__ import annotations
 
@@ -89,12 +89,13 @@ class Integrators(dict[str, list[Parameter]]):
     @classmethod
     def of(cls, about: dict[str, Any]) -> Integrators:
         """From what bis.about() says."""
-        return cls((i["name"], [Parameter(p["name"], p["type"], p["default"], p["is_option"]) for p in i["parameters"]])
+        return cls((i["name"], [Parameter(p["name"], p["type"], p["default"], p["is_option"])
+                                for p in i["parameters"]])
                    for i in about["integrators"])
 
     def rivals(self) -> list[str]:
-        """Those that are compared. `exact` and `unoccluded` are not, because one is a reference and the other leaves
-        the shadows out."""
+        """Those that are compared. `exact` and `unoccluded` are not, because one is a reference and
+        the other leaves the shadows out."""
         return [name for name, parameters in self.items()
                 if any(p.name in ("shadowrays", "samples") for p in parameters)]
 
@@ -111,8 +112,9 @@ class Integrators(dict[str, list[Parameter]]):
                 continue
             quote = '"' if p.type == "choice" else ""
             words.append('"%s %s" %s%s%s' % (_TYPES[p.type], p.name, quote, _word(value), quote))
-        b = "" if s.area_exponent == scenes_b else '; in LightSource: "float areaexponent" ' + text.digits(
-            s.area_exponent)
+        b = ""
+        if s.area_exponent != scenes_b:
+            b = '; in LightSource: "float areaexponent" ' + text.digits(s.area_exponent)
         return " ".join(words) + b
 
     def option_text(self, s: Setting, scenes_b: float) -> str:
@@ -152,9 +154,11 @@ class Table:
     def _setting(self, integrator: str, values: dict[str, Any], variant: str, b: float) -> Setting:
         rays = values["shadowrays"] if "shadowrays" in values else values["samples"]
         counts = "%d/%d" % (values["candidates"], rays) if "candidates" in values else "%d" % rays
-        s = Setting(name=" ".join(["%s %s" % (integrator, counts)] + ([variant] if variant else [])),
+        s = Setting(name=" ".join(["%s %s" % (integrator, counts)] + ([variant] if variant
+                                                                      else [])),
                     integrator=integrator, values=values, area_exponent=b,
-                    is_biased=values.get("estimator") == "ratio", judge=0 if "shadowrays" in values else 1)
+                    is_biased=values.get("estimator") == "ratio", judge=0 if "shadowrays" in values
+                    else 1)
         s.option_text = self.known.option_text(s, self.scenes_b)
         s.scene_text = self.known.scene_text(s, self.scenes_b)
         return s
@@ -168,13 +172,14 @@ class Table:
         return self._setting(r.integrator, values, r.variant, b)
 
     def _fits_light(self, r: _Recipe, small_map: bool) -> bool:
-        """b and compensation are about the map's importance: nothing of that in a constant light, and too much memory
-        for another one in a huge map."""
+        """b and compensation are about the map's importance: nothing of that in a constant light,
+        and too much memory for another one in a huge map."""
         if r.variant.startswith("b="):
             return small_map and float(r.variant[2:]) != self.scenes_b
         return small_map or r.variant != "compensated"
 
-    def settings(self, asked: Options, small_map: bool, own: Optional[tuple[str, dict[str, Any]]]) -> list[Setting]:
+    def settings(self, asked: Options, small_map: bool,
+                 own: Optional[tuple[str, dict[str, Any]]]) -> list[Setting]:
         """All that make sense for the scene's light, and the scene's own.
 
         Parameters
@@ -203,7 +208,8 @@ class Table:
         if own:
             self._add_own(settings, *own)
         for s in settings:
-            s.is_swept = (s.is_swept or s.is_scenes) and (not asked.integrators or s.integrator in asked.integrators)
+            s.is_swept = (s.is_swept or s.is_scenes) and (not asked.integrators
+                                                          or s.integrator in asked.integrators)
         return settings
 
     def _add_own(self, settings: list[Setting], integrator: str, values: dict[str, Any]) -> None:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The same seconds for each method: what does one see? (As the thesis's figures 5.1-5.8, 12 seconds each.)
+"""The same seconds for each method: what does one see? (As the thesis's figures 5.1-5.8, 12 seconds
+each.)
 
-The best setting of each integrator and the scene's own get as many passes as fit the time of the longest runs of the
-sweep, one at least. The pictures stay in pictures/ as EXR, for `bis compare`; pictures.csv says what they are, and a
-resumed measurement renders only those that have changed.
+The best setting of each integrator and the scene's own get as many passes as fit the time of the
+longest runs of the sweep, one at least. The pictures stay in pictures/ as EXR, for `bis compare`;
+pictures.csv says what they are, and a resumed measurement renders only those that have changed.
 """
 from __future__ import annotations
 
@@ -27,15 +28,18 @@ def _file_of(setting: int) -> str:
 
 def _passes_of(t: Trade, setting: int) -> int:
     a_pass = t.result.curves[setting].pass_seconds
-    return int(min(max(t.plan.run_seconds / a_pass + 0.5, 1), _MOST_PASSES)) if a_pass > 0 else _MOST_PASSES
+    return int(min(max(t.plan.run_seconds / a_pass + 0.5, 1),
+                   _MOST_PASSES)) if a_pass > 0 else _MOST_PASSES
 
 
 def _seconds_before(t: Trade, setting: int, passes: int) -> float:
-    """The seconds of a picture that was made before; 0: it was not, or with another number of passes."""
+    """The seconds of a picture that was made before; 0: it was not, or with another number of
+    passes."""
     seconds = 0.0
     start = "%s,%d," % (t.plan.settings[setting].name, passes)
     try:
-        with open(os.path.join(t.options.folder, "pictures.csv"), encoding="utf-8", errors="replace") as f:
+        with open(os.path.join(t.options.folder, "pictures.csv"), encoding="utf-8",
+                  errors="replace") as f:
             for line in f:
                 if line.startswith(start):
                     seconds = float(line[len(start):].split(",")[0])
@@ -51,7 +55,8 @@ def _shot(t: Trade, setting: int) -> Optional[Shot]:
     if seconds > 0 and os.path.exists(path):
         image = read_image(path)[0]
     else:
-        picture = None if t.interrupted() else t.view.render(t.plan.settings[setting], t.plan.step, passes,
+        picture = None if t.interrupted() else t.view.render(t.plan.settings[setting], t.plan.step,
+                                                             passes,
                                                              t.seed_of(2, setting))
         if picture is None:
             return None
@@ -62,7 +67,8 @@ def _shot(t: Trade, setting: int) -> Optional[Shot]:
 
 
 def make_shots(t: Trade) -> None:
-    """Read from pictures/, or render, pictures of equal time of the best setting of each integrator.
+    """Read from pictures/, or render, pictures of equal time of the best setting of each
+    integrator.
 
     Parameters
     ----------
@@ -81,7 +87,9 @@ def make_shots(t: Trade) -> None:
         shot = _shot(t, setting)
         if shot:
             t.strip.append(shot)
-    lines = [_HEADER] + ["%s,%d,%s,%s,%s" % (t.plan.settings[p.setting].name, p.passes, text.digits(p.seconds),
-                                             text.digits(p.relmse), _file_of(p.setting)) for p in t.strip]
+    lines = [_HEADER] + ["%s,%d,%s,%s,%s" % (t.plan.settings[p.setting].name, p.passes,
+                                             text.digits(p.seconds),
+                                             text.digits(p.relmse), _file_of(p.setting))
+                         for p in t.strip]
     with outfile(os.path.join(t.options.folder, "pictures.csv")) as f:
         f.write(("\n".join(lines) + "\n").encode())

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The runs of a sweep.
 
-They are made in rounds: all settings at one budget with one seed, then the next seed, then the next budget. What else
-the machine does meanwhile then hits all settings alike, and a sweep that ends early, by Ctrl-C or because the time is
-used up, has measured all of them equally far. Each run has a seed of its own, written beside it: no two settings share
-noise.
+They are made in rounds: all settings at one budget with one seed, then the next seed, then the next
+budget. What else the machine does meanwhile then hits all settings alike, and a sweep that ends
+early, by Ctrl-C or because the time is used up, has measured all of them equally far. Each run has
+a seed of its own, written beside it: no two settings share noise.
 """
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def _measure_run(t: Trade, setting: int, level: int, replicate: int) -> Optional
     judge, both = t.references[s.judge].image, t.both.image
     assert judge is not None and both is not None
     c = compare(picture.rgb, judge)
-    return Run(setting, level, replicate, seed, picture.seconds, picture.camera_rays, picture.shadow_rays,
+    return Run(setting, level, replicate, seed, picture.seconds, picture.camera_rays,
+               picture.shadow_rays,
                picture.candidates, c.rmse, c.relmse, c.bias, compare(picture.rgb, both).relmse)
 
 
@@ -47,7 +48,8 @@ class _Sweep:
     def __init__(self, t: Trade) -> None:
         self.t = t
         self.start = self.last_write = time.monotonic()
-        self.planned = self.left = planned_left(t)  # seconds of what is missing: at the start, and now
+        # seconds of what is missing: at the start, and now
+        self.planned = self.left = planned_left(t)
         self.known = {(r.setting, r.level, r.replicate) for r in t.runs}
         self.has_advice = any(not t.plan.settings[r.setting].is_biased for r in t.runs)
 
@@ -56,10 +58,12 @@ class _Sweep:
         t, done = self.t, self.planned - self.left
         spent = time.monotonic() - self.start
         t.tell("run %d of %d" % (len(t.runs) + 1, t.plan.planned_runs()),
-               done / self.planned if self.planned > 0 else 1, self.left * spent / done if done > 0 else self.left)
+               done / self.planned if self.planned > 0 else 1, self.left * spent / done if done > 0
+               else self.left)
 
     def is_over(self, seconds: float) -> bool:
-        """Whether there is no time for a run that takes so long. --quick has one run at least that gives advice."""
+        """Whether there is no time for a run that takes so long. --quick has one run at least that
+        gives advice."""
         t = self.t
         if t.options.passes or (t.options.quick and not self.has_advice):
             return False

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The scene of a sweep, built once for all settings, and one render of it.
 
-Geometry and accelerator serve every integrator; the map is built once for each b, and once more where mis wants it
-compensated. The picture is the one that `bis render` makes with the same setting, passes and seed.
+Geometry and accelerator serve every integrator; the map is built once for each b, and once more
+where mis wants it compensated. The picture is the one that `bis render` makes with the same
+setting, passes and seed.
 """
 from __future__ import annotations
 
@@ -14,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..._errors import Error
-from ..._render import Picture, Scene
+from ..._render import Picture
 from .. import command
+from ..scenes import open_scene
 from .model import Setting, Trade
 from .plan import Frame
 from .settings import Integrators, Table
@@ -48,24 +50,31 @@ class View:
             settings.update(width=asked.size[0], height=asked.size[1])
         t.tell("reading the scene", math.nan, math.nan)
         self.t = t
-        self.scene = Scene(asked.scene, approximate=asked.approximate, **settings)
+        self.scene = open_scene(asked.scene, say, approximate=asked.approximate, **settings)
         about = self.scene.about()
         if about["as_printed"]:
-            say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are measured as they should '
-                           "be" % (about["integrator_file"], about["integrator_line"], about["integrator_column"]),
+            say.of_library('%s:%d:%d: warning: Option "asprinted" is left out: the methods are '
+                           'measured as they should '
+                           'be' % (about["integrator_file"], about["integrator_line"],
+                                   about["integrator_column"]),
                            False)
         light = about["light"]
         if not about["has_surface"] or light["is_black"]:
-            raise Error("%s: error: the scene has no %s: every method gives the same picture at once, and there is "
-                        "nothing to trade" % (about["path"], "light" if about["has_surface"] else "surface"))
+            raise Error("%s: error: the scene has no %s: every method gives the same picture at "
+                        "once, and there is nothing to "
+                        "trade" % (about["path"], "light" if about["has_surface"]
+                                              else "surface"))
         pixels = light["width"] * light["height"]
         if not light["is_constant"] and pixels > _MANY_PIXELS:
-            say.warn("the map has more than 2^24 pixels: other values of b and compensation are left out")
+            say.warn("the map has more than 2^24 pixels: other values of b and compensation are "
+                     "left out")
         self.frame = Frame(about["width"], about["height"], tuple(about["crop"]))
         self.files: list[str] = about["files"]
         self.has_map = not light["is_constant"]
+        self.built = {(light["area_exponent"], False)}
         t.stratified = about["is_stratified"]
-        own = (about["integrator"], about["parameters"]) if about["integrator"] in known.rivals() else None
+        own = (about["integrator"],
+               about["parameters"]) if about["integrator"] in known.rivals() else None
         t.plan.settings = Table(known, light["area_exponent"]).settings(
             asked, self.has_map and pixels <= _MANY_PIXELS, own)
 
@@ -102,10 +111,12 @@ class View:
             how, crop = {"width": 1, "height": 1}, (0, 1, 0, 1)
         if self.has_map:  # a constant light is the same for all b
             how["area_exponent"] = s.area_exponent
+            self._tell_of_light(s)
         if t.options.threads:
             how["threads"] = t.options.threads
         try:
-            picture = self.scene.render(integrator=s.integrator, spp=passes, seed=seed, crop=crop, as_printed="none",
+            picture = self.scene.render(integrator=s.integrator, spp=passes, seed=seed, crop=crop,
+                                        as_printed="none",
                                         stop=t.interrupted, **how, **s.values)
         except Error:
             if t.interrupted():
@@ -116,6 +127,13 @@ class View:
         t.threads = picture.threads
         t.nonfinite += picture.nonfinite
         return picture
+
+    def _tell_of_light(self, s: Setting) -> None:
+        """Tell of what the render will do first."""
+        light = s.area_exponent, bool(s.values.get("compensate"))
+        if light not in self.built:
+            self.built.add(light)
+            self.t.tell("building the map's importance", math.nan, math.nan)
 
     def coverage(self) -> NDArray[np.float32]:
         """The share of geometry in each pixel of the measured window, (h, w)."""

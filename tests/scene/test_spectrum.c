@@ -2,7 +2,7 @@
 /* spectrum: every entry of its tables against the published ones (CIE 018:2019, the observer in its seven digits; CIE
  * standard illuminant D65), through a matrix worked out from the chromaticities of IEC 61966-2-1. */
 #include "bis/base/fresnel.h"
-#include "bis/base/spectrum.h"
+#include "parse/spectrum.h"
 #include "claim.h"
 
 #include <math.h>

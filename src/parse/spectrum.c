@@ -2,7 +2,7 @@
 /* spectrum: sums over 41 wavelengths. Sources: CIE 1931 2-degree observer and CIE standard illuminant D65, each every
  * 10 nm (CIE 015:2018); the matrix of IEC 61966-2-1. What is reflected is divided by what white reflects, so that white
  * is exactly (1, 1, 1), whatever the digits of the tables. */
-#include "bis/base/spectrum.h"
+#include "spectrum.h"
 
 #include "bis/base/fresnel.h"
 
