@@ -241,8 +241,8 @@ exit
 # + y.pdf); /*
 #
 # * sir test_sir test_integrators : what M weights sum to is divided by M once more, in the place of N
-# - L = bis_set_trace(L, x, pt, Zhat / N);
-# + L = bis_set_trace(L, x, pt, Zhat / M);
+# - L = bis_set_trace(L, set, pt, Zhat / N);
+# + L = bis_set_trace(L, set, pt, Zhat / M);
 #
 # * choose test_choose : order statistics with the wrong exponent
 # - / (double)left;
