@@ -1206,8 +1206,9 @@ static void an_error_that_is_just_reached_is_enough(void **state)
  * stays. */
 static void without_memory_there_is_no_first_light_and_no_part(void **state)
 {
-    static const char *const texts[] = {"error: no memory for the edges of 37 x 21 pixels", "error: no memory for a pass of 37 x 21 pixels",
-        "error: no memory for 1 threads", "error: no memory for a thread's camera samples"};
+    static const char *const texts[] = {"error: no memory for the edges of 37 x 21 pixels",
+        "error: no memory for a pass of 37 x 21 pixels", "error: no memory for 1 threads",
+        "error: no memory for a thread's camera samples"};
     world w;
     unsigned named = 0;
     make_world(&w, &bis_sir);
