@@ -62,7 +62,7 @@ done
 $BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/again_many.o" "$root/moon.o" \
     "$root/moon_many.o" "$root/world_again.o" "$BIS_BUILD/libbis.a" $BIS_LIBS ||
     say "the program with a BRDF more does not link"
-library "$root/again.o" "$root/moon.o" "$root/world_again.o"
+library "$root/again.o" "$root/again_many.o" "$root/moon.o" "$root/moon_many.o" "$root/world_again.o"
 # What scenes may say of dust, and what they may not.
 dust() {
     cat <<END

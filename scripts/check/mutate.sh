@@ -192,11 +192,11 @@ exit
 # - x > 0 ? pixel - 1 : pixel + (width - 1)
 # + x > 0 ? pixel - 1 : pixel
 #
-# * regions test_regions : bands of rows are not joined
-# - join_bands(r->label, level, em);
+# * components test_regions : bands of rows are not joined
+# - if (!status) join_bands(&m);
 # + (void)join_bands;
 #
-# * regions test_regions : the later of two joined bands gives the label
+# * components test_regions : the later of two joined bands gives the label
 # - if (above < here) label[here] = above;
 # + if (above > here) label[here] = above;
 #
@@ -241,19 +241,19 @@ exit
 # + y.pdf); /*
 #
 # * sir test_sir test_integrators : what M weights sum to is divided by M once more, in the place of N
-# - L = bis_set_trace(L, x, pt, Zhat / N);
-# + L = bis_set_trace(L, x, pt, Zhat / M);
+# - L = bis_set_trace(L, set, pt, Zhat / N);
+# + L = bis_set_trace(L, set, pt, Zhat / M);
 #
 # * choose test_choose : order statistics with the wrong exponent
 # - / (double)left;
 # + / (double)(left + 1);
 #
 # * set test_set test_sir : the mixture's density has the map's part alone
-# - q = beta_L * x.q[i] + beta_f * f.q[i];
-# + q = beta_L * x.q[i] + 0 * beta_f;
+# - q = beta_map * x.q[i] + beta_f * f.q[i];
+# + q = beta_map * x.q[i] + 0 * beta_f;
 #
 # * set test_sir test_enumeration : a candidate chosen k times counts once
-# - Z * x->choice.times[j] / (double)y->h[j]
+# - Z * set->choice.times[j] / (double)y->h[j]
 # + Z / (double)y->h[j]
 #
 # * rejection test_rejection : the plain estimator forgets how many were accepted
@@ -361,8 +361,8 @@ exit
 # + const float scale = (k % 16 ? 1 : 2) * (float)bis_product_scale(p, c, k);
 #
 # * guide test_verify_picture : learned visibility is not divided out
-# - x->y.h[j] = g->guess.h[k];
-# + x->y.h[j] = 1;
+# - set->y.h[j] = g->guess.h[k];
+# + set->y.h[j] = 1;
 #
 # * pass test_verify_picture : edge pixels count 1.5 times
 # - rgbd_scale(sum->L, 1 / (double)sum->n)
@@ -421,24 +421,24 @@ exit
 # + pipe->compressed_bytes > pipe->packed_bytes
 #
 # * set test_set test_sir : the normaliser divides by M + 1
-# - return x->W / x->M *
-# + return x->W / (x->M + 1) *
+# - return set->W / set->M *
+# + return set->W / (set->M + 1) *
 #
 # * set test_clusters test_product : what learned visibility multiplied is not divided out
-# - x->choice.times[j] / (double)y->h[j]
-# + x->choice.times[j]
+# - set->choice.times[j] / (double)y->h[j]
+# + set->choice.times[j]
 #
 # * set test_pool : candidates left out for the BRDF's keep their weights
-# - x->phase)] = 0;
-# + x->phase)] *= 1;
+# - set->phase)] = 0;
+# + set->phase)] *= 1;
 #
 # * guide test_product test_clusters : the mixture's density takes the map's for the product's
-# - x->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
-# + x->brdf.x.q[i] *= 1;
+# - set->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
+# + set->brdf.x.q[i] *= 1;
 #
 # * set test_set test_sir : the light's unit is forgotten: weights and result in different ones
-# - return x->W / x->M * x->unit_of_f * x->unit_of_Le;
-# + return x->W / x->M * x->unit_of_f;
+# - return set->W / set->M * set->unit_of_f * set->unit_of_Le;
+# + return set->W / set->M * set->unit_of_f;
 #
 # * product test_clusters test_product : a candidate's density is the map's, whatever its cluster got
 # - ahead.scale[ahead.n] = scale;
@@ -497,8 +497,8 @@ exit
 # + whole = cells / n, rest = 0;
 #
 # * set test_set test_enumeration : systematic marks without their random offset
-# - x->mark < 0 ? bis_stream_random(stream) : x->mark
-# + x->mark < 0 ? 0.5 + 0 * bis_stream_random(stream) : x->mark
+# - set->mark < 0 ? bis_stream_random(stream) : set->mark
+# + set->mark < 0 ? 0.5 + 0 * bis_stream_random(stream) : set->mark
 #
 # * lanes.h test_choose : a block's sum without its last four weights
 # - for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];

@@ -12,7 +12,7 @@ id=SPDX-License-Identifier:
 licence="$id BSD-2-Clause"
 status=0
 for file in $(find Makefile .ci .github pyproject.toml include src tests scripts docs/live data/generate \
-    -type f ! -path '*/handed_in/*.c' 2>/dev/null | sort); do
+    -type f ! -path '*/handed_in/*.c' ! -path '*/bis/pages/*' 2>/dev/null | sort); do
     case $file in
     *.[ch] | *.js | *.css) line="/* $licence */" ;;
     *.html) line="<!-- $licence -->" ;;

@@ -59,7 +59,7 @@ static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *p
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
 }
 
-static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
     bis_product_guide *g = (bis_product_guide *)guide;
     double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
@@ -68,52 +68,52 @@ static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, 
     if (g->visibility && !bis_product_guess(&g->product, g->clusters, &g->guess)) return false;
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
-    const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &x->own, x->part,
-                                            guide->weigh ? x->stands_for : NULL, n, marks[0][0], phase[0][0],
+    const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &set->own, set->part,
+                                            guide->weigh ? set->stands_for : NULL, n, marks[0][0], phase[0][0],
                                             stream->pixel);
-    x->map = (bis_half){x->own, drawn, 0};
-    x->mark = marks[0][1];
+    set->map = (bis_half){set->own, drawn, 0};
+    set->mark = marks[0][1];
     return true;
 }
 
-static void density(bis_guide *guide, bis_set *x)
+static void density(bis_guide *guide, bis_set *set)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
-    for (uint32_t i = 0; i < x->brdf.n; i++) {
-        const uint32_t k = bis_cluster_of_pixel(g->clusters, x->pixel[i]);
-        x->part[x->brdf.first + i] = (uint16_t)k;
-        x->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
+    for (uint32_t i = 0; i < set->brdf.n; i++) {
+        const uint32_t k = bis_cluster_of_pixel(g->clusters, set->pixel[i]);
+        set->part[set->brdf.first + i] = (uint16_t)k;
+        set->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
     }
 }
 
 /* ---- learned visibility ---- */
 
-static void weigh_half(bis_set *x, const bis_half *half, const float *h)
+static void weigh_half(bis_set *set, const bis_half *half, const float *h)
 {
-    const uint16_t *part = x->part + half->first;
-    float *w = x->choice.w + half->first;
+    const uint16_t *part = set->part + half->first;
+    float *w = set->choice.w + half->first;
 
     for (uint32_t i = 0; i < half->n; i++) w[i] *= h[part[i]];
 }
 
-static void weigh(bis_guide *guide, bis_set *x)
+static void weigh(bis_guide *guide, bis_set *set)
 {
     const float *h = ((const bis_product_guide *)guide)->guess.h;
 
-    for (uint32_t i = 0; i < x->map.n; i++) x->choice.w[i] *= x->stands_for[i];
-    weigh_half(x, &x->map, h);
-    weigh_half(x, &x->brdf, h);
+    for (uint32_t i = 0; i < set->map.n; i++) set->choice.w[i] *= set->stands_for[i];
+    weigh_half(set, &set->map, h);
+    weigh_half(set, &set->brdf, h);
 }
 
-static void chosen(bis_guide *guide, bis_set *x)
+static void chosen(bis_guide *guide, bis_set *set)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
-    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
-        const uint32_t k = x->part[x->choice.item[j]];
-        x->y.h[j] = g->guess.h[k];
-        x->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n) : NULL;
+    for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
+        const uint32_t k = set->part[set->choice.item[j]];
+        set->y.h[j] = g->guess.h[k];
+        set->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n) : NULL;
     }
 }
 
@@ -122,45 +122,46 @@ static void chosen(bis_guide *guide, bis_set *x)
  * their rays best in proportion to the root of this, W/A. N is enough where W/A is 1: where the light is mostly seen.
  * Fewer are never chosen, because there the rays are cheap, and what is known may be wrong. Where nothing is expected
  * W/A has no bound, but 3 N marks choose nearly all of the candidates that the weights make likely. */
-static uint32_t rays(const bis_guide *guide, const bis_set *x, uint32_t N)
+static uint32_t rays(const bis_guide *guide, const bis_set *set, uint32_t N)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
     double A = 0;
 
-    if (!g->guess.knows || x->brdf.n > 0) return N; /* nor under a mirror's lobe: see has_control */
-    for (uint32_t i = 0; i < x->choice.n; i++) A += (double)(x->choice.w[i] * g->guess.control[x->part[i]]);
-    if (BIS_MORE_RAYS * A <= x->W) return BIS_MORE_RAYS * N;
-    return A < x->W ? (uint32_t)ceil(N * (x->W / A)) : N;
+    if (!g->guess.knows || set->brdf.n > 0) return N; /* nor under a mirror's lobe: see has_control */
+    for (uint32_t i = 0; i < set->choice.n; i++) A += (double)(set->choice.w[i] * g->guess.control[set->part[i]]);
+    if (BIS_MORE_RAYS * A <= set->W) return BIS_MORE_RAYS * N;
+    return A < set->W ? (uint32_t)ceil(N * (set->W / A)) : N;
 }
 
 /* Not under a mirror's lobe alone: it sees few clusters, which the marks divide well enough. */
-static bool has_control(const bis_guide *guide, const bis_set *x, const bis_point *pt)
+static bool has_control(const bis_guide *guide, const bis_set *set, const bis_point *pt)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
-    return g->guess.knows && x->brdf.n == 0 && !rgb_is_black(pt->bsdf.material->Kd);
+    return g->guess.knows && set->brdf.n == 0 && !rgb_is_black(pt->bsdf.material->Kd);
 }
 
 /* Z times the sum of F/(phat h) g over what was chosen. */
-static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *x, double Z)
+static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *set, double Z)
 {
     rgbd sum = {0, 0, 0};
 
-    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
-        const float control = g->guess.control[x->part[x->choice.item[j]]];
-        const rgbd share = {(double)x->y.r[j], (double)x->y.g[j], (double)x->y.b[j]};
-        sum = rgbd_add(sum, rgbd_scale(share, Z * x->choice.times[j] * (double)control));
+    for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
+        const float control = g->guess.control[set->part[set->choice.item[j]]];
+        const rgbd share = {(double)set->y.r[j], (double)set->y.g[j], (double)set->y.b[j]};
+        sum = rgbd_add(sum, rgbd_scale(share, Z * set->choice.times[j] * (double)control));
     }
     return sum;
 }
 
 /* w g/h is F/q g: the weight is phat h/q. The result is a float, because where rays are only noted (bis_point_add) it
  * is one, and the bits must be the same. */
-static rgbd expected(const bis_guide *guide, const bis_set *x, double Z)
+static rgbd expected(const bis_guide *guide, const bis_set *set, double Z)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
-    const rgbd all = bis_shares_sum(x, 0, bis_lanes_round_up(x->map.n), g->guess.control);
-    const rgbd mean = rgbd_scale(all, x->unit_of_f * x->unit_of_Le / x->M), chosen_only = control_of_chosen(g, x, Z);
+    const rgbd all = bis_shares_sum(set, 0, bis_lanes_round_up(set->map.n), g->guess.control);
+    const rgbd mean = rgbd_scale(all, set->unit_of_f * set->unit_of_Le / set->M);
+    const rgbd chosen_only = control_of_chosen(g, set, Z);
     const rgb L = rgbd_round(rgbd_add(mean, rgbd_scale(chosen_only, -1)));
 
     return (rgbd){(double)L.r, (double)L.g, (double)L.b};

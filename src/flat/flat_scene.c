@@ -93,16 +93,11 @@ void bis_flat_scene_close(bis_flat_scene *scene)
 
 bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag)
 {
-    bis_accel *other;
-
     if (d->accel.kind != s->desc->accel.kind)
         return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of an open scene is built: open it with another");
     if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
-    const bis_status status = bis_scene_accel(&other, s->scene, d, d->accel.kind, diag);
-    if (!status) bis_accel_free(other);
-    return status ? status
-                  : bis_error(diag, BIS_INPUT, nowhere, "the accelerator of this scene does not reach to the camera: "
-                                                        "open the scene with this camera");
+    return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of this scene does not reach to the camera: open the "
+                                               "scene with this camera");
 }
 
 /* Whether a map with the settings of a is that with the settings of b. */

@@ -31,80 +31,82 @@ static bool draw_one_of_map(bis_light_point *y, uint32_t i, uint32_t n, bool str
     return bis_propose_em(y, light, stream, u);
 }
 
-static void draw_map(bis_set *x, uint32_t n, bool stratify, const bis_light *light, bis_stream *stream)
+static void draw_map(bis_set *set, uint32_t n, bool stratify, const bis_light *light, bis_stream *stream)
 {
     bis_light_point y;
 
     for (uint32_t i = 0; i < n; i++) {
         const bool drawn = draw_one_of_map(&y, i, n, stratify, light, stream);
-        bis_lanes_put(&x->own, i, drawn ? &y : NULL, x->unit_of_Le);
+        bis_lanes_put(&set->own, i, drawn ? &y : NULL, set->unit_of_Le);
     }
-    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) bis_lanes_put(&x->own, i, NULL, 1);
-    x->map = (bis_half){x->own, n, 0};
+    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) bis_lanes_put(&set->own, i, NULL, 1);
+    set->map = (bis_half){set->own, n, 0};
 }
 
 /* A set has M directions; the n_brdf that the BRDF gets of M are not used (bis_set_weigh leaves them out). Which ones
  * is random, because light from the same parts of every set would be lost else. */
-static void draw_shared(bis_set *x, uint32_t n_brdf, bis_stream *stream)
+static void draw_shared(bis_set *set, uint32_t n_brdf, bis_stream *stream)
 {
-    x->map = (bis_half){x->sets->choose(x->sets, stream), x->M, 0};
-    x->n_unused = n_brdf;
-    x->phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
+    set->map = (bis_half){set->sets->choose(set->sets, stream), set->M, 0};
+    set->n_unused = n_brdf;
+    set->phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
 }
 
 /* The largest float below 1: a double just below 1 would round to 1. */
 static float below_1(double u) { return fminf((float)u, 0x1.fffffep-1f); }
 
-static void draw_brdf(bis_set *x, uint32_t n, bool stratify, const bis_point *pt, bis_stream *stream)
+static void draw_brdf(bis_set *set, uint32_t n, bool stratify, const bis_point *pt, bis_stream *stream)
 {
     const uint32_t padded = bis_lanes_round_up(n);
 
     if (stratify) { /* one key for all: the points are a function of it and of their number */
-        bis_curve_points(x->u1, x->u2, n, bis_rng_u64(&stream->rng));
+        bis_curve_points(set->u1, set->u2, n, bis_rng_u64(&stream->rng));
     } else {
         for (uint32_t i = 0; i < n; i++) {
             double u[2];
             independent_point(u, stream, BIS_DIM_BRDF, n);
-            x->u1[i] = below_1(u[0]);
-            x->u2[i] = below_1(u[1]);
+            set->u1[i] = below_1(u[0]);
+            set->u2[i] = below_1(u[1]);
         }
         /* what fills the last block must be numbers, too: the loop over lanes computes with it */
-        for (uint32_t i = n; i < padded; i++) x->u1[i] = x->u2[i] = 0;
+        for (uint32_t i = n; i < padded; i++) set->u1[i] = set->u2[i] = 0;
     }
-    bis_bsdf_sample_many(&x->brdf.x, &pt->bsdf, x->u1, x->u2, n);
-    bis_light_look(pt->light, &x->brdf.x, x->pixel, n);
-    x->brdf.n = n;
+    bis_bsdf_sample_many(&set->brdf.x, &pt->bsdf, set->u1, set->u2, n);
+    bis_light_look(pt->light, &set->brdf.x, set->pixel, n);
+    set->brdf.n = n;
 }
 
-static bis_mixture divide(const bis_set *x, uint32_t M, bis_proposal proposal, const bis_point *pt,
+static bis_mixture divide(const bis_set *set, uint32_t M, bis_proposal proposal, const bis_point *pt,
                           bis_stream *stream)
 {
-    if (proposal == BIS_PROPOSAL_PRODUCT && x->guide && x->guide->divide) return x->guide->divide(x->guide, M, pt);
+    const bis_guide *guide = set->guide;
+
+    if (proposal == BIS_PROPOSAL_PRODUCT && guide && guide->divide) return guide->divide(guide, M, pt);
     return bis_candidates_divide(M, proposal, pt, stream);
 }
 
-bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
+bool bis_set_draw(bis_set *set, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
                   bis_stream *stream)
 {
-    x->M = M;
-    x->map.n = x->brdf.n = x->n_unused = x->choice.n = x->choice.n_chosen = 0;
+    set->M = M;
+    set->map.n = set->brdf.n = set->n_unused = set->choice.n = set->choice.n_chosen = 0;
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return false;
     pt->counters->candidates += M; /* asked for: of a lamp a guide may draw fewer, each for several */
-    const bis_mixture m = divide(x, M, proposal, pt, stream);
-    const bool guided = x->guide && x->guide->draw && m.n_em > 0;
+    const bis_mixture m = divide(set, M, proposal, pt, stream);
+    const bool guided = set->guide && set->guide->draw && m.n_em > 0;
 
-    x->beta = m.beta;
-    x->unit_of_Le = bis_light_mean(pt->light);
-    x->mark = -1; /* none: bis_set_choose draws one */
+    set->beta = m.beta;
+    set->unit_of_Le = bis_light_mean(pt->light);
+    set->mark = -1; /* none: bis_set_choose draws one */
     if (guided) {
-        if (!x->guide->draw(x->guide, x, m.n_em, pt, stream)) return false;
-    } else if (m.n_em && x->sets) {
-        draw_shared(x, m.n_brdf, stream);
+        if (!set->guide->draw(set->guide, set, m.n_em, pt, stream)) return false;
+    } else if (m.n_em && set->sets) {
+        draw_shared(set, m.n_brdf, stream);
     } else if (m.n_em) {
-        draw_map(x, m.n_em, stratify, pt->light, stream);
+        draw_map(set, m.n_em, stratify, pt->light, stream);
     }
-    x->brdf.first = bis_lanes_round_up(x->map.n); /* each half begins with a block of its own */
-    if (m.n_brdf) draw_brdf(x, m.n_brdf, stratify, pt, stream);
-    if (m.n_brdf && guided) x->guide->density(x->guide, x);
+    set->brdf.first = bis_lanes_round_up(set->map.n); /* each half begins with a block of its own */
+    if (m.n_brdf) draw_brdf(set, m.n_brdf, stratify, pt, stream);
+    if (m.n_brdf && guided) set->guide->density(set->guide, set);
     return true;
 }

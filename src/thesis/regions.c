@@ -5,11 +5,9 @@
  * intensity. (2) A breadth-first search from each pixel without a label gives one label to its whole component. (3)
  * The solid angles of the pixels are summed by label.
  *
- * A search through a map of 10^8 pixels would wait for memory at each step. The map is therefore cut into bands of
- * rows. Each is searched on its own, all threads share the bands, and a pixel enters the queue of its band once. The
- * first label is the pixel where the search began. Components of two bands that touch are then joined by union and
- * find: the larger of their first pixels gets the smaller one as its label. Labels become numbers from 0 on, in the
- * order of the first pixels, so the bands change no label.
+ * The first label is the pixel where the search began. A large map is searched in bands of rows by all threads, and the
+ * components of bands that touch are joined (bis/base/components.h). Labels become numbers from 0 on, in the order of
+ * the first pixels.
  *
  * On the sphere the left and right edges of the map touch. All pixels of the first row also touch, at the pole, and
  * likewise all of the last row (docs/errata.md E19; "the pixel opposite" would depend on whether W is even). To visit
@@ -17,11 +15,11 @@
  * a row enqueues all pixels of this level in the row, and the level is then done for this row. */
 #include "bis/thesis/regions.h"
 
+#include "bis/base/components.h"
 #include "bis/base/mem.h"
 
 #include <assert.h>
 #include <float.h>
-#include <stdatomic.h>
 #include <string.h>
 
 bis_levels bis_levels_of(const bis_envmap *em, int levels)
@@ -48,26 +46,14 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 }
 /* [end] */
 
-enum { BAND = 16 /* rows: of a map 16384 wide a thread searches 2.4 MB, which lie in its cache */ };
-
-/* The state of the searches in a band: a piece of the map of full width. Pixels are counted from its first one. */
-typedef struct search {
-    const uint8_t *level; /* level[height * width] */
-    uint32_t *label;
-    uint32_t *queue; /* queue[height * width]: each pixel enters once */
-    size_t head, tail;
-    uint32_t width, height;
-    bool first_row_done[BIS_LEVEL_NONE], last_row_done[BIS_LEVEL_NONE]; /* by level; all, if the row is at no pole */
-} search;
-
-static void visit(search *s, uint32_t pixel, uint8_t level, uint32_t label)
+static void visit(bis_search *s, uint32_t pixel, uint8_t level, uint32_t label)
 {
     if (s->level[pixel] != level || s->label[pixel] != BIS_REGION_NONE) return;
     s->label[pixel] = label;
     s->queue[s->tail++] = pixel;
 }
 
-static void visit_row(search *s, uint32_t y, uint8_t level, uint32_t label, bool *done)
+static void visit_row(bis_search *s, uint32_t y, uint8_t level, uint32_t label, bool *done)
 {
     if (*done) return;
     *done = true;
@@ -75,7 +61,7 @@ static void visit_row(search *s, uint32_t y, uint8_t level, uint32_t label, bool
 }
 
 /* [bfs] */
-static void flood(search *s, uint32_t start, uint32_t label)
+static void flood(bis_search *s, uint32_t start, uint32_t label)
 {
     const uint8_t level = s->level[start];
     const uint32_t width = s->width;
@@ -119,70 +105,18 @@ static void find_bounds(double bound[BIS_LEVEL_NONE + 1], const bis_levels *l)
     bound[l->n] = (double)INFINITY;
 }
 
-/* Finds the levels of n pixels, each from that of the pixel before, because few differ much from their neighbours. */
-static void find_levels(uint8_t *level, const double *bound, const rgb *pixels, size_t n)
+/* Finds the levels of all pixels, each from that of the pixel before, because few differ much from their neighbours. */
+static void find_levels(uint8_t *level, const double *bound, const bis_envmap *em)
 {
-    int k = 0;
-    for (size_t i = 0; i < n; i++) {
-        const double intensity = rgb_sum(pixels[i]);
-        while (intensity >= bound[k + 1]) k++;
-        while (intensity < bound[k]) k--;
-        level[i] = intensity > 0 ? (uint8_t)k : BIS_LEVEL_NONE;
-    }
-}
-
-/* Finds the levels of the band that begins at row y0, and labels its components. queue[BAND * width] is scratch. */
-static void search_band(uint8_t *level, uint32_t *label, uint32_t *queue, const bis_envmap *em, const double *bound,
-                        uint32_t y0)
-{
-    const uint32_t width = (uint32_t)em->width, below = (uint32_t)em->height - y0, first = y0 * width;
-    search s = {level + first, label + first, queue, 0, 0, width, below < BAND ? below : BAND, {false}, {false}};
-    const uint32_t n = s.height * width;
-
-    if (y0 > 0) memset(s.first_row_done, true, sizeof s.first_row_done);
-    if (s.height < below) memset(s.last_row_done, true, sizeof s.last_row_done);
-    find_levels(level + first, bound, em->pixels + first, n);
-    for (uint32_t i = 0; i < n; i++) s.label[i] = BIS_REGION_NONE;
-    for (uint32_t i = 0; i < n; i++) {
-        if (s.level[i] != BIS_LEVEL_NONE && s.label[i] == BIS_REGION_NONE) flood(&s, i, first + i);
-    }
-}
-
-static bis_status search_bands(uint8_t *level, uint32_t *label, const bis_envmap *em, const double *bound)
-{
-    const uint32_t width = (uint32_t)em->width, height = (uint32_t)em->height;
-    const size_t rows = height < BAND ? height : BAND;
-    atomic_bool failed = false;
-#pragma omp parallel
-    {
-        uint32_t *queue = bis_alloc(rows * width, sizeof *queue);
-        if (!queue) failed = true;
-#pragma omp for schedule(dynamic)
-        for (uint32_t y = 0; y < height; y += BAND) {
-            if (queue) search_band(level, label, queue, em, bound, y);
-        }
-        bis_free(queue);
-    }
-    return failed ? BIS_NOMEM : BIS_OK;
-}
-
-/* Returns the first pixel of pixel i's component, as far as components are joined. Labels on the way get shorter. */
-static uint32_t first_pixel(uint32_t *label, uint32_t i)
-{
-    while (label[i] != i) i = label[i] = label[label[i]];
-    return i;
-}
-
-static void join_bands(uint32_t *label, const uint8_t *level, const bis_envmap *em)
-{
-    const uint32_t width = (uint32_t)em->width, n = width * (uint32_t)em->height;
-    for (uint32_t row = BAND * width; row < n; row += BAND * width) {
-        for (uint32_t i = row; i < row + width; i++) {
-            if (level[i] != level[i - width]) continue;
-            if (label[i] == BIS_REGION_NONE || label[i - width] == BIS_REGION_NONE) continue; /* black */
-            const uint32_t above = first_pixel(label, i - width), here = first_pixel(label, i);
-            if (above < here) label[here] = above;
-            else label[above] = here;
+    const size_t width = (size_t)em->width, height = (size_t)em->height;
+#pragma omp parallel for
+    for (size_t y = 0; y < height; y++) {
+        int k = 0;
+        for (size_t i = y * width; i < (y + 1) * width; i++) {
+            const double intensity = rgb_sum(em->pixels[i]);
+            while (intensity >= bound[k + 1]) k++;
+            while (intensity < bound[k]) k--;
+            level[i] = intensity > 0 ? (uint8_t)k : BIS_LEVEL_NONE;
         }
     }
 }
@@ -215,11 +149,13 @@ bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bi
     double bound[BIS_LEVEL_NONE + 1];
     uint8_t *level = bis_alloc(n, sizeof *level);
     uint32_t n_regions = 0;
-    find_bounds(bound, &l);
+    bis_status status = BIS_NOMEM;
     *r = (bis_regions){.label = bis_alloc(n, sizeof *r->label)};
-    bis_status status = level && r->label ? search_bands(level, r->label, em, bound) : BIS_NOMEM;
+    if (!level || !r->label) goto done;
+    find_bounds(bound, &l);
+    find_levels(level, bound, em);
+    status = bis_components_find(r->label, level, (uint32_t)em->width, (uint32_t)em->height, flood);
     if (status) goto done;
-    join_bands(r->label, level, em);
 #pragma omp parallel for reduction(+ : n_regions)
     for (uint32_t i = 0; i < n; i++) n_regions += r->label[i] == i;
     r->n = n_regions;

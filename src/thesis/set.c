@@ -22,7 +22,7 @@ enum { BLOCK = BIS_LANES_BLOCK, CHUNK = 256 /* candidates whose f is kept at a t
 /* [weigh] */
 BIS_LANES
 static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,
-                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_L, float beta_f, uint32_t n)
+                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_map, float beta_f, uint32_t n)
 {
     const bis_lanes x = *candidates;
     const bis_reflected f = *reflected;
@@ -32,7 +32,7 @@ static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, f
         F_r[i] = f.r[i] * x.r[i];
         F_g[i] = f.g[i] * x.g[i];
         F_b[i] = f.b[i] * x.b[i];
-        const float phat = f.cos[i] * (F_r[i] + F_g[i] + F_b[i]), q = beta_L * x.q[i] + beta_f * f.q[i];
+        const float phat = f.cos[i] * (F_r[i] + F_g[i] + F_b[i]), q = beta_map * x.q[i] + beta_f * f.q[i];
         /* where q is 0, as at a black pixel outside the lobe, phat is 0, too */
         w[i] = bis_lanes_choose(f.cos[i] > 0, phat / bis_lanes_choose(q > 0, q, 1), 0);
     }
@@ -47,34 +47,34 @@ static bis_lanes from(const bis_lanes *x, uint32_t i)
 /* f of a chunk at a time is kept, on the stack, because nobody asks for it again once F is known. The size is free:
  * `./bis scene.txt --integrator sir --candidates 8000 --spp 1 --resolution 160x120 --nthreads 1` took 3.9 s of user
  * time with 256, 4.0 with 1024, 3.9 with 8192 (the least of seven, on a busy machine). */
-static void weigh_half(bis_set *x, const bis_half *half, const bis_point *pt)
+static void weigh_half(bis_set *set, const bis_half *half, const bis_point *pt)
 {
-    const float beta_L = (float)x->beta, beta_f = (float)(1 - x->beta);
+    const float beta_map = (float)set->beta, beta_f = (float)(1 - set->beta);
     float memory[5][CHUNK];
     const bis_reflected f = {memory[0], memory[1], memory[2], memory[3], memory[4]};
 
     for (uint32_t i = 0; i < half->n; i += CHUNK) {
         const uint32_t n = half->n - i < CHUNK ? half->n - i : CHUNK, at = half->first + i;
         const bis_lanes y = from(&half->x, i);
-        x->unit_of_f = bis_bsdf_f_many(&f, &pt->bsdf, &y, n);
-        weigh(x->choice.w + at, x->F[0] + at, x->F[1] + at, x->F[2] + at, &y, &f, beta_L, beta_f,
+        set->unit_of_f = bis_bsdf_f_many(&f, &pt->bsdf, &y, n);
+        weigh(set->choice.w + at, set->F[0] + at, set->F[1] + at, set->F[2] + at, &y, &f, beta_map, beta_f,
               bis_lanes_round_up(n));
     }
 }
 
-double bis_set_weigh(bis_set *x, const bis_point *pt)
+double bis_set_weigh(bis_set *set, const bis_point *pt)
 {
-    float *w = x->choice.w;
+    float *w = set->choice.w;
 
-    weigh_half(x, &x->map, pt);
+    weigh_half(set, &set->map, pt);
     /* Of a shared set of M directions as many are left out as the BRDF draws, evenly spread, so that the rest is, too:
      * their weight is 0, and no mark falls on them. */
-    for (uint32_t j = 0; j < x->n_unused; j++) w[bis_one_of_set(j, x->n_unused, x->M, x->phase)] = 0;
-    weigh_half(x, &x->brdf, pt);
-    if (x->guide && x->guide->weigh) x->guide->weigh(x->guide, x);
+    for (uint32_t j = 0; j < set->n_unused; j++) w[bis_one_of_set(j, set->n_unused, set->M, set->phase)] = 0;
+    weigh_half(set, &set->brdf, pt);
+    if (set->guide && set->guide->weigh) set->guide->weigh(set->guide, set);
     /* to the end of the last block: what only fills a block was given the radiance 0 and weighs nothing */
-    x->W = bis_choice_sum(&x->choice, x->brdf.first + bis_lanes_round_up(x->brdf.n));
-    return x->W / x->M * x->unit_of_f * x->unit_of_Le;
+    set->W = bis_choice_sum(&set->choice, set->brdf.first + bis_lanes_round_up(set->brdf.n));
+    return set->W / set->M * set->unit_of_f * set->unit_of_Le;
 }
 
 /* ---- F/phat ---- */
@@ -127,79 +127,79 @@ static rgbd sum_all_shares(float *const F[3], const float *w, const uint16_t *pa
     return factor ? sum_shares(F, w, part, factor, n, true) : sum_shares(F, w, NULL, NULL, n, false);
 }
 
-rgbd bis_shares_sum(const bis_set *x, uint32_t first, uint32_t n, const float *factor)
+rgbd bis_shares_sum(const bis_set *set, uint32_t first, uint32_t n, const float *factor)
 {
-    float *const F[3] = {x->F[0] + first, x->F[1] + first, x->F[2] + first};
+    float *const F[3] = {set->F[0] + first, set->F[1] + first, set->F[2] + first};
 
-    return sum_all_shares(F, x->choice.w + first, x->part + first, factor, n);
+    return sum_all_shares(F, set->choice.w + first, set->part + first, factor, n);
 }
 
-rgbd bis_set_mean(const bis_set *x)
+rgbd bis_set_mean(const bis_set *set)
 {
-    const rgbd sum = bis_shares_sum(x, 0, x->choice.n, NULL);
+    const rgbd sum = bis_shares_sum(set, 0, set->choice.n, NULL);
 
-    return rgbd_scale(sum, x->unit_of_f * x->unit_of_Le / x->M);
+    return rgbd_scale(sum, set->unit_of_f * set->unit_of_Le / set->M);
 }
 
 /* ---- choose ---- */
 
 /* What was chosen, side by side, and its shares of F. Copied, because the few that are traced lie far apart among the
  * candidates, and the loops that follow (shares here, a guide's) are vectors only over neighbours. */
-static void gather(bis_set *x)
+static void gather(bis_set *set)
 {
-    const uint32_t n = x->choice.n_chosen;
-    const bis_traced y = x->y;
+    const uint32_t n = set->choice.n_chosen;
+    const bis_traced y = set->y;
 
     assert(n <= y.room); /* of the candidates, at most N are traced */
     for (uint32_t j = 0; j < n; j++) {
-        const uint32_t number = x->choice.item[j];
+        const uint32_t number = set->choice.item[j];
         uint32_t i;
-        const bis_lanes *from_half = &bis_set_half(x, number, &i)->x;
+        const bis_lanes *from_half = &bis_set_half(set, number, &i)->x;
         y.wi[j] = (vec3){from_half->x[i], from_half->y[i], from_half->z[i]};
-        y.r[j] = x->F[0][number];
-        y.g[j] = x->F[1][number];
-        y.b[j] = x->F[2][number];
+        y.r[j] = set->F[0][number];
+        y.g[j] = set->F[1][number];
+        y.b[j] = set->F[2][number];
         y.h[j] = 1;
         y.seen[j] = NULL;
     }
     for (uint32_t j = n; j < bis_lanes_round_up(n); j++) y.r[j] = y.g[j] = y.b[j] = 0; /* of the last block */
     make_shares(y.r, y.g, y.b, bis_lanes_round_up(n));
-    if (x->guide && x->guide->chosen) x->guide->chosen(x->guide, x);
+    if (set->guide && set->guide->chosen) set->guide->chosen(set->guide, set);
 }
 
-void bis_set_choose(bis_set *x, uint32_t N, bis_resampling resampling, bis_stream *stream)
+void bis_set_choose(bis_set *set, uint32_t N, bis_resampling resampling, bis_stream *stream)
 {
-    if (resampling == BIS_RESAMPLING_MULTINOMIAL) bis_choose_multinomial(&x->choice, N, x->W, stream);
+    if (resampling == BIS_RESAMPLING_MULTINOMIAL) bis_choose_multinomial(&set->choice, N, set->W, stream);
     /* mark: an offset that a guide has spread evenly over the camera samples of the pixel */
-    else bis_choose_systematic(&x->choice, N, x->W, x->mark < 0 ? bis_stream_random(stream) : x->mark);
-    gather(x);
+    else bis_choose_systematic(&set->choice, N, set->W, set->mark < 0 ? bis_stream_random(stream) : set->mark);
+    gather(set);
 }
 
-void bis_set_take(bis_set *x, uint32_t n)
+void bis_set_take(bis_set *set, uint32_t n)
 {
-    x->choice.n_chosen = n;
-    for (uint32_t j = 0; j < n; j++) x->choice.times[j] = 1;
-    gather(x);
+    set->choice.n_chosen = n;
+    for (uint32_t j = 0; j < n; j++) set->choice.times[j] = 1;
+    gather(set);
 }
 
 /* ---- trace ---- */
 
-bool bis_set_has_control(const bis_set *x, const bis_point *pt)
+bool bis_set_has_control(const bis_set *set, const bis_point *pt)
 {
-    return x->guide && x->guide->has_control && x->guide->has_control(x->guide, x, pt);
+    return set->guide && set->guide->has_control && set->guide->has_control(set->guide, set, pt);
 }
 
-rgbd bis_set_expected(const bis_set *x, double Z) { return x->guide->expected(x->guide, x, Z); }
+rgbd bis_set_expected(const bis_set *set, double Z) { return set->guide->expected(set->guide, set, Z); }
 
 /* [trace] */
-rgbd bis_set_trace(rgbd L, const bis_set *x, const bis_point *pt, double Z)
+rgbd bis_set_trace(rgbd L, const bis_set *set, const bis_point *pt, double Z)
 {
-    const bis_traced *y = &x->y;
+    const bis_traced *y = &set->y;
 
-    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
+    for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
         const rgbd share = {(double)y->r[j], (double)y->g[j], (double)y->b[j]};
         /* times: one ray serves all marks of a candidate. h: what the choice was steered by is divided out again */
-        const rgbd C = rgbd_scale(share, Z * x->choice.times[j] / (double)y->h[j]);
+        const rgbd C = rgbd_scale(share, Z * set->choice.times[j] / (double)y->h[j]);
         bis_point_add(&L, pt, y->wi[j], C, y->seen[j]);
     }
     return L;
@@ -208,39 +208,39 @@ rgbd bis_set_trace(rgbd L, const bis_set *x, const bis_point *pt, double Z)
 
 /* ---- memory ---- */
 
-void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
+void bis_set_claim(bis_set *set, const bis_needs *need, bis_claims *claims)
 {
     const size_t M = bis_lanes_round_up(need->n_candidates), all = 2 * M; /* of a shared set all M, and of the BRDF M */
     const size_t most = need->n_traced < all ? need->n_traced : all, N = bis_lanes_round_up((uint32_t)most);
     /* own and brdf.x; u1, u2, stands_for; F; and four arrays of y: one allocation, so that a set lies together */
     const size_t n = 2 * BIS_LANES_ARRAYS * M + 3 * M + 3 * all + 4 * N;
 
-    bis_choice_claim(&x->choice, (uint32_t)all, claims);
-    x->pixel = bis_claim(claims, M, sizeof *x->pixel);
-    x->part = bis_claim(claims, all, sizeof *x->part);
-    x->y.wi = bis_claim(claims, N, sizeof *x->y.wi);
-    x->y.seen = bis_claim(claims, N, sizeof *x->y.seen);
-    x->y.room = (uint32_t)N;
-    float *p = x->floats = bis_claim(claims, n, sizeof *x->floats);
+    bis_choice_claim(&set->choice, (uint32_t)all, claims);
+    set->pixel = bis_claim(claims, M, sizeof *set->pixel);
+    set->part = bis_claim(claims, all, sizeof *set->part);
+    set->y.wi = bis_claim(claims, N, sizeof *set->y.wi);
+    set->y.seen = bis_claim(claims, N, sizeof *set->y.seen);
+    set->y.room = (uint32_t)N;
+    float *p = set->floats = bis_claim(claims, n, sizeof *set->floats);
     if (!p) return;
-    x->own = bis_lanes_in(p, (uint32_t)M);
-    x->brdf.x = bis_lanes_in(p += BIS_LANES_ARRAYS * M, (uint32_t)M);
-    x->u1 = p += BIS_LANES_ARRAYS * M;
-    x->u2 = p += M;
-    x->stands_for = p += M;
+    set->own = bis_lanes_in(p, (uint32_t)M);
+    set->brdf.x = bis_lanes_in(p += BIS_LANES_ARRAYS * M, (uint32_t)M);
+    set->u1 = p += BIS_LANES_ARRAYS * M;
+    set->u2 = p += M;
+    set->stands_for = p += M;
     p += M;
-    for (int i = 0; i < 3; i++, p += all) x->F[i] = p;
-    float **const traced[] = {&x->y.r, &x->y.g, &x->y.b, &x->y.h};
+    for (int i = 0; i < 3; i++, p += all) set->F[i] = p;
+    float **const traced[] = {&set->y.r, &set->y.g, &set->y.b, &set->y.h};
     for (int i = 0; i < 4; i++, p += N) *traced[i] = p;
 }
 
-void bis_set_clear(bis_set *x)
+void bis_set_clear(bis_set *set)
 {
-    bis_choice_clear(&x->choice);
-    bis_free(x->pixel);
-    bis_free(x->y.wi);
-    bis_free(x->part);
-    bis_free(x->y.seen);
-    bis_free(x->floats);
-    *x = (bis_set){.M = 0};
+    bis_choice_clear(&set->choice);
+    bis_free(set->pixel);
+    bis_free(set->y.wi);
+    bis_free(set->part);
+    bis_free(set->y.seen);
+    bis_free(set->floats);
+    *set = (bis_set){.M = 0};
 }

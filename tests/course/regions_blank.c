@@ -8,7 +8,7 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 }
 /* [end] */
 /* [bfs] */
-static void flood(search *s, uint32_t start, uint32_t label)
+static void flood(bis_search *s, uint32_t start, uint32_t label)
 {
     /* Yours to write: label and whatever is connected to start. Of use: visit, visit_row (for the poles), s->queue from
      * s->head to s->tail. */

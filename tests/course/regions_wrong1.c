@@ -4,7 +4,7 @@
 /* loses: all_pixels_of_a_pole_touch */
 /* loses: solid_angles_are_summed */
 /* [bfs] */
-static void flood(search *s, uint32_t start, uint32_t label)
+static void flood(bis_search *s, uint32_t start, uint32_t label)
 {
     const uint8_t level = s->level[start];
     const uint32_t width = s->width;

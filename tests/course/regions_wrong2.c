@@ -12,7 +12,7 @@
 +    return (uint8_t)(l->n * log(intensity / l->least) / l->log_range);
 /* [end] */
 /* [bfs] */
-static void flood(search *s, uint32_t start, uint32_t label)
+static void flood(bis_search *s, uint32_t start, uint32_t label)
 {
     const int width = (int)s->width, x = (int)start % width, y = (int)start / width;
     (void)visit_row, (void)visit;

@@ -9,20 +9,20 @@ static bis_proposal choose_proposal(const bis_settings *s, const bis_point *pt, 
 }
 /* [end] */
 /* [accept] */
-static uint32_t accept(bis_set *x, double B, bis_stream *stream)
+static uint32_t accept(bis_set *set, double B, bis_stream *stream)
 {
-    /* Yours to write: the numbers of the accepted ones of x->choice.n candidates into x->choice.item; the result is how
-     * many they are. Of use: bis_set_weight, bis_stream_random. */
-    (void)x, (void)B, (void)stream;
+    /* Yours to write: the numbers of the accepted ones of set->choice.n candidates into set->choice.item; the result is
+     * how many they are. Of use: bis_set_weight, bis_stream_random. */
+    (void)set, (void)B, (void)stream;
     return 0;
 }
 /* [end] */
     /* [rejection-estimate] */
-    /* Yours to write: x->choice.item[A] holds the accepted ones. Trace at most N of them, drawn without replacement,
+    /* Yours to write: set->choice.item[A] holds the accepted ones. Trace at most N of them, drawn without replacement,
      * and return the estimate, by s->estimator. Of use: draw_without_replacement, bis_set_take, bis_set_trace
      * (thesis eq. 4.6, with Z in the place of L_ns/N). The line that is there belongs between the last two: it makes
      * an erratum of the thesis, if the command line asks for it. */
     (void)M, (void)B, (void)draw_without_replacement;
-    if (s->as_printed & BIS_E6) bis_as_printed_colours(x);
+    if (s->as_printed & BIS_E6) bis_as_printed_colours(set);
     return (rgb){0, 0, 0};
     /* [end] */

@@ -4,8 +4,8 @@
 /* loses: fewer_rays_than_accepted_are_right */
     /* [rejection-estimate] */
     const uint32_t n = A < N ? A : N;
-    draw_without_replacement(x->choice.item, A, n, stream);
-    bis_set_take(x, n);
+    draw_without_replacement(set->choice.item, A, n, stream);
+    bis_set_take(set, n);
     const double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M : Zhat;
-    return rgbd_round(bis_set_trace((rgbd){0, 0, 0}, x, pt, Z / n));
+    return rgbd_round(bis_set_trace((rgbd){0, 0, 0}, set, pt, Z / n));
     /* [end] */

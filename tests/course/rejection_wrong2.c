@@ -9,6 +9,6 @@
 +    return bis_stream_random(stream) * (c_em + c_brdf) < c_em ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
 /* [end] */
 /* [accept] */
--    for (uint32_t i = 0; i < x->choice.n; i++) {
-+    for (uint32_t i = 0; i < x->choice.n && A < 4; i++) {
+-    for (uint32_t i = 0; i < set->choice.n; i++) {
++    for (uint32_t i = 0; i < set->choice.n && A < 4; i++) {
 /* [end] */

@@ -5,6 +5,6 @@
 /* loses: at_most_N_of_the_accepted_are_traced */
     /* [rejection-estimate] */
     (void)N, (void)draw_without_replacement;
-    bis_set_take(x, A);
-    return rgbd_round(bis_set_trace((rgbd){0, 0, 0}, x, pt, B / M));
+    bis_set_take(set, A);
+    return rgbd_round(bis_set_trace((rgbd){0, 0, 0}, set, pt, B / M));
     /* [end] */

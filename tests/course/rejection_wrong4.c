@@ -6,7 +6,7 @@
 /* [accept] */
  {
 +    const double u = bis_stream_random(stream);
--        const double w = bis_set_weight(x, i);
--        if (w > 0 && bis_stream_random(stream) * B < w) x->choice.item[A++] = i;
-+        if (u * B < bis_set_weight(x, i)) x->choice.item[A++] = i;
+-        const double w = bis_set_weight(set, i);
+-        if (w > 0 && bis_stream_random(stream) * B < w) set->choice.item[A++] = i;
++        if (u * B < bis_set_weight(set, i)) set->choice.item[A++] = i;
 /* [end] */

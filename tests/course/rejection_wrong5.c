@@ -7,6 +7,6 @@
 /* loses: many_rays_are_right */
 /* loses: fewer_rays_than_accepted_are_right */
 /* [accept] */
--        const double w = bis_set_weight(x, i);
-+        const double w = (double)x->choice.w[i];
+-        const double w = bis_set_weight(set, i);
++        const double w = (double)set->choice.w[i];
 /* [end] */

@@ -2,11 +2,11 @@
 /* [weigh] */
 BIS_LANES
 static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,
-                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_L, float beta_f, uint32_t n)
+                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_map, float beta_f, uint32_t n)
 {
     /* Yours to write, for each i < n: F = f Le in F_r[i], F_g[i], F_b[i], and the weight in w[i]. The candidates hold
      * Le in r, g, b and q_L in q; f, cos theta and q_f are in reflected. The cosine stands beside F and not in it. */
-    (void)candidates, (void)reflected, (void)beta_L, (void)beta_f;
+    (void)candidates, (void)reflected, (void)beta_map, (void)beta_f;
     for (uint32_t i = 0; i < n; i++) w[i] = F_r[i] = F_g[i] = F_b[i] = 0;
 }
 /* [end] */
@@ -47,5 +47,5 @@ void bis_choose_multinomial(bis_choice *c, uint32_t N, double W, bis_stream *str
      * bis_set_trace. The line that is there belongs between the two: it makes an erratum of the thesis, if the
      * command line asks for it. */
     (void)N;
-    if (s->as_printed & BIS_E6) bis_as_printed_colours(x);
+    if (s->as_printed & BIS_E6) bis_as_printed_colours(set);
     /* [end] */

@@ -3,5 +3,5 @@
 /* without: docs/extending.md */
     /* [fall-back-resample] */
     /* BIS_FALLBACK_RESAMPLE is left out of this kit. */
-    if (s->fallback == BIS_FALLBACK_RESAMPLE) return bis_set_mean(x);
+    if (s->fallback == BIS_FALLBACK_RESAMPLE) return bis_set_mean(set);
     /* [end] */

@@ -8,8 +8,8 @@
 /* loses: unbiased_for_many_candidates */
 /* [weigh] */
 -#pragma omp simd
-+    (void)beta_L, (void)beta_f;
--        const float phat = f.cos[i] * (F_r[i] + F_g[i] + F_b[i]), q = beta_L * x.q[i] + beta_f * f.q[i];
++    (void)beta_map, (void)beta_f;
+-        const float phat = f.cos[i] * (F_r[i] + F_g[i] + F_b[i]), q = beta_map * x.q[i] + beta_f * f.q[i];
 -        /* where q is 0, as at a black pixel outside the lobe, phat is 0, too */
 -        w[i] = bis_lanes_choose(f.cos[i] > 0, phat / bis_lanes_choose(q > 0, q, 1), 0);
 +        w[i] = f.cos[i] > 0 && x.q[i] > 0 ? f.cos[i] * (F_r[i] + F_g[i] + F_b[i]) / x.q[i] : 0;

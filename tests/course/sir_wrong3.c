@@ -6,12 +6,12 @@
     /* [sir-estimate] */
     uint32_t n = 0;
     (void)N;
-    for (uint32_t i = 0; i < x->choice.n; i++) {
-        if (x->choice.w[i] > 0) x->choice.item[n++] = i;
+    for (uint32_t i = 0; i < set->choice.n; i++) {
+        if (set->choice.w[i] > 0) set->choice.item[n++] = i;
     }
     for (uint32_t k = 0; k < n; k++) {
-        const uint32_t i = x->choice.item[0] = x->choice.item[k];
-        bis_set_take(x, 1);
-        L = bis_set_trace(L, x, pt, bis_set_weight(x, i) / M);
+        const uint32_t i = set->choice.item[0] = set->choice.item[k];
+        bis_set_take(set, 1);
+        L = bis_set_trace(L, set, pt, bis_set_weight(set, i) / M);
     }
     /* [end] */

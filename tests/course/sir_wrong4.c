@@ -7,10 +7,10 @@
     /* [sir-estimate] */
     const uint32_t n = N < M ? N : M;
     for (uint32_t i = 0; i < n; i++) {
-        const double w = bis_set_weight(x, i);
+        const double w = bis_set_weight(set, i);
         if (w <= 0) continue;
-        x->choice.item[0] = i;
-        bis_set_take(x, 1);
-        L = bis_set_trace(L, x, pt, w / n);
+        set->choice.item[0] = i;
+        bis_set_take(set, 1);
+        L = bis_set_trace(L, set, pt, w / n);
     }
     /* [end] */

@@ -4,6 +4,6 @@
 /* loses: unbiased_for_many_candidates */
 /* loses: rays_add_no_noise_where_nothing_is_hidden */
     /* [sir-estimate] */
-    bis_set_choose(x, N, s->resampling, stream);
-    L = bis_set_trace(L, x, pt, Zhat);
+    bis_set_choose(set, N, s->resampling, stream);
+    L = bis_set_trace(L, set, pt, Zhat);
     /* [end] */

@@ -44,9 +44,9 @@ extern const bis_integrator bis_uniform;
 /* n candidates uniform over the hemisphere about the normal, q = 1/(2 pi). */
 static const float hemisphere_q = (float)(INV_PI / 2);
 
-static bool draw_hemisphere(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+static bool draw_hemisphere(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
-    const bis_lanes y = x->own;
+    const bis_lanes y = set->own;
 
     (void)guide;
     for (uint32_t i = 0; i < bis_lanes_round_up(n); i++) {
@@ -56,21 +56,21 @@ static bool draw_hemisphere(bis_guide *guide, bis_set *x, uint32_t n, const bis_
         y.y[i] = wi.y;
         y.z[i] = wi.z;
     }
-    bis_light_look(pt->light, &y, x->pixel, n); /* their radiance; what only fills the last block gets 0 */
+    bis_light_look(pt->light, &y, set->pixel, n); /* their radiance; what only fills the last block gets 0 */
     for (uint32_t i = 0; i < n; i++) y.q[i] = hemisphere_q;
-    x->map = (bis_half){y, n, 0};
+    set->map = (bis_half){y, n, 0};
     return true;
 }
 
 /* The density of such a draw, for candidates that the BRDF has drawn. Below the horizon their weight is 0, whatever it
  * is. */
-static void density_of_hemisphere(bis_guide *guide, bis_set *x)
+static void density_of_hemisphere(bis_guide *guide, bis_set *set)
 {
     (void)guide;
-    for (uint32_t i = 0; i < x->brdf.n; i++) x->brdf.x.q[i] = hemisphere_q;
+    for (uint32_t i = 0; i < set->brdf.n; i++) set->brdf.x.q[i] = hemisphere_q;
 }
 
-static void forget_density(bis_guide *guide, bis_set *x) { (void)guide, (void)x; }
+static void forget_density(bis_guide *guide, bis_set *set) { (void)guide, (void)set; }
 
 static rgb sir_guided(
     bis_guide *guide, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)

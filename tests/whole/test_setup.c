@@ -56,7 +56,8 @@ static void only_what_was_asked_for_is_installed(void **state)
     /* a package of each part, and the options that ask for it, one letter each */
     static const struct { const char *package, *by; } parts[] = {
         {"libopenexr-dev", "-mwpa"}, {"libcmocka-dev", "-mwpa"}, {"libembree-dev", "-mwpa"}, {"libopenmpi-dev", "ma"},
-        {"pandoc", "wa"},            {"chromium", "wa"},         {"python3-numpy", "pa"},   {"wasi-libc", "wa"},
+        {"pandoc", "wa"},            {"chromium", "wa"},         {"python3-numpy", "-mwpa"}, {"wasi-libc", "wa"},
+        {"python3-venv", "pa"},
     };
     static const struct { char letter; const char *option; } runs[] = {
         {'-', ""}, {'m', "--mpi"}, {'w', "--web"}, {'p', "--python"}, {'a', "--all"}, {'a', "--mpi --web --python"},

@@ -8,12 +8,12 @@
  * queue and does not recurse. */
 #pragma once
 
+#include "bis/base/components.h"
 #include "bis/thesis/envmap.h"
 
 #include <stdint.h>
 
-#define BIS_REGION_NONE UINT32_MAX /* a black pixel */
-#define BIS_LEVEL_NONE UINT8_MAX
+#define BIS_REGION_NONE BIS_COMPONENT_NONE /* a black pixel; BIS_LEVEL_NONE is its level */
 
 /* The area of a small light in thesis 3.4. A component larger than this keeps the importance of one of this area. In
  * steradians (docs/errata.md E17). */

@@ -37,17 +37,17 @@ static bool resolve_q(bis_pixel_candidate *c, const bis_point *pt)
 }
 
 /* Copies the candidates of one half to c[n...] and returns the number of all. */
-static uint32_t copy_half(bis_pixel_candidates *c, uint32_t n, const bis_set *x, const bis_half *half)
+static uint32_t copy_half(bis_pixel_candidates *c, uint32_t n, const bis_set *set, const bis_half *half)
 {
     for (uint32_t i = 0; i < half->n; i++) {
         c->c[n++] = (bis_pixel_candidate){.wi = {half->x.x[i], half->x.y[i], half->x.z[i]},
-                                          .w = bis_set_weight(x, half->first + i),
-                                          .from_map = half == &x->map};
+                                          .w = bis_set_weight(set, half->first + i),
+                                          .from_map = half == &set->map};
     }
     return n;
 }
 
-static void sum_up(bis_pixel_candidates *c, const bis_set *x, const bis_point *pt)
+static void sum_up(bis_pixel_candidates *c, const bis_set *set, const bis_point *pt)
 {
     for (uint32_t i = 0; i < c->M; i++) {
         const double w = c->c[i].w;
@@ -56,7 +56,7 @@ static void sum_up(bis_pixel_candidates *c, const bis_set *x, const bis_point *p
         c->square_sum += w * w;
         c->largest = fmax(c->largest, w);
     }
-    c->share_em = c->W > 0 ? x->beta : (double)NAN;
+    c->share_em = c->W > 0 ? set->beta : (double)NAN;
     if (c->W <= 0) return;
     c->ess = c->W / c->square_sum * c->W;
     c->largest /= c->W;
@@ -64,13 +64,13 @@ static void sum_up(bis_pixel_candidates *c, const bis_set *x, const bis_point *p
 
 /* Counts how often each candidate was chosen, and asks once more which of them see the light. The candidates of the
  * BRDF follow those of the map without a gap. */
-static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis_set *x)
+static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis_set *set)
 {
-    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
+    for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
         uint32_t i;
-        const bis_half *half = bis_set_half(x, x->choice.item[j], &i);
-        bis_pixel_candidate *y = &c->c[half == &x->map ? i : c->n_map + i];
-        y->chosen = x->choice.times[j];
+        const bis_half *half = bis_set_half(set, set->choice.item[j], &i);
+        bis_pixel_candidate *y = &c->c[half == &set->map ? i : c->n_map + i];
+        y->chosen = set->choice.times[j];
         y->seen = bis_point_sees(pt, y->wi);
         c->distinct++;
         if (y->seen) c->seen += y->chosen;
@@ -92,14 +92,14 @@ bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *p
     }
     bis_probe_begin_pass(&probe, pt->light, stream->sampler->seed, 0);
     const rgb L = bis_sir.Lo(s, pt, stream, &probe.scratch);
-    const bis_set *x = probe.scratch.set;
+    const bis_set *set = probe.scratch.set;
     c->L = (rgbd){(double)L.r, (double)L.g, (double)L.b};
-    c->n_map = copy_half(c, 0, x, &x->map);
-    copy_half(c, c->n_map, x, &x->brdf);
-    sum_up(c, x, pt);
+    c->n_map = copy_half(c, 0, set, &set->map);
+    copy_half(c, c->n_map, set, &set->brdf);
+    sum_up(c, set, pt);
     if (c->W <= 0) goto done;
-    c->L_ns = bis_set_mean(x);
-    count_chosen(c, pt, x);
+    c->L_ns = bis_set_mean(set);
+    count_chosen(c, pt, set);
 done:
     bis_probe_clear(&probe);
     return status;

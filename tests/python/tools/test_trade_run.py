@@ -386,7 +386,7 @@ class Command(unittest.TestCase):
         size = "--resolution 240x160"
         full = bis.render(self.path("scene.txt"), integrator="mis", samples=4, spp=4, seed=5, width=240, height=160)
         bis.save_image(self.path("large.exr"), full.rgb)
-        self.run_it("scene.txt %s --reference large.exr --time 0.5 --passes 1 --seeds 1 --integrator em --quick "
+        self.run_it("scene.txt %s --reference large.exr --time 0.01 --passes 1 --seeds 1 --integrator em --quick "
                     "--output thin" % size)
         with open(self.path("thin/plan.txt")) as f:
             k = int(re.search(r"^step (\d+)$", f.read(), re.M).group(1))
@@ -540,7 +540,7 @@ class World:
     on a clock of its own, and its noise has relMSE v n^-p, an edge's 1 <= p <= 3/2."""
 
     def __init__(self, frame, settings, p=1.0, seed=1):
-        self.frame, self.p, self.now, self.settings = frame, p, 1000.0, settings
+        self.frame, self.p, self.now, self.settings, self.fill = frame, p, 1000.0, settings, 1e-3
         self.rng = np.random.default_rng(seed)
         self.cost = {name: cost for name, cost, _, _ in settings}
         self.variance = {name: variance for name, _, variance, _ in settings}
@@ -560,7 +560,7 @@ class World:
             film = Film(0, 0, across[1] - across[0], down[1] - down[0])
         else:
             film = self.frame.film(step) if step else Film(0, 0, 1, 1)
-        seconds = passes * (1e-3 + self.cost[s.name] * film.pixels)
+        seconds = passes * (self.fill + self.cost[s.name] * film.pixels)
         self.now += seconds
         self.log.append((s.name, passes, film))
         right = self.right(film)
@@ -670,6 +670,33 @@ class InAWorld(unittest.TestCase):
                 self.assertAlmostEqual(curve.slope, -0.5, delta=0.03)
             self.assertAlmostEqual(curve.cost_variance / (variance * np.mean(self.share(world)) *
                                                           (1e-3 + cost_ * pixels)), 1, delta=0.05)
+
+    def test_what_any_pass_takes_counts_once_in_the_seconds(self):
+        world = World(Frame(800, 600), self.METHODS)
+        world.fill = 0.05
+        t = Trade(Options("s", "f", 10), view=world, threads=1)
+        t.plan.settings = [Setting("em 16", "em", {}, 1, fill_seconds=0.05)]
+        t.result = SimpleNamespace(advice=[Advice("final picture", 0.05, 0, 4, seconds=20.0)])
+        seconds.time_advice(t)
+        self.assertGreater(len(world.log), 2)
+        self.assertAlmostEqual(t.result.advice[0].seconds / (4 * (0.05 + 3e-6 * 480000)), 1, delta=0.01)
+
+    def test_a_lamp_that_one_render_of_eight_meets_is_no_promise(self):
+        world = World(Frame(80, 60), self.METHODS)
+        usual = world.render
+
+        def lucky(*job):
+            picture = usual(*job)
+            if len(world.log) == 3:
+                picture.rgb[7, 9] = 1e3
+            return picture
+
+        world.render = lucky
+        t = Trade(Options("s", "f", 10, passes=4), view=world, both=Reference(world.right(Film(0, 0, 80, 60))))
+        t.plan.step, t.plan.settings = 1, [Setting("em 16", "em", {}, 1)]
+        c = check._Check(t, 0, Advice("final picture", 0.05, 0, 4), end=math.inf, now=check._Measured(4))
+        self.assertAlmostEqual(c.measure(4, 0) / (3.0 / 4 * np.mean(self.share(world))), 1, delta=0.05)
+        self.assertEqual(len(world.log), 8)
 
     def test_shots_have_the_passes_of_the_longest_runs(self):
         t = self.measured(World(Frame(800, 600), self.METHODS), 40)
