@@ -339,7 +339,8 @@ class Envmap(Handle):
         handle, power = P(), np.empty(2)
         call(_image_of_light, ctypes.byref(handle), self._handle, text_bytes("mapping", mapping),
              0 if width is None else min(max(whole("width", width), -1), 1 << 30), power)
-        return (taken(handle)[0], *power.tolist())
+        before, after = power.tolist()
+        return taken(handle)[0], before, after
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
                u: Optional[ArrayLike] = None) -> tuple[Floats, Floats, Doubles]:
