@@ -14,12 +14,13 @@ import struct
 import subprocess
 import time
 from types import SimpleNamespace
-from typing import Optional, Sequence
-
-import numpy as np
+from typing import TYPE_CHECKING, Optional, Sequence
 
 from .._errors import Error
 from . import command
+
+if TYPE_CHECKING:  # help works without numpy
+    import numpy as np
 
 TEV = "localhost:14158"
 
@@ -59,6 +60,7 @@ def messages(name: str, picture: np.ndarray) -> list[bytes]:
     list of bytes
         Messages of tev's protocol.
     """
+    import numpy as np
     height, width = picture.shape[:2]
     channels = b"".join(_text(c) for c in "RGB")
     out = [_message(4, _text(name) + struct.pack("<III", width, height, 3) + channels)]
