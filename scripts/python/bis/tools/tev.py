@@ -76,12 +76,15 @@ class _Viewer:
 
     def __init__(self, place: str) -> None:
         host, _, port = place.rpartition(":")
+        if not (host and port.isdecimal() and 1 <= int(port) <= 65535):
+            raise Error('error: --to is "%s", must be HOST:PORT with a port in [1, 65535], '
+                        "as in %s" % (place, TEV))
         self.why: Optional[str] = None
         self.socket: Optional[socket.socket] = None
         try:
             self.socket = socket.create_connection((host.strip("[]"), int(port)), 3)
-        except (OSError, ValueError) as e:
-            self.why = str(e)
+        except OSError as e:
+            self.why = e.strerror or str(e)
 
     def show(self, path: str) -> None:
         """Send the picture at path."""
@@ -93,7 +96,7 @@ class _Viewer:
             for message in messages(os.path.basename(path), pixels):
                 self.socket.sendall(message)
         except OSError as e:
-            self.why = str(e)
+            self.why = e.strerror or str(e)
             self.socket = None
 
 
