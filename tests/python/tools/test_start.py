@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""How `bis NAME` becomes a program of Python: the python3 that has numpy, help without it, own programs, other builds."""
+"""How `bis NAME` becomes Python: a python3 that has numpy, help without it, own programs, another build."""
 import os
 import subprocess
 import sys
