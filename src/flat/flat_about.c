@@ -170,7 +170,7 @@ int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *c
     free(scene->about);
     scene->about = NULL;
     FILE *f = open_memstream(&scene->about, &n);
-    bis_json j = {.out = f};
+    bis_json j = {.out = f, .keeps_bytes = true};
     if (f) put_scene(&j, scene, &d, &w);
     if (!f || fclose(f) != 0) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a text");
     else *text = scene->about;

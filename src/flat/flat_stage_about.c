@@ -158,7 +158,7 @@ int bis_flat_stage_about(bis_flat_stage *stage, const char **text, char *say, si
     if (status) return bis_flat_end(status, &diag, say, size);
     free(stage->about);
     stage->about = NULL;
-    bis_json j = {.out = open_memstream(&stage->about, &n)};
+    bis_json j = {.out = open_memstream(&stage->about, &n), .keeps_bytes = true};
     if (j.out) put_all(&j, stage);
     if (!j.out || fclose(j.out) != 0)
         status = bis_error(&diag, BIS_NOMEM, (bis_loc){0}, "no memory for what is known of a pixel");

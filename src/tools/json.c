@@ -10,15 +10,16 @@
 #include <math.h>
 #include <string.h>
 
-static void print_string(FILE *out, const char *text)
+static void print_string(const bis_json *j, const char *text)
 {
+    FILE *out = j->out;
     const char *s = text, *end = text + strlen(text);
 
     fputc('"', out);
     while (*s) {
         const size_t n = bis_utf8_length(s, end);
         if (n == 0) { /* a file's name may be any bytes, but JSON is UTF-8 */
-            fputs("\\ufffd", out);
+            fprintf(out, "\\u%04x", j->keeps_bytes ? 0xdc00u + (unsigned char)*s : 0xfffdu);
             s++;
         } else if (*s == '"' || *s == '\\') {
             fprintf(out, "\\%c", *s++);
@@ -42,7 +43,7 @@ static void print_lead(bis_json *j, const char *key)
         j->any[level] = true;
     }
     if (key) {
-        print_string(j->out, key);
+        print_string(j, key);
         fputs(": ", j->out);
     }
 }
@@ -115,5 +116,5 @@ void bis_json_text(bis_json *j, const char *key, const char *v)
         return;
     }
     print_lead(j, key);
-    print_string(j->out, v);
+    print_string(j, v);
 }

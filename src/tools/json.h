@@ -20,6 +20,7 @@ typedef struct bis_json {
     int depth;
     char close[BIS_JSON_DEPTH]; /* '}' or ']' of the open levels */
     bool any[BIS_JSON_DEPTH];   /* has the level a member yet? */
+    bool keeps_bytes;           /* for Python: a byte b that is no UTF-8 becomes the lone surrogate U+DC00 + b */
 } bis_json;
 
 /* bis_json_open opens an object or an array (kind: '{' or '['); bis_json_close closes the last one that is open. key:
@@ -49,6 +50,6 @@ void bis_json_triple(bis_json *j, const char *key, double x, double y, double z)
 #define BIS_JSON_OBJECT(j, key, ...)                                                                                   \
     (bis_json_open(j, key, '{'), BIS_JSON_NUMBERS(j, __VA_ARGS__), bis_json_close(j))
 
-/* bis_json_text writes a string. NULL becomes null. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD.
- */
+/* bis_json_text writes a string. NULL becomes null. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD,
+ * unless keeps_bytes. */
 void bis_json_text(bis_json *j, const char *key, const char *v);

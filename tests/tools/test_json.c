@@ -28,6 +28,12 @@ static void texts_are_utf8(void **state)
         assert_non_null(strstr(text, expected));
         free(text);
     }
+    char text[64] = "";
+    FILE *out = fmemopen(text, sizeof text, "w");
+    bis_json j = {.out = out, .keeps_bytes = true};
+    bis_json_text(&j, NULL, "\xc3\xa9\xff\xa9");
+    fclose(out);
+    assert_string_equal(text, "\"\xc3\xa9\\udcff\\udca9\"");
 }
 
 static const char json_by_hand[] =

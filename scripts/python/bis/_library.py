@@ -36,8 +36,8 @@ def _load() -> ctypes.CDLL:
         library.bis_flat_said.restype = ctypes.c_size_t
         library.bis_flat_version.restype = library.bis_flat_build.restype = ctypes.c_char_p
     except (OSError, AttributeError) as e:
-        raise ImportError("the package bis finds no usable libbis.so (%s): run `make installed` in "
-                          "the repository or `make install`, or set BIS_LIBRARY to its path"
+        raise ImportError("the package bis finds no usable libbis.so (%s): run `make` in the "
+                          "repository or `make install`, or set BIS_LIBRARY to its path"
                           % e) from None
     build = library.bis_flat_build().decode("ascii")
     if os.environ.get("BIS_BUILD_ID", build) != build:

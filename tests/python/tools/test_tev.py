@@ -97,8 +97,14 @@ class Tev(unittest.TestCase):
         done = self.run_tev("--to", "127.0.0.1:1", "--quiet", "--spp", "1", "--resolution", "8x8",
                             "--outfile", self.picture, self.scene)
         self.assertEqual(done.returncode, 0)
-        self.assertIn("nothing more was shown by tev", done.stderr)
+        self.assertIn('nothing more was shown by tev at "127.0.0.1:1": Connection refused', done.stderr)
         self.assertTrue(os.path.exists(self.picture))
+
+    def test_a_place_without_host_or_port_is_refused(self):
+        for place in ("viewer", "viewer:x", ":14158", "viewer:0", "viewer:65536"):
+            done = self.run_tev("--to", place, "--quiet", "--spp", "1", "--outfile", self.picture, self.scene)
+            self.assertEqual((done.returncode, os.path.exists(self.picture)), (2, False))
+            self.assertIn('--to is "%s", must be HOST:PORT' % place, done.stderr)
 
     def test_the_exit_state_is_that_of_the_render(self):
         done = self.run_tev("--to", "127.0.0.1:1", self.scene + ".none")

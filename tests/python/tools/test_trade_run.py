@@ -373,6 +373,12 @@ class Command(unittest.TestCase):
             self.assertEqual(int(row["shadow_rays"]), picture.shadow_rays)
         self.assertEqual(n, 18)
 
+    def test_a_scenes_name_may_be_any_bytes(self):
+        name = os.fsdecode(b"caf\xe9.txt")
+        shutil.copy(self.path("scene.txt"), self.path(name))
+        self.assertEqual(bis.Scene(self.path(name)).about()["files"], [self.path(name)])
+        self.run_it("%s --time 0.5 --passes 1 --seeds 1 --integrator em --quick --output bytes" % name)
+
     def test_a_given_reference_judges_all(self):
         given = bis.render(self.path("scene.txt"), integrator="mis", samples=64, spp=64, seed=7).rgb
         bis.save_image(self.path("given.exr"), given)

@@ -14,12 +14,13 @@ import struct
 import subprocess
 import time
 from types import SimpleNamespace
-from typing import Optional, Sequence
-
-import numpy as np
+from typing import TYPE_CHECKING, Optional, Sequence
 
 from .._errors import Error
 from . import command
+
+if TYPE_CHECKING:  # help works without numpy
+    import numpy as np
 
 TEV = "localhost:14158"
 
@@ -47,6 +48,7 @@ def _message(kind: int, body: bytes) -> bytes:
 def messages(name: str, picture: np.ndarray) -> list[bytes]:
     """Return the messages of tev's protocol that show a picture (h, w, 3). An image of the same
     name is replaced."""
+    import numpy as np
     height, width = picture.shape[:2]
     channels = b"".join(_text(c) for c in "RGB")
     out = [_message(4, _text(name) + struct.pack("<III", width, height, 3) + channels)]
@@ -62,12 +64,15 @@ class _Viewer:
 
     def __init__(self, place: str) -> None:
         host, _, port = place.rpartition(":")
+        if not (host and port.isdecimal() and 1 <= int(port) <= 65535):
+            raise Error('error: --to is "%s", must be HOST:PORT with a port in [1, 65535], '
+                        "as in %s" % (place, TEV))
         self.why: Optional[str] = None
         self.socket: Optional[socket.socket] = None
         try:
             self.socket = socket.create_connection((host.strip("[]"), int(port)), 3)
-        except (OSError, ValueError) as e:
-            self.why = str(e)
+        except OSError as e:
+            self.why = e.strerror or str(e)
 
     def show(self, path: str) -> None:
         """Send the picture at path."""
@@ -79,7 +84,7 @@ class _Viewer:
             for message in messages(os.path.basename(path), pixels):
                 self.socket.sendall(message)
         except OSError as e:
-            self.why = str(e)
+            self.why = e.strerror or str(e)
             self.socket = None
 
 
