@@ -252,7 +252,9 @@ def _open(o: SimpleNamespace, source: str, say: Say) -> Envmap:
             return Envmap(source, "alias", o.areaexponent, o.mapping, levels=o.levels,
                           width=o.width)
         except Error as e:
-            raise Error(str(e), e.status if _is_picture(source) else Status.IO) from None
+            # A picture may still be no map: a part of one, or a cube without six faces.
+            is_read = 'cannot read "' not in str(e) and _is_picture(source)
+            raise Error(str(e), e.status if is_read else Status.IO) from None
 
 
 def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:
