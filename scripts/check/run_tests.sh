@@ -66,7 +66,7 @@ while [ $job -lt "$jobs" ]; do
         folder=${folder%/tests}
         case $folder in build/*) [ ! -d "$root/$folder" ] || continue ;; *) continue ;; esac
         mkdir -p "$root/$folder"
-        for file in "$folder"/*; do
+        for file in "$folder"/* "$folder/.flags"; do # with its flags make has nothing to do
             [ "${file##*/}" = assignments ] || ln -s "$here/$file" "$root/$file"
         done
     done
