@@ -41,7 +41,6 @@ static void name_library(const char *self, int n)
 {
     char path[2 * PATH_MAX];
 
-    unsetenv("BIS_LIBRARY");
     setenv("BIS_PROGRAM", self, 1);
     for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++) {
         snprintf(path, sizeof path, "%.*s%s", n, self, libraries[i]);
@@ -49,6 +48,8 @@ static void name_library(const char *self, int n)
         setenv("BIS_LIBRARY", path, 1);
         return;
     }
+    snprintf(path, sizeof path, "%.*s%s", n, self, libraries[0]); /* where it is missing: another one would be ours */
+    setenv("BIS_LIBRARY", path, 1);
 }
 
 /* Becomes the program at path. Returns where it is not there. */

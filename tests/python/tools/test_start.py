@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """How `bis NAME` becomes Python: a python3 that has numpy, help without it, own programs, another build."""
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
 PROGRAM = os.path.abspath(os.environ.get("BIS_PROGRAM", "build/release/bis"))
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 INSTRUMENTS = ("trade", "pixel", "envmap", "tev")
 
 
@@ -59,11 +61,22 @@ class Start(unittest.TestCase):
 
     def test_the_library_of_another_build_is_refused(self):
         code = "import bis; bis.points('sobol', 4)"
-        package = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../scripts/python")
+        package = os.path.join(ROOT, "scripts/python")
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
                               env={**os.environ, "PYTHONPATH": package, "BIS_BUILD_ID": "0" * 16})
         self.assertEqual(done.returncode, 1)
         self.assertIn("another build", done.stderr)
+
+    def test_a_program_without_its_library_measures_by_no_other_one(self):
+        alone = os.path.join(self.folder, "alone", "bis")
+        os.makedirs(os.path.dirname(alone))
+        shutil.copy(PROGRAM, alone)
+        programs = os.path.join(ROOT, "scripts/python")
+        done = subprocess.run([alone, "envmap", "none.hdr"], capture_output=True, text=True,
+                              env={**os.environ, "PATH": programs + os.pathsep + os.environ["PATH"],
+                                   "BIS_PYTHON": sys.executable})
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn(os.path.join(self.folder, "alone/library/libbis.so"), done.stderr)
 
 
 if __name__ == "__main__":
