@@ -63,7 +63,7 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
     $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c src/cli/ranks_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
-PAGES   := $(wildcard scripts/python/pages/[!f]*.html)
+PAGES   := $(filter-out %/frame.html,$(wildcard scripts/python/pages/*.html))
 # The commands that are Python.
 INSTRUMENTS := $(filter-out bis-instrument,$(notdir $(wildcard scripts/python/bis-*)))
 # The pages of the instruments, each in one file, where the package finds them.

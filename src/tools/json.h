@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* json: a small writer that cannot produce anything but valid JSON: it keeps the commas and braces, escapes strings,
- * prints numbers independent of the locale, and null for NaN and infinity. For the cli alone.
+ * prints numbers independent of the locale, and null for NaN and infinity. For the cli, and for what flat tells as
+ * text.
  *
  *     bis_json j = {.out = stdout};
  *     bis_json_open(&j, NULL, '{');

@@ -30,13 +30,6 @@ bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, const bis_scene *scene, i
     return true;
 }
 
-const char *bis_pixel_material_name(char buf[64], const bis_material *m)
-{
-    const bis_bsdf_width w = m->model->width(m);
-    snprintf(buf, 64, "%s, %s %.6g", m->model->name, w.name, w.value);
-    return buf;
-}
-
 /* ---- the truth ---- */
 
 static bis_pixel_value value_from(const bis_truth_sum *s)

@@ -32,9 +32,6 @@ typedef struct bis_pixel_hit {
  * counters are borrowed by pt. */
 bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, const bis_scene *scene, int x, int y, bis_counters *counters);
 
-/* bis_pixel_material_name writes "phong, exponent 50", "microfacet, alpha 0.1". Returns buf. */
-const char *bis_pixel_material_name(char buf[64], const bis_material *m);
-
 /* Red, green, blue, and their sum: the mean and its standard error. */
 typedef struct bis_pixel_value {
     double mean[4], se[4];
