@@ -94,7 +94,7 @@ SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py) \
 SCRIPTS := $(if $(T),$(sort $(filter tests/$(T)/%,$(SCRIPTS)) \
     $(foreach t,$(SCRIPTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(SCRIPTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c tests/support/*/*.c))
-# Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
+# Programs beside bis: the generator of data/, the benchmarks.
 DATA_SRC := $(wildcard data/generate/*.c)
 TOOLS    := $(patsubst scripts/bench/%.c,$B/%,$(filter-out scripts/bench/measure.c,$(wildcard scripts/bench/*.c)))
 STAMP    := data/models/.made
@@ -117,7 +117,7 @@ MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
 .PHONY: FORCE all pages data web test-web test-32 test python-parts test-browser test-long \
-    envelope asan fuzz fuzz-run coverage docs figures bench bench-scale installed install uninstall \
+    envelope asan fuzz fuzz-run coverage docs figures bench installed install uninstall \
     tarball release deb clean
 all: bis data $(SHARED_LIB) $(ASSEMBLED) $(if $(filter 1,$(MPI)),bis-mpi)
 
@@ -149,14 +149,16 @@ $B/src/cli/ranks_mpi.o: src/cli/ranks_mpi.c $B/.flags
 	$Q$(MPICC) $(CFLAGS) $(OURS) -Wformat=2 -MMD -MP -c -o $@ $<
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
-$B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/bench/measure.o
+$B/bench_error $B/bench_cost: $B/scripts/bench/measure.o
 $B/figures: $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/*.c)) $B/scripts/bench/measure.o $(LIB)
 	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/bench/%.o $(LIB)
 	$(LINK) $(LIBS)
 $(foreach t,$(TEST_SRC),$(eval $(call program,$t): $(t:%.c=$B/%.o)))
+# tests/support/seed.c stands between the tests and the random numbers.
+SEEDED := -Wl,--wrap=bis_rng_init
 $(TESTS): $(SUPPORT) $(LIB)
-	$(LINK) $(LIBS) -lcmocka
+	$(LINK) $(SEEDED) $(LIBS) -lcmocka
 # A test has a parameter `state`, because cmocka hands one to each; few use it.
 TESTING := -Itests/support -Wno-unused-parameter
 $B/tests/%.o: OURS += $(TESTING)
@@ -314,11 +316,6 @@ figures: $B/bis $B/figures $(STAMP)
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 	@sh scripts/bench/bench.sh $B
-
-# Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB
-# of disk.
-bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
-	@sh scripts/bench/bench_scale.sh $B
 
 # What a wheel holds beside the files of scripts/python/bis, without symbols, into TO: scripts/python/make_wheel.py
 # calls it.

@@ -8,11 +8,11 @@ SHARED := $B/shared
 OTHERS := $(patsubst %,$B/tests/test_%,assignments data docs figures)
 .PHONY: shared
 shared: $(SHARED)/libbis.so $(SHARED)/bis $(patsubst $B/tests/%,$(SHARED)/%,$(filter-out $(OTHERS),$(TESTS)))
-$(SHARED)/libbis.so: $(OBJ)
+$(SHARED)/libbis.so: $(OBJ) $B/flat_build.o
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(OPENMP) -shared -Wl,-soname,libbis.so -o $@ $^ $(LIBS)
 $(SHARED)/bis: $B/src/cli/main.o | $(SHARED)/libbis.so
 	$(CC) $(CFLAGS) $(OPENMP) -Wl,-rpath,'$$ORIGIN' -o $@ $^ $(SHARED)/libbis.so $(LIBS)
 $(foreach t,$(TEST_SRC),$(eval $(SHARED)/$(basename $(notdir $t)): $(t:%.c=$B/%.o)))
 $(TESTS:$B/tests/%=$(SHARED)/%): $(SUPPORT) | $(SHARED)/libbis.so
-	$(CC) $(CFLAGS) $(OPENMP) -Wl,-rpath,'$$ORIGIN' -o $@ $^ $(SHARED)/libbis.so $(LIBS) -lcmocka
+	$(CC) $(CFLAGS) $(OPENMP) -Wl,-rpath,'$$ORIGIN' -o $@ $^ $(SHARED)/libbis.so $(SEEDED) $(LIBS) -lcmocka

@@ -142,7 +142,7 @@ static void directions_look_up_to_their_pixel_but_for_rounding_at_edges(void **s
     const int sizes[][2] = {{16, 8}, {1024, 512}, {4096, 2048}, {8, 16384}};
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         bis_envmap em = {0};
-        bis_image image = {sizes[k][0], sizes[k][1], NULL};
+        bis_image image = {sizes[k][0], sizes[k][1], NULL, NULL};
         assert_int_equal(bis_image_init(&image, sizes[k][0], sizes[k][1], NULL), BIS_OK);
         assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
         bis_rng r = rng_of(11);
