@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # bench: speed and error as ratios, each with its spread, all on one core. docs/measured.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
-# Sections: references light cost threads accel equal resample reach steps rival table, all by default. Each writes
+# Sections: references cost threads equal resample reach steps rival table, all by default. Each writes
 # build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
 # compared stand on top of scripts/bench/bench_error.c and bench_cost.c.
 # BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
@@ -58,11 +58,8 @@ if [ -r "$shared/mesh/dragon_871k.ply" ]; then
         "$(mesh dragon_871k.ply) \"bool smooth\" true" ""
     pairs="dragon-grace dragon-stpeters armadillo-uffizi $pairs"
     first=dragon-grace
-    model=$shared/mesh/dragon_871k.ply
 else
     echo "real data not found at $shared (set BIS_SHARED): only our own scenes are measured"
-    "$build/bis-data" --knot 871000 "$out/knot.ply"
-    model=$out/knot.ply
 fi
 pairs=${BENCH_PAIRS:-$pairs} # a part of them, by name
 [ -r "$out/scenes/rival" ] && rival=rival || rival=
@@ -93,16 +90,13 @@ beside_mitsuba() {
         cat "$out/rival.txt"
     fi
 }
-light() { OMP_NUM_THREADS=1 "$build/bench_light" 4096; }
 
-[ $# -gt 0 ] || set -- references light cost threads accel equal resample reach steps rival table
+[ $# -gt 0 ] || set -- references cost threads equal resample reach steps rival table
 for section; do
     [ "$section" = table ] || echo "== $section"
     case $section in
     references) keep "$out/references.txt" references ;;
-    light) keep "$out/light.txt" light ;;
     cost | threads) keep "$out/$section.txt" "$build/bench_cost" "$section" "$out/scenes/$first" ;;
-    accel) keep "$out/accel.txt" "$build/bench_accel" "$model" ;;
     equal) keep "$out/equal.txt" each_pair equal ;;
     resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
     reach)
@@ -116,7 +110,7 @@ for section; do
     rival) beside_mitsuba ;;
     table)
         awk -f scripts/bench/bench_table.awk \
-            $(for f in references light cost threads accel equal resample reach steps rival; do
+            $(for f in references cost threads equal resample reach steps rival; do
                 [ -r "$out/$f.txt" ] && echo "$out/$f.txt"
             done) ;;
     *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;

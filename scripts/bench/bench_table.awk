@@ -9,7 +9,6 @@
 #   steps       material, setting, processor seconds of 16 camera samples, us a camera sample, relMSE less the
 #               reference's own, relMSE x seconds
 #   rival       scene, setting, seconds to 1e-2 and 1e-3, rival : bis of both, floor, how far the mean is off
-#   accel, light  as bench_accel and bench_light print them
 BEGIN {
     n_materials = split("n10 n50 mixed diffuse", material, " ")
     split("mis-50 mis-90 em brdf", rival, " ")
@@ -28,16 +27,8 @@ BEGIN {
 FNR == 1 { file = FILENAME; sub(/.*\//, "", file); sub(/\.txt$/, "", file) }
 
 file == "references" { n_references++; reference[n_references] = $0 }
-file == "light" { light[++n_light] = $0 }
 file == "cost" { cost[$2] = $0; note(per_ray, $7 / $6); note(per_ray_large, $8 / $6); note(sir_to_rays, $9) }
 file == "threads" { note(speedup, $5); note(speedup_cpu, $6) }
-file == "accel" { accel[++n_accel] = $0 }
-file == "accel" && /^build, 1 thread / { grid_build = after("ratio") }
-file == "accel" && /disagree/ {
-    rays += $2
-    disagree += after("disagree")
-    if ($1 != "nearest") note(grid_any, after("ratio"))
-}
 file == "equal" || file == "resample" {
     key = $1 SUBSEP $2 SUBSEP $3
     if (file == "equal" && !($1 in seen)) { seen[$1]; scene[++n_scenes] = $1 }
@@ -49,11 +40,6 @@ file == "equal" || file == "resample" {
 file == "steps" { steps[++n_steps] = $0 }
 file == "rival" { beside[++n_beside] = $0 }
 file == "reach" { coarse[$1] = $4; fine[$1] = $5; reach_own[$1] = $3 }
-
-# The number that follows a word.
-function after(word,    i) {
-    for (i = 1; i < NF; i++) if ($i == word) return $(i + 1) + 0
-}
 
 # Sum of logarithms, number, smallest and largest.
 function note(a, x) {
@@ -134,10 +120,6 @@ END {
     if (n_references) print "references: scene, material, own relMSE, disagreement of mis and sir : expected, " \
         "difference of their means, processor seconds"
     for (i = 1; i <= n_references; i++) print "  " reference[i]
-    if (n_light) print "\na map gets ready, one thread"
-    for (i = 1; i <= n_light; i++) print "  " light[i]
-    if (n_accel) print "\nrays and builds, one thread"
-    for (i = 1; i <= n_accel; i++) print "  " accel[i]
     if (per_ray["n"]) print "\nSIR 15/800: material, us a shaded pixel without camera rays and film, us of these, " \
         "rays traced, ns a ray, ns a candidate, the same with 4 times the pixels, SIR : its rays, ns a ray in packets"
     for (m = 1; m <= 4; m++) if (material[m] in cost) print "  " substr(cost[material[m]], 6)
@@ -160,11 +142,6 @@ END {
         row("time of SIR 15/800 : of its rays, one by one", 3, 1.6, geometric(sir_to_rays),
             sir_to_rays["min"], sir_to_rays["max"], -1)
     }
-    if (grid_any["n"])
-        row("grid any-hit ray : Embree's (" grid_any["n"] " sets of rays)", 2.5, 1.5, geometric(grid_any),
-            grid_any["min"], grid_any["max"], -1)
-    if (grid_build) row("grid build : Embree build, one thread", 0.6, 0.3, grid_build, grid_build, grid_build, -1)
-    if (rays) row("grid and Embree disagree, of " rays " rays", rays / 1e6, 0, disagree, disagree, disagree, -1)
     for (s = 1; s <= n_scenes; s++) for (m = 1; m <= 4; m++) if ((scene[s], m) in must) {
         r = ratio(scene[s] SUBSEP material[m] SUBSEP "mis-iid", scene[s] SUBSEP material[m] SUBSEP "ours")
         row("equal time, i.i.d. MIS : SIR, " scene[s] " " material[m], must[scene[s], m], aim[scene[s], m],

@@ -24,7 +24,7 @@ mkdir -p "$kit/tests" "$kit/data" || exit 1
 cp -Rp Makefile LICENSE README.md scene.txt include src scripts docs "$kit" || exit 1
 cp -Rp data/scenes data/generate "$kit/data" && cp -Rp tests/support "$kit/tests" || exit 1
 # They quote what is blank, or have it right beside the wrong.
-rm -f "$kit"/scripts/check/mutate.sh "$kit"/scripts/*/*errata*
+rm -f "$kit"/scripts/*/*errata*
 sh scripts/course/given.sh "$name" "$kit/tests/given" || exit 1
 cp "tests/course/$name.c" "$kit/tests/test_assignment.c" &&
     cp "docs/assignments/$name.md" "$kit/ASSIGNMENT.md" ||

@@ -1,20 +1,20 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
-#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, pbrt, map, pixel,
-#                                                          thesis, errata, plots, results (default: all)
+#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, methods, live, microfacet, map, pixel,
+#                                                          thesis, errata, results (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
-# From the root, after make bis data and, for thesis, plots (of the errata without a switch) and results, make
-# build/release/figures. What is timed differs from run to run, and so does its picture.
+# From the root, after make bis data and, for thesis and results, make build/release/figures. What is timed differs from
+# run to run, and so does its picture. Two kinds are kept and not made again: the plots of errata without a switch, and
+# pbrt-materials.png, a measurement beside Mitsuba.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (methods, results) or on a page (pixel,
 # live): a headless chromium draws these, because it leaves large pixels sharp. live needs `make web`. bis writes PNG of
 # 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that, and none above 300 KB. Those
-# of README stay as they are, because their theme is noise; zopflipng, where it is there, makes them smaller. pbrt needs
-# Mitsuba 3 (docs/measured.md; BENCH_PYTHON is its python3) and half an hour.
+# of README stay as they are, because their theme is noise; zopflipng, where it is there, makes them smaller.
 set -eu
 unset BIS_SHARED # our own model and maps
-# errata that have no switch
-plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37"
+# of errata that have no switch
+kept="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37"
 if [ "${1:-}" = --list ]; then
     for name in chess methods microfacet pbrt-materials map-importance map-levels map-regions pixel-densities \
         pixel-samples results-5.2 results-5.5 results-5.8; do
@@ -27,12 +27,12 @@ if [ "${1:-}" = --list ]; then
         echo errata-$item-printed.png
         echo errata-$item-right.png
     done
-    for item in $plots; do echo errata-$item.svg; done
+    for item in $kept; do echo errata-$item.svg; done
     exit
 fi
 build=${1:?BUILD_DIR, as build/release}
 shift
-[ $# -gt 0 ] || set -- chess methods live microfacet pbrt map pixel thesis errata plots results
+[ $# -gt 0 ] || set -- chess methods live microfacet map pixel thesis errata results
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -138,13 +138,6 @@ for picture; do
         "$build/bis" data/scenes/microfacet.txt --quiet --resolution 320x160 --outfile "$tmp/microfacet.png"
         keep "$tmp/microfacet.png" microfacet FloydSteinberg
         ;;
-    pbrt)
-        if "${BENCH_PYTHON:-python3}" scripts/check/beside_materials.py "$build/bis" "$tmp"; then
-            (cd "$tmp" && convert conductor-copper.png plastic-Ks-1.png uber-eta-1.8.png substrate.png \
-                coateddiffuse.png -append pbrt.png)
-            keep "$tmp/pbrt.png" pbrt-materials FloydSteinberg
-        fi
-        ;;
     map)
         "$build/bis" envmap data/maps/outdoor.hdr --out "$tmp/sky.png" >/dev/null
         "$build/bis" envmap data/maps/interior.hdr --out "$tmp/hall.png" >/dev/null
@@ -167,19 +160,14 @@ for picture; do
     errata)
         sh scripts/figures/errata_figures.sh "$build/bis"
         ;;
-    plots)
-        "$build/figures" still "$tmp" $plots
-        node scripts/figures/still.js "$tmp"/E*.json
-        for item in $plots; do copy "$tmp/$item.svg" errata-$item; done
-        ;;
     results)
         sh scripts/figures/figures.sh "$build" 4.5 5.2 5.5 5.8 >/dev/null
         copy build/figures/4.5.svg results-4.5
         for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.svg results-$figure; done
         ;;
     *)
-        echo "docs_figures.sh: no picture \"$picture\" among chess, methods, live, microfacet, pbrt, map," \
-            "pixel, thesis, errata, plots, results" >&2
+        echo "docs_figures.sh: no picture \"$picture\" among chess, methods, live, microfacet, map," \
+            "pixel, thesis, errata, results" >&2
         exit 2
         ;;
     esac

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* still: the list of figures that need no scene, and how their numbers are written. Seeds are fixed: the same numbers
- * every time. The items of docs/errata.md that have a switch are rendered, by scripts/figures/errata_figures.sh. */
+ * every time. */
 #include "still.h"
 
 #include "bis/base/file.h"
@@ -16,11 +16,6 @@ static const struct item {
 } items[] = {
     {"3.3", thesis_marsaglia}, {"3.4", thesis_alias}, {"3.8", thesis_phong}, {"3.9", thesis_draws},
     {"4.3", thesis_rejection}, {"4.4", thesis_bounds}, {"4.5", thesis_resampling},
-    {"E1", errata_E1}, {"E2", errata_E2}, {"E4", errata_E4}, {"E5", errata_E5}, {"E8", errata_E8},
-    {"E9", errata_E9}, {"E10", errata_E10}, {"E11", errata_E11}, {"E12", errata_E12}, {"E14", errata_E14},
-    {"E15", errata_E15}, {"E17", errata_E17}, {"E18", errata_E18}, {"E19", errata_E19}, {"E24", errata_E24},
-    {"E25", errata_E25}, {"E26", errata_E26}, {"E28", errata_E28}, {"E30", errata_E30}, {"E31", errata_E31},
-    {"E32", errata_E32}, {"E33", errata_E33}, {"E35", errata_E35}, {"E36", errata_E36}, {"E37", errata_E37},
 };
 
 enum { N_ITEMS = sizeof items / sizeof *items };

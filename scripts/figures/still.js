@@ -3,7 +3,7 @@
  * a figure of chapter 5 with rows of equal time and rays also NAME-time.svg, a part of the row of equal time.
  *     node scripts/figures/still.js FILE.json... */
 'use strict';
-const plot = require('../../docs/live/plot.js'), errata = require('./still_errata.js');
+const plot = require('../../docs/live/plot.js');
 const fs = require('fs'), zlib = require('zlib'), path = require('path');
 
 const INK = '#1f2129', FAINT = '#737885', WHITE = '#ffffff';
@@ -207,21 +207,10 @@ function panel(d) {
   }).flat()});
 }
 
-/* ---- curves on two logarithmic axes: what grows with what ---- */
-
-function curves(d) {
-  return plot.chart({title: d.title, width: 640, height: 380, standalone: true, legend: 'top', x: {label: d.x,
-    log: true}, y: {label: d.y, log: true, above: true, max: d.diagonal && d.diagonal[1]},
-    series: d.curves.map(function (c, i) { return {kind: 'line', points: true, radius: 3, colour: i, label: c.label,
-      x: c.x, y: c.y}; }),
-    marks: d.diagonal ? [{x0: d.diagonal[0], y0: d.diagonal[0], x1: d.diagonal[1], y1: d.diagonal[1]}] : []});
-}
-
-const drawings = Object.assign({3.3: marsaglia, 3.4: alias, 3.8: lobes, 3.9: draws, 4.3: rejection, 4.4: bounds,
-  4.5: resampling,
-  methods: panel}, errata);
+const drawings = {3.3: marsaglia, 3.4: alias, 3.8: lobes, 3.9: draws, 4.3: rejection, 4.4: bounds, 4.5: resampling,
+  methods: panel};
 for (const file of process.argv.slice(2)) {
   const d = JSON.parse(fs.readFileSync(file, 'utf8')), base = file.replace(/\.json$/, '');
-  fs.writeFileSync(base + '.svg', (d.methods ? sheet : d.curves ? curves : drawings[path.basename(base)])(d));
+  fs.writeFileSync(base + '.svg', (d.methods ? sheet : drawings[path.basename(base)])(d));
   if (d.methods && d.methods[0].trials.length > 1) fs.writeFileSync(base + '-time.svg', strip(d));
 }

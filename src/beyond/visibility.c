@@ -2,8 +2,8 @@
 /* visibility: counts, and what they say.
  *
  * Its constants, and those of guide.c, were measured in eight scenes without a Sampler and an Integrator: scene.txt, of
- * data/scenes overcast-diffuse, glossy-row, microfacet, outdoor-sun and figure-5.7-n50, and the two rooms that
- * `scripts/bench/error_truth.py --own` makes. For each value `bis SCENE --resolution 96x72 --spp 8 --seed 0` (to 3) was
+ * data/scenes overcast-diffuse, glossy-row, microfacet, outdoor-sun and figure-5.7-n50, and two closed rooms with one
+ * window. For each value `bis SCENE --resolution 96x72 --spp 8 --seed 0` (to 3) was
  * compared with a mean of 192 samples or more. A figure is the relative squared error times the number of shadow rays,
  * over the same with our value: the geometric mean of scenes and seeds, without the worst 0.2 % of the pixels. */
 #include "bis/beyond/visibility.h"

@@ -5,7 +5,7 @@
 #include "bis/shape/accel.h"
 
 /* Cells per primitive, by default. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. A packed
- * grid is as fast from 1 to 8 cells on the dragon (871k triangles; scripts/bench/bench_accel.c), but space grows. One
+ * grid is as fast from 1 to 8 cells on the dragon (871k triangles), but space grows. One
  * that is not packed gains up to 8. */
 #define BIS_GRID_DENSITY 2.0
 #define BIS_GRID_PLAIN_DENSITY 8.0

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* light_many: bis_envmap_pixel for many directions at once: 6 ns each with AVX2 instead of 55 (bench_light).
+/* light_many: bis_envmap_pixel for many directions at once: 6 ns each with AVX2 instead of 55.
  *
  * In float: theta and phi are off by less than 1e-6, so a direction that close to a pixel's edge may be given to the
  * neighbour (a thousandth of a pixel in a map 8192 wide). Who asks takes radiance and density from the same pixel, so

@@ -12,7 +12,7 @@
  * Owen's scrambling (src/base/scramble.h) keeps the nets nets, makes each point uniform, and makes two sequences with
  * different keys independent. Two scrambled copies of one sequence would still be paired point by point: the first bit
  * of one would always determine the first bit of the other. Each dimension pair therefore visits its sequence in an
- * order of its own (Burley 2020). Cost of a point in a set of 16, by bench_light on a busy EPYC: random 12 ns, sobol
+ * order of its own (Burley 2020). Cost of a point in a set of 16, on a busy EPYC: random 12 ns, sobol
  * and stratified 72, halton 145, most of it for the digits in base 3.
  *
  * The camera samples of sobol are mirrored, too: samples 2k and 2k + 1 are mirror images through the pixel's centre, so

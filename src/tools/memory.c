@@ -32,7 +32,7 @@ static const double squares = (2.0 * sizeof(bis_seen) + sizeof(bis_square)) / 3 
 static const double texel = sizeof(rgb), table = BIS_TABLE_BYTES + 0.4, curve = BIS_CURVE_BYTES / 16.0,
                     curve_beside = BIS_CURVE_SUM_BYTES / 16.0, area = BIS_AREA_BYTES, regions = BIS_REGIONS_BYTES;
 static const double vertex = sizeof(vec3), uv = sizeof(bis_uv), triangle = 3 * sizeof(uint32_t);
-/* a triangle, by `make bench-scale`: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps
+/* a triangle, measured: Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much. Embree keeps
  * less of many (BIS_EMBREE_COMPACT) */
 static const double accel_kept = 82, accel_built = 100, compact_kept = 35, compact_built = 40;
 static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a text file for each of them, guessed */
