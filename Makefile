@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make
-# data, make assignment, make grade, make grade-class, make install, make uninstall,
-# make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
+# bis: make, make test [T=alias or T=thesis] [SEED=n], make test-tools, make lint, make asan, make fuzz
+# [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make install,
+# make uninstall, make release, make deb, make clean. CC, CFLAGS, LDFLAGS, PREFIX, LIBDIR are yours.
 #   make MPI=1           bis-mpi, too, for several machines (docs/command-line.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
 #   make V=1             show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
-# All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order.
-ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS))$(word 2,$(MAKECMDGOALS)),0)
+# All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order;
+# test and test-tools keep theirs by an arrow.
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS))$(word 2,$(filter-out test-tools,$(MAKECMDGOALS))),0)
 MAKEFLAGS += -j$(shell nproc)
 endif
 CFLAGS  ?= -O2 -g
@@ -83,16 +84,20 @@ $(SRC:%.c=$B/%.o): OURS += -Wformat=2
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
-CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) \
-    $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
 # Tests of the program by Python's standard library: files as other programs write them, and what bis makes of each.
 # Those of tests/python need numpy: the first python3 that has it runs them (PYTHON names another).
 PYTHON  ?= $(shell for p in $$BIS_PYTHON python3 /usr/bin/python3; do \
     $$p -c 'import numpy' 2>/dev/null && echo $$p && break; done)
 SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py) \
     $(if $(PYTHON),$(wildcard tests/python/test_*.py tests/python/*/test_*.py))
-SCRIPTS := $(if $(T),$(sort $(filter tests/$(T)/%,$(SCRIPTS)) \
-    $(foreach t,$(SCRIPTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(SCRIPTS))
+# `make test` runs the tests of the renderer, `make test-tools` the long ones: of the instruments, of marks, of what is
+# built and installed. T chooses among both, by folder or by a part of the name.
+ALL_TESTS := $(TEST_SRC) $(SCRIPTS)
+IN_TOOLS  := $(filter tests/tools/% tests/course/% tests/whole/% tests/python/%,$(ALL_TESTS))
+called     = $(sort $(filter tests/$(T)/%,$(1)) $(foreach t,$(1),$(if $(findstring $(T),$(notdir $t)),$t)))
+runs       = $(foreach t,$(1),$(if $(filter %.c,$t),$(call program,$t),$t))
+CHOSEN    := $(call runs,$(if $(T),$(call called,$(ALL_TESTS)),$(filter-out $(IN_TOOLS),$(ALL_TESTS))))
+LONG      := $(call runs,$(if $(T),$(call called,$(IN_TOOLS)),$(IN_TOOLS)))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c tests/support/*/*.c))
 # Programs beside bis: the generator of data/, the benchmarks.
 DATA_SRC := $(wildcard data/generate/*.c)
@@ -116,7 +121,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all pages data web test-web test-32 test python-parts test-browser test-long \
+.PHONY: FORCE all pages data web test-web test-32 test test-tools lint python-parts test-browser test-long \
     envelope asan fuzz fuzz-run coverage docs figures bench installed install uninstall \
     tarball release deb clean
 all: bis data $(SHARED_LIB) $(ASSEMBLED) $(if $(filter 1,$(MPI)),bis-mpi)
@@ -224,20 +229,33 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	$Q$B/bis-data data
 	@touch $@
 
-# Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and
-# the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(SHARED_LIB) $(ASSEMBLED) $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) \
-    $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED)) $(if $(filter %/test_figures,$(CHOSEN)),$B/figures)
-	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
-	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
-	@BIS_PROGRAM=$B/bis BIS_LIBRARY=$(abspath $(SHARED_LIB)) PYTHON='$(PYTHON)' \
-	    sh scripts/check/run_tests.sh $(CHOSEN) $(SCRIPTS)
-	@[ -n '$(PYTHON)' ] || echo "make test: the tests of Python were SKIPPED: no python3 here has numpy;" \
+# Test programs run from here, where they find data/ and the program itself. SEED=n draws the random numbers of every
+# statistical test anew (scripts/check/run_tests.sh).
+STATISTICAL = $(notdir $(basename $(shell grep -lE 'stat_(level|later|assert)' $(TEST_SRC))))
+# $(call needs,PROGRAMS): what must be built before these run.
+needs = $(filter $B/%,$(1)) $B/bis $B/bis-data $(SHARED_LIB) $(ASSEMBLED) $(STAMP) \
+    $(if $(filter %/test_mpi,$(1)),$(if $(HAS_MPI),$B/bis-mpi)) $(if $(filter %/test_library,$(1)),$(INSTALLED)) \
+    $(if $(filter %/test_figures,$(1)),$B/figures)
+define RUN_TESTS
+@BIS_PROGRAM=$B/bis BIS_LIBRARY=$(abspath $(SHARED_LIB)) PYTHON='$(PYTHON)' SEED='$(SEED)' \
+    STATISTICAL='$(if $(SEED),$(STATISTICAL))' sh scripts/check/run_tests.sh
+endef
+test: $(call needs,$(CHOSEN))
+	$(RUN_TESTS) $(CHOSEN)
+
+$(if $(filter test,$(MAKECMDGOALS)),test-tools: | test)
+test-tools: $(call needs,$(LONG))
+	$(RUN_TESTS) $(LONG)
+	@[ -n '$(PYTHON)' ] || echo "make test-tools: the tests of Python were SKIPPED: no python3 here has numpy;" \
 	    "scripts/setup.sh installs it, PYTHON=program names another"
+
+# The rules of the house: layers, circles, columns, docstrings, vectors, pages, licences; and how heavy the house is.
+lint: $B/bis
+	@sh scripts/check/lint.sh $B
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.
 test-long:
-	BIS_LONG=1 TEST_SECONDS=$${TEST_SECONDS:-3000} $(MAKE) test
+	BIS_LONG=1 TEST_SECONDS=$${TEST_SECONDS:-3000} $(MAKE) test test-tools
 
 # README and docs/ as a static site with MathML, in build/docs, with the figures of `make web` where its compiler is
 # installed. pandoc makes it; who reads the .md files needs none of it.
@@ -291,7 +309,7 @@ test-32:
 
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
-	$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" test
+	$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" test test-tools
 
 # Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with.
 # clang alone has it.
@@ -306,7 +324,7 @@ $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
 
 # Lines and branches of src/ that the tests reach, file by file.
 coverage:
-	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
+	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test test-tools
 	@sh scripts/check/coverage.sh build/coverage
 
 # The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where

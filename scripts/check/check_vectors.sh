@@ -9,7 +9,7 @@
 # scalar, and exits with 1. Where this compiler, with these flags, makes no such vectors even of the simplest loop, it
 # says so and exits with 0. Loops with a reduction are not looked at, because gcc leaves them scalar for a processor
 # without masks.
-: "${BIS_COMPILE:?make test tells how to compile}"
+: "${BIS_COMPILE:?make lint tells how to compile}"
 here=$(mktemp -d) || exit 1
 trap 'rm -rf "$here"' EXIT
 

@@ -6,7 +6,7 @@
 # of that file, to the letter.
 #     scripts/check/fragments.sh [ROOT]              writes the blocks anew
 #     scripts/check/fragments.sh --check [ROOT]      exit status 1 where a block differs or its fragment is gone; part
-#                                                    of `make test`
+#                                                    of `make lint`
 check=no
 [ "$1" = --check ] && check=yes && shift
 cd "${1:-.}" || exit 1

@@ -3,8 +3,12 @@
 # run_tests: runs test programs (make test calls it), shows what they say and how long they took, and closes with one
 # line that counts.
 #     scripts/check/run_tests.sh PROGRAM...
-# Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 1800, ten times what the slowest takes
-# on a machine without other work), or there was nothing to run.
+# Exit status 1 when a test failed, a program died or hung (TEST_SECONDS of the processor, default 1800, or ten times
+# that by the clock, because a busy machine may be slow but not wrong), a test was skipped that tests/skips does not
+# name, or there was nothing to run.
+#
+# SEED=n: the programs that STATISTICAL names draw their random numbers anew; one that fails has a second chance, with
+# n + 1, because a right program fails at its level of significance.
 #
 # TEST_JOBS programs run side by side (default: one more than there are processors, because a program also waits, for
 # others and for files; at most 4, because each has threads of its own). What a program says is shown when it ends, so
@@ -21,16 +25,27 @@ if [ "${1:-}" = --one ]; then
     all=$2
     name=${3##*/}
     root=$all/$JOB
-    begin=$(date +%s)
+    limit=${TEST_SECONDS:-1800}
     echo "==== $name" >"$all/logs/$name"
     case $3 in
-    tests/python/*) set -- "$1" "$2" "${PYTHON:-python3}" -m unittest discover -s "${3%/*}" -p "$name" ;;
+    tests/python/*) set -- "$1" "$2" "${PYTHON:-python3}" -m unittest discover -v -s "${3%/*}" -p "$name" ;;
     esac
     shift 2
-    (cd "$root" && timeout "${TEST_SECONDS:-1800}" "$@") >>"$all/logs/$name" 2>&1
-    status=$?
+    case " $STATISTICAL " in *" $name "*) ;; *) SEED= ;; esac
+    status=1
+    for seed in ${SEED:-none} ${SEED:+$((SEED + 1))}; do # chance fails one seed, a mistake two
+        [ "$status" -ne 0 ] || break
+        [ "$seed" = none ] || { export BIS_TEST_SEED="$seed" && echo "SEED=$seed" >>"$all/logs/$name"; }
+        (cd "$root" && ulimit -t "$limit" && exec timeout $((10 * limit)) "$@") >>"$all/logs/$name" 2>&1
+        status=$?
+    done
+    sed -i '/ \.\.\. ok$/d' "$all/logs/$name" # unittest names each test, cmocka's names are kept
     [ $status -eq 0 ] || echo "$root/build" >"$all/failed/$name"
-    echo "---- $name: $status after $(($(date +%s) - begin)) s" >>"$all/logs/$name"
+    times >"$all/logs/.$name" # of the shell, then of its children: "1m2.34s 0m0.56s"
+    seconds=$(awk 'NR == 2 { for (i = 1; i <= 2; i++) { split($i, t, "m"); s += 60 * t[1] + t[2] } printf "%.1f", s }' \
+        "$all/logs/.$name")
+    echo "---- $name: $status after $seconds s of the processor" >>"$all/logs/$name"
+    echo "$seconds" >"$all/seconds/$name"
     flock "$all/lock" cat "$all/logs/$name"
     exit
 fi
@@ -46,7 +61,7 @@ here=$(pwd)
 mkdir -p build && all=$(mktemp -d build/run.XXXXXX) || exit 1
 chmod 755 "$all"
 trap 'rm -rf "$all"; exit 130' INT TERM HUP
-mkdir "$all/failed" "$all/logs"
+mkdir "$all/failed" "$all/logs" "$all/seconds"
 export BIS_SHARED="${BIS_SHARED:-$here/../shared/data}"
 jobs=${TEST_JOBS:-$(($(nproc) + 1))}
 [ -n "${TEST_JOBS:-}" ] || [ "$jobs" -le 4 ] || jobs=4
@@ -82,6 +97,12 @@ ok=$(cat "$all"/logs/* | awk '/^\[       OK \]/ { n++ } /^Ran [0-9]+ test/ { n +
                                                       $0 = substr($0, RSTART + RLENGTH) } } END { print n + 0 }')
 skipped=$(cat "$all"/logs/* | awk '/^\[  SKIPPED \] [0-9]+ test/ { n += $4 }
     /skipped=[0-9]+\)/ { sub(/.*skipped=/, ""); n += $0 + 0 } END { print n + 0 }')
+# "[  SKIPPED ] name" of cmocka, "test_name (...) ... skipped 'why'" of unittest; some names stand twice.
+for name in $(cat "$all"/logs/* | sed -n 's/^\[  SKIPPED \] \([a-z_A-Z0-9]*\)$/\1/p
+    s/^\(test_[a-z_A-Z0-9]*\) .*\.\.\. skipped .*/\1/p' | sort -u); do
+    grep -qsw -e "$name" tests/skips || unexpected="${unexpected:-} $name"
+done
+seconds=$(cat "$all"/seconds/* | awk '{ s += $1 } END { printf "%.0f", s }')
 # What scripts/check/power.sh makes a page of.
 for power in "$all"/*/build/power; do
     [ ! -d "$power" ] || { mkdir -p build/power && cp "$power"/* build/power/; }
@@ -91,5 +112,9 @@ if [ -n "$(ls "$all/failed")" ]; then
         "what they wrote is in $(sort -u "$all"/failed/* | paste -s -d ' ')"
     exit 1
 fi
+if [ -n "${unexpected:-}" ]; then
+    echo "make test: FAILED: skipped, and tests/skips does not say why they may be:$unexpected"
+    exit 1
+fi
 rm -rf "$all"
-echo "make test: all passed ($# programs, $ok tests, $skipped skipped)"
+echo "make test: all passed ($# programs, $ok tests, $skipped skipped, $seconds s of the processor)"

@@ -10,13 +10,13 @@
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
-test assignment grade grade-class check: export BIS_BUILD = $B
-test grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
-test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
-test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
-test grade grade-class: export BIS_SERVER = $(SERVER)
-test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
-test grade grade-class: export BIS_SANITIZE = $(ASAN)
+test test-tools lint assignment grade grade-class check: export BIS_BUILD = $B
+test test-tools lint grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
+test test-tools grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
+test test-tools grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
+test test-tools grade grade-class: export BIS_SERVER = $(SERVER)
+test test-tools grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
+test test-tools grade grade-class: export BIS_SANITIZE = $(ASAN)
 
 assignment: $(LIB)
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
@@ -28,7 +28,7 @@ GRADER := $B/scripts/course/grade.o $B/scripts/course/tokens.o $B/tests/support/
 $B/scripts/course/grade.o: OURS += -Itests/support
 $B/grade: $(GRADER)
 	$(LINK) -lm
-$(if $(wildcard tests/course),test: $B/grade $(SERVER))
+$(if $(wildcard tests/course),$(if $(filter %/test_assignments,$(CHOSEN)),test) test-tools: $B/grade $(SERVER))
 
 grader: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
 grade: grader
