@@ -4,6 +4,10 @@
 # if it gives no points at all.
 #     scripts/course/check.sh
 # From the kit's root, with what scripts/course/course.mk exports.
+fail() {
+    echo "make check: $*" >&2
+    exit 1
+}
 . scripts/course/accept.sh
 work=$(mktemp -d "${TMPDIR:-/tmp}/check.XXXXXX") || exit 1
 trap 'rm -rf "$work"' EXIT

@@ -29,7 +29,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MAX_WORDS = 400 };
+enum { MAX_WORDS = 400, NOT_JUDGED = 75 /* a status of its own: the machine was busy (sysexits' EX_TEMPFAIL) */ };
 
 typedef struct options {
     const char *folder, *marks;
@@ -150,7 +150,8 @@ static int run(options *o, char **given)
     const bool killed = !b.end.late && (!WIFEXITED(b.end.status) || WEXITSTATUS(b.end.status) > 128);
     if (b.end.late) printf("\nstopped after %g s: the machine was busy; mark it again\n", limits.wall);
     if (killed) printf("\nstopped after %g s of the processor\n", limits.cpu);
-    return !b.end.late && WIFEXITED(b.end.status) ? WEXITSTATUS(b.end.status) : 124;
+    if (b.end.late) return NOT_JUDGED;
+    return WIFEXITED(b.end.status) ? WEXITSTATUS(b.end.status) : 124;
 }
 
 static int find_sandbox(void)
@@ -163,7 +164,7 @@ static int find_sandbox(void)
     size_t n = sandbox(words, &o);
     words[n++] = "true";
     words[n] = NULL;
-    const bool ran = box_run(&b, &(box_limits){.cpu = 5, .wall = 60, .file = 1 << 20}, (char *const *)(uintptr_t)words);
+    const bool ran = box_run(&b, &(box_limits){.cpu = 5, .wall = 600, .file = 1 << 20}, (char *const *)(uintptr_t)words);
     puts(ran && !b.end.late && WIFEXITED(b.end.status) && WEXITSTATUS(b.end.status) == 0 ? "bwrap" : "none");
     return 0;
 }
@@ -204,7 +205,7 @@ static int claims(options *o, const char *student, const char *ours)
 {
     char command[4200], line[512], name[400];
     FILE *marks = o->marks ? fopen(o->marks, "r") : NULL;
-    int points, died = 0;
+    int points, died = 0, status = 0;
 
     snprintf(command, sizeof command, "'%s' --list", ours);
     FILE *list = popen(command, "r");
@@ -220,6 +221,7 @@ static int claims(options *o, const char *student, const char *ours)
         if (result.verdict == MARK_WRONG && o->n_secrets > 1) judge(&result, student, ours, o, i, o->secrets[1]);
         /* who has let two of them run out of time will not get all of it for the others */
         died += result.verdict == MARK_SLOW;
+        if (result.verdict == MARK_BUSY) status = NOT_JUDGED;
         if (died == 2 && o->cpu > 1) o->cpu = 1;
         printf("%s\t%d\t%s\t%s\n", result.verdict == MARK_HOLDS ? "ok" : "wrong", points, name,
                result.verdict == MARK_HOLDS ? "" : result.text);
@@ -227,7 +229,7 @@ static int claims(options *o, const char *student, const char *ours)
     }
     pclose(list);
     if (marks) fclose(marks);
-    return 0;
+    return status;
 }
 
 /* The least processor times, taken in turn until neither has fallen by 2 % for three rounds, or ten where the ratio is
@@ -248,7 +250,7 @@ static int speed(const options *o, const char *student, const char *reference, c
             judge(&result, who ? reference : student, ours, o, MARK_WORK, secret);
             if (result.verdict != MARK_HOLDS) {
                 puts(result.text);
-                return 1;
+                return result.verdict == MARK_BUSY ? NOT_JUDGED : 1;
             }
             if (result.seconds < 0.98 * least[who]) quiet = 0;
             sum += result.seconds;

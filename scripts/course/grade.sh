@@ -205,5 +205,6 @@ awk -v kind="$kind" -v name="$name" -v warnings="$warnings" -v now="$(date -u +%
     -f scripts/course/report.awk "$work/remarks" "$result/lines" >"$work/report" &&
     rm -rf "$report" && cp "$work/report" "$report" || exit 1
 echo "as JSON: $report"
+marked=yes
 [ "$kind" != grade ] || trade_pages
 exit 0

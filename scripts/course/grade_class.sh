@@ -77,10 +77,10 @@ worker() {
         one=$!
         wait "$one" || {
             printf 'it could not be marked: %s\n' "$(tail -n 1 "$work/$i/said")" >"$work/$i/remarks"
-            : >"$work/$i/lines"
+            : >"$work/$i/lines" # no line, no points: not marked
         }
         one=""
-        points=$(awk -F '\t' '{ got += $1 } END { print got + 0 }' "$work/$i/lines")
+        points=$(awk -F '\t' '{ got += $1 } END { print NR ? got + 0 : "not marked" }' "$work/$i/lines")
         printf '%s of %s: %s: %s\n' "$i" "$n" "$(cat "$work/$i/name")" "$points"
     done
 }

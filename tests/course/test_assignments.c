@@ -423,6 +423,29 @@ static void a_busy_machine_changes_no_word(void **state)
     assert_has(contents(DIR "/out"), "no answer in the time allowed: a loop without end?");
 }
 
+/* The judge says 75 where the machine gave it no time; here a script says so at once. */
+static void what_a_busy_machine_could_not_judge_is_not_marked_and_never_0(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("set -e; b=$(realpath \"$BIS_BUILD\"); mkdir " DIR "/in " DIR "/busy; "
+                           "cp src/thesis/alias.c " DIR "/in/right.c; ln -s \"$b\"/* " DIR "/busy; cd " DIR "/busy; "
+                           "rm grade; printf '#!/bin/sh\\n[ $1 != claims ] || exit 75\\nexec %s/grade \"$@\"\\n' "
+                           "\"$b\" > grade; chmod 755 grade"),
+                     0);
+    assert_int_equal(shell("BIS_BUILD=" DIR "/busy BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade.sh alias " DIR
+                           "/in/right.c > " DIR "/out 2>&1"),
+                     1);
+    assert_has(contents(DIR "/out"), "not marked: the machine was too busy to judge it; mark it again");
+    assert_int_equal(shell("BIS_BUILD=" DIR "/busy BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias "
+                           DIR "/in 1 moodle > " DIR "/out 2>&1"),
+                     0);
+    assert_has(contents(DIR "/out"), "right.c: not marked");
+    assert_has(contents(DIR "/in.alias.csv"), "\"right.c\",not marked,,,,");
+    assert_has(contents(DIR "/in.alias.moodle.csv"), "\"right.c\",,100,,");
+}
+
 /* What is huge, deep, packed or linked is found out before it is read: 20 s of the processor and 400 MB are enough
  * for all. */
 static void what_is_handed_in_is_bounded_before_it_is_read(void **state)
@@ -554,7 +577,7 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
                                "*limits*"),
                      0);
     assert_int_equal(shell("TMPDIR=\"$PWD/" DIR "/tmp\" BIS_SHOP=\"$PWD/" SHOP
-                           "\" BIS_CLAIM_SECONDS=1 sh scripts/course/grade_class.sh alias " DIR "/in/ 2 > " DIR "/out "
+                           "\" BIS_CLAIM_SECONDS=5 sh scripts/course/grade_class.sh alias " DIR "/in/ 2 > " DIR "/out "
                                "2>&1"),
                      0);
     assert_int_equal(shell("test -z \"$(ls -A " DIR "/tmp)\" && ! ls | grep '^x$'"), 0);
@@ -874,6 +897,7 @@ int main(void)
         cmocka_unit_test(no_cheat_reaches_out_while_the_sanitizers_look),
         cmocka_unit_test(what_a_compiler_reads_otherwise_than_we_is_refused),
         cmocka_unit_test(a_busy_machine_changes_no_word),
+        cmocka_unit_test(what_a_busy_machine_could_not_judge_is_not_marked_and_never_0),
         cmocka_unit_test(what_is_handed_in_is_bounded_before_it_is_read),
         cmocka_unit_test(what_we_have_written_is_accepted_in_each),
         cmocka_unit_test(bis_trade_is_not_run_without_a_sandbox),

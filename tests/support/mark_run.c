@@ -59,7 +59,8 @@ void mark_judge(mark_outcome *o, const mark_order *order)
         return;
     }
     const int status = WIFEXITED(b.end.status) ? WEXITSTATUS(b.end.status) - MARK_STATUS : -1;
-    if (b.end.late || status < MARK_HOLDS || status > MARK_SLOW) {
+    if (b.end.late) o->verdict = MARK_BUSY;
+    if (b.end.late || status < MARK_HOLDS || status > MARK_BUSY) {
         snprintf(o->text, sizeof o->text, "the test itself came to no end: %.2000s", b.end.output);
         return;
     }
@@ -198,7 +199,7 @@ static bool wait_for(short events, asked since)
         snprintf(text, sizeof text,
                  "no answer in %.0f s, of which it had the processor for %.3g s: the machine was busy; mark it again",
                  patience, student.said_hello ? used() : 0);
-        mark_conclude(MARK_SLOW, text);
+        mark_conclude(MARK_BUSY, text);
     }
     if (!student.said_hello) return true;
     const double now = used(), idle = box_now() - since.at - (now - since.used);

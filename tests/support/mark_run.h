@@ -19,10 +19,11 @@ typedef struct mark_order {
 
 #define MARK_WORK ((size_t)-1)
 
-typedef enum mark_verdict { MARK_HOLDS, MARK_WRONG, MARK_DIED, MARK_SLOW } mark_verdict;
+typedef enum mark_verdict { MARK_HOLDS, MARK_WRONG, MARK_DIED, MARK_SLOW, MARK_BUSY } mark_verdict;
 
 typedef struct mark_outcome {
-    mark_verdict verdict; /* MARK_DIED: the student's process ended; MARK_SLOW: it was ended, without an answer */
+    mark_verdict verdict; /* MARK_DIED: the student's process ended; MARK_SLOW: it was ended, without an answer;
+                           * MARK_BUSY: the machine gave it no time, so nothing is known of it */
     double seconds;       /* of the processor, that the student's process took for the load */
     char text[4096];      /* why not; with the beginning of what the student's code printed */
 } mark_outcome;
