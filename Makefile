@@ -268,7 +268,7 @@ docs: $(if $(HAS_WASM),web)
 test-browser: $B/bis $(STAMP)
 	@sh scripts/check/test_browser.sh $B/bis $B/browser
 
-# docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
+# docs/trust.md anew, slow cases included: its introduction as it stands, then what the tests measure.
 ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)
 	@sh scripts/check/envelope.sh $(ENVELOPE)
@@ -327,7 +327,7 @@ coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test test-tools
 	@sh scripts/check/coverage.sh build/coverage
 
-# The thesis's figures again, in build/figures (docs/measured.md): our own model and maps, or those of BIS_SHARED where
+# The thesis's figures again, in build/figures (docs/trust.md): our own model and maps, or those of BIS_SHARED where
 # it is set. C computes them; docs/live/plot.js draws, under node, which a clone does not need.
 figures: $B/bis $B/figures $(STAMP)
 	@sh scripts/figures/figures.sh $B

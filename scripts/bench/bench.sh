@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# bench: speed and error as ratios, each with its spread, all on one core. docs/measured.md says how to read the table.
+# bench: speed and error as ratios, each with its spread, all on one core. docs/trust.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
 # Sections: references cost threads equal resample reach steps rival table, all by default. Each writes
 # build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
@@ -83,7 +83,7 @@ beside_mitsuba() {
         echo "rival is left out: no real data at $shared (set BIS_SHARED)"
     elif ! "$python" -c 'import mitsuba, numpy; mitsuba.set_variant("llvm_ad_rgb")' 2>/dev/null; then
         echo "rival is left out: $python cannot use Mitsuba 3, numpy and LLVM (set BENCH_PYTHON, DRJIT_LIBLLVM_PATH;" \
-            "docs/measured.md)"
+            "docs/trust.md)"
     else
         core=$(taskset -cp $$ | sed 's/.*[^0-9]//')
         keep "$out/rival.txt" taskset -c "$core" "$python" scripts/bench/rival.py "$build/bis" "$shared" "$out"

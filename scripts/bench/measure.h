@@ -55,7 +55,7 @@ measure_reference measure_reference_get(const char *path, const char *material, 
 void measure_reference_free(measure_reference *ref);
 
 /* The error of a picture. Without antialiasing: FINDINGS' relMSE, the mean over shaded pixels and R, G, B of (L -
- * Lref)^2 / (Lref^2 + (0.01 m)^2), m the mean of Lref over the same. With it: that of docs/budgets.md, over all pixels,
+ * Lref)^2 / (Lref^2 + (0.01 m)^2), m the mean of Lref over the same. With it: that of docs/trust.md, over all pixels,
  * with floor (0.1 m)^2. trimmed: without the 1% of pixels that contribute most. */
 typedef struct measure_error {
     double mean, trimmed;

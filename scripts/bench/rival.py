@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""rival: seconds on one core to relMSE 1e-2 and 1e-3, bis beside Mitsuba 3, in one run. docs/measured.md reads the
+"""rival: seconds on one core to relMSE 1e-2 and 1e-3, bis beside Mitsuba 3, in one run. docs/trust.md reads the
 table.
 
     python3 scripts/bench/rival.py BIS SHARED OUT     SHARED has mesh/ and env/, OUT keeps references and scenes

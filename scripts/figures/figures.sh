@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
 # figures: every figure of the thesis that is a result or a plot, rendered again into build/figures (with BIS_SHARED:
-# build/figures/shared). docs/measured.md says what they show.
+# build/figures/shared). docs/trust.md says what they show.
 #     scripts/figures/figures.sh BUILD_DIR [FIGURE...]        (make figures calls it); all of them by default
 #     scripts/figures/figures.sh --list
 # Our own model and maps, or, where BIS_SHARED names a folder that has them, the dragon under Grace Cathedral and St

@@ -41,7 +41,7 @@ page() {
     [ -z "$live" ] || ! grep -q '^<!-- live: ' "$1" || scripts "$up" "$1" >"$head"
     {
         printf '<nav><a href="%sindex.html">bis</a>' "$up"
-        for name in guide theory errata measured; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
+        for name in guide theory errata trust; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
         printf ' · <a href="%sdocs/assignments/index.html">assignments</a></nav>\n\n' "$up"
         # without the head that docs/paper.md has for its journal
         awk 'NR == 1 && /^---$/ { head = 1; next } head && /^---$/ { head = 0; next } !head' "$1"

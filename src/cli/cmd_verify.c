@@ -99,7 +99,7 @@ static void print_bits(const bis_bits rows[BIS_N_BITS], int n_different)
     if (!n_different) printf("\nall %d are the same\n", BIS_N_BITS);
     else
         printf("\n%d of %d differ. Each row rests on those above it: look at the first.\n"
-               "docs/proof.md, \"The same bits\", says what is promised.\n",
+               "docs/trust.md, \"The same bits\", says what is promised.\n",
                n_different, BIS_N_BITS);
 }
 

@@ -213,7 +213,7 @@ void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *
     if (!counters->nonfinite) return;
     bis_warn(diag, bis_cli_loc,
              "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest "
-             "float, 3.4e38, needs a smaller \"scale\" (docs/envelope.md); with any other light this is a defect, "
+             "float, 3.4e38, needs a smaller \"scale\" (docs/trust.md); with any other light this is a defect, "
              "please report it", (unsigned long long)counters->nonfinite);
 }
 

@@ -2,7 +2,7 @@
 /* edges: where camera samples are worth more than light samples.
  *
  * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays
- * (docs/budgets.md, "Outlines"). So a ray goes through every pixel's corner. Where one corner sees the background and
+ * (docs/trust.md, "Outlines"). So a ray goes through every pixel's corner. Where one corner sees the background and
  * another a surface, other materials, or normals more than 60 degrees apart, pass.c takes edgesamples camera samples in
  * each pass instead of one. Where the surface turns so far that the material's lobe passes from one part of the map to
  * another, it takes half as many, because there each of them sees light of its own.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* film_error: what the passes of a film say about its error.
  *
- * The error is the relative RMSE of docs/budgets.md, "Error": the root of the mean, over pixels and channels, of
+ * The error is the relative RMSE of docs/trust.md, "Error": the root of the mean, over pixels and channels, of
  * (a-b)^2 / (b^2 + m^2/100). a is the picture, b the truth, m the mean of b. The variance of each pixel's mean stands
  * in for (a-b)^2, and means of the picture for b.
  *
@@ -49,7 +49,7 @@ static const double normal_95 = 1.645; /* the 95% point of a normal */
 /* What edges are taken to have of the difference of the halves. */
 static const double usual_share = 0.7;
 
-/* Standard deviation of what the halves are off then, a logarithm of the squared error; measured (docs/budgets.md). */
+/* Standard deviation of what the halves are off then, a logarithm of the squared error; measured (docs/trust.md). */
 static const double halves_spread = 0.25;
 
 /* No pixel counts for more than this many times the mean in what twins tell, nor in what noise does to the sum. */
@@ -59,7 +59,7 @@ static const double most_of_mean = 20;
  * many times its mean once in 130,000. */
 static const double far_more = 20;
 
-/* Relative variance of what stands for b^2 where single pixels have large errors, measured (docs/budgets.md). */
+/* Relative variance of what stands for b^2 where single pixels have large errors, measured (docs/trust.md). */
 static const double truth_spread = 0.4;
 
 /* The variance of the mean of value i if the n > 1 passes are independent (eq. 3.9). A pass of weight w is the mean
@@ -320,7 +320,7 @@ static verdict both(verdict a, verdict b)
  * third pixel (tests/render/test_film_error.c).
  *
  * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
- * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/budgets.md).
+ * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/trust.md).
  * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. What pixels have
  * in common, and those that are alone, are no part of this 0.4, because --error would not end where more samples do not
  * make them less. Neither holds where R is more than (1/2)^2: pixels that have not yet found their light look black and

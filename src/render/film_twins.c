@@ -6,7 +6,7 @@
  * One pixel of each K x K pixels has a twin, at a place that a hash chooses: a regular grid would see a pattern of the
  * scene as it is at one phase. The squares are those of the full picture, so a crop, a part or a tile has the twins
  * that the picture has there. 768 twins told the error to 4 % where noise is spread evenly, and to 14 % where only
- * outlines and edges of shadows are wrong (standard deviations; checks-fine and sun in docs/budgets.md). ENOUGH is
+ * outlines and edges of shadows are wrong (standard deviations; checks-fine and sun in docs/trust.md). ENOUGH is
  * twice as many. They take 4 % of the camera samples of 240 x 180 pixels, and 0.05 % of those of 1408 x 1984. A small
  * picture has fewer, one for 9 pixels. */
 #include "bis/render/film.h"

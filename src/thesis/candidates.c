@@ -10,7 +10,7 @@
  * space-filling curve. Those from the BRDF take one in each equal part of a Hilbert curve over (u1, u2). Neighbours in
  * the set are then neighbours in direction, and N equally spaced marks over the running sum of weights reach all parts
  * of the product evenly. Only stratified candidates and equally spaced marks together pay
- * (docs/proof.md, "Efficiency").
+ * (docs/trust.md, "Efficiency").
  *
  * Sets. The stratified directions from the map may come from sets that all pixels of a pass share. This is 10 times
  * cheaper than drawing them. The estimate has the same distribution, but pixels with the same set share their luck. */

@@ -158,7 +158,7 @@ void bis_flat_picture_pixels(const bis_flat_picture *picture, float *rgba);
 /* bis_flat_layer_name returns the name of the i-th layer, counted from 0, or NULL if there are fewer. */
 const char *bis_flat_layer_name(int i);
 
-/* bis_flat_picture_layer stores the layer of this name (docs/budgets.md, "Layers") in values[height][width][n] and
+/* bis_flat_picture_layer stores the layer of this name (docs/trust.md, "Layers") in values[height][width][n] and
  * returns n, 1 or 3. values may be NULL, to learn n. It returns 0 if the picture does not have the layer: it was not
  * asked for, or a standard error would need more passes. */
 int bis_flat_picture_layer(const bis_flat_picture *picture, const char *name, float *values);

@@ -148,7 +148,7 @@ typedef struct bis_film_error {
 } bis_film_error;
 
 /* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
- * docs/budgets.md, "Error", which defines it. The means of the pixels stand in for the reference values. What strata
+ * docs/trust.md, "Error", which defines it. The means of the pixels stand in for the reference values. What strata
  * gain is estimated, too, unless the film is told that its passes are independent. */
 bis_film_error bis_film_estimate_error(const bis_film *f);
 

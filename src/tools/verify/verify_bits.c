@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* verify_bits: twelve small tables and pictures whose bits every build has (docs/proof.md, "The same bits").
+/* verify_bits: twelve small tables and pictures whose bits every build has (docs/trust.md, "The same bits").
  *
  * Each row is a hash of what a part computes, and rests on the rows above it: numbers, tables, a map, then pictures by
  * each method. So the first row that differs says where a build departs, and by how much: beside the hash stands a sum

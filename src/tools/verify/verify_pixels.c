@@ -94,7 +94,7 @@ static double reflected(const bis_verify_eye *e, const bis_point *pt, const doub
     return L;
 }
 
-/* The same surface, for an eye that looks for outlines? As docs/budgets.md says it. */
+/* The same surface, for an eye that looks for outlines? As docs/trust.md says it. */
 static bool is_alike(const bis_verify_pixel *p, bool hit, uint32_t material, const bis_point *pt)
 {
     if (hit != (p->material != BIS_NO_NUMBER)) return false;

@@ -211,7 +211,7 @@ def trade(o: SimpleNamespace, scene: str, say: command.Say) -> int:
 
 def _say_end(t: Trade, failed: bool, say: command.Say) -> None:
     if t.nonfinite:
-        say.warn("%d estimates were not finite and count as black (docs/envelope.md)" % t.nonfinite)
+        say.warn("%d estimates were not finite and count as black (docs/trust.md)" % t.nonfinite)
     if failed or t.is_reported:
         return
     if t.runs:
