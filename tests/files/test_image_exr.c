@@ -7,7 +7,6 @@
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 #include "threads.h"
 
 #include <ImfCRgbaFile.h>
@@ -891,22 +890,6 @@ static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)
     }
 }
 
-/* Three: the file, the context of the library, the pixels. */
-static void any_allocation_may_fail_whatever_the_compression(void **state)
-{
-    for (int kind = EXR_COMPRESSION_NONE; kind <= EXR_COMPRESSION_B44A; kind++)
-        for (int tiled = 0; tiled < 2; tiled++) {
-            encode_by_core(scratch("core.exr"), (exr_compression_t)kind, tiled);
-            try_memory(scratch("core.exr"), NULL, 3);
-        }
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, IMF_PIZ_COMPRESSION, 0, 0);
-    try_memory(scratch("imf.exr"), NULL, 3);
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_RGB, IMF_DWAA_COMPRESSION, 0, 0);
-    try_memory(scratch("imf.exr"), NULL, 3);
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_RGBA, IMF_PIZ_COMPRESSION, 0, 0);
-    try_memory(scratch("imf.exr"), NULL, 3);
-}
-
 /* ---- writing ---- */
 
 static enum { AS_EVER, IN_PIECES, NOTHING } disk; /* how much of what is asked for is written */
@@ -1139,28 +1122,6 @@ static void a_full_disk_stops_all_threads(void **state)
     use_threads(before);
 }
 
-/* Which allocation is the k-th depends on the threads; that one is refused does not. Twelve channels, because Core
- * allocates for more than five. */
-static void any_allocation_of_any_thread_may_fail(void **state)
-{
-    const int before = use_threads(1);
-    bis_channel channels[MOST_CHANNELS];
-    const bis_picture picture = noisy_picture(channels, MOST_CHANNELS, MOST_ROWS);
-    for (int threads = 1; threads <= 8; threads++) {
-        long n_refused = 0;
-        use_threads(threads);
-        FOR_LACK(l) {
-            bis_diag diag = {0};
-            LACK(l, bis_image_write(scratch("memory.exr"), &picture, &diag));
-            assert_int_equal(diag.n_errors, l.status != BIS_OK);
-            n_refused += l.status != BIS_OK;
-            bis_diag_clear(&diag);
-        }
-        assert_true(n_refused >= 4 + 3); /* the file, and what one thread compresses with */
-    }
-    use_threads(before);
-}
-
 static void a_layer_that_we_wrote_is_what_we_read(void **state)
 {
     float plane[6] = {1, 2, 3, 4, 5, 6};
@@ -1253,13 +1214,11 @@ int main(void)
         cmocka_unit_test(dwa_in_a_layer_is_refused),
         cmocka_unit_test(no_damage_leads_out_of_the_file),
         cmocka_unit_test(no_damage_to_compressed_data_leads_out_of_the_file),
-        cmocka_unit_test(any_allocation_may_fail_whatever_the_compression),
         cmocka_unit_test(channels_windows_and_attributes_are_all_in_the_file),
         cmocka_unit_test(a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was),
         cmocka_unit_test(any_number_of_threads_writes_the_same_file),
         cmocka_unit_test(a_slow_disk_gets_every_byte),
         cmocka_unit_test(a_full_disk_stops_all_threads),
-        cmocka_unit_test(any_allocation_of_any_thread_may_fail),
         cmocka_unit_test(a_layer_that_we_wrote_is_what_we_read),
         cmocka_unit_test(an_attribute_that_openexr_reserves_is_refused),
 #if OPENEXR_VERSION_MAJOR == 3 && OPENEXR_VERSION_MINOR == 1

@@ -8,7 +8,6 @@
 #include "bis/thesis/phong.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -862,24 +861,6 @@ static void a_plan_lists_what_is_missing_each_once(void **state)
         BIS_INPUT);
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    FOR_LACK(l) {
-        bis_scene_desc *d;
-        LACK(l, parse(&d,
-            "WorldBegin ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ObjectInstance \"o\" "
-            "Texture \"t\" \"float\" \"constant\" Material \"uber\" \"texture opacity\" \"t\" "
-            "Material \"diffuse\" Material \"diffuse\" Material \"diffuse\" Material \"diffuse\" "
-            "Shape \"plymesh\" \"string filename\" \"no.ply\" Material \"mix\" \"string materials\" "
-            "[\"red\" \"gloss\"] AreaLightSource \"x\" Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 "
-            "0] " RED GLOSS,
-            BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL));
-        assert_int_equal(l.status == BIS_OK, l.over); /* no missing file is passed over */
-        bis_scene_desc_free(d);
-    }
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 static const struct { const char *material; float Kd[3], Ks[3]; double alpha; /* 0: Phong's */ } originals[] = {
     {"\"dielectric\"", {0, 0, 0}, {.04f, .04f, .04f}, .01},
     {"\"dielectric\" \"float index\" 2", {0, 0, 0}, {1 / 9.f, 1 / 9.f, 1 / 9.f}, .01},
@@ -1103,7 +1084,6 @@ int main(void)
         cmocka_unit_test(what_is_unknown_to_pbrt_too_stays_an_error),
         cmocka_unit_test(an_import_is_read_as_an_include),
         cmocka_unit_test(a_plan_lists_what_is_missing_each_once),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -1185,30 +1185,6 @@ static void a_file_that_may_not_be_read_is_no_missing_one(void **state)
     bis_diag_clear(&diag);
 }
 
-static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
-{
-    static const char *const scenes[] = {"tests/data/scenes/pbrt-v3.txt", "tests/data/scenes/pbrt-v4.txt",
-                                         BAD "syntax-several-errors.txt"};
-    for (size_t i = 0; i < BIS_COUNT(scenes); i++) {
-        bool ended = false;
-        for (long k = 1; !ended; k++) {
-            bis_scene_desc *d;
-            bis_diag diag = {0};
-            bis_mem_fail_at(k);
-            bis_status status = bis_scene_parse(&d, scenes[i], &diag);
-            ended = bis_mem_count() < k;
-            bis_mem_fail_at(0);
-            /* a message lost for lack of memory is no failure of the parse */
-            assert_true((d == NULL) == (status != BIS_OK));
-            if (status) assert_true(diag.n_errors > 0);
-            if (i < 2) assert_int_equal(diag.n_errors, status != BIS_OK); /* what comes after it is not looked at */
-            bis_scene_desc_free(d);
-            bis_diag_clear(&diag);
-            assert_true(k < 10000);
-        }
-    }
-}
-
 static void a_german_locale_changes_no_number(void **state)
 {
     if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "de_DE.utf8")) {
@@ -1561,7 +1537,6 @@ int main(void)
         cmocka_unit_test(another_integrator_brings_its_defaults_and_the_scenes_own_keeps_its_settings),
         cmocka_unit_test(a_file_in_a_file_is_missing_and_a_name_too_long_is_not),
         cmocka_unit_test(a_file_that_may_not_be_read_is_no_missing_one),
-        cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
         cmocka_unit_test(damaged_scenes_are_survived),
         cmocka_unit_test(a_scene_is_read_to_its_fiftieth_error),

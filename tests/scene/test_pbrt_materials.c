@@ -9,7 +9,6 @@
 
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -559,27 +558,6 @@ static void a_textured_coat_is_the_coat_of_each_colour(void **state)
     clear(&p);
 }
 
-static void when_the_kth_allocation_fails_colours_fail_cleanly(void **state)
-{
-    static const char text[] = "WorldBegin LightSource \"infinite\" Texture \"k\" \"spectrum\" \"checkerboard\" "
-                               "Material \"plastic\" \"texture Kd\" \"k\" \"texture Ks\" \"k\"\n"
-                               "Material \"conductor\" \"spectrum eta\" \"grey.spd\" \"spectrum k\" [400 1 500 2] "
-                               "\"float roughness\" 0.1 Shape \"sphere\"\n";
-    char scene[1024];
-    store(scratch("grey.spd"), "300 1 900 2", 11);
-    strcpy(scene, text);
-    char *at = strstr(scene, "grey.spd");
-    snprintf(at, sizeof scene - (size_t)(at - scene), "%s%s", strrchr(scratch("grey.spd"), '/') + 1,
-        strstr(text, "grey.spd") + 8);
-    store(scratch("scene.txt"), scene, strlen(scene));
-    FOR_LACK(l) {
-        parsed p = {0};
-        LACK(l, bis_scene_parse(&p.desc, scratch("scene.txt"), &p.diag));
-        assert_int_equal(l.status == BIS_OK, l.over);
-        clear(&p);
-    }
-}
-
 /* A texture that is made of constants is one: what it is follows by hand from the shares and factors. */
 static void textures_of_constants_are_their_values(void **state)
 {
@@ -1042,7 +1020,6 @@ int main(void)
         cmocka_unit_test(a_textured_material_has_a_typical_value_and_counts_its_steps),
         cmocka_unit_test(names_of_textures_are_those_of_their_kind),
         cmocka_unit_test(words_about_filtering_are_ignored),
-        cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
         cmocka_unit_test(textures_of_constants_are_their_values),
         cmocka_unit_test(a_normal_map_is_linear),
         cmocka_unit_test(an_image_has_the_gamma_that_is_said),

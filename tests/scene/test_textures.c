@@ -9,7 +9,6 @@
 
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 #include "program.h"
 #include "scene_help.h"
 #include "tools/verify/verify.h"
@@ -978,30 +977,6 @@ static void textures_of_textures_have_a_limit(void **state)
     free(text);
 }
 
-static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **state)
-{
-    char text[2048];
-    const unsigned char grey[4] = {188, 255, 0, 99};
-    const char *png = store_png(scratch("grey.png"), 2, 2, PNG_FORMAT_GRAY, grey);
-    const char *obj =
-        store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/2\nf 1/2 3/1 4/1\n");
-    snprintf(text, sizeof text,
-        LIGHT TRIANGLE "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\nTexture \"c\" \"spectrum\" "
-                       "\"scale\" \"texture tex\" \"t\"\n"
-                       "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE
-                       "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"\n" OBJ_SHAPE("o.obj")
-                           MATERIALS,
-        png, obj);
-    write_obj();
-    FOR_LACK(l) {
-        built b;
-        LACK(l, scene_try(&b, text));
-        assert_true((l.status == BIS_OK) == l.over && (b.scene != NULL) == l.over);
-        assert_int_equal(b.diag.n_errors, !l.over); /* what comes after it would be wrong by it alone */
-        scene_clear(&b);
-    }
-}
-
 static void materials_with_other_textures_have_other_numbers(void **state)
 {
     built b = scene_build(
@@ -1696,7 +1671,6 @@ int main(void)
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),
         cmocka_unit_test(what_is_no_texture_is_refused),
         cmocka_unit_test(textures_of_textures_have_a_limit),
-        cmocka_unit_test(when_the_kth_allocation_fails_a_textured_scene_fails_cleanly),
         cmocka_unit_test(materials_with_other_textures_have_other_numbers),
         cmocka_unit_test(in_a_furnace_the_mean_of_the_picture_is_that_of_the_image),
         cmocka_unit_test(a_textured_scene_is_the_scene_cut_into_its_colours),

@@ -2,7 +2,6 @@
 /* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at
  * their worst. A difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
 #include "claim.h"
-#include "lack.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -1024,55 +1023,6 @@ static void without_embree_the_message_names_the_way_out(void **state)
     bis_geometry_clear(&g);
 }
 
-static void any_allocation_may_fail(void **state)
-{
-    bis_geometry g = {0};
-    bis_mesh m = soup_mesh(2000, 1, 12);
-    m.p[2] = m.p[1]; /* no area: Embree then needs an index buffer of our own */
-    add_mesh(&g, &m, NULL, 0);
-    for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
-        FOR_LACK(l) {
-            bis_accel *a;
-            bis_diag diag = {0};
-            LACK(l, bis_accel_new(
-                &a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, &diag));
-            assert_true((l.status == BIS_OK) == l.over && (a != NULL) == l.over);
-            assert_int_equal(diag.n_errors, l.over ? 0 : 1);
-            if (kind && !l.over)
-                assert_string_equal(diag.messages[0].text, l.k == 1 ? "error: no memory for Embree's hierarchy"
-                                                                    : "error: no memory for 2000 triangles");
-            bis_accel_free(a);
-            bis_diag_clear(&diag);
-        }
-    }
-    bis_geometry_clear(&g);
-}
-
-/* Without memory the message names the cells, or the triangles where the grid was to be packed. */
-static void a_grid_without_memory_says_for_what(void **state)
-{
-    static const char *const says[] = {
-        "error: no memory for a grid", "error: no memory for a grid of 4 x 8 x 16 cells; a smaller density needs less",
-        "error: no memory for the triangles of a grid; a smaller density needs less"};
-    static const int of[] = {0, 1, 1, 1, 2, 2}; /* itself; offsets, a bit a cell, items; blocks and their reach */
-    bis_geometry g = {0};
-    bis_mesh m = new_mesh(3, 1);
-    for (uint32_t k = 0; k < 3; k++) m.index[k] = k;
-    m.p[1] = (vec3){2, 4, 8};
-    m.p[2].x = 2;
-    add_mesh(&g, &m, NULL, 0);
-    FOR_LACK(l) {
-        bis_accel *a;
-        bis_diag diag = {0};
-        LACK(l, bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 512, 1, NULL}, &diag));
-        if (l.over) assert_int_equal(l.k, 7);
-        else assert_string_equal(diag.messages[0].text, says[of[l.k - 1]]);
-        bis_accel_free(a);
-        bis_diag_clear(&diag);
-    }
-    bis_geometry_clear(&g);
-}
-
 /* With a triangle of no area Embree gets a copy of all indices: 12 bytes a triangle. What Embree itself holds differs
  * by one triangle of 4000. */
 static void the_copy_of_the_indices_counts_as_memory(void **state)
@@ -1167,8 +1117,6 @@ int main(void)
         cmocka_unit_test(what_lies_at_the_end_of_a_ray_is_not_on_it),
         cmocka_unit_test(an_empty_scene_is_never_hit),
         cmocka_unit_test(without_embree_the_message_names_the_way_out),
-        cmocka_unit_test(any_allocation_may_fail),
-        cmocka_unit_test(a_grid_without_memory_says_for_what),
         cmocka_unit_test(the_copy_of_the_indices_counts_as_memory),
         cmocka_unit_test(the_box_of_a_point_or_of_a_plane_has_a_thickness),
     };

@@ -80,30 +80,6 @@ static void a_mesh_of_points_alone_is_there(void **state)
     bis_geometry_clear(&g);
 }
 
-/* What was got for a mesh that then lacked memory goes when the next one is moved. */
-static void a_mesh_is_moved_to_where_another_one_failed(void **state)
-{
-    const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
-    FOR_LACK(l) {
-        bis_mesh a = sphere_mesh(3), b = sphere_mesh(4);
-        bis_geometry g = {0};
-        const uint32_t *index = b.index;
-        const long live = bis_mem_live();
-        a.n = bis_alloc(a.n_vertices, sizeof *a.n);
-        a.uv = bis_alloc(a.n_vertices, sizeof *a.uv);
-        LACK(l, bis_geometry_add_mesh(&g, &a, &move, 1, NULL));
-        assert_int_equal(g.n_vertices, l.over ? a.n_vertices : 0);
-        bis_mesh_clear(&a);
-        if (!l.over) {
-            assert_int_equal(bis_geometry_add_mesh(&g, &b, &identity, 1, NULL), BIS_OK);
-            assert_true(g.index == index && !g.n && !g.uv && g.box.hi.x == 1);
-            assert_int_equal(bis_mem_live(), live - 1); /* a's two arrays less, a range more */
-        }
-        bis_mesh_clear(&b);
-        bis_geometry_clear(&g);
-    }
-}
-
 static void a_material_is_found_by_its_range(void **state)
 {
     bis_geometry g = {0};
@@ -221,37 +197,6 @@ static void parts_are_sorted_and_taken_with_their_vertices(void **state)
     assert_int_equal(bis_mem_live(), 0);
 }
 
-/* Without memory to sort, or for a part, the mesh is as it was, and the next try succeeds. */
-static void parts_without_memory_are_tried_again(void **state)
-{
-    bis_mesh m = new_mesh(4, 2);
-    bis_mesh_parts parts;
-    bis_diag diag = {0};
-    m.part = bis_alloc(2, sizeof *m.part);
-    m.n = bis_alloc(4, sizeof *m.n);
-    m.uv = bis_alloc(4, sizeof *m.uv);
-    m.part[0] = 1;
-    for (uint32_t i = 0; i < 6; i++) m.index[i] = i < 3 ? i : i - 2;
-    FOR_LACK(l) {
-        LACK(l, bis_mesh_sort_parts(&parts, &m, 2, &diag));
-        if (l.over) assert_int_equal(l.k, 4);
-        else assert_true(m.part && !parts.first && !parts.number);
-    }
-    FOR_LACK(l) {
-        bis_mesh out;
-        LACK(l, bis_mesh_take_part(&out, &m, &parts, 1, &diag));
-        if (l.over) assert_true(l.k == 5 && out.n_vertices == 3 && out.index[2] == 2);
-        else assert_true(!out.p && !out.index && out.n_triangles == 0);
-        bis_mesh_clear(&out);
-    }
-    assert_int_equal(diag.n, 3 + 4);
-    assert_string_equal(diag.messages[2].text, "error: no memory to sort 2 triangles");
-    assert_string_equal(diag.messages[3].text, "error: no memory for a part of 1 triangles");
-    bis_mesh_parts_clear(&parts);
-    bis_mesh_clear(&m);
-    bis_diag_clear(&diag);
-}
-
 /* A mesh that only says so: it is refused before anything of it is read. */
 static void more_than_an_index_can_count_is_refused(void **state)
 {
@@ -301,61 +246,6 @@ static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
     g.n_triangles = 0;
     bis_geometry_clear(&g);
     bis_diag_clear(&diag);
-}
-
-/* Of the second mesh's normals; of a range and a vertex more for the first, which is moved; of each array of both, and
- * of a quadric. */
-static void any_allocation_may_fail(void **state)
-{
-    static const char *const says[] = {
-        "the normals of 14 vertices", "the normals of 14 vertices", "ranges of materials: 1 in all",
-        "vertices: 26 in all", "ranges of materials: 2 in all", "vertices: 40 in all", "vertex normals: 40 in all",
-        "texture coordinates: 40 in all", "triangles: 72 in all", "spheres and disks: 1 in all"};
-    FOR_LACK(l) {
-        const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
-        const bis_quadric q = {BIS_SPHERE, 1, 0, move, 0};
-        bis_mesh a = sphere_mesh(4), b = sphere_mesh(3);
-        bis_geometry g = {0};
-        bis_diag diag = {0};
-        char text[100];
-        b.uv = bis_alloc(b.n_vertices, sizeof *b.uv);
-        LACK(l, bis_mesh_smooth_normals(&b, &diag)
-                    ?: bis_geometry_add_mesh(&g, &a, &identity, 1, &diag)
-                    ?: bis_geometry_add_mesh(&g, &b, &move, 2, &diag)
-                    ?: bis_geometry_add_quadric(&g, &q, &diag));
-        assert_int_equal(l.status == BIS_OK, l.over);
-        assert_int_equal(diag.n_errors, l.over ? 0 : 1);
-        assert_int_equal(l.over, l.k > (long)(sizeof says / sizeof *says));
-        if (!l.over) {
-            snprintf(text, sizeof text, "error: no memory for %s", says[l.k - 1]);
-            assert_string_equal(diag.messages[0].text, text);
-        }
-        bis_mesh_clear(&a);
-        bis_mesh_clear(&b);
-        bis_geometry_clear(&g);
-        bis_diag_clear(&diag);
-    }
-}
-
-/* Places for quadrics are asked for at the first, second and third; the message counts the one that has none. */
-static void quadrics_without_memory_are_counted(void **state)
-{
-    static const char *const says[] = {"no memory for spheres and disks: 1 in all",
-                                       "no memory for spheres and disks: 2 in all",
-                                       "no memory for spheres and disks: 3 in all"};
-    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(1, 0, 0), 0};
-    bis_geometry g = {0};
-    for (size_t n = 0; n < 3; n++) {
-        bis_diag diag = {0};
-        bis_mem_fail_at(1);
-        assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_NOMEM);
-        bis_mem_fail_at(0);
-        assert_true(g.n_quadrics == n && diag.n == 1);
-        assert_non_null(strstr(diag.messages[0].text, says[n]));
-        bis_diag_clear(&diag);
-        assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_OK);
-    }
-    bis_geometry_clear(&g);
 }
 
 /* ---- quadrics ---- */
@@ -1366,16 +1256,12 @@ int main(void)
         cmocka_unit_test(what_a_mesh_lacks_is_filled_in),
         cmocka_unit_test(the_first_mesh_is_moved_and_further_ones_are_copied),
         cmocka_unit_test(a_mesh_of_points_alone_is_there),
-        cmocka_unit_test(a_mesh_is_moved_to_where_another_one_failed),
         cmocka_unit_test(a_material_is_found_by_its_range),
         cmocka_unit_test(normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order),
         cmocka_unit_test(smooth_normals_are_weighted_by_angle_not_by_triangles),
         cmocka_unit_test(parts_are_sorted_and_taken_with_their_vertices),
-        cmocka_unit_test(parts_without_memory_are_tried_again),
         cmocka_unit_test(more_than_an_index_can_count_is_refused),
         cmocka_unit_test(what_does_not_fit_into_a_float_or_an_index_is_refused),
-        cmocka_unit_test(any_allocation_may_fail),
-        cmocka_unit_test(quadrics_without_memory_are_counted),
         cmocka_unit_test(a_quadrics_box_holds_it_and_is_tight),
         cmocka_unit_test(a_quadric_is_met_where_its_implicit_function_first_changes_sign),
         cmocka_unit_test(a_quadrics_point_is_where_the_ray_was_aimed),
