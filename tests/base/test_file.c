@@ -157,28 +157,6 @@ static void a_read_that_fails_is_no_end_of_the_file(void **state)
                    "/proc/self/mem: error: cannot read \"/proc/self/mem\": Input/output error");
 }
 
-static void reading_without_memory_says_so_and_leaks_nothing(void **state)
-{
-    char bytes[10000] = "x";
-    unsigned char *data;
-    size_t size;
-    write_file(DIR_NAME "/nomem", bytes, sizeof bytes);
-    long k = 0;
-    bis_status status;
-    do {
-        bis_mem_fail_at(++k);
-        status = bis_file_read(&data, &size, DIR_NAME "/nomem", (bis_loc){0}, NULL);
-        if (status) {
-            assert_int_equal(status, BIS_NOMEM);
-            assert_null(data);
-        }
-    } while (status);
-    bis_mem_fail_at(0);
-    assert_int_equal(k, 2);
-    bis_free(data);
-    unlink(DIR_NAME "/nomem");
-}
-
 /* ---- out ---- */
 
 static void commit_puts_the_new_file_in_the_place_of_the_old_one(void **state)
@@ -634,26 +612,6 @@ static void a_folder_in_the_place_of_the_name_beside_is_an_error(void **state)
     rmdir(left);
 }
 
-static void opening_without_memory_says_so_and_leaves_no_file(void **state)
-{
-    bis_outfile *f;
-    bis_status status;
-    size_t n = files_in_folder();
-    long k = 0;
-    do {
-        bis_mem_fail_at(++k);
-        status = bis_outfile_open(&f, DIR_NAME "/k", NULL);
-        if (status) {
-            assert_int_equal(status, BIS_NOMEM);
-            assert_int_equal(files_in_folder(), n);
-        }
-    } while (status);
-    bis_mem_fail_at(0);
-    assert_int_equal(k, 4);
-    bis_outfile_abort(f);
-    assert_int_equal(files_in_folder(), n);
-}
-
 /* All of it once more, as where files have a name from the beginning. */
 static void the_same_holds_where_no_file_can_be_unnamed(void **state)
 {
@@ -667,7 +625,6 @@ static void the_same_holds_where_no_file_can_be_unnamed(void **state)
         through_a_dangling_link_its_target_is_made,
         a_ring_of_links_and_a_long_name_are_refused,
         an_older_file_keeps_its_mode,
-        opening_without_memory_says_so_and_leaves_no_file,
     };
     assert_int_equal(make_folder(state), 0);
     bis_outfile_name_at_once(true);
@@ -825,7 +782,6 @@ int main(void)
         cmocka_unit_test(an_open_pipe_is_read_to_its_end),
         cmocka_unit_test(a_missing_file_is_reported_where_it_was_named),
         cmocka_unit_test(a_read_that_fails_is_no_end_of_the_file),
-        cmocka_unit_test(reading_without_memory_says_so_and_leaks_nothing),
         cmocka_unit_test(commit_puts_the_new_file_in_the_place_of_the_old_one),
         cmocka_unit_test(a_new_file_has_the_mode_that_the_umask_leaves),
         cmocka_unit_test(abort_leaves_the_old_file_and_nothing_else),
@@ -844,7 +800,6 @@ int main(void)
         cmocka_unit_test(a_link_that_fails_is_an_error_which_says_why),
         cmocka_unit_test(many_writers_leave_one_whole_file),
         cmocka_unit_test(a_folder_in_the_place_of_the_name_beside_is_an_error),
-        cmocka_unit_test(opening_without_memory_says_so_and_leaves_no_file),
         cmocka_unit_test(the_same_holds_where_no_file_can_be_unnamed),
         cmocka_unit_test(a_name_is_relative_to_the_file_that_uses_it),
         cmocka_unit_test(an_extension_is_what_follows_the_last_dot_of_the_name),

@@ -4,7 +4,6 @@
 #include "base/names.h"
 #include "bis/base/mem.h"
 #include "claim.h"
-#include "lack.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -83,37 +82,6 @@ static void the_nearest_of_the_first_thousand_is_found(void **state)
     bis_names_clear(&t);
 }
 
-static bis_status set_all(bis_names *t)
-{
-    for (uint32_t i = 0; i < 20; i++) {
-        char name[8];
-        snprintf(name, sizeof name, "%u", (unsigned)i);
-        const size_t n = t->n;
-        if (!bis_names_set(t, name, i)) {
-            assert_int_equal(t->n, n);
-            assert_false(bis_names_find(t, name, NULL));
-            return BIS_NOMEM;
-        }
-    }
-    return BIS_OK;
-}
-
-static void without_memory_a_name_is_not_there_and_the_others_are(void **state)
-{
-    FOR_LACK(l) {
-        bis_names t = {0};
-        LACK(l, set_all(&t));
-        for (uint32_t i = 0; i < t.n; i++) {
-            char name[8];
-            uint32_t value;
-            snprintf(name, sizeof name, "%u", (unsigned)i);
-            assert_true(bis_names_find(&t, name, &value) && value == i);
-        }
-        bis_names_clear(&t);
-    }
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 /* Room for at least eight, else for twice as many as before or for what is needed, if that is more. */
 static void room_doubles(void **state)
 {
@@ -142,7 +110,6 @@ int main(void)
         cmocka_unit_test(thousands_of_names_have_their_values),
         cmocka_unit_test(the_table_is_at_most_half_full),
         cmocka_unit_test(the_nearest_of_the_first_thousand_is_found),
-        cmocka_unit_test(without_memory_a_name_is_not_there_and_the_others_are),
         cmocka_unit_test(room_doubles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

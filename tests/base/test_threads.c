@@ -46,16 +46,6 @@ static void as_many_as_are_asked_for(void **state)
     assert_int_equal(bis_mem_live(), 0);
 }
 
-static void no_memory_is_an_error(void **state)
-{
-    bis_diag diag = {0};
-    bis_mem_fail_at(1);
-    assert_int_equal(bis_threads_check(3, at, &diag), BIS_NOMEM);
-    bis_mem_fail_at(0);
-    assert_string_equal(diag.messages[0].text, "scene.txt: error: no memory for 3 threads");
-    bis_diag_clear(&diag);
-}
-
 /* In a child that has room for some 30 stacks of 8 MB: 0, or the step that went wrong. */
 static int in_little_room(void)
 {
@@ -107,7 +97,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(as_many_as_are_asked_for),
-        cmocka_unit_test(no_memory_is_an_error),
         cmocka_unit_test(too_many_are_an_error_and_the_program_goes_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,7 +8,6 @@
 #include "files/ply.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -174,22 +173,6 @@ static void a_large_file_may_be_larger_than_the_free_part(void **state)
     free(noise);
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    bytes file = {0};
-    put_member(&file, hdr, sizeof hdr - 1);
-    store(scratch("memory.gz"), file.data, file.n);
-    FOR_LACK(l) {
-        unsigned char *data;
-        size_t size;
-        LACK(l, bis_gzip_read(&data, &size, scratch("memory.gz"), (bis_loc){0}, NULL));
-        assert_true(!l.status == (data != NULL));
-        bis_free(data);
-    }
-    assert_int_equal(bis_mem_live(), 0);
-    bytes_clear(&file);
-}
-
 /* As many bytes as are asked for, or as there are; of a missing file none. */
 static void a_head_is_as_long_as_it_can_be(void **state)
 {
@@ -233,7 +216,6 @@ int main(void)
         cmocka_unit_test(a_head_is_as_long_as_it_can_be),
         cmocka_unit_test(a_file_made_to_fill_the_memory_is_refused_by_a_limit),
         cmocka_unit_test(a_large_file_may_be_larger_than_the_free_part),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

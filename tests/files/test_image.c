@@ -6,7 +6,6 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
-#include "lack.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -196,37 +195,6 @@ static void a_full_disk_leaves_the_older_file_and_nothing_else(void **state)
     bis_image_clear(&image);
 }
 
-static void any_allocation_may_fail_while_reading(void **state)
-{
-    bis_image image = noise(40, 40);
-    for (int i = 0; i < N_READABLE; i++) {
-        assert_int_equal(bis_image_save(&image, scratch(endings[i]), NULL), BIS_OK);
-        try_memory(scratch(endings[i]), &image, 2); /* the file, the pixels */
-    }
-    bis_image_clear(&image);
-}
-
-static void any_allocation_may_fail_while_writing(void **state)
-{
-    bis_image image = noise(40, 40);
-    for (int i = 0; i < N_ENDINGS; i++) {
-        long n_failed = 0;
-        FOR_LACK(l) {
-            bis_diag diag = {0};
-            store(scratch(endings[i]), "older", 5);
-            int n_files = scratch_count();
-            LACK(l, bis_image_save(&image, scratch(endings[i]), &diag));
-            n_failed += l.status != BIS_OK;
-            assert_int_equal(l.status != BIS_OK, diag.n_errors > 0);
-            assert_int_equal(l.status != BIS_OK, holds(scratch(endings[i]), "older", 5));
-            assert_int_equal(scratch_count(), n_files);
-            bis_diag_clear(&diag);
-        }
-        assert_true(n_failed >= 1);
-    }
-    bis_image_clear(&image);
-}
-
 static void the_same_picture_gives_the_same_bytes(void **state)
 {
     bis_image image = noise(100, 50);
@@ -253,8 +221,6 @@ int main(void)
         cmocka_unit_test(a_bad_image_is_reported_at_the_line_that_named_it),
         cmocka_unit_test(a_folder_that_is_not_there_is_an_io_error),
         cmocka_unit_test(a_full_disk_leaves_the_older_file_and_nothing_else),
-        cmocka_unit_test(any_allocation_may_fail_while_reading),
-        cmocka_unit_test(any_allocation_may_fail_while_writing),
         cmocka_unit_test(the_same_picture_gives_the_same_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

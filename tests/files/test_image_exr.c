@@ -7,7 +7,6 @@
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 #include "threads.h"
 
 #include <ImfCRgbaFile.h>
@@ -22,7 +21,6 @@
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
-#include <zlib.h>
 
 enum { UINT, HALF, FLOAT };
 
@@ -281,30 +279,6 @@ static void half_float_and_uint_are_read_among_channels_that_nobody_wants(void *
     }
 }
 
-/* Rec. 709 to three digits is what is assumed; a third digit that is off, in any place, is acted and remarked upon. */
-static void other_colours_are_remarked(void **state)
-{
-    for (int k = -2; k < 8; k++) {
-        float c[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.313f, 0.3291f};
-        if (k >= 0 && k < 8) c[k] += 0.001f;
-        const part_spec part = {.channels = "B G R", .width = 3, .height = 2,
-                                .chromaticities = k == -2 ? NULL : c};
-        const char *const expected =
-            k >= 0 ? "its colours are converted from its own primaries to those of Rec. 709" : NULL;
-        bytes file = {0};
-        bis_image image;
-        bis_diag diag = {0};
-        put_file(&file, &part, 1);
-        store(scratch("remark.exr"), file.data, file.n);
-        assert_int_equal(bis_image_read(&image, scratch("remark.exr"), (bis_loc){0}, &diag), BIS_OK);
-        assert_int_equal(diag.n, expected ? 1 : 0);
-        if (expected) assert_non_null(strstr(diag.messages[0].text, expected));
-        bis_image_clear(&image);
-        bis_diag_clear(&diag);
-        bytes_clear(&file);
-    }
-}
-
 /* A pixel of the given values, of a file with these chromaticities; diag is the caller's. */
 static rgb one_pixel(const float c[8], rgb value, bis_diag *diag)
 {
@@ -459,21 +433,6 @@ static void tiles_of_any_side_fill_the_map(void **state)
     }
 }
 
-/* Larger than any map. */
-static void too_large_tiles_are_refused(void **state)
-{
-    for (int more = 0; more < 2; more++) {
-        const part_spec part = {.channels = "B G R", .width = 8, .height = 5, .tile = BIS_IMAGE_MAX_SIDE + more};
-        bytes file = {0};
-        bis_image image;
-        put_file(&file, &part, 1);
-        store(scratch("tiles.exr"), file.data, file.n);
-        assert_int_equal(bis_image_read(&image, scratch("tiles.exr"), (bis_loc){0}, NULL), more ? BIS_INPUT : BIS_OK);
-        bis_image_clear(&image);
-        bytes_clear(&file);
-    }
-}
-
 #define LAYER(name) "it has no R, G, B at the top; layer \"" name "\" is read"
 #define WHICH(layers) "it has no R, G, B without a layer, and which of its layers " layers " is the picture is not " \
     "known: name it Combined, beauty, rgba or C, or save it as R, G, B"
@@ -493,40 +452,29 @@ static const struct {
     {{{"B G R", .width = 1, .height = 1}}, 1, 0, {2, 1, 0}, NULL},
     /* luminance alone is grey */
     {ONE("A Y:f right.Y"), 0, {1, 1, 1}, NULL},
-    /* chroma is RY and BY together: one of them alone is another channel of some name */
     /* luminance with half a chroma is grey */
     {ONE("BY Y:f"), 0, {1, 1, 1}, NULL},
     {ONE("RY Y:f"), 0, {1, 1, 1}, NULL},
     /* of several layers, none is guessed */
-    {ONE("A diffuse.B diffuse.G:f diffuse.R specular.B specular.G specular.R"), -1, {0},
-     WHICH("\"diffuse\", \"specular\"")},
     {ONE("a.Y view.pass.B view.pass.G view.pass.R"), -1, {0}, WHICH("\"a\", \"view.pass\"")},
     /* a layer of luminance is grey */
     {ONE("a.Y"), 0, {0, 0, 0}, LAYER("a")},
-    /* colour at the top wins over luminance and layers */
-    {ONE("B G R Y a.B a.G a.R"), 0,
-     {2, 1, 0}, NULL},
-    /* two of three colours are none, at the top as in a layer */
+    /* colour at the top wins over luminance and layers; two of three colours are none */
+    {ONE("B G R Y a.B a.G a.R"), 0, {2, 1, 0}, NULL},
     {ONE("B G Y:f"), 0, {2, 2, 2}, NULL},
     {ONE("B R Y"), 0, {2, 2, 2}, NULL},
     {ONE("G R Y:u"), 0, {2, 2, 2}, NULL},
-    {ONE("a.B a.G a.Y"), 0, {2, 2, 2}, LAYER("a")},
     {ONE("a.B a.R b.B b.G b.R"), -1, {0}, WHICH("\"b\"")},
-    /* a layer is found by its whole name, and a channel by the name behind it */
+    /* a layer is found by its whole name, and a channel by the name behind it; the Y of a vector is no luminance */
     {ONE("B GG R Ya b.Y"), 0, {4, 4, 4}, LAYER("b")},
-    /* the Y of a vector is no luminance */
     {ONE("N.X N.Y N.Z b.Y"), -1, {0}, WHICH("\"b\"")},
     /* a subsampled channel that nobody wants does no harm */
-    {ONE("B G H/2 R"), 0, {3, 1, 0},
-     NULL},
+    {ONE("B G H/2 R"), 0, {3, 1, 0}, NULL},
     /* the first part with colour is read */
     {{{"Z:f", .width = 9, .height = 2, LINES, .name = "depth"},
       {"B G R", .width = 5, .height = 4, .type = "tiledimage", .name = "colour", .tile = 3, .x0 = 2},
       {"B G R", .width = 3, .height = 3, LINES, .name = "other"}}, 3, 1, {2, 1, 0},
      "part 2 of 3 is read, the others are ignored"},
-    /* a file without colour is refused by its channels */
-    {ONE("R Z:f"), -1, {0},
-     NO_COLOUR("\"R\", \"Z\"")},
     /* a file without colour is refused by the channels of all its parts */
     {{{"a.B a.G b.R", .width = 4, .height = 3, LINES, .name = "one"},
       {"R", .width = 4, .height = 3, LINES, .name = "two"}}, 2, -1, {0},
@@ -534,11 +482,6 @@ static const struct {
     /* deep data alone is refused */
     {{{"B G R", .width = 4, .height = 3, .type = "deepscanline", .name = "deep"}}, 1, -1,
      {0}, "it holds deep data alone (many samples a pixel); flatten it first"},
-    {{{"Z:f", .width = 4, .height = 3, LINES, .name = "depth"},
-      {"B G R", .width = 4, .height = 3, .type = "deepscanline", .name = "deep"}}, 2, -1, {0},
-     NO_COLOUR("\"Z\", \"B\", \"G\", \"R\"")},
-    {{{"B G R", .width = 4, .height = 3, .type = "deeptile", .name = "deep", .tile = 4}}, 1, -1, {0},
-     "it holds deep data alone (many samples a pixel); flatten it first"},
     /* what is not printable in a name is not printed, and of many names 199 bytes are */
     {ONE("\x1f Z~ \x7f"), -1, {0}, NO_COLOUR("\"?\", \"Z~\", \"?\"")},
     {ONE(MOST("a") " " MOST("b") " " MOST("c") " " MOST("d") " " MOST("e") " " MOST("f") " " MOST("g")), -1, {0},
@@ -546,20 +489,11 @@ static const struct {
                "\"fffffffffffffffffffffff")},
     /* subsampled colour is refused */
     {ONE("B-2 G R"), -1, {0}, "its channel B has a sampling of 2 x 1, must be 1 x 1"},
-    {ONE("B G R|2"), -1, {0}, "its channel R has a sampling of 1 x 2, must be 1 x 1"},
+    {ONE("B G|2 R"), -1, {0}, "its channel G has a sampling of 1 x 2, must be 1 x 1"},
+    {ONE("a.B a.G a.R/2"), -1, {0}, "its channel a.R has a sampling of 2 x 2, must be 1 x 1"},
     {ONE("Y/2"), -1, {0}, "its channel Y has a sampling of 2 x 2, must be 1 x 1"},
-    {ONE("a.B a.G/2 a.R"), -1, {0}, "its channel a.G has a sampling of 2 x 2, must be 1 x 1"},
-    {ONE("B G/2 R"), -1, {0},
-     "its channel G has a sampling of 2 x 2, must be 1 x 1"},
-    {ONE("B G-2 R"), -1, {0},
-     "its channel G has a sampling of 2 x 1, must be 1 x 1"},
-    {ONE("B G|2 R"), -1, {0},
-     "its channel G has a sampling of 1 x 2, must be 1 x 1"},
     /* what only the older interface reads must be at the top of the first part */
     {ONE("a.BY/2 a.RY/2 a.Y"), -1, {0}, NOT_AT_TOP("luminance with chroma")},
-    {{{"Z:f", .width = 4, .height = 2, LINES, .name = "depth"},
-      {"BY/2 RY/2 Y", .width = 4, .height = 2, LINES, .name = "colour"}}, 2, -1, {0},
-     NOT_AT_TOP("luminance with chroma")},
 };
 
 static void each_file_gives_the_channels_or_the_message_beside_it(void **state)
@@ -726,20 +660,6 @@ static void luminance_with_chroma_is_colour(void **state)
     }
 }
 
-/* The older interface reads these; what it says of a file that ends too early is passed on. */
-static void luminance_with_chroma_that_ends_too_early_is_refused(void **state)
-{
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, IMF_NO_COMPRESSION, 0, 0);
-    struct stat s;
-    assert_int_equal(stat(scratch("imf.exr"), &s), 0);
-    assert_int_equal(truncate(scratch("imf.exr"), s.st_size - 100), 0);
-    bis_image image;
-    bis_diag diag = {0};
-    assert_int_equal(bis_image_read(&image, scratch("imf.exr"), (bis_loc){0}, &diag), BIS_INPUT);
-    assert_true(diag.n_errors == 1 && strstr(diag.messages[diag.n - 1].text, "imf.exr"));
-    bis_diag_clear(&diag);
-}
-
 /* ---- bad files ---- */
 
 /* Where the value of an attribute begins: behind its name, its type (words hold both, with a zero behind each) and four
@@ -768,15 +688,11 @@ static void a_huge_window_in_a_short_file_is_refused_before_it_is_allocated(void
         int width, height;
         const char *message;
     } cases[] = {
-        {32768, 3, "32768 x 3 pixels cannot be in 433 bytes (the file is cut off or damaged)"},
         {25, 3, "25 x 3 pixels cannot be in 433 bytes (the file is cut off or damaged)"},
         {4, 54, "4 x 54 pixels cannot be in 433 bytes (the file is cut off or damaged)"},
         {4, 55, "its 55 chunks need a table of 8 bytes each, but the file has 433 bytes"},
-        {4, 32768, "its 32768 chunks need a table of 8 bytes each, but the file has 433 bytes"},
         {32769, 3, "its size is 32769 x 3, a side must be 1 to 32768 pixels"},
         {4, 32769, "its size is 4 x 32769, a side must be 1 to 32768 pixels"},
-        {4, 100000, "its size is 4 x 100000, a side must be 1 to 32768 pixels"},
-        {4, 2000000000, "Invalid data window (0, 0 - 3, 1999999999)"},
     };
     bytes file = {0};
     put_file(&file, &part, 1);
@@ -787,60 +703,25 @@ static void a_huge_window_in_a_short_file_is_refused_before_it_is_allocated(void
     bytes_clear(&file);
 }
 
-/* The most that a byte can stand for: itself; 128 of two bytes; 258 of two bits, and a third more where one byte of
- * four is left out; a run of 255 halves of 9 bits; 32 of three bytes; and runs of 128 of two bytes, which are coded in
- * two bits. */
-static void each_compression_is_believed_as_much_as_it_can_do(void **state)
+/* A black picture is the shortest: what each compression makes of one is believed. */
+static void a_black_picture_of_each_compression_is_believed(void **state)
 {
-    static const int most[10] = {1, 64, 1032, 1032, 454, 1376, 11, 11, 64 * 1032, 64 * 1032};
-    static const struct {
-        const char *channels;
-        int bits; /* of two pixels of two rows each */
-    } kinds[] = {{"A:f B G:u R", 8 * 4 * 12}, {"B G H-2 R", 8 * 4 * 7}, {"B G H:f|2 R", 8 * 4 * 8}};
-    for (int i = 0; i < 30; i++) {
-        const int compression = i / 3, bytes_of_4 = kinds[i % 3].bits / 8;
-        const part_spec part = {.channels = kinds[i % 3].channels, .width = 2, .height = 2};
-        bytes file = {0};
-        put_file(&file, &part, 1);
-        *value_in(&file, BYTES("compression\0compression\0")) = (unsigned char)compression;
-        /* the least number of bytes that cannot be there; columns in pairs, and as few rows as they need */
-        const long long beyond = (long long)(file.n + 1) * most[compression];
-        const int height = 2 * (int)(beyond * 4 / bytes_of_4 / (2 * 32766) + 1);
-        const int pairs = (int)((beyond + bytes_of_4 * (height / 2) - 1) / (bytes_of_4 * (height / 2)));
-        for (int more = -1; more <= 0; more++) {
-            char said[128];
-            bis_image image;
-            bis_diag diag = {0};
-            snprintf(said, sizeof said, "%d x %d pixels cannot be in", 2 * (pairs + more), height);
-            set_size(&file, 2 * (pairs + more), height);
-            store(scratch("ratio.exr"), file.data, file.n);
-            const bis_status status = bis_image_read(&image, scratch("ratio.exr"), (bis_loc){0}, &diag);
-            const bool is_refused = status == BIS_INPUT && strstr(diag.messages[0].text, said) != NULL;
-            if (is_refused != (more == 0))
-                fail_msg("%s, compression %d: %s", part.channels, compression, diag.n ? diag.messages[0].text : "");
-            bis_image_clear(&image);
-            bis_diag_clear(&diag);
-        }
-        bytes_clear(&file);
+    enum { WIDTH = 1024, HEIGHT = 512 };
+    static ImfRgba black[WIDTH * HEIGHT];
+    for (int compression = IMF_NO_COMPRESSION; compression <= IMF_DWAB_COMPRESSION; compression++) {
+        bis_image image;
+        ImfHeader *header = ImfNewHeader();
+        ImfHeaderSetDataWindow(header, 0, 0, WIDTH - 1, HEIGHT - 1);
+        ImfHeaderSetDisplayWindow(header, 0, 0, WIDTH - 1, HEIGHT - 1);
+        ImfHeaderSetCompression(header, compression);
+        ImfOutputFile *file = ImfOpenOutputFile(scratch("black.exr"), header, IMF_WRITE_RGB);
+        assert_true(ImfOutputSetFrameBuffer(file, black, 1, WIDTH) && ImfOutputWritePixels(file, HEIGHT));
+        assert_true(ImfCloseOutputFile(file));
+        ImfDeleteHeader(header);
+        expect_image(&image, scratch("black.exr"), NULL);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) assert_true(rgb_is_black(image.pixels[i]));
+        bis_image_clear(&image);
     }
-}
-
-/* What Core does not know and the older interface does, in a layer. A chunk of 24 bytes that is not shorter was not
- * compressed. */
-static void dwa_in_a_layer_is_refused(void **state)
-{
-    const part_spec part = {.channels = "a.B a.G a.R", .width = 4, .height = 1};
-    bytes file = {0};
-    put_file(&file, &part, 1);
-    *value_in(&file, BYTES("compression\0compression\0")) = EXR_COMPRESSION_DWAA;
-    file.n -= 4;
-    file.data[file.n - 24] = 20; /* of its length */
-#if OPENEXR_VERSION_MAJOR == 3 && OPENEXR_VERSION_MINOR == 1 && OPENEXR_VERSION_PATCH <= 5
-    expect_refusal_of(&file, "layer.exr", NOT_AT_TOP("DWA compression"));
-#else /* the library knows it, and that this is none */
-    expect_refusal_of(&file, "layer.exr", "Unable to decompress image data 20 -> 24");
-#endif
-    bytes_clear(&file);
 }
 
 static void no_damage_leads_out_of_the_file(void **state)
@@ -889,22 +770,6 @@ static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)
         }
         bytes_clear(&file);
     }
-}
-
-/* Three: the file, the context of the library, the pixels. */
-static void any_allocation_may_fail_whatever_the_compression(void **state)
-{
-    for (int kind = EXR_COMPRESSION_NONE; kind <= EXR_COMPRESSION_B44A; kind++)
-        for (int tiled = 0; tiled < 2; tiled++) {
-            encode_by_core(scratch("core.exr"), (exr_compression_t)kind, tiled);
-            try_memory(scratch("core.exr"), NULL, 3);
-        }
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, IMF_PIZ_COMPRESSION, 0, 0);
-    try_memory(scratch("imf.exr"), NULL, 3);
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_RGB, IMF_DWAA_COMPRESSION, 0, 0);
-    try_memory(scratch("imf.exr"), NULL, 3);
-    write_by_imf(scratch("imf.exr"), IMF_WRITE_RGBA, IMF_PIZ_COMPRESSION, 0, 0);
-    try_memory(scratch("imf.exr"), NULL, 3);
 }
 
 /* ---- writing ---- */
@@ -1013,7 +878,7 @@ static void channels_windows_and_attributes_are_all_in_the_file(void **state)
 }
 
 /* Values within a factor of e fill their bytes so well that ZIP saves about what it adds: of 300 such pictures a dozen
- * come out exactly as long as they were (with zlib 1.2.13). Twin: scripts/check/mutate.sh. */
+ * come out exactly as long as they were (with zlib 1.2.13). */
 static void a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was(void **state)
 {
     enum { WIDTH = 48, HEIGHT = 16, PICTURES = 300 };
@@ -1053,7 +918,7 @@ static bis_picture noisy_picture(bis_channel channels[MOST_CHANNELS], int n_chan
 /* A chunk is 16 rows: less than one, one, and several with an end of one, four and nine rows. */
 static void any_number_of_threads_writes_the_same_file(void **state)
 {
-    const int heights[] = {1, 16, 33, 73, MOST_ROWS}, threads[] = {1, 2, 3, 8}, before = use_threads(1);
+    const int heights[] = {1, 16, 73}, threads[] = {1, 2, 3, 8}, before = use_threads(1);
     for (int n_channels = 3; n_channels <= MOST_CHANNELS; n_channels++)
         for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
             bis_channel channels[MOST_CHANNELS];
@@ -1139,101 +1004,10 @@ static void a_full_disk_stops_all_threads(void **state)
     use_threads(before);
 }
 
-/* Which allocation is the k-th depends on the threads; that one is refused does not. Twelve channels, because Core
- * allocates for more than five. */
-static void any_allocation_of_any_thread_may_fail(void **state)
-{
-    const int before = use_threads(1);
-    bis_channel channels[MOST_CHANNELS];
-    const bis_picture picture = noisy_picture(channels, MOST_CHANNELS, MOST_ROWS);
-    for (int threads = 1; threads <= 8; threads++) {
-        long n_refused = 0;
-        use_threads(threads);
-        FOR_LACK(l) {
-            bis_diag diag = {0};
-            LACK(l, bis_image_write(scratch("memory.exr"), &picture, &diag));
-            assert_int_equal(diag.n_errors, l.status != BIS_OK);
-            n_refused += l.status != BIS_OK;
-            bis_diag_clear(&diag);
-        }
-        assert_true(n_refused >= 4 + 3); /* the file, and what one thread compresses with */
-    }
-    use_threads(before);
-}
-
-static void a_layer_that_we_wrote_is_what_we_read(void **state)
-{
-    float plane[6] = {1, 2, 3, 4, 5, 6};
-    const bis_channel channels[3] = {{"error.R", plane, 1}, {"error.G", plane, 1}, {"error.B", plane, 1}};
-    const bis_picture picture = {
-        .width = 3, .height = 2, .full_width = 3, .full_height = 2, .channels = channels, .n_channels = 3};
-    bis_image image;
-    assert_int_equal(bis_image_write(scratch("layer.exr"), &picture, NULL), BIS_OK);
-    expect_image(&image, scratch("layer.exr"), "it has no R, G, B at the top; layer \"error\" is read");
-    for (int i = 0; i < 6; i++)
-        assert_true(image.pixels[i].r == plane[i] && image.pixels[i].b == plane[i]);
-    bis_image_clear(&image);
-}
-
-/* Those that we know, and one that OpenEXR itself refuses. */
-static void an_attribute_that_openexr_reserves_is_refused(void **state)
-{
-    static const char *const names[] = {"name", "type", "version", "chunkCount", "tiles", "maxSamplesPerPixel",
-                                        "channels"};
-    for (int i = 0; i < 7; i++) {
-        const float pixel[3] = {1, 2, 3};
-        const bis_channel channels[3] = {{"R", pixel, 3}, {"G", pixel + 1, 3}, {"B", pixel + 2, 3}};
-        const bis_attribute attributes[2] = {{"spp", NULL, 4}, {names[i], i == 2 ? "1.0" : NULL, 1}};
-        const bis_picture picture = {.width = 1, .height = 1, .full_width = 1, .full_height = 1, .channels = channels,
-                                     .n_channels = 3, .attributes = attributes, .n_attributes = 2};
-        bis_diag diag = {0};
-        char expected[256];
-        assert_int_equal(bis_image_write(scratch("reserved.exr"), &picture, &diag), BIS_INPUT);
-        int n = snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": ", scratch("reserved.exr"),
-                         scratch("reserved.exr"));
-        if (i < 6)
-            snprintf(expected + n, sizeof expected - (size_t)n, "OpenEXR reserves the attribute \"%s\"; a prefix makes "
-                     "it ours (\"bis:%s\")", names[i], names[i]);
-        if (i < 6) assert_string_equal(diag.messages[0].text, expected);
-        else assert_true(diag.n == 1 && strncmp(diag.messages[0].text, expected, (size_t)n) == 0);
-        bis_diag_clear(&diag);
-    }
-}
-
-#if OPENEXR_VERSION_MAJOR == 3 && OPENEXR_VERSION_MINOR == 1 /* which compresses by zlib */
-/* What is in a chunk, compressed again, is the chunk: the level is 4. */
-static void chunks_are_compressed_at_level_4(void **state)
-{
-    bis_channel channels[MOST_CHANNELS];
-    const bis_picture picture = noisy_picture(channels, 5, MOST_ROWS);
-    exr_context_t file;
-    assert_int_equal(bis_image_write(scratch("level.exr"), &picture, NULL), BIS_OK);
-    assert_int_equal(exr_start_read(&file, scratch("level.exr"), NULL), 0);
-    for (int y = 0; y < MOST_ROWS; y += 16) {
-        static unsigned char packed[5 * 4 * ROW * 16], unpacked[sizeof packed], again[2 * sizeof packed];
-        exr_chunk_info_t chunk;
-        uLongf n = sizeof unpacked, n_again = sizeof again;
-        assert_int_equal(exr_read_scanline_chunk_info(file, 0, picture.y0 + y, &chunk), 0);
-        assert_true(chunk.packed_size < chunk.unpacked_size);
-        assert_int_equal(exr_read_chunk(file, 0, &chunk, packed), 0);
-        assert_int_equal(uncompress(unpacked, &n, packed, chunk.packed_size), Z_OK);
-        assert_int_equal(n, chunk.unpacked_size);
-        assert_int_equal(compress2(again, &n_again, unpacked, n, 4), Z_OK);
-        assert_int_equal(n_again, chunk.packed_size);
-        assert_memory_equal(again, packed, n_again);
-        n_again = sizeof again; /* twin: another level gives others */
-        assert_int_equal(compress2(again, &n_again, unpacked, n, 6), Z_OK);
-        assert_true(n_again != chunk.packed_size || memcmp(again, packed, n_again) != 0);
-    }
-    exr_finish(&file);
-}
-#endif
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(half_float_and_uint_are_read_among_channels_that_nobody_wants),
-        cmocka_unit_test(other_colours_are_remarked),
         cmocka_unit_test(colours_of_other_primaries_become_those_of_rec_709),
         cmocka_unit_test(the_share_of_pixels_outside_is_told),
         cmocka_unit_test(luminance_has_no_primaries),
@@ -1241,30 +1015,20 @@ int main(void)
         cmocka_unit_test(chromaticities_that_span_nothing_are_remarked),
         cmocka_unit_test(the_data_window_is_the_whole_map_wherever_it_lies),
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
-        cmocka_unit_test(too_large_tiles_are_refused),
         cmocka_unit_test(each_file_gives_the_channels_or_the_message_beside_it),
         cmocka_unit_test(one_channel_of_any_type_among_any_others_is_read),
         cmocka_unit_test(every_compression_that_core_knows_is_read_in_scanlines_and_tiles),
         cmocka_unit_test(dwa_is_read_to_its_own_precision),
         cmocka_unit_test(luminance_with_chroma_is_colour),
-        cmocka_unit_test(luminance_with_chroma_that_ends_too_early_is_refused),
         cmocka_unit_test(a_huge_window_in_a_short_file_is_refused_before_it_is_allocated),
-        cmocka_unit_test(each_compression_is_believed_as_much_as_it_can_do),
-        cmocka_unit_test(dwa_in_a_layer_is_refused),
+        cmocka_unit_test(a_black_picture_of_each_compression_is_believed),
         cmocka_unit_test(no_damage_leads_out_of_the_file),
         cmocka_unit_test(no_damage_to_compressed_data_leads_out_of_the_file),
-        cmocka_unit_test(any_allocation_may_fail_whatever_the_compression),
         cmocka_unit_test(channels_windows_and_attributes_are_all_in_the_file),
         cmocka_unit_test(a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was),
         cmocka_unit_test(any_number_of_threads_writes_the_same_file),
         cmocka_unit_test(a_slow_disk_gets_every_byte),
         cmocka_unit_test(a_full_disk_stops_all_threads),
-        cmocka_unit_test(any_allocation_of_any_thread_may_fail),
-        cmocka_unit_test(a_layer_that_we_wrote_is_what_we_read),
-        cmocka_unit_test(an_attribute_that_openexr_reserves_is_refused),
-#if OPENEXR_VERSION_MAJOR == 3 && OPENEXR_VERSION_MINOR == 1
-        cmocka_unit_test(chunks_are_compressed_at_level_4),
-#endif
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -5,7 +5,6 @@
 #include "files/image_png.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 
 #include <math.h>
 #include <png.h>
@@ -342,20 +341,6 @@ static void a_blank_sheet_of_one_bit_is_read(void **state)
     bis_image_clear(&image);
 }
 
-static void any_allocation_may_fail(void **state)
-{
-    write_kind(PNG_COLOR_TYPE_RGB, 16, true);
-    FOR_LACK(l) {
-        bis_image image;
-        bis_diag diag = {0};
-        LACK(l, bis_image_read_colours(&image, scratch("kind.png"), 1, (bis_loc){0}, &diag));
-        assert_true((l.status == BIS_OK) == (image.pixels != NULL) && (l.status == BIS_OK) == (diag.n_errors == 0));
-        bis_image_clear(&image);
-        bis_diag_clear(&diag);
-    }
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 static void a_png_is_no_source_of_light(void **state)
 {
     size_t n;
@@ -436,7 +421,6 @@ int main(void)
         cmocka_unit_test(each_kind_of_png_has_its_colours),
         cmocka_unit_test(a_header_is_held_against_the_length_of_the_file),
         cmocka_unit_test(a_blank_sheet_of_one_bit_is_read),
-        cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(a_png_is_no_source_of_light),
         cmocka_unit_test(what_was_written_is_read_back_as_colours),
         cmocka_unit_test(damaged_pictures_are_survived),

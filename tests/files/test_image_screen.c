@@ -5,7 +5,6 @@
 #include "bis/base/mem.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -668,29 +667,6 @@ static void a_jpeg_has_at_most_200_scans(void **state)
     read_scans(201, BIS_INPUT, "it has more than 200 scans");
 }
 
-static void without_memory_there_is_no_picture(void **state)
-{
-    unsigned long n;
-    unsigned char *data = make_jpeg(&n, 3, BASELINE, left, right);
-    bytes bmp;
-    make_bmp(&bmp, 8, -2, 0, 4, bmps[3].rest, 8);
-    const struct {
-        const char *name;
-        const void *data;
-        size_t n;
-    } files[] = {{"a.jpg", data, n}, {"a.tga", tgas[3].bytes, tgas[3].n}, {"a.bmp", bmp.data, bmp.n}};
-    for (int i = 0; i < 3; i++) {
-        store(scratch(files[i].name), files[i].data, files[i].n);
-        FOR_LACK(l) {
-            bis_image image;
-            LACK(l, bis_image_read_colours(&image, scratch(files[i].name), 2.2, (bis_loc){0}, NULL));
-            bis_image_clear(&image);
-        }
-    }
-    free(data);
-    bytes_clear(&bmp);
-    assert_int_equal(bis_mem_live(), 0);
-}
 #endif
 
 int main(void)
@@ -714,7 +690,6 @@ int main(void)
         cmocka_unit_test(a_gamma_is_for_all_kinds),
         cmocka_unit_test(a_damaged_jpeg_is_refused),
         cmocka_unit_test(a_jpeg_has_at_most_200_scans),
-        cmocka_unit_test(without_memory_there_is_no_picture),
 #endif
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);

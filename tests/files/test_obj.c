@@ -4,7 +4,6 @@
 #include "claim.h"
 #include "mesh_help.h"
 #include "files/obj.h"
-#include "lack.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -350,73 +349,6 @@ static void damaged_files_never_crash(void **state)
     bytes_clear(&b);
 }
 
-static bis_status read_parts(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
-{
-    size_t n;
-    return bis_obj_read_parts(m, &n, path, true, at, diag);
-}
-
-/* A lack of room for a vertex or a part names the line that asked for it. */
-static void any_allocation_may_fail(void **state)
-{
-    mesh_reader *const readers[] = {bis_obj_read, bis_obj_read_uv, read_parts};
-    const char *const texts_of[] = {
-        rich, "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 1 2\nvt 3 4\nf 1/1 2/1 3/1\nf 1/2 2/2 3/2\nusemtl a\nf 3 2 1\n"};
-    for (int i = 0; i < 6; i++) {
-        bytes b = {0};
-        put_text(&b, texts_of[i / 3]);
-        assert_true(try_mesh_memory(readers[i % 3], &b, "memory.obj") > 0);
-        bytes_clear(&b);
-    }
-}
-
-static void any_allocation_for_materials_may_fail(void **state)
-{
-    static const char text[] = "mtllib a\nmtllib b\nusemtl c\nf 1 2 3\nusemtl d\nf 1 2 3\n";
-    store(scratch("memory.obj"), text, sizeof text - 1);
-    FOR_LACK(l) {
-        bis_diag diag = {0};
-        bis_obj_materials o;
-        LACK(l, bis_obj_read_materials(&o, scratch("memory.obj"), (bis_loc){0}, &diag));
-        assert_int_equal(l.status != BIS_OK, diag.n_errors == 1);
-        assert_int_equal(o.n_libraries, l.status ? 0 : 2);
-        assert_int_equal(o.n_shown, l.status ? 0 : 3);
-        assert_int_equal(o.parts.n, l.status ? 0 : 2);
-        bis_obj_materials_clear(&o);
-        bis_diag_clear(&diag);
-    }
-    assert_int_equal(bis_mem_live(), 0);
-}
-
-/* What there is no room for, and how many there would be: 3 vertices are of the file, and 3 further corners follow. */
-static void a_lack_of_memory_names_what_and_how_many(void **state)
-{
-    static const char text[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 1 2\nvt 3 4\nvn 0 0 1\nusemtl a\n"
-                               "f 1/1/1 2/2/1 3/1/1\nf 1/2/1 2/1/1 3/2/1\n";
-    static const char expected[] =
-        ":10 3 vertices\n:7 1 materials\n 1 triangles\n:8 1 triangles\n:9 4 vertices\n:10 6 vertices\n 2 triangles\n";
-    const char *const path = scratch("room.obj"), *const says = ": error: no memory for ";
-    char all[512] = "", last[128] = "";
-    store(path, text, sizeof text - 1);
-    FOR_LACK(l) {
-        bis_diag diag = {0};
-        bis_mesh m;
-        LACK(l, read_parts(&m, path, (bis_loc){0}, &diag));
-        const char *said = diag.n ? strstr(diag.messages[0].text, says) : NULL;
-        if (said) {
-            char place[16] = "", now[128];
-            const char *const line = diag.messages[0].text + strlen(path);
-            snprintf(place, sizeof place, "%.*s", (int)(said - line), line);
-            snprintf(now, sizeof now, "%s %s\n", place, said + strlen(says));
-            if (strcmp(now, last) != 0) strcat(all, now);
-            strcpy(last, now);
-        }
-        bis_mesh_clear(&m);
-        bis_diag_clear(&diag);
-    }
-    assert_string_equal(all, expected);
-}
-
 /* Vertices: of the file, and one for each further pair with a normal. */
 static void files_of_the_wild_are_read_right(void **state)
 {
@@ -442,9 +374,6 @@ int main(void)
         cmocka_unit_test(a_library_has_the_line_of_its_word),
         cmocka_unit_test(a_file_that_is_not_there_has_no_materials),
         cmocka_unit_test(damaged_files_never_crash),
-        cmocka_unit_test(any_allocation_may_fail),
-        cmocka_unit_test(any_allocation_for_materials_may_fail),
-        cmocka_unit_test(a_lack_of_memory_names_what_and_how_many),
         cmocka_unit_test(a_name_ends_before_the_backslash_that_continues_its_line),
         cmocka_unit_test(files_of_the_wild_are_read_right),
     };

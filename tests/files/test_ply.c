@@ -4,7 +4,6 @@
 #include "claim.h"
 #include "mesh_help.h"
 #include "files/ply.h"
-#include "lack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -530,44 +529,6 @@ static void damaged_files_never_crash(void **state)
     bytes_clear(&text);
 }
 
-/* Memory is asked for a whole element: its lack has no line. */
-static void any_allocation_may_fail(void **state)
-{
-    bytes binary = binary_of(typed_square("float", "uchar", "int"), false);
-    bytes text = ascii_of(STRIP_OF_NORMALS "end_header\n" NORMAL_CORNERS "14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
-    bytes uv = ascii_of(UV("u", "v") FACES(2) "0 1 0 2 0\n1 1 0 2 0\n0 1 1 2 9\n3 0 1 2\n4 0 1 2 0\n");
-    assert_int_equal(try_mesh_memory(bis_ply_read, &binary, "memory.ply"), 0);
-    assert_int_equal(try_mesh_memory(bis_ply_read, &text, "memory.ply"), 0);
-    assert_int_equal(try_mesh_memory(bis_ply_read_uv, &uv, "memory.ply"), 0);
-    bytes_clear(&binary);
-    bytes_clear(&text);
-    bytes_clear(&uv);
-}
-
-/* Room is made for 8 triangles and for 16, and what 12 do not need is given back: each may fail, in this order. */
-static void a_lack_of_memory_names_the_number_of_triangles(void **state)
-{
-    static const char *const numbers[] = {"1", "9", "12"};
-    bytes b = ascii_of(STRIP_OF_NORMALS "end_header\n" NORMAL_CORNERS "14 0 1 2 3 0 1 2 3 0 1 2 3 0 1\n");
-    const char *const path = scratch("triangles.ply");
-    int n = 0;
-    store(path, b.data, b.n);
-    FOR_LACK(l) {
-        bis_diag diag = {0};
-        bis_mesh m;
-        char expected[256];
-        LACK(l, bis_ply_read(&m, path, (bis_loc){0}, &diag));
-        if (l.status && diag.n && strstr(diag.messages[0].text, " triangles")) {
-            snprintf(expected, sizeof expected, "%s: error: no memory for %s triangles", path, numbers[n++ % 3]);
-            assert_string_equal(diag.messages[0].text, expected);
-        }
-        bis_mesh_clear(&m);
-        bis_diag_clear(&diag);
-    }
-    assert_int_equal(n, 3);
-    bytes_clear(&b);
-}
-
 /* One of them has ten numbers where its header speaks of four; issue623.ply is in the next test. */
 static void files_of_the_wild_have_the_counts_that_another_reader_finds(void **state)
 {
@@ -641,8 +602,6 @@ int main(void)
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),
         cmocka_unit_test(damaged_files_never_crash),
         cmocka_unit_test(a_binary_file_that_lacks_its_last_byte_is_refused),
-        cmocka_unit_test(any_allocation_may_fail),
-        cmocka_unit_test(a_lack_of_memory_names_the_number_of_triangles),
         cmocka_unit_test(files_of_the_wild_have_the_counts_that_another_reader_finds),
         cmocka_unit_test(the_one_contradictory_file_of_the_wild_is_refused),
         cmocka_unit_test(dolphins_are_the_same_in_ascii_and_both_byte_orders),

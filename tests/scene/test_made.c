@@ -6,7 +6,6 @@
 #include "bis/shape/make.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 #include "scene_help.h"
 
 #include <math.h>
@@ -394,28 +393,6 @@ static void knots_stay_what_they_are_where_an_end_is_a_texture(void **state)
     }
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    static const char scene[] = "WorldBegin LightSource \"infinite\" Shape \"cone\" Shape \"cone\" "
-        "Shape \"loopsubdiv\" \"integer levels\" 1 \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] "
-        "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] Shape \"heightfield\" \"integer nu\" 2 "
-        "\"integer nv\" 2 "
-        "\"float Pz\" [0 0 0 0] Shape \"nurbs\" \"integer nu\" 2 \"integer uorder\" 2 \"float uknots\" [0 0 1 1] "
-        "\"integer nv\" 2 "
-        "\"integer vorder\" 2 \"float vknots\" [0 0 1 1] \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]";
-    store(scratch("scene.txt"), scene, sizeof scene - 1);
-    for (unsigned how = 0; how < 2; how++) {
-        FOR_LACK(l) {
-            bis_scene_desc *d;
-            bis_diag diag = {0};
-            LACK(l, bis_scene_parse_as(&d, scratch("scene.txt"), how ? BIS_PARSE_APPROXIMATE : 0, &diag));
-            bis_scene_desc_free(d);
-            bis_diag_clear(&diag);
-        }
-    }
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -429,7 +406,6 @@ int main(void)
         cmocka_unit_test(patches_and_heights_are_those_of_their_numbers),
         cmocka_unit_test(each_nurbs_has_its_net_and_its_ends),
         cmocka_unit_test(knots_stay_what_they_are_where_an_end_is_a_texture),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

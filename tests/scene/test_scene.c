@@ -6,7 +6,6 @@
 #include "claim.h"
 #include "image_help.h"
 #include "scene/scene_peek.h"
-#include "lack.h"
 #include "scene_help.h"
 
 #include <stdio.h>
@@ -234,41 +233,6 @@ static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
 }
 
 /* ---- memory ---- */
-
-/* Each message of the build itself names the scene's file and no line, but for a mesh, which has one. Each of two
- * instances of a mesh has a copy. */
-static void when_the_kth_allocation_fails_the_build_fails_cleanly(void **state)
-{
-    static const char *const texts[] = {
-        ": error: no memory for a scene", ": error: no memory for 3 meshes, 2 materials and 1 images",
-        ": error: no memory for 2 threads", ": error: no memory for 3 meshes",
-        ":5:33: error: no memory for a mesh of 4 triangles", ":9:1: error: no memory for a mesh of 1 triangles",
-        ": error: no memory for 1 textures"};
-    enum { N = sizeof texts / sizeof *texts };
-    bool is_said[N] = {false};
-    built b = describe("Accelerator \"grid\"\nIntegrator \"sir\" \"string proposal\" \"em\"",
-        MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " SQUARE
-            "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" SCENES "map.pfm\" \"float scale\" .2\n"
-            "Material \"diffuse\" \"texture reflectance\" \"t\"\n"
-            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"");
-    b.desc->accel.n_threads = 2;
-    FOR_LACK(l) {
-        bis_scene *s;
-        bis_diag diag = {0};
-        LACK(l, bis_scene_build(&s, b.desc, &diag));
-        assert_true((s == NULL) == (l.status != BIS_OK) && (!l.status || diag.n_errors > 0));
-        for (int i = 0; i < N; i++) {
-            char text[256];
-            snprintf(text, sizeof text, "%s%s", scratch("scene.txt"), texts[i]);
-            if (diag.n && strcmp(diag.messages[diag.n - 1].text, text) == 0) is_said[i] = true;
-        }
-        bis_scene_free(s);
-        bis_diag_clear(&diag);
-    }
-    for (int i = 0; i < N; i++)
-        if (!is_said[i]) fail_msg("nothing said \"%s\"", texts[i]);
-    scene_clear(&b);
-}
 
 /* ---- plan ---- */
 
@@ -778,7 +742,6 @@ int main(void)
         cmocka_unit_test(a_constant_light_builds_no_table),
         cmocka_unit_test(an_integrator_that_never_draws_from_the_map_builds_no_table),
         cmocka_unit_test(the_map_is_turned_by_the_transformation_at_its_place),
-        cmocka_unit_test(when_the_kth_allocation_fails_the_build_fails_cleanly),
         cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
         cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),
         cmocka_unit_test(the_table_follows_who_draws),

@@ -2,13 +2,11 @@
 /* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at
  * their worst. A difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
 #include "claim.h"
-#include "lack.h"
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
 #include "bis/base/mem.h"
 #include "shape/grid_block.h"
-#include "files/ply.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -542,51 +540,6 @@ static void the_grid_answers_as_a_loop_over_all_primitives_bit_by_bit(void **sta
     }
 }
 
-/* How many primitives are set aside: floors that are wide, not walls of a room, nor all there is, nor a ninth. */
-static void few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small(void **state)
-{
-    static const struct {
-        int wide;   /* floors of size 1 */
-        float room; /* the small triangles lie in a cube of this size */
-        bool area;
-        uint32_t aside;
-    } cases[] = {{1, 0.1f, true, 1}, {8, 0.1f, true, 8}, {9, 0.1f, true, 0}, {8, 0.9f, true, 0},
-                 {8, 0.4f, true, 8}, {1, 0, true, 0}, {2, 0.1f, false, 0}, {9, 0.1f, false, 0}};
-    for (size_t n = 0; n < 2 * sizeof cases / sizeof cases[0]; n++) {
-        const size_t i = n / 2, n_small = cases[i].room > 0 ? 40 : 0, n_wide = (size_t)cases[i].wide,
-                     first = n % 2 ? n_small : 0; /* of the wide ones, which come before or behind the small ones */
-        bis_mesh m = new_mesh(3 * (n_small + n_wide), n_small + n_wide), soup = soup_mesh(40, 0.1, i);
-        bis_geometry g = {0};
-        bis_accel *a;
-        for (size_t k = 0; k < 3 * (n_small + n_wide); k++) {
-            const bool is_wide = k >= 3 * first && k < 3 * (first + n_wide);
-            m.index[k] = (uint32_t)k;
-            if (!is_wide) m.p[k] = mul(soup.p[k - (first ? 0 : 3 * n_wide)], (double)cases[i].room / 1.2);
-            else m.p[k] = (vec3){k % 3 == 1 ? 1 : 0, k % 3 == 2 && cases[i].area ? 1 : 0, 0};
-        }
-        add_mesh(&g, &m, NULL, 0);
-        bis_mesh_clear(&soup);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
-        const bis_grid *grid = (const bis_grid *)a;
-        assert_int_equal(bis_grid_items(grid) - grid->offsets[grid->n_cells], cases[i].aside);
-        for (uint32_t k = 0; k < cases[i].aside; k++)
-            assert_int_equal(grid->items[grid->offsets[grid->n_cells] + k], first + k);
-        bis_box rest = {{9, 9, 9}, {-9, -9, -9}}; /* the cells are about all others */
-        for (size_t k = 0; k < g.n_vertices; k++)
-            if ((cases[i].aside == 0 && cases[i].area) || k < 3 * first || k >= 3 * (first + n_wide))
-                bis_box_include(&rest, g.p[k]);
-        const float lo[3] = {rest.lo.x, rest.lo.y, rest.lo.z}, hi[3] = {rest.hi.x, rest.hi.y, rest.hi.z};
-        for (int c = 0; c < 3; c++) {
-            assert_true(fabs(grid->lo[c] - (double)lo[c]) <= 0x1p-19);
-            assert_true(fabs(grid->hi[c] - (double)hi[c]) <= 0x1p-19);
-        }
-        for (uint32_t k = 0; k < grid->offsets[grid->n_cells]; k++) /* what is set aside is in no cell */
-            assert_true(grid->items[k] < first || grid->items[k] >= first + cases[i].aside);
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
 /* How many cells hold the only triangle, by hand: those that it meets, or whose corner or edge it touches. In 8 x 8
  * cells the half of a square: column i has the rows 0 to 8 - i, 7 at most, 8 + 8 + 7 + 6 + 5 + 4 + 3 + 2. In 4 x 4 x 4:
  * the plane x + y + z = 4 has the cells with i + j + k from 1 to 4, 3 + 6 + 10 + 12. The triangle z <= x = y has k up
@@ -615,236 +568,6 @@ static void a_triangle_is_in_the_cells_that_it_meets(void **state)
         const bis_grid *grid = (const bis_grid *)a;
         assert_int_equal(grid->n_cells, 64);
         if (bis_grid_items(grid) != cases[i].items) fail_msg("case %d: %u", n, (unsigned)bis_grid_items(grid));
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
-/* A grid's memory, by its arrays: an offset a cell and two more, an item, a bit a cell; in blocks of eight triangles, 9
- * floats each, and a float for the block. */
-static size_t bytes_of_grid(size_t cells, size_t items, bool packed)
-{
-    return sizeof(bis_grid) + 4 * (cells + 2) + 4 * items + 8 * (cells / 64 + 1) +
-           (packed ? (items + 7) / 8 * (8 * 9 * 4 + 4) : 0);
-}
-
-/* A grid with so many cells for each primitive of g; 0: what is usual. */
-static const bis_grid *grid_of(bis_accel **a, const bis_geometry *g, double density)
-{
-    assert_int_equal(bis_accel_new(a, g, &(bis_accel_options){BIS_ACCEL_GRID, density, 1, NULL}, NULL), BIS_OK);
-    return (const bis_grid *)*a;
-}
-
-/* n times the half of a square, in s x s cells: s columns, each of one row less, and the s - 1 cells that the longest
- * side touches at a corner. There may be 8 items a triangle and 65536, and 4 more for each cell a triangle that is
- * asked for beyond 8; else an eighth of the cells is tried. Up to 65536 items are packed. By default there are 2 cells
- * a triangle, or 8 where that cannot be packed: of 240 triangles 44 x 44 cells are too many, 15 x 15 are not. */
-static void the_cells_of_copies_of_a_triangle_follow_their_number(void **state)
-{
-    static const struct {
-        uint32_t n, asked; /* for so many cells; 0: nothing is asked */
-        size_t s;
-        bool packed;
-    } cases[] = {{9, 0, 4, true},    {200, 0, 20, true},  {239, 0, 22, true},    {240, 0, 15, false},
-                 {288, 0, 8, true},  {288, 576, 8, true}, {240, 484, 22, false}, {296, 400, 20, false},
-                 {297, 400, 7, true}, {37, 4096, 64, false}, {38, 4096, 23, true}, {30, 90, 9, true}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const size_t n = cases[i].n, s = cases[i].s, items = n * (s * (s + 1) / 2 + s - 1);
-        bis_mesh m = new_mesh(3, n);
-        bis_geometry g = {0};
-        bis_accel *a;
-        size_t before = 0;
-        m.p[1].x = m.p[2].y = 1;
-        for (size_t k = 0; k < 3 * n; k++) m.index[k] = (uint32_t)(k % 3);
-        add_mesh(&g, &m, NULL, 0);
-        const bis_grid *grid = grid_of(&a, &g, (double)cases[i].asked / (double)n);
-        if (grid->n[0] != (int)s || grid->n[1] != (int)s || grid->n[2] != 1 || grid->n_cells != s * s)
-            fail_msg("%zu: %d x %d x %d cells", n, grid->n[0], grid->n[1], grid->n[2]);
-        assert_int_equal(bis_grid_items(grid), items);
-        assert_int_equal(grid->blocks != NULL, cases[i].packed);
-        assert_int_equal(bis_accel_bytes(a), bytes_of_grid(s * s, items, cases[i].packed));
-        for (size_t k = 0; k < items; k++) assert_int_equal(grid->items[k], k % n);
-        for (size_t c = 0; c < s * s; c++) {
-            const bool holds = c % s + c / s <= s;
-            assert_int_equal(grid->offsets[c], before);
-            assert_int_equal(grid->occupied[c / 64] >> c % 64 & 1, holds);
-            before += holds ? n : 0;
-        }
-        assert_int_equal(grid->offsets[s * s], items);
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
-/* A soup is packed where mesh and grid take at most 150 bytes a triangle, or 300 if the density was asked for: a size
- * of triangles on each side of these. What is not packed has 8 cells a triangle, but an eighth of them where these
- * make too many items. */
-static void a_grid_is_packed_where_150_bytes_a_triangle_are_enough_or_300_if_asked(void **state)
-{
-    enum { N = 40000 };
-    static const struct {
-        double size, least, most; /* bytes a triangle */
-        bool usual, asked;
-        int cells;
-    } cases[] = {{0.0091, 149, 150, true, true, 2}, {0.0093, 150, 151, false, true, 8},
-                 {0.0297, 298, 300, false, true, 1}, {0.0300, 300, 302, false, false, 1}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        bis_geometry g = {0};
-        bis_accel *usual, *asked;
-        bis_mesh m = soup_mesh(N, cases[i].size, 5);
-        add_mesh(&g, &m, NULL, 0);
-        const bis_grid *one = grid_of(&usual, &g, 0), *two = grid_of(&asked, &g, 2);
-        const size_t of_grid = bytes_of_grid(two->n_cells, bis_grid_items(two), true);
-        const double each = (double)(of_grid + bis_geometry_bytes(&g)) / N;
-        if (!(each > cases[i].least && each <= cases[i].most)) fail_msg("size %g: %g bytes", cases[i].size, each);
-        assert_int_equal(one->blocks != NULL, cases[i].usual);
-        assert_int_equal(two->blocks != NULL, cases[i].asked);
-        assert_true(fabs((double)two->n_cells / N / 2 - 1) < 0.05);
-        assert_true(fabs((double)one->n_cells / N / cases[i].cells - 1) < 0.05);
-        bis_accel_free(usual);
-        bis_accel_free(asked);
-        bis_geometry_clear(&g);
-    }
-}
-
-/* The sides of a triangle's box, how many cells are asked for, and the cells that it gets: as cubic as they can be; an
- * axis shorter than a cell has one, and the others share all; no axis has more than 4096. */
-static void cells_are_as_cubic_as_the_box_allows(void **state)
-{
-    static const struct {
-        double side[3], asked;
-        int n[3];
-    } cases[] = {
-        {{8, 2, 1}, 16, {8, 2, 1}},
-        {{2, 4, 8}, 512, {4, 8, 16}},
-        {{0.125, 8, 2}, 16, {1, 8, 2}}, /* 1/2 wide if three axes counted */
-        {{0.125, 1000, 0.125}, 100, {1, 100, 1}},
-        {{100, 1, 0.001}, 10, {10, 1, 1}}, /* of two axes 3.2 wide, so of one */
-        {{1, 0, 0.7}, 100, {12, 1, 8}}, /* 0.0837 wide: 11.95 and 8.4 */
-        {{0, 1, 0.001}, 1e5, {1, 4096, 10}}, /* 1e-4 wide: 10000 and 10 */
-        {{3, 5, 7}, 0.001, {1, 1, 1}},
-        {{1, 1, 1}, 3.3, {1, 1, 1}}, /* 0.67 wide: 1.49 */
-        {{1, 1, 1}, 3.5, {2, 2, 2}}, /* 0.66 wide: 1.52 */
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const double *side = cases[i].side;
-        bis_geometry g = {0};
-        bis_mesh m = new_mesh(3, 1);
-        bis_accel *a;
-        size_t cells = 1;
-        for (uint32_t k = 0; k < 3; k++) m.index[k] = k;
-        m.p[1] = vec3_from(side[0], side[1], side[2]);
-        m.p[2] = vec3_from(side[0], side[0] > 0 ? 0 : side[1], 0);
-        add_mesh(&g, &m, NULL, 0);
-        const bis_grid *grid = grid_of(&a, &g, cases[i].asked);
-        for (int c = 0; c < 3; c++) {
-            const double extent = grid->hi[c] - grid->lo[c];
-            if (grid->n[c] != cases[i].n[c]) fail_msg("case %zu, axis %d: %d", i, c, grid->n[c]);
-            assert_true(fabs(grid->cell[c] * grid->n[c] - extent) <= 1e-12 * extent);
-            assert_true(fabs(grid->cell[c] * grid->inv_cell[c] - 1) <= 1e-12);
-            cells *= (size_t)grid->n[c];
-        }
-        assert_int_equal(grid->n_cells, cells);
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
-/* A sliver along the diagonal of a square, or of a cube, of 8 cells a side; its third corner lies h/2^27 (1, -1) beside
- * the middle. In cells its edges are (8, 8) and (4, 4), or (8, 8, 8) and (4, 4, 4), but for h. Twice its area vector is
- * 128 h, or (64, 64, -128) h. Edges bound it where the part along their axis is at least 2^-27 (2 + 24)^2, or 2^-27 (2
- * + 36)^2, and its plane, x + y = 2 z, does where the sum of the parts is. What touches a cell's corner is in it. */
-static void a_sliver_too_thin_for_the_rounding_is_in_more_cells(void **state)
-{
-    static const struct {
-        bool cube;
-        double h;
-        bool by_plane, by_z, by_all;
-    } cases[] = {{false, 5.25, false, false, false}, {false, 5.3125, false, true, false},
-                 {true, 5.625, false, false, false}, {true, 5.65625, true, false, false},
-                 {true, 11.25, true, false, false},  {true, 11.3125, true, true, false},
-                 {true, 22.5, true, true, false},    {true, 22.625, true, true, true}};
-    for (size_t n = 0; n < 3 * 2 * sizeof cases / sizeof *cases; n++) {
-        const size_t i = n / 6, turn = n % 3, back = n / 3 % 2;
-        const float z = cases[i].cube ? 0.5f : 0, h = (float)cases[i].h * 0x1p-27f;
-        const float p[3][3] = {{-0.5f, -0.5f, -z}, {0.5f, 0.5f, z}, {h, -h, 0}};
-        bis_geometry g = {0};
-        bis_mesh m = new_mesh(3, 1);
-        bis_accel *a;
-        unsigned expected = 0;
-        for (uint32_t k = 0; k < 3; k++) {
-            const float *v = p[back && k > 0 ? 3 - k : k];
-            m.index[k] = k;
-            m.p[k] = (vec3){v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]};
-        }
-        for (int c = 0; c < (cases[i].cube ? 512 : 64); c++) {
-            const int x = c % 8, y = c / 8 % 8, k = c / 64;
-            expected += (!cases[i].by_plane || abs(x + y - 2 * k) <= 2) && (!cases[i].by_z || abs(x - y) <= 1) &&
-                        (!cases[i].by_all || (abs(x - k) <= 1 && abs(y - k) <= 1));
-        }
-        add_mesh(&g, &m, NULL, 0);
-        const bis_grid *grid = grid_of(&a, &g, cases[i].cube ? 512 : 64);
-        if (bis_grid_items(grid) != expected) fail_msg("case %zu: %zu, not %u", n, bis_grid_items(grid), expected);
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
-/* A unit ball in 8 x 8 x 8 cells, so of radius 4, and a disk of radius 3.2 in the layer above the middle. A cell at |i|
- * to |i| + 1 from the middle along each axis holds the ball where its nearest corner is within 4 and its farthest is
- * not; no corner of a cell lies at 4. Around the origin, and far to either side of it along each axis. */
-static void quadrics_are_in_the_cells_that_they_meet(void **state)
-{
-    for (int side = -1; side <= 1; side++) {
-        const bis_xform there = bis_xform_translate(2 * side, 3 * side, 5 * side);
-        const bis_quadric q[2] = {{BIS_SPHERE, 1, 0, there, 0}, {BIS_DISK, 0.8, 0.125, there, 0}};
-        bis_geometry g = {0};
-        bis_accel *a;
-        for (int k = 0; k < 2; k++) assert_int_equal(bis_geometry_add_quadric(&g, &q[k], NULL), BIS_OK);
-        const bis_grid *grid = grid_of(&a, &g, 256);
-        assert_int_equal(grid->n_cells, 512);
-        for (int c = 0; c < 512; c++) {
-            const int at[3] = {c % 8 - 4, c / 8 % 8 - 4, c / 64 - 4};
-            int near = 0, far = 0, beside = 0;
-            for (int k = 0; k < 3; k++) {
-                const int i = at[k] < 0 ? -1 - at[k] : at[k];
-                near += i * i, far += (i + 1) * (i + 1);
-                if (k == 1) beside = near;
-            }
-            const uint32_t *item = grid->items + grid->offsets[c];
-            const bool ball = near < 16 && far > 16, disk = at[2] == 0 && beside < 10.24;
-            assert_int_equal(grid->offsets[c + 1] - grid->offsets[c], ball + disk);
-            if (ball) assert_int_equal(item[0], 0);
-            if (disk) assert_int_equal(item[ball], 1);
-        }
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
-static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)
-{
-    static const struct {
-        double density;
-        int flat; /* this axis has no extent; -1: none */
-    } cases[] = {{0, 0}, {0, 1}, {0, 2}, {1e-9, -1}, {1e5, -1}, {1e5, 2}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        bis_geometry g = {0};
-        bis_mesh m = soup_mesh(100, 0.1, i);
-        bis_accel *a;
-        for (size_t k = 0; k < m.n_vertices; k++) {
-            if (cases[i].flat == 0) m.p[k].x = 3;
-            if (cases[i].flat == 1) m.p[k].y = 3;
-            if (cases[i].flat == 2) m.p[k].z = 3;
-        }
-        add_mesh(&g, &m, NULL, 0);
-        assert_int_equal(
-            bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, cases[i].density, 1, NULL}, NULL), BIS_OK);
-        const bis_grid *grid = (const bis_grid *)a;
-        if (cases[i].flat >= 0) assert_int_equal(grid->n[cases[i].flat], 1);
-        if (cases[i].density == 1e-9) assert_int_equal(grid->n_cells, 1);
-        if (cases[i].density > 1) assert_true(grid->n_cells > 5000000);
-        for (size_t c = 0; c < grid->n_cells; c++) assert_true(grid->offsets[c] <= grid->offsets[c + 1]);
         bis_accel_free(a);
         bis_geometry_clear(&g);
     }
@@ -887,54 +610,6 @@ static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
         assert_memory_equal(one->blocks, other->blocks, (one->offsets[one->n_cells] + 7) / 8 * sizeof *one->blocks);
     }
     for (int i = 0; i < 3; i++) bis_accel_free(a[i]);
-    bis_geometry_clear(&g);
-}
-
-/* Camera and shadow rays on a scan, as a renderer makes them: at most 1 in 10^6 differs by hit or distance, each a
- * tie. */
-static void the_backends_agree_on_the_dragon_but_for_ties(void **state)
-{
-    const char *path = shared_file("mesh/dragon_res2_202k.ply");
-    bis_geometry g = {0};
-    bis_mesh m;
-    uint64_t seed = 11;
-    bis_accel *a[2];
-    int differ = 0, n_rays = 0;
-    if (!path || !bis_accel_embree_version()) skip();
-    assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, NULL), BIS_OK);
-    add_mesh(&g, &m, NULL, 0);
-    assert_int_equal(bis_accel_new(&a[0], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 0, NULL}, NULL), BIS_OK);
-    assert_int_equal(bis_accel_new(&a[1], &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 0, NULL}, NULL), BIS_OK);
-    while (n_rays < 200000) {
-        const double u = random_double(&seed), v = random_double(&seed), w = random_double(&seed);
-        const vec3 target = {(float)((double)g.box.lo.x + u * ((double)g.box.hi.x - (double)g.box.lo.x)),
-                             (float)((double)g.box.lo.y + v * ((double)g.box.hi.y - (double)g.box.lo.y)),
-                             (float)((double)g.box.lo.z + w * ((double)g.box.hi.z - (double)g.box.lo.z))};
-        const vec3 o = add(target, mul(random_direction(&seed), 0.5));
-        ray r = {o, normalize(sub(target, o)), INFINITY};
-        for (int k = 0; k < 2; k++) {
-            bis_hit hit[2];
-            bool found[2];
-            for (int i = 0; i < 2; i++) {
-                found[i] = bis_accel_intersect(a[i], &r, &hit[i]);
-                assert_int_equal(bis_accel_occluded(a[i], &r), found[i]);
-            }
-            n_rays++;
-            if (found[0] != found[1] || (found[0] && !same_distance((double)hit[0].t, (double)hit[1].t, &r))) {
-                differ++;
-                assert_true(
-                    (found[0] && near_an_edge(&g, hit[0].prim, &r)) || (found[1] && near_an_edge(&g, hit[1].prim, &r)));
-            }
-            if (!found[0] || !found[1]) break;
-            bis_surface s;
-            bis_geometry_surface(&g, hit[0].prim, &r, &s);
-            const vec3 out = random_direction(&seed);
-            r = (ray){bis_surface_offset(&s), dot(out, s.ng) < 0 ? neg(out) : out, INFINITY};
-        }
-    }
-    assert_true(differ <= 1);
-    bis_accel_free(a[0]);
-    bis_accel_free(a[1]);
     bis_geometry_clear(&g);
 }
 
@@ -1024,121 +699,6 @@ static void without_embree_the_message_names_the_way_out(void **state)
     bis_geometry_clear(&g);
 }
 
-static void any_allocation_may_fail(void **state)
-{
-    bis_geometry g = {0};
-    bis_mesh m = soup_mesh(2000, 1, 12);
-    m.p[2] = m.p[1]; /* no area: Embree then needs an index buffer of our own */
-    add_mesh(&g, &m, NULL, 0);
-    for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
-        FOR_LACK(l) {
-            bis_accel *a;
-            bis_diag diag = {0};
-            LACK(l, bis_accel_new(
-                &a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, &diag));
-            assert_true((l.status == BIS_OK) == l.over && (a != NULL) == l.over);
-            assert_int_equal(diag.n_errors, l.over ? 0 : 1);
-            if (kind && !l.over)
-                assert_string_equal(diag.messages[0].text, l.k == 1 ? "error: no memory for Embree's hierarchy"
-                                                                    : "error: no memory for 2000 triangles");
-            bis_accel_free(a);
-            bis_diag_clear(&diag);
-        }
-    }
-    bis_geometry_clear(&g);
-}
-
-/* Without memory the message names the cells, or the triangles where the grid was to be packed. */
-static void a_grid_without_memory_says_for_what(void **state)
-{
-    static const char *const says[] = {
-        "error: no memory for a grid", "error: no memory for a grid of 4 x 8 x 16 cells; a smaller density needs less",
-        "error: no memory for the triangles of a grid; a smaller density needs less"};
-    static const int of[] = {0, 1, 1, 1, 2, 2}; /* itself; offsets, a bit a cell, items; blocks and their reach */
-    bis_geometry g = {0};
-    bis_mesh m = new_mesh(3, 1);
-    for (uint32_t k = 0; k < 3; k++) m.index[k] = k;
-    m.p[1] = (vec3){2, 4, 8};
-    m.p[2].x = 2;
-    add_mesh(&g, &m, NULL, 0);
-    FOR_LACK(l) {
-        bis_accel *a;
-        bis_diag diag = {0};
-        LACK(l, bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 512, 1, NULL}, &diag));
-        if (l.over) assert_int_equal(l.k, 7);
-        else assert_string_equal(diag.messages[0].text, says[of[l.k - 1]]);
-        bis_accel_free(a);
-        bis_diag_clear(&diag);
-    }
-    bis_geometry_clear(&g);
-}
-
-/* With a triangle of no area Embree gets a copy of all indices: 12 bytes a triangle. What Embree itself holds differs
- * by one triangle of 4000. */
-static void the_copy_of_the_indices_counts_as_memory(void **state)
-{
-    enum { N = 4000 };
-    size_t held[2];
-    if (!bis_accel_embree_version()) skip();
-    for (int flat = 0; flat < 2; flat++) {
-        bis_geometry g = {0};
-        bis_mesh m = soup_mesh(N, 0.1, 13);
-        bis_accel *a;
-        if (flat) m.p[2] = m.p[1];
-        add_mesh(&g, &m, NULL, 0);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
-        held[flat] = bis_accel_bytes(a);
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-    assert_in_range(held[1] - held[0], 12 * N - 4096, 12 * N + 4096);
-}
-
-/* A box that is one point gets a thickness: 2^-20 of its largest coordinate, or of 1 at the origin; one that is flat,
- * 2^-20 of its extent; but at least 2^-40 of its largest coordinate. */
-static void the_box_of_a_point_or_of_a_plane_has_a_thickness(void **state)
-{
-    static const struct {
-        double at[3], side[2], pad;
-    } cases[] = {
-        {{0, 0, 0}, {0, 0}, 0x1p-20}, {{2, -8, 1}, {0, 0}, 0x1p-17}, {{0, 0, 0.5}, {4, 4}, 0x1p-18},
-        {{3, 0, 64}, {0.25, 0.25}, 0x1p-22}, {{1, 2, 3}, {4, 1}, 0x1p-18}, {{1, 2, 3}, {0.5, 2}, 0x1p-19},
-        {{0, -0x1p23, 0}, {1, 1}, 0x1p-17}, {{0, -0x1p21, 0}, {1, 1}, 0x1p-19}};
-    for (size_t n = 0; n < 3 * sizeof cases / sizeof *cases; n++) {
-        const size_t i = n / 3, turn = n % 3; /* the first axis is this one, and so on */
-        double lo[3], side[3], eye[3], down[3];
-        bis_geometry g = {0};
-        bis_mesh m = new_mesh(3, 1);
-        bis_accel *a;
-        bis_hit hit;
-        for (size_t k = 0; k < 3; k++) {
-            const size_t c = (k + turn) % 3;
-            lo[c] = cases[i].at[k], side[c] = k < 2 ? cases[i].side[k] : 0;
-            eye[c] = lo[c] + (k < 2 ? side[c] / 4 : 1), down[c] = k < 2 ? 0 : -1;
-        }
-        for (uint32_t k = 0; k < 3; k++) {
-            double p[3] = {lo[0], lo[1], lo[2]};
-            p[turn] += k == 1 ? side[turn] : 0;
-            p[(turn + 1) % 3] += k == 2 ? side[(turn + 1) % 3] : 0;
-            m.p[k] = vec3_from(p[0], p[1], p[2]);
-            m.index[k] = k;
-        }
-        add_mesh(&g, &m, NULL, 0);
-        const bis_grid *grid = grid_of(&a, &g, 0);
-        for (int c = 0; c < 3; c++) {
-            assert_true(grid->lo[c] == lo[c] - cases[i].pad);
-            assert_true(grid->hi[c] == lo[c] + side[c] + cases[i].pad);
-        }
-        const ray r = {vec3_from(eye[0], eye[1], eye[2]), vec3_from(down[0], down[1], down[2]), INFINITY};
-        const bool is_met = cases[i].side[0] > 0;
-        assert_int_equal(bis_accel_intersect(a, &r, &hit), is_met);
-        assert_int_equal(bis_accel_occluded(a, &r), is_met);
-        if (is_met) assert_true(hit.t == 1);
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1152,25 +712,13 @@ int main(void)
         cmocka_unit_test(quadrics_under_any_transformation_are_met_as_by_brute_force),
         cmocka_unit_test(a_sphere_around_everything_costs_no_hit),
         cmocka_unit_test(the_grid_answers_as_a_loop_over_all_primitives_bit_by_bit),
-        cmocka_unit_test(few_wide_primitives_are_set_aside_and_only_where_the_rest_is_small),
         cmocka_unit_test(a_triangle_is_in_the_cells_that_it_meets),
-        cmocka_unit_test(the_cells_of_copies_of_a_triangle_follow_their_number),
-        cmocka_unit_test(a_grid_is_packed_where_150_bytes_a_triangle_are_enough_or_300_if_asked),
-        cmocka_unit_test(cells_are_as_cubic_as_the_box_allows),
-        cmocka_unit_test(a_sliver_too_thin_for_the_rounding_is_in_more_cells),
-        cmocka_unit_test(quadrics_are_in_the_cells_that_they_meet),
-        cmocka_unit_test(a_grid_of_two_axes_or_one_cell_or_very_many_is_built),
         cmocka_unit_test(a_soup_of_large_triangles_stays_within_its_items),
         cmocka_unit_test(the_number_of_threads_changes_no_bit_of_the_grid),
-        cmocka_unit_test(the_backends_agree_on_the_dragon_but_for_ties),
         cmocka_unit_test(memory_is_at_most_150_bytes_a_triangle_in_all),
         cmocka_unit_test(what_lies_at_the_end_of_a_ray_is_not_on_it),
         cmocka_unit_test(an_empty_scene_is_never_hit),
         cmocka_unit_test(without_embree_the_message_names_the_way_out),
-        cmocka_unit_test(any_allocation_may_fail),
-        cmocka_unit_test(a_grid_without_memory_says_for_what),
-        cmocka_unit_test(the_copy_of_the_indices_counts_as_memory),
-        cmocka_unit_test(the_box_of_a_point_or_of_a_plane_has_a_thickness),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,6 @@
 #include "bis/base/mem.h"
 #include "bis/shape/make.h"
 #include "claim.h"
-#include "lack.h"
 #include "mesh_help.h"
 #include "shape/make_grid.h"
 
@@ -771,42 +770,6 @@ typedef struct lacking {
     const char *words;
 } lacking;
 
-/* Subdivision takes the mesh (2 arrays), finds its edges (7) and counts its fans; each step makes a mesh (2) and finds
- * its edges. One triangle, three edges and a point beside them: 4, 7, and after two steps 16 points. */
-static void every_allocation_may_fail(void **state)
-{
-    static const uint32_t corner[1][4] = {{0, 1, 2, 3}};
-    static const lacking all[4][6] = {
-        {{9, "1 triangles"}, {1, "4 points"}, {9, "4 triangles"}, {9, "16 triangles"}, {2, "16 vertices"}},
-        {{4, "a mesh of 2 triangles"}}, {{4, "a mesh of 12 triangles"}}, {{4, "a mesh of 512 triangles"}}};
-    const double z[12] = {0};
-    const bis_loc at = {"s.txt", 3, 1};
-    for (int which = 0; which < 4; which++) {
-        const lacking *row = all[which];
-        int n = 0;
-        FOR_LACK(l) {
-            bis_mesh m = {0};
-            bis_diag diag = {0};
-            char text[100];
-            if (which < 2) m = new_mesh(4, 1);
-            if (which == 0) m.index[1] = 1, m.index[2] = 2;
-            LACK(l, which == 0   ? bis_make_subdivided(&m, 2, at, &diag)
-                    : which == 1 ? bis_make_patches(&m, corner, 1, at, &diag)
-                    : which == 2 ? bis_make_height_field(&m, z, 4, 3, at, &diag)
-                                 : bis_make_revolved(&m, &shapes[0].r, at, &diag));
-            assert_true(l.over ? l.status == BIS_OK : l.status == BIS_NOMEM && !m.p && !m.index);
-            if (n == row->n) row++, n = 0;
-            n++;
-            assert_int_equal(l.over, row->n == 0);
-            snprintf(text, sizeof text, "s.txt:3:1: error: no memory for %s", row->words);
-            if (!l.over) assert_string_equal(diag.messages[0].text, text);
-            bis_mesh_clear(&m);
-            bis_diag_clear(&diag);
-        }
-    }
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -830,7 +793,6 @@ int main(void)
         cmocka_unit_test(a_cube_becomes_round_and_closed),
         cmocka_unit_test(what_is_no_surface_is_refused),
         cmocka_unit_test(a_point_of_no_triangle_stays),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,6 @@
 #include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
-#include "lack.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -207,22 +206,4 @@ void try_damage(const bytes *b, const char *name, int n, uint32_t seed)
         try_read(path);
     }
     free(changed);
-}
-
-void try_memory(const char *path, const bis_image *pixels, int least)
-{
-    int n_failed = 0;
-    FOR_LACK(l) {
-        bis_image image;
-        bis_diag diag = {0};
-        LACK(l, bis_image_read(&image, path, (bis_loc){0}, &diag));
-        n_failed += l.status != BIS_OK;
-        assert_int_equal(l.status == BIS_OK, image.pixels != NULL);
-        assert_int_equal(l.status == BIS_OK, diag.n_errors == 0);
-        if (!l.status && pixels)
-            assert_memory_equal(image.pixels, pixels->pixels, (size_t)(image.width * image.height) * sizeof(rgb));
-        bis_image_clear(&image);
-        bis_diag_clear(&diag);
-    }
-    assert_true(n_failed >= least);
 }

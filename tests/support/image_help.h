@@ -61,11 +61,6 @@ void expect_image(bis_image *image, const char *path, const char *text);
  * but no crash, and pixels only with BIS_OK). seed: of the changes. */
 void try_damage(const bytes *b, const char *name, int n, uint32_t seed);
 
-/* Read the file with its k-th allocation failing, k = 1, 2, ...: each time there is no memory and there are no pixels,
- * or these, where a library can do without or only a message's text is lost. pixels: NULL for any. `least` times it
- * must fail, or more often. */
-void try_memory(const char *path, const bis_image *pixels, int least);
-
 /* xorshift32: numbers for tests, never 0 for a seed other than 0. */
 uint32_t next_random(uint32_t *state);
 
