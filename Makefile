@@ -122,7 +122,7 @@ MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
 .PHONY: FORCE all pages data web test-web test-32 test test-tools lint python-parts test-browser test-long \
-    envelope asan fuzz fuzz-run coverage docs figures bench installed install uninstall \
+    asan fuzz fuzz-run coverage docs figures bench installed install uninstall \
     tarball release deb clean
 all: bis data $(SHARED_LIB) $(ASSEMBLED) $(if $(filter 1,$(MPI)),bis-mpi)
 
@@ -267,11 +267,6 @@ docs: $(if $(HAS_WASM),web)
 # test`.
 test-browser: $B/bis $(STAMP)
 	@sh scripts/check/test_browser.sh $B/bis $B/browser
-
-# docs/trust.md anew, slow cases included: its introduction as it stands, then what the tests measure.
-ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
-envelope: $(ENVELOPE)
-	@sh scripts/check/envelope.sh $(ENVELOPE)
 
 # The library as WebAssembly and the figures that live (docs/live.md), in build/web. Debian's clang, lld, wasi-libc and
 # libclang-rt-dev-wasm32, and gzip; nothing of it is needed for `make` or `make test`.

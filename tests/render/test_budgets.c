@@ -201,33 +201,6 @@ static void the_first_passes_forecast_what_an_error_will_take(void **state)
     clear_world(&w);
 }
 
-/* An error falls with the root of the samples, so the share of an error budget is the square of the error that is asked
- * for over the one that there is: at the end 1, and below it by what a budget of samples has stopped too early. */
-static void note_progress(const bis_progress *p, void *user)
-{
-    forecasts *k = user;
-    k->share = p->share;
-}
-
-static void progress_by_error_is_the_square_of_the_errors(void **state)
-{
-    world w;
-    bis_film f;
-    bis_render_result result;
-    forecasts k = {0};
-    make_dull_world(&w, &bis_em);
-    bis_render_options options = {.budget = {.error = 0.05}, .progress = note_progress, .user = &k};
-    render(&f, &result, &w, part, &options);
-    assert_true(k.share == 1);
-    bis_film_clear(&f);
-    options.budget = (bis_budget){.error = 0.05, .seconds = 1e6};
-    k.share = 0;
-    render(&f, &result, &w, part, &options);
-    assert_true(k.share == 1);
-    bis_film_clear(&f);
-    clear_world(&w);
-}
-
 /* An error of just the size that is asked for is enough: no pass more, and no forecast of one. */
 static void an_error_that_is_just_reached_is_reached(void **state)
 {
@@ -276,7 +249,6 @@ int main(void)
         cmocka_unit_test(the_true_error_is_within_the_budget_and_not_far_below),
         cmocka_unit_test(the_figure_sees_what_strata_gain),
         cmocka_unit_test(the_first_passes_forecast_what_an_error_will_take),
-        cmocka_unit_test(progress_by_error_is_the_square_of_the_errors),
         cmocka_unit_test(an_error_that_is_just_reached_is_reached),
         cmocka_unit_test(a_render_by_error_can_be_repeated_by_its_number_of_samples),
     };

@@ -273,98 +273,6 @@ static void a_forged_head_breaks_nothing(void **state)
     clear_world(&w);
 }
 
-/* Numbers of a state that is sealed, from its beginning on: camera samples, seconds, passes, their weight; and one more
- * byte. The part, before the hashes that end the head, is none of none. */
-static void numbers_that_make_no_sense_are_refused(void **state)
-{
-    static const struct {
-        long at;
-        double number; /* of 8 bytes; for others, what stands there */
-        int bytes;
-        bool is_whole, is_right;
-    } cases[] = {
-        {0, 0, 8, true, false}, {8, 0, 8, false, true}, {8, -1, 8, false, false},
-        {8, (double)NAN, 8, false, false}, {76, 0, 4, true, false}, {80, 0, 8, false, false},
-        {80, -1, 8, false, false}, {80, (double)NAN, 8, false, false},
-        {-8 * BIS_IDENTITY_PARTS - 8, 1, 4, true, false},
-    };
-    world w;
-    size_t size, at;
-
-    make_kind(&w, &tiny);
-    unsigned char *data = tiny_state(&w, &size, &at), *copy = bis_alloc(size + 1, 1);
-    for (size_t i = 0; i <= COUNT(cases); i++) {
-        const bool is_longer = i == COUNT(cases);
-        bis_checkpoint c = {0};
-        bis_film f = {0};
-        bis_render_result result;
-        bis_diag diag = {0};
-        memcpy(copy, data, size);
-        if (!is_longer) {
-            const double number = cases[i].number;
-            uint64_t bits;
-            if (!cases[i].is_whole) memcpy(&bits, &number, 8);
-            else bits = number < 0 ? (uint64_t)(int64_t)number : (uint64_t)number;
-            for (int k = 0; k < cases[i].bytes; k++)
-                copy[(long)at + cases[i].at + k] = (unsigned char)(bits >> 8 * k);
-        }
-        seal(copy, size + is_longer);
-        store(PATH, copy, size + is_longer);
-        bis_status status = bis_checkpoint_read(&c, PATH, &diag);
-        if (!status) status = try_render(&f, &result, &w, &tiny, budget(&tiny, 12, 1), &c, &diag);
-        if ((status == BIS_OK) != (!is_longer && cases[i].is_right))
-            fail_msg("case %d: status %d", (int)i, (int)status);
-        if (status) assert_string_equal(diag.messages[0].text, PATH ": error: this checkpoint is damaged");
-        bis_diag_clear(&diag);
-        bis_film_clear(&f);
-    }
-    bis_free(data);
-    bis_free(copy);
-    clear_world(&w);
-}
-
-/* Each of these decides what the next passes make (the mean of the half does not, because it is taken anew): the sums
- * of the film, and the counts of what was seen. */
-static void another_number_in_the_state_makes_another_picture(void **state)
-{
-    world w;
-    size_t size, at;
-
-    make_kind(&w, &tiny);
-    unsigned char *data = tiny_state(&w, &size, &at);
-    const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, n_seen = BIS_VISIBILITY_CELLS * sizeof(bis_seen),
-                 seen = size - 8 - n_seen;
-    const size_t places[] = {sums + 7, sums + 3 * n_pixels * 8 + 2,
-                             sums + 3 * n_pixels * 16 + 6, seen};
-    for (size_t i = 0; i < COUNT(places); i++) {
-        bis_film a, b;
-        bis_render_result result;
-        seal(data, size);
-        store(PATH, data, size);
-        bis_checkpoint c = read_state(PATH);
-        render_kind(&a, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
-        const size_t n = i == 3 ? n_seen : 1;
-        unsigned char *before = bis_alloc(n, 1);
-        memcpy(before, data + places[i], n);
-        if (i == 3) memset(data + places[i], 0, n);
-        else data[places[i]] ^= 1;
-        seal(data, size);
-        store(PATH, data, size);
-        c = read_state(PATH);
-        render_kind(&b, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
-        assert_true(memcmp(a.sum, b.sum, 3 * n_pixels * sizeof *a.sum) ||
-                    memcmp(a.deviation, b.deviation, 3 * n_pixels * sizeof *a.deviation) ||
-                    memcmp(a.half, b.half, 3 * n_pixels * sizeof *a.half) ||
-                    memcmp(a.hits, b.hits, n_pixels * sizeof *a.hits));
-        memcpy(data + places[i], before, n);
-        bis_free(before);
-        bis_film_clear(&a);
-        bis_film_clear(&b);
-    }
-    bis_free(data);
-    clear_world(&w);
-}
-
 /* The second field of the state: 1000 s are spent, so a budget of 500 s allows no pass, and one of 2000 s does. What is
  * kept then is no longer than what the render took with them. */
 static void seconds_that_were_spent_before_count(void **state)
@@ -470,42 +378,6 @@ static void other_name(OTHER)
 static void fewer_samples(OTHER) { (void)w, (void)k, o->budget.spp = 3; }
 static void more_samples(OTHER) { (void)w, (void)k, o->budget.spp = 5; }
 
-/* One field each of what a render is. */
-#define CHANGE(name, statement) static void change_##name(OTHER) { (void)w, (void)k, (void)o; statement; }
-CHANGE(orthographic, w->desc.view.camera.orthographic ^= true)
-CHANGE(screen, w->desc.view.camera.has_screen ^= true)
-CHANGE(aspect, w->desc.view.camera.frame_aspect += 0.5)
-CHANGE(eye, w->desc.view.camera.to_world.m[2][3] += 1)
-CHANGE(last_of_eye, w->desc.view.camera.to_world.m[3][3] += 1)
-CHANGE(jitter_of_sampler, w->desc.view.sampler.jitter ^= true)
-CHANGE(kind_of_sampler,
-    w->desc.view.sampler.kind = w->desc.view.sampler.kind == BIS_SAMPLER_SOBOL ? BIS_SAMPLER_RANDOM : BIS_SAMPLER_SOBOL)
-CHANGE(passes, o->pass_size++)
-CHANGE(first_vertex, w->scene.geometry.p[0].x += 1)
-CHANGE(height_of_vertex, w->scene.geometry.p[1].y += 1)
-CHANGE(first_index, w->scene.geometry.index[0] ^= 1)
-CHANGE(last_index, w->scene.geometry.index[3 * w->scene.geometry.n_triangles - 1] ^= 1)
-CHANGE(range, assert_true(w->scene.geometry.n_ranges > 0); w->scene.geometry.ranges[0].material ^= 1)
-CHANGE(start, w->scene.geometry.ranges[w->scene.geometry.n_ranges - 1].first ^= 1)
-CHANGE(kind_of_ball, w->scene.geometry.quadrics[0].kind ^= 1)
-CHANGE(material_of_ball, w->scene.geometry.quadrics[0].material ^= 1)
-CHANGE(height_of_ball, w->scene.geometry.quadrics[0].height += 1)
-CHANGE(place_of_ball, w->scene.geometry.quadrics[0].to_world.m[1][3] += 1)
-CHANGE(red, w->materials[0].Kd.r *= 0.5f)
-CHANGE(green, w->materials[0].Kd.g += 0.125f)
-CHANGE(blue, w->materials[0].Ks.b += 0.125f)
-CHANGE(alpha, w->materials[1].alpha += 0.5)
-CHANGE(first_pixel, bis_light_envmap(w->scene.light)->pixels[0].r += 1)
-CHANGE(last_pixel, const bis_envmap *em = bis_light_envmap(w->scene.light);
-    em->pixels[em->width * em->height - 1].b += 1)
-CHANGE(light_L, w->desc.light.L.g += 1)
-CHANGE(light_b, w->desc.light.area_exponent += 0.5)
-CHANGE(light_mapping, w->desc.light.mapping = BIS_MAPPING_ANGULAR)
-CHANGE(light_width, w->desc.light.width++)
-CHANGE(light_levels, w->desc.light.levels++)
-CHANGE(light_table, w->desc.light.has_table_kind ^= true)
-CHANGE(light_visible, w->desc.light.visible ^= true)
-
 static const struct {
     void (*change)(OTHER);
     const char *words; /* NULL: it goes on */
@@ -528,37 +400,6 @@ static const struct {
     {other_scale, "differ: the parameters of the light. "},
     {other_turn, "differ: the parameters of the light. "},
     {other_density, "differ: the accelerator. "},
-    {change_orthographic, "differ: the camera. "},
-    {change_screen, "differ: the camera. "},
-    {change_aspect, "differ: the camera. "},
-    {change_eye, "differ: the camera. "},
-    {change_last_of_eye, "differ: the camera. "},
-    {change_jitter_of_sampler, "differ: the sampler, or its seed. "},
-    {change_kind_of_sampler, "differ: the sampler, or its seed; the camera samples for which "},
-    {change_passes, "differ: pixel jitter, "},
-    {change_first_vertex, "differ: the shapes. "},
-    {change_height_of_vertex, "differ: the shapes. "},
-    {change_first_index, "differ: the shapes. "},
-    {change_last_index, "differ: the shapes. "},
-    {change_range, "differ: the shapes. "},
-    {change_start, "differ: the shapes. "},
-    {change_kind_of_ball, "differ: the shapes. "},
-    {change_material_of_ball, "differ: the shapes. "},
-    {change_height_of_ball, "differ: the shapes. "},
-    {change_place_of_ball, "differ: the shapes. "},
-    {change_red, "differ: the materials, or their textures. "},
-    {change_green, "differ: the materials, or their textures. "},
-    {change_blue, "differ: the materials, or their textures. "},
-    {change_alpha, "differ: the materials, or their textures. "},
-    {change_first_pixel, "differ: the pixels of the map. "},
-    {change_last_pixel, "differ: the pixels of the map. "},
-    {change_light_L, "differ: the parameters of the light. "},
-    {change_light_b, "differ: the parameters of the light. "},
-    {change_light_mapping, "differ: the parameters of the light. "},
-    {change_light_width, "differ: the parameters of the light. "},
-    {change_light_levels, "differ: the parameters of the light. "},
-    {change_light_table, "differ: the parameters of the light. "},
-    {change_light_visible, "differ: the parameters of the light. "},
     {fewer_samples, "has 4 camera samples a pixel already"},
     {other_error, NULL},
     {other_name, NULL},
@@ -645,99 +486,6 @@ static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_rend
     clear_world(&w);
 }
 
-static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
-{
-    const kind *k = &kinds[0];
-    int n_lost = 0;
-    world w;
-
-    make_kind(&w, k);
-    for (long i = 1;; i++) {
-        bis_checkpoint c = {.path = PATH};
-        bis_film f = {0};
-        bis_render_result result;
-        bis_render_options options = budget(k, 2, 1);
-        options.checkpoint = &c;
-        assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
-        bis_mem_fail_at(i);
-        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc.view, &options, NULL);
-        const bool over = bis_mem_count() < i;
-        bis_mem_fail_at(0);
-        bis_film_clear(&f);
-        assert_true(status == BIS_OK || status == BIS_NOMEM);
-        n_lost += status == BIS_OK && c.failed;
-        if (over) break;
-        assert_in_range(i, 1, 200);
-    }
-    assert_true(n_lost > 0);
-    bis_checkpoint c = {0};
-    bis_mem_fail_at(1);
-    assert_int_equal(bis_checkpoint_read(&c, PATH, NULL), BIS_NOMEM);
-    bis_mem_fail_at(0);
-    clear_world(&w);
-}
-
-/* What was read is freed once the render goes on, and where it is refused. */
-static void what_was_read_is_freed_when_the_render_begins(void **state)
-{
-    const kind *k = &kinds[0];
-    bis_film f;
-    bis_render_result result;
-    bis_checkpoint c = {.path = PATH, .every = 1e9};
-    world w;
-
-    make_kind(&w, k);
-    unlink(PATH);
-    render_kind(&f, &result, &w, k, budget(k, 4, 1), &c);
-    bis_film_clear(&f);
-    for (int refused = 0; refused < 2; refused++) {
-        bis_render_options options = budget(k, 9, 1);
-        c = read_state(PATH);
-        assert_non_null(c.data);
-        options.checkpoint = &c;
-        w.desc.view.camera.fov_deg += refused;
-        assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
-        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc.view, &options, NULL);
-        assert_int_equal(status, refused ? BIS_INPUT : BIS_OK);
-        assert_null(c.data);
-        bis_film_clear(&f);
-    }
-    clear_world(&w);
-}
-
-/* More rays saw the light than there were: in whichever part of the counts, the file is damaged. */
-static void counts_of_more_seen_than_rays_are_refused_wherever_they_stand(void **state)
-{
-    world w;
-    size_t size, at;
-
-    make_kind(&w, &tiny);
-    unsigned char *data = tiny_state(&w, &size, &at);
-    const size_t first = size - 8 - BIS_VISIBILITY_CELLS * sizeof(bis_seen), last = size - 8 - 4;
-    const size_t places[] = {first, (first + last) / 8 * 4, last};
-    for (size_t i = 0; i < COUNT(places); i++) {
-        for (unsigned char seen = 2; seen < 4; seen++) { /* of 2 rays */
-            unsigned char before[4];
-            bis_diag diag = {0};
-            bis_film f;
-            bis_render_result result;
-            memcpy(before, data + places[i], 4);
-            memcpy(data + places[i], (const unsigned char[]){seen, 0, 2, 0}, 4);
-            seal(data, size);
-            store(PATH, data, size);
-            memcpy(data + places[i], before, 4);
-            bis_checkpoint c = read_state(PATH);
-            const bis_status status = try_render(&f, &result, &w, &tiny, budget(&tiny, 16, 1), &c, &diag);
-            assert_int_equal(status, seen > 2 ? BIS_INPUT : BIS_OK);
-            if (status) assert_string_equal(diag.messages[0].text, PATH ": error: this checkpoint is damaged");
-            bis_diag_clear(&diag);
-            bis_film_clear(&f);
-        }
-    }
-    bis_free(data);
-    clear_world(&w);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -746,15 +494,10 @@ int main(void)
         cmocka_unit_test(an_error_is_reached_by_the_same_pass_and_a_smaller_one_may_follow),
         cmocka_unit_test(every_truncation_and_every_changed_byte_is_refused),
         cmocka_unit_test(a_forged_head_breaks_nothing),
-        cmocka_unit_test(numbers_that_make_no_sense_are_refused),
-        cmocka_unit_test(another_number_in_the_state_makes_another_picture),
         cmocka_unit_test(seconds_that_were_spent_before_count),
         cmocka_unit_test(settings_are_read_back),
         cmocka_unit_test(another_render_is_refused_by_what_differs),
         cmocka_unit_test(where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on),
-        cmocka_unit_test(without_memory_there_is_a_message_or_no_checkpoint),
-        cmocka_unit_test(what_was_read_is_freed_when_the_render_begins),
-        cmocka_unit_test(counts_of_more_seen_than_rays_are_refused_wherever_they_stand),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

@@ -217,22 +217,6 @@ static void any_number_of_ranks_makes_the_bits_of_one(void **state)
     clear_world(&w);
 }
 
-/* A pass is 16 bytes a pixel and 4 for each value of a layer, and the twins; before it the edges, a byte a pixel at
- * most. What was learned, 512 bytes for 16 pixels, stays where it is. */
-static void only_passes_travel(void **state)
-{
-    world w;
-    picture many;
-
-    make_learning_world(&w);
-    const size_t joined = make_by_ranks(&many, &w, narrow, 2)->joined;
-    const size_t n = (size_t)SIDE * SIDE, pixel = 16 + 4 * (size_t)many.film.layers.n_values;
-    assert_true(joined >= PASSES * n * pixel);
-    assert_true(joined < PASSES * n * (pixel + CELL / 16));
-    bis_film_clear(&many.film);
-    clear_world(&w);
-}
-
 /* 3 ranks, one process, 5 ranks; each goes on from the checkpoint of the one before. */
 static void a_checkpoint_has_what_all_have_learned(void **state)
 {
@@ -402,7 +386,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_ranks_makes_the_bits_of_one),
-        cmocka_unit_test(only_passes_travel),
         cmocka_unit_test(a_checkpoint_has_what_all_have_learned),
         cmocka_unit_test(a_pass_that_is_given_up_is_not_learned_from),
         cmocka_unit_test(a_rank_that_is_interrupted_ends_all),

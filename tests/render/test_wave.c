@@ -248,35 +248,6 @@ static void waves_have_the_bits_of_single_samples(void **state)
     }
 }
 
-/* One thread tells after each of the tiles what share of the pass is done. */
-static void note_share(double share, void *user)
-{
-    double *const told = user; /* how often, and the last share */
-    assert_true(share > told[1] && share <= 1);
-    told[0]++;
-    told[1] = share;
-}
-
-static void a_pass_tells_its_progress_after_each_tile(void **state)
-{
-    const bis_render_options options = {.n_threads = 1};
-    const bis_pass pass = {.number = 0, .n = 1, .first = 0, .weight = 1};
-    double told[2] = {0, 0};
-    bis_film film;
-    world w;
-    bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
-                          .film = &film};
-
-    make_world(&w, &bis_em);
-    assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
-    assert_true(bis_pass_render(&work, &pass, note_share, told));
-    assert_true(told[0] == work.n_tiles && told[1] == 1 && work.n_tiles > 1);
-    bis_workspace_clear(&work);
-    bis_film_clear(&film);
-    clear_world(&w);
-}
-
 /* Twin: the comparison sees one shadow ray. */
 static bool one_ray_is_lost(const bis_accel *a, const ray *r)
 {
@@ -431,21 +402,6 @@ static void what_passes_share_and_learn_does_not_bias(void **state)
     }
 }
 
-/* Squares of 32 x 32 pixels, of twice that, and so on, to the one that holds all: counted by hand. */
-static void squares_of_a_picture_are_those_that_have_a_pixel(void **state)
-{
-    static const struct { int width, height; size_t n; } cases[] = {
-        {31, 31, 1}, {32, 32, 1}, {1, 1, 1}, {33, 32, 2 + 1}, {32, 33, 2 + 1}, {33, 33, 4 + 1}, {63, 31, 2 + 1},
-        {31, 64, 2 + 1}, {64, 64, 4 + 1}, {65, 64, 6 + 2 + 1}, {64, 65, 6 + 2 + 1}, {96, 1, 3 + 2 + 1},
-        {1, 97, 4 + 2 + 1}, {128, 128, 16 + 4 + 1}, {129, 127, 20 + 6 + 2 + 1},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const bis_film f = {.full_width = cases[i].width, .full_height = cases[i].height};
-        const size_t n = bis_survey_squares(&f);
-        if (n != cases[i].n) fail_msg("%d x %d: %zu squares", cases[i].width, cases[i].height, n);
-    }
-}
-
 /* ---- where squares are ---- */
 
 enum { MOST_SQUARES = 128 };
@@ -453,56 +409,6 @@ enum { MOST_SQUARES = 128 };
 typedef struct square {
     int side, x, y;
 } square;
-
-/* Squares of 32 pixels in reading order, of 64, and so on, up to the one that holds the picture. */
-static size_t list_squares(square s[MOST_SQUARES], int width, int height)
-{
-    size_t n = 0;
-    for (int side = 32;; side *= 2) {
-        for (int y = 0; y < height; y += side)
-            for (int x = 0; x < width; x += side) s[n++] = (square){side, x, y};
-        if (side >= width && side >= height) return n;
-    }
-}
-
-/* The number of the square of this side that holds a pixel. */
-static uint32_t square_of(const square *s, size_t n, int side, int x, int y)
-{
-    for (size_t k = 0; k < n; k++)
-        if (s[k].side == side && x >= s[k].x && x < s[k].x + side && y >= s[k].y && y < s[k].y + side)
-            return (uint32_t)k;
-    fail_msg("no square of %d has pixel (%d, %d)", side, x, y);
-    return 0;
-}
-
-/* Around a tile is the square of 32 pixels that it is in, around a square the next larger one, and around the last one
- * none. The tiles are those of a crop, the squares those of the picture. */
-static void each_place_is_in_the_square_around_it(void **state)
-{
-    static const int sizes[][2] = {{37, 21}, {300, 200}, {129, 127}, {20, 250}};
-    static const double crops[][4] = {{0, 1, 0, 1}, {0.3, 0.9, 0.4, 1}};
-
-    for (int i = 0; i < 8; i++) {
-        const int width = sizes[i / 2][0], height = sizes[i / 2][1];
-        const bis_film f = bis_film_place(width, height, crops[i % 2], 1);
-        square s[MOST_SQUARES];
-        const size_t n = list_squares(s, width, height);
-        bis_visibility v;
-        int across;
-        const int n_tiles = bis_film_tiles(&f, TILE, &across);
-        assert_int_equal(bis_visibility_init(&v, (size_t)n_tiles, n, 1, NULL), BIS_OK);
-        assert_int_equal(bis_survey_squares(&f), n);
-        bis_survey_place(&v, &f);
-        for (int t = 0; t < n_tiles; t++) {
-            const int x = (f.x0 / TILE + t % across) * TILE, y = (f.y0 / TILE + t / across) * TILE;
-            assert_int_equal(v.above[t], square_of(s, n, 32, x, y));
-        }
-        for (size_t k = 0; k + 1 < n; k++)
-            assert_int_equal(v.above[(size_t)n_tiles + k], square_of(s, n, 2 * s[k].side, s[k].x, s[k].y));
-        assert_int_equal(v.above[(size_t)n_tiles + n - 1], BIS_NO_SQUARE);
-        bis_visibility_clear(&v);
-    }
-}
 
 /* ---- which squares are looked at ---- */
 
@@ -517,198 +423,12 @@ typedef struct survey {
     int told;
 } survey;
 
-static void open_survey(survey *s, const int at[4], const bis_render_options *options)
-{
-    const double crop[4] = {(at[0] - 0.5) / BROAD, (at[1] - 0.5) / BROAD, (at[2] - 0.5) / HIGH, (at[3] - 0.5) / HIGH};
-    const double all[4] = {fmax(0, crop[0]), crop[1], fmax(0, crop[2]), crop[3]};
-
-    *s = (survey){.options = *options};
-    make_world(&s->w, &bis_sir);
-    choose(&s->w, &(setting){&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, true, true});
-    assert_int_equal(bis_film_init(&s->film, BROAD, HIGH, all, (bis_loc){0}, NULL), BIS_OK);
-    assert_true(s->film.x0 == at[0] && s->film.width == at[1] - at[0] && s->film.y0 == at[2] &&
-                s->film.height == at[3] - at[2]);
-    s->work = (bis_workspace){.scene = &s->w.scene, .desc = &s->w.desc, .view = &s->w.desc.view,
-                              .options = &s->options, .film = &s->film};
-    assert_int_equal(bis_workspace_init(&s->work, NULL), BIS_OK);
-    bis_clusters_fill(&s->work.clusters, s->w.scene.light, 1, 0, 1);
-}
-
-static void close_survey(survey *s)
-{
-    bis_workspace_clear(&s->work);
-    bis_film_clear(&s->film);
-    clear_world(&s->w);
-}
-
-static void count_telling(double share, void *user)
-{
-    assert_true(share == 0);
-    ++*(int *)user;
-}
-
-static uint64_t counted_rays(const bis_workspace *w)
-{
-    uint64_t n = 0;
-    for (int i = 0; i < w->n_threads; i++) n += w->workers[i].counters.camera_rays;
-    return n;
-}
-
-/* Closed are the squares from `least` pixels on that have a pixel of what is rendered. Returns how many. */
-static int assert_closed(const survey *s, int least)
-{
-    const bis_rect a = s->work.area;
-    square all[MOST_SQUARES];
-    const size_t n = list_squares(all, BROAD, HIGH);
-    int closed = 0;
-
-    assert_int_equal(s->work.visibility.n_squares, n);
-    for (size_t k = 0; k < n; k++) {
-        bool touches = false;
-        for (int y = a.y0; y < a.y1; y++)
-            for (int x = a.x0; x < a.x1; x++)
-                touches |= x >= all[k].x && x < all[k].x + all[k].side && y >= all[k].y && y < all[k].y + all[k].side;
-        const bool wanted = touches && all[k].side >= least;
-        if ((s->work.visibility.squares[k].h[0] > 0) != wanted)
-            fail_msg("square of %d at (%d, %d)", all[k].side, all[k].x, all[k].y);
-        closed += wanted;
-    }
-    return closed;
-}
-
-/* First squares of 128 pixels and more, then the others, where they touch the tiles of the crop: here along the borders
- * of squares. Each is told once. A second survey, of a resumed render, finds what the first one found. */
-static void squares_are_looked_at_coarse_to_fine(void **state)
-{
-    static const int crops[][4] = {{0, 300, 0, 200}, {33, 64, 40, 64}, {128, 256, 0, 64}, {250, 300, 170, 200},
-                                   {0, 1, 199, 200}};
-    static const int coarse[] = {9, 3, 3, 5, 3}, fine[] = {99, 5, 13, 15, 5};
-
-    for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
-        survey s;
-        open_survey(&s, crops[i], &(bis_render_options){.n_threads = 1});
-        const bis_visibility *v = &s.work.visibility;
-        const size_t first = bis_visibility_first_cell(v, v->n_tiles), bytes = v->n_squares * sizeof *v->squares;
-        bis_square *kept = bis_alloc(v->n_squares, sizeof *kept);
-        bis_survey(&s.work, false, true, count_telling, &s.told);
-        assert_int_equal(assert_closed(&s, 128), coarse[i]);
-        assert_true(s.told == coarse[i] && !s.work.surveyed);
-        assert_in_range(counted_rays(&s.work), coarse[i], 64 * (unsigned)coarse[i]);
-        bis_survey(&s.work, true, true, count_telling, &s.told);
-        assert_int_equal(assert_closed(&s, 0), fine[i]);
-        assert_true(s.told == fine[i] && s.work.surveyed);
-        assert_in_range(counted_rays(&s.work), fine[i], 64 * (unsigned)fine[i]);
-        memcpy(kept, v->squares, bytes);
-        bis_seen *known = bis_alloc(v->n_squares, sizeof *known);
-        memcpy(known, v->known + first, v->n_squares * sizeof *known);
-        bis_survey(&s.work, false, false, count_telling, &s.told);
-        assert_int_equal(assert_closed(&s, 128), coarse[i]);
-        assert_int_equal(counted_rays(&s.work), 0); /* it is not counted again */
-        bis_survey(&s.work, true, false, count_telling, &s.told);
-        assert_memory_equal(v->squares, kept, bytes);
-        assert_memory_equal(v->known + first, known, v->n_squares * sizeof *known);
-        bis_free(kept);
-        bis_free(known);
-        close_survey(&s);
-    }
-}
-
-/* Rays of a survey count once for the picture: in its first part, or in rank 0. Who is interrupted has looked at
- * nothing and has not done it; nor has, in small squares, who is late. */
-static void a_survey_counts_once_and_may_end(void **state)
-{
-    static const int all[4] = {0, BROAD, 0, HIGH};
-    static volatile sig_atomic_t flag = 1;
-    bis_ranks leader = {.rank = 0, .size = 2}, other = {.rank = 1, .size = 2};
-    unsigned char fine = 0;
-    const struct {
-        bis_render_options options;
-        bool counts, looks, late;
-    } cases[] = {
-        {{.n_threads = 1}, true, true, false},
-        {{.n_threads = 1, .part = {1, 3}}, true, true, false},
-        {{.n_threads = 1, .part = {2, 3}}, false, true, false},
-        {{.n_threads = 1, .ranks = &leader}, true, true, false},
-        {{.n_threads = 1, .ranks = &other}, false, true, false},
-        {{.n_threads = 1, .interrupted = &flag}, false, false, false},
-        {{.n_threads = 1}, true, true, true},
-    };
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        survey s;
-        open_survey(&s, all, &cases[i].options);
-        if (cases[i].late) s.work.fine = &fine, s.work.late = 0;
-        for (int is_fine = 0; is_fine < 2; is_fine++) {
-            bis_counters before = s.work.workers[0].counters;
-            bis_survey(&s.work, is_fine, true, count_telling, &s.told);
-            const bool looks = cases[i].looks && !(is_fine && cases[i].late);
-            assert_int_equal(assert_closed(&s, !cases[i].looks ? 1000 : looks && is_fine ? 0 : 128),
-                             !cases[i].looks ? 0 : looks && is_fine ? 99 : 9);
-            assert_int_equal(counted_rays(&s.work) > before.camera_rays, looks && cases[i].counts);
-            assert_int_equal(s.work.surveyed, looks && is_fine);
-        }
-        s.work.fine = NULL;
-        close_survey(&s);
-    }
-}
-
 /* An accelerator in which one shadow ray of `each` comes through; 0: nothing is hit. */
 typedef struct dim {
     bis_accel accel;
     const bis_accel *inner;
     uint32_t each, *n;
 } dim;
-
-static bool dim_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
-{
-    const dim *d = (const dim *)a;
-    return d->each > 0 && bis_accel_intersect(d->inner, r, hit);
-}
-
-static bool dim_occluded(const bis_accel *a, const ray *r)
-{
-    const dim *d = (const dim *)a;
-    return (*d->n)++ % d->each > 0;
-}
-
-/* The ball fills the picture of 256 x 256 pixels, so that all samples meet it. A look ends after its first round, of 4
- * samples, if a quarter of the rays came through; after 16 rounds it has seen enough of the dark, or of the sky. There
- * are 5 squares of 128 pixels and more, and 80 others. The same goes for tiles. */
-static void a_look_ends_where_a_quarter_comes_through(void **state)
-{
-    static const struct { uint32_t each, rays; } cases[] = {{0, 64}, {1, 4}, {2, 4}, {3, 4}, {5, 64}, {1u << 30, 64}};
-    static const bis_accel_ops ops = {.name = "dim", .intersect = dim_intersect, .occluded = dim_occluded};
-    const bis_render_options options = {.n_threads = 1};
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        uint32_t n = 0;
-        int told = 0;
-        world w;
-        bis_film film;
-        make_world(&w, &bis_sir);
-        choose(&w, &(setting){&bis_sir, 64, 64, BIS_PROPOSAL_PRODUCT, true, true});
-        w.desc.view.camera.fov_deg = 5;
-        bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
-                              .film = &film};
-        assert_int_equal(bis_film_init(&film, 256, 256, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
-        bis_clusters_fill(&work.clusters, w.scene.light, 1, 0, 1);
-        dim d = {{&ops, &w.scene.geometry}, w.scene.accel, cases[i].each, &n};
-        w.scene.accel = &d.accel;
-        bis_survey(&work, false, true, count_telling, &told);
-        assert_int_equal(counted_rays(&work), 5 * cases[i].rays);
-        bis_survey(&work, true, true, count_telling, &told);
-        assert_int_equal(counted_rays(&work), 85 * cases[i].rays);
-        if (cases[i].each != 5) { /* a tile knows so much that its rays are few, and a fifth of them is luck */
-            bis_survey_tile(&work, &work.workers[0], 3);
-            assert_int_equal(counted_rays(&work), 86 * cases[i].rays);
-        }
-        w.scene.accel = (bis_accel *)(uintptr_t)d.inner;
-        bis_workspace_clear(&work);
-        bis_film_clear(&film);
-        clear_world(&w);
-    }
-}
 
 /* An outline takes 5 camera samples where another pixel takes one, a turn 3: their sampler divides as many. */
 static void edge_pixels_have_samplers_of_all_their_samples(void **state)
@@ -742,67 +462,15 @@ static void edge_pixels_have_samplers_of_all_their_samples(void **state)
     clear_world(&w);
 }
 
-/* A film in a corner: what is learned is that of the whole picture, of which 2^23 pixels have cells, and more have
- * none. Squares of 32, 64, ..., 4096 pixels, by hand. */
-static void what_is_learned_is_of_the_size_of_the_picture(void **state)
-{
-    static const struct { int height; size_t n_squares; uint32_t cells; } cases[] = {
-        {2048, 128 * 64 + 64 * 32 + 32 * 16 + 16 * 8 + 8 * 4 + 4 * 2 + 2 + 1, 16},
-        {2049, 128 * 65 + 64 * 33 + 32 * 17 + 16 * 9 + 8 * 5 + 4 * 3 + 2 * 2 + 1, 1},
-    };
-    const bis_render_options options = {.n_threads = 1};
-    world w;
-    make_world(&w, &bis_sir);
-    choose(&w, &(setting){&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, true, true});
-    for (size_t i = 0; i < 2; i++) {
-        bis_film film;
-        bis_workspace work = {.scene = &w.scene, .desc = &w.desc, .view = &w.desc.view, .options = &options,
-                              .film = &film};
-        assert_int_equal(bis_film_init(&film, 4096, cases[i].height, (const double[]){0, 0.01, 0, 0.01}, (bis_loc){0},
-                                       NULL), BIS_OK);
-        assert_int_equal(bis_workspace_init(&work, NULL), BIS_OK);
-        assert_int_equal(work.visibility.n_squares, cases[i].n_squares);
-        assert_int_equal(work.visibility.cells, cases[i].cells);
-        bis_workspace_clear(&work);
-        bis_film_clear(&film);
-    }
-    clear_world(&w);
-}
-
-static void without_memory_for_materials_there_is_no_wave(void **state)
-{
-    const bis_scene_desc textured = {.textures.n_of_material = 1};
-    const bis_wave_task task = {.desc = &textured};
-    const long live = bis_mem_live();
-    bis_wave *w = NULL;
-    long k = 0;
-    while (!w) {
-        bis_mem_fail_at(++k);
-        w = bis_wave_new(&task, NULL, NULL, NULL);
-        bis_mem_fail_at(0);
-        if (!w) assert_int_equal(bis_mem_live(), live);
-    }
-    assert_int_equal(k, 3);
-    bis_wave_free(w);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_learned_is_of_the_size_of_the_picture),
-        cmocka_unit_test(a_look_ends_where_a_quarter_comes_through),
         cmocka_unit_test(edge_pixels_have_samplers_of_all_their_samples),
-        cmocka_unit_test(squares_of_a_picture_are_those_that_have_a_pixel),
-        cmocka_unit_test(each_place_is_in_the_square_around_it),
-        cmocka_unit_test(squares_are_looked_at_coarse_to_fine),
-        cmocka_unit_test(a_survey_counts_once_and_may_end),
         cmocka_unit_test(waves_have_the_bits_of_single_samples),
-        cmocka_unit_test(a_pass_tells_its_progress_after_each_tile),
         cmocka_unit_test(one_ray_that_is_lost_changes_the_bits),
         cmocka_unit_test(many_samples_of_one_pixel_fill_several_waves),
         cmocka_unit_test(an_integrator_may_trace_its_rays_at_once),
         cmocka_unit_test(what_passes_share_and_learn_does_not_bias),
-        cmocka_unit_test(without_memory_for_materials_there_is_no_wave),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -119,86 +119,6 @@ static char *stats_of(const bis_stats *s)
     return text;
 }
 
-/* The kernel's own text of it is in kB. */
-static void assert_peak(const char *stats)
-{
-    char status[8192], *peak;
-    FILE *f = fopen("/proc/self/status", "r");
-    const double told = json_number(stats, "peak_memory_bytes");
-    assert_non_null(f);
-    status[fread(status, 1, sizeof status - 1, f)] = '\0';
-    fclose(f);
-    peak = strstr(status, "VmHWM:");
-    assert_non_null(peak);
-    assert_true(fabs(told / 1024 / atof(peak + 6) - 1) < 0.3);
-}
-
-static const char stats_before[] =
-    "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  "
-    "\"proposal\": \"choose\",\n"
-    "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"spp\": 12,\n"
-    "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  "
-    "\"height\": 3,\n"
-    "  \"extent\": null,\n  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    "
-    "\"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
-    "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  "
-    "\"candidates_drawn\": 103,\n"
-    "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
-
-static void the_stats_are_those_by_hand(void **state)
-{
-    /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
-    static const char after[] =
-        "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2092\n  },\n"
-        "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
-    bis_scene_desc desc = small_scene();
-    bis_scene scene = {.accel = NULL};
-    bis_film film;
-    const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0},
-        .seconds = 5,
-        .error = {.relative_rmse = 0.125, .upper = 0.25, .is_known = true},
-        .interrupted = true,
-        .spp = 12,
-        .passes = 3,
-        .n_threads = 5,
-        .bytes = 1000};
-    desc.view.settings = settings(&bis_rejection, 31, 6);
-    desc.view.settings.proposal = BIS_PROPOSAL_CHOOSE;
-    desc.view.sampler.seed = 34;
-    assert_int_equal(bis_light_constant(&scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
-    assert_int_equal(bis_film_init(&film, 7, 3, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
-    bis_stats s = {.desc = &desc,
-        .scene = bis_scene_figures_of(&scene),
-        .film = &film,
-        .result = &result,
-        .seconds = {1, 2, 3, 4, 5, 6, 7},
-        .line = "the line"};
-
-    char *text = stats_of(&s), *rest = strstr(text, "  \"peak_memory_bytes\": ");
-    assert_non_null(rest);
-    assert_int_equal(rest - text, strlen(stats_before));
-    assert_memory_equal(text, stats_before, strlen(stats_before));
-    assert_string_equal(strchr(rest, '\n') + 1, after);
-    assert_peak(text);
-    free(text);
-
-    char value[256];
-    /* other integrators */
-    desc.view.settings = settings(&bis_exact, 1, 1);
-    text = stats_of(&s);
-    assert_string_equal(json_value(value, sizeof value, text, "candidates_drawn"), "null");
-    assert_string_equal(json_value(value, sizeof value, text, "accepted"), "null");
-    free(text);
-    desc.view.settings = settings(&bis_rejection, 31, 6);
-    desc.view.settings.estimator = BIS_ESTIMATOR_PLAIN;
-    text = stats_of(&s);
-    assert_string_equal(json_value(value, sizeof value, text, "accepted"), "104");
-    assert_string_equal(json_value(value, sizeof value, text, "fallbacks"), "null");
-    free(text);
-    bis_light_free(scene.light);
-    bis_film_clear(&film);
-}
-
 /* name=text or name=number, with blanks between. */
 static const char *join(char *buf, size_t size, const bis_attribute *a, int n)
 {
@@ -319,63 +239,14 @@ static int plan(const expect_command *c)
     return 0;
 }
 
-/* A map or mesh whose header tells nothing: the size of the file. */
-static void a_file_that_tells_nothing_has_its_bytes(void **state)
-{
-    static char text[2500001];
-    bis_scene_desc *desc = NULL;
-    char *plan = NULL;
-    size_t n;
-    memset(text, '#', sizeof text - 1);
-    program_write_file(DIR "/strange.hdr", text);
-    program_write_file(DIR "/strange.obj", text);
-    program_write_file(DIR "/scene.txt", "WorldBegin LightSource \"infinite\" \"string filename\" \"strange.hdr\"\n"
-                       "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"strange.hdr\"\n"
-                       "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"objmesh\" "
-                       "\"string filename\" \"strange.obj\"\n");
-    assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
-    FILE *out = open_memstream(&plan, &n);
-    bis_scene_plan(desc, out);
-    fclose(out);
-    if (!strstr(plan, "\nlight        map " DIR "/strange.hdr, latlong, a file of 2.5 MB\n") ||
-        !strstr(plan, "\nbuild        light curve, one CDF along a space-filling curve\n") ||
-        !strstr(plan, "\nbuild        texture " DIR "/strange.hdr, a file of 2.5 MB\n") ||
-        !strstr(plan, "\nbuild        mesh " DIR "/strange.obj, a file of 2.5 MB, read once for 1 shape\n"))
-        fail_msg("%s", plan);
-    free(plan);
-    bis_scene_desc_free(desc);
-}
-
-/* 2048 x 1024 pixels, each of 16 bytes to draw from. */
-static void distant_lights_are_planned_as_a_map(void **state)
-{
-    bis_scene_desc *desc = NULL;
-    char *plan = NULL;
-    size_t n;
-    program_write_file(DIR "/scene.txt",
-                       "WorldBegin LightSource \"distant\" LightSource \"distant\" Shape \"sphere\"");
-    assert_int_equal(bis_scene_parse_as(&desc, DIR "/scene.txt", BIS_PARSE_APPROXIMATE, NULL), BIS_OK);
-    FILE *out = open_memstream(&plan, &n);
-    bis_scene_plan(desc, out);
-    fclose(out);
-    if (!strstr(plan, "\nlight        constant\nlight        and 2 distant, as discs in a map of 2048 x 1024\n") ||
-        !strstr(plan, "\nbuild        light curve, one CDF along a space-filling curve: at most 33.6 MB\n"))
-        fail_msg("%s", plan);
-    free(plan);
-    bis_scene_desc_free(desc);
-}
-
 int main(void)
 {
     use_threads(1); /* each has a chunk of the EXR in memory, which the plans by hand count */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_line_names_every_parameter_and_its_type),
         cmocka_unit_test(a_short_line_leaves_out_what_has_its_default),
-        cmocka_unit_test(the_stats_are_those_by_hand),
         cmocka_unit_test(a_pictures_attributes_are_those_by_hand),
         cmocka_unit_test(what_a_scene_has_stands_under_its_key),
-        cmocka_unit_test(distant_lights_are_planned_as_a_map),
-        cmocka_unit_test(a_file_that_tells_nothing_has_its_bytes),
     };
     program_folder(DIR);
     program_write_scene(DIR, ""); /* for its map.pfm of 8 x 4 */

@@ -127,30 +127,6 @@ static void only_what_is_required_is_checked(void **state)
     }
 }
 
-/* Every allocation may fail: then nothing is kept. */
-static void without_memory_nothing_is_required(void **state)
-{
-    bis_scene_desc *desc;
-    assert_int_equal(bis_scene_parse_text(&desc, DIR "/scene", all[0].with, 0, NULL), BIS_OK);
-    for (long k = 1; k <= 4; k++) {
-        bis_scene_needs needs;
-        bis_mem_fail_at(k);
-        const bis_status status = bis_scene_needs_of(&needs, desc, NULL);
-        bis_mem_fail_at(0);
-        assert_int_equal(status, BIS_NOMEM);
-        bis_scene_needs_clear(&needs);
-        assert_null(needs.uses);
-    }
-    bis_diag diag = {0};
-    bis_mem_fail_at(1);
-    const bis_status status = bis_scene_check_files(desc, &diag);
-    bis_mem_fail_at(0);
-    assert_int_equal(status, BIS_NOMEM);
-    assert_non_null(strstr(diag.messages[0].text, "error: no memory to look at the scene's files"));
-    bis_diag_clear(&diag);
-    bis_scene_desc_free(desc);
-}
-
 static void write_image(const char *path, int width, int height)
 {
     FILE *out = fopen(path, "wb");
@@ -165,7 +141,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_required_is_built_planned_foreseen_and_identified),
         cmocka_unit_test(only_what_is_required_is_checked),
-        cmocka_unit_test(without_memory_nothing_is_required),
     };
     if (system("mkdir -p " DIR) != 0) return 1;
     write_image(DIR "/t.pfm", 8, 4);

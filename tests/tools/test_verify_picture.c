@@ -67,20 +67,6 @@ static void a_right_picture_passes(void **state)
     verify_clear(&b);
 }
 
-/* Whether a few renders outweigh all others is a matter of chance. Whether there is any light, the scene decides. */
-static void what_is_skipped_by_chance_counts_among_the_p_values(void **state)
-{
-    bis_verify v = {.seed = 1};
-    bis_verify_p(bis_verify_new(&v, "picture", "one"), 1, 0.3, "z");
-    bis_verify_bound(bis_verify_new(&v, "picture", "two"), 0, 0, "estimates that are no numbers");
-    assert_int_equal(verify_judged(&v), 1);
-    bis_verify_skip(bis_verify_new(&v, "picture", "three"), "a few renders outweigh all others here: too few to judge");
-    assert_int_equal(verify_judged(&v), 2);
-    bis_verify_skip(bis_verify_new(&v, "picture", "four"), "next to no light reaches the eye");
-    assert_int_equal(verify_judged(&v), 2);
-    bis_verify_clear(&v);
-}
-
 /* Renders that are wrong. */
 static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f->height; }
 
@@ -189,26 +175,6 @@ static bis_status render_three_percent_more(bis_render_result *result, bis_film 
     return status;
 }
 
-/* No difference is larger than one that is no number, and none is smaller. */
-static void a_mean_that_is_not_a_number_fails(void **state)
-{
-    verify_built b = build_full();
-    bis_verify v = {.seed = 1, .halvings = 2};
-    bool tested;
-    assert_int_equal(bis_verify_picture(&v, render_a_pixel_without_number, b.scene, &b.desc->view.settings,
-                                        &tested, NULL), BIS_OK);
-    size_t n = 0;
-    for (size_t i = 0; i < v.n; i++) {
-        if (strncmp(v.tests[i].name, "all pixels", strlen("all pixels")) != 0) continue;
-        n++;
-        assert_true(v.tests[i].p == 0);
-        assert_string_equal(v.tests[i].note, "not a number");
-    }
-    assert_true(tested && n > 0);
-    bis_verify_clear(&v);
-    verify_clear(&b);
-}
-
 static void wrong_pictures_are_rejected(void **state)
 {
     static const struct { const char *what; bis_verify_render *render; const char *by; } wrong[] = {
@@ -228,94 +194,6 @@ static void wrong_pictures_are_rejected(void **state)
             fail_msg("%s: \"%s\" accepts it", wrong[i].what, wrong[i].by);
     }
     verify_clear(&b);
-}
-
-/* Renders that have no noise: each pixel of the two is right, 5.25 by 7 = 4 + 2 + 1, times its factor. */
-static double factor[2];
-
-static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_view *view, const bis_render_options *options, bis_diag *diag)
-{
-    *result = (bis_render_result){.counters = {0}};
-    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] = 2 * 0.75 * factor[i / 3];
-    f->weight = 2;
-    return BIS_OK;
-}
-
-static const struct {
-    int width, height, floors;
-    double first, second, factor[2];
-    const char *found[5];
-} floors[] = {{1, 1, 1, 0, 0, {1, 1}, {NULL}}, {1, 1, 1, 9, 0, {2 / 3.0, 1}, {NULL}},
-    {1, 1, 1, 0, 0, {1.05, 1}, {"+5 %", "+5 %"}}, {2, 1, 2, -1, 1, {1, 1}, {NULL}},
-    {2, 1, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "+5 %", ""}},
-    {2, 1, 2, -1, 1, {0.95, 1.05}, {NULL, NULL, "-5 %", ""}},
-    {1, 2, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "", "+5 %"}},
-    {2, 1, 2, -1, 1.5, {1.1, 6.125 / 5.25}, {"+4.8 %", "+4.8 %", "+5.5 %", ""}}};
-
-/* Floors of reflectance 1/2 end in each of one or two pixels, the picture is 7/2 or 7. All that is judged, by hand.
- * Where floors lie outside the middle of two pixels, these have opposite slopes: 5 % more in the first and less in the
- * second is nothing in all pixels, and 5 % of what the slopes weigh. Slopes along an edge are noise: "" may fail. Of
- * one pixel its slope tells nothing. The last case: the second floor takes a quarter of its pixel. Roots of mean
- * squares 5.534 and 6.310, their mean 5.922, weights 0.08729 and 0.08175, pixels 5.25 and 6.125, slopes 1.75 s (1 - s)
- * for a floor of share s: 0.4375 and 0.3281. Of 10 % more in the first, 4.78 % is left of the sum of all, and 5.50 % of
- * that with slopes. */
-static void the_sums_of_a_picture_are_those_by_hand(void **state)
-{
-    static const char floor_text[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
-                                     "[%g %g 2  %g %g 2  %g %g 2  %g %g 2]\n";
-    static const char *const of_one[] = {"all pixels: em", "outlines: em", "not a number: em"},
-        *const of_material[] = {"all pixels: em", "material 1: em", "not a number: em"},
-        *const of_two[] = {"all pixels: em", "outlines: em", "outlines, left to right: em", "outlines, up and down: em",
-                           "not a number: em"};
-    for (size_t i = 0; i < sizeof floors / sizeof *floors; i++) {
-        char text[2048];
-        const int down = floors[i].height == 2;
-        int n = snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
-                         "Camera \"orthographic\"\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
-                         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 "
-                         ".5]\n",
-                         floors[i].width, floors[i].height);
-        for (int k = 0; k < floors[i].floors; k++) {
-            const double a = k ? floors[i].second : -9, b = k ? 9 : floors[i].first;
-            double c[4][2] = {{a, -9}, {b, -9}, {b, 9}, {a, 9}}; /* x, y */
-            n += snprintf(text + n, sizeof text - (size_t)n, floor_text, c[0][down], c[0][!down], c[1][down],
-                c[1][!down], c[2][down], c[2][!down], c[3][down], c[3][!down]);
-        }
-        program_folder(VERIFY_DIR);
-        program_write_file(VERIFY_DIR "/floors.txt", text);
-        verify_built b = verify_build(VERIFY_DIR "/floors.txt");
-        for (int k = 0; k < 2; k++) factor[k] = floors[i].factor[k];
-        /* Where a few renders outweigh all others there is no verdict: of seeds 1 to 20 a third have none. Each row
-         * must get the right one from one of four seeds, and the wrong one from none. */
-        bool judged[5] = {false}, all_judged = false;
-        for (uint64_t seed = 1; !all_judged && seed <= 4; seed++) {
-            bis_verify v = {.seed = seed, .halvings = 3};
-            bool tested;
-            assert_int_equal(
-                bis_verify_picture(&v, render_factors, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
-            assert_true(tested);
-            assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
-            assert_int_equal(v.n, floors[i].floors == 2 ? 5 : 3);
-            all_judged = true;
-            for (size_t k = 0; k < v.n; k++) {
-                const char *found = floors[i].found[k];
-                const char *const name = floors[i].floors == 2  ? of_two[k]
-                                         : floors[i].first == 9 ? of_material[k]
-                                                               : of_one[k];
-                assert_string_equal(v.tests[k].name, name);
-                assert_string_equal(v.tests[k].group, "picture");
-                if (found && !*found) continue;
-                judged[k] |= v.tests[k].verdict == (found ? BIS_VERDICT_FAILED : BIS_VERDICT_PASSED);
-                all_judged &= judged[k];
-                if (!found) assert_int_not_equal(v.tests[k].verdict, BIS_VERDICT_FAILED);
-                if (found && v.tests[k].verdict == BIS_VERDICT_FAILED) assert_non_null(strstr(v.tests[k].note, found));
-            }
-            bis_verify_clear(&v);
-        }
-        if (!all_judged) fail_msg("case %zu: four seeds do not judge it", i);
-        verify_clear(&b);
-    }
 }
 
 /* Renders by turns brighter and darker than `swing.mean` by `swing.share` of it: one of `every` is the brighter. */
@@ -371,114 +249,6 @@ static void z_and_p_of_a_picture_are_those_by_hand(void **state)
         bis_verify_clear(&v);
     }
     verify_clear(&b);
-}
-
-/* Counts its calls, and whether each had so many samples a pixel. */
-static struct { uint64_t spp; unsigned calls, wrong; } asked;
-
-static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene,
-    const bis_view *view, const bis_render_options *options, bis_diag *diag)
-{
-    *result = (bis_render_result){.counters = {0}};
-    asked.calls++;
-    asked.wrong += options->budget.spp != asked.spp;
-    f->weight = 1;
-    return BIS_OK;
-}
-
-/* How many renders, pixels and passes, worked out. All renders may cost 2^25 units, halved h times: 8 a shadow ray, 1 a
- * candidate; for each pass 256 units a candidate (2^18 at most) and for `product` 2^15 more. 1024 pixels halved h
- * times, but 16 at least, as far as 32 renders of 2 passes (4 to learn) are paid for; 32 to 128 renders. E.g. product
- * 8/1, h = 2: 2^23 / (32 x 16 + 2048 + 32768) = 237.4 passes, 119 renders of 2; to learn 59 renders of 4. 64 x 48
- * pixels have 6 x 5 of each 10 x 10. */
-static void renders_pixels_and_passes_are_those_worked_out(void **state)
-{
-    static const struct { const char *integrator; int width, height; unsigned h; const char *note; unsigned renders,
-        spp; } cases[] = {
-        {"\"em\" \"integer samples\" 8", 8, 4, 5, "; 128 renders of 32 pixels, 4 passes", 128, 4},
-        {"\"em\" \"integer samples\" 8", 64, 48, 5, "; 128 renders of 30 pixels, 4 passes", 128, 4},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, "; 128 renders of 32 pixels, 3 passes",
-         128, 3},
-        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, "; 32 renders of 8 pixels, 2 passes",
-         32, 2},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\"", 8, 4, 2,
-         "; 119 renders of 32 pixels, 2 passes", 119, 2},
-        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" "
-         "true", 8, 4, 2,
-         "; 59 renders of 32 pixels, 4 passes", 59, 4}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\n"
-            "Integrator %s\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"disk\" \"float height\" "
-            "2\n",
-            cases[i].width, cases[i].height, cases[i].integrator);
-        program_folder(VERIFY_DIR);
-        program_write_file(VERIFY_DIR "/counts.txt", text);
-        verify_built b = verify_build(VERIFY_DIR "/counts.txt");
-        bis_verify v = {.seed = 1, .halvings = cases[i].h};
-        bool tested;
-        asked.calls = asked.wrong = 0, asked.spp = cases[i].spp;
-        assert_int_equal(
-            bis_verify_picture(&v, render_nothing, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
-        assert_true(tested && v.n > 0);
-        if (!strstr(v.tests[0].note, cases[i].note)) fail_msg("case %zu: %s", i, v.tests[0].note);
-        assert_int_equal(asked.calls, cases[i].renders);
-        assert_int_equal(asked.wrong, 0);
-        bis_verify_clear(&v);
-        verify_clear(&b);
-    }
-}
-
-/* Counts the camera rays. */
-static atomic_uint camera_rays;
-
-static bool counted_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
-{
-    camera_rays++;
-    return right_intersect(a, r, hit);
-}
-
-static bool seen_as_before(const bis_accel *a, const ray *r)
-{
-    return bis_accel_occluded(((const accel_twin *)a)->right, r);
-}
-
-/* What is expected of a picture is made of 8 batches that tell weights and outlines, and of 32 for the sums, with 2^21
- * samples in 32, halved so often: as many for each pixel, 1 to 4096. In pixels that an outline crosses the 32 have
- * eight times as many. Floors fill all pixels, or all but one that one of them ends in. */
-static void a_reference_has_its_samples(void **state)
-{
-    static const bis_accel_ops ops = {.name = "counted", .intersect = counted_intersect, .occluded = seen_as_before};
-    static const struct { int width, height; double right; unsigned halvings, samples, outlines; } cases[] = {
-        {1, 1, 9, 3, 4096, 0}, {1, 1, 9, 7, 512, 0}, {1, 1, 0, 8, 256, 1}, {2, 2, 9, 7, 128, 0}, {4, 1, 0.5, 8, 64, 1},
-        {3, 1, 9, 8, 85, 0}, {4, 4, 9, 20, 1, 0}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[1024];
-        const unsigned n = (unsigned)(cases[i].width * cases[i].height);
-        bis_verify v = {.seed = 1, .halvings = cases[i].halvings};
-        bool tested;
-        snprintf(text, sizeof text,
-            "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\nIntegrator "
-            "\"em\" \"integer samples\" 1\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial "
-            "\"diffuse\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %g -9 2  %g "
-            "9 2  -9 9 2]\n",
-            cases[i].width, cases[i].height, cases[i].right, cases[i].right);
-        program_folder(VERIFY_DIR);
-        program_write_file(VERIFY_DIR "/samples.txt", text);
-        verify_built b = verify_build(VERIFY_DIR "/samples.txt");
-        accel_twin twin = {{&ops, &b.scene->geometry}, b.scene->accel};
-        b.scene->accel = &twin.accel;
-        camera_rays = 0;
-        assert_int_equal(
-            bis_verify_picture(&v, render_nothing, b.scene, &b.desc->view.settings, &tested, NULL), BIS_OK);
-        b.scene->accel = (bis_accel *)(uintptr_t)twin.right;
-        assert_true(tested);
-        const unsigned expected = cases[i].samples * (8 * n + 32 * (n + 7 * cases[i].outlines));
-        if (camera_rays != expected) fail_msg("case %zu: %u rays, must be %u", i, (unsigned)camera_rays, expected);
-        bis_verify_clear(&v);
-        verify_clear(&b);
-    }
 }
 
 /* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half
@@ -650,13 +420,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(z_and_p_of_a_picture_are_those_by_hand),
-        cmocka_unit_test(a_reference_has_its_samples),
         cmocka_unit_test(a_right_picture_passes),
-        cmocka_unit_test(what_is_skipped_by_chance_counts_among_the_p_values),
-        cmocka_unit_test(a_mean_that_is_not_a_number_fails),
         cmocka_unit_test(wrong_pictures_are_rejected),
-        cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
-        cmocka_unit_test(renders_pixels_and_passes_are_those_worked_out),
         cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
         cmocka_unit_test(pixels_of_a_thin_film_meet_what_is_there),
         cmocka_unit_test(outlines_are_other_materials_and_other_sides),

@@ -36,22 +36,6 @@ static void the_command_verifies_maps_and_scenes(void **state)
     bis_envmap_clear(&em);
 }
 
-/* The lattice comes back to the pixels of a small film: each is looked at once. */
-static void a_pixel_is_looked_at_once(void **state)
-{
-    bis_verify v = {.seed = 1, .halvings = 1}; /* three pixels are wanted */
-    size_t in_view = 0;
-    verify_write_map();
-    verify_write_scene("small.txt", "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\n");
-    verify_run_file(&v, VERIFY_DIR "/small.txt");
-    for (size_t k = 0; k < v.n; k++) {
-        in_view += strcmp(v.tests[k].group, "view") == 0;
-        for (size_t j = 0; j < k; j++) assert_string_not_equal(v.tests[j].name, v.tests[k].name);
-    }
-    assert_int_equal(in_view, 14 + 2 * n_further()); /* of four pixels, two see a surface in the light */
-    verify_assert_accepted(&v);
-}
-
 /* ---- which tests a scene gets, by hand ---- */
 
 static void run_text(bis_verify *v, const char *options, const char *world)
@@ -142,91 +126,6 @@ static void every_material_is_looked_at_once(void **state)
     assert_int_equal(count(&v, "materials", ""), 25);
     assert_true(has_skip(&v, "materials", "25 and on", "too many: only the first are looked at"));
     verify_assert_accepted(&v);
-}
-
-/* Metals that differ in one channel of eta, in one of k, or in alpha are others; one that has all of the first is
- * not. */
-static void metals_that_differ_in_one_number_are_others(void **state)
-{
-    static const char *const metals[] = {
-        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
-        "\"rgb eta\" [1 1.5 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
-        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 3] \"float roughness\" 0.25",
-        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.36",
-        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
-        "\"rgb eta\" [1 1.5 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
-    };
-    static char world[4096];
-    bis_verify v = {.seed = 2, .halvings = 8};
-    strcpy(world, "LightSource \"infinite\" \"rgb L\" [0 0 0] Translate 50 0 0 ");
-    for (size_t i = 0; i < sizeof metals / sizeof *metals; i++)
-        snprintf(world + strlen(world), 256, "Material \"conductor\" %s Shape \"sphere\"\n", metals[i]);
-    run_text(&v, verify_one_pixel, world);
-    for (int i = 1; i <= 5; i++) {
-        char begin[16];
-        snprintf(begin, sizeof begin, "%d, ", i);
-        assert_int_equal(count(&v, "materials", begin) > 0, i <= 4);
-    }
-    bis_verify_clear(&v);
-}
-
-/* Textures count as they are in the middle, u = v = 1/2, and at the origin: there a checkerboard of squares of 1/2 has
- * its first colour, 0.25, and so has one that a plane maps, whose squares have a corner half a unit before the origin,
- * along each of the three axes. Both are then the material of that colour, and a board of which it is the second one is
- * not. */
-static void textures_are_as_they_are_in_the_middle(void **state)
-{
-    static const char *const boards[] = {
-        "\"float uscale\" 2 \"float vscale\" 2 ",
-        "\"string mapping\" \"planar\" \"vector3 v1\" [1 0 0] \"vector3 v2\" [0 1 0] \"float udelta\" 0.5 \"float "
-        "vdelta\" 0.5 ",
-        "\"string mapping\" \"planar\" \"vector3 v1\" [0 0 1] \"vector3 v2\" [0 1 0] \"float udelta\" 0.5 \"float "
-        "vdelta\" 0.5 "};
-    program_folder(VERIFY_DIR);
-    for (size_t i = 0; i < sizeof boards / sizeof *boards; i++)
-        for (int other = 0; other < 2; other++) {
-            char world[1024];
-            bis_verify v = {.seed = 2, .halvings = 8};
-            snprintf(world, sizeof world,
-                "LightSource \"infinite\" \"rgb L\" [0 0 0] Translate 50 0 0\nTexture \"t\" \"spectrum\" "
-                "\"checkerboard\" \"rgb tex%d\" [0.25 0.25 0.25] \"rgb tex%d\" [0.75 0.75 0.75] %s\n"
-                "Material \"diffuse\" \"rgb reflectance\" [0.25 0.25 0.25] Shape \"sphere\"\n"
-                "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"\n",
-                1 + other, 2 - other, boards[i]);
-            run_text(&v, verify_one_pixel, world);
-            assert_true(count(&v, "materials", "1, ") > 0);
-            if ((count(&v, "materials", "2, ") > 0) != other) fail_msg("board %zu, colour %d", i, other);
-            bis_verify_clear(&v);
-        }
-}
-
-/* No more than 4096 samples or candidates and 1024 shadow rays are taken of the scene's own numbers. So a scene that
- * asks for more has as many renders, pixels and passes compared as one that asks for these, and the same of them. */
-static void numbers_that_are_too_dear_are_cut(void **state)
-{
-    static const char *const integrators[][2] = {
-        {"\"em\" \"integer samples\" 4096", "\"em\" \"integer samples\" 100000"},
-        {"\"sir\" \"integer candidates\" 4096 \"integer shadowrays\" 1024",
-         "\"sir\" \"integer candidates\" 50000 \"integer shadowrays\" 30000"}};
-    program_folder(VERIFY_DIR);
-    for (int i = 0; i < 2; i++) {
-        char notes[2][160];
-        for (int k = 0; k < 2; k++) {
-            char options[512];
-            bis_verify v = {.seed = 1, .halvings = 7};
-            snprintf(options, sizeof options,
-                "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 4 Integrator %s", integrators[i][k]);
-            run_text(&v, options, "LightSource \"infinite\" Material \"diffuse\" Translate 0 0 3 Shape \"disk\" "
-                     "\"float radius\" 1000");
-            assert_true(count(&v, "picture", "all pixels") == 1);
-            for (size_t j = 0; j < v.n; j++)
-                if (strncmp(v.tests[j].name, "all pixels", 10) == 0)
-                    snprintf(notes[k], sizeof notes[k], "%s", v.tests[j].note);
-            bis_verify_clear(&v);
-        }
-        assert_string_equal(notes[0], notes[1]);
-        assert_non_null(strstr(notes[0], " renders of "));
-    }
 }
 
 /* Three columns of the table as the numbers that JSON has, "-" for none. */
@@ -325,48 +224,6 @@ static void the_unit_of_radiance_does_not_matter(void **state)
     for (int i = 0; i < 3; i++) bis_verify_clear(&v[i]);
 }
 
-/* Points k of R2: u = frac(1/2 + k 0.754877666), w = frac(1/2 + k 0.569840291): (0.5, 0.5), (0.25488, 0.06984),
- * (0.00976, 0.63968). They fall into columns 10 to 29 and rows 10 to 19 of the crop. */
-static void pixels_of_the_lattice_lie_in_the_crop(void **state)
-{
-    bis_verify v = {.seed = 3, .halvings = 1}; /* three pixels are wanted */
-    run_text(&v,
-        "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 \"float cropwindow\" [0.25 0.75 0.5 1] "
-        "Integrator \"brdf\"",
-        MAP_LIGHT "Material \"diffuse\" Translate 0 0 3 Shape \"disk\" \"float radius\" 1000");
-    const size_t each = count(&v, "view", "pixel (20, 15): ");
-    assert_true(each >= 3);
-    assert_int_equal(count(&v, "view", "pixel (15, 10): "), each);
-    assert_int_equal(count(&v, "view", "pixel (10, 16): "), each);
-    assert_int_equal(count(&v, "view", "pixel "), 3 * each);
-    verify_assert_accepted(&v);
-}
-
-/* A pixel visits each patch 6 times, and 2^25 visits are made: of a map of 2^21 patches, 12.6 million for each of two
- * pixels. A third, which the same scene has under a small map, would make 37.7 million. The map is black but for some
- * rows. */
-static void a_large_map_has_fewer_pixels_looked_at(void **state)
-{
-    enum { W = 2048, H = 1024, DARK = 800, LIT = 8 };
-    bis_image map;
-    verify_write_map();
-    assert_int_equal(bis_image_init(&map, W, H, NULL), BIS_OK);
-    for (size_t i = 0; i < (size_t)LIT * W; i++) map.pixels[(size_t)DARK * W + i] = (rgb){1, 1, 1};
-    assert_int_equal(bis_image_save(&map, VERIFY_DIR "/large.hdr", NULL), BIS_OK);
-    bis_image_clear(&map);
-    for (int large = 0; large < 2; large++) {
-        bis_verify v = {.seed = 3, .halvings = 1}; /* three pixels are wanted */
-        char light[256];
-        snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" Material \"diffuse\" "
-                 "Translate 0 0 3 Shape \"disk\" \"float radius\" 1000", large ? "large.hdr" : "map.pfm");
-        run_text(&v, "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 Integrator \"brdf\"", light);
-        const size_t each = count(&v, "view", "pixel (20, 10): ");
-        assert_true(each >= 3);
-        assert_int_equal(count(&v, "view", "pixel "), (large ? 2 : 3) * each);
-        bis_verify_clear(&v);
-    }
-}
-
 static void our_own_files_pass(void **state)
 {
     static const char *const paths[] = {"data/scenes/figure-5.3.txt", "data/scenes/louvres.txt"};
@@ -380,17 +237,11 @@ static void our_own_files_pass(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(textures_are_as_they_are_in_the_middle),
-        cmocka_unit_test(numbers_that_are_too_dear_are_cut),
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
-        cmocka_unit_test(a_pixel_is_looked_at_once),
         cmocka_unit_test(what_a_scene_lacks_is_skipped_and_says_why),
         cmocka_unit_test(every_material_is_looked_at_once),
-        cmocka_unit_test(metals_that_differ_in_one_number_are_others),
         cmocka_unit_test(a_failure_is_told_in_table_and_json),
         cmocka_unit_test(the_unit_of_radiance_does_not_matter),
-        cmocka_unit_test(pixels_of_the_lattice_lie_in_the_crop),
-        cmocka_unit_test(a_large_map_has_fewer_pixels_looked_at),
         cmocka_unit_test(our_own_files_pass),
     };
     return cmocka_run_group_tests_name("verify_scene", tests, NULL, NULL);

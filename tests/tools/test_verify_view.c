@@ -54,53 +54,6 @@ static void right_integrators_pass(void **state)
     }
 }
 
-/* An integrator's numbers come from its name: whatever stands before it in the list. */
-static void a_test_does_not_depend_on_those_before_it(void **state)
-{
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
-    bis_verify all = {.seed = 1, .halvings = 4}, one = all;
-    bool tested;
-    lit l;
-    lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
-    assert_int_equal(
-        bis_verify_point(&all, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, all_settings(), 7, &tested, NULL),
-        BIS_OK);
-    assert_int_equal(
-        bis_verify_point(&one, &(bis_verify_place){"p", &l.pt, BIS_SAMPLER_RANDOM}, all_settings() + 4, 1, &tested,
-            NULL), BIS_OK);
-    assert_string_equal(one.tests[0].name, all.tests[4].name);
-    assert_true(one.tests[0].statistic == all.tests[4].statistic && one.tests[0].p == all.tests[4].p);
-    bis_verify_clear(&all);
-    bis_verify_clear(&one);
-    bis_light_free(light);
-}
-
-/* "+- 0.002 %" is a share: a light that is 64 times as bright leaves it as it is, to the bit. */
-static void the_error_of_the_reference_is_told_as_a_share(void **state)
-{
-    const bis_settings *s = all_settings();
-    char note[2][sizeof((bis_verify_test *)0)->note + 128];
-    for (int k = 0; k < 2; k++) {
-        bis_light *light = lit_new_light(LIT_SMOOTH, k ? 64 : 1, 0.15, false);
-        lit l;
-        bool tested;
-        bis_verify v = {.seed = 1, .halvings = 1};
-        lit_init(&l, light, verify_glossy(&bis_phong_model, 50), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
-        assert_int_equal(
-            bis_verify_point(&v, &(bis_verify_place){"share", &l.pt, BIS_SAMPLER_RANDOM}, s, 1, &tested, NULL), BIS_OK);
-        const char *found = strstr(v.tests[0].note, "sum over patches +- ");
-        assert_non_null(found);
-        snprintf(note[k], sizeof note[k], "%s", found);
-        bis_verify_clear(&v);
-        bis_light_free(light);
-    }
-    double share = 0;
-    char unit = 0;
-    assert_int_equal(sscanf(note[0], "sum over patches +- %lf %c", &share, &unit), 2);
-    assert_true(unit == '%' && share > 0 && share < 1); /* of a percent: it is a reference */
-    assert_string_equal(note[0], note[1]);
-}
-
 static void a_point_in_the_dark_is_not_tested(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
@@ -160,30 +113,6 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
             assert_int_equal(wrong, v.tests[0].p < 1e-5);
             bis_verify_clear(&v);
         }
-    bis_light_free(light);
-}
-
-/* Bernstein's bound is never below the tail bound of a normal law, 2 exp(-z^2/2), since what may be rare and bright
- * only widens it. Few runs of the wrong one, so that neither is next to 0: z is between 2 and 6. */
-static void what_is_rare_is_less_certain_than_a_normal_law_says(void **state)
-{
-    bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
-    const bis_material m = bis_phong((rgb){0.05f, 0.05f, 0.05f}, (rgb){0.9f, 0.9f, 0.9f}, 10);
-    bis_settings s = bis_settings_default(&bis_brdf);
-    lit l;
-    bool tested;
-    s.as_printed = BIS_E34;
-    lit_init(&l, light, m, normalize(vec3_from(0.2, -0.3, 0.8)), 84, LIT_OPEN);
-    for (uint64_t seed = 3; seed < 8; seed++) {
-        bis_verify v = {.seed = seed, .halvings = 4};
-        assert_int_equal(
-            bis_verify_point(&v, &(bis_verify_place){"lamp", &l.pt, BIS_SAMPLER_STRATIFIED}, &s, 1, &tested, NULL),
-            BIS_OK);
-        assert_true(tested && v.n == 1 && strstr(v.tests[0].note, "Bernstein"));
-        const double z = v.tests[0].statistic, p = v.tests[0].p;
-        assert_true(z > 1.2 && p > 2 * exp(-z * z / 2) && p < 0.9);
-        bis_verify_clear(&v);
-    }
     bis_light_free(light);
 }
 
@@ -266,44 +195,6 @@ static void what_is_not_a_number_fails(void **state)
     assert_true(v.tests[0].verdict == BIS_VERDICT_FAILED && v.tests[0].p == 0 && isnan(v.tests[0].statistic));
     assert_int_equal(v.n_failed, 1);
     bis_verify_clear(&v);
-    bis_light_free(light);
-}
-
-/* Run r is the estimate of stream r, on whatever thread, and what it has counted is added to what stood there. Each has
- * one camera sample: the points of halton depend on how many there are. */
-static void runs_are_those_of_their_streams(void **state)
-{
-    enum { RUNS = 100, SEED = 77 };
-    static const bis_sampler_kind kinds[] = {BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
-    const bis_integrator *const integrators[] = {&bis_rejection, &bis_em};
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
-        bis_settings s = bis_settings_default(integrators[k]);
-        bis_counters counters = {.accepted = 1000, .fallbacks = 2000, .shadow_rays = 3000};
-        bis_scratch scratch;
-        rgb estimate[RUNS + 1];
-        lit l;
-        lit_init(&l, light, verify_glossy(&bis_phong_model, 20), (vec3){0, 0, 1}, 40, LIT_HALF);
-        l.kind = kinds[k];
-        s.candidates = 8; /* few: some runs of rejection fall back */
-        estimate[RUNS] = (rgb){7, 8, 9};
-        assert_int_equal(
-            bis_verify_runs(estimate, &(bis_verify_job){&l.pt, &s, kinds[k], RUNS, SEED, NULL}, &counters, NULL),
-            BIS_OK);
-        assert_true(estimate[RUNS].r == 7 && estimate[RUNS].g == 8 && estimate[RUNS].b == 9);
-        l.counters = (bis_counters){0};
-        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
-        for (uint32_t run = 0; run < RUNS; run++) {
-            const rgb L = lit_once(&l, &s, &scratch, SEED, run);
-            assert_memory_equal(&L, &estimate[run], sizeof L);
-        }
-        bis_scratch_clear(&scratch);
-        assert_true(k > 0 || (l.counters.accepted > 0 && l.counters.fallbacks > 0));
-        assert_true(l.counters.shadow_rays > 0);
-        assert_int_equal(counters.accepted, 1000 + l.counters.accepted);
-        assert_int_equal(counters.fallbacks, 2000 + l.counters.fallbacks);
-        assert_int_equal(counters.shadow_rays, 3000 + l.counters.shadow_rays);
-    }
     bis_light_free(light);
 }
 
@@ -576,15 +467,11 @@ int main(void)
         cmocka_unit_test(runs_that_are_too_skew_are_not_judged),
         cmocka_unit_test(z_and_p_of_ours_are_those_by_hand),
         cmocka_unit_test(right_integrators_pass),
-        cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
-        cmocka_unit_test(the_error_of_the_reference_is_told_as_a_share),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_known_too_badly_is_not_judged),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
-        cmocka_unit_test(what_is_rare_is_less_certain_than_a_normal_law_says),
         cmocka_unit_test(a_stranger_is_held_to_what_uniform_directions_do),
         cmocka_unit_test(what_is_not_a_number_fails),
-        cmocka_unit_test(runs_are_those_of_their_streams),
         cmocka_unit_test(the_density_of_its_samples_decides_how_an_integrator_is_judged),
         cmocka_unit_test(seeds_that_were_accused_pass),
     };

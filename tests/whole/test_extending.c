@@ -280,7 +280,7 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
     /* those that ask for every integrator and take less than 7 s; all programs take as long as make test */
     const char *tests = getenv("BIS_LONG")
                             ? "all"
-                            : "test_help test_verify test_parameters test_bytes test_errata test_layers test_render "
+                            : "test_help test_verify test_parameters test_errata test_layers test_render "
                               "test_verify_view test_options test_expect test_parser test_scene test_flat";
     char command[256];
     snprintf(command, sizeof command, "sh scripts/check/check_extending.sh %s", tests);
