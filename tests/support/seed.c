@@ -3,6 +3,7 @@
  * bis_rng_init. In test programs the linker puts __wrap_bis_rng_init in its place (--wrap), which adds a multiple of n
  * to each seed, in the library, too. Without SEED the seeds are those that stand in the tests. */
 #include "bis/thesis/rng.h"
+#include "stat.h"
 
 #include <stdlib.h>
 
@@ -12,6 +13,9 @@ __attribute__((weak)) void __real_bis_rng_init(bis_rng *r, uint64_t seed, uint64
 void __wrap_bis_rng_init(bis_rng *r, uint64_t seed, uint64_t pixel, uint64_t sample, uint64_t purpose);
 
 static uint64_t shift;
+static bool is_kept;
+
+void stat_keep_seeds(bool as_written) { is_kept = as_written; }
 
 __attribute__((constructor)) static void read_seed(void)
 {
@@ -21,5 +25,5 @@ __attribute__((constructor)) static void read_seed(void)
 
 void __wrap_bis_rng_init(bis_rng *r, uint64_t seed, uint64_t pixel, uint64_t sample, uint64_t purpose)
 {
-    __real_bis_rng_init(r, seed + shift, pixel, sample, purpose);
+    __real_bis_rng_init(r, seed + (is_kept ? 0 : shift), pixel, sample, purpose);
 }
