@@ -136,24 +136,6 @@ static void what_only_looks_like_a_number_is_refused_whole(void **state)
     }
 }
 
-static void tokens_need_no_space_where_brackets_and_quotes_part_them(void **state)
-{
-    static const char text[] = "a[1]\"s\"2 #x\n[\"t\"]";
-    bis_lexer l;
-    bis_diag diag;
-    open_text(&l, &diag, text, strlen(text));
-    assert_token(&l, BIS_TOKEN_WORD, "a", 1, 1);
-    assert_token(&l, BIS_TOKEN_OPEN, NULL, 1, 2);
-    assert_token(&l, BIS_TOKEN_NUMBER, "1", 1, 3);
-    assert_token(&l, BIS_TOKEN_CLOSE, NULL, 1, 4);
-    assert_token(&l, BIS_TOKEN_STRING, "s", 1, 5);
-    assert_token(&l, BIS_TOKEN_NUMBER, "2", 1, 8);
-    assert_token(&l, BIS_TOKEN_OPEN, NULL, 2, 1);
-    assert_token(&l, BIS_TOKEN_STRING, "t", 2, 2);
-    assert_token(&l, BIS_TOKEN_CLOSE, NULL, 2, 5);
-    done(&l, &diag, 0);
-}
-
 static void escapes_in_strings_are_pbrts(void **state)
 {
     static const char text[] = "\"a\\\"b\\\\c\\n\\t\\'\\b\\f\\r\"";
@@ -204,46 +186,23 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
         {BYTES("\"a\\q\" b"), 3, escape, BIS_TOKEN_WORD, 1, 7},
         {BYTES("\"\xc3\xa9\\q\xc3\xa9\" b"), 3, escape, BIS_TOKEN_WORD, 1, 8},
         {BYTES("\xc3\xa9"), 1, "unexpected byte 0xc3: a scene is UTF-8 text", BIS_TOKEN_END, 1, 2},
-        {BYTES("\"ab\\q\xff\" b"), 4, escape, BIS_TOKEN_WORD, 1, 9}, /* of two the first */
         {BYTES("\"a\0c\" b"), 3, "a zero byte in a string", BIS_TOKEN_WORD, 1, 7},
         {BYTES("\"a\nb"), 1, "string without a closing quote", BIS_TOKEN_WORD, 2, 1},
-        {BYTES("x \"a"), 3, "string without a closing quote", BIS_TOKEN_END, 1, 5},
         {BYTES("\"\\"), 2, "string without a closing quote", BIS_TOKEN_END, 1, 3},
-        {BYTES("\"\\\nb"), 2, "string without a closing quote", BIS_TOKEN_WORD, 2, 1},
         {BYTES("12\xc3\xa9 b"), 1, "malformed number \"12\xc3\xa9\"", BIS_TOKEN_WORD, 1, 5},
         {BYTES("1a\"s\""), 1, "malformed number \"1a\"", BIS_TOKEN_STRING, 1, 3},
         {BYTES("1a[2"), 1, "malformed number \"1a\"", BIS_TOKEN_OPEN, 1, 3},
-        {BYTES("1a]2"), 1, "malformed number \"1a\"", BIS_TOKEN_CLOSE, 1, 3},
         {BYTES("1a#2\n b"), 1, "malformed number \"1a#2\"", BIS_TOKEN_WORD, 2, 2},
-        {BYTES("1a\tb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("1a\fb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("1a\vb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
         {BYTES("1a\rb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 1},
         {BYTES("-1.#IND b"), 1, "non-finite number \"-1.#IND\"", BIS_TOKEN_WORD, 1, 9},
-        {BYTES("1.#QNAN0 b"), 1, "non-finite number \"1.#QNAN0\"", BIS_TOKEN_WORD, 1, 10},
-        {BYTES("1a\nb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 1},
         {BYTES("0x1 b"), 1, "malformed number \"0x1\"", BIS_TOKEN_WORD, 1, 5},
-        {BYTES("-0X1 b"), 1, "malformed number \"-0X1\"", BIS_TOKEN_WORD, 1, 6},
         {BYTES("+1e400 b"), 1, "non-finite number \"+1e400\"", BIS_TOKEN_WORD, 1, 8},
         {BYTES("a-b[1"), 1, "malformed word \"a-b\"", BIS_TOKEN_OPEN, 1, 4},
-        {BYTES("a\xc3\xa9 b"), 1, "malformed word \"a\xc3\xa9\"", BIS_TOKEN_WORD, 1, 4},
         {BYTES(" ,;~ b"), 2, "unexpected character \",\"", BIS_TOKEN_WORD, 1, 6},
         {BYTES("!\xc3\xa9 b"), 1, "unexpected character \"!\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("!\xc3\xa9\xe2\x82\xac b"), 1, "unexpected character \"!\"", BIS_TOKEN_WORD, 1, 5},
-        {BYTES("1\xc3\xa9\xe2\x82\xac b"), 1, "malformed number \"1\xc3\xa9\xe2\x82\xac\"", BIS_TOKEN_WORD, 1, 5},
-        {BYTES("\"\xc3\xa9\xe2\x82\xac\\q\" b"), 4, escape, BIS_TOKEN_WORD, 1, 8},
-        {BYTES("~a"), 1, "unexpected character \"~\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("@A"), 1, "unexpected character \"@\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("`Z"), 1, "unexpected character \"`\"", BIS_TOKEN_WORD, 1, 2},
         {BYTES("{z"), 1, "unexpected character \"{\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("^_"), 1, "unexpected character \"^\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("/0"), 1, "unexpected character \"/\"", BIS_TOKEN_NUMBER, 1, 2},
         {BYTES(":9"), 1, "unexpected character \":\"", BIS_TOKEN_NUMBER, 1, 2},
-        {BYTES(",\"s\""), 1, "unexpected character \",\"", BIS_TOKEN_STRING, 1, 2},
-        {BYTES(",["), 1, "unexpected character \",\"", BIS_TOKEN_OPEN, 1, 2},
         {BYTES(",]"), 1, "unexpected character \",\"", BIS_TOKEN_CLOSE, 1, 2},
-        {BYTES(",#]\n1"), 1, "unexpected character \",\"", BIS_TOKEN_NUMBER, 2, 1},
-        {BYTES("\x7f 1"), 1, "unexpected byte 0x7f: a scene is UTF-8 text", BIS_TOKEN_NUMBER, 1, 3},
         {BYTES("\x1f 1"), 1, "unexpected byte 0x1f: a scene is UTF-8 text", BIS_TOKEN_NUMBER, 1, 3},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -285,45 +244,6 @@ static void words_and_numbers_have_all_letters_and_digits(void **state)
         assert_token(&l, BIS_TOKEN_NUMBER, "0", is_line ? 2 : 1, is_line ? 1 : 3);
         assert_token(&l, BIS_TOKEN_WORD, "a", is_line ? 3 : 1, is_line ? 1 : 5);
         done(&l, &diag, 0);
-    }
-}
-
-/* A message has 100 bytes at most, and no half of a character; what cannot be printed is '?', byte by byte. */
-static void a_text_for_a_message_is_cut_and_printable(void **state)
-{
-    char x[200], expected[200], buf[128];
-    memset(x, 'x', sizeof x);
-    assert_string_equal(bis_printable(buf, "", 0), "");
-    assert_string_equal(bis_printable(buf, "a b~!", 5), "a b~!");
-    assert_string_equal(bis_printable(buf, "a\tb\x7f" "c\xff\xc3\xa9\xe2\x82", 10), "a?b?c?\xc3\xa9??");
-    assert_string_equal(bis_printable(buf, "\0\x1f", 2), "??");
-    for (size_t n = 98; n < 104; n++) { /* n times x */
-        snprintf(expected, sizeof expected, "%.*s%s", n < 100 ? (int)n : 100, x, n > 100 ? "..." : "");
-        assert_string_equal(bis_printable(buf, x, n), expected);
-    }
-    for (size_t n = 96; n < 102; n++) { /* a character of three bytes behind n times x, and one x */
-        memset(x, 'x', sizeof x);
-        memcpy(x + n, "\xe2\x82\xac", 3);
-        const bool fits = n + 3 <= 100, whole = n + 4 <= 100;
-        snprintf(expected, sizeof expected, "%.*s%s%s%s", n < 100 ? (int)n : 100, x, fits ? "\xe2\x82\xac" : "",
-                 whole ? "x" : "", whole ? "" : "...");
-        assert_string_equal(bis_printable(buf, x, n + 4), expected);
-    }
-}
-
-static void a_token_is_named_by_its_kind_and_its_text(void **state)
-{
-    char x[64], expected[64], buf[64];
-    memset(x, 'x', sizeof x);
-    assert_string_equal(bis_token_name(buf, &(bis_token){.kind = BIS_TOKEN_END}), "the end of the file");
-    for (size_t n = 39; n < 43; n++) {
-        const bis_token word = {.kind = BIS_TOKEN_WORD, .text = x, .length = n},
-                        string = {.kind = BIS_TOKEN_STRING, .text = x, .length = n};
-        const int shown = n < 40 ? (int)n : 40;
-        snprintf(expected, sizeof expected, "\"%.*s%s\"", shown, x, n > 40 ? "..." : "");
-        assert_string_equal(bis_token_name(buf, &word), expected);
-        snprintf(expected, sizeof expected, "the string \"%.*s%s\"", shown, x, n > 40 ? "..." : "");
-        assert_string_equal(bis_token_name(buf, &string), expected);
     }
 }
 
@@ -426,13 +346,10 @@ int main(void)
         cmocka_unit_test(dos_line_ends_and_a_byte_order_mark_are_white_space),
         cmocka_unit_test(numbers_are_read_in_every_form_that_pbrt_scenes_use),
         cmocka_unit_test(what_only_looks_like_a_number_is_refused_whole),
-        cmocka_unit_test(tokens_need_no_space_where_brackets_and_quotes_part_them),
         cmocka_unit_test(escapes_in_strings_are_pbrts),
         cmocka_unit_test(a_bad_string_is_skipped_and_the_next_token_is_in_place),
         cmocka_unit_test(each_fault_is_told_in_its_place_and_ends_there),
         cmocka_unit_test(words_and_numbers_have_all_letters_and_digits),
-        cmocka_unit_test(a_text_for_a_message_is_cut_and_printable),
-        cmocka_unit_test(a_token_is_named_by_its_kind_and_its_text),
         cmocka_unit_test(a_text_is_read_as_a_file_is),
         cmocka_unit_test(any_bytes_give_tokens_and_an_end),
         cmocka_unit_test(an_included_file_is_read_in_between),
