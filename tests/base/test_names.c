@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* names: thousands of names against an array of them, replaced values,the nearest of them. */
+/* names: thousands of names against an array of them, replaced values, the nearest of them. */
 #include "base/names.h"
 #include "bis/base/mem.h"
 #include "claim.h"

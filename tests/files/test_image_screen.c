@@ -153,36 +153,6 @@ static void five_bits_of_a_tga_are_spread_over_eight(void **state)
     }
 }
 
-/* A palette of 300 colours of 32 bits, whose first has the number 2: pixels reach 254 of them. A width of two bytes. */
-static void a_tga_may_have_more_colours_than_it_uses(void **state)
-{
-    static unsigned char codes[300][3];
-    bytes b;
-    put_tga(&b, 1, 300, 1, 8, 0);
-    memcpy(b.data, (const unsigned char[]){0, 1, 1, 2, 0, 300 & 255, 300 >> 8, 32}, 8);
-    for (int i = 0; i < 300; i++) {
-        const unsigned char colour[4] = {(unsigned char)(i / 2), 3, (unsigned char)i, 0xff};
-        put(&b, colour, 4);
-    }
-    for (int x = 0; x < 300; x++) {
-        const int i = 2 + x % 254;
-        put_int(&b, (uint64_t)i, 1);
-        codes[x][0] = (unsigned char)(i - 2);
-        codes[x][1] = 3;
-        codes[x][2] = (unsigned char)((i - 2) / 2);
-    }
-    expect_codes("many.tga", &b, 300, 1, codes);
-    b.data[4] = 1; /* the first has the number 258: none is in reach */
-    refuse("high.tga", b.data, b.n, "the TGA is damaged: a pixel has a colour that is not in the palette");
-    bytes_clear(&b);
-    /* a palette that nobody uses stands before the pixels */
-    put_tga(&b, 2, 1, 1, 24, 0);
-    memcpy(b.data, (const unsigned char[]){1, 1, 2, 0, 0, 1, 0, 16}, 8);
-    put(&b, "t\0\0\3\2\1", 6);
-    expect_codes("unused.tga", &b, 1, 1, (const unsigned char[1][3]){{1, 2, 3}});
-    bytes_clear(&b);
-}
-
 /* Runs of 128 and packets of 128, over the ends of rows. */
 static void long_runs_of_a_tga_go_over_rows(void **state)
 {
@@ -538,7 +508,6 @@ int main(void)
         cmocka_unit_test(each_kind_of_tga_has_its_colours),
         cmocka_unit_test(each_corner_may_be_the_first_of_a_tga),
         cmocka_unit_test(five_bits_of_a_tga_are_spread_over_eight),
-        cmocka_unit_test(a_tga_may_have_more_colours_than_it_uses),
         cmocka_unit_test(long_runs_of_a_tga_go_over_rows),
         cmocka_unit_test(a_header_without_sense_is_no_tga),
         cmocka_unit_test(a_damaged_tga_is_refused),

@@ -410,31 +410,6 @@ static void a_short_cut_is_for_three_floats_alone(void **state)
     }
 }
 
-/* A list is no coordinate, also where all else is as in the short cut; a name that is a coordinate's and a list's is
- * the coordinate's. */
-static void a_list_is_no_coordinate(void **state)
-{
-    for (int k = 0; k < 3; k++)
-        for (int twice = 0; twice < 2; twice++) {
-            char text[512] = "element vertex 3\n", message[64];
-            for (int i = 0; i < 3; i++)
-                append(text, "property %s %c\n", i == k ? "list uchar float" : "float", "xyz"[i]);
-            if (twice) append(text, "property float %c\n", "xyz"[k]);
-            append(text, FACES(1));
-            for (int v = 0; v < 3; v++) {
-                for (int i = 0; i < 3; i++)
-                    append(text, i == k ? "1 %g " : "%g ", i == k ? 99 : (double)triangle[v][i]);
-                if (twice) append(text, "%g\n", (double)triangle[v][k]);
-            }
-            append(text, "3 0 1 2\n");
-            bytes b = binary_of(text, false);
-            snprintf(message, sizeof message, "a vertex has no property \"%c\"", "xyz"[k]);
-            if (twice) expect_mesh_words(bis_ply_read, &b, "list.ply", NULL, text, triangle_words);
-            else expect_mesh_refusal_of(bis_ply_read, &b, "list.ply", 0, message);
-            bytes_clear(&b);
-        }
-}
-
 /* ---- files ---- */
 
 static void missing_files_and_folders_are_the_disks_fault(void **state)
@@ -475,7 +450,6 @@ int main(void)
         cmocka_unit_test(a_short_cut_refuses_what_the_long_way_refuses),
         cmocka_unit_test(a_binary_file_that_ends_early_is_refused_by_its_last_face),
         cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
-        cmocka_unit_test(a_list_is_no_coordinate),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(damaged_files_never_crash),
     };

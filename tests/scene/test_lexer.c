@@ -224,29 +224,6 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
     }
 }
 
-/* The ends of the letters and digits, and every byte that parts two numbers. */
-static void words_and_numbers_have_all_letters_and_digits(void **state)
-{
-    static const char space[] = " \t\n\r\f\v";
-    bis_lexer l;
-    bis_diag diag;
-    open_text(&l, &diag, "azAZ_09 _z Z", 12);
-    assert_token(&l, BIS_TOKEN_WORD, "azAZ_09", 1, 1);
-    assert_token(&l, BIS_TOKEN_WORD, "_z", 1, 9);
-    assert_token(&l, BIS_TOKEN_WORD, "Z", 1, 12);
-    assert_token(&l, BIS_TOKEN_END, NULL, 1, 13);
-    done(&l, &diag, 0);
-    for (size_t i = 0; i < sizeof space - 1; i++) {
-        const char text[5] = {'9', space[i], '0', space[i], 'a'};
-        const bool is_line = space[i] == '\n' || space[i] == '\r';
-        open_text(&l, &diag, text, 5);
-        assert_token(&l, BIS_TOKEN_NUMBER, "9", 1, 1);
-        assert_token(&l, BIS_TOKEN_NUMBER, "0", is_line ? 2 : 1, is_line ? 1 : 3);
-        assert_token(&l, BIS_TOKEN_WORD, "a", is_line ? 3 : 1, is_line ? 1 : 5);
-        done(&l, &diag, 0);
-    }
-}
-
 static void a_text_is_read_as_a_file_is(void **state)
 {
     bis_diag diag = {0};
@@ -349,7 +326,6 @@ int main(void)
         cmocka_unit_test(escapes_in_strings_are_pbrts),
         cmocka_unit_test(a_bad_string_is_skipped_and_the_next_token_is_in_place),
         cmocka_unit_test(each_fault_is_told_in_its_place_and_ends_there),
-        cmocka_unit_test(words_and_numbers_have_all_letters_and_digits),
         cmocka_unit_test(a_text_is_read_as_a_file_is),
         cmocka_unit_test(any_bytes_give_tokens_and_an_end),
         cmocka_unit_test(an_included_file_is_read_in_between),

@@ -249,9 +249,7 @@ static void the_table_follows_who_draws(void **state)
     static const struct { const char *before; const char *table; } cases[] = {
         {"Integrator \"em\"", "CDFs"},
         {"Integrator \"mis\"", "CDFs"},
-        {"Integrator \"mis\" Sampler \"halton\"", "CDFs"},
         {"Integrator \"em\" Sampler \"random\"", "alias tables"},
-        {"Integrator \"mis\" Sampler \"stratified\"", "alias tables"},
         {"Integrator \"rejection\"", "alias tables"},
         {"Integrator \"sir\" \"bool stratify\" false", "alias tables"},
         {"Integrator \"unoccluded\"", NULL}, /* along the curve */

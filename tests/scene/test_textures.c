@@ -463,78 +463,8 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
 
 /* ---- what the parser makes of a texture ---- */
 
-#define MOVED "Translate 1 2 3 Scale 2 4 8 " /* its inverse is ((x - 1)/2, (y - 2)/4, (z - 3)/8) */
-#define V3 "Film \"image\" "
-#define PLACE {{.5, 0, 0, -.5}, {0, .25, 0, -.5}, {0, 0, .125, -.375}}
-#define WORLD {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}
-#define OBLIQUE "\"string mapping\" \"planar\" \"vector3 v1\" [1 2 4] \"vector3 v2\" [0 0 2] \"float udelta\" 0.5 " \
-                "\"float vdelta\" -1 "
 #define HALF "\"imagemap\" \"string filename\" \"../test_textures/half.pfm\"\n"
 #define IMAGE_I "Texture \"i\" \"spectrum\" " HALF "Texture \"f\" \"float\" " HALF
-#define FILE_OF(type, params) "\"" type "\" \"imagemap\" \"string filename\" \"../test_textures/four.pfm\" " params
-
-/* The last texture of a scene; where a factor or the scale is 0 here, it is 1. */
-static const struct { const char *film, *world, *texture; bis_texture is; } descriptions[] = {
-    {"", MOVED, "\"spectrum\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 3 \"float udelta\" 4 "
-     "\"float vdelta\" 5", {.kind = BIS_TEXTURE_CHECKERBOARD, .factor = {2, 3}, .offset = {4, 5}}},
-    {"", MOVED, "\"spectrum\" \"bilerp\" " OBLIQUE, {.kind = BIS_TEXTURE_BILERP, .mapping = BIS_TEXTURE_PLANAR,
-     .offset = {.5, -1}, .from_world = {{.5, .5, .5, -2.5}, {0, 0, .25, -1.75}, {0, 0, .125, -.375}}}},
-    {V3, MOVED, "\"spectrum\" \"uv\" " OBLIQUE, {.kind = BIS_TEXTURE_UV_COLOUR, .mapping = BIS_TEXTURE_PLANAR,
-     .offset = {.5, -1}, .from_world = {{1, 2, 4, .5}, {0, 0, 2, -1}, {0, 0, 1, 0}}}},
-    {V3, MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"spherical\"",
-     {.kind = BIS_TEXTURE_UV_COLOUR, .mapping = BIS_TEXTURE_SPHERICAL, .from_world = PLACE}},
-    {"", MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"cylindrical\"",
-     {.kind = BIS_TEXTURE_UV_COLOUR, .mapping = BIS_TEXTURE_CYLINDRICAL, .from_world = PLACE}},
-    {"", MOVED, "\"float\" \"fbm\"",
-     {.kind = BIS_TEXTURE_FBM, .octaves = 8, .roughness = .5, .is_float = true, .from_world = PLACE}},
-    {V3, MOVED, "\"spectrum\" \"fbm\" \"integer octaves\" 64 \"float roughness\" 0",
-     {.kind = BIS_TEXTURE_FBM, .octaves = 64, .from_world = {{2, 0, 0, 1}, {0, 4, 0, 2}, {0, 0, 8, 3}}}},
-    {"", "", "\"spectrum\" \"marble\"",
-     {.kind = BIS_TEXTURE_MARBLE, .octaves = 8, .roughness = .5, .variation = .2, .from_world = WORLD}},
-    {"", MOVED, "\"spectrum\" \"marble\" \"float scale\" -2 \"float variation\" 3 \"integer octaves\" 3 "
-     "\"float roughness\" 0.75", {.kind = BIS_TEXTURE_MARBLE, .octaves = 3, .roughness = .75, .variation = 3,
-     .scale = -2, .from_world = PLACE}},
-    {"", MOVED, "\"float\" \"checkerboard\" \"integer dimension\" 3",
-     {.kind = BIS_TEXTURE_CHECKERBOARD_3D, .is_float = true, .from_world = PLACE}},
-    {"", MOVED, FILE_OF("spectrum", "\"string wrap\" \"black\" \"float scale\" -3 \"string mapping\" \"planar\""),
-     {.kind = BIS_TEXTURE_IMAGE, .wrap = BIS_WRAP_BLACK, .scale = -3, .mapping = BIS_TEXTURE_PLANAR,
-     .from_world = PLACE}},
-    {"", "", FILE_OF("rgb", "\"string wrap\" \"clamp\" \"bool invert\" true"),
-     {.kind = BIS_TEXTURE_IMAGE, .wrap = BIS_WRAP_CLAMP, .invert = true}},
-};
-
-static void assert_numbers(const char *what, const double *found, const double *expected, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (!(fabs(found[i] - expected[i]) <= 1e-12)) fail_msg("%s: %g, not %g", what, found[i], expected[i]);
-}
-
-static void each_texture_is_described_as_its_words_say(void **state)
-{
-    four_as(DIR "/four.pfm");
-    for (size_t i = 0; i < sizeof descriptions / sizeof *descriptions; i++) {
-        const char *what = descriptions[i].texture;
-        char text[1024];
-        built b = {0};
-        bis_texture is = descriptions[i].is;
-        for (int k = 0; k < 2; k++)
-            if (is.factor[k] == 0) is.factor[k] = 1;
-        if (is.scale == 0) is.scale = 1;
-        snprintf(text, sizeof text, "%s" LIGHT "%sTexture \"t\" %s",
-                 *descriptions[i].film ? descriptions[i].film : "Film \"rgb\" ", descriptions[i].world, what);
-        scene_assert(&b, scene_parse(&b, text));
-        const bis_texture *x = &b.desc->textures.list[b.desc->textures.n - 1];
-        assert_numbers(what, x->factor, is.factor, 2);
-        assert_numbers(what, x->offset, is.offset, 2);
-        assert_numbers(what, x->from_world[0], is.from_world[0], 12);
-        assert_numbers(what, (double[]){x->roughness, x->variation, x->scale},
-                       (double[]){is.roughness, is.variation, is.scale}, 3);
-        if (x->kind != is.kind || x->mapping != is.mapping || x->wrap != is.wrap || x->octaves != is.octaves ||
-            x->invert != is.invert || x->is_float != is.is_float)
-            fail_msg("%s: kind %d", what, (int)x->kind);
-        scene_clear(&b);
-    }
-}
 
 /* An image of 0.5 is each part of a texture in turn: it is read, and the mesh must have coordinates for it. */
 static void an_image_is_found_in_each_part_of_a_texture(void **state)
@@ -897,30 +827,6 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
     }
 }
 
-/* Squares of the plane; parts have mappings of their own; the shapes that do not ask for (u, v) read none. */
-static void a_checkerboard_lies_in_its_plane(void **state)
-{
-    built b = scene_build(
-        LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
-              "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] "
-              "\"texture tex1\" \"x\" \"float tex2\" 0.3\n"
-              "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 "
-              "-9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]",
-        four());
-    assert_int_equal(b.diag.n, 0); /* no warning of missing coordinates */
-    assert_near(value_at(&b, (double[]){0.25, 0.25, 0.5}), 0.1);
-    assert_near(value_at(&b, (double[]){1.25, 0.25, 0.5}), 0.3);
-    assert_near(value_at(&b, (double[]){-0.25, 0.25, -0.5}), 0.2);
-    /* what an integrator sees: the material at the hit (0.75, 0.25, 0.5) */
-    bis_counters counters = {0};
-    bis_own_material m;
-    bis_point pt;
-    const ray r = {.o = {0.75f, -4, 0.5f}, .d = {0, 1, 0}, .tmax = INFINITY};
-    assert_true(bis_scene_point(&pt, &m, b.scene, r, &counters, NULL));
-    assert_near((double)pt.bsdf.material->Kd.r, 0.2);
-    scene_clear(&b);
-}
-
 static void a_mapping_that_cannot_be_is_refused(void **state)
 {
 #define MAPPED "%sTexture \"t\" \"float\" \"checkerboard\" %s"
@@ -1121,7 +1027,6 @@ int main(void)
         cmocka_unit_test(an_obj_and_a_ply_bring_theirs),
         cmocka_unit_test(an_obj_brings_its_materials_and_each_part_is_a_shape),
         cmocka_unit_test(a_statement_of_a_library_is_taken_ignored_or_refused),
-        cmocka_unit_test(each_texture_is_described_as_its_words_say),
         cmocka_unit_test(the_range_of_each_kind_holds_its_values),
         cmocka_unit_test(an_image_is_found_in_each_part_of_a_texture),
         cmocka_unit_test(instances_of_an_obj_with_materials_are_alike),
@@ -1137,7 +1042,6 @@ int main(void)
         cmocka_unit_test(the_shipped_scenes_of_each_version_render),
         cmocka_unit_test(in_the_furnace_four_spellings_of_a_quarter_are_a_quarter),
         cmocka_unit_test(points_are_mapped_by_angles_or_by_a_plane),
-        cmocka_unit_test(a_checkerboard_lies_in_its_plane),
         cmocka_unit_test(a_mapping_that_cannot_be_is_refused),
         cmocka_unit_test(an_image_that_is_no_square_has_its_rows_and_columns),
         cmocka_unit_test(textures_of_textures_have_their_values_in_each_channel),

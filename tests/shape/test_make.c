@@ -333,37 +333,6 @@ static void the_pole_of_a_nurbs_surface_has_the_normals_of_the_faces(void **stat
     }
 }
 
-/* Greville's abscissae as points: x(u) = u for every order, also between knots of all kinds. */
-static void b_splines_reproduce_the_line(void **state)
-{
-    for (size_t order = 2; order <= 5; order++) {
-        static const double flat[4] = {0, 0, 1, 1};
-        double knot[14] = {0}, net[18][4];
-        const size_t n = 9;
-        for (size_t i = 0; i < n + order; i++) knot[i] = i < order ? 0 : i >= n ? 5 : (double)((i - order) / 2 + 1);
-        for (size_t i = 0; i < 2 * n; i++) {
-            double x = 0;
-            for (size_t k = 1; k < order; k++) x += knot[i % n + k] / (double)(order - 1);
-            const double p[4] = {x, (double)(i / n), 0, 1};
-            memcpy(net[i], p, sizeof p);
-        }
-        const double first = order % 2 ? 0 : 0.25, last = order % 2 ? 1 : 0.75; /* all of them, or a part */
-        const bis_nurbs s = {{n, 2}, {order, 2}, {knot, flat}, (const double (*)[4])net,
-                             {{first, 4 + last}, {first, last}}};
-        bis_mesh m;
-        assert_int_equal(bis_make_nurbs(&m, &s, (bis_loc){0}, NULL), BIS_OK);
-        for (size_t i = 0; i < m.n_vertices; i++) {
-            const double u = (double)(i % 65) / 64, v = (double)(i / 65) / 64;
-            assert_true(fabs((double)m.uv[i].u - (first + u * (4 + last - first))) < 1e-6);
-            assert_true(fabs((double)m.uv[i].v - (first + v * (last - first))) < 1e-6);
-            assert_true(fabs((double)m.p[i].x - (double)m.uv[i].u) < 1e-6);
-            assert_true(fabs((double)m.p[i].y - (double)m.uv[i].v) < 1e-6);
-            assert_true(m.n[i].z == 1);
-        }
-        bis_mesh_clear(&m);
-    }
-}
-
 /* N_i of this order by its definition (Cox and de Boor), right of x, or left of it at the end of the knots. */
 static double basis(const double *knot, size_t i, size_t order, double x, double last)
 {
@@ -643,7 +612,6 @@ int main(void)
         cmocka_unit_test(patches_of_no_size_are_points),
         cmocka_unit_test(a_height_field_spans_the_unit_square),
         cmocka_unit_test(the_pole_of_a_nurbs_surface_has_the_normals_of_the_faces),
-        cmocka_unit_test(b_splines_reproduce_the_line),
         cmocka_unit_test(a_nurbs_surface_is_that_of_its_definition),
         cmocka_unit_test(vertices_and_normals_are_the_limits_of_the_rules),
         cmocka_unit_test(the_test_tells_one_sixth_from_one_fifth),
