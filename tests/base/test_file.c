@@ -17,7 +17,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -385,15 +384,6 @@ int rename(const char *from, const char *to)
     return renameat(AT_FDCWD, from, AT_FDCWD, to);
 }
 
-static int links, failing_link; /* number failing_link of them fails; 0: none */
-
-int linkat(int from_folder, const char *from, int to_folder, const char *to, int flags)
-{
-    if (++links != failing_link) return (int)syscall(SYS_linkat, from_folder, from, to_folder, to, flags);
-    errno = ENOSPC;
-    return -1;
-}
-
 static void be_killed(const char *from, const char *to)
 {
     kill(getpid(), SIGKILL);
@@ -440,42 +430,6 @@ static void what_a_kill_while_renaming_leaves_the_next_writer_removes(void **sta
         assert_int_equal(write_in_child(names[i], "new", NULL), 0);
         assert_file_is(names[i], "new");
         assert_int_equal(files_in_folder(), n);
-    }
-}
-
-/* As another writer of the same path that comes first. */
-static void rename_first(const char *from, const char *to) { renameat(AT_FDCWD, from, AT_FDCWD, to); }
-
-static void a_writer_whose_file_is_renamed_by_another_has_succeeded(void **state)
-{
-    if (!has_unnamed_files()) skip();
-    write_file(DIR_NAME "/both", "old", 3);
-    const size_t n = files_in_folder();
-    assert_int_equal(write_in_child(DIR_NAME "/both", "new", rename_first), 0);
-    assert_file_is(DIR_NAME "/both", "new");
-    assert_int_equal(files_in_folder(), n);
-}
-
-/* The first link would be to the file's own name, the second to the one beside. */
-static void a_link_that_fails_is_an_error_which_says_why(void **state)
-{
-    if (!has_unnamed_files()) skip();
-    write_file(DIR_NAME "/linked", "old", 3);
-    const size_t n = files_in_folder();
-    for (int i = 1; i <= 2; i++) {
-        bis_outfile *f;
-        bis_diag diag = {0};
-        assert_int_equal(bis_outfile_open(&f, DIR_NAME "/linked", NULL), BIS_OK);
-        links = 0;
-        failing_link = i;
-        assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
-        failing_link = 0;
-        assert_int_equal(links, i);
-        assert_string_equal(diag.messages[0].text,
-            DIR_NAME "/linked: error: cannot write \"" DIR_NAME "/linked\": No space left on device");
-        assert_file_is(DIR_NAME "/linked", "old");
-        assert_int_equal(files_in_folder(), n);
-        bis_diag_clear(&diag);
     }
 }
 
@@ -596,16 +550,6 @@ static void random_decimals_parse_as_by_strtod(void **state)
     }
 }
 
-static void white_space_is_no_part_of_a_number(void **state)
-{
-    const char *const texts[] = {" 1", "\t1", "\n1", "\r1", "\v1", "\f1"};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        const char *end;
-        assert_true(bis_parse_double(texts[i], &end) == 0);
-        assert_ptr_equal(end, texts[i]);
-    }
-}
-
 static void assert_shortest_double(double v)
 {
     char buf[32], other[32];
@@ -692,15 +636,12 @@ int main(void)
         cmocka_unit_test(one_file_under_two_names_is_known),
         cmocka_unit_test(a_killed_process_leaves_the_old_file_and_nothing_else),
         cmocka_unit_test(what_a_kill_while_renaming_leaves_the_next_writer_removes),
-        cmocka_unit_test(a_writer_whose_file_is_renamed_by_another_has_succeeded),
-        cmocka_unit_test(a_link_that_fails_is_an_error_which_says_why),
         cmocka_unit_test(many_writers_leave_one_whole_file),
         cmocka_unit_test(the_same_holds_where_no_file_can_be_unnamed),
         cmocka_unit_test(a_name_is_relative_to_the_file_that_uses_it),
         cmocka_unit_test(an_extension_is_what_follows_the_last_dot_of_the_name),
         cmocka_unit_test(every_form_of_number_parses_as_by_strtod),
         cmocka_unit_test(random_decimals_parse_as_by_strtod),
-        cmocka_unit_test(white_space_is_no_part_of_a_number),
         cmocka_unit_test(formatted_numbers_are_the_shortest_that_read_back),
         cmocka_unit_test(a_decimal_comma_changes_nothing),
     };

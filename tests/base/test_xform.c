@@ -138,15 +138,6 @@ static void an_impossible_camera_is_refused(void **state)
     assert_true(bis_xform_look_at(&t, eye, far_eye, oblique));
 }
 
-static void sixteen_numbers_are_read_column_by_column(void **state)
-{
-    const double v[16] = {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1};
-    bis_xform t;
-    assert_true(bis_xform_from_columns(&t, v));
-    assert_vec3(bis_xform_point(&t, (vec3){1, 1, 1}), 6, 8, 11);
-    assert_true(inverse_error(&t) == 0);
-}
-
 static void any_regular_matrix_is_inverted(void **state)
 {
     bis_rng r;
@@ -188,29 +179,6 @@ static void compose_applies_the_right_one_first(void **state)
     assert_true(inverse_error(&t) <= 1 && inverse_error(&s) <= 1);
 }
 
-/* No number is 0: all 16 sums of both products. (a b)^-1 = b^-1 a^-1. */
-static void a_composition_is_the_product_of_the_matrices(void **state)
-{
-    bis_xform a, b;
-    for (int i = 0; i < 16; i++) {
-        a.m[i / 4][i % 4] = 2 + i;
-        b.m[i / 4][i % 4] = 3 + i * i;
-        a.inv[i / 4][i % 4] = 40 - i;
-        b.inv[i / 4][i % 4] = 5 - 2 * i;
-    }
-    const bis_xform t = bis_xform_compose(&a, &b), back = bis_xform_inverse(&t);
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++) {
-            double m = 0, inv = 0;
-            for (int k = 0; k < 4; k++) {
-                m += (2 + 4 * i + k) * (3 + (4 * k + j) * (4 * k + j));
-                inv += (5 - 2 * (4 * i + k)) * (40 - (4 * k + j));
-            }
-            assert_true(t.m[i][j] == m && t.inv[i][j] == inv);
-            assert_true(back.m[i][j] == inv && back.inv[i][j] == m);
-        }
-}
-
 static void only_rotations_and_reflections_are_orthonormal(void **state)
 {
     bis_xform mirror = bis_xform_scale(-1, 1, 1), grow = bis_xform_scale(1, 1, 1.001), one = bis_xform_identity();
@@ -220,18 +188,10 @@ static void only_rotations_and_reflections_are_orthonormal(void **state)
     assert_true(bis_xform_is_orthonormal(&grow, 2.1e-3));
     grow.m[0][0] = nan("");
     assert_false(bis_xform_is_orthonormal(&grow, 1));
-    /* unit columns of which two are not perpendicular: their product is 0.28 */
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            if (i == j) continue;
-            bis_xform skew = bis_xform_identity();
-            skew.m[i][j] = 0.28;
-            skew.m[j][j] = 0.96;
-            assert_false(bis_xform_is_orthonormal(&skew, 0.279));
-            assert_true(bis_xform_is_orthonormal(&skew, 0.281));
-        }
-    /* what has no part in it: the translation */
-    bis_xform move = bis_xform_translate(1, 2, 3);
+    bis_xform skew = bis_xform_identity(), move = bis_xform_translate(1, 2, 3);
+    skew.m[0][1] = 0.28; /* unit columns of which two are not perpendicular */
+    skew.m[1][1] = 0.96;
+    assert_false(bis_xform_is_orthonormal(&skew, 0.279));
     assert_true(bis_xform_is_orthonormal(&move, 0));
 }
 
@@ -279,11 +239,9 @@ int main(void)
         cmocka_unit_test(normals_stay_perpendicular_to_the_surface),
         cmocka_unit_test(look_at_follows_pbrts_worked_matrix),
         cmocka_unit_test(an_impossible_camera_is_refused),
-        cmocka_unit_test(sixteen_numbers_are_read_column_by_column),
         cmocka_unit_test(any_regular_matrix_is_inverted),
         cmocka_unit_test(singular_and_non_finite_matrices_are_refused),
         cmocka_unit_test(compose_applies_the_right_one_first),
-        cmocka_unit_test(a_composition_is_the_product_of_the_matrices),
         cmocka_unit_test(only_rotations_and_reflections_are_orthonormal),
         cmocka_unit_test(the_nearest_rotation_keeps_the_first_column_and_the_hand),
     };

@@ -57,6 +57,8 @@ static const struct {
      OTHER_PRIMARIES},
     {HEADER "PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
     {HEADER "PRIMARIES=0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.3290\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {HEADER "PRIMARIES=0.64 0.33 0.30 0.60 0.15 0.06 0.313 0.329\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
+    {HEADER "PRIMARIES=.64 .33 .29 .6 .15 .06 .3127 .329\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
     {HEADER "PRIMARIES=0 0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, NULL},
     {HEADER "PRIMARIES=0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
     {HEADER "PRIMARIES=0 0 0 0 0 0 0 0 0\n" ONE, {1, 2, 3, 136}, {1, 2, 3}, OTHER_PRIMARIES},
@@ -88,30 +90,6 @@ static void each_header_gives_its_pixel_the_value_beside_it(void **state)
         expect_pixel(pixels[i].header, pixels[i].rgbe, "", pixels[i].is, pixels[i].remark);
     expect_pixel(HEADER ONE, (const unsigned char[]){1, 2, 3, 136}, "tail", (rgb){1, 2, 3},
                  "4 bytes behind the last scanline are ignored");
-}
-
-/* Radiance's and those of Rec. 709, or eight zeros; any of the eight may be off by less than half a unit of the third
- * digit, and by no more. Half of one set and half of the other are neither. */
-static void each_of_the_eight_primaries_must_be_the_one_of_its_set(void **state)
-{
-    static const double sets[3][8] = {{.64, .33, .29, .6, .15, .06, .3333, .3333},
-                                      {.64, .33, .3, .6, .15, .06, .3127, .329}, {0, 0, 0, 0, 0, 0, 0, 0}};
-    for (int i = 0; i < 3 * 8 * 4; i++) {
-        const double off[4] = {.0004, -.0004, .0006, -.0006}, *const set = sets[i / 32];
-        char header[256] = HEADER "PRIMARIES=";
-        for (int k = 0; k < 8; k++)
-            snprintf(header + strlen(header), sizeof header - strlen(header), "%.4f ",
-                     set[k] + (k == i / 4 % 8 ? off[i % 4] : 0));
-        strcat(header, "\n" ONE);
-        expect_pixel(header, (const unsigned char[]){1, 2, 3, 136}, "", (rgb){1, 2, 3},
-                     i >= 64 || i % 4 >= 2 ? OTHER_PRIMARIES : NULL);
-    }
-    expect_pixel(HEADER "PRIMARIES=.64 .33 .3 .6 .15 .06 .313 .329\n" ONE, (const unsigned char[]){1, 2, 3, 136}, "",
-                 (rgb){1, 2, 3}, NULL);
-    expect_pixel(HEADER "PRIMARIES=.64 .33 .29 .6 .15 .06 .3127 .329\n" ONE, (const unsigned char[]){1, 2, 3, 136}, "",
-                 (rgb){1, 2, 3}, OTHER_PRIMARIES);
-    expect_pixel(HEADER "PRIMARIES=.64 .33 .3 .6 .15 .06 .3333 .3333\n" ONE, (const unsigned char[]){1, 2, 3, 136}, "",
-                 (rgb){1, 2, 3}, OTHER_PRIMARIES);
 }
 
 static void a_value_is_mantissa_times_2_to_the_exponent_less_136(void **state)
@@ -313,7 +291,6 @@ static const bad_file damaged[] = {
     {BYTES("#?RADIANCE\nFORMAT=ascii\n\n"), "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
     FACTORS("EXPOSURE", "dark", "a number"), FACTORS("COLORCORR", "1 2", "three numbers"),
     FACTORS("EXPOSURE", "1 2", "a number"), FACTORS("COLORCORR", "1 2 3 4", "three numbers"),
-    FACTORS("COLORCORR", "0 1 1", "three numbers"), FACTORS("COLORCORR", "1 -1 1", "three numbers"),
     FACTORS("COLORCORR", "1 1 inf", "three numbers"), FACTORS("COLORCORR", "", "three numbers"),
     {BYTES(HEADER "EXPOSURE=1e-200\nEXPOSURE=1e-200\n\n"),
      "EXPOSURE is \"1e-200\", must be a number above 0, as must be the product of all such lines"},
@@ -326,8 +303,6 @@ static const bad_file damaged[] = {
      "\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768"},
     NO_FORMAT("32-bit_rle_rgbx"), NO_FORMAT("32-bit_rle_rgbe2"), NO_FORMAT("32-bit_rle_rgb"), NO_FORMAT("xyze"),
     {BYTES("#?RADIANCE\nFORMAT= \t \r\n\n"), "its FORMAT is \"\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
-    {BYTES("#?RADIANCE\nFORMAT=zxyze\n\n"),
-     "its FORMAT is \"zxyze\", must be 32-bit_rle_rgbe or 32-bit_rle_xyze"},
     {BYTES(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n"),
      "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines"},
     NO_SIZE(""), NO_SIZE("-Y 2"), NO_SIZE("-Y 2 -Y 2"), NO_SIZE("-Y 2 +Z 2"), NO_SIZE("Y 2 X 2"),
@@ -346,10 +321,7 @@ static const bad_file damaged[] = {
     DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x9\0\0\0", "a run leads beyond its end"),
     DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\7" "\x88\7" "\x88\7" "\x87\7", "the file ends within it"),
     DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\1\1\1\3", "a run leads beyond its end"),
-    DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\1\1\1\0" "\1\1\1\0" "\1\1\1\0" "\1\1\1\1", "a run leads beyond its end"),
     DAMAGE("-Y 1 +X 3", "\x9\x9\x9\x9" "\x8\x8\x8\x8", "the file ends within it"),
-    DAMAGE("-Y 1 +X 8", "\2\2\0\x9" "\0\0\0\0", "its length is not that of the resolution line"),
-    DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x89\0\0\0", "a run leads beyond its end"),
     DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\0\0\0\0", "it has a run of length 0"),
     DAMAGE("-Y 1 +X 8", "\2\2\0\x8" "\x88\x7\x8\x7", "the file ends within it"),
     {BYTES(ROWS("-Y 3 +X 2") "\x9\x9\x9\x9" "\x9\x9\x9\x9" "\1\1\1\1" "\x9\x9\x9\x9" "abcdabcd"),
@@ -497,7 +469,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_header_gives_its_pixel_the_value_beside_it),
-        cmocka_unit_test(each_of_the_eight_primaries_must_be_the_one_of_its_set),
         cmocka_unit_test(a_value_is_mantissa_times_2_to_the_exponent_less_136),
         cmocka_unit_test(all_eight_orientations_put_every_pixel_in_its_place),
         cmocka_unit_test(flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file),

@@ -947,7 +947,11 @@ static void a_file_that_is_no_scene_is_told_what_it_is_for(void **state)
 {
     static const char *const cases[][3] = {
         {"s.pfm", "PF\n1 1\n-1\n", "a PFM image"}, {"s.x", "ply\nformat ascii 1.0\n", "a PLY mesh"},
-        {"s.obj", "v 0 0 0\n", "a Wavefront mesh"}, {"s.y", "{}", "a file in JSON"}};
+        {"s.obj", "v 0 0 0\n", "a Wavefront mesh"}, {"s.y", "{}", "a file in JSON"},
+        {"s.x", "#?RADIANCE", "a Radiance map"}, {"s.x", "#?RGBE", "a Radiance map"},
+        {"s.x", "\x76\x2f\x31\x01", "an OpenEXR image"}, {"s.x", "\x89PNG", "a PNG picture"},
+        {"s.x", "\xff\xd8\xff", "a JPEG picture"}, {"s.x", "<", "a page or scene in XML or HTML"},
+        {"s.mtl", "newmtl a", "the materials of a Wavefront mesh"}, {"s.csv", "1", "a table"}};
     for (size_t i = 0; i < BIS_COUNT(cases); i++) {
         char path[128], text[800];
         bis_scene_desc *d;

@@ -243,31 +243,6 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
             "\nbuild        accelerator grid, density 2.5\n", NULL});
 }
 
-/* CDFs keep the spread of a sampler's points; independent numbers have none, and go through alias tables. */
-static void the_table_follows_who_draws(void **state)
-{
-    static const struct { const char *before; const char *table; } cases[] = {
-        {"Integrator \"em\"", "CDFs"},
-        {"Integrator \"mis\"", "CDFs"},
-        {"Integrator \"em\" Sampler \"random\"", "alias tables"},
-        {"Integrator \"rejection\"", "alias tables"},
-        {"Integrator \"sir\" \"bool stratify\" false", "alias tables"},
-        {"Integrator \"unoccluded\"", NULL}, /* along the curve */
-        {"Integrator \"sir\"", NULL},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char line[96];
-        if (cases[i].table) snprintf(line, sizeof line, "\nbuild        light table, %s", cases[i].table);
-        else snprintf(line, sizeof line, "\nskip         light table: this integrator, so set, draws along the curve");
-        assert_plan(cases[i].before, MAP "Shape \"sphere\"", (const char *const[]){line, NULL});
-    }
-    /* the scene's own word counts */
-    assert_plan("Integrator \"rejection\"",
-        "LightSource \"infinite\" \"string filename\" \"" SCENES
-        "map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
-        (const char *const[]){"\nbuild        light table, CDFs", NULL});
-}
-
 /* The plan and the build draw the same conclusions. */
 static void the_plan_agrees_with_the_build(void **state)
 {
@@ -342,43 +317,6 @@ static void counts_of_a_mesh_are_read_from_its_head(void **state)
     assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
 }
 
-/* What a file is that is no scene: by its first bytes, be they all of it; or else by its name. */
-static void strangers_are_known_by_their_bytes_or_their_names(void **state)
-{
-    static const struct {
-        const char *name, *bytes, *what; /* NULL: nothing is known */
-        bis_stranger_kind kind;
-    } cases[] = {
-        {"s.txt", "#?RADIANCE", "a Radiance map", BIS_STRANGER_MAP},
-        {"s.txt", "#?RGBE", "a Radiance map", BIS_STRANGER_MAP}, {"s.txt", "#?RADIANC", NULL, 0},
-        {"s.txt", "\x76\x2f\x31\x01", "an OpenEXR image", BIS_STRANGER_MAP},
-        {"s.txt", "Pf\n3 4", "a PFM image", BIS_STRANGER_MAP}, {"s.txt", "PixelFilter", NULL, 0},
-        {"s.obj", "ply\r\n", "a PLY mesh", BIS_STRANGER_PLY}, /* the bytes come first */
-        {"s.txt", "\x89PNG", "a PNG picture", BIS_STRANGER_OTHER},
-        {"s.txt", "\xff\xd8\xff", "a JPEG picture", BIS_STRANGER_OTHER},
-        {"s.txt", "<", "a page or scene in XML or HTML", BIS_STRANGER_OTHER},
-        {"s.txt", "{", "a file in JSON", BIS_STRANGER_OTHER}, {"s.txt", " {", NULL, 0},
-        {"s.OBJ", "v", "a Wavefront mesh", BIS_STRANGER_OBJ}, {"s.obj", "", NULL, 0},
-        {"s.mtl", "n", "the materials of a Wavefront mesh", BIS_STRANGER_OTHER},
-        {"s.csv", "1", "a table", BIS_STRANGER_OTHER},
-    };
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        bis_stranger_kind kind = 77;
-        store(scratch(cases[i].name), cases[i].bytes, strlen(cases[i].bytes));
-        const char *what = bis_scene_peek_stranger(scratch(cases[i].name), &kind);
-        unlink(scratch(cases[i].name));
-        if (!cases[i].what) assert_null(what);
-        if (!cases[i].what) continue;
-        if (!what) fail_msg("case %zu is unknown", i);
-        assert_string_equal(what, cases[i].what);
-        assert_int_equal(kind, cases[i].kind);
-    }
-    bis_stranger_kind kind;
-    assert_null(bis_scene_peek_stranger("build", &kind));
-    assert_null(bis_scene_peek_stranger("build/no-such-file.obj", &kind));
-}
-
 /* ---- what the camera sees of the map ---- */
 
 /* 4 x 2 pixels: 1 2 3 4 above, 5 6 7 8 below, in red; a PFM's first row is the bottom. */
@@ -414,25 +352,6 @@ static void a_scene_as_printed_draws_from_its_light_as_printed(void **state)
         const double expected = printed ? 1 / 9. : (1 - sqrt(.5)) / sqrt(.5) / 9;
         if (!(fabs(pmf[0] / pmf[8] / expected - 1) < 1e-6))
             fail_msg("printed %d: %.9g and %.9g, not %.9g", printed, pmf[0], pmf[8], expected);
-        scene_clear(&b);
-    }
-}
-
-/* The accelerator hears where the eye is: Embree's limit is told by the axis and the side on which it stands. */
-static void the_accelerator_knows_where_the_eye_is(void **state)
-{
-    if (!bis_accel_embree_version()) skip();
-    for (int i = 0; i < 6; i++) {
-        const int axis = i % 3, side = i < 3 ? 1 : -1; /* the world moves the other way */
-        char before[200], said[100];
-        snprintf(before, sizeof before, "Translate %s %s %s Camera \"perspective\"",
-                 axis == 0 ? side > 0 ? "-2e18" : "2e18" : "0", axis == 1 ? side > 0 ? "-2e18" : "2e18" : "0",
-                 axis == 2 ? side > 0 ? "-2e18" : "2e18" : "0");
-        built b = build(before, MAP "Shape \"sphere\"");
-        snprintf(said, sizeof said, "the scene or its camera reaches to %c = %s2e+18, and", 'x' + axis,
-                 side > 0 ? "" : "-");
-        assert_int_equal(b.diag.n, 1);
-        if (!strstr(b.diag.messages[0].text, said)) fail_msg("%s, not %s", b.diag.messages[0].text, said);
         scene_clear(&b);
     }
 }
@@ -509,11 +428,9 @@ static void a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given(void
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(strangers_are_known_by_their_bytes_or_their_names),
         cmocka_unit_test(every_kind_of_shape_is_built),
         cmocka_unit_test(a_shape_that_turns_out_to_be_empty_needs_no_table),
         cmocka_unit_test(a_scene_as_printed_draws_from_its_light_as_printed),
-        cmocka_unit_test(the_accelerator_knows_where_the_eye_is),
         cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
         cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
@@ -525,7 +442,6 @@ int main(void)
         cmocka_unit_test(the_map_is_turned_by_the_transformation_at_its_place),
         cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
         cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),
-        cmocka_unit_test(the_table_follows_who_draws),
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(a_size_is_read_where_the_format_has_it),
         cmocka_unit_test(counts_of_a_mesh_are_read_from_its_head),

@@ -250,36 +250,6 @@ static void walls_axes_corners_and_duplicates_are_met_as_by_brute_force(void **s
     }
 }
 
-/* In each of the 26 directions of a cube's faces, edges and corners, zeros of either sign, from and towards the
- * middle. */
-static void a_ray_through_the_middle_of_anything_is_met_in_all_26_directions(void **state)
-{
-    for (int n = 1; n <= 3; n++) {
-        bis_geometry g = {0};
-        bis_mesh m = block_mesh(n);
-        add_mesh(&g, &m, NULL, 0);
-        backends b = make_backends(&g);
-        for (int k = 0; k < 27 * 8; k++) {
-            const int at[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 % 3 - 1};
-            float d[3];
-            for (int a = 0; a < 3; a++) d[a] = at[a] == 0 && (k / 27 >> a & 1) ? -0.0f : (float)at[a];
-            if (k % 27 == 13) continue;
-            const float c = (float)n / 2;
-            for (int outside = 0; outside < 2; outside++) {
-                const float back = outside ? 10.0f : 0.0f;
-                /* off the middle: no ray along an edge or through a corner */
-                const ray r = {{c + 0.1f - back * d[0], c + 0.17f - back * d[1], c + 0.23f - back * d[2]},
-                    {d[0], d[1], d[2]}, INFINITY};
-                const truth expected = brute_force(&g, &r);
-                assert_true(expected.hit);
-                for (int i = 0; i < b.n; i++) assert_int_equal(check_ray(b.a[i], &r, &expected), 0);
-            }
-        }
-        free_backends(&b);
-        bis_geometry_clear(&g);
-    }
-}
-
 /* From inside a closed mesh every ray meets it: also exactly through vertices and edges. */
 static void nothing_escapes_through_edges_and_vertices(void **state)
 {
@@ -603,24 +573,12 @@ static void what_lies_at_the_end_of_a_ray_is_not_on_it(void **state)
     }
 }
 
-static void an_empty_scene_is_never_hit(void **state)
-{
-    const ray r = {{0, 0, 0}, {0, 0, 1}, INFINITY};
-    bis_hit hit;
-    assert_false(bis_accel_intersect(NULL, &r, &hit));
-    assert_false(bis_accel_occluded(NULL, &r));
-    assert_string_equal(bis_accel_name(NULL), "none");
-    assert_int_equal(bis_accel_bytes(NULL), 0);
-    bis_accel_free(NULL);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_soups_are_met_as_by_brute_force),
         cmocka_unit_test(soups_at_every_scale_and_shift_are_met_as_by_brute_force),
         cmocka_unit_test(walls_axes_corners_and_duplicates_are_met_as_by_brute_force),
-        cmocka_unit_test(a_ray_through_the_middle_of_anything_is_met_in_all_26_directions),
         cmocka_unit_test(nothing_escapes_through_edges_and_vertices),
         cmocka_unit_test(triangles_without_area_are_never_hit),
         cmocka_unit_test(slivers_flat_scenes_and_coplanar_triangles_are_met_as_by_brute_force),
@@ -630,7 +588,6 @@ int main(void)
         cmocka_unit_test(a_soup_of_large_triangles_stays_within_its_items),
         cmocka_unit_test(memory_is_at_most_150_bytes_a_triangle_in_all),
         cmocka_unit_test(what_lies_at_the_end_of_a_ray_is_not_on_it),
-        cmocka_unit_test(an_empty_scene_is_never_hit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
