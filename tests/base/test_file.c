@@ -17,7 +17,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -84,18 +83,6 @@ static void files_of_any_size_are_read_whole_and_end_in_a_zero(void **state)
     bis_free(bytes);
 }
 
-static void a_file_that_claims_size_0_is_read_to_its_end(void **state)
-{
-    struct stat info;
-    unsigned char *data;
-    size_t size;
-    if (stat("/proc/self/maps", &info) || info.st_size != 0) skip();
-    assert_int_equal(bis_file_read(&data, &size, "/proc/self/maps", (bis_loc){0}, NULL), BIS_OK);
-    assert_true(size > 1000);
-    assert_int_equal(strlen((char *)data), size);
-    bis_free(data);
-}
-
 static void expect_refusal(const char *path, bis_loc at, const char *message)
 {
     bis_diag d = {0};
@@ -147,14 +134,6 @@ static void a_missing_file_is_reported_where_it_was_named(void **state)
     expect_refusal("no/such", (bis_loc){"s.txt", 3, 14},
                    "s.txt:3:14: error: cannot open \"no/such\": No such file or directory");
     expect_refusal("no/such", (bis_loc){0}, "no/such: error: cannot open \"no/such\": No such file or directory");
-}
-
-/* The first page of a process is nobody's. */
-static void a_read_that_fails_is_no_end_of_the_file(void **state)
-{
-    if (access("/proc/self/mem", R_OK)) skip();
-    expect_refusal("/proc/self/mem", (bis_loc){0},
-                   "/proc/self/mem: error: cannot read \"/proc/self/mem\": Input/output error");
 }
 
 /* ---- out ---- */
@@ -319,60 +298,6 @@ static void a_ring_of_links_and_a_long_name_are_refused(void **state)
     bis_diag_clear(&d);
 }
 
-/* As many links as the kernel follows are followed, and no more: a chain that ends in no file is ENOENT to it while it
- * is not too long. */
-static void a_chain_of_links_is_followed_as_far_as_the_kernel_does(void **state)
-{
-    char name[64], next[64], target[PATH_MAX];
-    int followed = 0;
-    for (int k = 1; k <= 50; k++) {
-        snprintf(name, sizeof name, DIR_NAME "/chain%d", k);
-        snprintf(next, sizeof next, k == 1 ? "chain_end" : "chain%d", k - 1);
-        assert_int_equal(symlink(next, name), 0);
-        struct stat info;
-        bis_diag d = {0};
-        assert_int_equal(stat(name, &info), -1);
-        const bool ends = errno == ENOENT;
-        followed += ends;
-        assert_int_equal(bis_file_target(target, name, &d), ends ? BIS_OK : BIS_IO);
-        if (ends) assert_string_equal(target, DIR_NAME "/chain_end");
-        else assert_non_null(strstr(d.messages[0].text, "Too many levels of symbolic links"));
-        bis_diag_clear(&d);
-    }
-    assert_in_range(followed, 8, 49); /* the chain is longer than what any kernel follows */
-}
-
-/* "./././NAME", n letters. */
-static void long_way_to(char *path, size_t n, const char *name)
-{
-    const size_t rest = n - strlen(name);
-    for (size_t i = 0; i < rest; i++) path[i] = i % 2 ? '/' : '.';
-    if (rest % 2) path[rest - 1] = '/'; /* the last slash twice */
-    strcpy(path + rest, name);
-}
-
-/* A path has room for PATH_MAX bytes with its zero: the given one, and what a link makes of it. */
-static void a_target_has_room_for_the_longest_path_and_no_more(void **state)
-{
-    char path[PATH_MAX + 8], target[PATH_MAX];
-    for (size_t n = PATH_MAX - 3; n <= PATH_MAX + 1; n++) {
-        long_way_to(path, n, DIR_NAME "/new");
-        assert_int_equal(bis_file_target(target, path, NULL), n < PATH_MAX ? BIS_OK : BIS_IO);
-        if (n < PATH_MAX) assert_string_equal(target, path);
-    }
-    const size_t folder = strlen(DIR_NAME "/");
-    for (size_t n = PATH_MAX - 3; n <= PATH_MAX + 1; n++) {
-        long_way_to(path, n - folder, "new");
-        assert_int_equal(symlink(path, DIR_NAME "/winding"), 0);
-        assert_int_equal(bis_file_target(target, DIR_NAME "/winding", NULL), n < PATH_MAX ? BIS_OK : BIS_IO);
-        if (n < PATH_MAX) assert_true(strncmp(target, DIR_NAME "/", folder) == 0 && !strcmp(target + folder, path));
-        assert_int_equal(unlink(DIR_NAME "/winding"), 0);
-    }
-    assert_int_equal(symlink("/no/such/place", DIR_NAME "/absolute"), 0);
-    assert_int_equal(bis_file_target(target, DIR_NAME "/absolute", NULL), BIS_OK);
-    assert_string_equal(target, "/no/such/place");
-}
-
 static void an_older_file_keeps_its_mode(void **state)
 {
     static const mode_t modes[] = {0600, 0644, 0400, 0755, 0666};
@@ -459,15 +384,6 @@ int rename(const char *from, const char *to)
     return renameat(AT_FDCWD, from, AT_FDCWD, to);
 }
 
-static int links, failing_link; /* number failing_link of them fails; 0: none */
-
-int linkat(int from_folder, const char *from, int to_folder, const char *to, int flags)
-{
-    if (++links != failing_link) return (int)syscall(SYS_linkat, from_folder, from, to_folder, to, flags);
-    errno = ENOSPC;
-    return -1;
-}
-
 static void be_killed(const char *from, const char *to)
 {
     kill(getpid(), SIGKILL);
@@ -517,42 +433,6 @@ static void what_a_kill_while_renaming_leaves_the_next_writer_removes(void **sta
     }
 }
 
-/* As another writer of the same path that comes first. */
-static void rename_first(const char *from, const char *to) { renameat(AT_FDCWD, from, AT_FDCWD, to); }
-
-static void a_writer_whose_file_is_renamed_by_another_has_succeeded(void **state)
-{
-    if (!has_unnamed_files()) skip();
-    write_file(DIR_NAME "/both", "old", 3);
-    const size_t n = files_in_folder();
-    assert_int_equal(write_in_child(DIR_NAME "/both", "new", rename_first), 0);
-    assert_file_is(DIR_NAME "/both", "new");
-    assert_int_equal(files_in_folder(), n);
-}
-
-/* The first link would be to the file's own name, the second to the one beside. */
-static void a_link_that_fails_is_an_error_which_says_why(void **state)
-{
-    if (!has_unnamed_files()) skip();
-    write_file(DIR_NAME "/linked", "old", 3);
-    const size_t n = files_in_folder();
-    for (int i = 1; i <= 2; i++) {
-        bis_outfile *f;
-        bis_diag diag = {0};
-        assert_int_equal(bis_outfile_open(&f, DIR_NAME "/linked", NULL), BIS_OK);
-        links = 0;
-        failing_link = i;
-        assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
-        failing_link = 0;
-        assert_int_equal(links, i);
-        assert_string_equal(diag.messages[0].text,
-            DIR_NAME "/linked: error: cannot write \"" DIR_NAME "/linked\": No space left on device");
-        assert_file_is(DIR_NAME "/linked", "old");
-        assert_int_equal(files_in_folder(), n);
-        bis_diag_clear(&diag);
-    }
-}
-
 /* Eight processes replace one file a hundred times each, with 1000 letters of their own. */
 static void many_writers_leave_one_whole_file(void **state)
 {
@@ -584,32 +464,6 @@ static void many_writers_leave_one_whole_file(void **state)
     fclose(in);
     for (int j = 0; j < 1000; j++) assert_true(text[j] == text[0] && text[0] >= 'a' && text[0] <= 'h');
     assert_int_equal(files_in_folder(), n);
-}
-
-/* A folder has the name that the new file would have for a moment. */
-static void a_folder_in_the_place_of_the_name_beside_is_an_error(void **state)
-{
-    char left[256] = "";
-    if (!has_unnamed_files()) skip();
-    write_file(DIR_NAME "/blocked", "old", 3);
-    assert_true(WIFSIGNALED(write_in_child(DIR_NAME "/blocked", "never", be_killed)));
-    DIR *folder = opendir(DIR_NAME);
-    for (const struct dirent *e; (e = readdir(folder)) != NULL;)
-        if (strncmp(e->d_name, ".bis-", 5) == 0) snprintf(left, sizeof left, DIR_NAME "/%.200s", e->d_name);
-    closedir(folder);
-    assert_int_equal(unlink(left), 0);
-    assert_int_equal(mkdir(left, 0777), 0);
-    const size_t n = files_in_folder();
-    bis_outfile *f;
-    bis_diag diag = {0};
-    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/blocked", NULL), BIS_OK);
-    assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
-    assert_string_equal(
-        diag.messages[0].text, DIR_NAME "/blocked: error: cannot write \"" DIR_NAME "/blocked\": Not a directory");
-    assert_file_is(DIR_NAME "/blocked", "old");
-    assert_int_equal(files_in_folder(), n);
-    bis_diag_clear(&diag);
-    rmdir(left);
 }
 
 /* All of it once more, as where files have a name from the beginning. */
@@ -696,16 +550,6 @@ static void random_decimals_parse_as_by_strtod(void **state)
     }
 }
 
-static void white_space_is_no_part_of_a_number(void **state)
-{
-    const char *const texts[] = {" 1", "\t1", "\n1", "\r1", "\v1", "\f1"};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        const char *end;
-        assert_true(bis_parse_double(texts[i], &end) == 0);
-        assert_ptr_equal(end, texts[i]);
-    }
-}
-
 static void assert_shortest_double(double v)
 {
     char buf[32], other[32];
@@ -777,11 +621,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(files_of_any_size_are_read_whole_and_end_in_a_zero),
-        cmocka_unit_test(a_file_that_claims_size_0_is_read_to_its_end),
         cmocka_unit_test(what_is_no_regular_file_is_refused_with_its_kind),
         cmocka_unit_test(an_open_pipe_is_read_to_its_end),
         cmocka_unit_test(a_missing_file_is_reported_where_it_was_named),
-        cmocka_unit_test(a_read_that_fails_is_no_end_of_the_file),
         cmocka_unit_test(commit_puts_the_new_file_in_the_place_of_the_old_one),
         cmocka_unit_test(a_new_file_has_the_mode_that_the_umask_leaves),
         cmocka_unit_test(abort_leaves_the_old_file_and_nothing_else),
@@ -790,22 +632,16 @@ int main(void)
         cmocka_unit_test(through_a_link_the_linked_file_is_replaced),
         cmocka_unit_test(through_a_dangling_link_its_target_is_made),
         cmocka_unit_test(a_ring_of_links_and_a_long_name_are_refused),
-        cmocka_unit_test(a_chain_of_links_is_followed_as_far_as_the_kernel_does),
-        cmocka_unit_test(a_target_has_room_for_the_longest_path_and_no_more),
         cmocka_unit_test(an_older_file_keeps_its_mode),
         cmocka_unit_test(one_file_under_two_names_is_known),
         cmocka_unit_test(a_killed_process_leaves_the_old_file_and_nothing_else),
         cmocka_unit_test(what_a_kill_while_renaming_leaves_the_next_writer_removes),
-        cmocka_unit_test(a_writer_whose_file_is_renamed_by_another_has_succeeded),
-        cmocka_unit_test(a_link_that_fails_is_an_error_which_says_why),
         cmocka_unit_test(many_writers_leave_one_whole_file),
-        cmocka_unit_test(a_folder_in_the_place_of_the_name_beside_is_an_error),
         cmocka_unit_test(the_same_holds_where_no_file_can_be_unnamed),
         cmocka_unit_test(a_name_is_relative_to_the_file_that_uses_it),
         cmocka_unit_test(an_extension_is_what_follows_the_last_dot_of_the_name),
         cmocka_unit_test(every_form_of_number_parses_as_by_strtod),
         cmocka_unit_test(random_decimals_parse_as_by_strtod),
-        cmocka_unit_test(white_space_is_no_part_of_a_number),
         cmocka_unit_test(formatted_numbers_are_the_shortest_that_read_back),
         cmocka_unit_test(a_decimal_comma_changes_nothing),
     };

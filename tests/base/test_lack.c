@@ -27,7 +27,10 @@
 #include "map_help.h"
 #include "mesh_help.h"
 #include "parse/lexer.h"
+#include "render/wave.h"
 #include "scene/scene_needs.h"
+#include "tools/memory.h"
+#include "tools/verify/verify.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -236,6 +239,32 @@ ROW(pool, bis_pool p, bis_pool_init(&p, 8, diag), bis_pool_clear(&p))
 ROW(guess, bis_visibility_guess f, bis_guess_init(&f, 100, diag), bis_guess_clear(&f))
 ROW(film, bis_film f, bis_film_init(&f, 8, 6, whole, (bis_loc){0}, diag), bis_film_clear(&f))
 
+static bis_status make_wave(bis_diag *diag)
+{
+    const bis_wave_task task = {.desc = scene};
+    bis_wave *w = bis_wave_new(&task, NULL, NULL, NULL);
+    const bis_status status = w ? BIS_OK : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a wave");
+    bis_wave_free(w);
+    return status;
+}
+
+/* ---- tools ---- */
+
+static bis_status advise(bis_diag *diag)
+{
+    char text[BIS_MEMORY_ADVICE];
+    bis_memory m;
+    const bis_status status = bis_memory_foresee(&m, scene, diag);
+    return status ? status : bis_memory_advise(text, &m, scene, 1000, diag);
+}
+
+static bis_status define(bis_diag *diag)
+{
+    static double pmf[16 * 8];
+    bool has_light;
+    return bis_verify_definition(pmf, &has_light, &map, 0.15, 8, diag);
+}
+
 /* ---- scene, parse ---- */
 
 ROW(description, bis_scene_desc *d, bis_scene_parse(&d, scratch("scene.txt"), diag), bis_scene_desc_free(d))
@@ -258,7 +287,7 @@ static const struct {
     R(read_ply), R(read_strip), R(alias), R(cdf), R(marsaglia), R(regions), R(alias_tables), R(cdfs), R(latlong_map),
     R(angular_map), R(octahedral_map), R(scratch_of_sir), R(scratch_of_rejection), R(make_guide), R(make_probe),
     R(pool), R(guess), R(film), R(description), R(approximation), R(built_scene), R(needs), R(check_of_files),
-    R(text_of_the_caller)
+    R(text_of_the_caller), R(make_wave), R(advise), R(define)
 #undef R
 };
 

@@ -66,28 +66,6 @@ static void realloc_keeps_contents_and_alignment(void **state)
     bis_free(p);
 }
 
-static long resident_pages(void)
-{
-    long total = 0, resident = -1;
-    FILE *f = fopen("/proc/self/statm", "r");
-    if (!f) return -1;
-    if (fscanf(f, "%ld %ld", &total, &resident) != 2) resident = -1;
-    fclose(f);
-    return resident;
-}
-
-static void a_gigabyte_of_zeros_is_not_touched(void **state)
-{
-    long before = resident_pages();
-    if (before < 0) skip();
-    char *p = bis_alloc((size_t)1 << 30, 1);
-    if (!p) skip(); /* a small machine */
-    long grown = (resident_pages() - before) * sysconf(_SC_PAGESIZE);
-    assert_int_equal(p[123456789], 0);
-    bis_free(p);
-    assert_true(grown < (long)1 << 27); /* an eighth of it: what the address sanitizer books for itself */
-}
-
 static void strings_are_copied_with_their_end(void **state)
 {
     char *a = bis_strdup("bis"), *b = bis_strndup("candidates", 4), *c = bis_strndup("ab", 10), *d = bis_strdup("");
@@ -177,7 +155,6 @@ int main(void)
         cmocka_unit_test(nothing_can_be_asked_for),
         cmocka_unit_test(a_size_that_overflows_is_refused),
         cmocka_unit_test(realloc_keeps_contents_and_alignment),
-        cmocka_unit_test(a_gigabyte_of_zeros_is_not_touched),
         cmocka_unit_test(strings_are_copied_with_their_end),
         cmocka_unit_test(the_kth_allocation_fails_once_and_all_are_counted),
     };

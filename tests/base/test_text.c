@@ -106,19 +106,6 @@ static void what_is_appended_stays_in_its_place(void **state)
     assert_true(room[9] == 'x');
 }
 
-static void a_hint_is_short_or_empty(void **state)
-{
-    char hint[BIS_HINT], name[201] = "", expected[BIS_HINT];
-    assert_ptr_equal(bis_hint(hint, "sir"), hint);
-    assert_string_equal(hint, " (did you mean \"sir\"?)");
-    assert_string_equal(bis_hint(hint, NULL), "");
-    memset(name, 'n', 200);
-    name[200] = '\0';
-    bis_hint(hint, name);
-    snprintf(expected, sizeof expected, " (did you mean \"%s\"?)", name + 110);
-    assert_string_equal(hint, expected);
-}
-
 /* The test vectors of the authors' page, 64 bit FNV-1a; in parts, too. */
 static void the_hash_has_its_published_values(void **state)
 {
@@ -136,7 +123,6 @@ int main(void)
         cmocka_unit_test(utf8_is_what_rfc_3629_says),
         cmocka_unit_test(a_byte_continues_if_its_two_bits_say_so),
         cmocka_unit_test(what_is_appended_stays_in_its_place),
-        cmocka_unit_test(a_hint_is_short_or_empty),
         cmocka_unit_test(the_hash_has_its_published_values),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -111,20 +111,6 @@ static void normals_stay_perpendicular_to_the_surface(void **state)
     }
 }
 
-static void look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right(void **state)
-{
-    const double eye[3] = {1, 2, 3}, look[3] = {1, 2, 10}, up[3] = {0, 1, 0};
-    bis_xform t;
-    assert_true(bis_xform_look_at(&t, eye, look, up));
-    assert_vec3(bis_xform_point(&t, (vec3){1, 2, 3}), 0, 0, 0);
-    assert_vec3(bis_xform_point(&t, (vec3){1, 2, 10}), 0, 0, 7);
-    assert_vec3(bis_xform_vector(&t, (vec3){0, 1, 0}), 0, 1, 0);
-    assert_vec3(
-        bis_xform_vector(&t, (vec3){1, 0, 0}), 1, 0, 0); /* left-handed: looking along +z with y up, +x is right */
-    assert_true(inverse_error(&t) < 8);
-    assert_true(bis_xform_is_orthonormal(&t, 1e-15));
-}
-
 static void look_at_follows_pbrts_worked_matrix(void **state)
 {
     /* From (3, 4, 1.5) at (.5, .5, 0), up z: the first camera of pbrt-v3's manual. right = up x forward, by hand. */
@@ -152,44 +138,6 @@ static void an_impossible_camera_is_refused(void **state)
     assert_true(bis_xform_look_at(&t, eye, far_eye, oblique));
 }
 
-/* The sine of the angle between `up` and the view may not be below 4 ulps of 1; all of it is exact here. */
-static void an_up_beside_the_view_is_refused_up_to_four_ulps(void **state)
-{
-    static const struct { double ulps; bool is_camera; } cases[] = {{0, false}, {1, false}, {3, false}, {4, false},
-        {4.25, true}, {4.75, true}, {6, true}, {9, true}};
-    const double eye[3] = {0, 0, 0}, look[3] = {0, 0, 2};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const double up[3] = {cases[i].ulps * 0x1p-52, 0, 1};
-        bis_xform t;
-        assert_int_equal(bis_xform_look_at(&t, eye, look, up), cases[i].is_camera);
-        if (cases[i].is_camera) assert_vec3(bis_xform_vector(&t, (vec3){1, 0, 0}), 0, 1, 0); /* up, seen */
-    }
-}
-
-/* One element of the diagonal is so small that its inverse is infinite and every other element finite. The last one
- * divides the matrix. */
-static void one_element_that_is_not_finite_is_enough_to_refuse(void **state)
-{
-    for (int k = 0; k < 3; k++) {
-        double v[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-        bis_xform t;
-        v[5 * k] = 0x1p-1030;
-        assert_false(bis_xform_from_columns(&t, v));
-        v[5 * k] = 0x1p-1020;
-        assert_true(bis_xform_from_columns(&t, v));
-        assert_true(t.inv[k][k] == 0x1p1020);
-    }
-}
-
-static void sixteen_numbers_are_read_column_by_column(void **state)
-{
-    const double v[16] = {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1};
-    bis_xform t;
-    assert_true(bis_xform_from_columns(&t, v));
-    assert_vec3(bis_xform_point(&t, (vec3){1, 1, 1}), 6, 8, 11);
-    assert_true(inverse_error(&t) == 0);
-}
-
 static void any_regular_matrix_is_inverted(void **state)
 {
     bis_rng r;
@@ -207,25 +155,6 @@ static void any_regular_matrix_is_inverted(void **state)
     assert_true(bis_xform_from_columns(&t, projective));
     assert_vec3(bis_xform_point(&t, (vec3){4, 2, 2}), 2, 1, 1.5);
     assert_true(inverse_error(&t) == 0);
-}
-
-/* The last row of an affine matrix is 0 0 0 1, and then that of its inverse is, to the bit; that of another is not. */
-static void the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not(void **state)
-{
-    for (int k = 0; k < 4; k++) {
-        double v[16] = {1.1, 0.2, 0.3, 0, -0.4, 0.7, 0.1, 0, 0.3, -0.9, 1.3, 0, 7, -5, 3, 1};
-        bis_xform t;
-        if (k < 3) v[4 * k + 3] = 0.01;
-        assert_true(bis_xform_from_columns(&t, v));
-        const bool is_affine = t.inv[3][0] == 0 && t.inv[3][1] == 0 && t.inv[3][2] == 0 && t.inv[3][3] == 1;
-        assert_int_equal(is_affine, k == 3);
-        for (int i = 0; i < 4; i++)
-            for (int j = 0; j < 4; j++) {
-                double sum = 0;
-                for (int l = 0; l < 4; l++) sum += t.m[i][l] * t.inv[l][j];
-                assert_true(fabs(sum - (i == j)) < 1e-13);
-            }
-    }
 }
 
 static void singular_and_non_finite_matrices_are_refused(void **state)
@@ -250,29 +179,6 @@ static void compose_applies_the_right_one_first(void **state)
     assert_true(inverse_error(&t) <= 1 && inverse_error(&s) <= 1);
 }
 
-/* No number is 0: all 16 sums of both products. (a b)^-1 = b^-1 a^-1. */
-static void a_composition_is_the_product_of_the_matrices(void **state)
-{
-    bis_xform a, b;
-    for (int i = 0; i < 16; i++) {
-        a.m[i / 4][i % 4] = 2 + i;
-        b.m[i / 4][i % 4] = 3 + i * i;
-        a.inv[i / 4][i % 4] = 40 - i;
-        b.inv[i / 4][i % 4] = 5 - 2 * i;
-    }
-    const bis_xform t = bis_xform_compose(&a, &b), back = bis_xform_inverse(&t);
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++) {
-            double m = 0, inv = 0;
-            for (int k = 0; k < 4; k++) {
-                m += (2 + 4 * i + k) * (3 + (4 * k + j) * (4 * k + j));
-                inv += (5 - 2 * (4 * i + k)) * (40 - (4 * k + j));
-            }
-            assert_true(t.m[i][j] == m && t.inv[i][j] == inv);
-            assert_true(back.m[i][j] == inv && back.inv[i][j] == m);
-        }
-}
-
 static void only_rotations_and_reflections_are_orthonormal(void **state)
 {
     bis_xform mirror = bis_xform_scale(-1, 1, 1), grow = bis_xform_scale(1, 1, 1.001), one = bis_xform_identity();
@@ -282,18 +188,10 @@ static void only_rotations_and_reflections_are_orthonormal(void **state)
     assert_true(bis_xform_is_orthonormal(&grow, 2.1e-3));
     grow.m[0][0] = nan("");
     assert_false(bis_xform_is_orthonormal(&grow, 1));
-    /* unit columns of which two are not perpendicular: their product is 0.28 */
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            if (i == j) continue;
-            bis_xform skew = bis_xform_identity();
-            skew.m[i][j] = 0.28;
-            skew.m[j][j] = 0.96;
-            assert_false(bis_xform_is_orthonormal(&skew, 0.279));
-            assert_true(bis_xform_is_orthonormal(&skew, 0.281));
-        }
-    /* what has no part in it: the translation */
-    bis_xform move = bis_xform_translate(1, 2, 3);
+    bis_xform skew = bis_xform_identity(), move = bis_xform_translate(1, 2, 3);
+    skew.m[0][1] = 0.28; /* unit columns of which two are not perpendicular */
+    skew.m[1][1] = 0.96;
+    assert_false(bis_xform_is_orthonormal(&skew, 0.279));
     assert_true(bis_xform_is_orthonormal(&move, 0));
 }
 
@@ -339,17 +237,11 @@ int main(void)
         cmocka_unit_test(rotations_of_any_axis_length_are_orthonormal),
         cmocka_unit_test(any_angle_turns_about_any_axis),
         cmocka_unit_test(normals_stay_perpendicular_to_the_surface),
-        cmocka_unit_test(look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right),
         cmocka_unit_test(look_at_follows_pbrts_worked_matrix),
         cmocka_unit_test(an_impossible_camera_is_refused),
-        cmocka_unit_test(an_up_beside_the_view_is_refused_up_to_four_ulps),
-        cmocka_unit_test(one_element_that_is_not_finite_is_enough_to_refuse),
-        cmocka_unit_test(sixteen_numbers_are_read_column_by_column),
         cmocka_unit_test(any_regular_matrix_is_inverted),
-        cmocka_unit_test(the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not),
         cmocka_unit_test(singular_and_non_finite_matrices_are_refused),
         cmocka_unit_test(compose_applies_the_right_one_first),
-        cmocka_unit_test(a_composition_is_the_product_of_the_matrices),
         cmocka_unit_test(only_rotations_and_reflections_are_orthonormal),
         cmocka_unit_test(the_nearest_rotation_keeps_the_first_column_and_the_hand),
     };

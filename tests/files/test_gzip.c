@@ -192,19 +192,9 @@ static void a_head_is_as_long_as_it_can_be(void **state)
     remove("build/test_gzip.head");
     char head[4];
     assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), 0);
-    /* no regular file, which would let us wait for its writer; and one that only says so, where we may read it: of what
-     * the kernel has to say these are the first bytes, and no others are waited for */
-    assert_int_equal(mkfifo("build/test_gzip.head", 0600), 0);
-    const int free_before = dup(0);
-    close(free_before);
+    assert_int_equal(mkfifo("build/test_gzip.head", 0600), 0); /* which would let us wait for its writer */
     assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), 0);
-    const int free_behind = dup(0);
-    close(free_behind);
-    assert_int_equal(free_before, free_behind); /* it is closed */
     assert_int_equal(remove("build/test_gzip.head"), 0);
-    const size_t n_said = bis_gzip_head(head, 3, "/proc/kmsg");
-    assert_true(n_said == 0 || n_said == 3);
-    assert_int_equal(bis_gzip_head(head, 3, "/dev/zero"), 0);
 }
 
 int main(void)

@@ -277,46 +277,6 @@ static void each_kind_of_png_has_its_colours(void **state)
     }
 }
 
-/* What reading the file says if its header claims another size; its checksum is made anew. */
-static void expect_claim(int width, int height, const char *message)
-{
-    size_t n;
-    unsigned char *data = read_bytes(scratch("kind.png"), &n);
-    bis_image image;
-    bis_diag diag = {0};
-    for (int k = 0; k < 4; k++) {
-        data[16 + k] = (unsigned char)(width >> 8 * (3 - k));
-        data[20 + k] = (unsigned char)(height >> 8 * (3 - k));
-    }
-    const unsigned long crc = crc32(0, data + 12, 17);
-    for (int k = 0; k < 4; k++) data[29 + k] = (unsigned char)(crc >> 8 * (3 - k));
-    store(scratch("claim.png"), data, n);
-    assert_int_equal(bis_image_read_colours(&image, scratch("claim.png"), 1, (bis_loc){0}, &diag), BIS_INPUT);
-    if (!strstr(diag.messages[0].text, message)) fail_msg("%s, not %s", diag.messages[0].text, message);
-    bis_diag_clear(&diag);
-    bis_free(data);
-}
-
-/* A byte may stand for 1032: of a width of as many pixels as the file has bytes, so many rows are believed as bits of
- * a pixel go into 8 1032, and one more is not. */
-static void a_header_is_held_against_the_length_of_the_file(void **state)
-{
-    for (int c = 0; c < N_KINDS; c++) {
-        const int bits = samples_of(kinds[c].kind) * kinds[c].depth;
-        char message[80];
-        size_t n;
-        write_kind(kinds[c].kind, kinds[c].depth, false);
-        bis_free(read_bytes(scratch("kind.png"), &n));
-        if (bits < 8) continue; /* rows of whole bytes alone: the others are rounded */
-        const int rows = 8 * 1032 / bits;
-        expect_claim((int)n, rows, "the PNG is damaged: ");
-        snprintf(message, sizeof message, "%zu bytes cannot hold %zu x %d pixels", n, n, rows + 1);
-        expect_claim((int)n, rows + 1, message);
-    }
-    expect_claim(32769, 1, "the PNG is damaged: ");
-    expect_claim(1, 32769, "the PNG is damaged: ");
-}
-
 /* White alone, a bit a pixel: deflate makes nearly 1032 bytes of one, and each of them is 24 of our numbers. */
 static void a_blank_sheet_of_one_bit_is_read(void **state)
 {
@@ -419,7 +379,6 @@ int main(void)
         cmocka_unit_test(the_file_says_that_it_is_srgb),
         cmocka_unit_test(the_gamma_of_a_file_counts_where_it_can_be_meant),
         cmocka_unit_test(each_kind_of_png_has_its_colours),
-        cmocka_unit_test(a_header_is_held_against_the_length_of_the_file),
         cmocka_unit_test(a_blank_sheet_of_one_bit_is_read),
         cmocka_unit_test(a_png_is_no_source_of_light),
         cmocka_unit_test(what_was_written_is_read_back_as_colours),

@@ -194,33 +194,6 @@ static void each_replacement_has_its_effect_and_its_share(void **state)
     }
 }
 
-/* Kinds of one effect stay in the order of the scene; the effects come in theirs. */
-static void the_list_is_sorted_by_effect_and_then_by_the_scene(void **state)
-{
-    static const char *const kinds[] = {"no light from infinity", "Integrator \"bdpt\"", "AreaLightSource",
-        "LightSource \"point\"", "Shape \"curve\"", "Volume", "Material \"mirror\"", "Material \"glass\"",
-        "Texture \"ptex\"", "Film \"gbuffer\"", "TransformTimes"};
-    static const char text[] =
-        "Film \"gbuffer\" TransformTimes 0 1 Integrator \"bdpt\" WorldBegin Texture \"t\" \"float\" \"ptex\" "
-        "Material \"mirror\" Shape \"curve\" AreaLightSource \"x\" Material \"glass\" Volume \"x\" LightSource "
-        "\"point\" Material \"mirror\" Shape \"sphere\"";
-    bis_scene_desc *d;
-    bis_diag diag = {0};
-    store(scratch("scene.txt"), text, sizeof text - 1);
-    assert_int_equal(bis_scene_parse_as(&d, scratch("scene.txt"), BIS_PARSE_APPROXIMATE, &diag), BIS_OK);
-    assert_int_equal(d->n_approximations, 11);
-    for (size_t i = 0; i < 11; i++) {
-        assert_string_equal(d->approximations[i].kind, kinds[i]);
-        assert_int_equal(d->approximations[i].n, strcmp(kinds[i], "Material \"mirror\"") == 0 ? 2 : 1);
-        assert_non_null(strstr(diag.messages[i].text, kinds[i]));
-    }
-    assert_true(d->light.L.r == 1 && d->light.scale == 1 && d->has_light);
-    const bis_loc sky = d->approximations[0].loc;
-    assert_true(sky.line == 0 && sky.column == 0 && strcmp(sky.file, d->files[0]) == 0);
-    bis_diag_clear(&diag);
-    bis_scene_desc_free(d);
-}
-
 /* A value beyond an end of its range becomes that end, each number of a list by itself; the others stay. */
 static void what_is_out_of_its_range_becomes_its_end(void **state)
 {
@@ -261,10 +234,7 @@ static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
         {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"c\"", .75, {1, 1, 1}, 0},
         {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"v\"", .75, {1, 1, 1}, 1},
         {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" \"no\"", 1, {1, 1, 1}, 2},
-        {"LightSource \"infinite\" Shape \"sphere\" \"texture radius\" [\"f\" \"c\"]", 1, {1, 1, 1}, 2},
-        {"LightSource \"infinite\" \"texture L\" \"no\" Shape \"sphere\"", 1, {1, 1, 1}, 2},
         {"LightSource \"infinite\" \"texture L\" \"c\" Shape \"sphere\"", 1, {.25, .5, 1.5}, 0},
-        {"LightSource \"infinite\" \"texture L\" \"f\" Shape \"sphere\" \"float radius\" 2", 2, {.5, .5, .5}, 0},
         {"LightSource \"infinite\" \"texture scale\" \"c\" \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {.5, 1, 6}, 0},
         {"LightSource \"infinite\" \"spectrum scale\" [400 .5 700 .5] \"rgb L\" [2 2 4] Shape \"sphere\"", 1, {1, 1, 2},
          0},
@@ -325,37 +295,6 @@ static void a_texture_without_a_part_is_grey(void **state)
             if (!gone && i < 7) assert_true(x->kind != BIS_TEXTURE_CONSTANT && x->steps > 5);
             bis_scene_desc_free(d);
         }
-}
-
-/* Whether a shape shows the texture or not. */
-static void a_bad_value_of_a_texture_leaves_its_default(void **state)
-{
-#define IMAGE "\"imagemap\" \"string filename\" \"data/maps/tiles.png\" "
-    static const struct { const char *type, *texture, *kind; } cases[] = {
-        {"spectrum", IMAGE "\"string wrap\" \"zzz\"", "\"wrap\" that is \"zzz\""},
-        {"spectrum", IMAGE "\"string mapping\" \"banana\"", "\"mapping\" that is \"banana\""},
-        {"float", "\"constant\" \"float value\" [1 2]", "\"value\" of 2 values"},
-        {"spectrum", "\"scale\" \"rgb tex1\" [1 2]", "\"tex1\" of 2 values"},
-    };
-    char text[1024];
-    for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
-        const char *kind = cases[i / 2].kind;
-        const char *shown = i % 2 ? "Material \"diffuse\" \"texture reflectance\" \"t\" " : "";
-        bis_scene_desc *d;
-        bis_diag diag = {0};
-        snprintf(text, sizeof text, "WorldBegin Texture \"t\" \"%s\" %s %s Shape \"sphere\"", cases[i / 2].type,
-            cases[i / 2].texture, shown);
-        assert_int_equal(parse(&d, text, 0, &diag), BIS_INPUT);
-        assert_non_null(strstr(diag.messages[0].text, "; with --approximate: the default is taken"));
-        bis_diag_clear(&diag);
-        d = approximated(text);
-        if (d->n_approximations != 1 || strcmp(d->approximations[0].kind, kind) != 0) fail_msg("%s", text);
-        const bis_texture *x = &d->textures.list[d->textures.n - 1];
-        if (i < 4) assert_true(x->kind == BIS_TEXTURE_IMAGE && x->wrap == BIS_WRAP_REPEAT && !x->mapping);
-        else assert_true(x->value.r == 1); /* that of value, and of tex1 */
-        bis_scene_desc_free(d);
-    }
-#undef IMAGE
 }
 
 static void a_scene_may_say_it_itself(void **state)
@@ -767,11 +706,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate),
         cmocka_unit_test(each_replacement_has_its_effect_and_its_share),
-        cmocka_unit_test(the_list_is_sorted_by_effect_and_then_by_the_scene),
         cmocka_unit_test(what_is_out_of_its_range_becomes_its_end),
         cmocka_unit_test(a_texture_is_its_mean_where_a_value_is_asked_for),
         cmocka_unit_test(a_texture_without_a_part_is_grey),
-        cmocka_unit_test(a_bad_value_of_a_texture_leaves_its_default),
         cmocka_unit_test(a_scene_may_say_it_itself),
         cmocka_unit_test(textures_of_pbrts_have_the_mean_of_their_parts),
         cmocka_unit_test(unknown_metals_and_coats_are_the_nearest_known),

@@ -410,87 +410,6 @@ static void tangents_are_the_derivatives_of_the_point(void **state)
     }
 }
 
-/* At a sphere's poles and in a disc's middle phi is 0, so p_v lies along x. The radius is 2. A v of 1 is half a great
- * circle, 2 pi long: v rises at the top against x, at the bottom along x. A disc's v of 1 is its radius, and falls
- * outwards. */
-static void at_a_pole_and_in_a_discs_middle_phi_is_0(void **state)
-{
-    static const struct { bis_quadric_kind kind; double side, v; } cases[] = {
-        {BIS_SPHERE, 1, -2 * PI}, {BIS_SPHERE, -1, 2 * PI}, {BIS_DISK, 1, -2}};
-    for (size_t i = 0; i < 3; i++) {
-        bis_geometry g = {0};
-        const bis_quadric q = {.kind = cases[i].kind, .radius = 2, .to_world = bis_xform_identity()};
-        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
-        const ray eye = {vec3_from(0, 0, 5 * cases[i].side), vec3_from(0, 0, -cases[i].side), INFINITY};
-        bis_tangents t;
-        bis_geometry_tangents(&g, 0, &eye, &t);
-        assert_true(t.u[0] == 0 && t.u[1] == 0 && t.u[2] == 0);
-        assert_true(fabs(t.v[0] - cases[i].v) <= 1e-14 && t.v[1] == 0 && t.v[2] == 0);
-        assert_true(t.outside[0] == 0 && t.outside[1] == 0 && t.outside[2] == cases[i].side);
-        bis_geometry_clear(&g);
-    }
-}
-
-/* A triangle of p = o + u p_u + v p_v, anywhere in space: its tangents are p_u and p_v. */
-static void a_triangles_tangents_are_those_that_it_was_made_of(void **state)
-{
-    uint64_t random = 7;
-    for (int i = 0; i < 100; i++) {
-        const vec3 o = random_point(&random, -1, 1), p[2] = {random_direction(&random), random_direction(&random)};
-        if ((double)length(cross(p[0], p[1])) < .3) continue; /* a splinter */
-        bis_geometry g = {0};
-        bis_mesh m = new_mesh(3, 1);
-        bis_tangents t;
-        double u[3], v[3];
-        m.uv = bis_alloc(3, sizeof *m.uv);
-        assert_non_null(m.uv);
-        for (int k = 0; k < 3; k++) {
-            u[k] = (k == 1) + random_between(&random, -.2, .2);
-            v[k] = (k == 2) + random_between(&random, -.2, .2);
-            m.uv[k] = (bis_uv){(float)u[k], (float)v[k]};
-            m.p[k] = add(o, add(mul(p[0], u[k]), mul(p[1], v[k])));
-            m.index[k] = (uint32_t)k;
-        }
-        const vec3 middle = mul(add(m.p[0], add(m.p[1], m.p[2])), 1 / 3.), side = normalize(cross(p[0], p[1]));
-        const ray eye = {add(middle, side), neg(side), INFINITY};
-        add_mesh(&g, &m, NULL, 0);
-        bis_geometry_tangents(&g, 0, &eye, &t);
-        const double wrong = fmax((double)length(sub(vec3_from(t.u[0], t.u[1], t.u[2]), p[0])),
-                                  (double)length(sub(vec3_from(t.v[0], t.v[1], t.v[2]), p[1])));
-        assert_true(wrong < 1e-5); /* corners are good to 2^-23, and are some 0.6 apart: 1e-6 */
-        bis_geometry_clear(&g);
-    }
-}
-
-/* Corners that are all at one (u, v) tell no direction: then u, v and the normal are right-handed, all of length 1. The
- * first three triangles face along an axis, where a choice of parts that are 0 would divide by 0. */
-static void a_triangle_without_directions_has_some(void **state)
-{
-    uint64_t random = 11;
-    for (int i = 0; i < 50; i++) {
-        const vec3 n = i < 3 ? (vec3){i == 0, i == 1, i == 2} : random_direction(&random);
-        const frame about = frame_about(n);
-        bis_geometry g = {0};
-        bis_mesh m = new_mesh(3, 1);
-        bis_tangents t;
-        m.uv = bis_alloc(3, sizeof *m.uv);
-        assert_non_null(m.uv);
-        for (int k = 0; k < 3; k++) {
-            m.uv[k] = (bis_uv){.25f, .75f};
-            m.p[k] = to_world(&about, (vec3){(float)(k == 1), (float)(k == 2), 1});
-            m.index[k] = (uint32_t)k;
-        }
-        const ray eye = {to_world(&about, (vec3){.25f, .25f, 3}), neg(n), INFINITY};
-        add_mesh(&g, &m, NULL, 0);
-        bis_geometry_tangents(&g, 0, &eye, &t);
-        const vec3 u = vec3_from(t.u[0], t.u[1], t.u[2]), v = vec3_from(t.v[0], t.v[1], t.v[2]);
-        const vec3 outside = vec3_from(t.outside[0], t.outside[1], t.outside[2]);
-        assert_true((double)length(sub(outside, n)) < 1e-6 && (double)length(sub(cross(u, v), n)) < 1e-6);
-        assert_true(fabs((double)length(u) - 1) < 1e-6 && fabs((double)length(v) - 1) < 1e-6);
-        bis_geometry_clear(&g);
-    }
-}
-
 static void a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump(void **state)
 {
     built b = build("Texture \"d\" \"float\" \"constant\" Material \"diffuse\" \"texture displacement\" \"d\" " PLANE);
@@ -526,9 +445,6 @@ int main(void)
         cmocka_unit_test(a_normal_map_turns_with_the_surface),
         cmocka_unit_test(a_bent_normal_is_on_the_side_of_the_surface),
         cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
-        cmocka_unit_test(at_a_pole_and_in_a_discs_middle_phi_is_0),
-        cmocka_unit_test(a_triangles_tangents_are_those_that_it_was_made_of),
-        cmocka_unit_test(a_triangle_without_directions_has_some),
         cmocka_unit_test(a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

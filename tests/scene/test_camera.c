@@ -113,35 +113,6 @@ static void orthographic_rays_are_parallel_and_start_on_the_screen(void **state)
         }
 }
 
-static void assert_box(const double box[6], double x0, double y0, double z0, double x1, double y1, double z1)
-{
-    const double expected[6] = {x0, y0, z0, x1, y1, z1};
-    for (int i = 0; i < 6; i++)
-        if (!(fabs(box[i] - expected[i]) <= 1e-12 * (1 + fabs(expected[i])))) fail_msg("box[%d] is %.17g", i, box[i]);
-}
-
-/* A perspective camera has one eye. An orthographic one has a screen: 4 x 2 for a film of 200 x 100, turned so that its
- * x is the world's z and its y the world's -x, three times as large, moved by (10, 20, 30). */
-static void eyes_are_a_point_or_the_screen(void **state)
-{
-    double box[6];
-    const bis_camera at = perspective(50, from_z, origin, y_up);
-    bis_camera_eyes(&at, 200, 100, box);
-    assert_box(box, 0, 0, 5, 0, 0, 5);
-
-    bis_camera flat = {.orthographic = true, .to_world = bis_xform_identity()};
-    bis_camera_eyes(&flat, 200, 100, box);
-    assert_box(box, -2, -1, 0, 2, 1, 0);
-    const double m[3][4] = {{0, -3, 0, 10}, {0, 0, 3, 20}, {3, 0, 0, 30}};
-    memcpy(flat.to_world.m, m, sizeof m);
-    bis_camera_eyes(&flat, 200, 100, box);
-    assert_box(box, 7, 20, 24, 13, 20, 36);
-    flat.has_screen = true;
-    memcpy(flat.screen, (double[]){1, 2, -5, 4}, sizeof flat.screen); /* x from 1 to 2, y from -5 to 4 */
-    bis_camera_eyes(&flat, 200, 100, box);
-    assert_box(box, -2, 20, 33, 25, 20, 36);
-}
-
 /* fov 179.9 and 0.01: neighbouring pixels still differ by what trigonometry says. */
 static void extreme_fields_of_view_keep_their_precision(void **state)
 {
@@ -201,7 +172,6 @@ int main(void)
         cmocka_unit_test(frame_aspect_replaces_width_by_height),
         cmocka_unit_test(orthographic_rays_are_parallel_and_start_on_the_screen),
         cmocka_unit_test(scales_whose_squares_overflow_or_vanish_change_no_direction),
-        cmocka_unit_test(eyes_are_a_point_or_the_screen),
         cmocka_unit_test(extreme_fields_of_view_keep_their_precision),
     };
     return cmocka_run_group_tests_name("camera", tests, NULL, NULL);

@@ -475,44 +475,6 @@ static void textures_lie_where_their_version_has_them(void **state)
 #undef CUBES
 }
 
-/* What pbrt filters over a pixel's footprint is in the list: images of v1 to v3 and by their parameters, chequers and
- * noise in all versions. An image of v4 is interpolated there, too. */
-static void what_pbrt_filters_is_listed(void **state)
-{
-#define IMAGE "\"imagemap\" \"string filename\" \"data/maps/tiles.png\" "
-    static const struct { const char *before, *type, *texture, *listed; } cases[] = {
-        {"", "float", IMAGE, NULL},
-        {"", "float", IMAGE "\"string filter\" \"bilinear\"", NULL},
-        {"", "float", IMAGE "\"string filter\" \"EWA\"", "imagemap"},
-        {"", "float", IMAGE "\"bool trilinear\" true", "imagemap"}, {"", "color", IMAGE, "imagemap"},
-        {"Film \"image\" ", "float", IMAGE, "imagemap"}, {"", "float", "\"checkerboard\"", "checkerboard"},
-        {"", "float", "\"checkerboard\" \"string aamode\" \"none\"", NULL},
-        {"", "float", "\"checkerboard\" \"integer dimension\" 3", NULL}, {"", "float", "\"fbm\"", "fbm"},
-        {"", "spectrum", "\"marble\"", "marble"}, {"", "float", "\"dots\"", NULL},
-        {"Film \"image\" ", "float", "\"bilerp\" \"string mapping\" \"cylindrical\"",
-         "mapping \"cylindrical\" of a Texture"},
-    };
-    char said[8192], text[1024], kind[64];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        snprintf(text, sizeof text, "%s" LIT "Texture \"t\" \"%s\" %s Shape \"sphere\"", cases[i].before, cases[i].type,
-            cases[i].texture);
-        bis_scene_desc *d = good(text, BIS_PARSE_APPROXIMATE, said);
-        const char *listed = cases[i].listed;
-        if (listed) snprintf(kind, sizeof kind, strchr(listed, ' ') ? "%s" : "filter of Texture \"%s\"", listed);
-        size_t n = 0;
-        for (size_t k = 0; k < d->n_approximations; k++) {
-            if (d->approximations[k].effect != BIS_EFFECT_TEXTURE) continue;
-            n++;
-            if (!listed || strcmp(d->approximations[k].kind, kind) != 0) fail_msg("%s\n%s", text, said);
-        }
-        if (n != (listed != NULL)) fail_msg("%s: %zu\n%s", text, n, said);
-        bis_scene_desc_free(d);
-        d = good(strncmp(cases[i].before, "Surf", 4) == 0 ? LIT : text, 0, said); /* and plain bis refuses none */
-        bis_scene_desc_free(d);
-    }
-#undef IMAGE
-}
-
 static void the_films_scale_multiplies_the_light(void **state)
 {
     char said[8192];
@@ -866,7 +828,6 @@ int main(void)
         cmocka_unit_test(a_bad_part_of_a_texture_counts_where_it_is_shown),
         cmocka_unit_test(the_images_of_pbrt_v2_stand_on_their_head),
         cmocka_unit_test(textures_lie_where_their_version_has_them),
-        cmocka_unit_test(what_pbrt_filters_is_listed),
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),

@@ -6,8 +6,6 @@
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
 
-#include "render/gather.h"
-#include "thesis/set.h"
 #include "claim.h"
 #include "world.h"
 
@@ -74,25 +72,6 @@ static void channels_have_names_that_an_EXR_can_hold_and_no_name_twice(void **st
 }
 
 /* ---- cost ---- */
-
-static void without_layers_there_is_no_memory_and_no_channel(void **state)
-{
-    world w;
-    bis_film film, asked;
-    bis_render_result result, other;
-    bis_channel channels[BIS_FILM_MAX_CHANNELS];
-    make_world(&w, &noise);
-    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
-    render_layers(&asked, &other, &w, whole, 1u << BIS_LAYER_DEPTH, &(bis_render_options){.budget = {.spp = 2}});
-    assert_int_equal(bis_film_layers(&film, channels, NULL), 0);
-    assert_null(film.layers.sum);
-    /* One value: a double in the film, a float in the pass. */
-    assert_int_equal(bis_film_bytes(&asked) - bis_film_bytes(&film), WIDTH * HEIGHT * sizeof(double));
-    assert_int_equal(other.bytes - result.bytes, WIDTH * HEIGHT * sizeof(float));
-    bis_film_clear(&film);
-    bis_film_clear(&asked);
-    clear_world(&w);
-}
 
 static void asking_for_layers_changes_no_bit_of_the_picture_and_no_count(void **state)
 {
@@ -500,88 +479,11 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
     clear_world(&w);
 }
 
-/* ---- memory ---- */
-
-static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
-{
-    world w;
-    make_world(&w, &noise);
-    assert_true(first_k_without_failure(&w, BIS_LAYERS_ALL) > 7);
-    clear_world(&w);
-}
-
-/* ---- one camera sample by hand ---- */
-
-static float open_red;
-
-/* L_ns: asked of an empty scene, without a later ray, with the geometric normal turned to the shading one. */
-static rgb open_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    assert_true(!pt->accel && !pt->ray_sink && pt->ng.x == 0 && pt->ng.y == 1 && pt->ng.z == 0);
-    assert_false(scratch->guide->learns);
-    pt->counters->shadow_rays += 1000; /* of no picture */
-    return (rgb){open_red, 5, 6};
-}
-
-/* All values begin as 1, 2, 3, ... The camera sees y as its z. Counts are differences, and no means. */
-static void a_sample_adds_to_each_value_by_hand(void **state)
-{
-    enum { SAMPLES, RAYS, CANDIDATES, OPEN, SEEN = OPEN + 3, ALBEDO = SEEN + 2, NORMAL = ALBEDO + 3, DEPTH = NORMAL + 3,
-           N };
-    const bis_layers layers = {.asked = BIS_LAYERS_ALL, .n_values = N,
-                               .first = {-1, -1, SAMPLES, RAYS, CANDIDATES, OPEN, SEEN, ALBEDO, NORMAL, DEPTH}};
-    const bis_material m = bis_phong((rgb){0.125f, 0.25f, 0.5f}, (rgb){0.5f, 0.25f, 0.125f}, 20);
-    const bis_xform to_camera = bis_xform_rotate(90, 1, 0, 0);
-    const bis_integrator by_hand = {.name = "by hand", .Lo = open_Lo};
-    const bis_settings s = {.integrator = &by_hand};
-    const bis_accel accel = {0};
-    const bis_counters before = {.camera_rays = 10, .shadow_rays = 20, .candidates = 40},
-                       after = {.camera_rays = 11, .shadow_rays = 25, .candidates = 47};
-    bis_counters counters = {0};
-    bis_guide guide = {.learns = true};
-    bis_scratch scratch = {.guide = &guide};
-    bis_stream stream = {0};
-    bis_point pt = {.p = {1, 2, 5}, .n = {0, 1, 0}, .ng = {1, 0, 0}, .wo = {0, 1, 0}, .accel = &accel,
-                    .counters = &counters};
-    float values[N];
-    bis_bsdf_init(&pt.bsdf, &m, pt.n, pt.wo);
-    for (int bad = 0; bad < 2; bad++) {
-        const float with[N] = {1, 5, 7, 4, 5, 6, 6, 15, 0.625f, 0.5f, 0.625f, 0, 0, 1, 2};
-        for (int i = 0; i < N; i++) values[i] = (float)(i + 1);
-        open_red = bad ? INFINITY : 4;
-        const bis_gathered of = {&s, &pt, stream, &scratch, {1, 2, 3}};
-        assert_int_equal(bis_gather_surface(values, &layers, &to_camera, &of), !bad);
-        bis_gather_counts(values, &layers, &before, &after);
-        assert_true(guide.learns);
-        assert_int_equal(counters.shadow_rays, 0);
-        for (int i = 0; i < N; i++) {
-            const bool left_out = bad && i >= OPEN && i < ALBEDO;
-            const double expected = i + 1 + (left_out ? 0 : (double)with[i]);
-            if (!(fabs((double)values[i] - expected) < 1e-5)) fail_msg("value %d: %g", i, (double)values[i]);
-        }
-    }
-    for (int i = 0; i < N; i++) values[i] = (float)(8 * (i + 1));
-    bis_gather_mean(values, &layers, 4);
-    for (int i = 0; i < N; i++) assert_true(values[i] == (float)((i < OPEN ? 8 : 2) * (i + 1)));
-
-    /* a surface that reflects nothing has no L_ns; who does not ask for it, does not pay */
-    const bis_material black = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 20);
-    bis_bsdf_init(&pt.bsdf, &black, pt.n, pt.wo);
-    for (int i = 0; i < N; i++) values[i] = 0;
-    assert_true(bis_gather_surface(values, &layers, &to_camera, &(bis_gathered){&s, &pt, stream, &scratch, {0, 0, 0}}));
-    for (int i = 0; i < N; i++) assert_true(values[i] == (i == NORMAL + 2 ? 1 : i == DEPTH ? values[DEPTH] : 0));
-    const bis_layers few = {.n_values = 1, .first = {-1, -1, -1, -1, -1, -1, -1, -1, -1, 0}};
-    values[0] = 1;
-    assert_true(bis_gather_surface(values, &few, &to_camera, &(bis_gathered){&s, &pt, stream, NULL, {1, 2, 3}}));
-    assert_true(fabs((double)values[0] - 3) < 1e-5 && values[1] == 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_layer_is_found_by_its_name_and_all_are_all),
         cmocka_unit_test(channels_have_names_that_an_EXR_can_hold_and_no_name_twice),
-        cmocka_unit_test(without_layers_there_is_no_memory_and_no_channel),
         cmocka_unit_test(asking_for_layers_changes_no_bit_of_the_picture_and_no_count),
         cmocka_unit_test(layers_have_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(counts_of_pixels_add_up_to_the_counts_of_the_render),
@@ -595,8 +497,6 @@ int main(void)
         cmocka_unit_test(error_bars_are_what_the_formulas_give_by_hand),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_a_rendered_picture),
-        cmocka_unit_test(a_sample_adds_to_each_value_by_hand),
-        cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -71,22 +71,6 @@ static void columns_count_characters_and_not_bytes(void **state)
     done(&l, &diag, 0);
 }
 
-/* A byte order mark alone, and parts of one, which are letters. */
-static void a_mark_alone_is_an_empty_file(void **state)
-{
-    bis_lexer l;
-    bis_diag diag;
-    open_text(&l, &diag, "\xef\xbb\xbf", 3);
-    assert_token(&l, BIS_TOKEN_END, NULL, 1, 1);
-    done(&l, &diag, 0);
-    open_text(&l, &diag, "\xef\xbb", 2);
-    assert_token(&l, BIS_TOKEN_BAD, NULL, 1, 1);
-    done(&l, &diag, 1);
-    open_text(&l, &diag, "", 0);
-    assert_token(&l, BIS_TOKEN_END, NULL, 1, 1);
-    done(&l, &diag, 0);
-}
-
 static void dos_line_ends_and_a_byte_order_mark_are_white_space(void **state)
 {
     static const char text[] = "\xef\xbb\xbf" "a\r\n\r\n b # c\r\nd\r\n";
@@ -120,40 +104,6 @@ static void numbers_are_read_in_every_form_that_pbrt_scenes_use(void **state)
     }
 }
 
-static void what_only_looks_like_a_number_is_refused_whole(void **state)
-{
-    static const char *const cases[] = {"0x10", "1e", "1e+", "1.2.3", "1-2", "--1", "+", "-", ".", "1a", "-inf", "+nan",
-                                        "1e999", "-.e1", "1_000"};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[32];
-        bis_lexer l;
-        bis_diag diag;
-        snprintf(text, sizeof text, "%s 3", cases[i]);
-        open_text(&l, &diag, text, strlen(text));
-        assert_int_equal(bis_lexer_next(&l).kind, BIS_TOKEN_BAD);
-        assert_token(&l, BIS_TOKEN_NUMBER, "3", 1, (int)strlen(cases[i]) + 2);
-        done(&l, &diag, 1);
-    }
-}
-
-static void tokens_need_no_space_where_brackets_and_quotes_part_them(void **state)
-{
-    static const char text[] = "a[1]\"s\"2 #x\n[\"t\"]";
-    bis_lexer l;
-    bis_diag diag;
-    open_text(&l, &diag, text, strlen(text));
-    assert_token(&l, BIS_TOKEN_WORD, "a", 1, 1);
-    assert_token(&l, BIS_TOKEN_OPEN, NULL, 1, 2);
-    assert_token(&l, BIS_TOKEN_NUMBER, "1", 1, 3);
-    assert_token(&l, BIS_TOKEN_CLOSE, NULL, 1, 4);
-    assert_token(&l, BIS_TOKEN_STRING, "s", 1, 5);
-    assert_token(&l, BIS_TOKEN_NUMBER, "2", 1, 8);
-    assert_token(&l, BIS_TOKEN_OPEN, NULL, 2, 1);
-    assert_token(&l, BIS_TOKEN_STRING, "t", 2, 2);
-    assert_token(&l, BIS_TOKEN_CLOSE, NULL, 2, 5);
-    done(&l, &diag, 0);
-}
-
 static void escapes_in_strings_are_pbrts(void **state)
 {
     static const char text[] = "\"a\\\"b\\\\c\\n\\t\\'\\b\\f\\r\"";
@@ -166,25 +116,6 @@ static void escapes_in_strings_are_pbrts(void **state)
     assert_int_equal(bis_token_unescape(buf, &t), 11);
     assert_string_equal(buf, "a\"b\\c\n\t'\b\f\r");
     done(&l, &diag, 0);
-}
-
-static void a_bad_string_is_skipped_and_the_next_token_is_in_place(void **state)
-{
-    static const struct {
-        const char *text;
-        int line;
-    } cases[] = {{"\"a\\q\" b", 1}, {"\"a\nb", 2}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        bis_lexer l;
-        bis_diag diag;
-        open_text(&l, &diag, cases[i].text, strlen(cases[i].text));
-        assert_int_equal(bis_lexer_next(&l).kind, BIS_TOKEN_BAD);
-        bis_token t = bis_lexer_next(&l);
-        assert_int_equal(t.kind, BIS_TOKEN_WORD);
-        assert_memory_equal(t.text, "b", 1);
-        assert_int_equal(t.at.line, cases[i].line);
-        done(&l, &diag, 1);
-    }
 }
 
 /* What a fault is told as, and where the token behind it stands: counted by hand. A fault is one token, however long,
@@ -204,46 +135,25 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
         {BYTES("\"a\\q\" b"), 3, escape, BIS_TOKEN_WORD, 1, 7},
         {BYTES("\"\xc3\xa9\\q\xc3\xa9\" b"), 3, escape, BIS_TOKEN_WORD, 1, 8},
         {BYTES("\xc3\xa9"), 1, "unexpected byte 0xc3: a scene is UTF-8 text", BIS_TOKEN_END, 1, 2},
-        {BYTES("\"ab\\q\xff\" b"), 4, escape, BIS_TOKEN_WORD, 1, 9}, /* of two the first */
         {BYTES("\"a\0c\" b"), 3, "a zero byte in a string", BIS_TOKEN_WORD, 1, 7},
         {BYTES("\"a\nb"), 1, "string without a closing quote", BIS_TOKEN_WORD, 2, 1},
-        {BYTES("x \"a"), 3, "string without a closing quote", BIS_TOKEN_END, 1, 5},
         {BYTES("\"\\"), 2, "string without a closing quote", BIS_TOKEN_END, 1, 3},
-        {BYTES("\"\\\nb"), 2, "string without a closing quote", BIS_TOKEN_WORD, 2, 1},
         {BYTES("12\xc3\xa9 b"), 1, "malformed number \"12\xc3\xa9\"", BIS_TOKEN_WORD, 1, 5},
         {BYTES("1a\"s\""), 1, "malformed number \"1a\"", BIS_TOKEN_STRING, 1, 3},
         {BYTES("1a[2"), 1, "malformed number \"1a\"", BIS_TOKEN_OPEN, 1, 3},
-        {BYTES("1a]2"), 1, "malformed number \"1a\"", BIS_TOKEN_CLOSE, 1, 3},
         {BYTES("1a#2\n b"), 1, "malformed number \"1a#2\"", BIS_TOKEN_WORD, 2, 2},
-        {BYTES("1a\tb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("1a\fb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("1a\vb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 1, 4},
         {BYTES("1a\rb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 1},
         {BYTES("-1.#IND b"), 1, "non-finite number \"-1.#IND\"", BIS_TOKEN_WORD, 1, 9},
-        {BYTES("1.#QNAN0 b"), 1, "non-finite number \"1.#QNAN0\"", BIS_TOKEN_WORD, 1, 10},
-        {BYTES("1a\nb"), 1, "malformed number \"1a\"", BIS_TOKEN_WORD, 2, 1},
         {BYTES("0x1 b"), 1, "malformed number \"0x1\"", BIS_TOKEN_WORD, 1, 5},
-        {BYTES("-0X1 b"), 1, "malformed number \"-0X1\"", BIS_TOKEN_WORD, 1, 6},
         {BYTES("+1e400 b"), 1, "non-finite number \"+1e400\"", BIS_TOKEN_WORD, 1, 8},
+        {BYTES("1.2.3 b"), 1, "malformed number \"1.2.3\"", BIS_TOKEN_WORD, 1, 7},
+        {BYTES("1e+ b"), 1, "malformed number \"1e+\"", BIS_TOKEN_WORD, 1, 5},
         {BYTES("a-b[1"), 1, "malformed word \"a-b\"", BIS_TOKEN_OPEN, 1, 4},
-        {BYTES("a\xc3\xa9 b"), 1, "malformed word \"a\xc3\xa9\"", BIS_TOKEN_WORD, 1, 4},
         {BYTES(" ,;~ b"), 2, "unexpected character \",\"", BIS_TOKEN_WORD, 1, 6},
         {BYTES("!\xc3\xa9 b"), 1, "unexpected character \"!\"", BIS_TOKEN_WORD, 1, 4},
-        {BYTES("!\xc3\xa9\xe2\x82\xac b"), 1, "unexpected character \"!\"", BIS_TOKEN_WORD, 1, 5},
-        {BYTES("1\xc3\xa9\xe2\x82\xac b"), 1, "malformed number \"1\xc3\xa9\xe2\x82\xac\"", BIS_TOKEN_WORD, 1, 5},
-        {BYTES("\"\xc3\xa9\xe2\x82\xac\\q\" b"), 4, escape, BIS_TOKEN_WORD, 1, 8},
-        {BYTES("~a"), 1, "unexpected character \"~\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("@A"), 1, "unexpected character \"@\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("`Z"), 1, "unexpected character \"`\"", BIS_TOKEN_WORD, 1, 2},
         {BYTES("{z"), 1, "unexpected character \"{\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("^_"), 1, "unexpected character \"^\"", BIS_TOKEN_WORD, 1, 2},
-        {BYTES("/0"), 1, "unexpected character \"/\"", BIS_TOKEN_NUMBER, 1, 2},
         {BYTES(":9"), 1, "unexpected character \":\"", BIS_TOKEN_NUMBER, 1, 2},
-        {BYTES(",\"s\""), 1, "unexpected character \",\"", BIS_TOKEN_STRING, 1, 2},
-        {BYTES(",["), 1, "unexpected character \",\"", BIS_TOKEN_OPEN, 1, 2},
         {BYTES(",]"), 1, "unexpected character \",\"", BIS_TOKEN_CLOSE, 1, 2},
-        {BYTES(",#]\n1"), 1, "unexpected character \",\"", BIS_TOKEN_NUMBER, 2, 1},
-        {BYTES("\x7f 1"), 1, "unexpected byte 0x7f: a scene is UTF-8 text", BIS_TOKEN_NUMBER, 1, 3},
         {BYTES("\x1f 1"), 1, "unexpected byte 0x1f: a scene is UTF-8 text", BIS_TOKEN_NUMBER, 1, 3},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -262,103 +172,6 @@ static void each_fault_is_told_in_its_place_and_ends_there(void **state)
         if (next.kind != cases[i].next || next.at.line != cases[i].line || next.at.column != cases[i].next_column)
             fail_msg("%s: %d at %d:%d", cases[i].text, (int)next.kind, next.at.line, next.at.column);
         done(&l, &diag, 1);
-    }
-}
-
-/* The ends of the letters and digits, and every byte that parts two numbers. */
-static void words_and_numbers_have_all_letters_and_digits(void **state)
-{
-    static const char space[] = " \t\n\r\f\v";
-    bis_lexer l;
-    bis_diag diag;
-    open_text(&l, &diag, "azAZ_09 _z Z", 12);
-    assert_token(&l, BIS_TOKEN_WORD, "azAZ_09", 1, 1);
-    assert_token(&l, BIS_TOKEN_WORD, "_z", 1, 9);
-    assert_token(&l, BIS_TOKEN_WORD, "Z", 1, 12);
-    assert_token(&l, BIS_TOKEN_END, NULL, 1, 13);
-    done(&l, &diag, 0);
-    for (size_t i = 0; i < sizeof space - 1; i++) {
-        const char text[5] = {'9', space[i], '0', space[i], 'a'};
-        const bool is_line = space[i] == '\n' || space[i] == '\r';
-        open_text(&l, &diag, text, 5);
-        assert_token(&l, BIS_TOKEN_NUMBER, "9", 1, 1);
-        assert_token(&l, BIS_TOKEN_NUMBER, "0", is_line ? 2 : 1, is_line ? 1 : 3);
-        assert_token(&l, BIS_TOKEN_WORD, "a", is_line ? 3 : 1, is_line ? 1 : 5);
-        done(&l, &diag, 0);
-    }
-}
-
-/* A message has 100 bytes at most, and no half of a character; what cannot be printed is '?', byte by byte. */
-static void a_text_for_a_message_is_cut_and_printable(void **state)
-{
-    char x[200], expected[200], buf[128];
-    memset(x, 'x', sizeof x);
-    assert_string_equal(bis_printable(buf, "", 0), "");
-    assert_string_equal(bis_printable(buf, "a b~!", 5), "a b~!");
-    assert_string_equal(bis_printable(buf, "a\tb\x7f" "c\xff\xc3\xa9\xe2\x82", 10), "a?b?c?\xc3\xa9??");
-    assert_string_equal(bis_printable(buf, "\0\x1f", 2), "??");
-    for (size_t n = 98; n < 104; n++) { /* n times x */
-        snprintf(expected, sizeof expected, "%.*s%s", n < 100 ? (int)n : 100, x, n > 100 ? "..." : "");
-        assert_string_equal(bis_printable(buf, x, n), expected);
-    }
-    for (size_t n = 96; n < 102; n++) { /* a character of three bytes behind n times x, and one x */
-        memset(x, 'x', sizeof x);
-        memcpy(x + n, "\xe2\x82\xac", 3);
-        const bool fits = n + 3 <= 100, whole = n + 4 <= 100;
-        snprintf(expected, sizeof expected, "%.*s%s%s%s", n < 100 ? (int)n : 100, x, fits ? "\xe2\x82\xac" : "",
-                 whole ? "x" : "", whole ? "" : "...");
-        assert_string_equal(bis_printable(buf, x, n + 4), expected);
-    }
-}
-
-static void a_token_is_named_by_its_kind_and_its_text(void **state)
-{
-    char x[64], expected[64], buf[64];
-    memset(x, 'x', sizeof x);
-    assert_string_equal(bis_token_name(buf, &(bis_token){.kind = BIS_TOKEN_END}), "the end of the file");
-    for (size_t n = 39; n < 43; n++) {
-        const bis_token word = {.kind = BIS_TOKEN_WORD, .text = x, .length = n},
-                        string = {.kind = BIS_TOKEN_STRING, .text = x, .length = n};
-        const int shown = n < 40 ? (int)n : 40;
-        snprintf(expected, sizeof expected, "\"%.*s%s\"", shown, x, n > 40 ? "..." : "");
-        assert_string_equal(bis_token_name(buf, &word), expected);
-        snprintf(expected, sizeof expected, "the string \"%.*s%s\"", shown, x, n > 40 ? "..." : "");
-        assert_string_equal(bis_token_name(buf, &string), expected);
-    }
-}
-
-static void a_text_is_read_as_a_file_is(void **state)
-{
-    bis_diag diag = {0};
-    bis_lexer l = {.diag = &diag};
-    assert_int_equal(bis_lexer_push_text(&l, "here", "a\n ,"), BIS_OK);
-    assert_token(&l, BIS_TOKEN_WORD, "a", 1, 1);
-    assert_token(&l, BIS_TOKEN_BAD, ",", 2, 2);
-    assert_token(&l, BIS_TOKEN_END, NULL, 2, 3);
-    assert_string_equal(diag.messages[0].text, "here:2:2: error: unexpected character \",\"");
-    assert_false(bis_lexer_pop(&l));
-    assert_false(bis_lexer_pop(&l));
-    done(&l, &diag, 1);
-    bis_mem_fail_at(1);
-    assert_int_equal(bis_lexer_push_text(&l, "here", "a"), BIS_NOMEM);
-    bis_mem_fail_at(0);
-    assert_int_equal(l.n_sources, 0);
-    done(&l, &diag, 1);
-}
-
-static void any_bytes_give_tokens_and_an_end(void **state)
-{
-    char text[4096];
-    unsigned x = 12345;
-    for (int round = 0; round < 50; round++) {
-        bis_lexer l;
-        bis_diag diag;
-        for (size_t i = 0; i < sizeof text; i++) text[i] = (char)((x = x * 1664525u + 1013904223u) >> 24);
-        open_text(&l, &diag, text, sizeof text);
-        int n = 0;
-        while (bis_lexer_next(&l).kind != BIS_TOKEN_END) assert_true(++n <= 4096);
-        bis_lexer_clear(&l);
-        bis_diag_clear(&diag);
     }
 }
 
@@ -422,19 +235,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_token_has_its_line_and_column),
         cmocka_unit_test(columns_count_characters_and_not_bytes),
-        cmocka_unit_test(a_mark_alone_is_an_empty_file),
         cmocka_unit_test(dos_line_ends_and_a_byte_order_mark_are_white_space),
         cmocka_unit_test(numbers_are_read_in_every_form_that_pbrt_scenes_use),
-        cmocka_unit_test(what_only_looks_like_a_number_is_refused_whole),
-        cmocka_unit_test(tokens_need_no_space_where_brackets_and_quotes_part_them),
         cmocka_unit_test(escapes_in_strings_are_pbrts),
-        cmocka_unit_test(a_bad_string_is_skipped_and_the_next_token_is_in_place),
         cmocka_unit_test(each_fault_is_told_in_its_place_and_ends_there),
-        cmocka_unit_test(words_and_numbers_have_all_letters_and_digits),
-        cmocka_unit_test(a_text_for_a_message_is_cut_and_printable),
-        cmocka_unit_test(a_token_is_named_by_its_kind_and_its_text),
-        cmocka_unit_test(a_text_is_read_as_a_file_is),
-        cmocka_unit_test(any_bytes_give_tokens_and_an_end),
         cmocka_unit_test(an_included_file_is_read_in_between),
         cmocka_unit_test(sixty_four_includes_are_nested_and_one_more_is_refused),
         cmocka_unit_test(a_cycle_is_seen_through_another_name_of_the_file),

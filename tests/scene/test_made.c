@@ -31,67 +31,6 @@ static double distance(const built *b, double ox, double oy, double oz, double d
 #define ABOUT(x, expected) assert_true(fabs((x) - (expected)) < 1e-3)
 #define MISSES(x) assert_true(isinf(x))
 
-static void shapes_have_pbrts_defaults(void **state)
-{
-    built b = build("Shape \"cylinder\"");
-    ABOUT(distance(&b, 5, 0, .9, -1, 0, 0), 4);
-    MISSES(distance(&b, 5, 0, 1.1, -1, 0, 0));
-    MISSES(distance(&b, .5, 0, 9, 0, 0, -1)); /* open at both ends */
-    scene_clear(&b);
-    b = build("Shape \"cone\"");
-    ABOUT(distance(&b, 5, .0, .5, -1, 0, 0), 4.5);
-    ABOUT(distance(&b, 0, .25, 9, 0, 0, -1), 8.25);
-    scene_clear(&b);
-    b = build("Shape \"paraboloid\"");
-    ABOUT(distance(&b, 5, 0, .25, -1, 0, 0), 4.5);
-    ABOUT(distance(&b, .5, 0, -9, 0, 0, 1), 9.25);
-    scene_clear(&b);
-    b = build("Shape \"hyperboloid\""); /* (0 0 0) to (1 1 1): the cone of radius sqrt 2 z */
-    ABOUT(distance(&b, 5, 0, .5, -1, 0, 0), 5 - .5 * sqrt(2));
-    scene_clear(&b);
-    b = build("Shape \"hyperboloid\" \"point3 p1\" [1 -1 -1] \"point3 p2\" [1 1 1]"); /* x^2 + y^2 = 1 + z^2 */
-    ABOUT(distance(&b, 5, 0, 0, -1, 0, 0), 4);
-    ABOUT(distance(&b, 5, 0, .5, -1, 0, 0), 5 - sqrt(1.25));
-    scene_clear(&b);
-    b = build("Shape \"sphere\" \"float zmin\" 0 \"float zmax\" 0.5 \"float radius\" 2 \"float phimax\" 180");
-    ABOUT(distance(&b, 0, 5, .25, 0, -1, 0), 5 - sqrt(4 - .0625));
-    MISSES(distance(&b, 0, -5, .25, 0, 1, -.2)); /* the half that is cut off, and under the rest */
-    MISSES(distance(&b, 0, 5, .75, 0, -1, 0));
-    scene_clear(&b);
-    b = build("Shape \"disk\" \"float innerradius\" 0.5 \"float height\" 2 \"float phimax\" 90");
-    ABOUT(distance(&b, .6, .3, 5, 0, 0, -1), 3);
-    MISSES(distance(&b, .2, .2, 5, 0, 0, -1));
-    MISSES(distance(&b, -.6, .3, 5, 0, 0, -1));
-    scene_clear(&b);
-    b = build("Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 3 \"float Pz\" [0 0 1 1 0 0]");
-    ABOUT(distance(&b, .5, .25, 5, 0, 0, -1), 4.5);
-    ABOUT(distance(&b, .5, .5, 5, 0, 0, -1), 4);
-    scene_clear(&b);
-    b = build("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]"); /* z = x y */
-    ABOUT(distance(&b, .5, .6, 5, 0, 0, -1), 4.7);
-    scene_clear(&b);
-    b = build("Shape \"nurbs\" \"integer nu\" 3 \"integer uorder\" 3 \"float uknots\" [0 0 0 1 1 1] \"integer nv\" 2 "
-              "\"integer vorder\" 2 "
-              "\"float vknots\" [0 0 1 1] \"point3 P\" [-1 0 0 0 0 1 1 0 0  -1 1 0 0 1 1 1 1 0]");
-    ABOUT(distance(&b, 0, .5, 5, 0, 0, -1), 4.5);       /* 2 (1/2) (1/2) of the middle's height */
-    ABOUT(distance(&b, -.5, .5, 5, 0, 0, -1), 5 - .375); /* u = 1/4 */
-    scene_clear(&b);
-    /* an octahedron; a vertex of valence 4 has beta 3/32 and 1/(4 + 3/(8 beta)) = 1/8: half of the way to 0 */
-    b = build("Shape \"loopsubdiv\" \"point3 P\" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] "
-              "\"integer indices\" [0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5]");
-    ABOUT(distance(&b, 5, 1e-4, 2e-4, -1, 0, 0), 4.5);
-    assert_int_equal(b.scene->geometry.n_triangles, 8 * 64);
-    scene_clear(&b);
-}
-
-static void whole_spheres_and_disks_stay_exact(void **state)
-{
-    built b = build("Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 7 \"float phimax\" 400 "
-                    "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360");
-    assert_true(b.scene->geometry.n_quadrics == 2 && b.scene->geometry.n_triangles == 0);
-    scene_clear(&b);
-}
-
 static void equal_shapes_share_a_mesh_and_names_of_older_versions_are_known(void **state)
 {
     built b = build("Shape \"cylinder\" \"float radius\" 2 Translate 9 0 0 Shape \"cylinder\" \"float radius\" 2 "
@@ -169,41 +108,20 @@ static void assert_mesh(const char *what, const bis_scene_desc *d, size_t i, bis
 static const struct { const char *shape; bis_revolved is; } revolved[] = {
     {"\"cylinder\"", LINE(1, -1, 1, 1, 360)},
     {"\"cylinder\" \"float radius\" 2 \"float zmin\" 3 \"float zmax\" -1 \"float phimax\" 90", LINE(2, -1, 2, 3, 90)},
-    {"\"cylinder\" \"float radius\" 2 \"float zmin\" -1.5 \"float zmax\" 3 \"float phimax\" 90",
-     LINE(2, -1.5, 2, 3, 90)},
-    {"\"cylinder\" \"float radius\" 2 \"float zmin\" -1 \"float zmax\" 3.5 \"float phimax\" 90",
-     LINE(2, -1, 2, 3.5, 90)},
     {"\"cylinder\" \"float zmin\" -3e9 \"float zmax\" 2e9", LINE(1, -3e9, 1, 2e9, 360)},
     {"\"cone\"", LINE(1, 0, 0, 1, 360)},
     {"\"cone\" \"float radius\" 3 \"float height\" -2 \"float phimax\" 400", LINE(3, 0, 0, -2, 360)},
     {"\"cone\" \"float height\" 7 \"float phimax\" 359", LINE(1, 0, 0, 7, 359)},
     {"\"paraboloid\"", PARABOLA(1, 0, 1, 360)},
     {"\"paraboloid\" \"float radius\" 2 \"float zmin\" 4 \"float zmax\" 0.5", PARABOLA(2, .5, 4, 360)},
-    {"\"paraboloid\" \"float radius\" 2 \"float zmin\" 0.25 \"float zmax\" 4", PARABOLA(2, .25, 4, 360)},
-    {"\"paraboloid\" \"float radius\" 2 \"float zmin\" 0.25 \"float zmax\" 5", PARABOLA(2, .25, 5, 360)},
     {"\"paraboloid\" \"float zmin\" -3 \"float zmax\" 2 \"float phimax\" 1", PARABOLA(1, 0, 2, 1)},
     {"\"hyperboloid\"", ENDS(0, 0, 0, 1, 1, 1, 360)},
     {"\"hyperboloid\" \"point3 p1\" [1 2 3] \"point3 p2\" [-4 5 6] \"float phimax\" 45",
      ENDS(1, 2, 3, -4, 5, 6, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [2 2 3] \"point3 p2\" [-4 5 6] \"float phimax\" 45",
-     ENDS(2, 2, 3, -4, 5, 6, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [1 3 3] \"point3 p2\" [-4 5 6] \"float phimax\" 45",
-     ENDS(1, 3, 3, -4, 5, 6, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [1 2 4] \"point3 p2\" [-4 5 6] \"float phimax\" 45",
-     ENDS(1, 2, 4, -4, 5, 6, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [1 2 3] \"point3 p2\" [-3 5 6] \"float phimax\" 45",
-     ENDS(1, 2, 3, -3, 5, 6, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [1 2 3] \"point3 p2\" [-4 6 6] \"float phimax\" 45",
-     ENDS(1, 2, 3, -4, 6, 6, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [1 2 3] \"point3 p2\" [-4 5 7] \"float phimax\" 45",
-     ENDS(1, 2, 3, -4, 5, 7, 45)},
-    {"\"hyperboloid\" \"point3 p1\" [1 2 3] \"point3 p2\" [-4 5 6] \"float phimax\" 46",
-     ENDS(1, 2, 3, -4, 5, 6, 46)},
     {"\"hyperboloid\" \"point3 p1\" [1 2 3]", ENDS(1, 2, 3, 1, 1, 1, 360)},
     {"\"hyperboloid\" \"point3 p2\" [1 2 3]", ENDS(0, 0, 0, 1, 2, 3, 360)},
     {"\"sphere\" \"float zmin\" -0.5", CIRCLE(1, -.5, 1, 360)},
     {"\"sphere\" \"float radius\" 2 \"float zmax\" 0.5 \"float zmin\" -9", CIRCLE(2, -2, .5, 360)},
-    {"\"sphere\" \"float radius\" 2 \"float zmax\" 0.5 \"float zmin\" -1.75", CIRCLE(2, -1.75, .5, 360)},
     {"\"sphere\" \"float radius\" 2 \"float zmin\" 1.5 \"float zmax\" -1", CIRCLE(2, -1, 1.5, 360)},
     {"\"sphere\" \"float radius\" 3 \"float phimax\" 90", CIRCLE(3, -3, 3, 90)},
     {"\"paraboloid\" \"float zmax\" 0.5", PARABOLA(1, 0, .5, 360)},
@@ -396,8 +314,6 @@ static void knots_stay_what_they_are_where_an_end_is_a_texture(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shapes_have_pbrts_defaults),
-        cmocka_unit_test(whole_spheres_and_disks_stay_exact),
         cmocka_unit_test(equal_shapes_share_a_mesh_and_names_of_older_versions_are_known),
         cmocka_unit_test(coordinates_are_kept_for_textures_alone),
         cmocka_unit_test(each_surface_of_revolution_has_its_numbers),

@@ -4,7 +4,6 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/scene/scene.h"
 #include "bis/thesis/phong.h"
-#include "bis/thesis/rng.h"
 
 #include "claim.h"
 #include "program.h"
@@ -32,38 +31,6 @@ static void materials_are_numbered_by_value_in_the_order_of_the_shapes(void **st
     assert_int_equal(number[3], 1);
     assert_int_equal(number[1], 1);
     assert_int_equal(number[4], 2);
-    bis_free(number);
-}
-
-/* The other road: comparing each with each. */
-static void numbers_are_those_that_comparing_all_pairs_gives(void **state)
-{
-    enum { N = 60, SHAPES = 200 };
-    bis_material materials[N];
-    bis_shape_desc shapes[SHAPES];
-    bis_rng rng;
-    bis_rng_init(&rng, 3, 0, 0, 0);
-    for (int i = 0; i < N; i++) {
-        const float kd = (float)bis_rng_below(&rng, 3) / 4, ks = (float)bis_rng_below(&rng, 3) / 4;
-        materials[i] = bis_phong((rgb){kd, 0, kd}, (rgb){0, ks, 0}, (double)bis_rng_below(&rng, 2));
-    }
-    for (int i = 0; i < SHAPES; i++) shapes[i] = (bis_shape_desc){.material = (uint32_t)bis_rng_below(&rng, N)};
-    const bis_scene_desc d = {.materials = materials, .n_materials = N, .shapes = shapes, .n_shapes = SHAPES};
-    uint32_t *number, n, expected = 0;
-    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
-    for (int i = 0; i < SHAPES; i++) {
-        const bis_material *m = &materials[shapes[i].material];
-        int k = 0;
-        while (k < i) {
-            const bis_material *other = &materials[shapes[k].material];
-            if (rgb_sum(m->Kd) == rgb_sum(other->Kd) && rgb_sum(m->Ks) == rgb_sum(other->Ks) &&
-                m->exponent == other->exponent)
-                break;
-            k++;
-        }
-        assert_int_equal(number[shapes[i].material], k < i ? number[shapes[k].material] : expected++);
-    }
-    assert_int_equal(n, expected);
     bis_free(number);
 }
 
@@ -138,7 +105,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_numbered_by_value_in_the_order_of_the_shapes),
-        cmocka_unit_test(numbers_are_those_that_comparing_all_pairs_gives),
         cmocka_unit_test(each_value_of_a_material_tells_it_from_others),
         cmocka_unit_test(the_plan_lists_materials_by_number),
     };

@@ -153,6 +153,8 @@ static const struct { const char *scene, *place, *words; } sayings[] = {
     {"Sampler \"stratified\" \"integer ysamples\" 5 \"integer pixelsamples\" 16" L, "22: error", "is 20, must be"},
     {"Sampler \"stratified\" \"integer xsamples\" 25001 \"integer ysamples\" 40000" L, "22: error",
      "at most 1000000000"},
+    {"Integrator \"sir\" \"bool vectorize\" false" L, "18: warning", "\"vectorize\" is ignored"},
+    {"Integrator \"em\" \"bool vectorize\" false" L, "17: error", "unknown parameter"},
     {"MediumInterface \"\" \"fog\"" L, "20: error", "media are not modelled"},
     {"Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" L, "44: error", "wants ] after 16 numbers"},
     {"Rotate 90 0 0 0" L, "1: error", "which has no direction"}, {"Scale 1 0 1" L, "1: error", "singular"},
@@ -341,25 +343,6 @@ static void an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sa
         bis_scene_desc_free(d);
         bis_scene_desc_free(written_out);
     }
-}
-
-/* A word of bis itself before 0.1.0: a scene of that time is read as if it were not there, and is told once. */
-static void a_word_that_sir_once_had_is_ignored_with_a_note(void **state)
-{
-    bis_diag diag;
-    bis_scene_desc *d;
-    assert_int_equal(
-        parse_text(&d, &diag, "Integrator \"sir\" \"bool vectorize\" false \"integer candidates\" 33\nWorldBegin"),
-        BIS_OK);
-    assert_int_equal(diag.n, 2); /* and "no light" */
-    assert_non_null(strstr(diag.messages[0].text, "\"vectorize\" is ignored"));
-    assert_int_equal(d->view.settings.candidates, 33);
-    bis_scene_desc_free(d);
-    bis_diag_clear(&diag);
-    assert_int_equal(
-        parse_text(&d, &diag, "Integrator \"em\" \"bool vectorize\" false\nWorldBegin"), BIS_INPUT); /* twin */
-    bis_scene_desc_free(d);
-    bis_diag_clear(&diag);
 }
 
 /* pbrt's "path" says nothing of our integrators: the scene is one without. */
@@ -562,29 +545,21 @@ static void each_parameter_of_a_light_changes_itself_alone(void **state)
     }
 }
 
+/* As squarely as possible; of two sides the one that is not given is 4. */
 static void spp_alone_is_divided_as_squarely_as_possible(void **state)
 {
-    static const struct {
-        uint32_t spp, x, y;
-    } cases[] = {{1, 1, 1}, {2, 2, 1}, {7, 7, 1}, {12, 4, 3}, {72, 9, 8}, {1000000000, 32000, 31250}};
+    static const struct { const char *words; uint32_t x, y; } cases[] = {
+        {"pixelsamples\" 1", 1, 1}, {"pixelsamples\" 7", 7, 1}, {"pixelsamples\" 12", 4, 3},
+        {"pixelsamples\" 72", 9, 8}, {"pixelsamples\" 1000000000", 32000, 31250}, {"xsamples\" 3", 3, 4},
+        {"ysamples\" 5", 4, 5}};
     for (size_t i = 0; i < BIS_COUNT(cases); i++) {
         char text[128];
-        snprintf(text, sizeof text, "Sampler \"stratified\" \"integer pixelsamples\" %u", cases[i].spp);
+        snprintf(text, sizeof text, "Sampler \"stratified\" \"integer %s", cases[i].words);
         bis_scene_desc *d = good_scene(text, "");
-        assert_int_equal(d->view.sampler.spp, cases[i].spp);
-        assert_int_equal(d->view.sampler.xsamples, cases[i].x);
-        assert_int_equal(d->view.sampler.ysamples, cases[i].y);
+        const bis_sampler *is = &d->view.sampler;
+        if (is->xsamples != cases[i].x || is->ysamples != cases[i].y || is->spp != cases[i].x * cases[i].y)
+            fail_msg("%s: %u x %u", text, is->xsamples, is->ysamples);
         bis_scene_desc_free(d);
-    }
-    /* of two sides the one that is not given is 4 */
-    for (int i = 0; i < 2; i++) {
-        char text[128];
-        snprintf(text, sizeof text, "Sampler \"stratified\" \"integer %csamples\" %d", i ? 'y' : 'x', i ? 5 : 3);
-        bis_scene_desc *one = good_scene(text, "");
-        assert_int_equal(one->view.sampler.xsamples, i ? 4 : 3);
-        assert_int_equal(one->view.sampler.ysamples, i ? 5 : 4);
-        assert_int_equal(one->view.sampler.spp, i ? 20 : 12);
-        bis_scene_desc_free(one);
     }
 }
 
@@ -972,7 +947,11 @@ static void a_file_that_is_no_scene_is_told_what_it_is_for(void **state)
 {
     static const char *const cases[][3] = {
         {"s.pfm", "PF\n1 1\n-1\n", "a PFM image"}, {"s.x", "ply\nformat ascii 1.0\n", "a PLY mesh"},
-        {"s.obj", "v 0 0 0\n", "a Wavefront mesh"}, {"s.y", "{}", "a file in JSON"}};
+        {"s.obj", "v 0 0 0\n", "a Wavefront mesh"}, {"s.y", "{}", "a file in JSON"},
+        {"s.x", "#?RADIANCE", "a Radiance map"}, {"s.x", "#?RGBE", "a Radiance map"},
+        {"s.x", "\x76\x2f\x31\x01", "an OpenEXR image"}, {"s.x", "\x89PNG", "a PNG picture"},
+        {"s.x", "\xff\xd8\xff", "a JPEG picture"}, {"s.x", "<", "a page or scene in XML or HTML"},
+        {"s.mtl", "newmtl a", "the materials of a Wavefront mesh"}, {"s.csv", "1", "a table"}};
     for (size_t i = 0; i < BIS_COUNT(cases); i++) {
         char path[128], text[800];
         bis_scene_desc *d;
@@ -1080,7 +1059,6 @@ int main(void)
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
         cmocka_unit_test(an_integrator_of_pbrt_is_none),
-        cmocka_unit_test(a_word_that_sir_once_had_is_ignored_with_a_note),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),
         cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),

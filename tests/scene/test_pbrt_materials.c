@@ -91,38 +91,6 @@ static void chromaticity(double xy[2], rgbd c)
     xy[1] = Y / (X + Y + Z);
 }
 
-/* Chromaticities of black bodies: Wyszecki and Stiles, Color Science, table 1(3.11); 2856 K is illuminant A. */
-static void black_bodies_lie_on_plancks_locus(void **state)
-{
-    static const double known[][3] = {
-        {2000, 0.5267, 0.4133}, {2856, 0.4476, 0.4074}, {5000, 0.3451, 0.3516}, {10000, 0.2807, 0.2884}};
-    for (size_t i = 0; i < 4; i++) {
-        const rgbd c = bis_spectrum_blackbody(known[i][0]);
-        double xy[2];
-        chromaticity(xy, c);
-        assert_about(xy[0], known[i][1], 5e-4);
-        assert_about(xy[1], known[i][2], 5e-4);
-        assert_about(0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b, 1, 1e-12);
-    }
-    assert_true(isfinite(bis_spectrum_blackbody(500).r) && isfinite(bis_spectrum_blackbody(1e6).b));
-}
-
-static void white_is_white_and_a_part_of_the_spectrum_has_its_colour(void **state)
-{
-    const double grey[1][2] = {{550, 0.25}}, red[4][2] = {{400, 0}, {599, 0}, {600, 1}, {800, 1}};
-    const rgbd g = bis_spectrum_reflected(&(bis_spectrum){grey, 1}),
-               r = bis_spectrum_reflected(&(bis_spectrum){red, 4});
-    assert_about(g.r, 0.25, 1e-12);
-    assert_about(g.g, 0.25, 1e-12);
-    assert_about(g.b, 0.25, 1e-12);
-    assert_true(r.r > 0.9 && r.g < 0.05 && fabs(r.b) < 0.05);
-    /* linear between its points, constant outside */
-    const bis_spectrum ramp = {(const double[2][2]){{500, 1}, {600, 3}}, 2};
-    assert_about(bis_spectrum_at(&ramp, 525), 1.5, 1e-12);
-    assert_about(bis_spectrum_at(&ramp, 400), 1, 0);
-    assert_about(bis_spectrum_at(&ramp, 700), 3, 0);
-}
-
 /* The last is by the matrix of sRGB: X = 0, Y = 0.1, Z = 0.1 has red below 0. */
 static void reflectances_may_be_spectra_files_or_xyz(void **state)
 {
@@ -637,8 +605,6 @@ static void names_of_textures_are_those_of_their_kind(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(black_bodies_lie_on_plancks_locus),
-        cmocka_unit_test(white_is_white_and_a_part_of_the_spectrum_has_its_colour),
         cmocka_unit_test(reflectances_may_be_spectra_files_or_xyz),
         cmocka_unit_test(a_file_of_a_spectrum_has_pairs_of_numbers),
         cmocka_unit_test(light_may_be_a_black_body_or_xyz),

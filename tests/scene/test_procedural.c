@@ -324,43 +324,14 @@ static void ranges_hold_all_values(void **state)
     }
 }
 
-/* The noise of an octave is at most 1.1 (noise_stays_below_its_bound), times its weight: fbm has 1 + 3; wrinkled has
- * 1 + 1/4 + 1/16, and 0.2/64 for what would follow; windy has 1 + 1/2 + 1/4 for the wind, times 2 - 1/32 for the
- * waves. Marble is among its colours, times 1.5. */
-static void ranges_are_those_by_hand(void **state)
-{
-    static const double wind = 1.1 * 1.75 * 1.1 * 1.96875, most = 1.1 * 1.3125;
-    static const struct { const char *text; double lo[3], hi[3]; } cases[] = {
-        {"\"float\" \"fbm\" \"float roughness\" 3 \"integer octaves\" 2", {-4.4, -4.4, -4.4}, {4.4, 4.4, 4.4}},
-        {"\"float\" \"wrinkled\" \"float roughness\" 0.25 \"integer octaves\" 3", {.003125, .003125, .003125},
-         {most + .003125, most + .003125, most + .003125}},
-        {"\"float\" \"windy\"", {-wind, -wind, -wind}, {wind, wind, wind}},
-        {"\"spectrum\" \"marble\"", {.3, .3, .495}, {.9, .885, .9}},
-        {"\"spectrum\" \"uv\"", {0, 0, 0}, {1, 1, 0}},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char text[128];
-        rgbd lo, hi;
-        snprintf(text, sizeof text, "Texture \"t\" %s", cases[i].text);
-        bis_scene_desc *d = read_scene(text);
-        bis_textures_range(&lo, &hi, &d->textures, NULL, d->textures.of_material[d->shapes[0].material].Kd);
-        assert_value(lo, cases[i].lo[0], cases[i].lo[1], cases[i].lo[2], 1e-12);
-        assert_value(hi, cases[i].hi[0], cases[i].hi[1], cases[i].hi[2], 1e-12);
-        bis_scene_desc_free(d);
-    }
-}
-
 static void what_leaves_its_range_or_its_type_is_refused(void **state)
 {
     static const struct { const char *scene, *text; } rows[] = {
         {"Texture \"t\" \"float\" \"marble\"", "Texture \"marble\" is one of colours: its type must be \"spectrum\" "
          "(or \"color\")"},
-        {"Texture \"t\" \"float\" \"uv\"", "Texture \"uv\" is one of colours"},
         {"Texture \"t\" \"float\" \"fbm\" \"integer octaves\" 65", "\"octaves\" is 65, must be in [0, 64]"},
         {"Texture \"t\" \"float\" \"fbm\" \"float roughness\" -1", "\"roughness\" is -1, must be in [0, 1000]"},
-        {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 4", "\"dimension\" is 4, must be in [2, 3]"},
         {"Texture \"t\" \"float\" \"windy\" \"integer octaves\" 4", "octaves"},
-        {"Texture \"t\" \"float\" \"dots\" \"texture inside\" \"no\"", "texture \"no\" is not defined"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         bis_diag diag = {0};
@@ -398,7 +369,6 @@ int main(void)
         cmocka_unit_test(dots_are_discs_in_two_fifths_of_the_cells),
         cmocka_unit_test(uv_bilerp_and_checkers_in_space_by_hand),
         cmocka_unit_test(ranges_hold_all_values),
-        cmocka_unit_test(ranges_are_those_by_hand),
         cmocka_unit_test(what_leaves_its_range_or_its_type_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "bis/scene/scene.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 #include "claim.h"
 #include "image_help.h"
 #include "scene/scene_peek.h"
@@ -106,18 +107,6 @@ static void an_object_without_instance_is_not_built(void **state)
     scene_clear(&b);
 }
 
-static void the_description_survives_the_build(void **state)
-{
-    built b = build("", MAP "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
-    assert_int_equal(b.desc->meshes[0].mesh.n_triangles, 1); /* borrowed, not moved */
-    assert_non_null(b.desc->meshes[0].mesh.p);
-    bis_scene *again;
-    assert_int_equal(bis_scene_build(&again, b.desc, &b.diag), BIS_OK);
-    assert_int_equal(again->geometry.n_triangles, 1);
-    bis_scene_free(again);
-    scene_clear(&b);
-}
-
 static void smooth_makes_normals_only_when_asked(void **state)
 {
     built b = build("", MAP TETRAHEDRON);
@@ -148,24 +137,18 @@ static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_
 /* By the file and no line: what places the camera may stand in several. */
 static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **state)
 {
-    /* the window of a parallel projection, ten times as large in the world, on one side: x, y, and y turned to z */
     static const struct { const char *camera, *place; } cases[] = {
         {"LookAt 0 1e39 0 0 0 0 0 0 1 Camera \"perspective\"", "y = 1e+39"},
         {"Scale 0.1 0.1 0.1 Camera \"orthographic\" \"float screenwindow\" [0 3e38 -1 1]", "x = 3e+39"},
-        {"Scale 0.1 0.1 0.1 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]", "y = 3e+39"},
-        {"Scale 0.1 0.1 0.1 Rotate -90 1 0 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]",
-         "z = 3e+39"},
         {"Scale 0.1 0.1 0.1 Rotate 90 1 0 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 0 3e38]",
          "z = -3e+39"},
         {"Translate 0 -3.4028234663852886e38 0 Camera \"perspective\"", NULL}}; /* it is the largest float */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         built b;
-        char scene[256], text[256];
+        char scene[256];
         snprintf(scene, sizeof scene, "Accelerator \"grid\" %s\nWorldBegin\nShape \"sphere\"\n", cases[i].camera);
         assert_int_equal(scene_try(&b, scene), cases[i].place ? BIS_INPUT : BIS_OK);
-        snprintf(text, sizeof text, "%s: error: the camera stands at %s, beyond the largest float, 3.40282e+38: "
-                 "scale the scene", scratch("scene.txt"), cases[i].place ? cases[i].place : "");
-        if (cases[i].place) assert_string_equal(b.diag.messages[b.diag.n - 1].text, text);
+        if (cases[i].place) assert_non_null(strstr(b.diag.messages[b.diag.n - 1].text, cases[i].place));
         scene_clear(&b);
     }
     /* also of another accelerator over the same scene; there is none then */
@@ -179,40 +162,11 @@ static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **sta
 
 /* ---- only what is required ---- */
 
-static void without_geometry_there_is_neither_accelerator_nor_table(void **state)
-{
-    built b = build("Integrator \"em\"", MAP);
-    assert_null(b.scene->accel);
-    assert_null(bis_light_importance(b.scene->light));
-    assert_non_null(bis_light_envmap(b.scene->light)); /* the camera sees it */
-    scene_clear(&b);
-}
-
 static void without_a_light_it_is_black(void **state)
 {
     built b = build("", "Shape \"sphere\"");
     assert_true(bis_light_is_black(b.scene->light));
     assert_true(bis_light_is_constant(b.scene->light));
-    scene_clear(&b);
-}
-
-static void a_constant_light_builds_no_table(void **state)
-{
-    built b = build("Integrator \"em\"",
-                    "LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2 Shape \"sphere\"");
-    assert_null(bis_light_importance(b.scene->light));
-    rgb Le = bis_light_Le(b.scene->light, (vec3){0, 0, 1});
-    assert_true(Le.r == 2 && Le.g == 4 && Le.b == 6);
-    scene_clear(&b);
-}
-
-static void an_integrator_that_never_draws_from_the_map_builds_no_table(void **state)
-{
-    built b = build("Integrator \"brdf\"", MAP "Shape \"sphere\"");
-    assert_null(bis_light_importance(b.scene->light));
-    scene_clear(&b);
-    b = build("Integrator \"em\"", MAP "Shape \"sphere\"");
-    assert_non_null(bis_light_importance(b.scene->light));
     scene_clear(&b);
 }
 
@@ -231,8 +185,6 @@ static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
     assert_true(bis_light_Le(l, normalize((vec3){-1, 0.1f, -1})).r == 2);
     scene_clear(&b);
 }
-
-/* ---- memory ---- */
 
 /* ---- plan ---- */
 
@@ -291,54 +243,6 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
             "\nbuild        accelerator grid, density 2.5\n", NULL});
 }
 
-/* CDFs keep the spread of a sampler's points; independent numbers have none, and go through alias tables. */
-static void the_table_follows_who_draws(void **state)
-{
-    static const struct { const char *before; const char *table; } cases[] = {
-        {"Integrator \"em\"", "CDFs"},
-        {"Integrator \"mis\"", "CDFs"},
-        {"Integrator \"mis\" Sampler \"halton\"", "CDFs"},
-        {"Integrator \"em\" Sampler \"random\"", "alias tables"},
-        {"Integrator \"mis\" Sampler \"stratified\"", "alias tables"},
-        {"Integrator \"rejection\"", "alias tables"},
-        {"Integrator \"sir\" \"bool stratify\" false", "alias tables"},
-        {"Integrator \"unoccluded\"", NULL}, /* along the curve */
-        {"Integrator \"sir\"", NULL},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char line[96];
-        if (cases[i].table) snprintf(line, sizeof line, "\nbuild        light table, %s", cases[i].table);
-        else snprintf(line, sizeof line, "\nskip         light table: this integrator, so set, draws along the curve");
-        assert_plan(cases[i].before, MAP "Shape \"sphere\"", (const char *const[]){line, NULL});
-    }
-    /* the scene's own word counts */
-    assert_plan("Integrator \"rejection\"",
-        "LightSource \"infinite\" \"string filename\" \"" SCENES
-        "map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
-        (const char *const[]){"\nbuild        light table, CDFs", NULL});
-}
-
-/* 1280 x 720 pixels; the 80 x 45 of the crop begin at (640, 360), in the middle of a row of tiles. */
-static void the_plan_says_what_a_crop_costs_that_learns(void **state)
-{
-    static const char line[] =
-        "\ncrop         80 x 64 pixels are rendered for its 80 x 45, whole tiles of 16 x 16: \"learn\" is by tiles\n";
-    static const char part[] = "Film \"rgb\" \"integer xresolution\" 1280 \"integer yresolution\" 720 \"float "
-                               "cropwindow\" [ 0.5 0.5625 0.5 0.5625 ]\n";
-    static const char *const learns[] = {"Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true",
-                                         "Integrator \"sir\" \"string proposal\" \"product\""};
-    for (int i = 0; i < 2; i++) {
-        char before[512];
-        snprintf(before, sizeof before, "%s%s", part, learns[i]);
-        built b = describe(before, MAP "Shape \"sphere\"");
-        char *text = plan(&b);
-        assert_true((strstr(text, line) != NULL) == (i == 0));
-        assert_true((strstr(text, "\ncrop ") != NULL) == (i == 0));
-        free(text);
-        scene_clear(&b);
-    }
-}
-
 /* The plan and the build draw the same conclusions. */
 static void the_plan_agrees_with_the_build(void **state)
 {
@@ -359,29 +263,6 @@ static void the_plan_agrees_with_the_build(void **state)
         }
 }
 
-/* A header of both windows, of which the string's own zero is the last byte. */
-#define EXR_OF(window) "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0" window \
-    "\0" "displayWindow\0box2i\0\x10\0\0\0" window
-
-static void image_sizes_are_read_from_headers(void **state)
-{
-    static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 1024\n";
-    static const char exr[] = EXR_OF("\xff\xff\xff\xff\0\0\0\0\x0e\0\0\0\x04\0\0");
-    long w, h;
-    store(scratch("a.hdr"), hdr, sizeof hdr - 1);
-    assert_true(bis_scene_peek_image(scratch("a.hdr"), &w, &h) && w == 1024 && h == 512);
-    store(scratch("a.exr"), exr, sizeof exr);
-    assert_true(bis_scene_peek_image(scratch("a.exr"), &w, &h) && w == 16 && h == 5);
-    store(scratch("a.exr"), exr, sizeof exr - 2);
-    assert_false(bis_scene_peek_image(scratch("a.exr"), &w, &h));
-    store(scratch("a.pfm"), "PF\n3 7\n-1\n", 10);
-    assert_true(bis_scene_peek_image(scratch("a.pfm"), &w, &h) && w == 3 && h == 7);
-    store(scratch("a.pfm"), "", 0);
-    assert_false(bis_scene_peek_image(scratch("a.pfm"), &w, &h));
-    assert_false(bis_scene_peek_image("build", &w, &h));
-    assert_int_equal(bis_scene_peek_bytes("build/no-such-file"), 0);
-}
-
 static bool peeked(const char *name, const void *data, size_t n, long wanted_w, long wanted_h)
 {
     long w, h;
@@ -389,170 +270,51 @@ static bool peeked(const char *name, const void *data, size_t n, long wanted_w, 
     return bis_scene_peek_image(scratch(name), &w, &h) && w == wanted_w && h == wanted_h;
 }
 
-/* The first bytes of each format, written by hand. */
+/* Of files that bis writes, whole and cut off; then the first bytes of formats that it reads alone, written by hand. */
 static void a_size_is_read_where_the_format_has_it(void **state)
 {
-    /* the window of an EXR is (x0, y0) to (x1, y1), both in it: (-256, 515) to (2, 30000) here, and to (2, 70000) */
-    static const char exr[] = EXR_OF("\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x30\x75\0");
-    static const char tall[] = EXR_OF("\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01");
-    static const char turned[] = EXR_OF("\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0");
-    static const char flat[] = EXR_OF("\0\0\0\0\x05\0\0\0\x07\0\0\0\x04\0\0");
-    /* 384 x 516 pixels are 8 times 1032 times the 24 bytes, the most that deflate makes of them; 385 are more */
-    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x80\0\0\x02\x04";
-    static const char dense[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x81\0\0\x02\x04";
-    static const char wide[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01";
+    static const char *const names[] = {"p.hdr", "p.exr", "p.pfm", "p.png"};
+    /* APP1 of 12 bytes holds a thumbnail's frame (9 x 9); a byte that fills; DHT; the frame: 8 bits, 80 rows of 70 */
+    static const char jpeg[] = "\xff\xd8\xff\xe1\0\x0c\xff\xc0\0\x11\x08\0\x09\0\x09\x03\xff\xff\xc4\0\x02"
+                               "\xff\xc2\0\x0b\x08\0\x50\0\x46\x01\x01\x11\0";
+    static const char bmp[] = "BM\0\0\0\0\0\0\0\0\0\0\0\0\x28\0\0\0\x0c\0\0\0\xf0\xff\xff\xff";
+    static const char tga[] = "\0\0\x0a\0\0\0\0\0\0\0\0\0\x20\0\x28\0\x18\0\0\0"; /* 32 x 40 of 24 bits, in runs */
     static const char *const hdr[] = {
         "-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
-
+    bis_image image;
+    long w, h;
+    assert_int_equal(bis_image_init(&image, 300, 70, NULL), BIS_OK);
+    for (int i = 0; i < 300 * 70; i++) image.pixels[i].g = (float)(i % 97);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(bis_image_save(&image, scratch(names[i]), NULL), BIS_OK);
+        if (!bis_scene_peek_image(scratch(names[i]), &w, &h) || w != 300 || h != 70) fail_msg("%s", names[i]);
+        assert_int_equal(truncate(scratch(names[i]), 5), 0);
+        assert_false(bis_scene_peek_image(scratch(names[i]), &w, &h));
+    }
+    bis_image_clear(&image);
     for (size_t i = 0; i < 6; i++) {
         char text[100];
         snprintf(text, sizeof text, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n%s\n", hdr[i]);
         assert_true(peeked("p.hdr", text, strlen(text), 1024, 512));
     }
-    assert_true(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X 1\n", 19, 1, 1));
     assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 0 +X 1\n", 19, 1, 0));
-    assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X -1\n", 20, -1, 1));
-    assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X x\n", 19, 0, 1));
-    assert_false(peeked("p.hdr", "#!RGBE\n\n-Y 1 +X 1\n", 19, 1, 1));
-    assert_true(peeked("p.exr", exr, sizeof exr, 259, 29486));
-    assert_false(peeked("p.exr", tall, sizeof tall, 259, 69486)); /* more than any reader takes */
-    assert_false(peeked("p.exr", turned, sizeof turned, 0, 8));
-    assert_false(peeked("p.exr", flat, sizeof flat, 8, 0));
-    assert_true(peeked("p.png", png, 24, 384, 516));
-    assert_false(peeked("p.png", dense, 24, 385, 516));
-    assert_false(peeked("p.png", wide, 24, 0x01000001, 1));
-    /* all four bytes count: 2^24 and more are refused, not taken for what their last bytes say */
-    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01", 24, 1, 1));
-    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x01\x01\0\0\x01", 24, 1, 1));
-    assert_true(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x20\x03\0\0\0\x03", 24, 0x2003, 3));
-    assert_false(peeked("p.png", png, 23, 384, 516));
-    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\0\0\0\0\1", 24, 0, 1));
-    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\1\0\0\0\0", 24, 1, 0));
-    assert_true(peeked("p.pfm", "Pf\n30 70\n-1\n", 12, 30, 70));
-    assert_true(peeked("p.pfm", "PF 30\n70 1.0\n", 13, 30, 70));
-    assert_false(peeked("p.pfm", "PF\n0 7\n-1\n", 10, 0, 7));
     assert_false(peeked("p.pfm", "PF\n7 0\n-1\n", 10, 7, 0));
-    assert_false(peeked("p.pfm", "P6\n7 7\n255\n", 11, 7, 7));
+    assert_true(peeked("p.jpg", jpeg, sizeof jpeg - 1, 70, 80)); /* 34 bytes have 34 x 512 pixels at most */
+    assert_false(peeked("p.jpg", jpeg, 29, 70, 80));             /* the head ends within the frame */
+    assert_true(peeked("p.bmp", bmp, 26, 12, 16) && !peeked("p.bmp", bmp, 25, 12, 16));
+    assert_true(peeked("p.tga", tga, 20, 32, 40) && !peeked("p.tga", tga, 17, 32, 40));
 }
 
-/* The counts of a PLY stand in its head; a file of no byte has no size. */
+/* The counts of a PLY stand in its head. */
 static void counts_of_a_mesh_are_read_from_its_head(void **state)
 {
-    long v, f;
     static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nelement face 7\n";
+    long v, f;
     store(scratch("p.ply"), ply, sizeof ply - 1);
     assert_true(bis_scene_peek_ply(scratch("p.ply"), &v, &f) && v == 12 && f == 7);
     assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), sizeof ply - 1);
     store(scratch("p.ply"), "ply\nelement vertex 12\n", 22);
     assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
-    store(scratch("p.ply"), "ply\nelement face 12\n", 20);
-    assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
-    store(scratch("p.ply"), "plx\nelement vertex 12\nelement face 7\n", 38);
-    assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
-    store(scratch("p.ply"), "", 0);
-    assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), 0);
-    store(scratch("p.ply"), "x", 1);
-    assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), 1);
-}
-
-/* Textures of a screen: a plan foretells their memory by their heads. By hand from the formats' descriptions. */
-static void a_size_of_a_screen_is_read_where_the_format_has_it(void **state)
-{
-    /* APP1 of 12 bytes holds a thumbnail's frame (9 x 9); a byte that fills; DHT; the frame: 8 bits, 80 rows of 80 */
-    static const char jpeg[] = "\xff\xd8\xff\xe1\0\x0c\xff\xc0\0\x11\x08\0\x09\0\x09\x03\xff\xff\xc4\0\x02"
-                               "\xff\xc2\0\x0b\x08\0\x50\0\x50\x01\x01\x11\0";
-    static const char bmp[] = "BM\0\0\0\0\0\0\0\0\0\0\0\0\x28\0\0\0\x0c\0\0\0\xf0\xff\xff\xff";
-    static const char tga[] = "\0\0\x0a\0\0\0\0\0\0\0\0\0\x20\0\x28\0\x18\0\0\0"; /* 32 x 40 of 24 bits, in runs */
-    char changed[sizeof jpeg];
-
-    assert_true(peeked("p.jpg", jpeg, sizeof jpeg - 1, 80, 80)); /* 34 bytes have 34 x 512 pixels at most */
-    assert_false(peeked("p.jpg", jpeg, 29, 80, 80));             /* the head ends within the frame */
-    memcpy(changed, jpeg, sizeof jpeg);
-    changed[26] = '\x04'; /* 1104 rows */
-    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 1104));
-    memcpy(changed, jpeg, sizeof jpeg);
-    changed[27] = 0;
-    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 0));
-    changed[27] = jpeg[27], changed[29] = 0;
-    assert_false(peeked("p.jpg", changed, sizeof jpeg - 1, 0, 80));
-    changed[29] = jpeg[29];
-    for (int kind = 0; kind < 256; kind++) { /* SOF, by the list of markers in ITU-T T.81, table B.1 */
-        changed[22] = (char)kind;
-        assert_int_equal(peeked("p.jpg", changed, sizeof jpeg - 1, 80, 80),
-                         kind && strchr("\xc0\xc1\xc2\xc3\xc5\xc6\xc7\xc9\xca\xcb\xcd\xce\xcf", kind) != NULL);
-    }
-    assert_true(peeked("p.bmp", bmp, 26, 12, 16));
-    assert_false(peeked("p.bmp", bmp, 25, 12, 16));
-    memcpy(changed, bmp, 26);
-    changed[18] = '\x0e'; /* 14 x 16 are more than 26 bytes of 8 */
-    assert_false(peeked("p.bmp", changed, 26, 14, 16));
-    changed[18] = 0;
-    assert_false(peeked("p.bmp", changed, 26, 0, 16));
-    changed[18] = '\x0c';
-    assert_true(peeked("p.bmp", changed, 26, 12, 16));
-    memset(changed + 22, 0, 4);
-    assert_false(peeked("p.bmp", changed, 26, 12, 0));
-    assert_true(peeked("p.tga", tga, 20, 32, 40));
-    assert_false(peeked("p.tga", tga, 17, 32, 40));
-    memcpy(changed, tga, 20);
-    changed[14] = '\x29';
-    assert_false(peeked("p.tga", changed, 20, 32, 41));
-    for (int tall = 0; tall < 2; tall++) { /* 300 needs the second byte */
-        static const char sides[2][4] = {{'\x2c', 1, 2, 0}, {2, 0, '\x2c', 1}};
-        memcpy(changed + 12, sides[tall], 4);
-        assert_true(peeked("p.tga", changed, 20, tall ? 2 : 300, tall ? 300 : 2));
-    }
-}
-
-/* What a file is that is no scene: by its first bytes, be they all of it; or else by its name. */
-static void strangers_are_known_by_their_bytes_or_their_names(void **state)
-{
-    static const struct {
-        const char *name, *bytes, *what; /* NULL: nothing is known */
-        bis_stranger_kind kind;
-    } cases[] = {
-        {"s.txt", "#?RADIANCE", "a Radiance map", BIS_STRANGER_MAP},
-        {"s.txt", "#?RGBE", "a Radiance map", BIS_STRANGER_MAP},
-        {"s.txt", "#?RADIANC", NULL, 0},
-        {"s.txt", "\x76\x2f\x31\x01", "an OpenEXR image", BIS_STRANGER_MAP},
-        {"s.txt", "PF\n", "a PFM image", BIS_STRANGER_MAP},
-        {"s.txt", "Pf\n3 4", "a PFM image", BIS_STRANGER_MAP},
-        {"s.txt", "PixelFilter", NULL, 0},
-        {"s.txt", "ply\n", "a PLY mesh", BIS_STRANGER_PLY},
-        {"s.obj", "ply\r\n", "a PLY mesh", BIS_STRANGER_PLY}, /* the bytes come first */
-        {"s.ply", "PLY", NULL, 0},
-        {"s.txt", "\x89PNG", "a PNG picture", BIS_STRANGER_OTHER},
-        {"s.txt", "\xff\xd8\xff", "a JPEG picture", BIS_STRANGER_OTHER},
-        {"s.txt", "\x7f" "ELF", "a program", BIS_STRANGER_OTHER},
-        {"s.txt", "%PDF", "a PDF document", BIS_STRANGER_OTHER},
-        {"s.txt", "<", "a page or scene in XML or HTML", BIS_STRANGER_OTHER},
-        {"s.txt", "{", "a file in JSON", BIS_STRANGER_OTHER},
-        {"s.txt", " {", NULL, 0},
-        {"s.md", "# x", "a page in Markdown", BIS_STRANGER_OTHER},
-        {"s.obj", "v", "a Wavefront mesh", BIS_STRANGER_OBJ},
-        {"s.OBJ", "v", "a Wavefront mesh", BIS_STRANGER_OBJ},
-        {"s.mtl", "n", "the materials of a Wavefront mesh", BIS_STRANGER_OTHER},
-        {"s.c", "i", "a program's source", BIS_STRANGER_OTHER},
-        {"s.h", "i", "a program's source", BIS_STRANGER_OTHER},
-        {"s.sh", "e", "a script", BIS_STRANGER_OTHER},
-        {"s.csv", "1", "a table", BIS_STRANGER_OTHER},
-        {"s.obj", "", NULL, 0},
-    };
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        bis_stranger_kind kind = 77;
-        store(scratch(cases[i].name), cases[i].bytes, strlen(cases[i].bytes));
-        const char *what = bis_scene_peek_stranger(scratch(cases[i].name), &kind);
-        unlink(scratch(cases[i].name));
-        if (!cases[i].what) assert_null(what);
-        if (!cases[i].what) continue;
-        if (!what) fail_msg("case %zu is unknown", i);
-        assert_string_equal(what, cases[i].what);
-        assert_int_equal(kind, cases[i].kind);
-    }
-    bis_stranger_kind kind;
-    assert_null(bis_scene_peek_stranger("build", &kind));
-    assert_null(bis_scene_peek_stranger("build/no-such-file.obj", &kind));
 }
 
 /* ---- what the camera sees of the map ---- */
@@ -590,62 +352,6 @@ static void a_scene_as_printed_draws_from_its_light_as_printed(void **state)
         const double expected = printed ? 1 / 9. : (1 - sqrt(.5)) / sqrt(.5) / 9;
         if (!(fabs(pmf[0] / pmf[8] / expected - 1) < 1e-6))
             fail_msg("printed %d: %.9g and %.9g, not %.9g", printed, pmf[0], pmf[8], expected);
-        scene_clear(&b);
-    }
-}
-
-/* The figures of a scene say what is not there by NaN and by no name. */
-static void figures_of_what_is_not_there_are_none(void **state)
-{
-    built b = build("", "");
-    bis_scene_figures f = bis_scene_figures_of(b.scene);
-    assert_true(f.triangles == 0 && f.mesh == 0 && isnan(f.accel) && isnan(f.envmap));
-    assert_string_equal(f.accelerator, "");
-    scene_clear(&b);
-    b = build("Accelerator \"grid\"", MAP TETRAHEDRON);
-    f = bis_scene_figures_of(b.scene);
-    assert_true(f.triangles == 4 && f.mesh == (double)bis_geometry_bytes(&b.scene->geometry));
-    assert_true(f.accel == (double)bis_accel_bytes(b.scene->accel) && f.accel > 0);
-    assert_true(f.envmap == (double)bis_light_bytes(b.scene->light) && f.envmap > 0);
-    assert_string_equal(f.accelerator, "grid");
-    scene_clear(&b);
-}
-
-/* A table of CDFs takes other bytes than alias tables do; the scene gets the one that its word names, or the one for
- * who draws. */
-static void the_table_that_is_built_is_the_one_for_who_draws(void **state)
-{
-    static const struct { const char *sampler, *word; } cases[] = {
-        {"sobol", ""}, {"random", "\"string sampler\" \"cdf\""}, {"random", ""},
-        {"sobol", "\"string sampler\" \"alias\""}};
-    size_t size[4];
-    for (int i = 0; i < 4; i++) {
-        char before[100], light[300];
-        snprintf(before, sizeof before, "Integrator \"em\" Sampler \"%s\"", cases[i].sampler);
-        snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" %s Shape \"sphere\"",
-                 eight(8, 4), cases[i].word);
-        built b = build(before, light);
-        size[i] = bis_importance_bytes(bis_light_importance(b.scene->light));
-        scene_clear(&b);
-    }
-    assert_true(size[0] == size[1] && size[2] == size[3] && size[0] != size[2]);
-}
-
-/* The accelerator hears where the eye is: Embree's limit is told by the axis and the side on which it stands. */
-static void the_accelerator_knows_where_the_eye_is(void **state)
-{
-    if (!bis_accel_embree_version()) skip();
-    for (int i = 0; i < 6; i++) {
-        const int axis = i % 3, side = i < 3 ? 1 : -1; /* the world moves the other way */
-        char before[200], said[100];
-        snprintf(before, sizeof before, "Translate %s %s %s Camera \"perspective\"",
-                 axis == 0 ? side > 0 ? "-2e18" : "2e18" : "0", axis == 1 ? side > 0 ? "-2e18" : "2e18" : "0",
-                 axis == 2 ? side > 0 ? "-2e18" : "2e18" : "0");
-        built b = build(before, MAP "Shape \"sphere\"");
-        snprintf(said, sizeof said, "the scene or its camera reaches to %c = %s2e+18, and", 'x' + axis,
-                 side > 0 ? "" : "-");
-        assert_int_equal(b.diag.n, 1);
-        if (!strstr(b.diag.messages[0].text, said)) fail_msg("%s, not %s", b.diag.messages[0].text, said);
         scene_clear(&b);
     }
 }
@@ -722,35 +428,23 @@ static void a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given(void
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(strangers_are_known_by_their_bytes_or_their_names),
         cmocka_unit_test(every_kind_of_shape_is_built),
         cmocka_unit_test(a_shape_that_turns_out_to_be_empty_needs_no_table),
         cmocka_unit_test(a_scene_as_printed_draws_from_its_light_as_printed),
-        cmocka_unit_test(figures_of_what_is_not_there_are_none),
-        cmocka_unit_test(the_table_that_is_built_is_the_one_for_who_draws),
-        cmocka_unit_test(the_accelerator_knows_where_the_eye_is),
         cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
         cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
         cmocka_unit_test(an_object_without_instance_is_not_built),
-        cmocka_unit_test(the_description_survives_the_build),
         cmocka_unit_test(smooth_makes_normals_only_when_asked),
         cmocka_unit_test(a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name),
         cmocka_unit_test(a_camera_beyond_the_largest_float_is_an_error_of_its_file),
-        cmocka_unit_test(without_geometry_there_is_neither_accelerator_nor_table),
         cmocka_unit_test(without_a_light_it_is_black),
-        cmocka_unit_test(a_constant_light_builds_no_table),
-        cmocka_unit_test(an_integrator_that_never_draws_from_the_map_builds_no_table),
         cmocka_unit_test(the_map_is_turned_by_the_transformation_at_its_place),
         cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
         cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),
-        cmocka_unit_test(the_table_follows_who_draws),
-        cmocka_unit_test(the_plan_says_what_a_crop_costs_that_learns),
         cmocka_unit_test(the_plan_agrees_with_the_build),
-        cmocka_unit_test(image_sizes_are_read_from_headers),
         cmocka_unit_test(a_size_is_read_where_the_format_has_it),
         cmocka_unit_test(counts_of_a_mesh_are_read_from_its_head),
-        cmocka_unit_test(a_size_of_a_screen_is_read_where_the_format_has_it),
     };
     return cmocka_run_group_tests_name("scene", tests, NULL, scratch_remove);
 }

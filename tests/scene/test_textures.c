@@ -57,6 +57,17 @@ static const char *four_as(const char *path)
     return beside(path);
 }
 
+/* 3 x 2 texels; their channels are (n, 2n, 4n)/32 of n = 1, 2, 3 (top row) and 4, 5, 6. */
+static void six_as(const char *path)
+{
+    bytes b = {0};
+    put_text(&b, "PF\n3 2\n-1.0\n");
+    for (int i = 0; i < 6; i++)
+        for (int k = 0; k < 3; k++) put_float(&b, (float)(i < 3 ? 4 + i : i - 2) * (float)(1 << k) / 32);
+    store(path, b.data, b.n);
+    bytes_clear(&b);
+}
+
 static const char *four(void) { return four_as(scratch("four.pfm")); }
 
 #define LIGHT "WorldBegin LightSource \"infinite\" "
@@ -120,6 +131,13 @@ static const struct {
     /* 16 bits are kept; the file says that it is linear by a gamma that pbrt and bis do not ask */
     {IMAGE("color", "deep.png", "\"string encoding\" \"linear\""), 2, {{0.25, 0.5, 32768 / 65535.0}, {0.75, 0.5,
      257 / 65535.0}}},
+    /* an image that is no square, of n = 1, 2, 3 in the top row and 4, 5, 6 below: of n/32 the red, whose mean over
+     * the channels 1, 2 and 4 is 7/3 */
+    {IMAGE("spectrum", "six.pfm", ""), 6, {{.5 / 3, .25, 4 / 32.}, {2.5 / 3, .25, 6 / 32.}, {.5 / 3, .75, 1 / 32.},
+     {1.5 / 3, .75, 2 / 32.}, {-.5 / 3, 1.25, 6 / 32.}, {.25, .625, 2 / 32.}}},
+    {IMAGE("spectrum", "six.pfm", "\"string wrap\" \"clamp\""), 2,
+     {{-2.5 / 3, 1.75, 1 / 32.}, {4.5 / 3, .25, 6 / 32.}}},
+    {IMAGE("float", "six.pfm", "\"float scale\" 2"), 1, {{.5 / 3, .75, 14 / 96.}}},
     /* a checkerboard alternates also at negative places */
     {"Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.75 \"rgb tex2\" [0.25 0 0] \"float uscale\" 2", 5,
      {{0.25, 0.5, 0.75}, {0.75, 0.5, 0.25}, {0.75, 1.5, 0.75}, {-0.25, 0.5, 0.25}, {-0.25, -0.5, 0.75}}},
@@ -138,6 +156,7 @@ static void a_texture_has_the_values_beside_it(void **state)
 {
     const unsigned char grey[4] = {188, 255, 0, 99}; /* top row, bottom row */
     const uint16_t deep[2] = {0x8000, 0x0101}; /* libpng's "linear" formats are 16 bits */
+    six_as(DIR "/six.pfm");
     four_as(DIR "/four.pfm");
     store_png(DIR "/grey.png", 2, 2, PNG_FORMAT_GRAY, grey);
     store_png(DIR "/deep.png", 2, 1, PNG_FORMAT_LINEAR_Y, deep);
@@ -463,78 +482,8 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
 
 /* ---- what the parser makes of a texture ---- */
 
-#define MOVED "Translate 1 2 3 Scale 2 4 8 " /* its inverse is ((x - 1)/2, (y - 2)/4, (z - 3)/8) */
-#define V3 "Film \"image\" "
-#define PLACE {{.5, 0, 0, -.5}, {0, .25, 0, -.5}, {0, 0, .125, -.375}}
-#define WORLD {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}
-#define OBLIQUE "\"string mapping\" \"planar\" \"vector3 v1\" [1 2 4] \"vector3 v2\" [0 0 2] \"float udelta\" 0.5 " \
-                "\"float vdelta\" -1 "
 #define HALF "\"imagemap\" \"string filename\" \"../test_textures/half.pfm\"\n"
 #define IMAGE_I "Texture \"i\" \"spectrum\" " HALF "Texture \"f\" \"float\" " HALF
-#define FILE_OF(type, params) "\"" type "\" \"imagemap\" \"string filename\" \"../test_textures/four.pfm\" " params
-
-/* The last texture of a scene; where a factor or the scale is 0 here, it is 1. */
-static const struct { const char *film, *world, *texture; bis_texture is; } descriptions[] = {
-    {"", MOVED, "\"spectrum\" \"checkerboard\" \"float uscale\" 2 \"float vscale\" 3 \"float udelta\" 4 "
-     "\"float vdelta\" 5", {.kind = BIS_TEXTURE_CHECKERBOARD, .factor = {2, 3}, .offset = {4, 5}}},
-    {"", MOVED, "\"spectrum\" \"bilerp\" " OBLIQUE, {.kind = BIS_TEXTURE_BILERP, .mapping = BIS_TEXTURE_PLANAR,
-     .offset = {.5, -1}, .from_world = {{.5, .5, .5, -2.5}, {0, 0, .25, -1.75}, {0, 0, .125, -.375}}}},
-    {V3, MOVED, "\"spectrum\" \"uv\" " OBLIQUE, {.kind = BIS_TEXTURE_UV_COLOUR, .mapping = BIS_TEXTURE_PLANAR,
-     .offset = {.5, -1}, .from_world = {{1, 2, 4, .5}, {0, 0, 2, -1}, {0, 0, 1, 0}}}},
-    {V3, MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"spherical\"",
-     {.kind = BIS_TEXTURE_UV_COLOUR, .mapping = BIS_TEXTURE_SPHERICAL, .from_world = PLACE}},
-    {"", MOVED, "\"spectrum\" \"uv\" \"string mapping\" \"cylindrical\"",
-     {.kind = BIS_TEXTURE_UV_COLOUR, .mapping = BIS_TEXTURE_CYLINDRICAL, .from_world = PLACE}},
-    {"", MOVED, "\"float\" \"fbm\"",
-     {.kind = BIS_TEXTURE_FBM, .octaves = 8, .roughness = .5, .is_float = true, .from_world = PLACE}},
-    {V3, MOVED, "\"spectrum\" \"fbm\" \"integer octaves\" 64 \"float roughness\" 0",
-     {.kind = BIS_TEXTURE_FBM, .octaves = 64, .from_world = {{2, 0, 0, 1}, {0, 4, 0, 2}, {0, 0, 8, 3}}}},
-    {"", "", "\"spectrum\" \"marble\"",
-     {.kind = BIS_TEXTURE_MARBLE, .octaves = 8, .roughness = .5, .variation = .2, .from_world = WORLD}},
-    {"", MOVED, "\"spectrum\" \"marble\" \"float scale\" -2 \"float variation\" 3 \"integer octaves\" 3 "
-     "\"float roughness\" 0.75", {.kind = BIS_TEXTURE_MARBLE, .octaves = 3, .roughness = .75, .variation = 3,
-     .scale = -2, .from_world = PLACE}},
-    {"", MOVED, "\"float\" \"checkerboard\" \"integer dimension\" 3",
-     {.kind = BIS_TEXTURE_CHECKERBOARD_3D, .is_float = true, .from_world = PLACE}},
-    {"", MOVED, FILE_OF("spectrum", "\"string wrap\" \"black\" \"float scale\" -3 \"string mapping\" \"planar\""),
-     {.kind = BIS_TEXTURE_IMAGE, .wrap = BIS_WRAP_BLACK, .scale = -3, .mapping = BIS_TEXTURE_PLANAR,
-     .from_world = PLACE}},
-    {"", "", FILE_OF("rgb", "\"string wrap\" \"clamp\" \"bool invert\" true"),
-     {.kind = BIS_TEXTURE_IMAGE, .wrap = BIS_WRAP_CLAMP, .invert = true}},
-};
-
-static void assert_numbers(const char *what, const double *found, const double *expected, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (!(fabs(found[i] - expected[i]) <= 1e-12)) fail_msg("%s: %g, not %g", what, found[i], expected[i]);
-}
-
-static void each_texture_is_described_as_its_words_say(void **state)
-{
-    four_as(DIR "/four.pfm");
-    for (size_t i = 0; i < sizeof descriptions / sizeof *descriptions; i++) {
-        const char *what = descriptions[i].texture;
-        char text[1024];
-        built b = {0};
-        bis_texture is = descriptions[i].is;
-        for (int k = 0; k < 2; k++)
-            if (is.factor[k] == 0) is.factor[k] = 1;
-        if (is.scale == 0) is.scale = 1;
-        snprintf(text, sizeof text, "%s" LIGHT "%sTexture \"t\" %s",
-                 *descriptions[i].film ? descriptions[i].film : "Film \"rgb\" ", descriptions[i].world, what);
-        scene_assert(&b, scene_parse(&b, text));
-        const bis_texture *x = &b.desc->textures.list[b.desc->textures.n - 1];
-        assert_numbers(what, x->factor, is.factor, 2);
-        assert_numbers(what, x->offset, is.offset, 2);
-        assert_numbers(what, x->from_world[0], is.from_world[0], 12);
-        assert_numbers(what, (double[]){x->roughness, x->variation, x->scale},
-                       (double[]){is.roughness, is.variation, is.scale}, 3);
-        if (x->kind != is.kind || x->mapping != is.mapping || x->wrap != is.wrap || x->octaves != is.octaves ||
-            x->invert != is.invert || x->is_float != is.is_float)
-            fail_msg("%s: kind %d", what, (int)x->kind);
-        scene_clear(&b);
-    }
-}
 
 /* An image of 0.5 is each part of a texture in turn: it is read, and the mesh must have coordinates for it. */
 static void an_image_is_found_in_each_part_of_a_texture(void **state)
@@ -897,30 +846,6 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
     }
 }
 
-/* Squares of the plane; parts have mappings of their own; the shapes that do not ask for (u, v) read none. */
-static void a_checkerboard_lies_in_its_plane(void **state)
-{
-    built b = scene_build(
-        LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
-              "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] "
-              "\"texture tex1\" \"x\" \"float tex2\" 0.3\n"
-              "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 "
-              "-9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]",
-        four());
-    assert_int_equal(b.diag.n, 0); /* no warning of missing coordinates */
-    assert_near(value_at(&b, (double[]){0.25, 0.25, 0.5}), 0.1);
-    assert_near(value_at(&b, (double[]){1.25, 0.25, 0.5}), 0.3);
-    assert_near(value_at(&b, (double[]){-0.25, 0.25, -0.5}), 0.2);
-    /* what an integrator sees: the material at the hit (0.75, 0.25, 0.5) */
-    bis_counters counters = {0};
-    bis_own_material m;
-    bis_point pt;
-    const ray r = {.o = {0.75f, -4, 0.5f}, .d = {0, 1, 0}, .tmax = INFINITY};
-    assert_true(bis_scene_point(&pt, &m, b.scene, r, &counters, NULL));
-    assert_near((double)pt.bsdf.material->Kd.r, 0.2);
-    scene_clear(&b);
-}
-
 static void a_mapping_that_cannot_be_is_refused(void **state)
 {
 #define MAPPED "%sTexture \"t\" \"float\" \"checkerboard\" %s"
@@ -938,17 +863,11 @@ static void a_mapping_that_cannot_be_is_refused(void **state)
 
 /* ---- texture.c by hand, without a scene ---- */
 
-/* 3 x 2 texels; their channels are (n, 2n, 4n)/32 of n = 1, 2, 3 (top row) and 4, 5, 6. */
 static bis_texture_image six(void)
 {
     bis_texture_image image;
     bis_texture_file file = {.filename = (char *)(uintptr_t)scratch("six.pfm"), .gamma = 1};
-    bytes b = {0};
-    put_text(&b, "PF\n3 2\n-1.0\n");
-    for (int i = 0; i < 6; i++)
-        for (int k = 0; k < 3; k++) put_float(&b, (float)(i < 3 ? 4 + i : i - 2) * (float)(1 << k) / 32);
-    store(file.filename, b.data, b.n);
-    bytes_clear(&b);
+    six_as(file.filename);
     assert_int_equal(bis_textures_load(&image, &file, NULL), BIS_OK);
     return image;
 }
@@ -957,43 +876,6 @@ static void assert_rgbd(rgbd c, double r, double g, double b)
 {
     if (!(fabs(c.r - r) < 1e-6 && fabs(c.g - g) < 1e-6 && fabs(c.b - b) < 1e-6))
         fail_msg("%.9g %.9g %.9g is not %.9g %.9g %.9g", c.r, c.g, c.b, r, g, b);
-}
-
-static void an_image_that_is_no_square_has_its_rows_and_columns(void **state)
-{
-    static const double n[2][3] = {{4, 5, 6}, {1, 2, 3}}; /* [t][s] */
-    bis_texture_image image = six();
-    bis_texture x = {.kind = BIS_TEXTURE_IMAGE, .factor = {1, 1}, .scale = 1, .steps = 1};
-    const bis_textures t = {.list = &x, .n = 1};
-    for (int k = 0; k < 4; k++) {
-        assert_near(image.lo[k], (k < 3 ? 1 << k : 7 / 3.0) / 32);
-        assert_near(image.hi[k], (k < 3 ? 1 << k : 7 / 3.0) * 6 / 32);
-    }
-    for (int wrap = BIS_WRAP_REPEAT; wrap <= BIS_WRAP_BLACK; wrap++)
-        for (int j = -2; j < 4; j++)
-            for (int i = -3; i < 6; i++) {
-                const bool outside = i < 0 || i > 2 || j < 0 || j > 1;
-                const int ci = i < 0 ? 0 : i > 2 ? 2 : i, cj = j < 0 ? 0 : j > 1 ? 1 : j;
-                const double v = wrap == BIS_WRAP_REPEAT             ? n[(j + 2) % 2][(i + 3) % 3]
-                                 : wrap == BIS_WRAP_BLACK && outside ? 0
-                                                                     : n[cj][ci];
-                x.wrap = (bis_wrap)wrap;
-                assert_rgbd(
-                    bis_textures_value(&t, &image, 0, (double[]){(i + 0.5) / 3, (j + 0.5) / 2}, (vec3){0, 0, 0}),
-                    v / 32, v / 16, v / 8);
-            }
-    /* between four texels, nearer to the first column and to the upper row: 0.75 (0.75 1 + 0.25 2) + 0.25 (0.75 4 +
-     * 0.25 5) */
-    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.75 / 3, 1.25 / 2}, (vec3){0, 0, 0}), 2 / 32.0, 4 / 32.0,
-        8 / 32.0);
-    x.is_float = true;
-    x.scale = 3;
-    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){2.5 / 3, 0.25}, (vec3){0, 0, 0}), 42 / 32.0, 42 / 32.0,
-        42 / 32.0); /* 6 7/3 3 */
-    x.invert = true;
-    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.5 / 3, 0.75}, (vec3){0, 0, 0}), 25 / 32.0, 25 / 32.0,
-        25 / 32.0); /* 1 - 7/32 */
-    bis_image_clear(&image.image);
 }
 
 static bis_texture constant_of(double r, double g, double b)
@@ -1054,44 +936,6 @@ static void textures_of_textures_have_their_values_in_each_channel(void **state)
     }
 }
 
-/* Which values a textured material has, and which it keeps. */
-static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **state)
-{
-    bis_texture list[] = {constant_of(0.5, 0.25, 0.125), constant_of(0.25, 0.5, 0.75), constant_of(0.16, 0.5, 1),
-        constant_of(1.0000001, 1, 1), constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1),
-        constant_of(1.5, -0.5, 2), constant_of(-1, 1.25, -2)}; /* what is cut off */
-    const bis_textures t = {.list = list, .n = 8};
-    const rgb Kd = {0.1f, 0.2f, 0.3f}, Ks = {0.3f, 0.2f, 0.1f};
-    bis_material base = bis_phong(Kd, Ks, 7), m;
-    const double uv[2] = {0, 0};
-    const vec3 p = {0, 0, 0};
-    const uint32_t NO = BIS_NO_TEXTURE;
-#define OF(Kd, Ks, width, power) \
-    (m = bis_textures_material(&t, NULL, &(bis_material_textures){Kd, Ks, width, power, {0}, NO, NO}, &base, uv, p))
-    OF(0, NO, NO, 1);
-    assert_true(m.model == base.model && m.Kd.r == 0.5f && m.Kd.g == 0.25f && m.Kd.b == 0.125f && m.Ks.r == 0.3f &&
-                m.Ks.g == 0.2f && m.Ks.b == 0.1f && m.exponent == 7);
-    OF(NO, 1, 2, 1);
-    assert_true(m.model == base.model && m.Ks.r == 0.25f && m.Ks.g == 0.5f && m.Ks.b == 0.75f && m.Kd.r == 0.1f &&
-                m.Kd.b == 0.3f && m.exponent == 0.16);
-    OF(NO, NO, 5, 1);
-    assert_true(m.exponent == 0);
-    OF(6, 7, NO, 1);
-    assert_true(m.Kd.r == 1 && m.Kd.g == 0 && m.Kd.b == 1 && m.Ks.r == 0 && m.Ks.g == 1 && m.Ks.b == 0);
-    base = bis_microfacet_metal(Ks, (rgb){1, 2, 3}, 0.5);
-    OF(NO, 1, NO, 1);
-    assert_true(
-        m.model == base.model && m.Ks.g == 0.5f && m.alpha == 0.25 && m.eta.r == 1 && m.eta.g == 2 && m.eta.b == 3);
-    OF(NO, NO, 2, 0.5);
-    assert_near(m.alpha, 0.16); /* roughness 0.16^0.5 = 0.4 */
-    assert_true(m.Ks.r == 0.3f && m.eta.b == 3);
-    OF(NO, NO, 3, 1);
-    assert_true(m.alpha == 1);
-    OF(NO, NO, 4, 1);
-    assert_true(m.alpha == 0.01 * 0.01);
-#undef OF
-}
-
 /* A bad channel of any texel is found, and its place is told. */
 static void a_bad_texel_is_told_with_its_place(void **state)
 {
@@ -1121,7 +965,6 @@ int main(void)
         cmocka_unit_test(an_obj_and_a_ply_bring_theirs),
         cmocka_unit_test(an_obj_brings_its_materials_and_each_part_is_a_shape),
         cmocka_unit_test(a_statement_of_a_library_is_taken_ignored_or_refused),
-        cmocka_unit_test(each_texture_is_described_as_its_words_say),
         cmocka_unit_test(the_range_of_each_kind_holds_its_values),
         cmocka_unit_test(an_image_is_found_in_each_part_of_a_texture),
         cmocka_unit_test(instances_of_an_obj_with_materials_are_alike),
@@ -1137,11 +980,8 @@ int main(void)
         cmocka_unit_test(the_shipped_scenes_of_each_version_render),
         cmocka_unit_test(in_the_furnace_four_spellings_of_a_quarter_are_a_quarter),
         cmocka_unit_test(points_are_mapped_by_angles_or_by_a_plane),
-        cmocka_unit_test(a_checkerboard_lies_in_its_plane),
         cmocka_unit_test(a_mapping_that_cannot_be_is_refused),
-        cmocka_unit_test(an_image_that_is_no_square_has_its_rows_and_columns),
         cmocka_unit_test(textures_of_textures_have_their_values_in_each_channel),
-        cmocka_unit_test(a_material_takes_what_its_textures_give_and_keeps_the_rest),
         cmocka_unit_test(a_bad_texel_is_told_with_its_place),
     };
     program_folder(DIR);

@@ -250,36 +250,6 @@ static void walls_axes_corners_and_duplicates_are_met_as_by_brute_force(void **s
     }
 }
 
-/* In each of the 26 directions of a cube's faces, edges and corners, zeros of either sign, from and towards the
- * middle. */
-static void a_ray_through_the_middle_of_anything_is_met_in_all_26_directions(void **state)
-{
-    for (int n = 1; n <= 3; n++) {
-        bis_geometry g = {0};
-        bis_mesh m = block_mesh(n);
-        add_mesh(&g, &m, NULL, 0);
-        backends b = make_backends(&g);
-        for (int k = 0; k < 27 * 8; k++) {
-            const int at[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 % 3 - 1};
-            float d[3];
-            for (int a = 0; a < 3; a++) d[a] = at[a] == 0 && (k / 27 >> a & 1) ? -0.0f : (float)at[a];
-            if (k % 27 == 13) continue;
-            const float c = (float)n / 2;
-            for (int outside = 0; outside < 2; outside++) {
-                const float back = outside ? 10.0f : 0.0f;
-                /* off the middle: no ray along an edge or through a corner */
-                const ray r = {{c + 0.1f - back * d[0], c + 0.17f - back * d[1], c + 0.23f - back * d[2]},
-                    {d[0], d[1], d[2]}, INFINITY};
-                const truth expected = brute_force(&g, &r);
-                assert_true(expected.hit);
-                for (int i = 0; i < b.n; i++) assert_int_equal(check_ray(b.a[i], &r, &expected), 0);
-            }
-        }
-        free_backends(&b);
-        bis_geometry_clear(&g);
-    }
-}
-
 /* From inside a closed mesh every ray meets it: also exactly through vertices and edges. */
 static void nothing_escapes_through_edges_and_vertices(void **state)
 {
@@ -540,39 +510,6 @@ static void the_grid_answers_as_a_loop_over_all_primitives_bit_by_bit(void **sta
     }
 }
 
-/* How many cells hold the only triangle, by hand: those that it meets, or whose corner or edge it touches. In 8 x 8
- * cells the half of a square: column i has the rows 0 to 8 - i, 7 at most, 8 + 8 + 7 + 6 + 5 + 4 + 3 + 2. In 4 x 4 x 4:
- * the plane x + y + z = 4 has the cells with i + j + k from 1 to 4, 3 + 6 + 10 + 12. The triangle z <= x = y has k up
- * to i + 1 where i = j, 2 + 3 + 4 + 4, and up to the larger of i and j where these are neighbours, twice 2 + 3 + 4.
- * Each also with its axes exchanged, and from its other side. */
-static void a_triangle_is_in_the_cells_that_it_meets(void **state)
-{
-    static const struct {
-        float p[3][3];
-        uint32_t items;
-    } cases[] = {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 43},
-                 {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 31},
-                 {{{0, 0, 0}, {1, 1, 0}, {1, 1, 1}}, 31}};
-    for (int n = 0; n < 3 * 3 * 2; n++) {
-        const int i = n % 3, turn = n / 3 % 3, back = n / 9;
-        bis_mesh m = new_mesh(3, 1);
-        bis_geometry g = {0};
-        bis_accel *a;
-        for (int k = 0; k < 3; k++) {
-            const float *p = cases[i].p[back ? 2 - k : k];
-            m.p[k] = (vec3){p[turn], p[(turn + 1) % 3], p[(turn + 2) % 3]};
-            m.index[k] = (uint32_t)k;
-        }
-        add_mesh(&g, &m, NULL, 0);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 64, 1, NULL}, NULL), BIS_OK);
-        const bis_grid *grid = (const bis_grid *)a;
-        assert_int_equal(grid->n_cells, 64);
-        if (bis_grid_items(grid) != cases[i].items) fail_msg("case %d: %u", n, (unsigned)bis_grid_items(grid));
-        bis_accel_free(a);
-        bis_geometry_clear(&g);
-    }
-}
-
 /* Large triangles fill many cells each; the grid gives up resolution, not memory. */
 static void a_soup_of_large_triangles_stays_within_its_items(void **state)
 {
@@ -584,32 +521,6 @@ static void a_soup_of_large_triangles_stays_within_its_items(void **state)
     assert_null(((const bis_grid *)a)->blocks);
     assert_true(bis_accel_bytes(a) + bis_geometry_bytes(&g) < 150 * g.n_triangles + 65536 * 4);
     bis_accel_free(a);
-    bis_geometry_clear(&g);
-}
-
-static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
-{
-    bis_geometry g = {0};
-    bis_mesh m = soup_mesh(5000, 0.05, 10), s = sphere_mesh(40);
-    const bis_quadric q = {BIS_SPHERE, 0.5, 0, bis_xform_translate(0.5, 0.5, 0.5), 0};
-    add_mesh(&g, &m, NULL, 0);
-    add_mesh(&g, &s, NULL, 0);
-    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
-    bis_accel *a[3];
-    static const int threads[] = {1, 2, 7};
-    for (int i = 0; i < 3; i++)
-        assert_int_equal(
-            bis_accel_new(&a[i], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, threads[i], NULL}, NULL), BIS_OK);
-    const bis_grid *one = (const bis_grid *)a[0];
-    for (int i = 1; i < 3; i++) {
-        const bis_grid *other = (const bis_grid *)a[i];
-        assert_int_equal(one->n_cells, other->n_cells);
-        assert_memory_equal(one->offsets, other->offsets, (one->n_cells + 1) * sizeof *one->offsets);
-        assert_memory_equal(one->items, other->items, one->offsets[one->n_cells] * sizeof *one->items);
-        assert_non_null(one->blocks);
-        assert_memory_equal(one->blocks, other->blocks, (one->offsets[one->n_cells] + 7) / 8 * sizeof *one->blocks);
-    }
-    for (int i = 0; i < 3; i++) bis_accel_free(a[i]);
     bis_geometry_clear(&g);
 }
 
@@ -662,63 +573,21 @@ static void what_lies_at_the_end_of_a_ray_is_not_on_it(void **state)
     }
 }
 
-static void an_empty_scene_is_never_hit(void **state)
-{
-    const ray r = {{0, 0, 0}, {0, 0, 1}, INFINITY};
-    bis_hit hit;
-    assert_false(bis_accel_intersect(NULL, &r, &hit));
-    assert_false(bis_accel_occluded(NULL, &r));
-    assert_string_equal(bis_accel_name(NULL), "none");
-    assert_int_equal(bis_accel_bytes(NULL), 0);
-    bis_accel_free(NULL);
-}
-
-static void without_embree_the_message_names_the_way_out(void **state)
-{
-    bis_geometry g = {0};
-    bis_mesh m = sphere_mesh(3);
-    bis_diag diag = {0};
-    bis_accel *a;
-    add_mesh(&g, &m, NULL, 0);
-    if (bis_accel_embree_version()) {
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1, NULL}, &diag), BIS_OK);
-        assert_string_equal(bis_accel_name(a), "embree");
-        bis_accel_free(a);
-    } else {
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, &diag), BIS_INPUT);
-        assert_null(a);
-        assert_string_equal(diag.messages[0].text,
-                            "error: this program was built without Embree: use the accelerator \"grid\" (--accelerator "
-                            "grid), or install "
-                            "libembree-dev and build again");
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1, NULL}, &diag), BIS_OK);
-        assert_string_equal(bis_accel_name(a), "grid");
-        bis_accel_free(a);
-    }
-    bis_diag_clear(&diag);
-    bis_geometry_clear(&g);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_soups_are_met_as_by_brute_force),
         cmocka_unit_test(soups_at_every_scale_and_shift_are_met_as_by_brute_force),
         cmocka_unit_test(walls_axes_corners_and_duplicates_are_met_as_by_brute_force),
-        cmocka_unit_test(a_ray_through_the_middle_of_anything_is_met_in_all_26_directions),
         cmocka_unit_test(nothing_escapes_through_edges_and_vertices),
         cmocka_unit_test(triangles_without_area_are_never_hit),
         cmocka_unit_test(slivers_flat_scenes_and_coplanar_triangles_are_met_as_by_brute_force),
         cmocka_unit_test(quadrics_under_any_transformation_are_met_as_by_brute_force),
         cmocka_unit_test(a_sphere_around_everything_costs_no_hit),
         cmocka_unit_test(the_grid_answers_as_a_loop_over_all_primitives_bit_by_bit),
-        cmocka_unit_test(a_triangle_is_in_the_cells_that_it_meets),
         cmocka_unit_test(a_soup_of_large_triangles_stays_within_its_items),
-        cmocka_unit_test(the_number_of_threads_changes_no_bit_of_the_grid),
         cmocka_unit_test(memory_is_at_most_150_bytes_a_triangle_in_all),
         cmocka_unit_test(what_lies_at_the_end_of_a_ray_is_not_on_it),
-        cmocka_unit_test(an_empty_scene_is_never_hit),
-        cmocka_unit_test(without_embree_the_message_names_the_way_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

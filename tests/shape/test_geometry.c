@@ -34,29 +34,6 @@ static bis_mesh triangle_mesh(vec3 a, vec3 b, vec3 c)
 
 /* ---- meshes ---- */
 
-static void a_material_is_found_by_its_range(void **state)
-{
-    bis_geometry g = {0};
-    for (uint32_t i = 0; i < 50; i++) {
-        for (uint32_t k = 0; k <= i % 3; k++) {
-            bis_mesh m = triangle_mesh((vec3){(float)i, 0, 0}, (vec3){(float)i, 1, 0}, (vec3){(float)i, 0, 1});
-            add_mesh(&g, &m, NULL, i);
-        }
-    }
-    assert_int_equal(g.n_ranges, 50);
-    for (uint32_t prim = 0, i = 0, k = 0; prim < g.n_triangles; prim++) {
-        const ray r = {{-1, 0.25f, 0.25f}, {1, 0, 0}, INFINITY};
-        bis_surface s;
-        bis_geometry_surface(&g, prim, &r, &s);
-        assert_int_equal(s.material, i);
-        if (k++ == i % 3) {
-            i++;
-            k = 0;
-        }
-    }
-    bis_geometry_clear(&g);
-}
-
 /* A box's corner has three faces, of any size, cut into one or two triangles each: the angles alone count. */
 static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
 {
@@ -79,54 +56,54 @@ static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
     bis_mesh_clear(&m);
 }
 
-/* Parts 2, 0, 3, 2, 0, 2 of four triangles' worth of vertices: sorted, each in its old order, and each part has its own
- * vertices in the order in which it names them. Part 1 is empty. */
+/* Random parts, with and without normals and (u, v): each part taken has the corners of its triangles in their order,
+    and
+ * no vertex twice. Some parts are empty. */
 static void parts_are_sorted_and_taken_with_their_vertices(void **state)
 {
-    static const uint32_t index[6][3] = {{0, 1, 2}, {3, 4, 5}, {5, 1, 0}, {2, 1, 6}, {4, 3, 6}, {6, 0, 2}},
-                          part[6] = {2, 0, 3, 2, 0, 2}, order[6] = {1, 4, 0, 3, 5, 2};
-    static const size_t first[5] = {0, 2, 2, 5, 6};
-    static const struct {
-        uint32_t n_vertices, vertex[4], index[9];
-    } taken[4] = {{4, {3, 4, 5, 6}, {0, 1, 2, 1, 0, 3}}, {0}, {4, {0, 1, 2, 6}, {0, 1, 2, 2, 1, 3, 3, 0, 2}},
-                  {3, {5, 1, 0}, {0, 1, 2}}};
+    enum { N = 200, VERTICES = 50, PARTS = 30 };
     for (int has = 0; has < 4; has++) { /* bits: normals, (u, v) */
-        bis_mesh m = new_mesh(7, 6);
+        uint32_t index[N][3], part[N];
+        uint64_t seed = 5;
+        bis_mesh m = new_mesh(VERTICES, N);
         bis_mesh_parts parts;
-        memcpy(m.index, index, sizeof index);
-        m.part = bis_alloc(6, sizeof *m.part);
-        memcpy(m.part, part, sizeof part);
-        if (has & 1) m.n = bis_alloc(7, sizeof *m.n);
-        if (has & 2) m.uv = bis_alloc(7, sizeof *m.uv);
-        for (int i = 0; i < 7; i++) {
+        m.part = bis_alloc(N, sizeof *m.part);
+        if (has & 1) m.n = bis_alloc(VERTICES, sizeof *m.n);
+        if (has & 2) m.uv = bis_alloc(VERTICES, sizeof *m.uv);
+        for (int i = 0; i < VERTICES; i++) {
             m.p[i].x = (float)i;
             if (m.n) m.n[i].y = (float)(10 + i);
             if (m.uv) m.uv[i].v = (float)(20 + i);
         }
-        assert_int_equal(bis_mesh_sort_parts(&parts, &m, 4, NULL), BIS_OK);
-        assert_int_equal(parts.n, 4);
-        assert_null(m.part);
-        assert_memory_equal(parts.first, first, sizeof first);
-        for (size_t i = 0; i < 6; i++) assert_memory_equal(m.index + 3 * i, index[order[i]], sizeof index[0]);
-        for (size_t k = 0; k < 8; k++) { /* twice: taking a part leaves nothing behind */
+        for (int i = 0; i < N; i++) {
+            for (int k = 0; k < 3; k++) index[i][k] = (uint32_t)(VERTICES * random_double(&seed));
+            m.part[i] = part[i] = (uint32_t)(PARTS * random_double(&seed)) / 2 * 2;
+        }
+        memcpy(m.index, index, sizeof index);
+        assert_int_equal(bis_mesh_sort_parts(&parts, &m, PARTS, NULL), BIS_OK);
+        for (uint32_t k = 0; k < 2 * PARTS; k++) { /* twice: taking a part leaves nothing behind */
             bis_mesh out;
-            const size_t at = k % 4, n = first[at + 1] - first[at];
-            assert_int_equal(bis_mesh_take_part(&out, &m, &parts, at, NULL), BIS_OK);
-            assert_int_equal(out.n_vertices, taken[at].n_vertices);
-            assert_int_equal(out.n_triangles, n);
+            size_t n = 0;
+            assert_int_equal(bis_mesh_take_part(&out, &m, &parts, k % PARTS, NULL), BIS_OK);
             assert_true(!out.n == !m.n && !out.uv == !m.uv && !out.part);
-            assert_memory_equal(out.index, taken[at].index, 3 * n * sizeof *out.index);
-            for (size_t i = 0; i < out.n_vertices; i++) {
-                const float v = (float)taken[at].vertex[i];
-                assert_true(out.p[i].x == v && (!out.n || out.n[i].y == 10 + v) && (!out.uv || out.uv[i].v == 20 + v));
+            for (int i = 0; i < N; i++) {
+                if (part[i] != k % PARTS) continue;
+                for (int c = 0; c < 3; c++) {
+                    const uint32_t v = out.index[3 * n + (size_t)c];
+                    const float x = (float)index[i][c];
+                    assert_true(v < out.n_vertices && out.p[v].x == x && (!out.n || out.n[v].y == 10 + x) &&
+                                (!out.uv || out.uv[v].v == 20 + x));
+                }
+                n++;
             }
+            assert_int_equal(out.n_triangles, n);
+            for (size_t i = 0; i < out.n_vertices; i++)
+                for (size_t j = 0; j < i; j++) assert_true(out.p[i].x != out.p[j].x);
             bis_mesh_clear(&out);
         }
         bis_mesh_parts_clear(&parts);
-        assert_true(!parts.first && !parts.number && parts.n == 0);
         bis_mesh_clear(&m);
     }
-    assert_int_equal(bis_mem_live(), 0);
 }
 
 static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
@@ -451,47 +428,6 @@ static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
     assert_true(hits > 10000);
 }
 
-/* A ball of radius r, scaled along each axis and moved, met by a ray through its middle. A point errs
- * by 2^-24 of itself, and by 2^-48 of the terms that make it: itself there and back, and the two moves. With the root
- * tau of the sum of their squares the surface bulges by tau^2 over its radius of curvature, which is at least r/(I
- * sqrt(S)), S the sum of the squares of the scales, I that of their inverses, but by no more than tau. */
-static void the_error_of_an_ellipsoids_point_is_the_sum_of_its_parts(void **state)
-{
-    static const struct {
-        double at[3], scale[3], radius, d[3];
-        bool is_cut;
-    } cases[] = {{{0x1p20, 0x1p20, 0x1p20}, {1, 1, 1}, 8, {1, 1, 1}, false},
-                 {{0x1p20, -0x1p19, 0x1p18}, {2, 8, 4}, 1, {1, 2, 3}, false},
-                 {{-0x1p20, 0x1p18, 0x1p17}, {1, 0.5, 0.25}, 1, {-3, 1, 1}, true},
-                 {{0, 0, 4}, {1, 3, 4}, 1, {0, 0, 1}, false}, {{0, 6, 0}, {1, 3, 4}, 2, {0, 1, 0}, false},
-                 {{-8, 0, 0}, {4, 3, 1}, 2, {-1, 0, 0}, false}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const double *at = cases[i].at, *scale = cases[i].scale, *d = cases[i].d;
-        const bis_xform size = bis_xform_scale(scale[0], scale[1], scale[2]), move = bis_xform_translate(at[0], at[1],
-                        at[2]);
-        const bis_quadric q = {BIS_SPHERE, cases[i].radius, 0, bis_xform_compose(&move, &size), 0};
-        const ray r = {vec3_from(at[0] - 64 * d[0], at[1] - 64 * d[1], at[2] - 64 * d[2]), vec3_from(d[0], d[1], d[2]),
-                       INFINITY};
-        bis_surface s;
-        double e[3], tau2 = 0, squares = 0, inverses = 0;
-        bis_quadric_surface(&q, &r, &s);
-        const double p[3] = {(double)s.p.x, (double)s.p.y, (double)s.p.z}, n[3] = {(double)s.ng.x, (double)s.ng.y,
-                     (double)s.ng.z}, error[3] = {(double)s.p_error.x, (double)s.p_error.y, (double)s.p_error.z};
-        for (int c = 0; c < 3; c++) {
-            e[c] = 0x1p-24 * fabs(p[c]) + 0x1p-48 * (fabs(p[c]) + 2 * fabs(at[c]));
-            tau2 += e[c] * e[c];
-            squares += scale[c] * scale[c], inverses += 1 / (scale[c] * scale[c]);
-        }
-        const double bulge = tau2 * inverses * sqrt(squares) / cases[i].radius, tau = sqrt(tau2);
-        assert_true((bulge > tau) == cases[i].is_cut);
-        for (int c = 0; c < 3; c++) {
-            const double expected = e[c] + fmin(bulge, tau) * fabs(n[c]);
-            if (!(fabs(error[c] - expected) <= 1e-5 * expected + 0x1p-149))
-                fail_msg("case %zu, %d: %g, not %g", i, c, error[c], expected);
-        }
-    }
-}
-
 /* A small box about a point of a quadric touches it; one that is off by more than it is large, does not. */
 static void a_quadric_touches_the_boxes_about_its_points_and_no_box_beside_it(void **state)
 {
@@ -748,30 +684,6 @@ static void a_convex_mesh_never_shadows_itself_nor_leaks(void **state)
     }
 }
 
-/* A tetrahedron has no planar quads: convex for any rounding. */
-static void a_turned_tetrahedron_never_shadows_itself(void **state)
-{
-    for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
-        if (placements[i].scale < 1 && placements[i].move > 0)
-            continue; /* 8 ulps: every other ray meets an edge exactly */
-        for (int turns = 0; turns < 5; turns++) {
-            const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
-            const bis_xform turn = bis_xform_rotate(77 * turns, 1, -2, 3), turned = bis_xform_compose(&place, &turn);
-            static const uint32_t faces[] = {0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2};
-            bis_geometry g = {0};
-            bis_mesh m = new_mesh(4, 4);
-            m.p[0] = (vec3){1, 1, 1};
-            m.p[1] = (vec3){-1, -1, 1};
-            m.p[2] = (vec3){-1, 1, -1};
-            m.p[3] = (vec3){1, -1, -1};
-            memcpy(m.index, faces, sizeof faces);
-            add_mesh(&g, &m, &turned, 0);
-            for_each_backend(expect_no_shadow_outside, &g, placements[i].scale);
-            bis_geometry_clear(&g);
-        }
-    }
-}
-
 static void spheres_never_shadow_themselves_nor_leak_E37(void **state)
 {
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
@@ -790,17 +702,6 @@ static void spheres_never_shadow_themselves_nor_leak_E37(void **state)
             bis_geometry_clear(&g);
         }
     }
-}
-
-/* Radius 1 at 1e6: 16 ulps. The offset is that of the coordinates' ulps, the sphere still casts no shadow on itself. */
-static void a_sphere_of_16_ulps_never_shadows_itself(void **state)
-{
-    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(1e6, 1e6, 1e6), 0};
-    bis_geometry g = {0};
-    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
-    for_each_backend(expect_no_shadow_outside, &g, 1);
-    for_each_backend(expect_darkness_inside, &g, 1);
-    bis_geometry_clear(&g);
 }
 
 /* Both sides of a large tilted floor, near its middle: Embree's float arithmetic is off by its size, not by p's. */
@@ -933,7 +834,6 @@ int main(void)
         cmocka_unit_test(what_a_mesh_lacks_is_filled_in),
         cmocka_unit_test(what_does_not_fit_into_a_float_or_an_index_is_refused),
         cmocka_unit_test(a_quadric_touches_the_boxes_about_its_points_and_no_box_beside_it),
-        cmocka_unit_test(a_material_is_found_by_its_range),
         cmocka_unit_test(smooth_normals_are_weighted_by_angle_not_by_triangles),
         cmocka_unit_test(parts_are_sorted_and_taken_with_their_vertices),
         cmocka_unit_test(a_quadrics_box_holds_it_and_is_tight),
@@ -944,16 +844,13 @@ int main(void)
         cmocka_unit_test(a_point_of_a_ball_is_at_its_radius_from_however_far),
         cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),
         cmocka_unit_test(a_quadrics_point_lies_within_its_error_of_the_surface),
-        cmocka_unit_test(the_error_of_an_ellipsoids_point_is_the_sum_of_its_parts),
         cmocka_unit_test(normals_are_turned_to_the_eyes_side),
         cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
         cmocka_unit_test(a_quadric_behind_a_mesh_is_found_by_its_number),
         cmocka_unit_test(a_corner_without_coordinates_gives_its_triangle_pbrts),
         cmocka_unit_test(a_shadow_ray_starts_beyond_the_error_along_the_normal),
         cmocka_unit_test(a_convex_mesh_never_shadows_itself_nor_leaks),
-        cmocka_unit_test(a_turned_tetrahedron_never_shadows_itself),
         cmocka_unit_test(spheres_never_shadow_themselves_nor_leak_E37),
-        cmocka_unit_test(a_sphere_of_16_ulps_never_shadows_itself),
         cmocka_unit_test(a_large_tilted_plane_never_shadows_itself),
         cmocka_unit_test(without_the_offset_a_point_does_shadow_itself_E37),
         cmocka_unit_test(rounded_numbers_are_the_nearest_floats_on_their_side),
