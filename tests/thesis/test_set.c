@@ -415,26 +415,6 @@ static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
     }
 }
 
-static void any_allocation_may_fail(void **state)
-{
-    const bis_settings s = bis_settings_default(&bis_sir);
-    bis_status status = BIS_NOMEM;
-    int k = 0;
-
-    while (status) {
-        bis_scratch scratch;
-        bis_diag diag = {0};
-        bis_mem_fail_at(++k);
-        status = bis_scratch_init(&scratch, &s, &diag);
-        bis_mem_fail_at(0);
-        assert_int_equal(diag.n_errors, status ? 1 : 0);
-        assert_true(!status || status == BIS_NOMEM);
-        bis_diag_clear(&diag);
-        if (!status) bis_scratch_clear(&scratch);
-    }
-    assert_true(k > 8);
-}
-
 /* The i-th of n is (i + phase) M/n, cut to a whole number; phase is a fraction of 2^32. */
 static void some_of_a_set_are_evenly_spread_from_their_phase(void **state)
 {
@@ -529,7 +509,6 @@ int main(void)
         cmocka_unit_test(candidates_need_what_their_proposal_draws_with),
         cmocka_unit_test(bounds_are_those_of_the_largest_channel),
         cmocka_unit_test(candidates_are_divided_at_the_ends_of_the_range),
-        cmocka_unit_test(any_allocation_may_fail),
     };
 
     return cmocka_run_group_tests_name("set", tests, open_lights, close_lights);
