@@ -551,91 +551,6 @@ static void a_cone_of_one_direction_is_bounded_by_its_f_cos(void **state)
     free_lanes(&l);
 }
 
-/* The largest cosine about an axis within a cone, and the least, in double. */
-static double nearest(const bis_cones *c, uint32_t i, vec3 axis, double *farthest)
-{
-    const double between = acos(fmax(-1, fmin(1, dot(axis, (vec3){c->x[i], c->y[i], c->z[i]}))));
-    const double half = atan2((double)c->sine[i], (double)c->cosine[i]);
-
-    *farthest = cos(fmin(PI, between + half));
-    return cos(fmax(0, between - half));
-}
-
-static double smith(double a, double c) { return (sqrt(1 + a * a * (1 / (c * c) - 1)) - 1) / 2; }
-
-/* F of a channel at a cosine, and where it is a metal's or plastic's, at least that of 1. */
-static double most_F(const bis_material *m, float Ks, float eta, double c)
-{
-    const double R = (double)Ks, n = (double)eta, schlick = R + (1 - R) * pow(1 - c, 5);
-    const double glass = bis_fresnel(n > 0 ? n : 1, 0, 1);
-
-    if (R == 0) return 0;
-    if (m->model == &bis_plastic_model) return glass > 0 ? R * fmax(1, bis_fresnel(n, 0, c) / glass) : 0;
-    return n > 0 && R < 1 ? fmax(R, bis_fresnel(n, bis_fresnel_k2(R, n), c)) : schlick;
-}
-
-/* The bound in the words of src/thesis/phong.c and src/beyond/microfacet.c: each factor of f cos at its own largest
- * over the cone. In double, with D and Smith's terms as the papers have them, and without the 2^-20. */
-static double bound_by_the_words(const bis_bsdf *b, const bis_cones *c, uint32_t i)
-{
-    const bis_material *m = b->material;
-    const double a = m->alpha, half = atan2((double)c->sine[i], (double)c->cosine[i]), chord = 2 * sin(half / 2);
-    const float Kd[] = {m->Kd.r, m->Kd.g, m->Kd.b}, Ks[] = {m->Ks.r, m->Ks.g, m->Ks.b},
-                eta[] = {m->eta.r, m->eta.g, m->eta.b}, E[] = {c->r[i], c->g[i], c->b[i]};
-    double unused, farthest, sum = 0;
-    const double c_i = nearest(c, i, b->local.z, &unused), c_r = nearest(c, i, b->r, &unused);
-
-    nearest(c, i, b->wo, &farthest);
-    if (c_i <= 0) return 0;
-    const double c_o = dot(b->local.z, b->wo), n = m->exponent;
-    const vec3 s = add((vec3){c->x[i], c->y[i], c->z[i]}, b->wo);
-    const double across = hypot(dot(s, b->local.x), dot(s, b->local.y)), up = dot(s, b->local.z) + chord;
-    const double t = fmax(fmax(0, across - chord) / up, tan(acos(fmin(1, c_r)) / 2)), c_h = 1 / sqrt(1 + t * t);
-    const double D = is_phong(b) ? 0 : a * a / (PI * pow(c_h, 4) * pow(a * a + t * t, 2)); /* Phong has no alpha */
-    const double facets = D / (4 * c_i * c_o * (1 + smith(a, c_i) + smith(a, c_o)));
-    const double A = 28 / 23.0 * (1 - pow(1 - c_i / 2, 5)) * (1 - pow(1 - c_o / 2, 5));
-
-    for (int k = 0; k < 3; k++) {
-        const double kd = (double)Kd[k] / PI, ks = (double)Ks[k];
-        double f;
-        if (is_phong(b)) f = kd + ks * (n + 1) / (2 * PI) * pow(fmax(c_r, 0x1p-20), n); /* no logarithm of 0 */
-        else f = (m->model == &bis_plastic_model ? kd : kd * (1 - ks) * A) +
-                 most_F(m, Ks[k], eta[k], sqrt((1 + farthest) / 2)) * facets;
-        sum += f * (double)E[k];
-    }
-    return c_i * sum;
-}
-
-/* Of lobes much wider than 2^-20. Where all of a cone's directions are near the horizon of wi and wo, Schlick's F and
- * the cosine are as steep as the root of what is added. */
-static void a_bound_is_what_its_words_say(void **state)
-{
-    const lanes l = new_lanes();
-    int n_judged = 0;
-
-    for (int k = 0; k < MATERIALS * 3; k++) {
-        const bis_material m = material(k % MATERIALS);
-        bis_bsdf b;
-        bis_rng r;
-        if (is_phong(&(bis_bsdf){.material = &m}) ? m.exponent > 50 : m.alpha < 0.05) continue;
-        seen_from(&b, &m, (const double[]){0, 40, 70}[k / MATERIALS]);
-        bis_rng_init(&r, SEED, 95, (uint64_t)k, 0);
-        fill_cones(&l.cones, &b, &r, k % 2 ? 1.2 : 0.2);
-        fill(&l.y, &b, 1);
-        const double unit = reach(&l, &b);
-        for (uint32_t i = 0; i < N; i++) {
-            double least;
-            if (fabs(nearest(&l.cones, i, b.local.z, &least)) < 0.01) continue;
-            const double expected = bound_by_the_words(&b, &l.cones, i), w = (double)l.w[i] * unit;
-            if (!(fabs(w - expected) <= 0.005 * expected + 1e-9))
-                fail_msg("material %d, cone %u: %g, not %g", k % MATERIALS, i, w, expected);
-            n_judged += expected > 0;
-        }
-    }
-    assert_true(n_judged > 10 * N);
-    free_lanes(&l);
-}
-
 /* ---- the same bits on every processor, and one by one ---- */
 
 static void compare_bits(const lanes *a, const lanes *b, const bis_bsdf *ours, const bis_bsdf *theirs)
@@ -727,7 +642,6 @@ int main(void)
         cmocka_unit_test(draws_are_not_shifted_by_the_rounding_of_the_mirror_direction),
         cmocka_unit_test(no_direction_of_a_cone_reflects_more_than_its_bound),
         cmocka_unit_test(a_cone_of_one_direction_is_bounded_by_its_f_cos),
-        cmocka_unit_test(a_bound_is_what_its_words_say),
         cmocka_unit_test(all_processors_give_the_same_bits),
         cmocka_unit_test(a_model_without_them_is_asked_one_by_one),
     };

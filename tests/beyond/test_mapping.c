@@ -649,106 +649,6 @@ static void a_pixel_is_the_mean_of_k_x_k_places(void **state)
     }
 }
 
-/* What places count of two lamps: red and green of a picture that is black but for these two pixels. */
-typedef struct two_lamps {
-    bis_image image;
-    bis_raster marks;
-    int at[2];
-} two_lamps;
-
-/* How much of pixel i the two lamps are, and how many places along a side it needs to say so: 32 where they are neither
- * all of it nor nothing of k x k. */
-static int shares_of_lamps(double share[2], const two_lamps *l, const bis_raster *to, int k, int i)
-{
-    rgb seen = mean_of_places(to, &l->marks, k, i);
-    const bool is_plain = (seen.r == 0 && seen.g == 0) || seen.r == 1 || seen.g == 1;
-    if (!is_plain && k < 32) seen = mean_of_places(to, &l->marks, k = 32, i);
-    share[0] = (double)seen.r, share[1] = (double)seen.g;
-    return k;
-}
-
-/* Stores in `source` each lamp's radiance times its solid angle over the one that it has received. */
-static void make_lamps_whole(const bis_raster *source, const two_lamps *l, const bis_raster *to, int k)
-{
-    double received[2] = {0}, share[2];
-    for (int i = 0; i < to->width * to->height; i++) {
-        const double area = share_of_sphere(to, i);
-        if (!(area > 0)) continue;
-        shares_of_lamps(share, l, to, k, i);
-        for (int j = 0; j < 2; j++) received[j] += share[j] * area;
-    }
-    for (int j = 0; j < 2; j++) {
-        rgb *const c = &source->pixels[l->at[j]];
-        assert_true(received[j] > 0);
-        *c = rgb_scale(*c, share_of_sphere(source, l->at[j]) / received[j]);
-    }
-}
-
-/* As a_pixel_is_the_mean_of_k_x_k_places, with two lamps side by side, one of them in green alone. A pixel that shows
- * both, or an edge of them, is the mean of 32 x 32 places, or of k x k if these are more. What a lamp has received is
- * made up for in its radiance, and only what is left of the error in all pixels. */
-static void a_pixel_with_an_edge_of_a_lamp_is_the_mean_of_32_x_32_places(void **state)
-{
-    for (size_t n = 0; n < sizeof resamplings / sizeof *resamplings; n++) {
-        const int width = resamplings[n].from_width, height = resamplings[n].from_height, k = resamplings[n].k;
-        const int at = 2 * height / 5 * width + 2 * width / 5;
-        bis_image image = black(width, height), source = black(width, height);
-        two_lamps l = {black(width, height), {resamplings[n].from, width, height, 1, NULL}, {at, at + 1}};
-        const bis_raster from = {resamplings[n].from, width, height, 1, source.pixels};
-        double power[2], before[3], after[3], share[2];
-        l.marks.pixels = l.image.pixels;
-        l.image.pixels[at].r = l.image.pixels[at + 1].g = 1;
-        for (int i = 0; i < width * height; i++) source.pixels[i] = (rgb){1.5f + 0.01f * (float)(i % 7), 1.5f, 1.25f};
-        source.pixels[at] = (rgb){300, 400, 200};
-        source.pixels[at + 1].g = 700;
-        memcpy(image.pixels, source.pixels, (size_t)(width * height) * sizeof *image.pixels);
-        integrals(before, &from);
-        const bis_raster to = resampled(resamplings[n].to, resamplings[n].width, &image, from.mapping, power);
-        bis_image other = black(to.width, to.height);
-        const bis_raster expected = {to.mapping, to.width, to.height, 1, other.pixels};
-        make_lamps_whole(&from, &l, &to, k);
-        for (int i = 0; i < to.width * to.height; i++)
-            if (share_of_sphere(&to, i) > 0)
-                other.pixels[i] = mean_of_places(&to, &from, shares_of_lamps(share, &l, &to, k, i), i);
-        integrals(after, &expected);
-        for (int i = 0; i < 3 * to.width * to.height; i++) {
-            const double value = channel_of(other.pixels[i / 3], i % 3) * before[i % 3] / after[i % 3];
-            assert_near(channel_of(to.pixels[i / 3], i % 3), value, 3e-6 * value);
-        }
-        bis_image_clear(&other);
-        bis_image_clear(&image);
-        bis_image_clear(&source);
-        bis_image_clear(&l.image);
-    }
-}
-
-/* A pixel is a lamp if it has a thousandth of a channel's energy, or in a small map four times its share. What the
- * picture's pixels give to it, too much or too little, is made up for by itself; else by the sky around it, the more
- * the brighter it is. So the sky tells on which side of the limit it was. */
-static void a_thousandth_of_a_channel_is_a_lamp(void **state)
-{
-    static const struct { int width, x, y; double limit; } maps[] = {
-        {128, 33, 21, 1e-3}, {32, 9, 5, 4 / 512.}, {32, 31, 15, 4 / 512.}, {32, 0, 0, 4 / 512.}};
-    static const double shares[] = {0.7, 0.95, 1.05, 1.4};
-    for (int i = 0; i < 4 * 3; i++) {
-        const int width = maps[i % 4].width, c = i / 4;
-        double sky[4];
-        for (int k = 0; k < 4; k++) {
-            bis_envmap em = grey_map(width, 1);
-            bis_image image;
-            double power[2];
-            const double area = em.row_solid_angle[maps[i % 4].y], share = maps[i % 4].limit * shares[k];
-            const float L = (float)(share * (4 * PI - area) / (area * (1 - share))); /* share: L A/(4 pi - A + L A) */
-            em.pixels[width * maps[i % 4].y + maps[i % 4].x] = (rgb){c == 0 ? L : 1, c == 1 ? L : 1, c == 2 ? L : 1};
-            assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_ANGULAR, 23, power, NULL), BIS_OK);
-            sky[k] = channel_of(image.pixels[23 * 11 + 4], c);
-            bis_image_clear(&image);
-            bis_envmap_clear(&em);
-        }
-        assert_true(fabs(sky[1] - sky[0]) > 6e-7 && fabs(sky[3] - sky[2]) < 2.5e-7);
-    }
-}
-
 /* The map goes to the mapping and comes back: means by hand of each channel, there and back, are those of the map.
  * Returns the map that came back. */
 static bis_envmap there_and_back(const bis_envmap *em, size_t k, int width, double *worst)
@@ -819,37 +719,6 @@ static void each_channel_keeps_its_energy(void **state)
         }
     }
     print_message("a channel's energy changes by at most %.5f%%\n", 100 * worst);
-    assert_true(worst < 1e-3);
-}
-
-/* Energy of the upper and of the lower half. */
-static void halves(const bis_envmap *em, double half[2])
-{
-    half[0] = half[1] = 0;
-    for (size_t i = 0; i < map_n(em); i++)
-        half[i >= map_n(em) / 2] += map_intensity(em, i) * map_solid_angle(em, i);
-}
-
-/* What one lamp loses is not given to another: two lamps, above and below. */
-static void each_lamp_keeps_its_own_energy(void **state)
-{
-    double worst = 0;
-    for (size_t k = 0; k < N_SHAPES; k++) {
-        for (int i = 0; i < 4; i++) {
-            bis_envmap em = map_new(128, 64);
-            double before[2], after[2], power = 0;
-            em.pixels[128 * (10 + i) + 9 + 33 * i] = (rgb){300, 300, 300};
-            em.pixels[128 * (45 + i) + 37 + 29 * i] = (rgb){200, 100, 300};
-            em.pixels[128 * (45 + i) + 38 + 29 * i] = (rgb){100, 50, 20};
-            bis_envmap back = there_and_back(&em, k, 0, &power);
-            halves(&em, before);
-            halves(&back, after);
-            worst = fmax(worst, fmax(power, fmax(fabs(after[0] / before[0] - 1), fabs(after[1] / before[1] - 1))));
-            bis_envmap_clear(&em);
-            bis_envmap_clear(&back);
-        }
-    }
-    print_message("a lamp's own energy changes by at most %.5f%%\n", 100 * worst);
     assert_true(worst < 1e-3);
 }
 
@@ -1044,33 +913,6 @@ static void a_shape_that_does_not_fit_is_an_error(void **state)
     assert_int_equal(bis_mapping_find("cube"), BIS_N_MAPPINGS);
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    bis_envmap map = map_new(16, 8); /* black: nothing to be exact about */
-    for (size_t k = 0; k < N_SHAPES; k++) {
-        FOR_LACK(l) {
-            bis_image image = {0};
-            bis_envmap em = {0};
-            double power[2];
-            LACK(l, bis_envmap_to_mapping(&image, &map, shapes[k].mapping, 12, power, NULL)
-                        ?: bis_envmap_from_mapping(&em, &image, shapes[k].mapping, 0, NULL));
-            assert_true((l.status == BIS_OK) == l.over && (em.pixels != NULL) == l.over);
-            bis_envmap_clear(&em);
-            bis_image_clear(&image);
-        }
-    }
-    bis_envmap_clear(&map);
-    bis_image image = black(8, 8);
-    bis_diag diag = {0};
-    bis_mem_fail_at(1);
-    assert_int_equal(bis_envmap_from_mapping(&map, &image, BIS_MAPPING_ANGULAR, 18, &diag), BIS_NOMEM);
-    bis_mem_fail_at(0);
-    assert_non_null(strstr(diag.messages[0].text, "no memory for a map of 8 x 8 and its lat-long of 18 x 9"));
-    bis_diag_clear(&diag);
-    bis_image_clear(&image);
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1082,13 +924,10 @@ int main(void)
         cmocka_unit_test(a_shape_fits_or_not),
         cmocka_unit_test(a_picture_is_as_large_as_its_map),
         cmocka_unit_test(a_pixel_is_the_mean_of_k_x_k_places),
-        cmocka_unit_test(a_pixel_with_an_edge_of_a_lamp_is_the_mean_of_32_x_32_places),
-        cmocka_unit_test(a_thousandth_of_a_channel_is_a_lamp),
         cmocka_unit_test(a_constant_stays_constant_there_and_back),
         cmocka_unit_test(a_smooth_map_comes_back),
         cmocka_unit_test(a_sun_of_one_pixel_keeps_its_energy),
         cmocka_unit_test(each_channel_keeps_its_energy),
-        cmocka_unit_test(each_lamp_keeps_its_own_energy),
         cmocka_unit_test(a_large_lamp_is_even),
         cmocka_unit_test(a_lamp_has_its_shares_on_its_edges),
         cmocka_unit_test(a_lamp_between_all_samples_goes_where_it_is_seen),
@@ -1097,7 +936,6 @@ int main(void)
         cmocka_unit_test(a_radiance_that_no_float_holds_is_an_error),
         cmocka_unit_test(bad_values_count_inside_the_map_alone),
         cmocka_unit_test(a_shape_that_does_not_fit_is_an_error),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

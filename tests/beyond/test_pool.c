@@ -210,25 +210,6 @@ static void a_pool_is_a_function_of_seed_and_pass_alone(void **state)
     bis_light_free(light);
 }
 
-static void sets_become_fewer_as_they_become_larger(void **state)
-{
-    static const uint32_t M[] = {1, 800, 1024, 1600, BIS_POOL_MAX_SET}, sets[] = {256, 256, 256, 163, 16};
-    for (int i = 0; i < 5; i++) {
-        bis_pool p;
-        assert_int_equal(bis_pool_init(&p, M[i], NULL), BIS_OK);
-        assert_int_equal(p.n_sets, sets[i]);
-        bis_pool_clear(&p);
-    }
-    bis_pool p;
-    bis_diag diag = {0};
-    bis_mem_fail_at(1);
-    assert_int_equal(bis_pool_init(&p, 8, &diag), BIS_NOMEM);
-    bis_mem_fail_at(0);
-    assert_int_equal(diag.n_errors, 1);
-    bis_diag_clear(&diag);
-    bis_pool_clear(&p);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -237,7 +218,6 @@ int main(void)
         cmocka_unit_test(twins_with_unfair_sets_are_found),
         cmocka_unit_test(unused_directions_are_any_of_a_set_equally_often),
         cmocka_unit_test(a_pool_is_a_function_of_seed_and_pass_alone),
-        cmocka_unit_test(sets_become_fewer_as_they_become_larger),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The ends of what bis is made for, where no test of a layer comes: contrasts to 1e76, M = 1 to 1e6, the horizon itself,
- * radiances beyond the largest float, rays of any length; with BIS_LONG=1 (make test-long) also the largest map and 10^8
- * items and cells. The other road: closed forms, quadrature, long double, a grid of one cell. */
+/* The ends of what bis is made for, where no test of a layer comes: contrasts to 1e76, M = 1 to 1e6, the horizon
+ * itself, radiances beyond the largest float, rays of any length; with BIS_LONG=1 (make test-long) also the largest map
+ * and 10^8 items and cells. The other road: closed forms, quadrature, long double, a grid of one cell. */
 #include "claim.h"
 #include "lit.h"
 #include "map_help.h"

@@ -343,25 +343,6 @@ static void a_film_without_passes_is_black(void **state)
     bis_film_clear(&f);
 }
 
-static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
-{
-    for (long k = 1;; k++) {
-        bis_film f;
-        bis_diag diag = {0};
-        bis_mem_fail_at(k);
-        bis_status status = bis_film_init(&f, 8, 6, whole, (bis_loc){0}, &diag);
-        bis_mem_fail_at(0);
-        bis_film_clear(&f);
-        if (status == BIS_OK) {
-            assert_true(k > 4);
-            return;
-        }
-        assert_int_equal(status, BIS_NOMEM);
-        if (diag.n) assert_string_equal(diag.messages[0].text, "error: no memory for a picture of 8 x 6 pixels");
-        bis_diag_clear(&diag);
-    }
-}
-
 /* Two passes, weights 1 and 3, 2 x 1 pixels: means -0.25 and 0.5 in red, 1 and 1 in green, 0 in blue. */
 static void a_mean_below_0_becomes_0_and_is_told(void **state)
 {
@@ -403,7 +384,6 @@ int main(void)
         cmocka_unit_test(alpha_of_eighths_is_exact_for_two_million_camera_samples),
         cmocka_unit_test(alpha_of_thirds_errs_by_less_than_the_bound),
         cmocka_unit_test(a_film_without_passes_is_black),
-        cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
         cmocka_unit_test(a_mean_below_0_becomes_0_and_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

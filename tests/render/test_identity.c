@@ -173,8 +173,9 @@ static void each_field_of_the_tables_counts(void **state)
         void *of;
         int part;
     } things[] = {
-        {"bis_film", &k->film, SIZE}, {"bis_camera", &k->view.camera, CAMERA}, {"bis_sampler", &k->view.sampler, SAMPLER},
-        {"bis_sampler", &k->view.sampler, DIVISION}, {"bis_view", &k->view, JITTER},
+        {"bis_film", &k->film, SIZE}, {"bis_camera", &k->view.camera, CAMERA},
+        {"bis_sampler", &k->view.sampler, SAMPLER}, {"bis_sampler", &k->view.sampler, DIVISION},
+        {"bis_view", &k->view, JITTER},
         {"bis_quadric", &k->quadrics[1], SHAPES}, {"bis_material_textures", &k->of_material[1], MATERIALS},
         {"bis_texture", &k->list[1], MATERIALS}, {"bis_light_desc", &k->w.desc.light, LIGHT},
         {"bis_accel_options", &k->w.desc.accel, ACCELERATOR}};

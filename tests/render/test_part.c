@@ -273,6 +273,43 @@ static void every_truncation_and_every_changed_byte_of_a_part_is_refused(void **
     clear_world(&w);
 }
 
+/* A part that is the whole picture, in which eight bytes at a time are another number, with a checksum that fits. It is
+ * refused, or makes a picture of finite numbers; nothing breaks. */
+static void a_forged_part_breaks_nothing(void **state)
+{
+    static const double numbers[] = {0, -1, 1e300, (double)INFINITY, (double)NAN};
+    static const char *const path[] = {BAD};
+    char name[128];
+    world w;
+    size_t size, refused = 0;
+
+    make_kind(&w, &small);
+    write_part(&w, &small, 1, 1, 2);
+    part_path(name, 1, 1);
+    unsigned char *data = read_bytes(name, &size), kept[8];
+    for (size_t at = 8; at + 16 <= size; at += at < 1000 ? 4 : 500)
+        for (size_t i = 0; i < COUNT(numbers); i++) {
+            bis_merged *m = bis_alloc(1, sizeof *m);
+            bis_diag diag = {0};
+            memcpy(kept, data + at, 8);
+            memcpy(data + at, &numbers[i], 8);
+            seal(data, size);
+            store(BAD, data, size);
+            memcpy(data + at, kept, 8);
+            const bis_status status = bis_part_merge(m, path, 1, &diag);
+            assert_true(status == BIS_OK || (status == BIS_INPUT && diag.n > 0));
+            refused += status != BIS_OK;
+            for (int k = 0; !status && k < 3 * m->film.width * m->film.height; k++)
+                assert_true(isfinite(m->film.sum[k]) && isfinite(m->film.deviation[k]));
+            bis_film_clear(&m->film);
+            bis_diag_clear(&diag);
+            bis_free(m);
+        }
+    assert_true(refused > 100);
+    bis_free(data);
+    clear_world(&w);
+}
+
 /* make fuzz begins with these: a part of two, and one that is the whole picture. */
 static void parts_are_read_and_begin_the_fuzzing(void **state)
 {
@@ -466,6 +503,7 @@ int main(void)
         cmocka_unit_test(a_part_may_be_rendered_in_several_runs),
         cmocka_unit_test(each_tile_is_in_one_share_and_shares_are_alike),
         cmocka_unit_test(every_truncation_and_every_changed_byte_of_a_part_is_refused),
+        cmocka_unit_test(a_forged_part_breaks_nothing),
         cmocka_unit_test(parts_are_read_and_begin_the_fuzzing),
         cmocka_unit_test(figures_of_parts_are_added_up),
         cmocka_unit_test(what_is_missing_or_foreign_is_named),

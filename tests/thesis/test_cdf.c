@@ -276,26 +276,6 @@ static void the_bytes_are_those_of_both_arrays(void **state)
     }
 }
 
-static void without_memory_nothing_is_left(void **state)
-{
-    const double w[] = {1, 2, 3};
-    bis_cdf c;
-    bis_status status;
-    long k = 0;
-    do {
-        bis_mem_fail_at(++k);
-        status = bis_cdf_init(&c, w, 3, NULL);
-        if (status) {
-            assert_int_equal(status, BIS_NOMEM);
-            assert_null(c.c);
-            assert_true(c.total == 0);
-        }
-    } while (status);
-    bis_mem_fail_at(0);
-    assert_int_equal(k, 3);
-    bis_cdf_clear(&c);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -313,7 +293,6 @@ int main(void)
         cmocka_unit_test(nothing_one_and_all_zero_are_legal),
         cmocka_unit_test(twelve_bytes_an_item_are_enough),
         cmocka_unit_test(the_bytes_are_those_of_both_arrays),
-        cmocka_unit_test(without_memory_nothing_is_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

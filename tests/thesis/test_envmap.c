@@ -626,21 +626,6 @@ static void grace_probe_agrees_with_the_map_derived_from_it_elsewhere(void **sta
 
 /* ---- memory ---- */
 
-static void every_allocation_may_fail(void **state)
-{
-    for (int angular = 0; angular < 2; angular++) {
-        FOR_LACK(l) {
-            bis_image image = probe_new(8);
-            bis_envmap em;
-            LACK(l, angular ? bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL)
-                             : bis_envmap_from_latlong(&em, &image, NULL));
-            assert_true(l.status == BIS_OK ? em.pixels != NULL : em.pixels == NULL);
-            bis_envmap_clear(&em);
-            bis_image_clear(&image);
-        }
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -669,7 +654,6 @@ int main(void)
         cmocka_unit_test(bad_values_of_a_probe_are_counted_inside_the_disc),
         cmocka_unit_test(a_probe_that_is_not_square_is_an_error),
         cmocka_unit_test(grace_probe_agrees_with_the_map_derived_from_it_elsewhere),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests_name("envmap", tests, NULL, NULL);
 }

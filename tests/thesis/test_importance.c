@@ -736,124 +736,6 @@ static void any_number_of_threads_builds_the_same_bits(void **state)
 #endif
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    bis_envmap em = map_random(16, 8, 4, 0.1, 1);
-    for (int kind = 0; kind < 2; kind++) {
-        const bis_importance_options o = both(kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, 0.15);
-        FOR_LACK(l) {
-            bis_importance *im;
-            bis_diag diag = {0};
-            LACK(l, bis_importance_new(&im, &em, &o, &diag));
-            assert_true(
-                l.status == BIS_OK ? im != NULL : (l.status == BIS_NOMEM && !im && diag.n_errors + diag.n_lost > 0));
-            bis_importance_free(im);
-            bis_diag_clear(&diag);
-        }
-    }
-    bis_envmap_clear(&em);
-}
-
-/* What is made of a map of 9 x 5 pixels, and of weights, until memory lacks. */
-static bis_status make_importance(const bis_envmap *em, bis_importance_options o, bis_diag *diag)
-{
-    bis_importance *im;
-    const bis_status status = bis_importance_new(&im, em, &o, diag);
-    bis_importance_free(im);
-    return status;
-}
-
-static bis_status make_alias_tables(const bis_envmap *em, bis_diag *diag)
-{
-    return make_importance(em, both(BIS_TABLE_ALIAS, 0.15), diag);
-}
-
-static bis_status make_cdfs(const bis_envmap *em, bis_diag *diag)
-{
-    return make_importance(em, both(BIS_TABLE_CDF, 0), diag);
-}
-
-static bis_status ask_pmf(const bis_envmap *em, bis_diag *diag)
-{
-    static double pmf[45];
-    static bis_importance *im;
-    if (!im) bis_importance_new(&im, em, &(bis_importance_options){.table = true}, NULL);
-    const bis_status status = im ? bis_importance_implied_pmf(im, pmf, diag) : BIS_OK;
-    if (status) return status;
-    bis_importance_free(im);
-    im = NULL;
-    return BIS_OK;
-}
-
-static bis_status make_discrete(const bis_envmap *em, bis_diag *diag)
-{
-    static const double w[7] = {1, 2, 3, 4, 5, 6, 7};
-    static const uint64_t whole[7] = {2, 4, 6, 8, 10, 12, 14};
-    bis_alias alias = {0};
-    bis_cdf cdf = {0};
-    bis_marsaglia list = {0};
-    (void)em;
-    bis_status status = bis_alias_init(&alias, w, 7, diag);
-    if (!status) status = bis_cdf_init(&cdf, w, 6, diag);
-    if (!status) status = bis_marsaglia_init(&list, whole, 7, diag);
-    bis_alias_clear(&alias);
-    bis_cdf_clear(&cdf);
-    bis_marsaglia_clear(&list);
-    return status;
-}
-
-static bis_status make_light(const bis_envmap *em, bis_diag *diag)
-{
-    bis_light *light = NULL;
-    bis_image image;
-    bis_envmap copy = {0};
-    const bis_xform straight = bis_xform_identity();
-    (void)em;
-    bis_status status = bis_image_init(&image, 9, 5, diag);
-    if (!status) status = bis_envmap_from_latlong(&copy, &image, diag);
-    if (!status) status = bis_light_new(&light, &copy, &straight, NULL, diag);
-    bis_light_free(light);
-    return status;
-}
-
-/* The messages of all allocations, in their order, each once: one for each that failed. */
-static void a_lack_of_memory_is_told_with_what_lacked(void **state)
-{
-    static const struct {
-        bis_status (*make)(const bis_envmap *em, bis_diag *diag);
-        const char *messages[5];
-    } cases[] = {
-        {make_alias_tables, {"the importance of a map", "the regions of a 9 x 5 map",
-                             "the curve through a 9 x 5 environment map",
-                             "the alias tables of a 9 x 5 environment map"}},
-        {make_cdfs, {"the importance of a map", "the curve through a 9 x 5 environment map",
-                     "the CDFs of a 9 x 5 environment map"}},
-        {ask_pmf, {"the probabilities of a row"}},
-        {make_discrete, {"an alias table of 7 items", "a distribution of 6 items",
-                         "Marsaglia's list of 28 elements"}},
-        {make_light, {"9 x 5 pixels", "the 5 rows of an environment map", "a light"}},
-    };
-    bis_envmap em = map_random(9, 5, 2, 0, 1);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        size_t next = 0;
-        char expected[80] = "";
-        FOR_LACK(l) {
-            bis_diag diag = {0};
-            LACK(l, cases[i].make(&em, &diag));
-            if (l.status) {
-                assert_int_equal(diag.n, 1);
-                if (next < 5 && cases[i].messages[next] && strcmp(diag.messages[0].text, expected) != 0)
-                    snprintf(expected, sizeof expected, "error: no memory for %s", cases[i].messages[next++]);
-                assert_string_equal(diag.messages[0].text, expected);
-            }
-            bis_diag_clear(&diag);
-        }
-        assert_true(next == 5 || !cases[i].messages[next]);
-    }
-    bis_envmap_clear(&em);
-    assert_int_equal(bis_mem_live(), 0);
-}
-
 static void real_maps_are_drawn_as_told(void **state)
 {
     const char *names[] = {"env/grace_latlong_fyp_extreme.hdr", "env/uffizi_latlong_1200x600.hdr", "env/spot1Lux.hdr"};
@@ -895,8 +777,6 @@ int main(void)
         cmocka_unit_test(a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable),
         cmocka_unit_test(a_tile_has_the_solid_angle_and_the_share_of_its_pixels),
         cmocka_unit_test(any_number_of_threads_builds_the_same_bits),
-        cmocka_unit_test(every_allocation_may_fail),
-        cmocka_unit_test(a_lack_of_memory_is_told_with_what_lacked),
         cmocka_unit_test(real_maps_are_drawn_as_told),
     };
     return cmocka_run_group_tests_name("importance", tests, NULL, NULL);

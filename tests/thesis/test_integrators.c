@@ -633,21 +633,6 @@ static void only_what_proposes_from_the_map_needs_tables(void **state)
     assert_int_equal(bis_em.light_needs(&s), BIS_NEED_TABLE | BIS_NEED_SPREAD);
 }
 
-static void scratch_without_memory_is_an_error(void **state)
-{
-    bis_settings s = bis_settings_default(&bis_rejection);
-    bis_diag diag = {0};
-    bis_scratch scratch;
-
-    for (long k = 1; k <= 3; k++) {
-        bis_mem_fail_at(k);
-        assert_int_equal(bis_scratch_init(&scratch, &s, &diag), BIS_NOMEM);
-        bis_mem_fail_at(0);
-    }
-    assert_int_equal(diag.n_errors, 3);
-    bis_diag_clear(&diag);
-}
-
 /* ---- the weights of mis ---- */
 
 /* Under a constant light 1 a white diffuse surface's two samples are C = 1 by the BRDF and 4c by the map (uniform on
@@ -792,7 +777,6 @@ int main(void)
         cmocka_unit_test(bad_settings_are_refused_with_the_way_out),
         cmocka_unit_test(defaults_are_allowed_and_those_of_the_contract),
         cmocka_unit_test(only_what_proposes_from_the_map_needs_tables),
-        cmocka_unit_test(scratch_without_memory_is_an_error),
         cmocka_unit_test(mis_divides_its_samples),
     };
 

@@ -482,25 +482,6 @@ static void a_missing_file_is_an_io_error(void **state)
     bis_diag_clear(&diag);
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    bis_image image = grey(16, 8, 1);
-    char path[64];
-    snprintf(path, sizeof path, "%s", scratch_map(&image));
-    bis_light_desc desc = desc_of(bis_xform_identity());
-    desc.filename = path;
-    FOR_LACK(l) {
-        bis_light *light;
-        bis_diag diag = {0};
-        LACK(l, bis_light_load(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag));
-        assert_true(l.status == BIS_OK ? light != NULL : (l.status == BIS_NOMEM && !light));
-        bis_light_free(light);
-        bis_diag_clear(&diag);
-    }
-    unlink(path);
-    bis_image_clear(&image);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -523,7 +504,6 @@ int main(void)
         cmocka_unit_test(a_light_without_words_is_white_and_seen),
         cmocka_unit_test(a_scale_that_overflows_is_an_error),
         cmocka_unit_test(a_missing_file_is_an_io_error),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests_name("light", tests, NULL, NULL);
 }

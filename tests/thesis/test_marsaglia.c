@@ -99,18 +99,6 @@ static void nothing_and_all_zero_are_legal(void **state)
     bis_marsaglia_clear(&none), bis_marsaglia_clear(&black);
 }
 
-static void without_memory_it_says_so(void **state)
-{
-    const uint64_t w[] = {1, 2};
-    bis_marsaglia m;
-    bis_mem_fail_at(1);
-    bis_status status = bis_marsaglia_init(&m, w, 2, NULL);
-    bis_mem_fail_at(0);
-    assert_int_equal(status, BIS_NOMEM);
-    assert_null(m.list);
-    assert_int_equal(m.length, 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -120,7 +108,6 @@ int main(void)
         cmocka_unit_test(a_list_too_long_is_refused_with_its_length_and_the_way_out),
         cmocka_unit_test(items_are_drawn_with_their_probabilities),
         cmocka_unit_test(nothing_and_all_zero_are_legal),
-        cmocka_unit_test(without_memory_it_says_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -374,18 +374,6 @@ static void the_area_factor_is_clamped_at_a_hundredth_steradian(void **state)
     assert_near(bis_area_factor(1e-9, 0), 1, 0);
 }
 
-static void every_allocation_may_fail(void **state)
-{
-    bis_envmap em = map_random(16, 8, 4, 0.1, 1);
-    FOR_LACK(l) {
-        bis_regions r;
-        LACK(l, bis_regions_init(&r, &em, 8, NULL));
-        assert_true(l.status == BIS_OK || (l.status == BIS_NOMEM && !r.label));
-        bis_regions_clear(&r);
-    }
-    bis_envmap_clear(&em);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -404,7 +392,6 @@ int main(void)
         cmocka_unit_test(combs_are_joined_across_bands),
         cmocka_unit_test(a_long_winding_region_is_found_without_recursion),
         cmocka_unit_test(the_area_factor_is_clamped_at_a_hundredth_steradian),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests_name("regions", tests, NULL, NULL);
 }

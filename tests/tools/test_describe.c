@@ -239,6 +239,52 @@ static int plan(const expect_command *c)
     return 0;
 }
 
+/* A map or mesh whose header tells nothing: the size of the file. */
+static void a_file_that_tells_nothing_has_its_bytes(void **state)
+{
+    static char text[2500001];
+    bis_scene_desc *desc = NULL;
+    char *plan = NULL;
+    size_t n;
+    memset(text, '#', sizeof text - 1);
+    program_write_file(DIR "/strange.hdr", text);
+    program_write_file(DIR "/strange.obj", text);
+    program_write_file(DIR "/scene.txt", "WorldBegin LightSource \"infinite\" \"string filename\" \"strange.hdr\"\n"
+                       "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"strange.hdr\"\n"
+                       "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"objmesh\" "
+                       "\"string filename\" \"strange.obj\"\n");
+    assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
+    FILE *out = open_memstream(&plan, &n);
+    bis_scene_plan(desc, out);
+    fclose(out);
+    if (!strstr(plan, "\nlight        map " DIR "/strange.hdr, latlong, a file of 2.5 MB\n") ||
+        !strstr(plan, "\nbuild        light curve, one CDF along a space-filling curve\n") ||
+        !strstr(plan, "\nbuild        texture " DIR "/strange.hdr, a file of 2.5 MB\n") ||
+        !strstr(plan, "\nbuild        mesh " DIR "/strange.obj, a file of 2.5 MB, read once for 1 shape\n"))
+        fail_msg("%s", plan);
+    free(plan);
+    bis_scene_desc_free(desc);
+}
+
+/* 2048 x 1024 pixels, each of 16 bytes to draw from. */
+static void distant_lights_are_planned_as_a_map(void **state)
+{
+    bis_scene_desc *desc = NULL;
+    char *plan = NULL;
+    size_t n;
+    program_write_file(DIR "/scene.txt",
+                       "WorldBegin LightSource \"distant\" LightSource \"distant\" Shape \"sphere\"");
+    assert_int_equal(bis_scene_parse_as(&desc, DIR "/scene.txt", BIS_PARSE_APPROXIMATE, NULL), BIS_OK);
+    FILE *out = open_memstream(&plan, &n);
+    bis_scene_plan(desc, out);
+    fclose(out);
+    if (!strstr(plan, "\nlight        constant\nlight        and 2 distant, as discs in a map of 2048 x 1024\n") ||
+        !strstr(plan, "\nbuild        light curve, one CDF along a space-filling curve: at most 33.6 MB\n"))
+        fail_msg("%s", plan);
+    free(plan);
+    bis_scene_desc_free(desc);
+}
+
 int main(void)
 {
     use_threads(1); /* each has a chunk of the EXR in memory, which the plans by hand count */
@@ -247,6 +293,8 @@ int main(void)
         cmocka_unit_test(a_short_line_leaves_out_what_has_its_default),
         cmocka_unit_test(a_pictures_attributes_are_those_by_hand),
         cmocka_unit_test(what_a_scene_has_stands_under_its_key),
+        cmocka_unit_test(distant_lights_are_planned_as_a_map),
+        cmocka_unit_test(a_file_that_tells_nothing_has_its_bytes),
     };
     program_folder(DIR);
     program_write_scene(DIR, ""); /* for its map.pfm of 8 x 4 */

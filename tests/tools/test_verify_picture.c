@@ -390,32 +390,6 @@ static void what_is_too_dear_is_said(void **state)
     verify_clear(&b);
 }
 
-static void every_allocation_of_a_picture_may_fail(void **state)
-{
-    verify_built b = build_full();
-    bis_settings s = bis_settings_default(&bis_em);
-    bis_status status = BIS_NOMEM;
-    s.samples = 1;
-    b.desc->view.film.width = b.desc->view.film.height = 2;
-    b.desc->view.edge_samples = 1;
-    for (long k = 1; status; k += 1 + k / 32) {
-        bis_verify v = {.seed = 1, .halvings = 12};
-        bis_diag diag = {0};
-        bool tested;
-        bis_mem_fail_at(k);
-        status = bis_verify_picture(&v, bis_render, b.scene, &s, &tested, &diag);
-        if (!status) status = bis_verify_judge(&v, &diag);
-        const bool failed = bis_mem_count() >= k;
-        bis_mem_fail_at(0);
-        assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
-        assert_int_equal(diag.n_errors, failed);
-        if (failed && diag.n > 0) assert_non_null(strstr(diag.messages[0].text, "memory"));
-        bis_diag_clear(&diag);
-        bis_verify_clear(&v);
-    }
-    verify_clear(&b);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -426,7 +400,6 @@ int main(void)
         cmocka_unit_test(pixels_of_a_thin_film_meet_what_is_there),
         cmocka_unit_test(outlines_are_other_materials_and_other_sides),
         cmocka_unit_test(what_is_too_dear_is_said),
-        cmocka_unit_test(every_allocation_of_a_picture_may_fail),
     };
     return cmocka_run_group_tests_name("verify_picture", tests, NULL, NULL);
 }
