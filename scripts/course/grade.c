@@ -29,7 +29,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MAX_WORDS = 400, NOT_JUDGED = 75 /* a status of its own: the machine was busy (sysexits' EX_TEMPFAIL) */ };
+enum { MAX_WORDS = 400, NOT_JUDGED = 75 /* exit status: the machine was busy (EX_TEMPFAIL of sysexits.h) */ };
 
 typedef struct options {
     const char *folder, *marks;

@@ -66,7 +66,8 @@ END {
             feedback = ""
             for (c = 1; c <= n_criteria; c++)
                 if ((i, c) in points) feedback = feedback points[i, c] + 0 " of " of[c] "  " html(criterion[c]) "<br>"
-            printf "%s,%s,%d,,%s\r\n", csv(identifier(name[i])), (i, 1) in points ? sum[i] + 0 : "", all, csv(feedback html(remarks(i)))
+            printf "%s,%s,%d,,%s\r\n", csv(identifier(name[i])), (i, 1) in points ? sum[i] + 0 : "", all,
+                csv(feedback html(remarks(i)))
         }
     } else if (kind == "csv") {
         printf "student,points"

@@ -520,7 +520,7 @@ class Notebooks(unittest.TestCase):
     def test_the_figures_run_and_their_claims_hold(self):
         cells, space = run_notebook(os.path.join(ROOT, "docs/figures.ipynb"))
         self.assertEqual([c["outputs"] for c in cells if c["cell_type"] == "code" and c["outputs"]], [])
-        # Figure 3.9 of docs/measured.md: about as many of each term; 300 draws with p = 1/2 lie within 5 x 8.7 of 150.
+        # Figure 3.9 of docs/trust.md: about as many of each term; 300 draws with p = 1/2 lie within 5 x 8.7 of 150.
         self.assertLess(abs(int(space["lobe"].sum()) - 150), 44)
         # Each density of figure 4.1 integrates to 1 (the BRDF's lobe is wide: n = 50), within the grid's error.
         for density in space["densities"]:

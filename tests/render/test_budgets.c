@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The
- * full experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
+ * full experiment is scripts/bench/error_truth.py, its table in docs/trust.md; this is a short one. */
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 
@@ -12,7 +12,7 @@
 /* Some of floor, ball and sky: 11 x 9 pixels. */
 static const double part[4] = {0.35, 0.65, 0.25, 0.65}, all[4] = {0, 1, 0, 1};
 
-/* make_world with dull surfaces: em under a lobe of n = 100 is a case of heavy tails, which docs/budgets.md lists. */
+/* make_world with dull surfaces: em under a lobe of n = 100 is a case of heavy tails, which docs/trust.md lists. */
 static void make_dull_world(world *w, const bis_integrator *integrator)
 {
     make_world(w, integrator);

@@ -6,7 +6,7 @@
  * wrong implementation that the same check must reject (stat_assert_no_fit, stat_assert_not_mean); twins do not count.
  * A failure prints statistic, degrees of freedom, p, alpha and seed; both histograms go to build/histograms/NAME.csv.
  * What holds leaves a line in build/power/PROGRAM.txt: the smallest error that this test finds with 99 % power
- * (docs/proof.md). */
+ * (docs/trust.md). */
 #ifndef TESTS_STAT_H
 #define TESTS_STAT_H
 
@@ -27,8 +27,8 @@ typedef struct stat_result {
  * stat_judges have counted, and says which number to write. */
 double stat_level(double significance, int m);
 
-/* stat_keep_seeds(true) lets seeds stand as they are written, also under BIS_TEST_SEED, because what follows is the known
- * answer of one; stat_keep_seeds(false) ends it. */
+/* stat_keep_seeds(true) lets seeds stand as they are written, also under BIS_TEST_SEED, because what follows is the
+ * known answer of one; stat_keep_seeds(false) ends it. */
 void stat_keep_seeds(bool as_written);
 
 /* stat_judges counts n p-values that the caller judges without an assertion of stat, or would judge if it did not skip.
@@ -74,12 +74,9 @@ double stat_least_error(double n, double dof, double alpha, double power);
 /* The shift of a mean, in standard errors, that a two-sided z-test finds with probability `power`. */
 double stat_least_shift(double alpha, double power);
 
-/* stat_allow_weak lets stat_assert_mean accept, until it is called again with NULL, means of which no error below 50 %
- * is found with 99 % power. Without it these fail: a mean that may be wrong by half and pass is no test. `why` says what
- * makes them worth their time. Not judged where BIS_TEST_SEED draws anew, because the power changes with the draw. */
-void stat_allow_weak(const char *why);
-
-/* cmocka assertions. `name` names the claim and the csv file (letters, digits, _ and -). */
+/* cmocka assertions. stat_assert_mean also fails where no error below 50 % is found with 99 % power (not under
+ * BIS_TEST_SEED, because the power changes with the draw): a mean that may be wrong by half and pass is no test.
+ * `name` names the claim and the csv file (letters, digits, _ and -). */
 void stat_assert_fit(const char *name, uint64_t seed, const double *observed, const double *expected, size_t n,
                      double alpha);
 void stat_assert_no_fit(const char *name, uint64_t seed, const double *observed, const double *expected, size_t n,

@@ -98,7 +98,7 @@ static double mean_by_E27(const place *x, size_t n, double f_max)
     return sum;
 }
 
-/* How many percent more than right a setting gives, and what docs/proof.md says that verify finds in 99 of 100 runs:
+/* How many percent more than right a setting gives, and what docs/trust.md says that verify finds in 99 of 100 runs:
  * the reference's error and z + 2.4 = 6.2 standard errors, of 2^14 runs. Both in shares of the truth. */
 static double bias_of(double *least_found, const lit *l, const bis_settings *s, const bis_truth *t, double truth)
 {
