@@ -164,7 +164,8 @@ static int find_sandbox(void)
     size_t n = sandbox(words, &o);
     words[n++] = "true";
     words[n] = NULL;
-    const bool ran = box_run(&b, &(box_limits){.cpu = 5, .wall = 600, .file = 1 << 20}, (char *const *)(uintptr_t)words);
+    const box_limits limits = {.cpu = 5, .wall = 600, .file = 1 << 20};
+    const bool ran = box_run(&b, &limits, (char *const *)(uintptr_t)words);
     puts(ran && !b.end.late && WIFEXITED(b.end.status) && WEXITSTATUS(b.end.status) == 0 ? "bwrap" : "none");
     return 0;
 }
