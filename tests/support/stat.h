@@ -56,8 +56,8 @@ void stat_add(stat_moments *m, double x);
 /* Variance of one value, unbiased; needs n >= 2. */
 double stat_variance(const stat_moments *m);
 
-/* Student's t-test of the mean against `expected`, standard error from the data. Where all values are equal, a difference beyond
- * 1e-12 of `expected` (rounding of the sum) rejects. */
+/* Student's t-test of the mean against `expected`, standard error from the data. Where all values are equal, a
+ * difference beyond 1e-12 of `expected` (rounding of the sum) rejects. */
 stat_result stat_mean(const stat_moments *m, double expected, double alpha);
 
 /* ---- power: how large must an error be to be found? ---- */

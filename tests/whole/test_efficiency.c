@@ -379,7 +379,8 @@ typedef struct claim {
 } claim;
 
 static const claim claims[] = {
-    {"sir 15/800, dull: strata and equally spaced marks", 0.71, 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+    {"sir 15/800, dull: strata and equally spaced marks", 0.71, 16, pictures_of,
+     PICTURE(ONE SIR("800", "15"), HALL(DULL)),
      PICTURE(ONE SIR("800", "15") LOOSE MULTINOMIAL, HALL(DULL))},
     {"sir 15/800, dull: strata", 0.72, 24, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
      PICTURE(ONE SIR("800", "15") LOOSE, HALL(DULL))},
@@ -404,18 +405,21 @@ static const claim claims[] = {
      PICTURE(EIGHT PRODUCT("64", "24"), HALL(DULL))},
     {"points, half of the light hidden, 4/8: h in the choice of clusters", 0.18, 400, points_of,
      {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = STEERED_CLUSTERS}},
-    {"points, half of the light hidden, 4/8: h", 0.18, 400, points_of, {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = STEERING}},
+    {"points, half of the light hidden, 4/8: h", 0.18, 400, points_of,
+     {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = STEERING}},
     {"points, half of the light hidden, 4/8: control variate", 0.82, 4000, points_of,
      {COUNTS(4, 8)}, {COUNTS(4, 8), .lack = CONTROL}},
     {"points, most of the light hidden, 4/64: more rays in dark ones", 0.71, 800, points_of,
      {COUNTS(4, 64), .edge = 0.3}, {COUNTS(4, 64), .edge = 0.3, .lack = MORE_RAYS}},
     {"points under a lamp, 24/64, squared error times rays: 4 rays to a lamp", 0.37, 100, points_of,
      {COUNTS(24, 64), .lamp = true}, {COUNTS(24, 64), .lamp = true, .lack = CAP_OF_LAMP}},
-    {"2 passes, dull: 8 samples of a quarter on outlines", 0.70, 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
+    {"2 passes, dull: 8 samples of a quarter on outlines", 0.70, 24, pictures_of,
+     PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
      PICTURE(TWO LEARN, HALL(DULL))},
     {"2 passes, n = 50: 8 samples on outlines, 4 where the lobe turns", 0.19, 24, pictures_of,
      PICTURE(TWO OUTLINES LEARN, HALL(SHINY("50"))), PICTURE(TWO LEARN, HALL(SHINY("50")))},
-    {"a pixel with an edge and a slope: 2 mirrored camera samples", 0.84, 100, pixels_of, {.even = true}, {.even = false}},
+    {"a pixel with an edge and a slope: 2 mirrored camera samples", 0.84, 100, pixels_of,
+     {.even = true}, {.even = false}},
     {"a band along the diagonal: 16 points of Sobol", 0.57, 100, bands_of, {.even = true}, {.even = false}},
 };
 enum { N_CLAIMS = sizeof claims / sizeof *claims };
