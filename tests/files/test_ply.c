@@ -353,24 +353,6 @@ static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
     }
 }
 
-/* A list has 18 bytes; its count alone is 2, and the file must have room for that. */
-static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **state)
-{
-    for (size_t i = 0; i < 2 * 29; i++) {
-        const char *const name = i % 2 ? "tristrips" : "face";
-        const size_t lost = 1 + i / 2;
-        char text[512], message[80];
-        snprintf(text, sizeof text, "element vertex 3\nproperty short x\nproperty double y\nproperty int z\n"
-                 "element %s 2\nproperty list ushort int vertex_indices\nend_header\n0 0 1\n1 1 1\n2 4 1\n"
-                 "4 0 1 2 0\n4 0 1 2 0\n", name);
-        bytes b = binary_of(text, true);
-        b.n -= lost;
-        snprintf(message, sizeof message, "the file ends in %s %d of 2", name, lost <= 18 ? 1 : 0);
-        expect_mesh_refusal_of(bis_ply_read, &b, "ends.ply", 0, message);
-        bytes_clear(&b);
-    }
-}
-
 /* ---- short cuts ---- */
 
 /* Appends to a text of 512 bytes. */
@@ -448,7 +430,6 @@ int main(void)
         cmocka_unit_test(lines_are_counted_by_any_end),
         cmocka_unit_test(a_bad_file_is_refused_by_line_vertex_or_face),
         cmocka_unit_test(a_short_cut_refuses_what_the_long_way_refuses),
-        cmocka_unit_test(a_binary_file_that_ends_early_is_refused_by_its_last_face),
         cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(damaged_files_never_crash),
