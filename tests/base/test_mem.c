@@ -22,17 +22,6 @@ static void every_block_is_aligned_and_zero_to_its_last_byte(void **state)
         }
 }
 
-static void nothing_can_be_asked_for(void **state)
-{
-    void *p = bis_alloc(0, 8), *q = bis_alloc(8, 0);
-    assert_non_null(p);
-    assert_non_null(q);
-    assert_ptr_not_equal(p, q);
-    bis_free(p);
-    bis_free(q);
-    bis_free(NULL);
-}
-
 static void a_size_that_overflows_is_refused(void **state)
 {
     assert_null(bis_alloc(SIZE_MAX, 2));
@@ -66,19 +55,6 @@ static void realloc_keeps_contents_and_alignment(void **state)
     bis_free(p);
 }
 
-static void strings_are_copied_with_their_end(void **state)
-{
-    char *a = bis_strdup("bis"), *b = bis_strndup("candidates", 4), *c = bis_strndup("ab", 10), *d = bis_strdup("");
-    assert_string_equal(a, "bis");
-    assert_string_equal(b, "cand");
-    assert_string_equal(c, "ab");
-    assert_string_equal(d, "");
-    const char no_end[] = {'x', 'y'};
-    char *e = bis_strndup(no_end, 2);
-    assert_string_equal(e, "xy");
-    bis_free(a), bis_free(b), bis_free(c), bis_free(d), bis_free(e);
-}
-
 static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
 {
     for (long k = 1; k <= 4; k++) {
@@ -110,10 +86,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_block_is_aligned_and_zero_to_its_last_byte),
-        cmocka_unit_test(nothing_can_be_asked_for),
         cmocka_unit_test(a_size_that_overflows_is_refused),
         cmocka_unit_test(realloc_keeps_contents_and_alignment),
-        cmocka_unit_test(strings_are_copied_with_their_end),
         cmocka_unit_test(the_kth_allocation_fails_once_and_all_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -162,8 +162,6 @@ static void a_share_of_the_light_samples_is_rounded_up(void **state)
         {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 64, 24, 16, 0.25, {16, 6, 16}},
         {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 200, 15, 16, 0.25, {50, 4, 16}},
         {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 40, 2, 16, 0.1, {16, 1, 16}}, /* a vector holds 16 */
-        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 9, 1, 1, 0.5, {9, 1, 1}},
-        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 65, 25, 17, 1, {65, 25, 17}},
         {&bis_sir, BIS_PROPOSAL_MIX, true, 800, 15, 16, 0.25, {800, 4, 16}}, /* its candidates come in whole sets */
         {&bis_sir, BIS_PROPOSAL_EM, true, 800, 16, 16, 0.25, {800, 4, 16}},
         {&bis_rejection, BIS_PROPOSAL_CHOOSE, true, 800, 15, 16, 0.5, {800, 8, 16}},
@@ -171,7 +169,6 @@ static void a_share_of_the_light_samples_is_rounded_up(void **state)
         {&bis_em, BIS_PROPOSAL_MIX, false, 800, 15, 3, 0.25, {800, 4, 1}},
         {&bis_em, BIS_PROPOSAL_MIX, true, 800, 15, 16, 0.25, {800, 4, 16}}, /* stratified: whole sets */
         {&bis_mis, BIS_PROPOSAL_MIX, false, 800, 15, 3, 0.25, {800, 4, 2}}, /* mis needs two */
-        {&bis_mis, BIS_PROPOSAL_MIX, false, 800, 15, 12, 0.25, {800, 4, 3}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_settings s = bis_settings_default(cases[i].integrator);

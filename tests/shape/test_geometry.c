@@ -361,24 +361,6 @@ static void a_point_of_a_ball_is_at_its_radius_from_however_far(void **state)
     }
 }
 
-/* p must be off the plane by more than half the bound now and then, else the bound could be smaller. */
-static void the_error_of_a_triangles_point_is_no_larger_than_four_ulps(void **state)
-{
-    uint64_t seed = 4;
-    for (int n = 0; n < 1000; n++) {
-        bis_mesh m = soup_mesh(1, 0.01, seed + (uint64_t)n);
-        const ray r = {{-1, 0.5f, 0.5f}, sub(m.p[0], (vec3){-1, 0.5f, 0.5f}), INFINITY};
-        bis_geometry g = {0};
-        bis_surface s;
-        const double largest =
-            fmax(fabs((double)m.p[0].x), fmax(fabs((double)m.p[0].y), fabs((double)m.p[0].z))) + 0.02;
-        add_mesh(&g, &m, NULL, 0);
-        bis_geometry_surface(&g, 0, &r, &s);
-        assert_true(length(s.p_error) < 4 * sqrt(3) * 0x1p-24 * largest + 0x1p-20 * 0.02);
-        bis_geometry_clear(&g);
-    }
-}
-
 static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
 {
     uint64_t seed = 5;
@@ -740,7 +722,6 @@ int main(void)
         cmocka_unit_test(a_quadrics_range_is_open_and_tmax_is_kept),
         cmocka_unit_test(a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray),
         cmocka_unit_test(a_point_of_a_ball_is_at_its_radius_from_however_far),
-        cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),
         cmocka_unit_test(a_quadrics_point_lies_within_its_error_of_the_surface),
         cmocka_unit_test(normals_are_turned_to_the_eyes_side),
         cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
