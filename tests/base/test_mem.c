@@ -22,17 +22,6 @@ static void every_block_is_aligned_and_zero_to_its_last_byte(void **state)
         }
 }
 
-static void nothing_can_be_asked_for(void **state)
-{
-    void *p = bis_alloc(0, 8), *q = bis_alloc(8, 0);
-    assert_non_null(p);
-    assert_non_null(q);
-    assert_ptr_not_equal(p, q);
-    bis_free(p);
-    bis_free(q);
-    bis_free(NULL);
-}
-
 static void a_size_that_overflows_is_refused(void **state)
 {
     assert_null(bis_alloc(SIZE_MAX, 2));
@@ -66,19 +55,6 @@ static void realloc_keeps_contents_and_alignment(void **state)
     bis_free(p);
 }
 
-static void strings_are_copied_with_their_end(void **state)
-{
-    char *a = bis_strdup("bis"), *b = bis_strndup("candidates", 4), *c = bis_strndup("ab", 10), *d = bis_strdup("");
-    assert_string_equal(a, "bis");
-    assert_string_equal(b, "cand");
-    assert_string_equal(c, "ab");
-    assert_string_equal(d, "");
-    const char no_end[] = {'x', 'y'};
-    char *e = bis_strndup(no_end, 2);
-    assert_string_equal(e, "xy");
-    bis_free(a), bis_free(b), bis_free(c), bis_free(d), bis_free(e);
-}
-
 static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
 {
     for (long k = 1; k <= 4; k++) {
@@ -106,56 +82,12 @@ static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
     bis_free(q);
 }
 
-/* Counting allocates nothing. A failure is kept, whatever comes after it. */
-static void claims_are_counted_and_remember_a_failure(void **state)
-{
-    bis_claims count = {.only_count = true}, c = {0};
-    bis_mem_fail_at(0);
-    assert_null(bis_claim(&count, 3, 7));
-    assert_null(bis_claim(&count, 100, 8));
-    assert_true(count.bytes == 821 && !count.failed && bis_mem_count() == 0);
-    unsigned char *p = bis_claim(&c, 3, 7);
-    assert_non_null(p);
-    for (int i = 0; i < 21; i++) assert_int_equal(p[i], 0);
-    assert_true(c.bytes == 21 && !c.failed);
-    bis_mem_fail_at(1);
-    assert_null(bis_claim(&c, 5, 2));
-    assert_true(c.bytes == 31 && c.failed);
-    void *q = bis_claim(&c, 1, 1);
-    assert_non_null(q);
-    assert_true(c.bytes == 32 && c.failed);
-    bis_mem_fail_at(0);
-    bis_free(p);
-    bis_free(q);
-}
-
-static void blocks_that_live_are_counted(void **state)
-{
-    const long before = bis_mem_live();
-    void *small = bis_alloc(3, 5), *large = bis_alloc(1 << 20, 1), *empty = bis_alloc(0, 8);
-    char *copy = bis_strdup("copy");
-    assert_int_equal(bis_mem_live() - before, 4);
-    small = bis_realloc(small, 100, 5); /* one goes, one comes */
-    assert_null(bis_alloc(SIZE_MAX, 2));
-    bis_free(NULL);
-    assert_int_equal(bis_mem_live() - before, 4);
-    bis_free(small);
-    bis_free(large);
-    bis_free(empty);
-    bis_free(copy);
-    assert_int_equal(bis_mem_live(), before);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_that_live_are_counted),
-        cmocka_unit_test(claims_are_counted_and_remember_a_failure),
         cmocka_unit_test(every_block_is_aligned_and_zero_to_its_last_byte),
-        cmocka_unit_test(nothing_can_be_asked_for),
         cmocka_unit_test(a_size_that_overflows_is_refused),
         cmocka_unit_test(realloc_keeps_contents_and_alignment),
-        cmocka_unit_test(strings_are_copied_with_their_end),
         cmocka_unit_test(the_kth_allocation_fails_once_and_all_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

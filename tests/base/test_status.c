@@ -52,22 +52,6 @@ static void a_thousand_long_messages_are_kept_in_order(void **state)
     bis_diag_clear(&d);
 }
 
-static void a_message_without_memory_is_counted_as_lost(void **state)
-{
-    for (long k = 1; k <= 2; k++) { /* the list, the text */
-        bis_diag d = {0};
-        bis_mem_fail_at(k);
-        assert_int_equal(bis_error(&d, BIS_INPUT, (bis_loc){0}, "x"), BIS_INPUT);
-        bis_mem_fail_at(0);
-        assert_int_equal(d.n, 0);
-        assert_int_equal(d.n_errors, 1);
-        assert_int_equal(d.n_lost, 1);
-        bis_warn(&d, (bis_loc){0}, "y");
-        assert_int_equal(d.n, 1);
-        bis_diag_clear(&d);
-    }
-}
-
 static void the_nearest_name_is_found_up_to_a_third_of_the_word(void **state)
 {
     const char *const names[] = {"Shape", "Sampler", "candidates", "shadowrays", "N", ""};
@@ -93,44 +77,14 @@ static void of_two_names_the_nearer_is_meant_and_of_equals_the_first(void **stat
     assert_string_equal(bis_nearest_name("zsamples", names, 3), "xsamples");
 }
 
-/* A third of 12 letters are 4 mistakes, of 6 are 2, of 5 is 1; a name of 63 letters is compared, one of 64 is not. */
-static void mistakes_are_counted_against_the_length_of_the_word(void **state)
-{
-    static const struct { const char *word, *name; bool near;
-    } cases[] = {
-        {"abcdefghijkl", "abcdefghwxyz", true},
-        {"abcdefghijkl", "abcdefgvwxyz", false},
-        {"abcdefghijkl", "abcdefghijklmnop", true}, {"abcdefghijkl", "abcdefghijklmnopq", false},
-        {"abcdef", "abcdxy", true}, {"abcdef", "abcwxy", false}, {"abcde", "abcdx", true}, {"abcde", "abcxy", false},
-        {"ab", "ba", true}, {"abcd", "acbd", true}, {"abcd", "badc", false}, {"abc", "cab", false},
-        {"AbC", "aBc", true}, {"a", "", true}, {"ab", "", false}, {"", "ab", false},
-        {"@@[[", "``{{", false}, /* neighbours of the letters in the alphabet's code are no letters */
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const char *found = bis_nearest_name(cases[i].word, &cases[i].name, 1);
-        if (cases[i].near != (found == cases[i].name)) fail_msg("%s, %s", cases[i].word, cases[i].name);
-    }
-    char word[66], name[66];
-    for (int n = 62; n <= 65; n++)
-        for (int more = -1; more <= 1; more++) {
-            memset(word, 'a', sizeof word);
-            memset(name, 'a', sizeof name);
-            word[n] = name[n + more < 65 ? n + more : 65] = '\0';
-            const char *const names[] = {name};
-            assert_true((bis_nearest_name(word, names, 1) == name) == (n <= 63 && strlen(name) <= 63));
-        }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_message_names_as_much_of_its_place_as_is_known),
         cmocka_unit_test(nobody_needs_to_listen),
         cmocka_unit_test(a_thousand_long_messages_are_kept_in_order),
-        cmocka_unit_test(a_message_without_memory_is_counted_as_lost),
         cmocka_unit_test(the_nearest_name_is_found_up_to_a_third_of_the_word),
         cmocka_unit_test(of_two_names_the_nearer_is_meant_and_of_equals_the_first),
-        cmocka_unit_test(mistakes_are_counted_against_the_length_of_the_word),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

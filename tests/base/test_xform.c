@@ -55,16 +55,6 @@ static void rotate_turns_x_to_y_about_z_exactly_at_right_angles(void **state)
     assert_vec3(bis_xform_point(&t, (vec3){1, 2, 3}), 3, 1, 2);
 }
 
-static void rotations_of_any_axis_length_are_orthonormal(void **state)
-{
-    const double scale[] = {1e-300, 1e-160, 1, 1e160, 1e300};
-    for (int i = 0; i < 5; i++) {
-        bis_xform t = bis_xform_rotate(77.7, 1 * scale[i], -2 * scale[i], 0.5 * scale[i]);
-        assert_true(bis_xform_is_orthonormal(&t, 1e-15));
-        assert_true(inverse_error(&t) < 8);
-    }
-}
-
 /* Another road: what lies along the axis stays, what lies across it turns in its plane, by the C library's sine and
  * cosine. */
 static void any_angle_turns_about_any_axis(void **state)
@@ -234,7 +224,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(translate_moves_points_and_leaves_vectors_and_normals),
         cmocka_unit_test(rotate_turns_x_to_y_about_z_exactly_at_right_angles),
-        cmocka_unit_test(rotations_of_any_axis_length_are_orthonormal),
         cmocka_unit_test(any_angle_turns_about_any_axis),
         cmocka_unit_test(normals_stay_perpendicular_to_the_surface),
         cmocka_unit_test(look_at_follows_pbrts_worked_matrix),

@@ -173,37 +173,12 @@ static void a_large_file_may_be_larger_than_the_free_part(void **state)
     free(noise);
 }
 
-/* As many bytes as are asked for, or as there are; of a missing file none. */
-static void a_head_is_as_long_as_it_can_be(void **state)
-{
-    for (int compressed = 0; compressed < 2; compressed++) {
-        for (size_t n = 0; n < 5; n++) {
-            bytes file = {0};
-            char head[4] = "....";
-            if (compressed) put_member(&file, "abcde", n);
-            else put(&file, "abcde", n);
-            store("build/test_gzip.head", file.data, file.n);
-            bytes_clear(&file);
-            assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), n < 3 ? n : 3);
-            assert_memory_equal(head, "abc", n < 3 ? n : 3);
-            assert_true(head[3] == '.');
-        }
-    }
-    remove("build/test_gzip.head");
-    char head[4];
-    assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), 0);
-    assert_int_equal(mkfifo("build/test_gzip.head", 0600), 0); /* which would let us wait for its writer */
-    assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), 0);
-    assert_int_equal(remove("build/test_gzip.head"), 0);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(maps_and_meshes_are_read_whatever_they_are_called),
         cmocka_unit_test(what_follows_the_last_member_is_ignored_with_a_warning_zeros_without),
         cmocka_unit_test(damage_is_named),
-        cmocka_unit_test(a_head_is_as_long_as_it_can_be),
         cmocka_unit_test(a_file_made_to_fill_the_memory_is_refused_by_a_limit),
         cmocka_unit_test(a_large_file_may_be_larger_than_the_free_part),
     };

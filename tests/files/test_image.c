@@ -63,21 +63,6 @@ static void only_four_endings_can_be_written_in_any_case_of_letters(void **state
     bis_image_clear(&image);
 }
 
-static void a_new_image_is_black_and_of_a_sane_size(void **state)
-{
-    bis_image image;
-    assert_int_equal(bis_image_init(&image, 3, 2, NULL), BIS_OK);
-    for (int i = 0; i < 6; i++)
-        assert_true(image.pixels[i].r == 0 && image.pixels[i].g == 0 && image.pixels[i].b == 0);
-    bis_image_clear(&image);
-    assert_null(image.pixels);
-    const int sizes[][2] = {{0, 1}, {1, 0}, {-1, 1}, {32769, 1}, {1, 32769}, {65536, 65536}, {32768, 1}, {1, 32768}};
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        assert_int_equal(bis_image_init(&image, sizes[i][0], sizes[i][1], NULL), i < 6 ? BIS_INPUT : BIS_OK);
-        bis_image_clear(&image);
-    }
-}
-
 #define FOR_A_SCREEN(kind) "it is a " kind ": 8 bits for a screen, no radiance; take an .exr, .pfm or .hdr (`bis " \
     "SCENE --outfile NAME.exr` writes one)"
 #define UNKNOWN(first) "it begins with the bytes " first ", must be a Radiance .hdr (#?), OpenEXR (76 2f 31 01) or " \
@@ -158,31 +143,14 @@ static void a_full_disk_leaves_the_older_file_and_nothing_else(void **state)
     bis_image_clear(&image);
 }
 
-static void the_same_picture_gives_the_same_bytes(void **state)
-{
-    bis_image image = noise(100, 50);
-    for (int i = 0; i < N_ENDINGS; i++) {
-        unsigned char *first;
-        size_t n;
-        assert_int_equal(bis_image_save(&image, scratch(endings[i]), NULL), BIS_OK);
-        assert_int_equal(bis_file_read(&first, &n, scratch(endings[i]), (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_image_save(&image, scratch(endings[i]), NULL), BIS_OK);
-        assert_true(holds(scratch(endings[i]), first, n));
-        bis_free(first);
-    }
-    bis_image_clear(&image);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_saved_is_read_whatever_the_name),
         cmocka_unit_test(only_four_endings_can_be_written_in_any_case_of_letters),
-        cmocka_unit_test(a_new_image_is_black_and_of_a_sane_size),
         cmocka_unit_test(what_is_no_image_is_refused_by_its_first_bytes),
         cmocka_unit_test(missing_and_directory_paths_are_io_errors_at_the_line_that_named_them),
         cmocka_unit_test(a_full_disk_leaves_the_older_file_and_nothing_else),
-        cmocka_unit_test(the_same_picture_gives_the_same_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -67,24 +67,6 @@ static void any_float_comes_back_bit_by_bit(void **state)
     bis_image_clear(&back);
 }
 
-static void every_digit_of_a_size_is_read_up_to_the_largest_side(void **state)
-{
-    for (int side = 10; side <= 20; side++) {
-        const int n = side < 20 ? side : 32768;
-        bytes file = {0};
-        bis_image image;
-        char header[32];
-        snprintf(header, sizeof header, side < 20 ? "Pf\n1 %d\n-1\n" : "Pf\n%d 1\n-1\n", n);
-        put_text(&file, header);
-        for (int i = 0; i < n; i++) put_float(&file, (float)i);
-        store(scratch("side.pfm"), file.data, file.n);
-        expect_image(&image, scratch("side.pfm"), NULL);
-        assert_true(image.width * image.height == n && image.pixels[side < 20 ? 0 : n - 1].g == (float)(n - 1));
-        bis_image_clear(&image);
-        bytes_clear(&file);
-    }
-}
-
 #define NO_SIZE(header) {BYTES(header), "the PFM header must give width and height, each 1 to 32768"}
 #define NO_SCALE(line) {BYTES("PF\n1 1\n" line), "the PFM header's scale must be a number other than 0 and one white " \
     "space (its sign is the byte order: -1 for the low byte first)"}
@@ -121,7 +103,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colour_and_grey_of_both_byte_orders_run_from_the_bottom_row_up),
         cmocka_unit_test(any_float_comes_back_bit_by_bit),
-        cmocka_unit_test(every_digit_of_a_size_is_read_up_to_the_largest_side),
         cmocka_unit_test(a_bad_header_or_length_is_refused),
         cmocka_unit_test(no_damage_leads_out_of_the_file),
     };

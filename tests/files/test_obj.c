@@ -269,24 +269,6 @@ static void a_name_ends_before_the_backslash_that_continues_its_line(void **stat
     bis_obj_materials_clear(&o);
 }
 
-static void a_file_that_is_not_there_has_no_materials(void **state)
-{
-    bis_obj_materials o;
-    bis_diag diag = {0};
-    bis_mesh m;
-    size_t n = 7;
-    assert_int_equal(bis_obj_read_materials(&o, "build/no such file.obj", (bis_loc){"s.txt", 3, 7}, &diag), BIS_IO);
-    assert_true(o.n_libraries == 0 && o.n_shown == 0 && o.parts.n == 0);
-    assert_int_equal(bis_obj_read_parts(&m, &n, "build/no such file.obj", true, (bis_loc){"s.txt", 3, 7}, &diag),
-                     BIS_IO);
-    assert_true(n == 0 && m.p == NULL);
-    assert_int_equal(diag.n, 2);
-    for (int i = 0; i < 2; i++)
-        assert_string_equal(diag.messages[i].text, "s.txt:3:7: error: cannot open \"build/no such file.obj\": No such "
-                                                   "file or directory");
-    bis_diag_clear(&diag);
-}
-
 static const char *const rich =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0\nvt 1 0\nvt 2\nvn 0 0 1\nvn 0 1 1\nf 1/1/1 2/2/2 3/3/-1 1//2 \\\n 2//1\nf 1 2 3\n";
 
@@ -306,7 +288,6 @@ int main(void)
         cmocka_unit_test(thousands_of_further_triples_are_told_apart),
         cmocka_unit_test(a_part_is_what_follows_a_name),
         cmocka_unit_test(a_part_without_faces_is_not_shown),
-        cmocka_unit_test(a_file_that_is_not_there_has_no_materials),
         cmocka_unit_test(damaged_files_never_crash),
         cmocka_unit_test(a_name_ends_before_the_backslash_that_continues_its_line),
     };

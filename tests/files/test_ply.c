@@ -353,63 +353,6 @@ static void a_short_cut_refuses_what_the_long_way_refuses(void **state)
     }
 }
 
-/* A list has 18 bytes; its count alone is 2, and the file must have room for that. */
-static void a_binary_file_that_ends_early_is_refused_by_its_last_face(void **state)
-{
-    for (size_t i = 0; i < 2 * 29; i++) {
-        const char *const name = i % 2 ? "tristrips" : "face";
-        const size_t lost = 1 + i / 2;
-        char text[512], message[80];
-        snprintf(text, sizeof text, "element vertex 3\nproperty short x\nproperty double y\nproperty int z\n"
-                 "element %s 2\nproperty list ushort int vertex_indices\nend_header\n0 0 1\n1 1 1\n2 4 1\n"
-                 "4 0 1 2 0\n4 0 1 2 0\n", name);
-        bytes b = binary_of(text, true);
-        b.n -= lost;
-        snprintf(message, sizeof message, "the file ends in %s %d of 2", name, lost <= 18 ? 1 : 0);
-        expect_mesh_refusal_of(bis_ply_read, &b, "ends.ply", 0, message);
-        bytes_clear(&b);
-    }
-}
-
-/* ---- short cuts ---- */
-
-/* Appends to a text of 512 bytes. */
-__attribute__((format(printf, 2, 3))) static void append(char *text, const char *format, ...)
-{
-    const size_t n = strlen(text);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text + n, 512 - n, format, arguments);
-    va_end(arguments);
-}
-
-static const float triangle[3][3] = {{0, 0, 0}, {1, 0, 0.5f}, {1, 1, 0}};
-static const char triangle_words[] = "0 0 0, 1 0 0.5, 1 1 0; 0 1 2";
-
-/* Three floats in the order x, y, z are copied whole; any one that is a double, a list beside them or another order is
- * read by itself, in either byte order. */
-static void a_short_cut_is_for_three_floats_alone(void **state)
-{
-    static const char orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-    for (int i = 0; i < 6 * 8 * 2 * 2; i++) {
-        const char *const order = orders[i % 6];
-        const int doubles = i / 6 % 8;
-        const bool more = i / 96;
-        char text[512] = "element vertex 3\n";
-        for (int k = 0; k < 3; k++)
-            append(text, "property %s %c\n", doubles >> k & 1 ? "double" : "float", "xyz"[(int)order[k]]);
-        append(text, more ? "property list uchar uchar rest\n" FACES(1) : FACES(1));
-        for (int v = 0; v < 3; v++) {
-            for (int k = 0; k < 3; k++) append(text, "%g ", (double)triangle[v][(int)order[k]]);
-            append(text, more ? "0\n" : "\n");
-        }
-        append(text, "3 0 1 2\n");
-        bytes b = binary_of(text, i / 48 % 2);
-        expect_mesh_words(bis_ply_read, &b, "three.ply", NULL, text, triangle_words);
-        bytes_clear(&b);
-    }
-}
-
 /* ---- files ---- */
 
 static void missing_files_and_folders_are_the_disks_fault(void **state)
@@ -448,8 +391,6 @@ int main(void)
         cmocka_unit_test(lines_are_counted_by_any_end),
         cmocka_unit_test(a_bad_file_is_refused_by_line_vertex_or_face),
         cmocka_unit_test(a_short_cut_refuses_what_the_long_way_refuses),
-        cmocka_unit_test(a_binary_file_that_ends_early_is_refused_by_its_last_face),
-        cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(damaged_files_never_crash),
     };

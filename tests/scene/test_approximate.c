@@ -259,15 +259,6 @@ static void a_texture_is_its_mean_where_a_value_is_asked_for(void **state)
     const rgb Ks = cut->materials[cut->shapes[0].material].Ks;
     assert_true(Ks.r == 1 && Ks.g == 0 && Ks.b == .25f);
     bis_scene_desc_free(cut);
-    /* the index of a dielectric: (0.5/1.5)^2 and (0.25/1.75)^2 */
-    for (int i = 0; i < 2; i++) {
-        char text[1024];
-        snprintf(text, sizeof text, "%sMaterial \"dielectric\" \"texture eta\" \"%s\" Shape \"sphere\"", head,
-                 i ? "c" : "f");
-        bis_scene_desc *d = approximated(text);
-        assert_true(fabs((double)d->materials[d->shapes[0].material].Ks.g - (i ? 1 / 49. : 1 / 9.)) < 1e-6);
-        bis_scene_desc_free(d);
-    }
 }
 
 /* A texture with a part that is not there is one grey, whichever part it is; with all parts it is what it is. */

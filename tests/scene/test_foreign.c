@@ -582,24 +582,6 @@ static void what_is_missing_around_a_mesh_is_grey(void **state)
     assert_says(said, "some.mtl: error: no library of materials: there is a zero byte in it");
 }
 
-/* Two materials when the scene is parsed, one when it is built. */
-static void a_mesh_that_changes_while_it_is_read_is_refused(void **state)
-{
-    static const char mesh[] =
-        "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 3 2\n";
-    char said[8192];
-    bis_scene *s;
-    bis_diag diag = {0};
-    write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nnewmtl blue\nKd 0 0 0.8\n");
-    write_file("m.obj", mesh);
-    bis_scene_desc *d = good(LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true", 0, said);
-    store(place("m.obj"), mesh, (size_t)(strstr(mesh, "usemtl blue") - mesh));
-    assert_int_equal(bis_scene_build(&s, d, &diag), BIS_INPUT);
-    assert_says(diag.messages[0].text, "m.obj was changed while the scene was read: try again");
-    bis_diag_clear(&diag);
-    bis_scene_desc_free(d);
-}
-
 /* ---- light ---- */
 
 static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
@@ -831,7 +813,6 @@ int main(void)
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
-        cmocka_unit_test(a_mesh_that_changes_while_it_is_read_is_refused),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
         cmocka_unit_test(a_disc_has_its_radiance_in_all_directions),

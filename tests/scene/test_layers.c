@@ -159,29 +159,6 @@ static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
     clear_world(&w);
 }
 
-/* The ball, the camera turned and moved: normals and depths are the camera's. At the ball's nearest point the normal
- * looks back at the camera. */
-static void normals_and_depths_turn_with_the_camera(void **state)
-{
-    world w;
-    bis_film f;
-    bis_render_result result;
-    bis_xform look;
-    make_world(&w, &noise);
-    w.desc.view.pixel_jitter = false;
-    assert_true(bis_xform_look_at(&look, (double[3]){4, 3, -2}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}));
-    w.desc.view.camera.to_world = bis_xform_inverse(&look);
-    render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 1}});
-    float *planes = new_planes(&f);
-    size_t centre = (HEIGHT / 2) * WIDTH + WIDTH / 2;
-    assert_true(fabs((double)plane_of(&f, "Z", planes)[centre] - (sqrt(29) - 1)) < 1e-5);
-    assert_true(fabs((double)plane_of(&f, "Ns.Z", planes)[centre] + 1) < 1e-5);
-    assert_true(fabs((double)plane_of(&f, "Ns.X", planes)[centre]) < 1e-5);
-    bis_free(planes);
-    bis_film_clear(&f);
-    clear_world(&w);
-}
-
 /* A camera whose transformation scales by 3, 1 and 2: there the ball is an ellipsoid, |q'| = 1 with q' = S^-1 (q - c),
  * and its normal the gradient S^-1 q'. The twin, S q', is what a normal that is taken for a vector would be. */
 static void normals_stand_on_what_a_scaled_camera_sees(void **state)
@@ -488,7 +465,6 @@ int main(void)
         cmocka_unit_test(layers_have_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(counts_of_pixels_add_up_to_the_counts_of_the_render),
         cmocka_unit_test(depth_normal_and_albedo_are_those_of_the_floor),
-        cmocka_unit_test(normals_and_depths_turn_with_the_camera),
         cmocka_unit_test(normals_stand_on_what_a_scaled_camera_sees),
         cmocka_unit_test(unoccluded_is_L_ns_and_visibility_is_L_over_L_ns),
         cmocka_unit_test(in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples),

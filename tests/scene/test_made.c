@@ -44,20 +44,6 @@ static void equal_shapes_share_a_mesh_and_names_of_older_versions_are_known(void
     scene_clear(&b);
 }
 
-/* Textures of such shapes have their coordinates without a word; shapes without textures keep none. */
-static void coordinates_are_kept_for_textures_alone(void **state)
-{
-    built b = build("Shape \"cone\" \"float radius\" 2 Texture \"t\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 "
-                    "Material \"matte\" \"texture Kd\" \"t\" Shape \"cone\"");
-    for (size_t i = 0; i < 2; i++) {
-        bis_mesh m;
-        assert_int_equal(bis_mesh_desc_make(&m, &b.desc->meshes[i], NULL), BIS_OK);
-        assert_true(!m.uv == (i == 0));
-        bis_mesh_clear(&m);
-    }
-    scene_clear(&b);
-}
-
 /* ---- the same as made by hand ---- */
 
 #define SHOWN "WorldBegin LightSource \"infinite\" Texture \"t\" \"spectrum\" \"checkerboard\" " \
@@ -281,47 +267,15 @@ static void each_nurbs_has_its_net_and_its_ends(void **state)
     }
 }
 
-/* With --approximate a texture as u0 becomes three numbers behind all others, which move where there is no room, the
- * knots with them. One of the cases meets the end of the room for 128 numbers, because each has two more behind it.
- * The net takes as much memory as these: it may lie where they were. */
-static void knots_stay_what_they_are_where_an_end_is_a_texture(void **state)
-{
-    char text[4096], net[1024] = "";
-    for (int i = 0; i < 32; i++)
-        snprintf(net + strlen(net), sizeof net - strlen(net), "%d %d %d ", i, i * i % 7, i * 5 % 11);
-    for (int pad = 1; pad <= 16; pad++) {
-        bis_scene_desc *d[2];
-        for (int k = 0; k < 2; k++) {
-            snprintf(text, sizeof text,
-                     "Texture \"two\" \"float\" \"constant\" \"float value\" 2 "
-                     "Texture \"one\" \"float\" \"constant\" "
-                     "Shape \"nurbs\" \"integer nu\" 8 \"integer uorder\" 3 \"float uknots\" [0 0 1 2 3 4 5 6 7 8 9] "
-                     "\"integer nv\" 4 \"integer vorder\" 2 \"float vknots\" [-1 0 2 3 4 4] \"point3 P\" [%s] %s "
-                     "\"float faceIndices\" [%.*s]", net,
-                     k ? "\"texture u0\" \"two\" \"texture v0\" \"one\"" : "\"float u0\" 2 \"float v0\" 1", 2 * pad,
-                     "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 ");
-            d[k] = described(text, BIS_PARSE_APPROXIMATE);
-            assert_true(d[k]->n_meshes == 1 && d[k]->n_shapes == 1);
-        }
-        const bis_mesh *a = &d[0]->meshes[0].mesh, *b = &d[1]->meshes[0].mesh;
-        assert_true(a->n_vertices > 0 && a->n_vertices == b->n_vertices);
-        if (memcmp(a->p, b->p, a->n_vertices * sizeof *a->p)) fail_msg("%d numbers behind: another mesh", pad);
-        bis_scene_desc_free(d[0]);
-        bis_scene_desc_free(d[1]);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_shapes_share_a_mesh_and_names_of_older_versions_are_known),
-        cmocka_unit_test(coordinates_are_kept_for_textures_alone),
         cmocka_unit_test(each_surface_of_revolution_has_its_numbers),
         cmocka_unit_test(each_whole_quadric_has_its_numbers),
         cmocka_unit_test(each_subdivided_mesh_has_its_levels),
         cmocka_unit_test(patches_and_heights_are_those_of_their_numbers),
         cmocka_unit_test(each_nurbs_has_its_net_and_its_ends),
-        cmocka_unit_test(knots_stay_what_they_are_where_an_end_is_a_texture),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

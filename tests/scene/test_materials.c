@@ -16,24 +16,6 @@
 
 /* ---- numbers ---- */
 
-static void materials_are_numbered_by_value_in_the_order_of_the_shapes(void **state)
-{
-    const rgb grey = {0.5f, 0.5f, 0.5f}, red = {0.5f, 0.1f, 0.1f}, black = {0, 0, 0};
-    bis_material materials[] = {bis_phong(grey, black, 50), bis_phong(red, black, 50), bis_phong(red, grey, 50),
-        bis_phong(red, black, 50), bis_phong(red, grey, 51)};
-    bis_shape_desc shapes[] = {{.material = 2}, {.material = 3}, {.material = 2}, {.material = 1}, {.material = 4}};
-    const bis_scene_desc d = {.materials = materials, .n_materials = 5, .shapes = shapes, .n_shapes = 5};
-    uint32_t *number, n;
-    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
-    assert_int_equal(n, 3);
-    assert_true(number[0] == BIS_NO_NUMBER);
-    assert_int_equal(number[2], 0);
-    assert_int_equal(number[3], 1);
-    assert_int_equal(number[1], 1);
-    assert_int_equal(number[4], 2);
-    bis_free(number);
-}
-
 /* Any one value that differs makes another number, and equal ones never do. */
 static void each_value_of_a_material_tells_it_from_others(void **state)
 {
@@ -71,18 +53,6 @@ static void each_value_of_a_material_tells_it_from_others(void **state)
     assert_int_equal(n, N);
     for (int i = 0; i < 2 * N; i++) assert_int_equal(number[i], N - 1 - i % N); /* the shapes name the last one first */
     bis_free(number);
-    /* one texture and another */
-    for (int i = 0; i < 2 * N; i++)
-        of[i] = (bis_material_textures){
-            (uint32_t)i % 2, (uint32_t)i % 3, (uint32_t)i % 5, i % 7 ? 1 : 0.5, {0}, i < 9, i < 20};
-    for (int i = 0; i < 2 * N; i++) materials[i] = bis_phong(a, b, 7);
-    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
-    for (int i = 0; i < 2 * N; i++)
-        for (int k = 0; k < 2 * N; k++)
-            assert_true((number[i] == number[k]) ==
-                        (i % 2 == k % 2 && i % 3 == k % 3 && i % 5 == k % 5 && (i % 7 == 0) == (k % 7 == 0) &&
-                            (i < 9) == (k < 9) && (i < 20) == (k < 20)));
-    bis_free(number);
 }
 
 /* ---- the program ---- */
@@ -104,7 +74,6 @@ static void the_plan_lists_materials_by_number(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(materials_are_numbered_by_value_in_the_order_of_the_shapes),
         cmocka_unit_test(each_value_of_a_material_tells_it_from_others),
         cmocka_unit_test(the_plan_lists_materials_by_number),
     };

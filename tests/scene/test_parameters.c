@@ -28,29 +28,6 @@ static double another(const bis_parameter *p, double v)
         if (k != v && is_in_range(p, k)) return k;
 }
 
-static void every_row_has_a_default_in_its_range_and_a_reader(void **state)
-{
-    for (const bis_parameter *p = bis_parameters; p->name; p++) {
-        if (!is_in_range(p, p->usual)) fail_msg("%s: its default is out of its range", p->name);
-        if (!p->readers[0]) fail_msg("%s: nobody reads it", p->name);
-        const bis_parameter *first = bis_parameters;
-        while (strcmp(first->name, p->name) != 0) first++;
-        if (!first->words || (p != first && p->words)) fail_msg("%s: the first row of a name has the words", p->name);
-        if (first->type != p->type || first->offset != p->offset) fail_msg("%s: two rows, two fields", p->name);
-    }
-}
-
-static void no_integrator_reads_two_rows_of_one_name(void **state)
-{
-    for (const bis_integrator *const *i = bis_integrators; *i; i++) {
-        int n = 0;
-        for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL; n++)
-            assert_ptr_equal(bis_parameter_of(*i, p->name), p);
-        assert_true(n <= BIS_MAX_PARAMETERS);
-        assert_null(bis_parameter_of(*i, "nonsense"));
-    }
-}
-
 /* Each field is changed alone, through the table; a scene's line of these settings is parsed, and is the same settings.
  * The twin: the default settings are not the same. */
 static void every_parameter_is_told_and_read_back(void **state)
@@ -185,8 +162,6 @@ static void a_share_of_the_light_samples_is_rounded_up(void **state)
         {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 64, 24, 16, 0.25, {16, 6, 16}},
         {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 200, 15, 16, 0.25, {50, 4, 16}},
         {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 40, 2, 16, 0.1, {16, 1, 16}}, /* a vector holds 16 */
-        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 9, 1, 1, 0.5, {9, 1, 1}},
-        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 65, 25, 17, 1, {65, 25, 17}},
         {&bis_sir, BIS_PROPOSAL_MIX, true, 800, 15, 16, 0.25, {800, 4, 16}}, /* its candidates come in whole sets */
         {&bis_sir, BIS_PROPOSAL_EM, true, 800, 16, 16, 0.25, {800, 4, 16}},
         {&bis_rejection, BIS_PROPOSAL_CHOOSE, true, 800, 15, 16, 0.5, {800, 8, 16}},
@@ -194,7 +169,6 @@ static void a_share_of_the_light_samples_is_rounded_up(void **state)
         {&bis_em, BIS_PROPOSAL_MIX, false, 800, 15, 3, 0.25, {800, 4, 1}},
         {&bis_em, BIS_PROPOSAL_MIX, true, 800, 15, 16, 0.25, {800, 4, 16}}, /* stratified: whole sets */
         {&bis_mis, BIS_PROPOSAL_MIX, false, 800, 15, 3, 0.25, {800, 4, 2}}, /* mis needs two */
-        {&bis_mis, BIS_PROPOSAL_MIX, false, 800, 15, 12, 0.25, {800, 4, 3}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_settings s = bis_settings_default(cases[i].integrator);
@@ -215,8 +189,6 @@ static void a_share_of_the_light_samples_is_rounded_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_row_has_a_default_in_its_range_and_a_reader),
-        cmocka_unit_test(no_integrator_reads_two_rows_of_one_name),
         cmocka_unit_test(every_parameter_is_told_and_read_back),
         cmocka_unit_test(defaults_are_those_of_the_page),
         cmocka_unit_test(a_scene_without_the_lines_has_those_of_the_page),

@@ -364,19 +364,6 @@ static void an_integrator_of_pbrt_is_none(void **state)
     }
 }
 
-static void materials_have_the_defaults_of_the_contract(void **state)
-{
-    bis_scene_desc *d =
-        good_scene("", "Shape \"sphere\" Material \"phong\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\"");
-    for (size_t i = 0; i < 3; i++) {
-        const bis_material *m = &d->materials[d->shapes[i].material];
-        assert_true(m->Kd.r == 0.5f && m->Kd.g == 0.5f && m->Kd.b == 0.5f && rgb_is_black(m->Ks));
-    }
-    assert_true(d->materials[d->shapes[1].material].exponent == 50);
-    assert_true(d->shapes[0].radius == 1 && d->shapes[2].radius == 1 && d->shapes[2].height == 0);
-    bis_scene_desc_free(d);
-}
-
 /* Figure 5.5 by its text (ks = 1, kd = 0.1) would reflect more than arrives; by its caption (ks = 0, kd = 1) it does
  * not. */
 static void coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38(void **state)
@@ -1059,7 +1046,6 @@ int main(void)
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
         cmocka_unit_test(an_integrator_of_pbrt_is_none),
-        cmocka_unit_test(materials_have_the_defaults_of_the_contract),
         cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),
         cmocka_unit_test(a_film_has_the_layers_that_are_named),

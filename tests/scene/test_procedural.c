@@ -16,12 +16,10 @@ static bis_scene_desc *read_status(const char *text, bis_status expected, bis_di
 {
     char all[4000];
     bis_scene_desc *d;
-    const bool is_v2 = strncmp(text, "v2", 2) == 0;
-    snprintf(all, sizeof all, "%sWorldBegin LightSource \"infinite\" %s Material \"%s\" \"t\" "
-             "Shape \"sphere\"", is_v2 ? "SurfaceIntegrator \"path\" " : "", is_v2 ? text + 2 : text,
-             is_v2 ? "matte\" \"texture Kd" : "diffuse\" \"texture reflectance");
+    snprintf(all, sizeof all, "WorldBegin LightSource \"infinite\" %s Material \"diffuse\" \"texture reflectance\" "
+             "\"t\" Shape \"sphere\"", text);
     store(scratch("scene.txt"), all, strlen(all));
-    const bis_status status = bis_scene_parse_as(&d, scratch("scene.txt"), is_v2 ? BIS_PARSE_APPROXIMATE : 0, diag);
+    const bis_status status = bis_scene_parse(&d, scratch("scene.txt"), diag);
     if (status != expected && diag)
         for (size_t i = 0; i < diag->n; i++) print_error("%s\n", diag->messages[i].text);
     assert_int_equal(status, expected);
@@ -194,16 +192,6 @@ static void patterns_of_noise_are_sums_of_octaves(void **state)
     bis_scene_desc_free(windy);
 }
 
-/* pbrt-v2 takes the matrix itself. */
-static void a_scene_of_pbrt_v2_turns_the_space_of_patterns_over(void **state)
-{
-    bis_scene_desc *d = read_scene("v2Translate 1 2 3 Scale 2 2 2 Texture \"t\" \"color\" \"fbm\"");
-    const vec3 p = points[0];
-    const double e = octave_sum(2 * (double)p.x + 1, 2 * (double)p.y + 2, 2 * (double)p.z + 3, .5, 8, false);
-    assert_value(value(d, 0, 0, p), e, e, e, 1e-12);
-    bis_scene_desc_free(d);
-}
-
 /* Without octaves marble is a curve over sin y. The curve by de Casteljau's construction; its ends are colours that are
  * known: t = 0, 1/2, 1. */
 static void marble_is_a_bezier_curve_of_layers(void **state)
@@ -364,7 +352,6 @@ int main(void)
         cmocka_unit_test(noise_blends_the_gradients_of_eight_corners),
         cmocka_unit_test(noise_stays_below_its_bound),
         cmocka_unit_test(patterns_of_noise_are_sums_of_octaves),
-        cmocka_unit_test(a_scene_of_pbrt_v2_turns_the_space_of_patterns_over),
         cmocka_unit_test(marble_is_a_bezier_curve_of_layers),
         cmocka_unit_test(dots_are_discs_in_two_fifths_of_the_cells),
         cmocka_unit_test(uv_bilerp_and_checkers_in_space_by_hand),

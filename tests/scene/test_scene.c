@@ -67,20 +67,6 @@ static void every_kind_of_shape_is_built(void **state)
     scene_clear(&b);
 }
 
-/* A mesh without faces is read and warned of, but nothing is lit, so that there is no table. */
-static void a_shape_that_turns_out_to_be_empty_needs_no_table(void **state)
-{
-    char text[256];
-    store(scratch("empty.obj"), "v 0 0 0\nv 1 0 0\n", 16);
-    snprintf(text, sizeof text, MAP "Shape \"objmesh\" \"string filename\" \"%s\"",
-             strrchr(scratch("empty.obj"), '/') + 1);
-    built b = build("Integrator \"em\"", text);
-    assert_int_equal(bis_geometry_primitives(&b.scene->geometry), 0);
-    assert_null(b.scene->accel);
-    assert_null(bis_light_importance(b.scene->light));
-    scene_clear(&b);
-}
-
 static void instances_share_a_mesh_and_stand_where_they_were_put(void **state)
 {
     built b = build("", MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd\n"
@@ -161,14 +147,6 @@ static void a_camera_beyond_the_largest_float_is_an_error_of_its_file(void **sta
 }
 
 /* ---- only what is required ---- */
-
-static void without_a_light_it_is_black(void **state)
-{
-    built b = build("", "Shape \"sphere\"");
-    assert_true(bis_light_is_black(b.scene->light));
-    assert_true(bis_light_is_constant(b.scene->light));
-    scene_clear(&b);
-}
 
 /* ---- the light's frame ---- */
 
@@ -429,7 +407,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_shape_is_built),
-        cmocka_unit_test(a_shape_that_turns_out_to_be_empty_needs_no_table),
         cmocka_unit_test(a_scene_as_printed_draws_from_its_light_as_printed),
         cmocka_unit_test(a_map_is_seen_smooth_if_the_scene_says_so),
         cmocka_unit_test(a_map_higher_than_wide_is_warned_of_unless_its_mapping_is_given),
@@ -438,7 +415,6 @@ int main(void)
         cmocka_unit_test(smooth_makes_normals_only_when_asked),
         cmocka_unit_test(a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name),
         cmocka_unit_test(a_camera_beyond_the_largest_float_is_an_error_of_its_file),
-        cmocka_unit_test(without_a_light_it_is_black),
         cmocka_unit_test(the_map_is_turned_by_the_transformation_at_its_place),
         cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
         cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),

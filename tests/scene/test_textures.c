@@ -173,18 +173,6 @@ static void a_texture_has_the_values_beside_it(void **state)
 
 /* ---- textures of textures ---- */
 
-static void a_texture_that_is_the_same_everywhere_is_no_texture(void **state)
-{
-    built b = scene_build(LIGHT "Texture \"c\" \"float\" \"constant\" \"float value\" 0.5\n"
-                          "Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [0.5 0.25 1] \"texture scale\" \"c\"\n"
-                          "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"");
-    const bis_scene_desc *d = b.desc;
-    assert_null(bis_textures_of(&d->textures, d->shapes[0].material));
-    const bis_material *m = &d->materials[d->shapes[0].material];
-    assert_true(m->Kd.r == 0.25f && m->Kd.g == 0.125f && m->Kd.b == 0.5f);
-    scene_clear(&b);
-}
-
 /* ---- texture coordinates ---- */
 
 /* (u, v) where a ray from p towards the point `at` meets the scene. */
@@ -581,21 +569,6 @@ static void textures_of_textures_have_a_limit(void **state)
     free(text);
 }
 
-static void materials_with_other_textures_have_other_numbers(void **state)
-{
-    built b = scene_build(
-        LIGHT "Texture \"a\" \"color\" \"checkerboard\" Texture \"b\" \"color\" \"checkerboard\" \"float uscale\" 2\n"
-              "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\" Material \"diffuse\" \"texture "
-              "reflectance\" \"b\" Shape \"sphere\"\n"
-              "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\"");
-    uint32_t *number, n;
-    assert_int_equal(bis_scene_number_materials(&number, &n, b.desc, NULL), BIS_OK);
-    assert_int_equal(n, 2);
-    assert_int_equal(number[b.desc->shapes[0].material], number[b.desc->shapes[2].material]);
-    bis_free(number);
-    scene_clear(&b);
-}
-
 /* ---- the program ---- */
 
 #define VIEW "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n" \
@@ -919,23 +892,6 @@ static void the_range_of_each_kind_holds_its_values(void **state)
     bis_image_clear(&image.image);
 }
 
-/* Each channel by itself: (1 - w) a + w b; a b; 0.5 w/(1 - 0.5 w); pbrt-v3's polynomial, as python computes it. */
-static void textures_of_textures_have_their_values_in_each_channel(void **state)
-{
-    bis_texture list[] = {
-        constant_of(0.5, 0.25, 2), constant_of(1, 2, 4), constant_of(0.25, 0.5, 0.75),
-        constant_of(1 / 32.0, 2 / 32.0, 4 / 32.0), {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 2}},
-        {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}}, {.kind = BIS_TEXTURE_COAT, .of = {2}, .scale = 0.5},
-        {.kind = BIS_TEXTURE_ALPHA, .of = {3}}};
-    static const double expected[4][3] = {{0.625, 1.125, 3.5}, {0.5, 0.5, 8}, {1 / 7.0, 1 / 3.0, 0.6},
-        {0.24219603187096084, 0.3539623122546913, 0.524208055445442}};
-    const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
-    for (uint32_t i = 0; i < 4; i++) {
-        const rgbd c = bis_textures_value(&t, NULL, 4 + i, (double[]){0, 0}, (vec3){0, 0, 0});
-        assert_rgbd(c, expected[i][0], expected[i][1], expected[i][2]);
-    }
-}
-
 /* A bad channel of any texel is found, and its place is told. */
 static void a_bad_texel_is_told_with_its_place(void **state)
 {
@@ -957,7 +913,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_texture_has_the_values_beside_it),
-        cmocka_unit_test(a_texture_that_is_the_same_everywhere_is_no_texture),
         cmocka_unit_test(a_sphere_has_pbrts_coordinates),
         cmocka_unit_test(a_disk_has_pbrts_coordinates),
         cmocka_unit_test(a_triangle_interpolates_its_corners_and_without_any_has_pbrts),
@@ -972,7 +927,6 @@ int main(void)
         cmocka_unit_test(a_point_has_the_material_of_its_place),
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),
         cmocka_unit_test(textures_of_textures_have_a_limit),
-        cmocka_unit_test(materials_with_other_textures_have_other_numbers),
         cmocka_unit_test(in_a_furnace_the_mean_of_the_picture_is_that_of_the_image),
         cmocka_unit_test(a_textured_scene_is_the_scene_cut_into_its_colours),
         cmocka_unit_test(the_plan_says_what_textures_cost),
@@ -981,7 +935,6 @@ int main(void)
         cmocka_unit_test(in_the_furnace_four_spellings_of_a_quarter_are_a_quarter),
         cmocka_unit_test(points_are_mapped_by_angles_or_by_a_plane),
         cmocka_unit_test(a_mapping_that_cannot_be_is_refused),
-        cmocka_unit_test(textures_of_textures_have_their_values_in_each_channel),
         cmocka_unit_test(a_bad_texel_is_told_with_its_place),
     };
     program_folder(DIR);

@@ -538,14 +538,6 @@ static void a_point_of_no_triangle_stays(void **state)
     assert_int_equal(bis_make_subdivided(&m, 2, (bis_loc){0}, NULL), BIS_OK);
     assert_true(m.p[3].z == 1 && m.n[3].x == 0 && m.n[3].y == 0 && m.n[3].z == 0 && m.n_triangles == 16);
     bis_mesh_clear(&m);
-    assert_int_equal(bis_make_subdivided(&m, 2, (bis_loc){0}, NULL), BIS_OK); /* nothing stays nothing */
-    bis_mesh_clear(&m);
-    m = new_mesh(3, 1); /* a triangle that is a point has no normals */
-    for (uint32_t i = 0; i < 3; i++) m.index[i] = i, m.p[i] = (vec3){4, 5, 6};
-    assert_int_equal(bis_make_subdivided(&m, 1, (bis_loc){0}, NULL), BIS_OK);
-    for (int i = 0; i < 6; i++)
-        assert_true(m.p[i].x == 4 && m.p[i].y == 5 && m.p[i].z == 6 && m.n[i].x == 0 && m.n[i].y == 0);
-    bis_mesh_clear(&m);
 }
 
 int main(void)

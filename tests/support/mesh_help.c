@@ -119,23 +119,6 @@ void expect_mesh_words(mesh_reader *read, const bytes *b, const char *name, cons
     bis_mesh_clear(&m);
 }
 
-void expect_wild_meshes(mesh_reader *read, const wild_mesh *files, size_t n, const char *warned)
-{
-    for (const wild_mesh *f = files; f < files + n; f++) {
-        const char *const path = shared_file(f->name);
-        bis_diag diag = {0};
-        bis_mesh m;
-        if (!path) skip();
-        if (read(&m, path, (bis_loc){0}, &diag)) fail_msg("%s", diag.messages[0].text);
-        assert_sound(&m);
-        if (m.n_vertices != f->n_vertices || m.n_triangles != f->n_triangles || (m.n != NULL) != f->normals)
-            fail_msg("%s: %zu vertices, %zu triangles, normals: %d", path, m.n_vertices, m.n_triangles, m.n != NULL);
-        assert_int_equal(diag.n, f->n_triangles == 0 || (warned && strstr(path, warned)) ? 1 : 0);
-        bis_mesh_clear(&m);
-        bis_diag_clear(&diag);
-    }
-}
-
 static void try_read(mesh_reader *read, const char *path)
 {
     bis_diag diag = {0};

@@ -31,16 +31,6 @@ void expect_mesh_of(mesh_reader *read, bis_mesh *m, const bytes *b, const char *
 void expect_mesh_words(mesh_reader *read, const bytes *b, const char *name, const char *warning, const char *claim,
                        const char *words);
 
-typedef struct wild_mesh {
-    const char *name; /* of a shared test file */
-    size_t n_vertices, n_triangles;
-    bool normals;
-} wild_mesh;
-
-/* Each must be read, and have these counts; with one warning where it has no triangles or its path holds `warned`. The
- * test is skipped where they are not there. */
-void expect_wild_meshes(mesh_reader *read, const wild_mesh *files, size_t n, const char *warned);
-
 /* Reading b must fail with BIS_INPUT, an empty mesh and exactly `PATH: error: TEXT`, or `PATH:LINE: error: TEXT` for
  * line > 0. */
 void expect_mesh_refusal_of(mesh_reader *read, const bytes *b, const char *name, int line, const char *text);
