@@ -2,7 +2,6 @@
 /* integrators: every estimator against brute force (tests/support/lit.h), and the cases where the answer is exact.
  * Family-wise significance of this file 1e-3, three channels a test. What is biased by design, and the twins, are in
  * test_sir.c, test_rejection.c. */
-#include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
@@ -66,11 +65,18 @@ static void check(const char *name, const stat_moments m[4], rgbd truth)
     stat_assert_mean(name, SEED, &m[2], truth.b, alpha());
 }
 
+/* Directions from the BRDF alone meet a spot so rarely that no error below 50 % would be found: they take the smooth
+ * map. */
+static bool is_from_brdf(const bis_settings *s)
+{
+    return s->integrator == &bis_brdf || s->proposal == BIS_PROPOSAL_BRDF;
+}
+
 static void check_next(setting *c, const bis_settings *s, uint32_t cost)
 {
     static const bis_sampler_kind kinds[] = {
         BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
-    const int i = c->next++ % 24;
+    const int next = c->next++ % 24, i = next % 4 < 2 && is_from_brdf(s) ? next + 2 : next;
     stat_moments m[4];
 
     assert_int_equal(bis_settings_check(s, (bis_loc){NULL, 0, 0}, NULL), BIS_OK);
@@ -148,7 +154,8 @@ static void every_integrator_is_unbiased_for_microfacets_too(void **state)
             s.samples = s.shadowrays = 4;
             s.candidates = 16;
             l.kind = (bis_sampler_kind)((i + k) % 4);
-            lit_run(m, &l, &s, bis_integrators[k] == &bis_exact ? 10 : 20000, SEED + (uint64_t)i);
+            const uint32_t runs = s.integrator == &bis_exact ? 10 : s.integrator == &bis_brdf ? 200000 : 20000;
+            lit_run(m, &l, &s, runs, SEED + (uint64_t)i);
             check(bis_integrators[k]->name, m, bis_integrators[k] == &bis_unoccluded ? unshadowed : truth);
         }
     }
