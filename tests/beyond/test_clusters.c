@@ -5,7 +5,6 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "claim.h"
-#include "lack.h"
 #include "lit.h"
 #include "set_help.h"
 #include "thesis/proposal.h"

@@ -3,7 +3,6 @@
  * tests/thesis/test_phong.c and tests/beyond/test_microfacet.c hold to closed forms and to the papers. Nothing here is
  * random but directions: the bounds are those derived in src/beyond/microfacet_formulas.h and
  * include/bis/thesis/lanes.h. */
-#include "bis/base/fresnel.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"

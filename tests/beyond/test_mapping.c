@@ -7,7 +7,6 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/lanes.h"
 #include "claim.h"
-#include "lack.h"
 #include "map_help.h"
 
 #include <float.h>

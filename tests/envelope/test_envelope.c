@@ -9,18 +9,13 @@
 
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
-#include "bis/scene/scene.h"
-#include "bis/shape/accel.h"
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
-#include "bis/thesis/importance.h"
 #include "bis/thesis/phong.h"
 #include "shape/grid.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))

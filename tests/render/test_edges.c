@@ -46,29 +46,6 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     clear_world(&w);
 }
 
-/* Wherever the area lies, each of its pixels has a place of its own inside its bytes, 64 for each tile that it touches.
- */
-static void places_of_pixels_lie_in_the_bytes_of_the_area(void **state)
-{
-    static const bis_rect areas[] = {{0, 0, WIDTH, HEIGHT}, {16, 32, 48, 48}, {17, 5, 18, 6}, {31, 47, 70, 66}};
-    static const size_t tiles[] = {3 * 2, 2 * 1, 1, 4 * 3};
-
-    for (size_t i = 0; i < sizeof areas / sizeof *areas; i++) {
-        const bis_rect a = areas[i];
-        const size_t n = 4 * bis_edges_bytes(a);
-        assert_int_equal(n, 4 * 64 * tiles[i]);
-        unsigned char *taken = bis_alloc(n, 1);
-        for (int y = a.y0; y < a.y1; y++) {
-            for (int x = a.x0; x < a.x1; x++) {
-                const size_t at = bis_edges_place(a, x, y);
-                assert_true(at < n && !taken[at]);
-                taken[at] = 1;
-            }
-        }
-        bis_free(taken);
-    }
-}
-
 /* A roof of two planes, z = |x| tan(angle/2), seen head on: normals differ by `angle`, and the ridge crosses the
  * middle column of pixels alone. Both sides have material m; left and right are its numbers, two materials if they
  * differ. Returns how many pixels are of the kind, -1 if any pixel elsewhere is of any kind. */
@@ -356,7 +333,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(camera_samples_times_edge_samples_may_pass_32_bits),
-        cmocka_unit_test(places_of_pixels_lie_in_the_bytes_of_the_area),
         cmocka_unit_test(edges_are_where_the_picture_is_half_background),
         cmocka_unit_test(ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always),
         cmocka_unit_test(the_turn_that_counts_is_that_of_the_lobe),

@@ -2,7 +2,6 @@
 /* film: crops, means and alpha. */
 #include "bis/render/film.h"
 #include "bis/render/render.h"
-#include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
 #include "threads.h"
@@ -117,23 +116,6 @@ static void a_thin_film_has_the_middle_one_of_each_k_pixels(void **state)
             }
 }
 
-/* The tile that a pixel of a crop lies in is the one whose pixels it is among. */
-static void a_pixel_is_found_in_its_tile(void **state)
-{
-    for (int x0 = 0; x0 < 9; x0++)
-        for (int y0 = 0; y0 < 6; y0++) {
-            int across;
-            const bis_film f = {.full_width = 13, .full_height = 9, .x0 = x0, .y0 = y0, .width = 13 - x0,
-                                .height = 9 - y0, .step = 1};
-            const int n = bis_film_tiles(&f, 4, &across);
-            for (int t = 0; t < n; t++) {
-                const bis_rect r = bis_film_tile_of_crop(&f, 4, t);
-                for (int y = r.y0; y < r.y1; y++)
-                    for (int x = r.x0; x < r.x1; x++) assert_int_equal(bis_film_tile_at(&f, 4, x, y), t);
-            }
-        }
-}
-
 /* Passes of weights 1, 1, 2, 4, 4. The deviation is the root of the mean of (L - mean)^2, weighted. The first half is
  * kept before each pass that finds twice the weight of the half before: at 1, 2, 4 and 8, but not at 8 if fewer than 12
  * are to come in all. A twin has its halves likewise. */
@@ -195,24 +177,6 @@ static void crops_and_tiles_have_the_twins_of_their_picture(void **state)
         for (int i = 0; i < W * H; i++)
             if (bis_is_in(crop, i % W, i / W)) assert_int_equal(again[i / W][i % W], 2 * has[i / W][i % W]);
     }
-}
-
-/* The same picture: 50 x 30 squares of 64 pixels. How often a twin lies at each: chi-square with 63 degrees of
- * freedom exceeds 92.0 once in a hundred times. The twin: a grid, one pixel in the middle of each square. */
-static void twins_lie_anywhere_in_their_squares(void **state)
-{
-    const double expected = 50 * 30 / 64.0;
-    const bis_film f = bis_film_place(400, 240, whole, 1);
-    int counts[64] = {0}, n = 0;
-    double chi = 0, of_grid = 0;
-    for (bis_twin t = {0}; bis_film_next_twin(&f, bis_film_crop(&f), &t); n++) counts[t.y % 8 * 8 + t.x % 8]++;
-    assert_int_equal(n, 50 * 30);
-    for (int i = 0; i < 64; i++) {
-        chi += pow(counts[i] - expected, 2) / expected;
-        of_grid += pow((i == 36 ? n : 0) - expected, 2) / expected;
-    }
-    if (!(chi < 92.0)) fail_msg("chi-square is %g", chi);
-    assert_true(of_grid > 92.0);
 }
 
 /* At least 3 pixels a side, so that twins take a 9th of the samples, and no tile of 16 pixels has more than 36. */
@@ -373,10 +337,8 @@ int main(void)
         cmocka_unit_test(crop_is_rounded_as_pbrt_does),
         cmocka_unit_test(the_tiles_of_a_crop_are_those_of_its_picture),
         cmocka_unit_test(a_thin_film_has_the_middle_one_of_each_k_pixels),
-        cmocka_unit_test(a_pixel_is_found_in_its_tile),
         cmocka_unit_test(passes_have_a_deviation_and_a_first_half),
         cmocka_unit_test(crops_and_tiles_have_the_twins_of_their_picture),
-        cmocka_unit_test(twins_lie_anywhere_in_their_squares),
         cmocka_unit_test(small_pictures_have_a_twin_for_9_pixels),
         cmocka_unit_test(a_crop_without_pixels_or_outside_is_refused),
         cmocka_unit_test(a_crop_without_pixels_of_a_thin_film_says_so),

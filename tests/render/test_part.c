@@ -3,14 +3,12 @@
  * name. Expected pictures are those of renders without parts. The twins are files in which one field is another, with a
  * checksum that fits: each is refused, or what comes out is another. */
 #include "bis/base/mem.h"
-#include "bis/base/version.h"
 #include "render/part.h"
 #include "render/share.h"
 
 #include "claim.h"
 #include "file_help.h"
 #include "image_help.h"
-#include "lack.h"
 #include "program.h"
 #include "state_help.h"
 
@@ -462,8 +460,6 @@ static const char *told(char text[4096], const char *const *paths, int n)
     return text;
 }
 
-#define DAMAGED BAD ": error: this part is damaged\n"
-
 /* A file of the other kind is told from one that is cut short as soon as it is as long as the shortest. */
 static void the_shortest_file_of_the_other_kind_is_known(void **state)
 {
@@ -492,9 +488,6 @@ static void the_shortest_file_of_the_other_kind_is_known(void **state)
     }
     unlink(BAD);
 }
-
-#define MISSING(k, n) "error: part " k " of " n " is missing; this makes it: bis a/scene.txt --spp 9 --part " k "/" n \
-    " --outfile part-" k ".bispart\n"
 
 int main(void)
 {

@@ -11,7 +11,6 @@
 #include "render/checkpoint.h"
 
 #include "claim.h"
-#include "lack.h"
 #include "program.h"
 #include "stat.h"
 #include "world.h"
@@ -260,15 +259,6 @@ static void another_seed_gives_other_noise(void **state)
     bis_film_clear(&b);
     clear_world(&w);
 }
-
-/* An accelerator that writes down where shadow rays go. */
-enum { MOST_RAYS = 20000 };
-typedef struct listener {
-    bis_accel accel;
-    bis_accel *inner;
-    vec3 *d;
-    uint32_t *n;
-} listener;
 
 /* ---- interruption ---- */
 
@@ -844,14 +834,6 @@ static void who_interrupts_a_finished_render_comes_too_late(void **state)
         clear_ticking(&w);
     }
 }
-
-/* What decides when the error is looked at, as the checkpoint before each pass has it: behind the samples and seconds
- * the number of the next such pass, and the bound that was found last. */
-typedef struct looks {
-    const bis_film *film;
-    int n;
-    double upper; /* of the film, when it was looked at last */
-} looks;
 
 /* A pixel's error is no error of a picture, however small: the samples end the render, and nothing is forecast. */
 static void an_error_that_is_not_known_ends_nothing(void **state)

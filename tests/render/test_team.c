@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* team: ranks that are threads of this program, which meet at barriers. The expected pictures are those of one process.
- * What travels is counted: nothing but whole passes, and what was learned for a checkpoint. */
+/* team: ranks that are threads of this program, which meet at barriers. The expected pictures are those of one process. */
 #include "render/checkpoint.h"
 #include "render/ranks.h"
 
@@ -16,7 +15,7 @@
 #define DIR_NAME "build/test_team"
 #define STATE DIR_NAME "/state"
 
-enum { MOST_RANKS = 60, SIDE = 100, TILES = 49, CELL = 512 /* bytes that a square of 4 x 4 pixels has learned */ };
+enum { MOST_RANKS = 60, SIDE = 100, TILES = 49 };
 
 /* ---- the ranks of threads ---- */
 
@@ -35,7 +34,6 @@ struct meeting {
     pthread_barrier_t all;
     member members[MOST_RANKS];
     void *shared;
-    size_t joined; /* bytes by join_bits */
 };
 
 /* Stops the render when so many sums of counters were asked for: in the middle of a pass. */
@@ -77,7 +75,6 @@ static void add_numbers(void *to, const void *from, size_t n)
 
 static void join_bits(bis_ranks *ranks, unsigned char *data, size_t n)
 {
-    if (ranks->rank == 0) ((member *)ranks)->at->joined += n;
     reduce(ranks, data, n, or_bytes);
 }
 
@@ -91,7 +88,7 @@ static void add_up(bis_ranks *ranks, uint64_t *data, size_t n)
 static const meeting *let_work(int n_ranks, void *(*work)(void *member), const void *job)
 {
     static meeting p;
-    p = (meeting){.joined = 0};
+    p = (meeting){.shared = NULL};
     assert_int_equal(pthread_mutex_init(&p.lock, NULL), 0);
     assert_int_equal(pthread_barrier_init(&p.all, NULL, (unsigned)n_ranks), 0);
     for (int i = 0; i < n_ranks; i++)
@@ -189,7 +186,7 @@ static const meeting *make_by_ranks(picture *many, const world *w, bis_render_op
     return render_ranks(n_ranks, &j);
 }
 
-enum { SPP = 24, PASSES = 8 }; /* 1 + 1 + 2 + 5 passes of 4 */
+enum { SPP = 24 };
 static const bis_render_options narrow = {.budget = {.spp = SPP}, .n_threads = 1};
 
 /* Up to more ranks than tiles, with any number of threads, under both budgets. */

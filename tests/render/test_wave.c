@@ -3,9 +3,6 @@
  * integrator, accelerator, number of threads and size of passes. The other road is in this file: a loop over passes,
  * pixels and samples that calls Lo, and shadow rays that are traced one by one. */
 #include "render/edges.h"
-#include "render/pass.h"
-#include "render/ranks.h"
-#include "render/survey.h"
 #include "render/workspace.h"
 #include "claim.h"
 #include "stat.h"
@@ -401,34 +398,6 @@ static void what_passes_share_and_learn_does_not_bias(void **state)
         clear_world(&w);
     }
 }
-
-/* ---- where squares are ---- */
-
-enum { MOST_SQUARES = 128 };
-
-typedef struct square {
-    int side, x, y;
-} square;
-
-/* ---- which squares are looked at ---- */
-
-enum { BROAD = 300, HIGH = 200 };
-
-/* A workspace that learns, of a crop of 300 x 200 pixels from which 99 squares are seen. */
-typedef struct survey {
-    world w;
-    bis_film film;
-    bis_render_options options;
-    bis_workspace work;
-    int told;
-} survey;
-
-/* An accelerator in which one shadow ray of `each` comes through; 0: nothing is hit. */
-typedef struct dim {
-    bis_accel accel;
-    const bis_accel *inner;
-    uint32_t each, *n;
-} dim;
 
 /* An outline takes 5 camera samples where another pixel takes one, a turn 3: their sampler divides as many. */
 static void edge_pixels_have_samplers_of_all_their_samples(void **state)

@@ -261,21 +261,6 @@ static void twelve_bytes_an_item_are_enough(void **state)
     bis_cdf_clear(&c);
 }
 
-/* n + 1 doubles and a guide of 4 bytes with one more part than the smallest power of two above n/4. */
-static void the_bytes_are_those_of_both_arrays(void **state)
-{
-    static const struct { size_t n, parts; } cases[] = {{1, 1}, {3, 1}, {4, 2}, {7, 2}, {8, 4}, {15, 4}, {16, 8},
-        {1000, 256}, {1023, 256}, {1024, 512}};
-    static double w[1024];
-    for (size_t i = 0; i < 1024; i++) w[i] = 1;
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        bis_cdf c = cdf_of(w, cases[k].n);
-        assert_int_equal(c.n_guide, cases[k].parts);
-        assert_int_equal(bis_cdf_bytes(&c), (cases[k].n + 1) * 8 + (cases[k].parts + 1) * 4);
-        bis_cdf_clear(&c);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,7 +277,6 @@ int main(void)
         cmocka_unit_test(the_remainder_is_uniform_within_each_item),
         cmocka_unit_test(nothing_one_and_all_zero_are_legal),
         cmocka_unit_test(twelve_bytes_an_item_are_enough),
-        cmocka_unit_test(the_bytes_are_those_of_both_arrays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,7 +9,6 @@
 #include "bis/thesis/warp.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
-#include "lack.h"
 #include "map_help.h"
 #include "stat.h"
 
@@ -407,14 +406,6 @@ static void scaling_multiplies_channels_and_refuses_to_overflow(void **state)
     bis_envmap_clear(&em);
 }
 
-/* 12 bytes a pixel, 8 a row and 8 an edge of rows. */
-static void the_bytes_are_those_of_the_pixels_and_of_the_rows(void **state)
-{
-    bis_envmap em = map_new(7, 5);
-    assert_int_equal(bis_envmap_bytes(&em), 35 * 12 + 5 * 8 + 6 * 8);
-    bis_envmap_clear(&em);
-}
-
 /* ---- angular maps ---- */
 
 static bis_image probe_new(int side)
@@ -646,7 +637,6 @@ int main(void)
         cmocka_unit_test(power_of_huge_and_of_denormal_maps_is_right),
         cmocka_unit_test(power_of_a_high_map_counts_every_row),
         cmocka_unit_test(scaling_multiplies_channels_and_refuses_to_overflow),
-        cmocka_unit_test(the_bytes_are_those_of_the_pixels_and_of_the_rows),
         cmocka_unit_test(a_constant_probe_makes_a_constant_map),
         cmocka_unit_test(the_picture_is_not_mirrored),
         cmocka_unit_test(one_lit_probe_pixel_keeps_its_energy_and_its_place),

@@ -5,21 +5,14 @@
 
 #include "bis/base/mem.h"
 #include "bis/base/image.h"
-#include "bis/base/xform.h"
-#include "bis/thesis/alias.h"
-#include "bis/thesis/cdf.h"
-#include "bis/thesis/light.h"
-#include "bis/thesis/marsaglia.h"
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
-#include "lack.h"
 #include "map_help.h"
 #include "stat.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -593,51 +586,6 @@ static void only_what_is_asked_for_is_built(void **state)
     bis_envmap_clear(&em);
 }
 
-/* The bytes that a map of `lit` pixels takes beyond what one without light does, which has no table and no curve. */
-static size_t bytes_beyond_a_black_map(int width, int height, bis_importance_options o, int lit)
-{
-    size_t bytes[2];
-    for (int k = 0; k < 2; k++) {
-        bis_envmap em = map_new(width, height);
-        for (int i = 0; k && i < lit; i++) em.pixels[i].g = 1;
-        bis_importance *im = importance_of(&em, o);
-        bytes[k] = bis_importance_bytes(im);
-        bis_importance_free(im);
-        bis_envmap_clear(&em);
-    }
-    return bytes[1] - bytes[0];
-}
-
-/* Counted by hand. Alias tables: a double and 2 bytes a pixel, a double and 4 bytes a row. CDFs of n items: n + 1
- * doubles and a guide of 4 bytes, one more than a power of two above n/4: 2 of 5 items and 4 of 9; a row without light
- * has none, but each has its struct. The curve: 20 bytes a tile and 4 for each part of the guide: 32 of 45 tiles. 257 x
- * 256 pixels make 65 x 64 tiles, and so 4096 parts. */
-static void the_bytes_of_tables_and_of_the_curve_are_those_that_they_hold(void **state)
-{
-    bis_importance_options o = {.table = true, .levels = 8};
-    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 45 * 10 + 5 * 12);
-    o.table_kind = BIS_TABLE_CDF;
-    const size_t of_5 = 6 * 8 + 3 * 4, of_9 = 10 * 8 + 5 * 4;
-    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 5 * sizeof(bis_cdf) + of_5 + 5 * of_9);
-    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 19), 5 * sizeof(bis_cdf) + of_5 + 3 * of_9);
-    o.table = false;
-    o.curve = true;
-    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 45 * 20 + 32 * 4);
-    assert_int_equal(bytes_beyond_a_black_map(257, 256, o, 1), 65 * 64 * 20 + 4096 * 4);
-    o.curve = false;
-    assert_int_equal(bytes_beyond_a_black_map(9, 5, o, 45), 0);
-    size_t with_area[2];
-    for (int k = 0; k < 2; k++) {
-        bis_envmap em = map_new(9, 5);
-        o.area_exponent = k ? 0.15 : 0;
-        bis_importance *im = importance_of(&em, o);
-        with_area[k] = bis_importance_bytes(im);
-        bis_importance_free(im);
-        bis_envmap_clear(&em);
-    }
-    assert_int_equal(with_area[1] - with_area[0], 45 * 4);
-}
-
 /* Every pixel of a map with tiles that are cut off has the share of the curve that its density says: exactly, by the
  * ends of its piece, which halving finds. A black pixel has none. */
 static void a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable(void **state)
@@ -773,7 +721,6 @@ int main(void)
         cmocka_unit_test(compensation_leaves_only_what_exceeds_the_mean),
         cmocka_unit_test(sixteen_bytes_a_pixel_are_enough),
         cmocka_unit_test(only_what_is_asked_for_is_built),
-        cmocka_unit_test(the_bytes_of_tables_and_of_the_curve_are_those_that_they_hold),
         cmocka_unit_test(a_piece_of_the_curve_is_as_long_as_its_pixel_is_probable),
         cmocka_unit_test(a_tile_has_the_solid_angle_and_the_share_of_its_pixels),
         cmocka_unit_test(any_number_of_threads_builds_the_same_bits),

@@ -2,7 +2,6 @@
 /* integrators: every estimator against brute force (tests/support/lit.h), and the cases where the answer is exact.
  * Family-wise significance of this file 1e-3, three channels a test. What is biased by design, and the twins, are in
  * test_sir.c, test_rejection.c. */
-#include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"

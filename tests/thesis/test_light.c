@@ -8,7 +8,6 @@
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
 #include "claim.h"
-#include "lack.h"
 #include "map_help.h"
 #include "stat.h"
 

@@ -2,7 +2,6 @@
 /* marsaglia: the thesis's own list, and the limits that led to the alias method.
  * Significance of the one statistical test: 0.01. */
 #include "bis/thesis/marsaglia.h"
-#include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
 #include "stat.h"

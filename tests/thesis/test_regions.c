@@ -6,7 +6,6 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
-#include "lack.h"
 #include "map_help.h"
 
 #include <float.h>

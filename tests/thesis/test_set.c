@@ -390,35 +390,6 @@ static void what_reflects_nothing_draws_nothing(void **state)
 
 /* ---- memory ---- */
 
-/* What the workspace takes: the blocks that it holds, one by one. */
-static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
-{
-    static const bis_integrator *const integrators[] = {&bis_em,        &bis_mis, &bis_exact,
-                                                        &bis_rejection, &bis_sir, &bis_unoccluded};
-
-    for (int k = 0; k < 6 * 4; k++) {
-        bis_settings s = bis_settings_default(integrators[k % 6]);
-        const long before = bis_mem_live();
-        bis_scratch scratch;
-        s.candidates = (uint32_t[]){1, 16, 800, 20000}[k / 6];
-        s.shadowrays = (uint32_t[]){100, 1, 15, 50000}[k / 6]; /* no more than 2 M are ever traced */
-        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
-        const bis_set *x = scratch.set;
-        size_t bytes = block_bytes(scratch.u) + block_bytes(x);
-        long blocks = (scratch.u != NULL) + (x != NULL);
-        if (x) {
-            const void *arrays[] = {x->choice.w, x->choice.sum, x->choice.item, x->choice.times,
-                                    x->pixel,    x->part,       x->y.wi,        x->y.seen,
-                                    x->floats};
-            for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) bytes += block_bytes(arrays[i]), blocks++;
-        }
-        assert_int_equal(bis_mem_live() - before, blocks);
-        assert_int_equal(bis_scratch_bytes(&s), bytes);
-        bis_scratch_clear(&scratch);
-        assert_int_equal(bis_mem_live(), before);
-    }
-}
-
 /* The i-th of n is (i + phase) M/n, cut to a whole number; phase is a fraction of 2^32. */
 static void some_of_a_set_are_evenly_spread_from_their_phase(void **state)
 {
@@ -508,7 +479,6 @@ int main(void)
         cmocka_unit_test(sets_have_the_same_bits_on_every_processor),
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(what_reflects_nothing_draws_nothing),
-        cmocka_unit_test(a_workspace_takes_the_bytes_that_are_foretold),
         cmocka_unit_test(some_of_a_set_are_evenly_spread_from_their_phase),
         cmocka_unit_test(candidates_need_what_their_proposal_draws_with),
         cmocka_unit_test(bounds_are_those_of_the_largest_channel),

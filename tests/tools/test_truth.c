@@ -3,7 +3,6 @@
  * against what it promises. Chances are 1e-7 each, below 1e-4 for all of this file. */
 #include "tools/truth.h"
 
-#include "bis/base/mem.h"
 #include "bis/base/stats.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
@@ -16,7 +15,6 @@
 #include "thesis/proposal.h"
 #include "threads.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double chance = 1e-7;

@@ -1,32 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What `bis verify` reports, by hand: each field of each test, the counts in the notes, the bounds, the text and the
- * JSON. That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... Most of
- * it is C and no .expect, because fields are compared that the text rounds. */
+/* What `bis verify` judges by, by hand: chi-square, means and their bounds, the search for a hit; and that text and JSON
+ * tell the same. That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... */
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
-#include "bis/beyond/microfacet.h"
 #include "bis/files/image_file.h"
-#include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
-#include "further.h"
 #include "json_check.h"
-#include "lack.h"
-#include "lit.h"
 #include "map_help.h"
 #include "mesh_help.h"
 #include "program.h"
-#include "tiny.h"
 
-#ifdef _OPENMP
-#include <omp.h>
-#else
-#define omp_set_num_threads(n)
-#endif
-
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -450,8 +436,6 @@ static void a_tolerance_depends_on_no_order(void **state)
         }
     }
 }
-
-/* ---- a scene ---- */
 
 /* ---- the command ---- */
 

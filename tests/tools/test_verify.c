@@ -5,7 +5,6 @@
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
 #include "claim.h"
-#include "lack.h"
 #include "map_help.h"
 #include "verify_help.h"
 

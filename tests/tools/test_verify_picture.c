@@ -5,11 +5,9 @@
 #include "bis/base/mem.h"
 #include "claim.h"
 #include "map_help.h"
-#include "mesh_help.h"
 #include "program.h"
 #include "verify_help.h"
 
-#include <stdatomic.h>
 #include <string.h>
 
 /* Two renders, of five sums each: all pixels, three of outlines, the material. */

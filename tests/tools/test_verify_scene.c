@@ -2,7 +2,6 @@
 /* `bis verify` as a command and for whole scenes. */
 #include "tools/verify/verify.h"
 #include "claim.h"
-#include "further.h"
 #include "bis/files/image_file.h"
 #include "json_check.h"
 #include "map_help.h"
