@@ -100,7 +100,7 @@ skipped=$(cat "$all"/logs/* | awk '/^\[  SKIPPED \] [0-9]+ test/ { n += $4 }
 # "[  SKIPPED ] name" of cmocka, "test_name (...) ... skipped 'why'" of unittest; some names stand twice.
 for name in $(cat "$all"/logs/* | sed -n 's/^\[  SKIPPED \] \([a-z_A-Z0-9]*\)$/\1/p
     s/^\(test_[a-z_A-Z0-9]*\) .*\.\.\. skipped .*/\1/p' | sort -u); do
-    grep -qsw -e "$name" tests/skips || unexpected="${unexpected:-} $name"
+    [ ! -f tests/skips ] || grep -qxF -e "$name" tests/skips || unexpected="${unexpected:-} $name"
 done
 seconds=$(cat "$all"/seconds/* | awk '{ s += $1 } END { printf "%.0f", s }')
 # What scripts/check/power.sh makes a page of.
