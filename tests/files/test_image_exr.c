@@ -398,8 +398,8 @@ static void the_data_window_is_the_whole_map_wherever_it_lies(void **state)
             }
 }
 
-/* As colours it is the whole picture: display windows of put_header begin 2 to the left and 1 above, and are 6 wider and
- * 3 higher. What has no pixels is black and transparent. */
+/* As colours it is the whole picture: display windows of put_header begin 2 to the left and 1 above, and are 6 wider
+ * and 3 higher. What has no pixels is black and transparent. */
 static void a_picture_with_a_smaller_data_window_is_filled_up(void **state)
 {
     const part_spec part = {.channels = "A B G R", .x0 = 7, .y0 = -5, .width = 4, .height = 3};
