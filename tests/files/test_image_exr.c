@@ -398,6 +398,27 @@ static void the_data_window_is_the_whole_map_wherever_it_lies(void **state)
             }
 }
 
+/* As colours it is the whole picture: display windows of put_header begin 2 to the left and 1 above, and are 6 wider
+ * and 3 higher. What has no pixels is black and transparent. */
+static void a_picture_with_a_smaller_data_window_is_filled_up(void **state)
+{
+    const part_spec part = {.channels = "A B G R", .x0 = 7, .y0 = -5, .width = 4, .height = 3};
+    bytes file = {0};
+    bis_image image;
+    put_file(&file, &part, 1);
+    store(scratch("part.exr"), file.data, file.n);
+    assert_int_equal(bis_image_read_alpha(&image, scratch("part.exr"), 1, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(image.width == 10 && image.height == 6);
+    for (int i = 0; i < 60; i++) {
+        const int x = i % 10 - 2, y = i / 10 - 1;
+        const bool there = x >= 0 && x < 4 && y >= 0 && y < 3;
+        assert_true(image.alpha[i] == (there ? (float)value_at(0, x, y) : 0));
+        assert_true(image.pixels[i].r == (there ? (float)value_at(3, x, y) : 0));
+    }
+    bis_image_clear(&image);
+    bytes_clear(&file);
+}
+
 static void tiles_of_any_side_fill_the_map(void **state)
 {
     for (int tile = 1; tile <= 9; tile++) {
@@ -926,6 +947,7 @@ int main(void)
         cmocka_unit_test(luminance_has_no_primaries),
         cmocka_unit_test(chromaticities_that_span_nothing_are_remarked),
         cmocka_unit_test(the_data_window_is_the_whole_map_wherever_it_lies),
+        cmocka_unit_test(a_picture_with_a_smaller_data_window_is_filled_up),
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
         cmocka_unit_test(each_file_gives_the_channels_or_the_message_beside_it),
         cmocka_unit_test(one_channel_of_any_type_among_any_others_is_read),

@@ -122,6 +122,10 @@ static const struct {
     {ANY, "a short cut meets a quad half way",
      VERTICES(4) "element face 3\nproperty list uchar uint vertex_indices\nend_header\n" CORNERS
      "3 0 1 2\n4 0 1 2 3\n3 0 1 2\n", NULL, "0 0 0, 1 0 0, 1 1 0, 0 1 0; 0 1 2, 0 1 2, 0 2 3, 0 1 2"},
+    {WITH_UV, "coordinates of corners make two of a vertex that has two",
+     VERTICES(4) "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n"
+     "end_header\n" CORNERS "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 0 0 0.5 0.5 0 1\n", NULL,
+     "0 0 0 t 0 0, 1 0 0 t 1 0, 1 1 0 t 1 1, 0 1 0 t 0 1, 1 1 0 t 0.5 0.5; 0 1 2, 0 4 3"},
     {ANY, "an empty mesh is legal", "end_header\n",
      "no triangles: nothing of this mesh will be seen (0 vertices)", "; "},
     {ANY, "a mesh without faces is legal", VERTICES(4) "end_header\n" CORNERS,

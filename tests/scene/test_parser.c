@@ -180,6 +180,7 @@ static const struct { const char *scene, *place, *words; } sayings[] = {
     {MATTE("\"blackbody Kd\" 499"), "52: error", "must be in [500, 1000000]"},
     {MATTE("\"integer Kd\" 1"), "52: error", "is of type integer, must be float or rgb"},
     {W "\"xyz L\" [.2 .2 .2] \"rgb scale\" [1 2 3] \"float illuminance\" 0", "", ""},
+    {W "\"float L\" 2", "35: error", "is of type float, must be rgb"},
     {W "\"rgb L\" [1e38 1 1] \"rgb scale\" [10 2 3]", "54: error", "is not finite"},
     {W "\"integer levels\" 0", "35: error", "must be in [1, 254]"},
     {W "\"integer levels\" 254 \"float areaexponent\" 10 \"integer width\" 32768", "", ""},
