@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* team: ranks that are threads of this program, which meet at barriers. The expected pictures are those of one process. */
+/* team: ranks that are threads of this program, which meet at barriers. The expected pictures are those of one
+ * process. */
 #include "render/checkpoint.h"
 #include "render/ranks.h"
 

@@ -80,8 +80,8 @@ static double error_of_em(const lit *l, vec3 wi)
            (cosine > 0 ? 0x1p-20 * (1 - log(fmax(power, 0x1p-64))) + n * 0x1p-22 * (1 / cosine - 1) : 0);
 }
 
-/* How far a direction from the BRDF may be moved. u1 and u2 are rounded to floats, and the lobe's formula is computed in
- * floats: 2^-17 in all, but where u1 is near 1. There its 2^-25, of which twice as much is allowed, moves the cosine
+/* How far a direction from the BRDF may be moved. u1 and u2 are rounded to floats, and the lobe's formula is computed
+ * in floats: 2^-17 in all, but where u1 is near 1. There its 2^-25, of which twice as much is allowed, moves the cosine
  * about the axis, (1 - u1)^(1/21), by 2^-24/21 of itself over 1 - u1, and the angle by this over the sine. */
 static double moved_at_most(const lit *l, vec3 wi)
 {
@@ -90,8 +90,8 @@ static double moved_at_most(const lit *l, vec3 wi)
     return 0x1p-17 + 0x1p-24 / (21 * pow(c, 20) * fmax(sine, 0x1p-12));
 }
 
-/* From the map: the same direction, bit for bit. From the BRDF: the direction is moved, the cosine by as much, and F/q =
- * Le Ks cos/p_s by their quotient, unless a pixel ends in between. */
+/* From the map: the same direction, bit for bit. From the BRDF: the direction is moved, the cosine by as much, and F/q
+ * = Le Ks cos/p_s by their quotient, unless a pixel ends in between. */
 static void M_1_N_1_is_plain_importance_sampling_E24(void **state)
 {
     static const bis_sampler_kind kinds[] = {
@@ -114,7 +114,8 @@ static void M_1_N_1_is_plain_importance_sampling_E24(void **state)
             if (!brdf) assert_memory_equal(&wi, &wi_plain, sizeof wi);
             assert_true(sqrt(dot(moved, moved)) < moved_at_most(&l, wi));
             if (rgb_is_black(b) || bis_light_Le(light, wi).r != bis_light_Le(light, wi_plain).r) continue;
-            const double error = brdf ? 0x1p-19 + moved_at_most(&l, wi) / bis_bsdf_cos(&l.pt.bsdf, wi) : error_of_em(&l, wi);
+            const double error = brdf ? 0x1p-19 + moved_at_most(&l, wi) / bis_bsdf_cos(&l.pt.bsdf, wi)
+                                      : error_of_em(&l, wi);
             assert_true(fabs((double)a.r / (double)b.r - 1) < error && fabs((double)a.g / (double)b.g - 1) < error &&
                         fabs((double)a.b / (double)b.b - 1) < error);
             judged++;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What `bis verify` judges by, by hand: chi-square, means and their bounds, the search for a hit; and that text and JSON
- * tell the same. That it accepts what is right and rejects what is wrong is in test_verify_map, test_verify_bsdf, ... */
+/* What `bis verify` judges by, by hand: chi-square, means and their bounds, the search for a hit; and that text and
+ * JSON tell the same. That it accepts what is right and rejects what is wrong is in test_verify_map,
+ * test_verify_bsdf, ... */
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
