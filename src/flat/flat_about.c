@@ -8,15 +8,13 @@
 #include "bis/thesis/errata.h"
 #include "bis/thesis/importance.h"
 #include "bis/thesis/integrator.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
-#include "tools/json.h"
 #include "tools/describe.h"
+#include "tools/json.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static const bis_loc nowhere = {0};
 
 static void put_value(bis_json *j, const char *key, const bis_parameter *p, double v)
 {
@@ -155,24 +153,20 @@ static void put_scene(bis_json *j, const bis_flat_scene *s, const bis_scene_desc
     bis_json_close(j);
 }
 
-int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, char *say, size_t size)
+bis_status flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, text, scene, settings);
+    bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
+    const bis_status status = bis_flat_wish(&d, &w, settings, diag);
     size_t n;
 
-    if (text) *text = NULL;
-    if (status) return bis_flat_end(status, &diag, say, size);
-    bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
-    status = bis_flat_wish(&d, &w, settings, &diag);
-    if (status) return bis_flat_end(status, &diag, say, size);
+    if (status) return status;
     free(scene->about);
     scene->about = NULL;
     FILE *f = open_memstream(&scene->about, &n);
     bis_json j = {.out = f, .keeps_bytes = true};
     if (f) put_scene(&j, scene, &d, &w);
-    if (!f || fclose(f) != 0) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a text");
-    else *text = scene->about;
-    return bis_flat_end(status, &diag, say, size);
+    if (!f || fclose(f) != 0) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for a text");
+    *text = scene->about;
+    return BIS_OK;
 }

@@ -4,7 +4,7 @@
 #include "bis/base/mem.h"
 #include "bis/flat/taught.h"
 #include "bis/flat/scene.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
 #include "tools/describe.h"
 
@@ -20,7 +20,6 @@ struct bis_flat_picture {
     int first[BIS_N_LAYERS], n[BIS_N_LAYERS]; /* the channels of a layer; n = 0: the picture does not have it */
 };
 
-static const bis_loc nowhere = {0};
 static const char *const no_settings[] = {NULL};
 
 /* ---- rendering ---- */
@@ -120,44 +119,36 @@ bis_status bis_flat_scene_picture(bis_flat_picture **out, bis_flat_scene *s, con
 /* Another language has only int to give. */
 _Static_assert(sizeof(sig_atomic_t) == sizeof(int), "stop is as large as an int");
 
-int bis_flat_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                         const bis_light *light, bis_flat_watcher *watcher, void *user,
-                         const volatile sig_atomic_t *stop, char *say, size_t size)
+bis_status flat_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                            const bis_light *light, bis_flat_watcher *watcher, void *user,
+                            const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {.light = light, .watcher = watcher, .user = user, .stop = stop};
     bis_flat_scene s = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, picture, scene, settings);
+    bis_status status = bis_flat_scene_begin(&s, scene, settings, &w, false, diag);
 
-    if (picture) *picture = NULL;
-    if (!status) status = bis_flat_scene_begin(&s, scene, settings, &w, false, &diag);
-    if (!status) status = bis_flat_scene_picture(picture, &s, no_settings, &w, &diag);
+    if (!status) status = bis_flat_scene_picture(picture, &s, no_settings, &w, diag);
     bis_flat_scene_end(&s);
-    return bis_flat_end(status, &diag, say, size);
+    return status;
 }
 
-int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, const char *const *settings,
-                          const bis_light *light, bis_flat_watcher *watcher, void *user,
-                          const volatile sig_atomic_t *stop, char *say, size_t size)
+bis_status flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, const char *const *settings,
+                             const bis_light *light, bis_flat_watcher *watcher, void *user,
+                             const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {.light = light, .watcher = watcher, .user = user, .stop = stop};
-    bis_status status = BIS_FLAT_GIVEN(&diag, picture, scene, settings);
+    static const char *const of_opening[] = {"text", "approximate"};
 
-    if (picture) *picture = NULL;
-    for (int i = 0; !status && i < 2; i++) {
-        static const char *const of_opening[] = {"text", "approximate"};
+    for (int i = 0; i < 2; i++)
         if (bis_flat_setting(settings, of_opening[i]))
-            status = bis_error(&diag, BIS_INPUT, nowhere, "%s belongs to the opening of a scene", of_opening[i]);
-    }
-    if (!status) status = bis_flat_scene_picture(picture, scene, settings, &w, &diag);
-    return bis_flat_end(status, &diag, say, size);
+            return bis_error(diag, BIS_INPUT, nowhere, "%s belongs to the opening of a scene", of_opening[i]);
+    return bis_flat_scene_picture(picture, scene, settings, &w, diag);
 }
 
-int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                    const volatile sig_atomic_t *stop, char *say, size_t size)
+bis_status flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                       const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    return bis_flat_render_with(picture, scene, settings, NULL, NULL, NULL, stop, say, size);
+    return flat_render_with(picture, scene, settings, NULL, NULL, NULL, stop, diag);
 }
 
 void bis_flat_picture_close(bis_flat_picture *picture)

@@ -5,12 +5,10 @@
 #include "bis/base/mem.h"
 #include "bis/render/film.h"
 #include "bis/thesis/errata.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
 
 #include <string.h>
-
-static const bis_loc nowhere = {0};
 
 /* Where a number must lie: in [lo, hi], or in (lo, hi]. */
 typedef struct range {
@@ -219,17 +217,12 @@ bis_status bis_flat_wish(bis_scene_desc *d, bis_flat_wishes *w, const char *cons
 bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag)
 {
     bis_flat_wishes w = {0};
-    bis_status status = BIS_FLAT_GIVEN(diag, out, path, settings);
-
-    if (!status) status = bis_flat_parse(out, path, settings, NULL, diag);
-    if (!status) status = bis_flat_wish(*out, &w, settings, diag);
-    return status;
+    const bis_status status = bis_flat_parse(out, path, settings, NULL, diag);
+    return status ? status : bis_flat_wish(*out, &w, settings, diag);
 }
 
 bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag)
 {
     bis_flat_wishes w = {0};
-    const bis_status status = BIS_FLAT_GIVEN(diag, d, settings);
-
-    return status ? status : bis_flat_wish(d, &w, settings, diag);
+    return bis_flat_wish(d, &w, settings, diag);
 }

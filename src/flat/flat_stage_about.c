@@ -5,7 +5,7 @@
 
 #include "bis/base/file.h"
 #include "bis/thesis/envmap.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "tools/json.h"
 
 #include <stdlib.h>
@@ -146,22 +146,17 @@ static void put_all(bis_json *j, const bis_flat_stage *stage)
     bis_json_close(j);
 }
 
-int bis_flat_stage_about(bis_flat_stage *stage, const char **text, char *say, size_t size)
+bis_status flat_stage_about(bis_flat_stage *stage, const char **text, bis_diag *diag)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, text);
     size_t n;
 
-    if (text) *text = NULL;
-    if (!status && !stage->is_chosen)
-        status = bis_error(&diag, BIS_INPUT, (bis_loc){0}, "no pixel was chosen: choose one first");
-    if (status) return bis_flat_end(status, &diag, say, size);
+    if (!stage->is_chosen) return bis_error(diag, BIS_INPUT, nowhere, "no pixel was chosen: choose one first");
     free(stage->about);
     stage->about = NULL;
     bis_json j = {.out = open_memstream(&stage->about, &n), .keeps_bytes = true};
     if (j.out) put_all(&j, stage);
     if (!j.out || fclose(j.out) != 0)
-        status = bis_error(&diag, BIS_NOMEM, (bis_loc){0}, "no memory for what is known of a pixel");
-    else *text = stage->about;
-    return bis_flat_end(status, &diag, say, size);
+        return bis_error(diag, BIS_NOMEM, nowhere, "no memory for what is known of a pixel");
+    *text = stage->about;
+    return BIS_OK;
 }

@@ -38,14 +38,14 @@ static char say[512];
     ROW("light path kind", light_open(P(0, &other), P(1, "m.hdr"), P(2, "cdf"), 0, NULL, SAY))                    \
     ROW("light pixels kind", light_make(P(0, &other), 1, 1, P(1, f), P(2, "cdf"), 0, NULL, SAY))                  \
     ROW("light *u *w *L *pdf", light_sample(P(0, light), n, P(1, u), P(2, f), P(3, f), P(4, d), SAY))             \
-    ROW("handle *w *value *pdf", light_look(P(0, light), n, P(1, f), P(2, f), P(3, d), SAY))                      \
+    ROW("light *w *L *pdf", light_look(P(0, light), n, P(1, f), P(2, f), P(3, d), SAY))                      \
     ROW("w prob alias total", alias_build(1, P(0, d), P(1, u), P(2, small), P(3, d + 1), SAY))                    \
     ROW("prob alias *u *item", alias_sample(1, P(0, d), P(1, small), n, P(2, u), P(3, small + 1), SAY))           \
     ROW("bsdf model Kd Ks normal wo",                                                                             \
         bsdf_open(P(0, &none), P(1, "phong"), P(2, u), P(3, u), 9, P(4, u), P(5, u), SAY))                        \
     ROW("bsdf eta k normal wo", bsdf_metal(P(0, &none), P(1, u), P(2, u), 1, P(3, u), P(4, u), SAY))              \
     ROW("bsdf *u *wi *lobe", bsdf_sample(P(0, bsdf), n, P(1, u), P(2, f), P(3, b), SAY))                          \
-    ROW("handle *w *value *pdf", bsdf_look(P(0, bsdf), n, P(1, f), P(2, f), P(3, d), SAY))                        \
+    ROW("bsdf *wi *f *pdf", bsdf_look(P(0, bsdf), n, P(1, f), P(2, f), P(3, d), SAY))                        \
     ROW("picture scene settings", render(P(0, &picture), P(1, SCENE), P(2, no), NULL, SAY))                       \
     ROW("picture scene settings", render_with(P(0, &picture), P(1, SCENE), P(2, no), light, NULL, NULL, NULL, SAY)) \
     ROW("unit count *values", histogram(n, P(2, d), P(0, d), 1, 1, P(1, k), SAY))                                 \
