@@ -704,7 +704,7 @@ exit
 # - mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter : 0;
 # + mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter / 2 : 0;
 #
-# * flat_taught test_flat_taught : the printed test of the alias table is the right one
+# * flat_tables test_flat_taught : the printed test of the alias table is the right one
 # - x - (double)i > a.prob[i]
 # + x - (double)i >= a.prob[i]
 #
