@@ -3,7 +3,6 @@
  * in the tables of the library, and no other language keeps a copy. */
 #include "bis/base/mem.h"
 #include "bis/scene/layers.h"
-#include "bis/scene/parameters.h"
 #include "bis/shape/accel.h"
 #include "bis/thesis/errata.h"
 #include "bis/thesis/importance.h"
@@ -11,12 +10,11 @@
 #include "flat/face.h"
 #include "flat/wishes.h"
 #include "tools/describe.h"
-#include "tools/json.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static void put_value(bis_json *j, const char *key, const bis_parameter *p, double v)
+void bis_flat_put_parameter(bis_json *j, const char *key, const bis_parameter *p, double v)
 {
     if (p->type == BIS_PARAMETER_BOOL) bis_json_bool(j, key, v > 0);
     else if (p->type == BIS_PARAMETER_CHOICE) bis_json_text(j, key, bis_parameter_text(NULL, p, v));
@@ -32,7 +30,7 @@ static void put_parameter(bis_json *j, const bis_parameter *p)
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "name", p->name);
     bis_json_text(j, "type", types[p->type]);
-    put_value(j, "default", p, p->usual);
+    bis_flat_put_parameter(j, "default", p, p->usual);
     if (p->type == BIS_PARAMETER_CHOICE) {
         bis_json_open(j, "choices", '[');
         for (int i = 0; i < BIS_MAX_CHOICES; i++)
@@ -109,7 +107,7 @@ static void put_settings(bis_json *j, const bis_settings *s)
     bis_json_text(j, "claim", s->integrator->claim);
     bis_json_open(j, "parameters", '{');
     for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;)
-        put_value(j, p->name, p, bis_parameter_get(p, s));
+        bis_flat_put_parameter(j, p->name, p, bis_parameter_get(p, s));
     bis_json_close(j);
     bis_json_text(j, "line", bis_describe_line(line, s, false));
     bis_json_text(j, "whole_line", bis_describe_line(line, s, true));

@@ -13,46 +13,61 @@
 
 /* ---- opening ---- */
 
-typedef struct number {
-    double value;
-    bool is_number, is_whole;
-} number;
-
-static number number_of(const char *text)
-{
-    const char *end;
-    const double v = bis_parse_double(text, &end);
-    const bool is_number = end != text && !*end;
-    return (number){v, is_number, is_number && v == floor(v)};
-}
-
-/* A map that is asked for. kind and mapping: NULL: not said; width: of the lat-long map that is made of it. */
+/* A map that is asked for: its description, and its pixels; NULL: the file that the description names. */
 typedef struct asked {
-    const char *name;
-    int columns, rows;
-    const float *pixels; /* NULL: the file of this name */
-    const char *kind, *mapping;
-    double area_exponent;
-    int levels, width;
-    unsigned as_printed;
-    bis_loc loc; /* where messages place it */
+    bis_light_desc desc;
+    int width, height;
+    const float *pixels;
 } asked;
 
-static bis_status take(asked *s, const char *setting, bis_diag *diag)
+static asked asked_for(const char *name, int width, int height, const float *pixels)
+{
+    asked a = {bis_light_desc_default(), width, height, pixels};
+    a.desc.filename = (char *)(uintptr_t)name; /* only read */
+    return a;
+}
+
+static bis_status set_kind(bis_light_desc *desc, const char *kind, bis_diag *diag)
+{
+    const bool is_cdf = strcmp(kind, "cdf") == 0;
+
+    desc->has_table_kind = true;
+    desc->table_kind = is_cdf ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    if (is_cdf || strcmp(kind, "alias") == 0) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", kind);
+}
+
+static bis_status set_area_exponent(bis_light_desc *desc, double b, bis_diag *diag)
+{
+    desc->area_exponent = b;
+    if (b >= 0 && b <= BIS_AREA_EXPONENT_MAX) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "area_exponent is %g: give a number in [0, %g]", b,
+                     BIS_AREA_EXPONENT_MAX);
+}
+
+static bis_status set_mapping(bis_light_desc *desc, const char *mapping, bis_diag *diag)
+{
+    desc->has_mapping = true;
+    desc->mapping = bis_mapping_find(mapping);
+    if (desc->mapping != BIS_N_MAPPINGS) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere,
+                     "there is no mapping \"%.40s\"; `bis help lights` lists them, as \"latlong\"", mapping);
+}
+
+static bis_status set(bis_light_desc *desc, const char *setting, bis_diag *diag)
 {
     const size_t n = strcspn(setting, "=");
-    const char *text = setting[n] ? setting + n + 1 : "";
-    const number v = number_of(text);
+    const char *text = setting[n] ? setting + n + 1 : "", *end;
+    const double v = bis_parse_double(text, &end);
+    const bool is_number = end != text && !*end, is_count = is_number && v == floor(v) && v >= 1;
 
-    if (strncmp(setting, "kind=", 5) == 0) s->kind = text;
-    else if (strncmp(setting, "mapping=", 8) == 0) s->mapping = text;
-    else if (strncmp(setting, "area_exponent=", 14) == 0 && v.is_number) s->area_exponent = v.value;
-    else if (strncmp(setting, "levels=", 7) == 0 && v.is_whole && v.value >= 1 && v.value <= BIS_LEVELS_MAX)
-        s->levels = (int)v.value;
-    else if (strncmp(setting, "width=", 6) == 0 && v.is_whole && v.value >= 1 && v.value <= 2 * BIS_IMAGE_MAX_SIDE)
-        s->width = (int)v.value;
+    if (strncmp(setting, "kind=", 5) == 0) return set_kind(desc, text, diag);
+    if (strncmp(setting, "mapping=", 8) == 0) return set_mapping(desc, text, diag);
+    if (strncmp(setting, "area_exponent=", 14) == 0 && is_number) return set_area_exponent(desc, v, diag);
+    if (strncmp(setting, "levels=", 7) == 0 && is_count && v <= BIS_LEVELS_MAX) desc->levels = (int)v;
+    else if (strncmp(setting, "width=", 6) == 0 && is_count && v <= 2 * BIS_IMAGE_MAX_SIDE) desc->width = (int)v;
     else if (strncmp(setting, "as_printed=", 11) == 0 && bis_erratum_find(text))
-        s->as_printed |= bis_erratum_find(text)->flag;
+        desc->as_printed |= bis_erratum_find(text)->flag;
     else
         return bis_error(diag, BIS_INPUT, nowhere,
                          "\"%.60s\" is no setting of a map: give kind=alias or cdf, area_exponent=0 to %g, levels=1 "
@@ -61,80 +76,59 @@ static bis_status take(asked *s, const char *setting, bis_diag *diag)
     return BIS_OK;
 }
 
-static bis_status describe(bis_light_desc *desc, const asked *s, bis_diag *diag)
+static bis_status open_light(bis_light **light, const asked *a, bis_diag *diag)
 {
-    const bool is_cdf = s->kind && strcmp(s->kind, "cdf") == 0;
-
-    if (s->kind && !is_cdf && strcmp(s->kind, "alias") != 0)
-        return bis_error(diag, BIS_INPUT, nowhere, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", s->kind);
-    if (!(s->area_exponent >= 0 && s->area_exponent <= BIS_AREA_EXPONENT_MAX))
-        return bis_error(diag, BIS_INPUT, nowhere, "area_exponent is %g: give a number in [0, %g]", s->area_exponent,
-                         BIS_AREA_EXPONENT_MAX);
-    *desc = bis_light_desc_default();
-    desc->filename = (char *)(uintptr_t)s->name; /* only read */
-    desc->has_table_kind = s->kind != NULL;
-    desc->table_kind = is_cdf ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
-    desc->area_exponent = s->area_exponent;
-    desc->levels = s->levels;
-    desc->width = s->width;
-    desc->as_printed = s->as_printed;
-    desc->loc = s->loc;
-    desc->has_mapping = s->mapping != NULL;
-    if (s->mapping) desc->mapping = bis_mapping_find(s->mapping);
-    if (s->mapping && desc->mapping == BIS_N_MAPPINGS)
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "there is no mapping \"%.40s\"; `bis help lights` lists them, as \"latlong\"", s->mapping);
-    return BIS_OK;
-}
-
-static bis_status open_light(bis_light **light, const asked *s, bis_diag *diag)
-{
-    bis_light_desc desc;
     bis_image image = {0};
-    bis_status status = describe(&desc, s, diag);
 
-    if (!status && !s->pixels) return bis_light_load(light, &desc, BIS_NEED_TABLE, NULL, diag);
-    if (!status) status = bis_flat_image_of(&image, s->columns, s->rows, 3, s->pixels, diag);
-    return status ? status : bis_light_from_image(light, &image, &desc, BIS_NEED_TABLE, diag);
+    if (!a->pixels) return bis_light_load(light, &a->desc, BIS_NEED_TABLE, NULL, diag);
+    const bis_status status = bis_flat_image_of(&image, a->width, a->height, 3, a->pixels, diag);
+    return status ? status : bis_light_from_image(light, &image, &a->desc, BIS_NEED_TABLE, diag);
 }
 
-static bis_status open_as(bis_light **light, asked s, const char *const *settings, bis_diag *diag)
+static bis_status open_as(bis_light **light, asked *a, const char *const *settings, bis_diag *diag)
 {
     bis_status status = BIS_OK;
 
-    s.area_exponent = BIS_AREA_EXPONENT;
-    s.levels = BIS_LEVELS;
-    s.loc.file = s.name;
-    for (; !status && *settings; settings++) status = take(&s, *settings, diag);
-    return status ? status : open_light(light, &s, diag);
+    a->desc.loc.file = a->desc.filename;
+    for (; !status && *settings; settings++) status = set(&a->desc, *settings, diag);
+    return status ? status : open_light(light, a, diag);
+}
+
+static bis_status open_by(bis_light **light, asked *a, const char *kind, double area_exponent, const char *mapping,
+                          bis_diag *diag)
+{
+    bis_status status = set_kind(&a->desc, kind, diag);
+
+    if (!status) status = set_area_exponent(&a->desc, area_exponent, diag);
+    if (!status && mapping) status = set_mapping(&a->desc, mapping, diag);
+    return status ? status : open_light(light, a, diag);
 }
 
 bis_status flat_light_open_as(bis_light **light, const char *path, const char *const *settings, bis_diag *diag)
 {
-    return open_as(light, (asked){.name = path}, settings, diag);
+    asked a = asked_for(path, 0, 0, NULL);
+    return open_as(light, &a, settings, diag);
 }
 
 bis_status flat_light_make_as(bis_light **light, int width, int height, const float *pixels,
                               const char *const *settings, bis_diag *diag)
 {
-    const asked s = {.name = "the array", .columns = width, .rows = height, .pixels = pixels};
-    return open_as(light, s, settings, diag);
+    asked a = asked_for("the array", width, height, pixels);
+    return open_as(light, &a, settings, diag);
 }
 
 bis_status flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent,
                            const char *mapping, bis_diag *diag)
 {
-    const asked s = {.name = path, .kind = kind, .mapping = mapping, .area_exponent = area_exponent,
-                     .levels = BIS_LEVELS};
-    return open_light(light, &s, diag);
+    asked a = asked_for(path, 0, 0, NULL);
+    return open_by(light, &a, kind, area_exponent, mapping, diag);
 }
 
 bis_status flat_light_make(bis_light **light, int width, int height, const float *pixels, const char *kind,
                            double area_exponent, const char *mapping, bis_diag *diag)
 {
-    const asked s = {.name = "the array", .columns = width, .rows = height, .pixels = pixels, .kind = kind,
-                     .mapping = mapping, .area_exponent = area_exponent, .levels = BIS_LEVELS};
-    return open_light(light, &s, diag);
+    asked a = asked_for("the array", width, height, pixels);
+    return open_by(light, &a, kind, area_exponent, mapping, diag);
 }
 
 bis_status flat_light_shrink(bis_light **small, const bis_light *light, int width, bis_diag *diag)

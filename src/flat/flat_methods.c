@@ -4,7 +4,6 @@
 #include "bis/base/mem.h"
 #include "flat/face.h"
 #include "flat/stage.h"
-#include "flat/wishes.h"
 #include "thesis/candidates.h"
 #include "tools/verify/verify.h"
 
@@ -28,6 +27,7 @@ static bis_status set_proposal(bis_settings *s, const char *name, bis_diag *diag
 static bis_status ask(bis_flat_stage *stage, const char *const *settings, bis_diag *diag)
 {
     bis_scene_desc *asked = &stage->asked;
+    bis_flat_wishes w = {0}; /* nothing is rendered */
     bis_status status = bis_flat_stage_hit(stage, diag);
 
     *asked = stage->desc; /* which is read alone, and never freed */
@@ -37,7 +37,7 @@ static bis_status ask(bis_flat_stage *stage, const char *const *settings, bis_di
             if ((strncmp(*s, "integrator=", 11) != 0) != later) continue;
             if (asked->view.settings.integrator == &bis_unoccluded && strncmp(*s, "proposal=", 9) == 0)
                 status = set_proposal(&asked->view.settings, *s + 9, diag);
-            else status = bis_flat_apply(asked, one, diag);
+            else status = bis_flat_wish(asked, &w, one, diag);
         }
     }
     return status;

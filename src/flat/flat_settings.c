@@ -151,20 +151,24 @@ static bis_status set_as_printed(bis_settings *s, const char *text, bis_diag *di
 
 static bis_status set(bis_scene_desc *d, bis_flat_wishes *w, const char *name, const char *text, bis_diag *diag)
 {
-    const struct {
+    const struct row {
         const char *name;
         range r;
-    } rows[] = {{"spp", {1, UINT32_MAX, WHOLE}},
-                {"threads", {1, 1024, WHOLE}},
-                {"seconds", {0, 1e8, REAL_ABOVE}}, /* as --time and --error */
-                {"error", {0, 10, REAL_ABOVE}},
-                {"width", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
-                {"height", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
-                {"seed", {0, BIS_SEED_MAX, WHOLE}},
-                {"step", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
-                {"area_exponent", {0, BIS_AREA_EXPONENT_MAX, REAL}},
-                {"turn", {-1e6, 1e6, REAL}}};
-    const size_t n_rows = sizeof rows / sizeof *rows;
+        uint64_t *count; /* where it goes: one of the three */
+        int *whole;
+        double *real;
+    } rows[] = {{"spp", {1, UINT32_MAX, WHOLE}, .count = &w->spp},
+                {"threads", {1, 1024, WHOLE}, .count = &w->threads},
+                {"seconds", {0, 1e8, REAL_ABOVE}, .real = &w->seconds}, /* as --time and --error */
+                {"error", {0, 10, REAL_ABOVE}, .real = &w->error},
+                {"width", {1, BIS_IMAGE_MAX_SIDE, WHOLE}, .whole = &d->view.film.width},
+                {"height", {1, BIS_IMAGE_MAX_SIDE, WHOLE}, .whole = &d->view.film.height},
+                {"seed", {0, BIS_SEED_MAX, WHOLE}, .count = &d->view.sampler.seed},
+                {"step", {1, BIS_IMAGE_MAX_SIDE, WHOLE}, .whole = &w->step},
+                {"area_exponent", {0, BIS_AREA_EXPONENT_MAX, REAL}, .real = &d->light.area_exponent},
+                {"turn", {-1e6, 1e6, REAL}, .real = &w->turn},
+                {NULL, {0, 0, REAL}, NULL, NULL, NULL}};
+    const struct row *row = rows;
     double v;
 
     if (strcmp(name, "integrator") == 0) return BIS_OK; /* was set first */
@@ -175,21 +179,14 @@ static bis_status set(bis_scene_desc *d, bis_flat_wishes *w, const char *name, c
     if (strcmp(name, "crop") == 0) return set_crop(&d->view.film, text, diag);
     if (strcmp(name, "as_printed") == 0) return set_as_printed(&d->view.settings, text, diag);
     if (strcmp(name, "layers") == 0) return bis_layers_read(&d->view.film.layers, text, name, nowhere, diag);
-    size_t i = 0;
-    while (i < n_rows && strcmp(rows[i].name, name) != 0) i++;
-    if (i == n_rows) return set_parameter(&d->view.settings, name, text, diag);
-    const bis_status status = number(&v, name, text, rows[i].r, diag);
+    while (row->name && strcmp(row->name, name) != 0) row++;
+    if (!row->name) return set_parameter(&d->view.settings, name, text, diag);
+    const bis_status status = number(&v, name, text, row->r, diag);
     if (status) return status;
-    if (i == 0) w->spp = (uint64_t)v;
-    if (i == 1) w->threads = (uint64_t)v;
-    if (i == 2) w->seconds = v;
-    if (i == 3) w->error = v;
-    if (i == 4) d->view.film.width = (int)v;
-    if (i == 5) d->view.film.height = (int)v;
-    if (i == 6) d->view.sampler.seed = (uint64_t)v;
-    if (i == 7) w->step = (int)v;
-    if (i == 8) d->light.area_exponent = v, w->has_area_exponent = true;
-    if (i == 9) w->turn = v;
+    if (row->count) *row->count = (uint64_t)v;
+    else if (row->whole) *row->whole = (int)v;
+    else *row->real = v;
+    w->has_area_exponent |= row->real == &d->light.area_exponent;
     return BIS_OK;
 }
 
@@ -212,17 +209,4 @@ bis_status bis_flat_wish(bis_scene_desc *d, bis_flat_wishes *w, const char *cons
     if (w->spp) bis_sampler_set_spp(&d->view.sampler, w->spp);
     if (w->threads) d->accel.n_threads = (int)w->threads;
     return bis_settings_check(&d->view.settings, nowhere, diag);
-}
-
-bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag)
-{
-    bis_flat_wishes w = {0};
-    const bis_status status = bis_flat_parse(out, path, settings, NULL, diag);
-    return status ? status : bis_flat_wish(*out, &w, settings, diag);
-}
-
-bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag)
-{
-    bis_flat_wishes w = {0};
-    return bis_flat_wish(d, &w, settings, diag);
 }

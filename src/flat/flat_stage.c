@@ -5,7 +5,6 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/envmap.h"
 #include "flat/face.h"
-#include "flat/wishes.h"
 #include "tools/verify/verify.h"
 
 #include <float.h>
@@ -37,18 +36,6 @@ static bis_status begin(bis_flat_stage *s, const bis_scene *scene, const bis_lig
     return status;
 }
 
-/* A scene of the stage's own, which has a map. */
-static bis_status build(bis_flat_stage *s, const char *scene, const char *const *settings, bis_diag *diag)
-{
-    bis_status status = bis_flat_describe(&s->own_desc, scene, settings, diag);
-
-    if (status) return status;
-    s->own_desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
-    status = bis_scene_build(&s->own_scene, s->own_desc, diag);
-    if (status || bis_light_envmap(s->own_scene->light)) return status;
-    return bis_error(diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
-}
-
 static bis_status new_stage(bis_flat_stage **stage, bis_diag *diag)
 {
     *stage = bis_alloc(1, sizeof **stage);
@@ -66,10 +53,13 @@ static bis_status opened(bis_flat_stage **stage, bis_status status)
 
 bis_status flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, bis_diag *diag)
 {
+    bis_flat_wishes w = {0};
     bis_status status = new_stage(stage, diag);
 
-    if (!status) status = build(*stage, scene, settings, diag);
-    if (!status) status = begin(*stage, (*stage)->own_scene, NULL, diag);
+    if (!status) status = bis_flat_scene_begin(&(*stage)->own, scene, settings, &w, true, diag);
+    if (!status && !bis_light_envmap((*stage)->own.scene->light))
+        status = bis_error(diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
+    if (!status) status = begin(*stage, (*stage)->own.scene, NULL, diag);
     return opened(stage, status);
 }
 
@@ -83,8 +73,7 @@ void bis_flat_stage_close(bis_flat_stage *stage)
 {
     if (!stage) return;
     bis_light_free(stage->own_light);
-    bis_scene_free(stage->own_scene);
-    bis_scene_desc_free(stage->own_desc);
+    bis_flat_scene_end(&stage->own);
     free(stage->about); /* of the C library */
     bis_free(stage);
 }

@@ -6,7 +6,6 @@
 #include "bis/base/file.h"
 #include "bis/thesis/envmap.h"
 #include "flat/face.h"
-#include "tools/json.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -90,15 +89,6 @@ static void put_hit(bis_json *j, const bis_flat_stage *stage)
     bis_json_close(j);
 }
 
-static void put_parameter(bis_json *j, const bis_parameter *p, const bis_settings *s)
-{
-    const double v = bis_parameter_get(p, s);
-
-    if (p->type == BIS_PARAMETER_BOOL) bis_json_bool(j, p->name, v > 0);
-    else if (p->type == BIS_PARAMETER_CHOICE) bis_json_text(j, p->name, p->names[(unsigned)v]);
-    else bis_json_number(j, p->name, v);
-}
-
 static void put_methods(bis_json *j, const bis_settings *own)
 {
     bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
@@ -113,7 +103,8 @@ static void put_methods(bis_json *j, const bis_settings *own)
         bis_json_bool(j, "without_shadows", list[i].is_open);
         bis_json_open(j, "settings", '{');
         bis_json_text(j, "integrator", s->integrator->name);
-        for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;) put_parameter(j, p, s);
+        for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;)
+            bis_flat_put_parameter(j, p->name, p, bis_parameter_get(p, s));
         bis_json_close(j);
         bis_json_close(j);
     }

@@ -4,11 +4,11 @@
 #pragma once
 
 #include "bis/flat/stage.h"
+#include "flat/wishes.h"
 #include "tools/pixel/pixel.h"
 
 struct bis_flat_stage {
-    bis_scene_desc *own_desc; /* NULL: the scene is another's, who keeps it open */
-    bis_scene *own_scene;
+    bis_flat_scene own;   /* empty: the scene is another's, who keeps it open */
     bis_light *own_light; /* NULL: that of the scene */
     /* The scene, its description, and that with the settings of one question. They share all that the scene owns. */
     bis_scene scene;

@@ -17,7 +17,7 @@ import tempfile
 import browser
 import native
 
-TOLERANCE = 1e-9        # of what libm has touched (~ in the signatures): its functions differ by units of the last place
+TOLERANCE = 1e-9        # of what libm has touched: its functions differ by units of the last place
 AXE = "axe-core@4.10.2"
 
 
