@@ -700,7 +700,7 @@ exit
 # - if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
 # + if (0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
 #
-# * pixel_mis test_flat_taught : beta half as large; means and the balance heuristic stay right
+# * pixel_mis test_flat_stage : beta half as large; means and the balance heuristic stay right
 # - mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter : 0;
 # + mis->beta = scatter > 0 ? (m1.Fd + m2.Fd) / scatter / 2 : 0;
 #

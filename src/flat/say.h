@@ -2,7 +2,7 @@
 /* say: what the functions of flat share: messages into the caller's buffer, checks of arrays.
  *
  * A function bis_flat_NAME that returns a status is made by face.awk of its prototype: it looks for NULLs, has
- * flat_NAME do the work, and says what went wrong. build/made/flat/face.h declares all flat_NAME. */
+ * flat_NAME do the work, and says what went wrong. flat/face.h, which is made, too, declares all flat_NAME. */
 #pragma once
 
 #include "bis/scene/light_load.h"
@@ -40,9 +40,11 @@ bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *d
 /* bis_flat_numbers checks the random numbers u[n][k] of n samples. Errors: BIS_INPUT (one outside [0,1)). */
 bis_status bis_flat_numbers(size_t n, size_t k, const double *u, bis_diag *diag);
 
-/* bis_flat_look stores value[n][3] and density pdf[n] of a map or a material, as value_of tells them, in the directions
- * w[n][3]. Errors: BIS_INPUT (a direction is 0 or not finite). */
+/* The value of a map or a material in a direction, and the density of drawing it. */
 typedef rgb bis_flat_looker(const void *handle, vec3 w, double *pdf);
+
+/* bis_flat_look stores value[n][3] and density pdf[n], as value_of tells them, in the directions w[n][3]. Errors:
+ * BIS_INPUT (a direction is 0 or not finite). */
 bis_status bis_flat_look(bis_flat_looker *value_of, const void *handle, size_t n, const float *w, float *value,
                          double *pdf, bis_diag *diag);
 
