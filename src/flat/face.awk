@@ -58,6 +58,7 @@ function declare(head,    returns, arguments, n, i, list, status) {
     arguments = substr(head, RSTART + RLENGTH)
     sub(/\);.*/, "", arguments)
     gsub(/^ +| +$/, "", returns)
+    gsub(/ +/, " ", arguments)
     status = sub(/, *char \*say, *size_t size$/, "", arguments)
     row = opened = looked = given = sizes = ""
     n = arguments == "void" ? 0 : split(arguments, list, ",")
@@ -68,9 +69,10 @@ function declare(head,    returns, arguments, n, i, list, status) {
         (status ? "s" : returns == "void" ? "v" : letter(returns)) row "\\n\"\n"
     if (!status) return
     if (to == "h") print "bis_status flat_" name "(" arguments ", bis_diag *diag);"
-    else printf "int bis_flat_%s(%s, char *say, size_t size)\n{\n    bis_diag diag = {0};\n" \
-        "    bis_status status = bis_flat_given((const bis_flat_pointer[]){%s, {NULL, NULL, 0}}, &diag);\n\n%s" \
-        "    if (!status) status = flat_%s(%s&diag);\n    return bis_flat_end(status, &diag, say, size);\n}\n\n",
+    else printf "\nint bis_flat_%s(%s, char *say, size_t size)\n{\n" \
+        "    const bis_flat_pointer given[] = {%s, {NULL, NULL, 0}};\n    bis_diag diag = {0};\n" \
+        "    bis_status status = bis_flat_given(given, &diag);\n\n%s" \
+        "    if (!status) status = flat_%s(%s&diag);\n    return bis_flat_end(status, &diag, say, size);\n}\n",
         name, arguments, looked, opened, name, given
 }
 BEGIN {
@@ -88,7 +90,7 @@ BEGIN {
             sub(/^include\//, "", path)
             print "#include \"" path "\""
         }
-    print to == "h" ? "#include \"flat/say.h\"\n" : "#include \"flat/face.h\"\n"
+    print to == "h" ? "#include \"flat/say.h\"\n" : "#include \"flat/face.h\""
 }
 /^\/\*/ { doc = ""; inside = 1 }
 inside {
@@ -101,6 +103,6 @@ inside {
 { head = head " " $0 }
 /;/ { declare(head); head = "" }
 END {
-    if (to == "c") print "const char *bis_flat_signatures(void)\n{\n    return\n" rows "        ;\n}"
+    if (to == "c") print "\nconst char *bis_flat_signatures(void)\n{\n    return\n" rows "        ;\n}"
     exit bad
 }

@@ -20,8 +20,6 @@ struct bis_flat_picture {
     int first[BIS_N_LAYERS], n[BIS_N_LAYERS]; /* the channels of a layer; n = 0: the picture does not have it */
 };
 
-static const char *const no_settings[] = {NULL};
-
 /* ---- rendering ---- */
 
 /* The layers, each by itself, so that it is known which channels are whose. */
@@ -96,8 +94,9 @@ static bis_status render(bis_flat_picture **out, bis_film *film, const bis_scene
     return keep(out, film, &stats, diag);
 }
 
-bis_status bis_flat_scene_picture(bis_flat_picture **out, bis_flat_scene *s, const char *const *settings,
-                                  bis_flat_wishes *w, bis_diag *diag)
+/* A picture as the settings ask, which begin with those of the scene. */
+static bis_status make_picture(bis_flat_picture **out, bis_flat_scene *s, const char *const *settings,
+                               bis_flat_wishes *w, bis_diag *diag)
 {
     bis_scene_desc d = *s->desc; /* shallow: the settings change values alone */
     bis_scene scene = *s->scene;
@@ -127,7 +126,7 @@ bis_status flat_render_with(bis_flat_picture **picture, const char *scene, const
     bis_flat_scene s = {0};
     bis_status status = bis_flat_scene_begin(&s, scene, settings, &w, false, diag);
 
-    if (!status) status = bis_flat_scene_picture(picture, &s, no_settings, &w, diag);
+    if (!status) status = make_picture(picture, &s, (const char *const[]){NULL}, &w, diag);
     bis_flat_scene_end(&s);
     return status;
 }
@@ -142,7 +141,7 @@ bis_status flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, 
     for (int i = 0; i < 2; i++)
         if (bis_flat_setting(settings, of_opening[i]))
             return bis_error(diag, BIS_INPUT, nowhere, "%s belongs to the opening of a scene", of_opening[i]);
-    return bis_flat_scene_picture(picture, scene, settings, &w, diag);
+    return make_picture(picture, scene, settings, &w, diag);
 }
 
 bis_status flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,

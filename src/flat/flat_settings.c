@@ -105,10 +105,6 @@ static bis_status set_camera(bis_camera *camera, const char *text, bis_diag *dia
     return status;
 }
 
-/* The settings that say how the scene is read. */
-static const char *const of_parse[] = {"text", "approximate"};
-enum { TEXT, APPROXIMATE, N_OF_PARSE };
-
 const char *bis_flat_setting(const char *const *settings, const char *name)
 {
     const size_t n = strlen(name);
@@ -122,13 +118,13 @@ const char *bis_flat_setting(const char *const *settings, const char *name)
 bis_status bis_flat_parse(bis_scene_desc **d, const char *path, const char *const *settings, const bis_light *light,
                           bis_diag *diag)
 {
-    const char *approximate = bis_flat_setting(settings, of_parse[APPROXIMATE]);
+    const char *approximate = bis_flat_setting(settings, "approximate");
 
     if (approximate && strcmp(approximate, "true") != 0 && strcmp(approximate, "false") != 0)
         return bis_error(diag, BIS_INPUT, nowhere, "approximate is \"%.40s\": give true or false", approximate);
     const unsigned how = (approximate && *approximate == 't' ? BIS_PARSE_APPROXIMATE : 0) |
                          (light ? BIS_PARSE_OTHER_LIGHT : 0);
-    return bis_scene_parse_text(d, path, bis_flat_setting(settings, of_parse[TEXT]), how, diag);
+    return bis_scene_parse_text(d, path, bis_flat_setting(settings, "text"), how, diag);
 }
 
 /* Names of errata with commas, or "none". */
@@ -172,8 +168,7 @@ static bis_status set(bis_scene_desc *d, bis_flat_wishes *w, const char *name, c
     double v;
 
     if (strcmp(name, "integrator") == 0) return BIS_OK; /* was set first */
-    for (int k = 0; k < N_OF_PARSE; k++)
-        if (strcmp(name, of_parse[k]) == 0) return BIS_OK;
+    if (strcmp(name, "text") == 0 || strcmp(name, "approximate") == 0) return BIS_OK; /* said how to read the scene */
     if (strcmp(name, "accelerator") == 0) return set_accelerator(d, text, diag);
     if (strcmp(name, "camera") == 0) return set_camera(&d->view.camera, text, diag);
     if (strcmp(name, "crop") == 0) return set_crop(&d->view.film, text, diag);

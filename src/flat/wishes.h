@@ -71,8 +71,3 @@ bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_
 
 /* bis_flat_put_parameter writes the value v of a parameter as JSON. */
 void bis_flat_put_parameter(bis_json *j, const char *key, const bis_parameter *p, double v);
-
-/* bis_flat_scene_picture makes a picture as the settings ask, which begin with those of the scene. Errors: those of
- * bis_render, BIS_INPUT (a setting), BIS_IO (the map is read again). */
-bis_status bis_flat_scene_picture(bis_flat_picture **out, bis_flat_scene *s, const char *const *settings,
-                                  bis_flat_wishes *w, bis_diag *diag);

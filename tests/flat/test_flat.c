@@ -243,7 +243,7 @@ static void a_material_gives_f_and_density(void **state)
     assert_true(lobe[0] == 1 && lobe[1] == 0);
     for (int i = 0; i < 6; i++) {
         double bad[6] = {0};
-        char text[32];
+        char text[64];
         bad[i] = i % 2 ? 1 : -0.5;
         snprintf(text, sizeof text, "u of sample %d is %g", i / 3, bad[i]);
         NO(text, bsdf_sample, b, 2, bad, wi[0], lobe);

@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -119,6 +120,19 @@ class Null(unittest.TestCase):
             declared |= set(re.findall(r"^[a-z][^;]*?\b(bis_flat_\w+)\([^;]*[*\[]", text, re.MULTILINE))
         self.assertEqual(declared - {"bis_flat_watcher"}, {line.split()[0] for line in calls})
         self.assertGreater(len(calls), 250)
+
+    def test_a_comment_that_does_not_say_what_an_array_holds_stops_make(self):
+        prototype = "int bis_flat_a(size_t n, const double *u, char *say, size_t size);\n"
+        wrong = "a: its comment does not say what u holds"
+        for shape, said in (("u[n][4]", ""), ("u[3]", ""), ("*u", ""), ("u", wrong)):
+            with tempfile.NamedTemporaryFile("w", suffix=".h") as header:
+                header.write("/* bis_flat_a reads %s. */\n%s" % (shape, prototype))
+                header.flush()
+                face = os.path.join(ROOT, "src/flat/face.awk")
+                r = subprocess.run(["awk", "-f", face, "-v", "to=c", header.name], capture_output=True, text=True)
+            self.assertEqual(r.returncode, 1 if said else 0)
+            self.assertIn(said, r.stderr)
+            self.assertEqual('{"u", u, n}' in r.stdout, shape == "u[n][4]")
 
 
 if __name__ == "__main__":
