@@ -295,7 +295,7 @@ $W/objects/src/flat/face.o: $W/src/flat/face.c Makefile
 $W/bis.wasm: $(WASM_OBJ)
 	$(call say,LINK,$@)
 	$Q$(WASM_CC) -o $@ $^ $(WASM_LINK) $(FLAT_NAMES:%=-Wl,--export-if-defined=%) -Wl,--export=malloc -Wl,--export=free
-web: $W/bis.wasm $B/bis $(STAMP)
+web: $W/bis.wasm $B/bis $(SHARED_LIB) $(STAMP)
 	@sh scripts/web/pages.sh $B/bis $W
 
 # Each figure in a headless Chromium, its hashes against those of the native library; no part of `make test`.

@@ -3,8 +3,8 @@
 #     awk -f src/flat/face.awk -v to=h HEADER...   flat/face.h: the functions that do the work, for src/flat to define
 #     awk -f src/flat/face.awk -v to=c HEADER...   face.c: bis_flat_NAME around each, and bis_flat_signatures
 # A function whose last parameters are (char *say, size_t size) returns a status. bis_flat_NAME looks for a NULL where
-# something is due, sets what it opens to NULL, calls flat_NAME, which has a bis_diag in their place, and ends with the
-# messages. The rest of a signature is in its types and its comment, which must say of each array what it holds:
+# something is due, sets what it opens to NULL, calls bis_do_NAME, which has a bis_diag in their place, and ends with
+# the messages. The rest of a signature is in its types and its comment, which must say of each array what it holds:
 #     u[n][4]           an array; it may be NULL where n is 0, if n is a size_t of the function
 #     value[3], *total  an array, a single number
 #     NAME (may be NULL)
@@ -68,11 +68,11 @@ function declare(head,    returns, arguments, n, i, list, status) {
     rows = rows "    \"bis_flat_" name " " (status && doc ~ /[^a-z]libm[^a-z]/ ? "~" : "") \
         (status ? "s" : returns == "void" ? "v" : letter(returns)) row "\\n\"\n"
     if (!status) return
-    if (to == "h") print "bis_status flat_" name "(" arguments ", bis_diag *diag);"
+    if (to == "h") print "bis_status bis_do_" name "(" arguments ", bis_diag *diag);"
     else printf "\nint bis_flat_%s(%s, char *say, size_t size)\n{\n" \
         "    const bis_flat_pointer given[] = {%s, {NULL, NULL, 0}};\n    bis_diag diag = {0};\n" \
         "    bis_status status = bis_flat_given(given, &diag);\n\n%s" \
-        "    if (!status) status = flat_%s(%s&diag);\n    return bis_flat_end(status, &diag, say, size);\n}\n",
+        "    if (!status) status = bis_do_%s(%s&diag);\n    return bis_flat_end(status, &diag, say, size);\n}\n",
         name, arguments, looked, opened, name, given
 }
 BEGIN {
@@ -90,7 +90,7 @@ BEGIN {
             sub(/^include\//, "", path)
             print "#include \"" path "\""
         }
-    print to == "h" ? "#include \"flat/say.h\"\n" : "#include \"flat/face.h\""
+    print to == "h" ? "#include \"flat/say.h\"\n\n#pragma GCC visibility push(hidden)\n" : "#include \"flat/face.h\""
 }
 /^\/\*/ { doc = ""; inside = 1 }
 inside {
@@ -103,6 +103,7 @@ inside {
 { head = head " " $0 }
 /;/ { declare(head); head = "" }
 END {
-    if (to == "c") print "\nconst char *bis_flat_signatures(void)\n{\n    return\n" rows "        ;\n}"
+    if (to == "h") print "\n#pragma GCC visibility pop"
+    else print "\nconst char *bis_flat_signatures(void)\n{\n    return\n" rows "        ;\n}"
     exit bad
 }

@@ -151,7 +151,7 @@ static void put_scene(bis_json *j, const bis_flat_scene *s, const bis_scene_desc
     bis_json_close(j);
 }
 
-bis_status flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, bis_diag *diag)
+bis_status bis_do_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, bis_diag *diag)
 {
     bis_flat_wishes w = {0};
     bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */

@@ -54,8 +54,8 @@ static bis_status check_roughness(double roughness, bis_diag *diag)
 
 static rgb colour(const double *c) { return rgb_from(c[0], c[1], c[2]); }
 
-bis_status flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, const double *Ks, double width,
-                          const double *normal, const double *wo, bis_diag *diag)
+bis_status bis_do_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, const double *Ks, double width,
+                            const double *normal, const double *wo, bis_diag *diag)
 {
     const bool is_phong = strcmp(model, "phong") == 0;
 
@@ -72,8 +72,8 @@ bis_status flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, 
                                 : bis_microfacet(colour(Kd), colour(Ks), width), normal, wo, diag);
 }
 
-bis_status flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, double roughness,
-                           const double *normal, const double *wo, bis_diag *diag)
+bis_status bis_do_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, double roughness,
+                             const double *normal, const double *wo, bis_diag *diag)
 {
     const double most = 1e15; /* bis_fresnel wants squares below 1e30 */
     double Ks[3];
@@ -89,7 +89,7 @@ bis_status flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, 
     return status ? status : place(bsdf, bis_microfacet_metal(colour(Ks), colour(eta), roughness), normal, wo, diag);
 }
 
-bis_status flat_bsdf_read(bis_bsdf **bsdf, const char *text, const double *normal, const double *wo, bis_diag *diag)
+bis_status bis_do_bsdf_read(bis_bsdf **bsdf, const char *text, const double *normal, const double *wo, bis_diag *diag)
 {
     static const char world[] = "WorldBegin\nLightSource \"infinite\"\n", shape[] = "\nShape \"sphere\"\n";
     const size_t room = strlen(text) + sizeof world + sizeof shape;
@@ -112,7 +112,7 @@ void bis_flat_bsdf_close(bis_bsdf *bsdf) { bis_free(bsdf); }
 
 /* ---- directions ---- */
 
-bis_status flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float *wi, uint8_t *lobe, bis_diag *diag)
+bis_status bis_do_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float *wi, uint8_t *lobe, bis_diag *diag)
 {
     const bis_status status = bis_flat_numbers(n, 3, u, diag);
 
@@ -130,13 +130,13 @@ bis_status flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, flo
 
 static rgb value_of(const void *bsdf, vec3 wi, double *pdf) { return bis_bsdf_f_pdf(bsdf, wi, pdf); }
 
-bis_status flat_bsdf_look(const bis_bsdf *bsdf, size_t n, const float *wi, float *f, double *pdf, bis_diag *diag)
+bis_status bis_do_bsdf_look(const bis_bsdf *bsdf, size_t n, const float *wi, float *f, double *pdf, bis_diag *diag)
 {
     return bis_flat_look(value_of, bsdf, n, wi, f, pdf, diag);
 }
 
-bis_status flat_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint8_t *below, uint32_t *count,
-                           bis_diag *diag)
+bis_status bis_do_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint8_t *below, uint32_t *count,
+                             bis_diag *diag)
 {
     *count = 0;
     for (size_t i = 0; i < n; i++) {
@@ -147,8 +147,8 @@ bis_status flat_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, uint
     return BIS_OK;
 }
 
-bis_status flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, const double *degrees, double *f_cos,
-                           double *pdf, bis_diag *diag)
+bis_status bis_do_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, const double *degrees,
+                             double *f_cos, double *pdf, bis_diag *diag)
 {
     vec3 up;
     const bis_status status = bis_flat_unit(&up, "normal", normal, diag);
@@ -168,7 +168,7 @@ bis_status flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n,
     return BIS_OK;
 }
 
-bis_status flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, double *sum, bis_diag *diag)
+bis_status bis_do_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, double *sum, bis_diag *diag)
 {
     vec3 up;
 

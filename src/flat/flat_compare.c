@@ -25,7 +25,7 @@ static bis_status compare(bis_comparison *c, int width, int height, int channels
     return status;
 }
 
-bis_status flat_compare(int width, int height, const float *a, const float *b, double *sum, bis_diag *diag)
+bis_status bis_do_compare(int width, int height, const float *a, const float *b, double *sum, bis_diag *diag)
 {
     bis_comparison c;
     const bis_status status = compare(&c, width, height, 4, (const float *const[]){a, b}, diag);
@@ -34,7 +34,7 @@ bis_status flat_compare(int width, int height, const float *a, const float *b, d
     return status;
 }
 
-bis_status flat_image_compare(double *figures, int width, int height, const float *a, const float *b, bis_diag *diag)
+bis_status bis_do_image_compare(double *figures, int width, int height, const float *a, const float *b, bis_diag *diag)
 {
     bis_comparison c;
     const bis_status status = compare(&c, width, height, 3, (const float *const[]){a, b}, diag);
@@ -46,7 +46,7 @@ bis_status flat_image_compare(double *figures, int width, int height, const floa
     return BIS_OK;
 }
 
-bis_status flat_image_errors(float *colours, int width, int height, const float *a, const float *b, bis_diag *diag)
+bis_status bis_do_image_errors(float *colours, int width, int height, const float *a, const float *b, bis_diag *diag)
 {
     bis_image pair[2] = {{0}}, made = {0};
     bis_status status = images_of(pair, width, height, 3, (const float *const[]){a, b}, diag);

@@ -31,14 +31,14 @@ static bis_status hand_over(bis_flat_image **image, bis_status status, const bis
     return status;
 }
 
-bis_status flat_image_read(bis_flat_image **image, const char *path, bis_diag *diag)
+bis_status bis_do_image_read(bis_flat_image **image, const char *path, bis_diag *diag)
 {
     bis_flat_image made = {0};
     return hand_over(image, bis_image_read_part(&made.image, NULL, &made.place, path, nowhere, diag), &made, diag);
 }
 
-bis_status flat_image_of_light(bis_flat_image **image, const bis_light *light, const char *mapping, int width,
-                               double *power, bis_diag *diag)
+bis_status bis_do_image_of_light(bis_flat_image **image, const bis_light *light, const char *mapping, int width,
+                                 double *power, bis_diag *diag)
 {
     const bis_mapping to = bis_mapping_find(mapping);
     bis_flat_image made = {0};
@@ -95,8 +95,8 @@ static bis_status read_attributes(bis_attribute *all, char names[][MOST_NAME], i
     return BIS_OK;
 }
 
-bis_status flat_image_save(const char *path, int width, int height, const float *pixels, double exposure,
-                           const char *const *attributes, bis_diag *diag)
+bis_status bis_do_image_save(const char *path, int width, int height, const float *pixels, double exposure,
+                             const char *const *attributes, bis_diag *diag)
 {
     bis_image image = {0};
     bis_channel channels[4];
@@ -118,8 +118,8 @@ bis_status flat_image_save(const char *path, int width, int height, const float 
     return status;
 }
 
-bis_status flat_image_png(int width, int height, const float *pixels, double exposure, size_t room, uint8_t *bytes,
-                          size_t *length, bis_diag *diag)
+bis_status bis_do_image_png(int width, int height, const float *pixels, double exposure, size_t room, uint8_t *bytes,
+                            size_t *length, bis_diag *diag)
 {
     bis_image image = {0};
     bis_channel channels[4];
@@ -147,8 +147,8 @@ bis_status flat_image_png(int width, int height, const float *pixels, double exp
     return status;
 }
 
-bis_status flat_image_exposure(double *exposure, int width, int height, const float *pixels, const float *coverage,
-                               bis_diag *diag)
+bis_status bis_do_image_exposure(double *exposure, int width, int height, const float *pixels, const float *coverage,
+                                 bis_diag *diag)
 {
     bis_image image = {0};
     bis_channel channels[4];

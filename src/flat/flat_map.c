@@ -104,34 +104,34 @@ static bis_status open_by(bis_light **light, asked *a, const char *kind, double 
     return status ? status : open_light(light, a, diag);
 }
 
-bis_status flat_light_open_as(bis_light **light, const char *path, const char *const *settings, bis_diag *diag)
+bis_status bis_do_light_open_as(bis_light **light, const char *path, const char *const *settings, bis_diag *diag)
 {
     asked a = asked_for(path, 0, 0, NULL);
     return open_as(light, &a, settings, diag);
 }
 
-bis_status flat_light_make_as(bis_light **light, int width, int height, const float *pixels,
-                              const char *const *settings, bis_diag *diag)
+bis_status bis_do_light_make_as(bis_light **light, int width, int height, const float *pixels,
+                                const char *const *settings, bis_diag *diag)
 {
     asked a = asked_for("the array", width, height, pixels);
     return open_as(light, &a, settings, diag);
 }
 
-bis_status flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent,
-                           const char *mapping, bis_diag *diag)
+bis_status bis_do_light_open(bis_light **light, const char *path, const char *kind, double area_exponent,
+                             const char *mapping, bis_diag *diag)
 {
     asked a = asked_for(path, 0, 0, NULL);
     return open_by(light, &a, kind, area_exponent, mapping, diag);
 }
 
-bis_status flat_light_make(bis_light **light, int width, int height, const float *pixels, const char *kind,
-                           double area_exponent, const char *mapping, bis_diag *diag)
+bis_status bis_do_light_make(bis_light **light, int width, int height, const float *pixels, const char *kind,
+                             double area_exponent, const char *mapping, bis_diag *diag)
 {
     asked a = asked_for("the array", width, height, pixels);
     return open_by(light, &a, kind, area_exponent, mapping, diag);
 }
 
-bis_status flat_light_shrink(bis_light **small, const bis_light *light, int width, bis_diag *diag)
+bis_status bis_do_light_shrink(bis_light **small, const bis_light *light, int width, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     bis_image image = {0};
@@ -197,7 +197,7 @@ void bis_flat_light_angles(const bis_light *light, double *angles)
 
 static rgb value_of(const void *light, vec3 w, double *pdf) { return bis_light_Le_pdf(light, w, pdf); }
 
-bis_status flat_light_look(const bis_light *light, size_t n, const float *w, float *L, double *pdf, bis_diag *diag)
+bis_status bis_do_light_look(const bis_light *light, size_t n, const float *w, float *L, double *pdf, bis_diag *diag)
 {
     return bis_flat_look(value_of, light, n, w, L, pdf, diag);
 }
@@ -207,8 +207,8 @@ static bis_status is_black(bis_diag *diag)
     return bis_error(diag, BIS_INPUT, nowhere, "the map is black: it has no directions to draw");
 }
 
-bis_status flat_light_sample(const bis_light *light, size_t n, const double *u, float *w, float *L, double *pdf,
-                             bis_diag *diag)
+bis_status bis_do_light_sample(const bis_light *light, size_t n, const double *u, float *w, float *L, double *pdf,
+                               bis_diag *diag)
 {
     const bis_status status = bis_flat_numbers(n, 4, u, diag);
 
@@ -222,7 +222,7 @@ bis_status flat_light_sample(const bis_light *light, size_t n, const double *u, 
     return status;
 }
 
-bis_status flat_light_draw(const bis_light *light, size_t n, const double *u, uint32_t *pixel, bis_diag *diag)
+bis_status bis_do_light_draw(const bis_light *light, size_t n, const double *u, uint32_t *pixel, bis_diag *diag)
 {
     const bis_status status = bis_flat_numbers(n, 4, u, diag);
 
@@ -234,7 +234,7 @@ bis_status flat_light_draw(const bis_light *light, size_t n, const double *u, ui
     return status;
 }
 
-bis_status flat_light_find(const bis_light *light, size_t n, const float *w, uint32_t *pixel, bis_diag *diag)
+bis_status bis_do_light_find(const bis_light *light, size_t n, const float *w, uint32_t *pixel, bis_diag *diag)
 {
     for (size_t i = 0; i < n; i++) {
         vec3 d;
@@ -254,7 +254,7 @@ static bis_status check_pixels(const bis_envmap *em, size_t n, const uint32_t *p
     return BIS_OK;
 }
 
-bis_status flat_light_centres(const bis_light *light, size_t n, const uint32_t *pixel, float *w, bis_diag *diag)
+bis_status bis_do_light_centres(const bis_light *light, size_t n, const uint32_t *pixel, float *w, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     const uint32_t width = (uint32_t)em->width;
@@ -269,7 +269,7 @@ bis_status flat_light_centres(const bis_light *light, size_t n, const uint32_t *
 
 /* ---- densities and regions ---- */
 
-bis_status flat_light_density(const bis_light *light, double *pdf, double *peak, double *share, bis_diag *diag)
+bis_status bis_do_light_density(const bis_light *light, double *pdf, double *peak, double *share, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     const size_t width = (size_t)em->width;
@@ -285,8 +285,8 @@ bis_status flat_light_density(const bis_light *light, double *pdf, double *peak,
     return BIS_OK;
 }
 
-bis_status flat_light_rows(const bis_light *light, size_t n, const uint32_t *pixel, double degrees, uint32_t *count,
-                           double *polar, bis_diag *diag)
+bis_status bis_do_light_rows(const bis_light *light, size_t n, const uint32_t *pixel, double degrees, uint32_t *count,
+                             double *polar, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     const size_t width = (size_t)em->width, height = (size_t)em->height;
@@ -308,8 +308,8 @@ bis_status flat_light_rows(const bis_light *light, size_t n, const uint32_t *pix
     return BIS_OK;
 }
 
-bis_status flat_light_regions(const bis_light *light, int levels, double b, uint32_t *label, uint32_t *level,
-                              double *area, double *factor, uint32_t *n, bis_diag *diag)
+bis_status bis_do_light_regions(const bis_light *light, int levels, double b, uint32_t *label, uint32_t *level,
+                                double *area, double *factor, uint32_t *n, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     bis_regions r = {0};

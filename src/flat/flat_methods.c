@@ -92,8 +92,8 @@ static uint64_t pixel_of(bis_sampler *sampler, const bis_flat_stage *stage, uint
     return (uint64_t)stage->y * (uint64_t)stage->asked.view.film.width + (uint64_t)stage->x;
 }
 
-bis_status flat_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room,
-                                 float *wi, double *w, uint32_t *chosen, uint32_t *kind, double *sum, bis_diag *diag)
+bis_status bis_do_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room,
+                                   float *wi, double *w, uint32_t *chosen, uint32_t *kind, double *sum, bis_diag *diag)
 {
     const bis_sampler sampler = sampler_of(seed);
     const uint64_t before = stage->counters.shadow_rays;
@@ -117,8 +117,8 @@ bis_status flat_stage_candidates(bis_flat_stage *stage, const char *const *setti
     return BIS_OK;
 }
 
-bis_status flat_stage_estimate(bis_flat_stage *stage, const char *const *settings, uint64_t seed, size_t room,
-                               float *wi, double *w, uint32_t *count, double *sum, bis_diag *diag)
+bis_status bis_do_stage_estimate(bis_flat_stage *stage, const char *const *settings, uint64_t seed, size_t room,
+                                 float *wi, double *w, uint32_t *count, double *sum, bis_diag *diag)
 {
     bis_pixel_candidates c = {0};
     bis_sampler sampler;
@@ -156,8 +156,8 @@ static double mean_over_choices(const bis_pixel_candidates *c, const bis_point *
 
 static double deviation(const bis_verify_moments *m) { return sqrt(m->m2 / (m->n - 1)); }
 
-bis_status flat_stage_noises(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
-                             bis_diag *diag)
+bis_status bis_do_stage_noises(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n,
+                               double *sum, bis_diag *diag)
 {
     const bis_sampler sampler = sampler_of(seed);
     const uint64_t before = stage->counters.shadow_rays;
@@ -186,8 +186,8 @@ bis_status flat_stage_noises(bis_flat_stage *stage, const char *const *settings,
 
 /* ---- any method ---- */
 
-bis_status flat_stage_rays(bis_flat_stage *stage, const char *const *settings, uint64_t seed, uint32_t runs,
-                           size_t room, float *wi, uint32_t *which, size_t *n, bis_diag *diag)
+bis_status bis_do_stage_rays(bis_flat_stage *stage, const char *const *settings, uint64_t seed, uint32_t runs,
+                             size_t room, float *wi, uint32_t *which, size_t *n, bis_diag *diag)
 {
     bis_pixel_rays r = {0};
     bis_sampler sampler;
@@ -222,8 +222,8 @@ static bis_status run(rgb **estimate, bis_counters *counters, bis_flat_stage *st
     return bis_verify_runs(*estimate, &job, counters, diag);
 }
 
-bis_status flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
-                           double *sum, bis_diag *diag)
+bis_status bis_do_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
+                             double *sum, bis_diag *diag)
 {
     bis_counters counters = {0};
     bis_verify_moments all = {0};
@@ -238,9 +238,9 @@ bis_status flat_stage_runs(bis_flat_stage *stage, const char *const *settings, u
     return status;
 }
 
-bis_status flat_stage_method(bis_flat_stage *stage, const char *const *settings, uint64_t seed, size_t n,
-                             const volatile sig_atomic_t *stop, float *L, double *value, double *figures,
-                             bis_diag *diag)
+bis_status bis_do_stage_method(bis_flat_stage *stage, const char *const *settings, uint64_t seed, size_t n,
+                               const volatile sig_atomic_t *stop, float *L, double *value, double *figures,
+                               bis_diag *diag)
 {
     bis_status status = ask(stage, settings, diag);
 
@@ -259,8 +259,8 @@ bis_status flat_stage_method(bis_flat_stage *stage, const char *const *settings,
     return BIS_OK;
 }
 
-bis_status flat_stage_mis(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
-                          bis_diag *diag)
+bis_status bis_do_stage_mis(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
+                            bis_diag *diag)
 {
     const bis_settings *s = &stage->asked.view.settings;
     bis_pixel_mis mis;
@@ -279,7 +279,7 @@ bis_status flat_stage_mis(bis_flat_stage *stage, const char *const *settings, ui
 
 /* ---- rejection ---- */
 
-bis_status flat_stage_bounds(bis_flat_stage *stage, double *bound, bis_diag *diag)
+bis_status bis_do_stage_bounds(bis_flat_stage *stage, double *bound, bis_diag *diag)
 {
     const bis_status status = bis_flat_stage_hit(stage, diag);
 
@@ -289,8 +289,8 @@ bis_status flat_stage_bounds(bis_flat_stage *stage, double *bound, bis_diag *dia
     return BIS_OK;
 }
 
-bis_status flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
-                             double *height, uint32_t *taken, uint32_t *accepted, bis_diag *diag)
+bis_status bis_do_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
+                               double *height, uint32_t *taken, uint32_t *accepted, bis_diag *diag)
 {
     const bis_status status = bis_flat_stage_hit(stage, diag);
     const bool is_em = strcmp(proposal, "em") == 0;
@@ -309,8 +309,8 @@ bis_status flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t
     return BIS_OK;
 }
 
-bis_status flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n,
-                               double *count, bis_diag *diag)
+bis_status bis_do_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n,
+                                 double *count, bis_diag *diag)
 {
     bis_counters counters = {0};
     rgb *estimate = NULL;

@@ -118,9 +118,9 @@ static bis_status make_picture(bis_flat_picture **out, bis_flat_scene *s, const 
 /* Another language has only int to give. */
 _Static_assert(sizeof(sig_atomic_t) == sizeof(int), "stop is as large as an int");
 
-bis_status flat_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                            const bis_light *light, bis_flat_watcher *watcher, void *user,
-                            const volatile sig_atomic_t *stop, bis_diag *diag)
+bis_status bis_do_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                              const bis_light *light, bis_flat_watcher *watcher, void *user,
+                              const volatile sig_atomic_t *stop, bis_diag *diag)
 {
     bis_flat_wishes w = {.light = light, .watcher = watcher, .user = user, .stop = stop};
     bis_flat_scene s = {0};
@@ -131,9 +131,9 @@ bis_status flat_render_with(bis_flat_picture **picture, const char *scene, const
     return status;
 }
 
-bis_status flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, const char *const *settings,
-                             const bis_light *light, bis_flat_watcher *watcher, void *user,
-                             const volatile sig_atomic_t *stop, bis_diag *diag)
+bis_status bis_do_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, const char *const *settings,
+                               const bis_light *light, bis_flat_watcher *watcher, void *user,
+                               const volatile sig_atomic_t *stop, bis_diag *diag)
 {
     bis_flat_wishes w = {.light = light, .watcher = watcher, .user = user, .stop = stop};
     static const char *const of_opening[] = {"text", "approximate"};
@@ -144,10 +144,10 @@ bis_status flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, 
     return make_picture(picture, scene, settings, &w, diag);
 }
 
-bis_status flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                       const volatile sig_atomic_t *stop, bis_diag *diag)
+bis_status bis_do_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                         const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    return flat_render_with(picture, scene, settings, NULL, NULL, NULL, stop, diag);
+    return bis_do_render_with(picture, scene, settings, NULL, NULL, NULL, stop, diag);
 }
 
 void bis_flat_picture_close(bis_flat_picture *picture)

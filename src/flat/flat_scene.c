@@ -72,8 +72,8 @@ void bis_flat_scene_end(bis_flat_scene *s)
     bis_scene_desc_free(s->desc);
 }
 
-bis_status flat_scene_open(bis_flat_scene **scene, const char *path, const char *const *settings,
-                           const bis_light *light, bis_diag *diag)
+bis_status bis_do_scene_open(bis_flat_scene **scene, const char *path, const char *const *settings,
+                             const bis_light *light, bis_diag *diag)
 {
     bis_flat_wishes w = {.light = light};
     bis_flat_scene *s = bis_alloc(1, sizeof *s);
@@ -195,8 +195,8 @@ static float cover(const bis_flat_scene *s, const bis_camera *camera, const bis_
     return (float)hits / (float)(side * side);
 }
 
-bis_status flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share,
-                               bis_diag *diag)
+bis_status bis_do_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share,
+                                 bis_diag *diag)
 {
     bis_flat_wishes w = {0};
     bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */

@@ -51,7 +51,7 @@ static bis_status opened(bis_flat_stage **stage, bis_status status)
     return status;
 }
 
-bis_status flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, bis_diag *diag)
+bis_status bis_do_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, bis_diag *diag)
 {
     bis_flat_wishes w = {0};
     bis_status status = new_stage(stage, diag);
@@ -63,7 +63,7 @@ bis_status flat_stage_open(bis_flat_stage **stage, const char *scene, const char
     return opened(stage, status);
 }
 
-bis_status flat_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, bis_diag *diag)
+bis_status bis_do_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, bis_diag *diag)
 {
     const bis_status status = new_stage(stage, diag);
     return opened(stage, status ? status : begin(*stage, scene->scene, light, diag));
@@ -80,7 +80,7 @@ void bis_flat_stage_close(bis_flat_stage *stage)
 
 /* ---- the point ---- */
 
-bis_status flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, bis_diag *diag)
+bis_status bis_do_stage_at(bis_flat_stage *stage, int x, int y, double *found, bis_diag *diag)
 {
     const bis_film_desc *film = &stage->desc.view.film;
 
@@ -119,7 +119,7 @@ static bis_status know(bis_flat_stage *stage, uint64_t seed, bis_diag *diag)
     return status;
 }
 
-bis_status flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, bis_diag *diag)
+bis_status bis_do_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, bis_diag *diag)
 {
     const bis_status status = know(stage, seed, diag);
     const bis_pixel_exact *e = &stage->exact;
@@ -129,8 +129,8 @@ bis_status flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value,
     return BIS_OK;
 }
 
-bis_status flat_stage_truth(bis_flat_stage *stage, uint64_t seed, double *value, double *moments, uint64_t *count,
-                            bis_diag *diag)
+bis_status bis_do_stage_truth(bis_flat_stage *stage, uint64_t seed, double *value, double *moments, uint64_t *count,
+                              bis_diag *diag)
 {
     const bis_status status = know(stage, seed, diag);
     const bis_pixel_exact *e = &stage->exact;
@@ -170,8 +170,8 @@ static bis_status check_field(int columns, int rows, bis_diag *diag)
     return bis_error(diag, BIS_INPUT, nowhere, "a field of %d x %d: give 1 to 4096 each", columns, rows);
 }
 
-bis_status flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
-                                float *seen, float *peak, bis_diag *diag)
+bis_status bis_do_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
+                                  float *seen, float *peak, bis_diag *diag)
 {
     bis_status status = check_field(columns, rows, diag);
 
@@ -192,8 +192,8 @@ bis_status flat_stage_densities(bis_flat_stage *stage, int columns, int rows, fl
     return BIS_OK;
 }
 
-bis_status flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
-                           bis_diag *diag)
+bis_status bis_do_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
+                             bis_diag *diag)
 {
     bis_status status = check_field(columns, rows, diag);
 
@@ -255,7 +255,7 @@ static void fill_row(const sphere *s, const bis_xform *light_to_world, const bis
     }
 }
 
-bis_status flat_stage_sphere(bis_flat_stage *stage, int columns, int rows, int sub, float *field, bis_diag *diag)
+bis_status bis_do_stage_sphere(bis_flat_stage *stage, int columns, int rows, int sub, float *field, bis_diag *diag)
 {
     bis_status status = check_field(columns, rows, diag);
 
@@ -284,7 +284,7 @@ static bis_status direction(vec3 *w, const float *wi, size_t i, bis_diag *diag)
     return bis_flat_direction(w, wi, i, diag);
 }
 
-bis_status flat_stage_look(bis_flat_stage *stage, size_t n, const float *wi, double *density, bis_diag *diag)
+bis_status bis_do_stage_look(bis_flat_stage *stage, size_t n, const float *wi, double *density, bis_diag *diag)
 {
     bis_status status = bis_flat_stage_hit(stage, diag);
 
@@ -299,7 +299,7 @@ bis_status flat_stage_look(bis_flat_stage *stage, size_t n, const float *wi, dou
     return status;
 }
 
-bis_status flat_stage_sees(bis_flat_stage *stage, size_t n, const float *wi, uint8_t *seen, bis_diag *diag)
+bis_status bis_do_stage_sees(bis_flat_stage *stage, size_t n, const float *wi, uint8_t *seen, bis_diag *diag)
 {
     bis_status status = bis_flat_stage_hit(stage, diag);
 
@@ -311,7 +311,7 @@ bis_status flat_stage_sees(bis_flat_stage *stage, size_t n, const float *wi, uin
     return status;
 }
 
-bis_status flat_stage_angles(bis_flat_stage *stage, size_t n, const float *wi, double *angle, bis_diag *diag)
+bis_status bis_do_stage_angles(bis_flat_stage *stage, size_t n, const float *wi, double *angle, bis_diag *diag)
 {
     for (size_t i = 0; i < n; i++) {
         const vec3 w = {wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]};

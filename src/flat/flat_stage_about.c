@@ -137,7 +137,7 @@ static void put_all(bis_json *j, const bis_flat_stage *stage)
     bis_json_close(j);
 }
 
-bis_status flat_stage_about(bis_flat_stage *stage, const char **text, bis_diag *diag)
+bis_status bis_do_stage_about(bis_flat_stage *stage, const char **text, bis_diag *diag)
 {
     size_t n;
 

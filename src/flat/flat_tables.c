@@ -35,8 +35,8 @@ void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u)
     for (size_t i = 0; u && i < n; i++) u[i] = bis_rng_double(&rng);
 }
 
-bis_status flat_points(const char *kind, uint64_t seed, uint32_t pixel, uint32_t sample, uint32_t spp, uint32_t dim,
-                       size_t n, double *u, bis_diag *diag)
+bis_status bis_do_points(const char *kind, uint64_t seed, uint32_t pixel, uint32_t sample, uint32_t spp, uint32_t dim,
+                         size_t n, double *u, bis_diag *diag)
 {
     bis_sampler sampler = {.seed = seed, .jitter = true};
     bis_stream stream;
@@ -60,8 +60,8 @@ bis_status flat_points(const char *kind, uint64_t seed, uint32_t pixel, uint32_t
     return BIS_OK;
 }
 
-bis_status flat_histogram(size_t n, const double *values, const double *unit, double most, size_t cells,
-                          uint32_t *count, bis_diag *diag)
+bis_status bis_do_histogram(size_t n, const double *values, const double *unit, double most, size_t cells,
+                            uint32_t *count, bis_diag *diag)
 {
     const double hi = most * *unit;
 
@@ -79,7 +79,7 @@ bis_status flat_histogram(size_t n, const double *values, const double *unit, do
 
 _Static_assert((int)BIS_N_BITS <= (int)BIS_FLAT_BITS, "the rows have room");
 
-bis_status flat_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t *n, bis_diag *diag)
+bis_status bis_do_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t *n, bis_diag *diag)
 {
     bis_bits rows[BIS_N_BITS];
     const bis_status status = bis_verify_bits(rows, diag);
@@ -98,7 +98,7 @@ bis_status flat_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t
 
 /* ---- Marsaglia's list ---- */
 
-bis_status flat_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *list, uint32_t *length, bis_diag *diag)
+bis_status bis_do_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *list, uint32_t *length, bis_diag *diag)
 {
     bis_marsaglia m = {0};
     uint64_t *wide = bis_alloc(n, sizeof *wide);
@@ -127,7 +127,7 @@ static bis_status alias_of(bis_alias *a, size_t n, const double *w, bis_diag *di
     return status ? status : bis_alias_init(a, w, n, diag);
 }
 
-bis_status flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, bis_diag *diag)
+bis_status bis_do_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, bis_diag *diag)
 {
     bis_alias a = {0};
     const bis_status status = alias_of(&a, n, w, diag);
@@ -140,8 +140,8 @@ bis_status flat_alias_build(size_t n, const double *w, double *prob, uint32_t *a
     return BIS_OK;
 }
 
-bis_status flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
-                             uint32_t *item, bis_diag *diag)
+bis_status bis_do_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
+                               uint32_t *item, bis_diag *diag)
 {
     if (n == 0) return bis_error(diag, BIS_INPUT, nowhere, "the tables are empty: there is nothing to draw");
     if (n > UINT32_MAX)
@@ -173,7 +173,7 @@ static void order_bins(uint32_t *order, uint32_t *waits, const bis_alias *a)
     }
 }
 
-bis_status flat_alias_stage(size_t n, const double *w, size_t steps, uint32_t *order, double *height, bis_diag *diag)
+bis_status bis_do_alias_stage(size_t n, const double *w, size_t steps, uint32_t *order, double *height, bis_diag *diag)
 {
     bis_alias a = {0};
     bis_status status = alias_of(&a, n, w, diag);
@@ -194,7 +194,7 @@ bis_status flat_alias_stage(size_t n, const double *w, size_t steps, uint32_t *o
     return status;
 }
 
-bis_status flat_alias_pmf(size_t n, const double *w, double *pmf, double *P, bis_diag *diag)
+bis_status bis_do_alias_pmf(size_t n, const double *w, double *pmf, double *P, bis_diag *diag)
 {
     bis_alias a = {0};
     const bis_status status = alias_of(&a, n, w, diag);
@@ -206,8 +206,8 @@ bis_status flat_alias_pmf(size_t n, const double *w, double *pmf, double *P, bis
     return BIS_OK;
 }
 
-bis_status flat_alias_few_bits(size_t n, const double *w, int bits, double *printed, double *right, double *impossible,
-                               bis_diag *diag)
+bis_status bis_do_alias_few_bits(size_t n, const double *w, int bits, double *printed, double *right,
+                                 double *impossible, bis_diag *diag)
 {
     bis_alias a = {0};
 
@@ -239,7 +239,7 @@ static bis_status cdf_of(bis_cdf *cdf, size_t n, const double *w, bis_diag *diag
     return status ? status : bis_cdf_init(cdf, w, n, diag);
 }
 
-bis_status flat_cdf_build(size_t n, const double *w, double *c, uint32_t *guide, uint32_t *n_guide, bis_diag *diag)
+bis_status bis_do_cdf_build(size_t n, const double *w, double *c, uint32_t *guide, uint32_t *n_guide, bis_diag *diag)
 {
     bis_cdf cdf = {0};
     const bis_status status = cdf_of(&cdf, n, w, diag);
@@ -253,8 +253,8 @@ bis_status flat_cdf_build(size_t n, const double *w, double *c, uint32_t *guide,
     return BIS_OK;
 }
 
-bis_status flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, uint32_t *item, uint32_t *part,
-                           uint32_t *first, bis_diag *diag)
+bis_status bis_do_cdf_sample(size_t n, const double *w, size_t m, const double *u, uint32_t *item, uint32_t *part,
+                             uint32_t *first, bis_diag *diag)
 {
     bis_cdf cdf = {0};
     bis_status status = cdf_of(&cdf, n, w, diag);
@@ -274,8 +274,8 @@ bis_status flat_cdf_sample(size_t n, const double *w, size_t m, const double *u,
 
 /* ---- draws against probabilities ---- */
 
-bis_status flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, double *observed, double *fit,
-                    bis_diag *diag)
+bis_status bis_do_fit(size_t n, const double *P, size_t m, const uint32_t *item, double *observed, double *fit,
+                      bis_diag *diag)
 {
     bis_verify v = {0};
     bis_status status = bis_flat_weights(n, P, diag);

@@ -2,7 +2,7 @@
 /* say: what the functions of flat share: messages into the caller's buffer, checks of arrays.
  *
  * A function bis_flat_NAME that returns a status is made by face.awk of its prototype: it looks for NULLs, has
- * flat_NAME do the work, and says what went wrong. flat/face.h, which is made, too, declares all flat_NAME. */
+ * bis_do_NAME do the work, and says what went wrong. flat/face.h, which is made, too, declares all bis_do_NAME. */
 #pragma once
 
 #include "bis/scene/light_load.h"
