@@ -7,6 +7,8 @@
 #include "flat/say.h"
 
 #include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,20 +50,31 @@ size_t bis_flat_said(char *say, size_t size)
     return length;
 }
 
+bis_status bis_flat_refuse(bis_diag *diag, const char *fmt, ...)
+{
+    char text[1024];
+    va_list args;
+
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    return bis_error(diag, BIS_INPUT, nowhere, "%s", text);
+}
+
 /* ---- what callers give ---- */
 
 bis_status bis_flat_given(const bis_flat_pointer *all, bis_diag *diag)
 {
     while (all->name && (all->pointer || all->n == 0)) all++;
     if (!all->name) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "%s is NULL: give what was opened, or an array", all->name);
+    return bis_flat_refuse(diag, "%s is NULL: give what was opened, or an array", all->name);
 }
 
 bis_status bis_flat_numbers(size_t n, size_t k, const double *u, bis_diag *diag)
 {
     for (size_t i = 0; i < n * k; i++) {
         if (u[i] >= 0 && u[i] < 1) continue;
-        return bis_error(diag, BIS_INPUT, nowhere, "u of sample %zu is %g: give random numbers in [0, 1)", i / k, u[i]);
+        return bis_flat_refuse(diag, "u of sample %zu is %g: give random numbers in [0, 1)", i / k, u[i]);
     }
     return BIS_OK;
 }
@@ -71,13 +84,13 @@ bis_status bis_flat_weights(size_t n, const double *w, bis_diag *diag)
     bool is_black = true;
 
     if (n == 0 || n > UINT32_MAX)
-        return bis_error(diag, BIS_INPUT, nowhere, "there are %zu weights: give 1 to %" PRIu32, n, UINT32_MAX);
+        return bis_flat_refuse(diag, "there are %zu weights: give 1 to %" PRIu32, n, UINT32_MAX);
     for (size_t i = 0; i < n; i++) {
         if (!(isfinite(w[i]) && w[i] >= 0))
-            return bis_error(diag, BIS_INPUT, nowhere, "weight %zu is %g: give finite numbers >= 0", i, w[i]);
+            return bis_flat_refuse(diag, "weight %zu is %g: give finite numbers >= 0", i, w[i]);
         is_black &= w[i] == 0;
     }
-    if (is_black) return bis_error(diag, BIS_INPUT, nowhere, "all weights are 0: there is nothing to draw");
+    if (is_black) return bis_flat_refuse(diag, "all weights are 0: there is nothing to draw");
     return BIS_OK;
 }
 
@@ -87,8 +100,7 @@ bis_status bis_flat_direction(vec3 *w, const float *all, size_t i, bis_diag *dia
     const double most = fmax(fabs(x), fmax(fabs(y), fabs(z)));
 
     if (!(isfinite(x) && isfinite(y) && isfinite(z) && most > 0))
-        return bis_error(diag, BIS_INPUT, nowhere, "direction %zu is (%g, %g, %g): give finite vectors that are not 0",
-                         i, x, y, z);
+        return bis_flat_refuse(diag, "direction %zu is (%g, %g, %g): give finite vectors that are not 0", i, x, y, z);
     const double l = most * sqrt(x / most * (x / most) + y / most * (y / most) + z / most * (z / most));
     *w = vec3_from(x / l, y / l, z / l);
     return BIS_OK;
@@ -101,8 +113,7 @@ bis_status bis_flat_unit(vec3 *w, const char *name, const double *v, bis_diag *d
     int e;
 
     if (!(is_finite && most > 0))
-        return bis_error(diag, BIS_INPUT, nowhere, "%s is (%g, %g, %g): give a finite vector that is not 0", name,
-                         v[0], v[1], v[2]);
+        return bis_flat_refuse(diag, "%s is (%g, %g, %g): give a finite vector that is not 0", name, v[0], v[1], v[2]);
     frexp(most, &e); /* a power of two changes no bit, but squares of 1e200 would be infinite, those of 1e-200 be 0 */
     const double x = ldexp(v[0], -e), y = ldexp(v[1], -e), z = ldexp(v[2], -e), l = sqrt(x * x + y * y + z * z);
     *w = vec3_from(x / l, y / l, z / l);

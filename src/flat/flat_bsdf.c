@@ -22,8 +22,7 @@ static bis_status check_colour(const char *name, const double *c, bis_diag *diag
 {
     for (int i = 0; i < 3; i++) {
         if (c[i] >= 0 && c[i] <= 1) continue;
-        return bis_error(diag, BIS_INPUT, nowhere, "%s is (%g, %g, %g): give numbers in [0, 1]", name, c[0], c[1],
-                         c[2]);
+        return bis_flat_refuse(diag, "%s is (%g, %g, %g): give numbers in [0, 1]", name, c[0], c[1], c[2]);
     }
     return BIS_OK;
 }
@@ -48,8 +47,8 @@ static bis_status place(bis_bsdf **bsdf, bis_material material, const double *no
 static bis_status check_roughness(double roughness, bis_diag *diag)
 {
     if (roughness >= BIS_MICROFACET_MIN_ROUGHNESS && roughness <= 1) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "the roughness is %g: give a number in [%g, 1]", roughness,
-                     BIS_MICROFACET_MIN_ROUGHNESS);
+    return bis_flat_refuse(diag, "the roughness is %g: give a number in [%g, 1]", roughness,
+                           BIS_MICROFACET_MIN_ROUGHNESS);
 }
 
 static rgb colour(const double *c) { return rgb_from(c[0], c[1], c[2]); }
@@ -60,10 +59,9 @@ bis_status bis_do_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd
     const bool is_phong = strcmp(model, "phong") == 0;
 
     if (!is_phong && strcmp(model, "microfacet") != 0)
-        return bis_error(diag, BIS_INPUT, nowhere, "there is no model \"%.40s\": give \"phong\" or \"microfacet\"",
-                         model);
+        return bis_flat_refuse(diag, "there is no model \"%.40s\": give \"phong\" or \"microfacet\"", model);
     if (is_phong && !(width >= 0 && width <= (double)FLT_MAX)) /* above, f is beyond a float */
-        return bis_error(diag, BIS_INPUT, nowhere, "the exponent is %g: give a number in [0, 3.4e38]", width);
+        return bis_flat_refuse(diag, "the exponent is %g: give a number in [0, 3.4e38]", width);
     bis_status status = is_phong ? BIS_OK : check_roughness(width, diag);
     if (!status) status = check_colour("Kd", Kd, diag);
     if (!status) status = check_colour("Ks", Ks, diag);
@@ -81,9 +79,8 @@ bis_status bis_do_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k
 
     for (int i = 0; !status && i < 3; i++) {
         if (!(eta[i] > 0 && eta[i] <= most && k[i] >= 0 && k[i] <= most))
-            return bis_error(diag, BIS_INPUT, nowhere,
-                             "eta and k of channel %d are %g and %g: give eta in (0, %g] and k in [0, %g]", i, eta[i],
-                             k[i], most, most);
+            return bis_flat_refuse(diag, "eta and k of channel %d are %g and %g: give eta in (0, %g] and k in [0, %g]",
+                                   i, eta[i], k[i], most, most);
         Ks[i] = bis_fresnel(eta[i], k[i] * k[i], 1);
     }
     return status ? status : place(bsdf, bis_microfacet_metal(colour(Ks), colour(eta), roughness), normal, wo, diag);
@@ -102,7 +99,7 @@ bis_status bis_do_bsdf_read(bis_bsdf **bsdf, const char *text, const double *nor
     bis_free(scene);
     const uint32_t at = status ? 0 : d->shapes[d->n_shapes - 1].material;
     if (!status && bis_textures_of(&d->textures, at))
-        status = bis_error(diag, BIS_INPUT, nowhere, "the material has a texture: give it values");
+        status = bis_flat_refuse(diag, "the material has a texture: give it values");
     if (!status) status = place(bsdf, d->materials[at], normal, wo, diag);
     bis_scene_desc_free(d);
     return status;
@@ -117,8 +114,7 @@ bis_status bis_do_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, f
     const bis_status status = bis_flat_numbers(n, 3, u, diag);
 
     if (!status && bis_bsdf_is_black(bsdf))
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "the material is black as seen from wo: it has no directions to draw");
+        return bis_flat_refuse(diag, "the material is black as seen from wo: it has no directions to draw");
     for (size_t i = 0; !status && i < n; i++) {
         vec3 w;
         bis_bsdf_sample(bsdf, u[3 * i], u[3 * i + 1], u[3 * i + 2], &w); /* only a black material returns false */
@@ -141,7 +137,7 @@ bis_status bis_do_bsdf_below(const bis_bsdf *bsdf, size_t n, const float *wi, ui
     *count = 0;
     for (size_t i = 0; i < n; i++) {
         const double cosine = bis_bsdf_cos(bsdf, (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]});
-        if (isnan(cosine)) return bis_error(diag, BIS_INPUT, nowhere, "direction %zu is no number", i);
+        if (isnan(cosine)) return bis_flat_refuse(diag, "direction %zu is no number", i);
         *count += below[i] = cosine <= 0;
     }
     return BIS_OK;
@@ -159,8 +155,7 @@ bis_status bis_do_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t 
     const vec3 side = dot(across, across) > 0 ? normalize(across) : frame_about(up).x;
     for (size_t i = 0; i < n; i++) {
         const double t = degrees[i] * PI / 180;
-        if (!isfinite(t))
-            return bis_error(diag, BIS_INPUT, nowhere, "angle %zu is %g: give a number", i, degrees[i]);
+        if (!isfinite(t)) return bis_flat_refuse(diag, "angle %zu is %g: give a number", i, degrees[i]);
         const vec3 wi = normalize(add(mul(up, cos(t)), mul(side, sin(t))));
         f_cos[i] = (double)bis_bsdf_f(bsdf, wi).r * fmax(0, bis_bsdf_cos(bsdf, wi));
         pdf[i] = bis_bsdf_pdf(bsdf, wi);
@@ -172,7 +167,7 @@ bis_status bis_do_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n,
 {
     vec3 up;
 
-    if (!(n >= 1 && n <= 4096)) return bis_error(diag, BIS_INPUT, nowhere, "n is %d: give 1 to 4096", n);
+    if (!(n >= 1 && n <= 4096)) return bis_flat_refuse(diag, "n is %d: give 1 to 4096", n);
     const bis_status status = bis_flat_unit(&up, "normal", normal, diag);
     if (status) return status;
     const frame about = frame_about(up);

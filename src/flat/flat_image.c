@@ -44,8 +44,8 @@ bis_status bis_do_image_of_light(bis_flat_image **image, const bis_light *light,
     bis_flat_image made = {0};
 
     if (to == BIS_N_MAPPINGS || width < 0)
-        return bis_error(diag, BIS_INPUT, nowhere, "mapping \"%.40s\" and width %d: give one of `bis help lights` and "
-                         "a width, or 0", mapping, width);
+        return bis_flat_refuse(diag, "mapping \"%.40s\" and width %d: give one of `bis help lights` and a width, or 0",
+                               mapping, width);
     const bis_status status = bis_envmap_to_mapping(&made.image, bis_light_envmap(light), to, width, power, diag);
     made.place = (bis_image_place){.full_width = made.image.width, .full_height = made.image.height};
     return hand_over(image, status, &made, diag);
@@ -86,8 +86,8 @@ static bis_status read_attributes(bis_attribute *all, char names[][MOST_NAME], i
     for (; texts && texts[*n]; ++*n) {
         const size_t length = strcspn(texts[*n], "=");
         if (*n == MOST_ATTRIBUTES || length == 0 || length >= MOST_NAME || !texts[*n][length])
-            return bis_error(diag, BIS_INPUT, nowhere, "\"%.80s\" is no attribute: give at most %d as name=text, a "
-                             "name of at most %d bytes", texts[*n], MOST_ATTRIBUTES, MOST_NAME - 1);
+            return bis_flat_refuse(diag, "\"%.80s\" is no attribute: give at most %d as name=text, a name of at most "
+                                   "%d bytes", texts[*n], MOST_ATTRIBUTES, MOST_NAME - 1);
         memcpy(names[*n], texts[*n], length);
         names[*n][length] = '\0';
         all[*n] = (bis_attribute){.name = names[*n], .text = texts[*n] + length + 1};
@@ -136,8 +136,7 @@ bis_status bis_do_image_png(int width, int height, const float *pixels, double e
         if (!(stream && fclose(stream) == 0 && ok))
             status = bis_error(diag, BIS_NOMEM, nowhere, "no memory for a picture of %d x %d", width, height);
     }
-    if (!status && n > room)
-        status = bis_error(diag, BIS_INPUT, nowhere, "room is %zu: the picture has %zu bytes", room, n);
+    if (!status && n > room) status = bis_flat_refuse(diag, "room is %zu: the picture has %zu bytes", room, n);
     if (!status) {
         memcpy(bytes, png, n);
         *length = n;

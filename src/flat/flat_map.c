@@ -34,15 +34,14 @@ static bis_status set_kind(bis_light_desc *desc, const char *kind, bis_diag *dia
     desc->has_table_kind = true;
     desc->table_kind = is_cdf ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
     if (is_cdf || strcmp(kind, "alias") == 0) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", kind);
+    return bis_flat_refuse(diag, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", kind);
 }
 
 static bis_status set_area_exponent(bis_light_desc *desc, double b, bis_diag *diag)
 {
     desc->area_exponent = b;
     if (b >= 0 && b <= BIS_AREA_EXPONENT_MAX) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "area_exponent is %g: give a number in [0, %g]", b,
-                     BIS_AREA_EXPONENT_MAX);
+    return bis_flat_refuse(diag, "area_exponent is %g: give a number in [0, %g]", b, BIS_AREA_EXPONENT_MAX);
 }
 
 static bis_status set_mapping(bis_light_desc *desc, const char *mapping, bis_diag *diag)
@@ -50,8 +49,8 @@ static bis_status set_mapping(bis_light_desc *desc, const char *mapping, bis_dia
     desc->has_mapping = true;
     desc->mapping = bis_mapping_find(mapping);
     if (desc->mapping != BIS_N_MAPPINGS) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere,
-                     "there is no mapping \"%.40s\"; `bis help lights` lists them, as \"latlong\"", mapping);
+    return bis_flat_refuse(diag, "there is no mapping \"%.40s\"; `bis help lights` lists them, as \"latlong\"",
+                           mapping);
 }
 
 static bis_status set(bis_light_desc *desc, const char *setting, bis_diag *diag)
@@ -69,10 +68,9 @@ static bis_status set(bis_light_desc *desc, const char *setting, bis_diag *diag)
     else if (strncmp(setting, "as_printed=", 11) == 0 && bis_erratum_find(text))
         desc->as_printed |= bis_erratum_find(text)->flag;
     else
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "\"%.60s\" is no setting of a map: give kind=alias or cdf, area_exponent=0 to %g, levels=1 "
-                         "to %d, mapping=latlong or another, width=1 to %d, as_printed=E3", setting,
-                         BIS_AREA_EXPONENT_MAX, BIS_LEVELS_MAX, 2 * BIS_IMAGE_MAX_SIDE);
+        return bis_flat_refuse(diag, "\"%.60s\" is no setting of a map: give kind=alias or cdf, area_exponent=0 to %g, "
+                               "levels=1 to %d, mapping=latlong or another, width=1 to %d, as_printed=E3", setting,
+                               BIS_AREA_EXPONENT_MAX, BIS_LEVELS_MAX, 2 * BIS_IMAGE_MAX_SIDE);
     return BIS_OK;
 }
 
@@ -138,7 +136,7 @@ bis_status bis_do_light_shrink(bis_light **small, const bis_light *light, int wi
     bis_light_desc desc = bis_light_desc_default();
     double power[2];
 
-    if (width < 1) return bis_error(diag, BIS_INPUT, nowhere, "%d columns: give 1 or more", width);
+    if (width < 1) return bis_flat_refuse(diag, "%d columns: give 1 or more", width);
     desc.filename = (char *)(uintptr_t)"the shrunk map"; /* only read */
     desc.has_mapping = true;                             /* lat-long, even where it is square */
     if (width > em->width) width = em->width;
@@ -204,7 +202,7 @@ bis_status bis_do_light_look(const bis_light *light, size_t n, const float *w, f
 
 static bis_status is_black(bis_diag *diag)
 {
-    return bis_error(diag, BIS_INPUT, nowhere, "the map is black: it has no directions to draw");
+    return bis_flat_refuse(diag, "the map is black: it has no directions to draw");
 }
 
 bis_status bis_do_light_sample(const bis_light *light, size_t n, const double *u, float *w, float *L, double *pdf,
@@ -249,8 +247,7 @@ static bis_status check_pixels(const bis_envmap *em, size_t n, const uint32_t *p
 {
     for (size_t i = 0; i < n; i++)
         if (pixel[i] >= pixels_of(em))
-            return bis_error(diag, BIS_INPUT, nowhere, "pixel %zu is %" PRIu32 ", not below %zu", i, pixel[i],
-                             pixels_of(em));
+            return bis_flat_refuse(diag, "pixel %zu is %" PRIu32 ", not below %zu", i, pixel[i], pixels_of(em));
     return BIS_OK;
 }
 
@@ -291,7 +288,7 @@ bis_status bis_do_light_rows(const bis_light *light, size_t n, const uint32_t *p
     const bis_envmap *em = bis_light_envmap(light);
     const size_t width = (size_t)em->width, height = (size_t)em->height;
 
-    if (isnan(degrees)) return bis_error(diag, BIS_INPUT, nowhere, "degrees is not a number");
+    if (isnan(degrees)) return bis_flat_refuse(diag, "degrees is not a number");
     const bis_status status = check_pixels(em, n, pixel, diag);
     if (status) return status;
     memset(count, 0, height * sizeof *count);
@@ -315,8 +312,8 @@ bis_status bis_do_light_regions(const bis_light *light, int levels, double b, ui
     bis_regions r = {0};
 
     if (!(levels >= 1 && levels <= BIS_LEVELS_MAX && b >= 0 && b <= BIS_AREA_EXPONENT_MAX))
-        return bis_error(diag, BIS_INPUT, nowhere, "%d levels and exponent %g: give 1 to %d and 0 to %g", levels, b,
-                         BIS_LEVELS_MAX, BIS_AREA_EXPONENT_MAX);
+        return bis_flat_refuse(diag, "%d levels and exponent %g: give 1 to %d and 0 to %g", levels, b, BIS_LEVELS_MAX,
+                               BIS_AREA_EXPONENT_MAX);
     const bis_status status = bis_regions_init(&r, em, levels, diag);
     for (size_t i = 0; !status && i < pixels_of(em); i++) {
         const uint32_t k = label[i] = r.label[i];

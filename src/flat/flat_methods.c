@@ -19,8 +19,7 @@ static bis_status set_proposal(bis_settings *s, const char *name, bis_diag *diag
         s->proposal = p;
         return BIS_OK;
     }
-    return bis_error(diag, BIS_INPUT, nowhere, "proposal is \"%.40s\": integrator \"unoccluded\" takes em, brdf or mix",
-                     name);
+    return bis_flat_refuse(diag, "proposal is \"%.40s\": integrator \"unoccluded\" takes em, brdf or mix", name);
 }
 
 /* Sets stage->asked to the scene with these settings, if there is a surface. */
@@ -46,7 +45,7 @@ static bis_status ask(bis_flat_stage *stage, const char *const *settings, bis_di
 static bis_status check_count(size_t n, size_t most, bis_diag *diag)
 {
     if (n >= 2 && n <= most) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to %zu", n, most);
+    return bis_flat_refuse(diag, "%zu estimates: give 2 to %zu", n, most);
 }
 
 /* ---- one estimate of sir ---- */
@@ -59,11 +58,9 @@ static bis_status ask_sir(bis_flat_stage *stage, const char *const *settings, si
 
     if (status) return status;
     if (s->integrator != &bis_sir)
-        return bis_error(diag, BIS_INPUT, nowhere, "integrator \"%s\" has no candidates to show: give sir",
-                         s->integrator->name);
+        return bis_flat_refuse(diag, "integrator \"%s\" has no candidates to show: give sir", s->integrator->name);
     if (s->candidates > room)
-        return bis_error(diag, BIS_INPUT, nowhere, "%u candidates do not fit into arrays of %zu",
-                         (unsigned)s->candidates, room);
+        return bis_flat_refuse(diag, "%u candidates do not fit into arrays of %zu", (unsigned)s->candidates, room);
     return BIS_OK;
 }
 
@@ -194,7 +191,7 @@ bis_status bis_do_stage_rays(bis_flat_stage *stage, const char *const *settings,
     bis_status status = ask(stage, settings, diag);
 
     if (!status && runs > 1 << 20)
-        status = bis_error(diag, BIS_INPUT, nowhere, "rays of %u estimates: give 1048576 at most", (unsigned)runs);
+        status = bis_flat_refuse(diag, "rays of %u estimates: give 1048576 at most", (unsigned)runs);
     if (status) return status;
     const uint64_t pixel = pixel_of(&sampler, stage, seed);
     status = bis_pixel_rays_record(&r, &stage->pt, &stage->asked.view.settings, &sampler, pixel, runs, diag);
@@ -245,8 +242,7 @@ bis_status bis_do_stage_method(bis_flat_stage *stage, const char *const *setting
     bis_status status = ask(stage, settings, diag);
 
     if (!status) status = check_count(n, 100000000, diag);
-    if (!status && !stage->knows_exact)
-        status = bis_error(diag, BIS_INPUT, nowhere, "the truth is not known here: ask for it first");
+    if (!status && !stage->knows_exact) status = bis_flat_refuse(diag, "the truth is not known here: ask for it first");
     if (status) return status;
     const bis_view *view = &stage->asked.view;
     const bis_verify_job job = {&stage->pt, NULL, view->sampler.kind, (uint32_t)n, seed, stop};
@@ -268,8 +264,8 @@ bis_status bis_do_stage_mis(bis_flat_stage *stage, const char *const *settings, 
 
     if (!status) status = ask(stage, settings, diag);
     if (!status && s->integrator != &bis_mis)
-        status = bis_error(diag, BIS_INPUT, nowhere, "integrator \"%s\" does not combine two techniques: give mis",
-                           s->integrator->name);
+        status = bis_flat_refuse(diag, "integrator \"%s\" does not combine two techniques: give mis",
+                                 s->integrator->name);
     if (!status) status = bis_pixel_mis_of(&mis, &stage->pt, s, n, seed, diag);
     if (status) return status;
     memcpy(sum, (double[]){mis.mean, sqrt(mis.variance[0]), sqrt(mis.variance[1]), mis.beta, mis.overlap},
@@ -297,12 +293,11 @@ bis_status bis_do_stage_accept(bis_flat_stage *stage, const char *proposal, size
 
     if (status) return status;
     if (!is_em && strcmp(proposal, "brdf") != 0)
-        return bis_error(diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
+        return bis_flat_refuse(diag, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
     const double B = bis_candidates_bound(&stage->pt, is_em ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF);
     *accepted = 0;
     for (size_t i = 0; i < n; i++) {
-        if (isnan(u[i]) || isnan(w[i]))
-            return bis_error(diag, BIS_INPUT, nowhere, "candidate %zu is no number", i);
+        if (isnan(u[i]) || isnan(w[i])) return bis_flat_refuse(diag, "candidate %zu is no number", i);
         height[i] = u[i] * B;
         *accepted += taken[i] = height[i] < w[i];
     }

@@ -84,7 +84,7 @@ static bis_status render(bis_flat_picture **out, bis_film *film, const bis_scene
     bis_status status = bis_render(&result, film, scene, &d->view, &options, diag);
 
     if (!status && result.passes == 0)
-        status = bis_error(diag, BIS_INPUT, nowhere, "the render was stopped before its first pass was complete");
+        status = bis_flat_refuse(diag, "the render was stopped before its first pass was complete");
     if (status) return status;
     bis_stats stats = bis_stats_of(d, bis_scene_figures_of(scene), scene->seconds, film, &result);
     const bis_scene_seconds *of = &scene->seconds;
@@ -140,7 +140,7 @@ bis_status bis_do_scene_render(bis_flat_picture **picture, bis_flat_scene *scene
 
     for (int i = 0; i < 2; i++)
         if (bis_flat_setting(settings, of_opening[i]))
-            return bis_error(diag, BIS_INPUT, nowhere, "%s belongs to the opening of a scene", of_opening[i]);
+            return bis_flat_refuse(diag, "%s belongs to the opening of a scene", of_opening[i]);
     return make_picture(picture, scene, settings, &w, diag);
 }
 

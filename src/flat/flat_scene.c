@@ -98,10 +98,10 @@ void bis_flat_scene_close(bis_flat_scene *scene)
 bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag)
 {
     if (d->accel.kind != s->desc->accel.kind)
-        return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of an open scene is built: open it with another");
+        return bis_flat_refuse(diag, "the accelerator of an open scene is built: open it with another");
     if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of this scene does not reach to the camera: open the "
-                                               "scene with this camera");
+    return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the camera: open the scene with this "
+                           "camera");
 }
 
 /* Whether a map with the settings of a is that with the settings of b. */
@@ -201,7 +201,7 @@ bis_status bis_do_scene_coverage(bis_flat_scene *scene, const char *const *setti
     bis_flat_wishes w = {0};
     bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
 
-    if (!(side >= 1 && side <= 64)) return bis_error(diag, BIS_INPUT, nowhere, "side is %d: give 1 to 64", side);
+    if (!(side >= 1 && side <= 64)) return bis_flat_refuse(diag, "side is %d: give 1 to 64", side);
     bis_status status = bis_flat_wish(&d, &w, settings, diag);
     if (!status) status = bis_flat_scene_check(scene, &d, diag);
     if (status) return status;

@@ -25,8 +25,8 @@ static bis_status number(double *v, const char *name, const char *text, range r,
     if (end != text && !*end && *v >= r.lo && *v <= r.hi && (r.kind != WHOLE || floor(*v) == *v) &&
         (r.kind != REAL_ABOVE || *v > r.lo))
         return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give %s in %s%.16g, %.16g]", name, text,
-                     r.kind == WHOLE ? "an integer" : "a number", r.kind == REAL_ABOVE ? "(" : "[", r.lo, r.hi);
+    return bis_flat_refuse(diag, "%s is \"%.40s\": give %s in %s%.16g, %.16g]", name, text,
+                           r.kind == WHOLE ? "an integer" : "a number", r.kind == REAL_ABOVE ? "(" : "[", r.lo, r.hi);
 }
 
 static bis_status set_parameter(bis_settings *s, const char *name, const char *text, bis_diag *diag)
@@ -36,20 +36,19 @@ static bis_status set_parameter(bis_settings *s, const char *name, const char *t
     double v = 0;
 
     if (!p)
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "integrator \"%s\" has no parameter \"%.40s\"; `bis help integrators` lists what each reads",
-                         s->integrator->name, name);
+        return bis_flat_refuse(diag, "integrator \"%s\" has no parameter \"%.40s\"; `bis help integrators` lists what "
+                               "each reads", s->integrator->name, name);
     if (p->type == BIS_PARAMETER_CHOICE) {
         unsigned i = 0;
         while (i < BIS_MAX_CHOICES && (!(p->choices >> i & 1) || strcmp(p->names[i], text) != 0)) i++;
         if (i == BIS_MAX_CHOICES)
-            return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": integrator \"%s\" takes %s", name, text,
-                             s->integrator->name, bis_parameter_list(list, p, "\""));
+            return bis_flat_refuse(diag, "%s is \"%.40s\": integrator \"%s\" takes %s", name, text,
+                                   s->integrator->name, bis_parameter_list(list, p, "\""));
         v = i;
     } else if (p->type == BIS_PARAMETER_BOOL) {
         v = strcmp(text, "true") == 0;
         if (v <= 0 && strcmp(text, "false") != 0)
-            return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give true or false", name, text);
+            return bis_flat_refuse(diag, "%s is \"%.40s\": give true or false", name, text);
     } else {
         /* the integrator's range is tested with the others' */
         const range r = p->type == BIS_PARAMETER_COUNT ? (range){0, UINT32_MAX, WHOLE} : (range){0, 1, REAL};
@@ -65,8 +64,7 @@ static bis_status set_integrator(bis_scene_desc *d, const char *name, bis_diag *
     const bis_integrator *integrator = bis_integrator_find(name);
 
     if (!integrator)
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
+        return bis_flat_refuse(diag, "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
     bis_scene_name_integrator(d, integrator, nowhere);
     return BIS_OK;
 }
@@ -76,8 +74,8 @@ static bis_status set_accelerator(bis_scene_desc *d, const char *name, bis_diag 
     const bool is_grid = strcmp(name, "grid") == 0;
 
     if (!is_grid && (strcmp(name, "embree") != 0 || !bis_accel_embree_version()))
-        return bis_error(diag, BIS_INPUT, nowhere, "accelerator \"%.40s\" is not there: give %s", name,
-                         bis_accel_embree_version() ? "\"grid\" or \"embree\"" : "\"grid\"");
+        return bis_flat_refuse(diag, "accelerator \"%.40s\" is not there: give %s", name,
+                               bis_accel_embree_version() ? "\"grid\" or \"embree\"" : "\"grid\"");
     d->accel.kind = is_grid ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
     return BIS_OK;
 }
@@ -85,8 +83,8 @@ static bis_status set_accelerator(bis_scene_desc *d, const char *name, bis_diag 
 static bis_status set_crop(bis_film_desc *f, const char *text, bis_diag *diag)
 {
     if (bis_film_read_crop(f->crop, text)) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere,
-                     "crop is \"%.60s\": give x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as 0.25,0.75,0,1", text);
+    return bis_flat_refuse(diag, "crop is \"%.60s\": give x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as "
+                           "0.25,0.75,0,1", text);
 }
 
 static bis_status set_camera(bis_camera *camera, const char *text, bis_diag *diag)
@@ -121,7 +119,7 @@ bis_status bis_flat_parse(bis_scene_desc **d, const char *path, const char *cons
     const char *approximate = bis_flat_setting(settings, "approximate");
 
     if (approximate && strcmp(approximate, "true") != 0 && strcmp(approximate, "false") != 0)
-        return bis_error(diag, BIS_INPUT, nowhere, "approximate is \"%.40s\": give true or false", approximate);
+        return bis_flat_refuse(diag, "approximate is \"%.40s\": give true or false", approximate);
     const unsigned how = (approximate && *approximate == 't' ? BIS_PARSE_APPROXIMATE : 0) |
                          (light ? BIS_PARSE_OTHER_LIGHT : 0);
     return bis_scene_parse_text(d, path, bis_flat_setting(settings, "text"), how, diag);
@@ -136,9 +134,7 @@ static bis_status set_as_printed(bis_settings *s, const char *text, bis_diag *di
         const size_t n = strcspn(at, ",");
         snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : 0), at);
         const bis_erratum *e = bis_erratum_find(name);
-        if (!e)
-            return bis_error(diag, BIS_INPUT, nowhere, "as_printed is \"%.60s\": give none, or errata as in E3,E13",
-                             text);
+        if (!e) return bis_flat_refuse(diag, "as_printed is \"%.60s\": give none, or errata as in E3,E13", text);
         s->as_printed |= e->flag;
         at += n + (at[n] == ',');
     }
@@ -195,8 +191,7 @@ bis_status bis_flat_wish(bis_scene_desc *d, bis_flat_wishes *w, const char *cons
     for (const char *const *s = settings; !status && *s; s++) {
         char name[64];
         const size_t n = strcspn(*s, "=");
-        if (!(*s)[n] || n >= sizeof name)
-            return bis_error(diag, BIS_INPUT, nowhere, "\"%.60s\" is no setting: give name=value", *s);
+        if (!(*s)[n] || n >= sizeof name) return bis_flat_refuse(diag, "\"%.60s\" is no setting: give name=value", *s);
         snprintf(name, sizeof name, "%.*s", (int)n, *s);
         status = set(d, w, name, *s + n + 1, diag);
     }

@@ -58,7 +58,7 @@ bis_status bis_do_stage_open(bis_flat_stage **stage, const char *scene, const ch
 
     if (!status) status = bis_flat_scene_begin(&(*stage)->own, scene, settings, &w, true, diag);
     if (!status && !bis_light_envmap((*stage)->own.scene->light))
-        status = bis_error(diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
+        status = bis_flat_refuse(diag, "the light is a constant: give a map");
     if (!status) status = begin(*stage, (*stage)->own.scene, NULL, diag);
     return opened(stage, status);
 }
@@ -85,8 +85,7 @@ bis_status bis_do_stage_at(bis_flat_stage *stage, int x, int y, double *found, b
     const bis_film_desc *film = &stage->desc.view.film;
 
     if (!(x >= 0 && x < film->width && y >= 0 && y < film->height))
-        return bis_error(diag, BIS_INPUT, nowhere, "pixel (%d, %d) is outside %d x %d", x, y, film->width,
-                         film->height);
+        return bis_flat_refuse(diag, "pixel (%d, %d) is outside %d x %d", x, y, film->width, film->height);
     memset(found, 0, 8 * sizeof *found);
     stage->knows_exact = false;
     stage->is_chosen = true;
@@ -104,7 +103,7 @@ bis_status bis_do_stage_at(bis_flat_stage *stage, int x, int y, double *found, b
 bis_status bis_flat_stage_hit(const bis_flat_stage *stage, bis_diag *diag)
 {
     if (stage->is_hit) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "no point was chosen, or its pixel sees no surface: choose another one");
+    return bis_flat_refuse(diag, "no point was chosen, or its pixel sees no surface: choose another one");
 }
 
 /* Computes stage->exact, unless it is known for this seed. */
@@ -167,7 +166,7 @@ static vec3 at_cell(double u, double v, int columns, int rows)
 static bis_status check_field(int columns, int rows, bis_diag *diag)
 {
     if (columns >= 1 && columns <= 4096 && rows >= 1 && rows <= 4096) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "a field of %d x %d: give 1 to 4096 each", columns, rows);
+    return bis_flat_refuse(diag, "a field of %d x %d: give 1 to 4096 each", columns, rows);
 }
 
 bis_status bis_do_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
@@ -261,7 +260,7 @@ bis_status bis_do_stage_sphere(bis_flat_stage *stage, int columns, int rows, int
 
     if (!status) status = bis_flat_stage_hit(stage, diag);
     if (!status && !(sub >= 1 && sub <= 64))
-        status = bis_error(diag, BIS_INPUT, nowhere, "%d directions a side of a cell: give 1 to 64", sub);
+        status = bis_flat_refuse(diag, "%d directions a side of a cell: give 1 to 64", sub);
     if (status) return status;
     const sphere s = {field, columns, rows, sub};
 #pragma omp parallel for schedule(dynamic, 4)
@@ -316,7 +315,7 @@ bis_status bis_do_stage_angles(bis_flat_stage *stage, size_t n, const float *wi,
     for (size_t i = 0; i < n; i++) {
         const vec3 w = {wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]};
         if (!(isfinite(w.x) && isfinite(w.y) && isfinite(w.z)))
-            return bis_error(diag, BIS_INPUT, nowhere, "direction %zu is not finite", i);
+            return bis_flat_refuse(diag, "direction %zu is not finite", i);
         const bis_pixel_direction d = bis_pixel_direction_of(&stage->desc.light.to_world, w);
         angle[2 * i] = d.theta;
         angle[2 * i + 1] = d.phi;

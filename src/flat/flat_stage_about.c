@@ -141,7 +141,7 @@ bis_status bis_do_stage_about(bis_flat_stage *stage, const char **text, bis_diag
 {
     size_t n;
 
-    if (!stage->is_chosen) return bis_error(diag, BIS_INPUT, nowhere, "no pixel was chosen: choose one first");
+    if (!stage->is_chosen) return bis_flat_refuse(diag, "no pixel was chosen: choose one first");
     free(stage->about);
     stage->about = NULL;
     bis_json j = {.out = open_memstream(&stage->about, &n), .keeps_bytes = true};

@@ -44,11 +44,10 @@ bis_status bis_do_points(const char *kind, uint64_t seed, uint32_t pixel, uint32
 
     while (k <= BIS_SAMPLER_HALTON && strcmp(kind, bis_sampler_name((bis_sampler_kind)k)) != 0) k++;
     if (k > BIS_SAMPLER_HALTON)
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "there is no sampler \"%.40s\": give random, stratified, sobol or halton", kind);
+        return bis_flat_refuse(diag, "there is no sampler \"%.40s\": give random, stratified, sobol or halton", kind);
     if (!(spp > 0 && n <= UINT32_MAX && (dim < INT32_MAX || dim == UINT32_MAX)))
-        return bis_error(diag, BIS_INPUT, nowhere, "%zu points of %u samples, dimension %" PRIu32 ": give at most "
-                         "2^32 - 1 points, a sample or more, a dimension below 2^31 - 1", n, (unsigned)spp, dim);
+        return bis_flat_refuse(diag, "%zu points of %u samples, dimension %" PRIu32 ": give at most "
+                               "2^32 - 1 points, a sample or more, a dimension below 2^31 - 1", n, (unsigned)spp, dim);
     sampler.kind = (bis_sampler_kind)k;
     bis_sampler_set_spp(&sampler, spp);
     for (size_t i = 0; dim == UINT32_MAX && i < n; i++) {
@@ -66,11 +65,11 @@ bis_status bis_do_histogram(size_t n, const double *values, const double *unit, 
     const double hi = most * *unit;
 
     if (!(cells >= 1 && isfinite(hi) && *unit >= 0 && most >= 0))
-        return bis_error(diag, BIS_INPUT, nowhere, "%zu cells from 0 to %g times %g: give a cell or more, and "
-                         "numbers >= 0", cells, most, *unit);
+        return bis_flat_refuse(diag, "%zu cells from 0 to %g times %g: give a cell or more, and numbers >= 0", cells,
+                               most, *unit);
     memset(count, 0, cells * sizeof *count);
     for (size_t i = 0; i < n; i++) {
-        if (isnan(values[i])) return bis_error(diag, BIS_INPUT, nowhere, "value %zu is no number", i);
+        if (isnan(values[i])) return bis_flat_refuse(diag, "value %zu is no number", i);
         if (values[i] >= hi) count[cells - 1]++;
         else count[values[i] > 0 ? (size_t)(values[i] / hi * (double)cells) : 0]++; /* the quotient rounds to below 1 */
     }
@@ -108,8 +107,7 @@ bis_status bis_do_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *
     bis_status status = bis_marsaglia_init(&m, wide, n, diag);
     bis_free(wide);
     if (!status && m.length > room)
-        status = bis_error(diag, BIS_INPUT, nowhere, "the list has %zu items, the array has room for %zu", m.length,
-                           room);
+        status = bis_flat_refuse(diag, "the list has %zu items, the array has room for %zu", m.length, room);
     if (!status) {
         memcpy(list, m.list, m.length * sizeof *list);
         *length = (uint32_t)m.length;
@@ -143,15 +141,13 @@ bis_status bis_do_alias_build(size_t n, const double *w, double *prob, uint32_t 
 bis_status bis_do_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
                                uint32_t *item, bis_diag *diag)
 {
-    if (n == 0) return bis_error(diag, BIS_INPUT, nowhere, "the tables are empty: there is nothing to draw");
-    if (n > UINT32_MAX)
-        return bis_error(diag, BIS_INPUT, nowhere, "there are %zu bins: give 1 to %" PRIu32, n, UINT32_MAX);
+    if (n == 0) return bis_flat_refuse(diag, "the tables are empty: there is nothing to draw");
+    if (n > UINT32_MAX) return bis_flat_refuse(diag, "there are %zu bins: give 1 to %" PRIu32, n, UINT32_MAX);
     for (size_t i = 0; i < n; i++) {
         if (!(prob[i] >= 0 && prob[i] <= 1))
-            return bis_error(diag, BIS_INPUT, nowhere, "prob of bin %zu is %g: give numbers in [0, 1]", i, prob[i]);
+            return bis_flat_refuse(diag, "prob of bin %zu is %g: give numbers in [0, 1]", i, prob[i]);
         if (alias[i] >= n)
-            return bis_error(diag, BIS_INPUT, nowhere, "alias of bin %zu is %" PRIu32 ": give items below %zu", i,
-                             alias[i], n);
+            return bis_flat_refuse(diag, "alias of bin %zu is %" PRIu32 ": give items below %zu", i, alias[i], n);
     }
     const bis_status status = bis_flat_numbers(m, 1, u, diag);
     for (size_t i = 0; !status && i < m; i++) item[i] = (uint32_t)bis_alias_pick(prob, alias, n, u[i]);
@@ -211,8 +207,7 @@ bis_status bis_do_alias_few_bits(size_t n, const double *w, int bits, double *pr
 {
     bis_alias a = {0};
 
-    if (!(bits >= 0 && bits <= 24))
-        return bis_error(diag, BIS_INPUT, nowhere, "numbers of %d bits: give 0 to 24", bits);
+    if (!(bits >= 0 && bits <= 24)) return bis_flat_refuse(diag, "numbers of %d bits: give 0 to 24", bits);
     const bis_status status = alias_of(&a, n, w, diag);
     if (status) return status;
     for (size_t i = 0; i < n; i++) printed[i] = right[i] = 0;
@@ -261,7 +256,7 @@ bis_status bis_do_cdf_sample(size_t n, const double *w, size_t m, const double *
 
     for (size_t i = 0; !status && i < m; i++) {
         if (!(u[i] >= 0 && u[i] < 1)) {
-            status = bis_error(diag, BIS_INPUT, nowhere, "u of sample %zu is %g: give numbers in [0, 1)", i, u[i]);
+            status = bis_flat_refuse(diag, "u of sample %zu is %g: give numbers in [0, 1)", i, u[i]);
             break;
         }
         item[i] = (uint32_t)bis_cdf_sample(&cdf, u[i], NULL);
@@ -282,8 +277,7 @@ bis_status bis_do_fit(size_t n, const double *P, size_t m, const uint32_t *item,
 
     if (status) return status;
     for (size_t i = 0; i < m; i++)
-        if (item[i] >= n)
-            return bis_error(diag, BIS_INPUT, nowhere, "item %zu is %" PRIu32 ", not below %zu", i, item[i], n);
+        if (item[i] >= n) return bis_flat_refuse(diag, "item %zu is %" PRIu32 ", not below %zu", i, item[i], n);
     double *expected = bis_alloc(n, sizeof *expected);
     if (!expected) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu items", n);
     for (size_t i = 0; i < n; i++) {

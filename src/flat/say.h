@@ -16,6 +16,9 @@ static const bis_loc nowhere = {0};
 /* bis_flat_end writes all messages to say[size], one a line, frees them, and returns the status. say may be NULL. */
 int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size);
 
+/* bis_flat_refuse adds what is wrong with the caller's arguments to diag, and returns BIS_INPUT. */
+bis_status bis_flat_refuse(bis_diag *diag, const char *fmt, ...) BIS_PRINTF(2, 3);
+
 /* A pointer to n items that a caller gives; n = 0: it may be NULL. */
 typedef struct bis_flat_pointer {
     const char *name;
