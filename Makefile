@@ -58,7 +58,7 @@ DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) $(SSE) -fno-math-err
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes \
     -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
-OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) \
+OURS    := $(DIALECT) -I$B/src $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) \
     $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) \
     $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
@@ -69,7 +69,7 @@ PAGES   := $(filter-out %/frame.html,$(wildcard scripts/python/pages/*.html))
 INSTRUMENTS := $(filter-out bis-instrument,$(notdir $(wildcard scripts/python/bis-*)))
 # The pages of the instruments, each in one file, where the package finds them.
 ASSEMBLED := $(PAGES:scripts/python/pages/%=scripts/python/bis/pages/%)
-OBJ     := $(SRC:%.c=$B/%.o) $B/src/cli/help_scene.o
+OBJ     := $(SRC:%.c=$B/%.o) $B/src/cli/help_scene.o $B/src/flat/face.o
 LIB     := $B/libbis.a
 # What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit.
 VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
@@ -219,6 +219,19 @@ $B/src/cli/help_scene.o: docs/scene-format.md src/cli/help_scene.awk src/cli/hel
 	$(call say,CC,$<)
 	$Qawk -f src/cli/help_scene.awk $< | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 
+# What follows from the prototypes of include/bis/flat: the functions around those of src/flat. FACE: of these headers.
+define FACE
+@mkdir -p $(@D)
+$(call say,FACE,$@)
+$Qawk -f src/flat/face.awk -v to=$(patsubst .%,%,$(suffix $@)) $(filter %.h,$^) >$@.new && mv $@.new $@
+endef
+$B/src/flat/face.h $B/src/flat/face.c: src/flat/face.awk $(wildcard include/bis/flat/*.h)
+	$(FACE)
+$(filter $B/src/flat/%,$(OBJ)): | $B/src/flat/face.h
+$B/src/flat/face.o: $B/src/flat/face.c $B/.flags
+	$(call say,CC,$<)
+	$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
+
 compile_commands.json: FORCE
 	@sh scripts/check/compile_commands.sh $(call quoted,$(CC) $(CFLAGS) $(OURS) $(TESTING)) $(ALL_C) >$@
 
@@ -274,8 +287,8 @@ W        := build/web
 WASM_CC  ?= clang
 WASM_SRC := $(filter-out src/cli/% src/files/image_exr% src/files/image_png% src/files/gzip.c \
     src/flat/flat_image.c src/base/threads.c,$(SRC)) scripts/web/wasm.c
-WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o)
-WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -include scripts/web/wasi.h \
+WASM_OBJ := $(WASM_SRC:%.c=$W/objects/%.o) $W/objects/src/flat/face.o
+WASM     := --target=wasm32-wasi -O2 -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -I$W/src -include scripts/web/wasi.h \
     -nostdlibinc -isystem /usr/include/wasm32-wasi \
     -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_PROCESS_CLOCKS -fno-math-errno -fno-trapping-math \
     -ffp-contract=off -msimd128
@@ -288,10 +301,16 @@ $W/objects/%.o: %.c scripts/web/wasi.h Makefile
 	@mkdir -p $(@D)
 	$(call say,WASM,$<)
 	$Q$(WASM_CC) $(WASM) -w -MMD -MP -c -o $@ $<
+$W/src/flat/face.h $W/src/flat/face.c: src/flat/face.awk $(filter-out %/image.h,$(wildcard include/bis/flat/*.h))
+	$(FACE)
+$(filter $W/objects/src/flat/%,$(WASM_OBJ)): | $W/src/flat/face.h
+$W/objects/src/flat/face.o: $W/src/flat/face.c Makefile
+	@mkdir -p $(@D)
+	$Q$(WASM_CC) $(WASM) -w -MMD -MP -c -o $@ $<
 $W/bis.wasm: $(WASM_OBJ)
 	$(call say,LINK,$@)
 	$Q$(WASM_CC) -o $@ $^ $(WASM_LINK) $(FLAT_NAMES:%=-Wl,--export-if-defined=%) -Wl,--export=malloc -Wl,--export=free
-web: $W/bis.wasm $B/bis $(STAMP)
+web: $W/bis.wasm $B/bis $(SHARED_LIB) $(STAMP)
 	@sh scripts/web/pages.sh $B/bis $W
 
 # Each figure in a headless Chromium, its hashes against those of the native library; no part of `make test`.
@@ -363,4 +382,4 @@ include scripts/course/course.mk
 ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) \
     $(wildcard tests/support/*.c tests/support/*/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
 .SECONDARY: $(ALL_C:%.c=$B/%.o)
--include $(ALL_C:%.c=$B/%.d) $(WASM_OBJ:.o=.d)
+-include $(ALL_C:%.c=$B/%.d) $B/src/flat/face.d $(WASM_OBJ:.o=.d)

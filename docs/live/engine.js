@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* engine: libbis as WebAssembly, asked by lists of calls. The same code runs in a page's worker and under node.
  *
- * bisEngine(wasm, files, calls) makes one: wasm is a WebAssembly.Module, files {path: Uint8Array}, calls those of
- * calls.js.
+ * bisEngine(wasm, files) makes one: wasm is a WebAssembly.Module, files {path: Uint8Array}. What a function takes the
+ * library tells itself: bis_flat_signatures (include/bis/flat/flat.h).
  *   engine.run(list)      makes the calls [[name, argument...], ...] in their order. An argument is a number, a text,
  *                         an array, or "#k.j", the j-th array that call k of this list has written; for a written array
- *                         it is its length; for what is opened or was opened a name of the caller's own. Returns
- *                         {out: [[array...]...], hash, seconds}. Throws an Error with the library's words; after a
- *                         trap the library starts anew.
+ *                         it is its length; for what is opened or was opened a name of the caller's own. A function
+ *                         or a flag of C (p) is never given. Returns {out: [[array...]...], hash, seconds}; the hash
+ *                         leaves out what the C library's last bits are in. Throws an Error with the library's words;
+ *                         after a trap the library starts anew.
  *   engine.put(path, bytes)   adds a file.
  * What was opened by the same arguments is not opened again. A name that is opened anew closes what it had.
  *
- * bisClient(makeWorker) is its face in a page: ask(list) and put(path, bytes) return promises. */
+ * bisClient(assets) is its face in a page: ask(list) and put(path, bytes) return promises. */
 'use strict';
-function bisEngine(wasm, files, calls) {
+function bisEngine(wasm, files) {
   const ARRAYS = {d: Float64Array, f: Float32Array, u: Uint32Array, b: Uint8Array, i: Int32Array};
   const CLOSES = {light: 'bis_flat_light_close', bsdf: 'bis_flat_bsdf_close', stage: 'bis_flat_stage_close',
     render: 'bis_flat_picture_close'};
   const SAY = 4096;
-  let lib, open, opened, waiting;
+  let lib, open, opened, waiting, signatures;
 
   /* ---- the system: files that are only read, and a clock ---- */
 
@@ -112,6 +113,12 @@ function bisEngine(wasm, files, calls) {
     waiting = '';
     lib = new WebAssembly.Instance(wasm, {wasi_snapshot_preview1: imports}).exports;
     lib._initialize();
+    signatures = {};
+    for (const line of cString(lib.bis_flat_signatures()).trim().split('\n')) {
+      const [name, returns, ...taken] = line.split(' ');
+      signatures[name] = {hidden: returns[0] === '~', returns: returns.slice(-1),
+        letters: taken.map((one) => one.split(':')[1][0])};
+    }
   }
 
   /* ---- a call ---- */
@@ -138,8 +145,9 @@ function bisEngine(wasm, files, calls) {
   }
 
   function marshal(letter, given, done, mine, outs) {
-    if ('inr'.includes(letter)) return +given;
-    if (letter === '0') return 0;
+    if ('inkr'.includes(letter)) return +given;
+    if (letter === 'q') return BigInt(given);
+    if (letter === 'p') return 0;
     if (letter === 'z') return copyText(mine, given);
     if (letter === 'l') return copyIn(mine, Uint32Array, given.map((s) => copyText(mine, s)).concat(0));
     if (letter === 'h') {
@@ -160,15 +168,13 @@ function bisEngine(wasm, files, calls) {
   }
 
   function call(one, done, hash) {
-    const [name, ...given] = one, hidden = calls[name].startsWith('~'),
-      [returns, letters] = calls[name].replace('~', '').split(' ');
+    const [name, ...given] = one, {hidden, returns, letters} = signatures[name];
     const key = JSON.stringify(given), at = letters.indexOf('O'), mine = [], outs = [], own = at < 0 ? null : given[at];
     if (own && opened[own] && opened[own].key === name + key) return [];
     if (own) close(own);
     let used = 0;
     try {
-      /* a 0 is not given */
-      const values = [...letters].map((c) => marshal(c, c === '0' ? 0 : given[used++], done, mine, outs));
+      const values = letters.map((c) => marshal(c, c === 'p' ? 0 : given[used++], done, mine, outs));
       if (returns === 's') values.push(claim(mine, SAY), SAY);
       const result = lib[name](...values);
       if (returns === 's' && result) throw new Error(cString(values[values.length - 2]));
@@ -214,7 +220,7 @@ function bisWorker() {
     const files = {};
     for (const name of Object.keys(m.files))
       files[name.replace(/\.gz$/, '')] = new Uint8Array(await unpack(m.files[name]));
-    engine = bisEngine(await WebAssembly.compile(await unpack(m.wasm)), files, m.calls);
+    engine = bisEngine(await WebAssembly.compile(await unpack(m.wasm)), files);
   }
   let last = Promise.resolve();
   onmessage = (event) => {
@@ -236,7 +242,7 @@ function bisWorker() {
 
 /* assets: {'bis.wasm.gz': base64, path: base64}. The worker is made of this file's own text, because a page that was
  * opened from disk may load neither a worker nor a module from there. */
-function bisClient(assets, calls) {
+function bisClient(assets) {
   const source = '"use strict";\n' + bisEngine + '\n' + bisWorker + '\nbisWorker();';
   const worker = new Worker(URL.createObjectURL(new Blob([source], {type: 'text/javascript'})));
   const bytes = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)), waits = new Map();
@@ -254,7 +260,7 @@ function bisClient(assets, calls) {
   });
   const files = {};
   for (const name of Object.keys(assets)) if (name !== 'bis.wasm.gz') files[name] = bytes(assets[name]);
-  const began = send({wasm: bytes(assets['bis.wasm.gz']), files, calls});
+  const began = send({wasm: bytes(assets['bis.wasm.gz']), files});
   return {ask: (list) => began.then(() => send({list})),
     put: (path, data) => began.then(() => send({put: path, bytes: data}))};
 }

@@ -145,7 +145,7 @@ var bisFigure = (function () {
   function build(box, spec) {
     const id = 'live' + nextId++;
     const f = {spec, box, state: stateOf(spec, location.hash), shows: [], began: false, busy: false, again: false};
-    f.client = () => client || (client = bisClient(bisAssets, bisCalls));
+    f.client = () => client || (client = bisClient(bisAssets));
     f.picture = element('div', {class: 'live-picture'});
     f.words = element('p', {class: 'live-words', role: 'status'}, 'The figure starts when it is seen.');
     f.foot = element('p', {class: 'live-foot'});

@@ -3,22 +3,18 @@
  * in the tables of the library, and no other language keeps a copy. */
 #include "bis/base/mem.h"
 #include "bis/scene/layers.h"
-#include "bis/scene/parameters.h"
 #include "bis/shape/accel.h"
 #include "bis/thesis/errata.h"
 #include "bis/thesis/importance.h"
 #include "bis/thesis/integrator.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
-#include "tools/json.h"
 #include "tools/describe.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const bis_loc nowhere = {0};
-
-static void put_value(bis_json *j, const char *key, const bis_parameter *p, double v)
+void bis_flat_put_parameter(bis_json *j, const char *key, const bis_parameter *p, double v)
 {
     if (p->type == BIS_PARAMETER_BOOL) bis_json_bool(j, key, v > 0);
     else if (p->type == BIS_PARAMETER_CHOICE) bis_json_text(j, key, bis_parameter_text(NULL, p, v));
@@ -34,7 +30,7 @@ static void put_parameter(bis_json *j, const bis_parameter *p)
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "name", p->name);
     bis_json_text(j, "type", types[p->type]);
-    put_value(j, "default", p, p->usual);
+    bis_flat_put_parameter(j, "default", p, p->usual);
     if (p->type == BIS_PARAMETER_CHOICE) {
         bis_json_open(j, "choices", '[');
         for (int i = 0; i < BIS_MAX_CHOICES; i++)
@@ -111,7 +107,7 @@ static void put_settings(bis_json *j, const bis_settings *s)
     bis_json_text(j, "claim", s->integrator->claim);
     bis_json_open(j, "parameters", '{');
     for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;)
-        put_value(j, p->name, p, bis_parameter_get(p, s));
+        bis_flat_put_parameter(j, p->name, p, bis_parameter_get(p, s));
     bis_json_close(j);
     bis_json_text(j, "line", bis_describe_line(line, s, false));
     bis_json_text(j, "whole_line", bis_describe_line(line, s, true));
@@ -155,24 +151,20 @@ static void put_scene(bis_json *j, const bis_flat_scene *s, const bis_scene_desc
     bis_json_close(j);
 }
 
-int bis_flat_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, char *say, size_t size)
+bis_status bis_do_scene_about(const char **text, bis_flat_scene *scene, const char *const *settings, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, text, scene, settings);
+    bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
+    const bis_status status = bis_flat_wish(&d, &w, settings, diag);
     size_t n;
 
-    if (text) *text = NULL;
-    if (status) return bis_flat_end(status, &diag, say, size);
-    bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
-    status = bis_flat_wish(&d, &w, settings, &diag);
-    if (status) return bis_flat_end(status, &diag, say, size);
+    if (status) return status;
     free(scene->about);
     scene->about = NULL;
     FILE *f = open_memstream(&scene->about, &n);
     bis_json j = {.out = f, .keeps_bytes = true};
     if (f) put_scene(&j, scene, &d, &w);
-    if (!f || fclose(f) != 0) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a text");
-    else *text = scene->about;
-    return bis_flat_end(status, &diag, say, size);
+    if (!f || fclose(f) != 0) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for a text");
+    *text = scene->about;
+    return BIS_OK;
 }

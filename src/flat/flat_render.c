@@ -4,7 +4,7 @@
 #include "bis/base/mem.h"
 #include "bis/flat/taught.h"
 #include "bis/flat/scene.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
 #include "tools/describe.h"
 
@@ -19,9 +19,6 @@ struct bis_flat_picture {
     float *planes;                            /* the channels of all layers, [height][width] each */
     int first[BIS_N_LAYERS], n[BIS_N_LAYERS]; /* the channels of a layer; n = 0: the picture does not have it */
 };
-
-static const bis_loc nowhere = {0};
-static const char *const no_settings[] = {NULL};
 
 /* ---- rendering ---- */
 
@@ -87,7 +84,7 @@ static bis_status render(bis_flat_picture **out, bis_film *film, const bis_scene
     bis_status status = bis_render(&result, film, scene, &d->view, &options, diag);
 
     if (!status && result.passes == 0)
-        status = bis_error(diag, BIS_INPUT, nowhere, "the render was stopped before its first pass was complete");
+        status = bis_flat_refuse(diag, "the render was stopped before its first pass was complete");
     if (status) return status;
     bis_stats stats = bis_stats_of(d, bis_scene_figures_of(scene), scene->seconds, film, &result);
     const bis_scene_seconds *of = &scene->seconds;
@@ -97,8 +94,9 @@ static bis_status render(bis_flat_picture **out, bis_film *film, const bis_scene
     return keep(out, film, &stats, diag);
 }
 
-bis_status bis_flat_scene_picture(bis_flat_picture **out, bis_flat_scene *s, const char *const *settings,
-                                  bis_flat_wishes *w, bis_diag *diag)
+/* A picture as the settings ask, which begin with those of the scene. */
+static bis_status make_picture(bis_flat_picture **out, bis_flat_scene *s, const char *const *settings,
+                               bis_flat_wishes *w, bis_diag *diag)
 {
     bis_scene_desc d = *s->desc; /* shallow: the settings change values alone */
     bis_scene scene = *s->scene;
@@ -120,44 +118,36 @@ bis_status bis_flat_scene_picture(bis_flat_picture **out, bis_flat_scene *s, con
 /* Another language has only int to give. */
 _Static_assert(sizeof(sig_atomic_t) == sizeof(int), "stop is as large as an int");
 
-int bis_flat_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                         const bis_light *light, bis_flat_watcher *watcher, void *user,
-                         const volatile sig_atomic_t *stop, char *say, size_t size)
+bis_status bis_do_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                              const bis_light *light, bis_flat_watcher *watcher, void *user,
+                              const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {.light = light, .watcher = watcher, .user = user, .stop = stop};
     bis_flat_scene s = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, picture, scene, settings);
+    bis_status status = bis_flat_scene_begin(&s, scene, settings, &w, false, diag);
 
-    if (picture) *picture = NULL;
-    if (!status) status = bis_flat_scene_begin(&s, scene, settings, &w, false, &diag);
-    if (!status) status = bis_flat_scene_picture(picture, &s, no_settings, &w, &diag);
+    if (!status) status = make_picture(picture, &s, (const char *const[]){NULL}, &w, diag);
     bis_flat_scene_end(&s);
-    return bis_flat_end(status, &diag, say, size);
+    return status;
 }
 
-int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, const char *const *settings,
-                          const bis_light *light, bis_flat_watcher *watcher, void *user,
-                          const volatile sig_atomic_t *stop, char *say, size_t size)
+bis_status bis_do_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, const char *const *settings,
+                               const bis_light *light, bis_flat_watcher *watcher, void *user,
+                               const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {.light = light, .watcher = watcher, .user = user, .stop = stop};
-    bis_status status = BIS_FLAT_GIVEN(&diag, picture, scene, settings);
+    static const char *const of_opening[] = {"text", "approximate"};
 
-    if (picture) *picture = NULL;
-    for (int i = 0; !status && i < 2; i++) {
-        static const char *const of_opening[] = {"text", "approximate"};
+    for (int i = 0; i < 2; i++)
         if (bis_flat_setting(settings, of_opening[i]))
-            status = bis_error(&diag, BIS_INPUT, nowhere, "%s belongs to the opening of a scene", of_opening[i]);
-    }
-    if (!status) status = bis_flat_scene_picture(picture, scene, settings, &w, &diag);
-    return bis_flat_end(status, &diag, say, size);
+            return bis_flat_refuse(diag, "%s belongs to the opening of a scene", of_opening[i]);
+    return make_picture(picture, scene, settings, &w, diag);
 }
 
-int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                    const volatile sig_atomic_t *stop, char *say, size_t size)
+bis_status bis_do_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                         const volatile sig_atomic_t *stop, bis_diag *diag)
 {
-    return bis_flat_render_with(picture, scene, settings, NULL, NULL, NULL, stop, say, size);
+    return bis_do_render_with(picture, scene, settings, NULL, NULL, NULL, stop, diag);
 }
 
 void bis_flat_picture_close(bis_flat_picture *picture)

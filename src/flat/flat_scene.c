@@ -7,26 +7,34 @@
 #include "bis/render/film.h"
 #include "bis/shape/accel.h"
 #include "bis/thesis/integrator.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const bis_loc nowhere = {0};
 static const unsigned all_needs = BIS_NEED_TABLE | BIS_NEED_CURVE | BIS_NEED_SPREAD; /* one table for all methods */
 
 /* ---- opening ---- */
 
-/* A light of these pixels in the place of the scene's, whose frame stands upright (BIS_PARSE_OTHER_LIGHT). */
-static bis_status replace_light(bis_light_desc *desc, bis_image *image, const bis_light *light, bis_diag *diag)
+/* A light that is given: desc is of its pixels, which image borrows. */
+static void give(bis_light_desc *desc, bis_image *image, const bis_light *light)
 {
     const bis_envmap *em = bis_light_envmap(light);
 
     *image = (bis_image){em->width, em->height, em->pixels, NULL};
     desc->image = image;
-    desc->filename = bis_strdup("the given light");
+    desc->filename = (char *)(uintptr_t)"the given light"; /* only read */
     desc->has_mapping = true; /* lat-long by now, even where it is square */
+}
+
+/* The same in the place of the scene's, whose frame stands upright (BIS_PARSE_OTHER_LIGHT). */
+static bis_status replace_light(bis_flat_scene *s, const bis_light *light, bis_diag *diag)
+{
+    bis_light_desc *desc = &s->desc->light;
+
+    give(desc, &s->pixels, light);
+    desc->filename = bis_strdup(desc->filename); /* the description frees it */
     return desc->filename ? BIS_OK : bis_error(diag, BIS_NOMEM, nowhere, "no memory for the light");
 }
 
@@ -43,7 +51,7 @@ bis_status bis_flat_scene_begin(bis_flat_scene *s, const char *path, const char 
     bis_status status = bis_flat_parse(&s->desc, path, settings, w->light, diag);
 
     if (!status) status = bis_flat_wish(s->desc, w, settings, diag);
-    if (!status && w->light) status = replace_light(&s->desc->light, &s->pixels, w->light, diag);
+    if (!status && w->light) status = replace_light(s, w->light, diag);
     if (status) return status;
     turn(&s->desc->light, w->turn);
     w->light = NULL; /* it is the scene's now, and so is its turn */
@@ -64,21 +72,17 @@ void bis_flat_scene_end(bis_flat_scene *s)
     bis_scene_desc_free(s->desc);
 }
 
-int bis_flat_scene_open(bis_flat_scene **scene, const char *path, const char *const *settings, const bis_light *light,
-                        char *say, size_t size)
+bis_status bis_do_scene_open(bis_flat_scene **scene, const char *path, const char *const *settings,
+                             const bis_light *light, bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {.light = light};
-    bis_status status = BIS_FLAT_GIVEN(&diag, scene, path, settings);
-    bis_flat_scene *s = status ? NULL : bis_alloc(1, sizeof *s);
+    bis_flat_scene *s = bis_alloc(1, sizeof *s);
 
-    if (scene) *scene = NULL;
-    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a scene");
-    if (s) *s = (bis_flat_scene){0};
-    if (!status) status = bis_flat_scene_begin(s, path, settings, &w, true, &diag);
+    if (!s) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for a scene");
+    const bis_status status = bis_flat_scene_begin(s, path, settings, &w, true, diag);
     if (!status) *scene = s;
     else bis_flat_scene_close(s);
-    return bis_flat_end(status, &diag, say, size);
+    return status;
 }
 
 void bis_flat_scene_close(bis_flat_scene *scene)
@@ -94,10 +98,10 @@ void bis_flat_scene_close(bis_flat_scene *scene)
 bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag)
 {
     if (d->accel.kind != s->desc->accel.kind)
-        return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of an open scene is built: open it with another");
+        return bis_flat_refuse(diag, "the accelerator of an open scene is built: open it with another");
     if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "the accelerator of this scene does not reach to the camera: open the "
-                                               "scene with this camera");
+    return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the camera: open the scene with this "
+                           "camera");
 }
 
 /* Whether a map with the settings of a is that with the settings of b. */
@@ -128,13 +132,10 @@ static bis_status load_light(bis_light **light, bis_flat_scene *s, const bis_lig
 bis_status bis_flat_scene_given(bis_light **light, bis_scene_desc *d, const bis_flat_wishes *w, unsigned needs,
                                 bis_diag *diag)
 {
-    const bis_envmap *em = bis_light_envmap(w->light);
-    const bis_image image = {em->width, em->height, em->pixels, NULL};
+    bis_image image;
     bis_light_desc desc = bis_light_desc_default();
 
-    desc.filename = (char *)(uintptr_t)"the given light"; /* only read */
-    desc.image = &image;
-    desc.has_mapping = true;
+    give(&desc, &image, w->light);
     desc.visible = d->light.visible;
     if (w->has_area_exponent) desc.area_exponent = d->light.area_exponent;
     desc.as_printed = d->view.settings.as_printed;
@@ -194,22 +195,18 @@ static float cover(const bis_flat_scene *s, const bis_camera *camera, const bis_
     return (float)hits / (float)(side * side);
 }
 
-int bis_flat_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share, char *say,
-                            size_t size)
+bis_status bis_do_scene_coverage(bis_flat_scene *scene, const char *const *settings, int side, float *share,
+                                 bis_diag *diag)
 {
-    bis_diag diag = {0};
     bis_flat_wishes w = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, scene, settings, share);
-
-    if (!status && !(side >= 1 && side <= 64))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "side is %d: give 1 to 64", side);
-    if (status) return bis_flat_end(status, &diag, say, size);
     bis_scene_desc d = *scene->desc; /* shallow: the settings change values alone */
-    status = bis_flat_wish(&d, &w, settings, &diag);
-    if (!status) status = bis_flat_scene_check(scene, &d, &diag);
-    if (status) return bis_flat_end(status, &diag, say, size);
+
+    if (!(side >= 1 && side <= 64)) return bis_flat_refuse(diag, "side is %d: give 1 to 64", side);
+    bis_status status = bis_flat_wish(&d, &w, settings, diag);
+    if (!status) status = bis_flat_scene_check(scene, &d, diag);
+    if (status) return status;
     const bis_film film = bis_film_place(d.view.film.width, d.view.film.height, d.view.film.crop, 1);
     for (int i = 0; i < film.width * film.height; i++)
         share[i] = cover(scene, &d.view.camera, &film, film.x0 + i % film.width, film.y0 + i / film.width, side);
-    return bis_flat_end(BIS_OK, &diag, say, size);
+    return BIS_OK;
 }

@@ -5,12 +5,10 @@
 #include "bis/base/mem.h"
 #include "bis/render/film.h"
 #include "bis/thesis/errata.h"
-#include "flat/say.h"
+#include "flat/face.h"
 #include "flat/wishes.h"
 
 #include <string.h>
-
-static const bis_loc nowhere = {0};
 
 /* Where a number must lie: in [lo, hi], or in (lo, hi]. */
 typedef struct range {
@@ -27,8 +25,8 @@ static bis_status number(double *v, const char *name, const char *text, range r,
     if (end != text && !*end && *v >= r.lo && *v <= r.hi && (r.kind != WHOLE || floor(*v) == *v) &&
         (r.kind != REAL_ABOVE || *v > r.lo))
         return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give %s in %s%.16g, %.16g]", name, text,
-                     r.kind == WHOLE ? "an integer" : "a number", r.kind == REAL_ABOVE ? "(" : "[", r.lo, r.hi);
+    return bis_flat_refuse(diag, "%s is \"%.40s\": give %s in %s%.16g, %.16g]", name, text,
+                           r.kind == WHOLE ? "an integer" : "a number", r.kind == REAL_ABOVE ? "(" : "[", r.lo, r.hi);
 }
 
 static bis_status set_parameter(bis_settings *s, const char *name, const char *text, bis_diag *diag)
@@ -38,20 +36,19 @@ static bis_status set_parameter(bis_settings *s, const char *name, const char *t
     double v = 0;
 
     if (!p)
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "integrator \"%s\" has no parameter \"%.40s\"; `bis help integrators` lists what each reads",
-                         s->integrator->name, name);
+        return bis_flat_refuse(diag, "integrator \"%s\" has no parameter \"%.40s\"; `bis help integrators` lists what "
+                               "each reads", s->integrator->name, name);
     if (p->type == BIS_PARAMETER_CHOICE) {
         unsigned i = 0;
         while (i < BIS_MAX_CHOICES && (!(p->choices >> i & 1) || strcmp(p->names[i], text) != 0)) i++;
         if (i == BIS_MAX_CHOICES)
-            return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": integrator \"%s\" takes %s", name, text,
-                             s->integrator->name, bis_parameter_list(list, p, "\""));
+            return bis_flat_refuse(diag, "%s is \"%.40s\": integrator \"%s\" takes %s", name, text,
+                                   s->integrator->name, bis_parameter_list(list, p, "\""));
         v = i;
     } else if (p->type == BIS_PARAMETER_BOOL) {
         v = strcmp(text, "true") == 0;
         if (v <= 0 && strcmp(text, "false") != 0)
-            return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give true or false", name, text);
+            return bis_flat_refuse(diag, "%s is \"%.40s\": give true or false", name, text);
     } else {
         /* the integrator's range is tested with the others' */
         const range r = p->type == BIS_PARAMETER_COUNT ? (range){0, UINT32_MAX, WHOLE} : (range){0, 1, REAL};
@@ -67,8 +64,7 @@ static bis_status set_integrator(bis_scene_desc *d, const char *name, bis_diag *
     const bis_integrator *integrator = bis_integrator_find(name);
 
     if (!integrator)
-        return bis_error(diag, BIS_INPUT, nowhere,
-                         "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
+        return bis_flat_refuse(diag, "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
     bis_scene_name_integrator(d, integrator, nowhere);
     return BIS_OK;
 }
@@ -78,8 +74,8 @@ static bis_status set_accelerator(bis_scene_desc *d, const char *name, bis_diag 
     const bool is_grid = strcmp(name, "grid") == 0;
 
     if (!is_grid && (strcmp(name, "embree") != 0 || !bis_accel_embree_version()))
-        return bis_error(diag, BIS_INPUT, nowhere, "accelerator \"%.40s\" is not there: give %s", name,
-                         bis_accel_embree_version() ? "\"grid\" or \"embree\"" : "\"grid\"");
+        return bis_flat_refuse(diag, "accelerator \"%.40s\" is not there: give %s", name,
+                               bis_accel_embree_version() ? "\"grid\" or \"embree\"" : "\"grid\"");
     d->accel.kind = is_grid ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
     return BIS_OK;
 }
@@ -87,8 +83,8 @@ static bis_status set_accelerator(bis_scene_desc *d, const char *name, bis_diag 
 static bis_status set_crop(bis_film_desc *f, const char *text, bis_diag *diag)
 {
     if (bis_film_read_crop(f->crop, text)) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere,
-                     "crop is \"%.60s\": give x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as 0.25,0.75,0,1", text);
+    return bis_flat_refuse(diag, "crop is \"%.60s\": give x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as "
+                           "0.25,0.75,0,1", text);
 }
 
 static bis_status set_camera(bis_camera *camera, const char *text, bis_diag *diag)
@@ -107,10 +103,6 @@ static bis_status set_camera(bis_camera *camera, const char *text, bis_diag *dia
     return status;
 }
 
-/* The settings that say how the scene is read. */
-static const char *const of_parse[] = {"text", "approximate"};
-enum { TEXT, APPROXIMATE, N_OF_PARSE };
-
 const char *bis_flat_setting(const char *const *settings, const char *name)
 {
     const size_t n = strlen(name);
@@ -124,13 +116,13 @@ const char *bis_flat_setting(const char *const *settings, const char *name)
 bis_status bis_flat_parse(bis_scene_desc **d, const char *path, const char *const *settings, const bis_light *light,
                           bis_diag *diag)
 {
-    const char *approximate = bis_flat_setting(settings, of_parse[APPROXIMATE]);
+    const char *approximate = bis_flat_setting(settings, "approximate");
 
     if (approximate && strcmp(approximate, "true") != 0 && strcmp(approximate, "false") != 0)
-        return bis_error(diag, BIS_INPUT, nowhere, "approximate is \"%.40s\": give true or false", approximate);
+        return bis_flat_refuse(diag, "approximate is \"%.40s\": give true or false", approximate);
     const unsigned how = (approximate && *approximate == 't' ? BIS_PARSE_APPROXIMATE : 0) |
                          (light ? BIS_PARSE_OTHER_LIGHT : 0);
-    return bis_scene_parse_text(d, path, bis_flat_setting(settings, of_parse[TEXT]), how, diag);
+    return bis_scene_parse_text(d, path, bis_flat_setting(settings, "text"), how, diag);
 }
 
 /* Names of errata with commas, or "none". */
@@ -142,9 +134,7 @@ static bis_status set_as_printed(bis_settings *s, const char *text, bis_diag *di
         const size_t n = strcspn(at, ",");
         snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : 0), at);
         const bis_erratum *e = bis_erratum_find(name);
-        if (!e)
-            return bis_error(diag, BIS_INPUT, nowhere, "as_printed is \"%.60s\": give none, or errata as in E3,E13",
-                             text);
+        if (!e) return bis_flat_refuse(diag, "as_printed is \"%.60s\": give none, or errata as in E3,E13", text);
         s->as_printed |= e->flag;
         at += n + (at[n] == ',');
     }
@@ -153,45 +143,41 @@ static bis_status set_as_printed(bis_settings *s, const char *text, bis_diag *di
 
 static bis_status set(bis_scene_desc *d, bis_flat_wishes *w, const char *name, const char *text, bis_diag *diag)
 {
-    const struct {
+    const struct row {
         const char *name;
         range r;
-    } rows[] = {{"spp", {1, UINT32_MAX, WHOLE}},
-                {"threads", {1, 1024, WHOLE}},
-                {"seconds", {0, 1e8, REAL_ABOVE}}, /* as --time and --error */
-                {"error", {0, 10, REAL_ABOVE}},
-                {"width", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
-                {"height", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
-                {"seed", {0, BIS_SEED_MAX, WHOLE}},
-                {"step", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
-                {"area_exponent", {0, BIS_AREA_EXPONENT_MAX, REAL}},
-                {"turn", {-1e6, 1e6, REAL}}};
-    const size_t n_rows = sizeof rows / sizeof *rows;
+        uint64_t *count; /* where it goes: one of the three */
+        int *whole;
+        double *real;
+    } rows[] = {{"spp", {1, UINT32_MAX, WHOLE}, .count = &w->spp},
+                {"threads", {1, 1024, WHOLE}, .count = &w->threads},
+                {"seconds", {0, 1e8, REAL_ABOVE}, .real = &w->seconds}, /* as --time and --error */
+                {"error", {0, 10, REAL_ABOVE}, .real = &w->error},
+                {"width", {1, BIS_IMAGE_MAX_SIDE, WHOLE}, .whole = &d->view.film.width},
+                {"height", {1, BIS_IMAGE_MAX_SIDE, WHOLE}, .whole = &d->view.film.height},
+                {"seed", {0, BIS_SEED_MAX, WHOLE}, .count = &d->view.sampler.seed},
+                {"step", {1, BIS_IMAGE_MAX_SIDE, WHOLE}, .whole = &w->step},
+                {"area_exponent", {0, BIS_AREA_EXPONENT_MAX, REAL}, .real = &d->light.area_exponent},
+                {"turn", {-1e6, 1e6, REAL}, .real = &w->turn},
+                {NULL, {0, 0, REAL}, NULL, NULL, NULL}};
+    const struct row *row = rows;
     double v;
 
     if (strcmp(name, "integrator") == 0) return BIS_OK; /* was set first */
-    for (int k = 0; k < N_OF_PARSE; k++)
-        if (strcmp(name, of_parse[k]) == 0) return BIS_OK;
+    if (strcmp(name, "text") == 0 || strcmp(name, "approximate") == 0) return BIS_OK; /* said how to read the scene */
     if (strcmp(name, "accelerator") == 0) return set_accelerator(d, text, diag);
     if (strcmp(name, "camera") == 0) return set_camera(&d->view.camera, text, diag);
     if (strcmp(name, "crop") == 0) return set_crop(&d->view.film, text, diag);
     if (strcmp(name, "as_printed") == 0) return set_as_printed(&d->view.settings, text, diag);
     if (strcmp(name, "layers") == 0) return bis_layers_read(&d->view.film.layers, text, name, nowhere, diag);
-    size_t i = 0;
-    while (i < n_rows && strcmp(rows[i].name, name) != 0) i++;
-    if (i == n_rows) return set_parameter(&d->view.settings, name, text, diag);
-    const bis_status status = number(&v, name, text, rows[i].r, diag);
+    while (row->name && strcmp(row->name, name) != 0) row++;
+    if (!row->name) return set_parameter(&d->view.settings, name, text, diag);
+    const bis_status status = number(&v, name, text, row->r, diag);
     if (status) return status;
-    if (i == 0) w->spp = (uint64_t)v;
-    if (i == 1) w->threads = (uint64_t)v;
-    if (i == 2) w->seconds = v;
-    if (i == 3) w->error = v;
-    if (i == 4) d->view.film.width = (int)v;
-    if (i == 5) d->view.film.height = (int)v;
-    if (i == 6) d->view.sampler.seed = (uint64_t)v;
-    if (i == 7) w->step = (int)v;
-    if (i == 8) d->light.area_exponent = v, w->has_area_exponent = true;
-    if (i == 9) w->turn = v;
+    if (row->count) *row->count = (uint64_t)v;
+    else if (row->whole) *row->whole = (int)v;
+    else *row->real = v;
+    w->has_area_exponent |= row->real == &d->light.area_exponent;
     return BIS_OK;
 }
 
@@ -205,8 +191,7 @@ bis_status bis_flat_wish(bis_scene_desc *d, bis_flat_wishes *w, const char *cons
     for (const char *const *s = settings; !status && *s; s++) {
         char name[64];
         const size_t n = strcspn(*s, "=");
-        if (!(*s)[n] || n >= sizeof name)
-            return bis_error(diag, BIS_INPUT, nowhere, "\"%.60s\" is no setting: give name=value", *s);
+        if (!(*s)[n] || n >= sizeof name) return bis_flat_refuse(diag, "\"%.60s\" is no setting: give name=value", *s);
         snprintf(name, sizeof name, "%.*s", (int)n, *s);
         status = set(d, w, name, *s + n + 1, diag);
     }
@@ -214,22 +199,4 @@ bis_status bis_flat_wish(bis_scene_desc *d, bis_flat_wishes *w, const char *cons
     if (w->spp) bis_sampler_set_spp(&d->view.sampler, w->spp);
     if (w->threads) d->accel.n_threads = (int)w->threads;
     return bis_settings_check(&d->view.settings, nowhere, diag);
-}
-
-bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag)
-{
-    bis_flat_wishes w = {0};
-    bis_status status = BIS_FLAT_GIVEN(diag, out, path, settings);
-
-    if (!status) status = bis_flat_parse(out, path, settings, NULL, diag);
-    if (!status) status = bis_flat_wish(*out, &w, settings, diag);
-    return status;
-}
-
-bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag)
-{
-    bis_flat_wishes w = {0};
-    const bis_status status = BIS_FLAT_GIVEN(diag, d, settings);
-
-    return status ? status : bis_flat_wish(d, &w, settings, diag);
 }

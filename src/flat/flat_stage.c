@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* flat_stage: one point of a scene, for the figures of chapter 4 that live. What `bis pixel` prints of a pixel stands
- * here as arrays; src/tools/pixel computes it for both. */
+/* flat_stage: one point of a scene: which, what is exact there, and what lies in which direction. */
 #include "flat/stage.h"
 
 #include "bis/base/mem.h"
 #include "bis/thesis/envmap.h"
-#include "flat/say.h"
-#include "flat/wishes.h"
-#include "thesis/candidates.h"
+#include "flat/face.h"
 #include "tools/verify/verify.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const bis_loc nowhere = {0};
+/* ---- opening ---- */
 
 /* A stage of a scene that somebody keeps open. What it looks at may have another light. */
 static bis_status begin(bis_flat_stage *s, const bis_scene *scene, const bis_light *light, bis_diag *diag)
@@ -38,90 +36,78 @@ static bis_status begin(bis_flat_stage *s, const bis_scene *scene, const bis_lig
     return status;
 }
 
-int bis_flat_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, char *say, size_t size)
+static bis_status new_stage(bis_flat_stage **stage, bis_diag *diag)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, scene, settings);
-    bis_flat_stage *s = status ? NULL : bis_alloc(1, sizeof *s);
-
-    if (stage) *stage = NULL;
-    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a stage");
-    if (!status) *s = (bis_flat_stage){0};
-    if (!status) status = bis_flat_describe(&s->own_desc, scene, settings, &diag);
-    if (!status) {
-        s->own_desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
-        status = bis_scene_build(&s->own_scene, s->own_desc, &diag);
-    }
-    if (!status && !bis_light_envmap(s->own_scene->light))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "the light is a constant: give a map");
-    if (!status) status = begin(s, s->own_scene, NULL, &diag);
-    if (!status) *stage = s;
-    else bis_flat_stage_close(s);
-    return bis_flat_end(status, &diag, say, size);
+    *stage = bis_alloc(1, sizeof **stage);
+    return *stage ? BIS_OK : bis_error(diag, BIS_NOMEM, nowhere, "no memory for a stage");
 }
 
-int bis_flat_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, char *say,
-                      size_t size)
+/* A stage that could not be made is none. */
+static bis_status opened(bis_flat_stage **stage, bis_status status)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, scene);
-    bis_flat_stage *s = status ? NULL : bis_alloc(1, sizeof *s);
+    if (!status) return BIS_OK;
+    bis_flat_stage_close(*stage);
+    *stage = NULL;
+    return status;
+}
 
-    if (stage) *stage = NULL;
-    if (!status && !s) status = bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a stage");
-    if (!status) {
-        *s = (bis_flat_stage){0};
-        status = begin(s, scene->scene, light, &diag);
-    }
-    if (!status) *stage = s;
-    else bis_flat_stage_close(s);
-    return bis_flat_end(status, &diag, say, size);
+bis_status bis_do_stage_open(bis_flat_stage **stage, const char *scene, const char *const *settings, bis_diag *diag)
+{
+    bis_flat_wishes w = {0};
+    bis_status status = new_stage(stage, diag);
+
+    if (!status) status = bis_flat_scene_begin(&(*stage)->own, scene, settings, &w, true, diag);
+    if (!status && !bis_light_envmap((*stage)->own.scene->light))
+        status = bis_flat_refuse(diag, "the light is a constant: give a map");
+    if (!status) status = begin(*stage, (*stage)->own.scene, NULL, diag);
+    return opened(stage, status);
+}
+
+bis_status bis_do_stage_of(bis_flat_stage **stage, const bis_flat_scene *scene, const bis_light *light, bis_diag *diag)
+{
+    const bis_status status = new_stage(stage, diag);
+    return opened(stage, status ? status : begin(*stage, scene->scene, light, diag));
 }
 
 void bis_flat_stage_close(bis_flat_stage *stage)
 {
     if (!stage) return;
     bis_light_free(stage->own_light);
-    bis_scene_free(stage->own_scene);
-    bis_scene_desc_free(stage->own_desc);
+    bis_flat_scene_end(&stage->own);
     free(stage->about); /* of the C library */
     bis_free(stage);
 }
 
-int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, found);
+/* ---- the point ---- */
 
-    if (!status) {
-        const bis_film_desc *film = &stage->desc.view.film;
-        if (!(x >= 0 && x < film->width && y >= 0 && y < film->height))
-            status = bis_error(&diag, BIS_INPUT, nowhere, "pixel (%d, %d) is outside %d x %d", x, y, film->width,
-                               film->height);
-    }
-    if (status) return bis_flat_end(status, &diag, say, size);
+bis_status bis_do_stage_at(bis_flat_stage *stage, int x, int y, double *found, bis_diag *diag)
+{
+    const bis_film_desc *film = &stage->desc.view.film;
+
+    if (!(x >= 0 && x < film->width && y >= 0 && y < film->height))
+        return bis_flat_refuse(diag, "pixel (%d, %d) is outside %d x %d", x, y, film->width, film->height);
     memset(found, 0, 8 * sizeof *found);
     stage->knows_exact = false;
     stage->is_chosen = true;
     stage->x = x;
     stage->y = y;
     stage->is_hit = bis_pixel_find(&stage->hit, &stage->pt, &stage->scene, x, y, &stage->counters);
-    if (stage->is_hit) {
-        const vec3 p = stage->pt.p, n = stage->pt.n;
-        const double all[8] = {1, (double)p.x, (double)p.y, (double)p.z, (double)n.x, (double)n.y, (double)n.z,
-                               stage->hit.t};
-        memcpy(found, all, sizeof all);
-    }
-    return bis_flat_end(BIS_OK, &diag, say, size);
+    if (!stage->is_hit) return BIS_OK;
+    const vec3 p = stage->pt.p, n = stage->pt.n;
+    const double all[8] = {1, (double)p.x, (double)p.y, (double)p.z, (double)n.x, (double)n.y, (double)n.z,
+                           stage->hit.t};
+    memcpy(found, all, sizeof all);
+    return BIS_OK;
 }
 
 bis_status bis_flat_stage_hit(const bis_flat_stage *stage, bis_diag *diag)
 {
     if (stage->is_hit) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "no point was chosen, or its pixel sees no surface: choose another one");
+    return bis_flat_refuse(diag, "no point was chosen, or its pixel sees no surface: choose another one");
 }
 
-bis_status bis_flat_stage_know(bis_flat_stage *stage, uint64_t seed, bis_diag *diag)
+/* Computes stage->exact, unless it is known for this seed. */
+static bis_status know(bis_flat_stage *stage, uint64_t seed, bis_diag *diag)
 {
     bis_status status = bis_flat_stage_hit(stage, diag);
 
@@ -132,59 +118,69 @@ bis_status bis_flat_stage_know(bis_flat_stage *stage, uint64_t seed, bis_diag *d
     return status;
 }
 
-int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, char *say, size_t size)
+bis_status bis_do_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, bis_diag *diag)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, value);
+    const bis_status status = know(stage, seed, diag);
+    const bis_pixel_exact *e = &stage->exact;
 
-    if (!status) status = bis_flat_stage_know(stage, seed, &diag);
-    if (!status) {
-        const bis_pixel_exact *e = &stage->exact;
-        memcpy(value, (double[]){e->lit.mean[3], e->lit.se[3], e->open.mean[3], e->open.se[3]}, 4 * sizeof *value);
-    }
-    return bis_flat_end(status, &diag, say, size);
+    if (status) return status;
+    memcpy(value, (double[]){e->lit.mean[3], e->lit.se[3], e->open.mean[3], e->open.se[3]}, 4 * sizeof *value);
+    return BIS_OK;
+}
+
+bis_status bis_do_stage_truth(bis_flat_stage *stage, uint64_t seed, double *value, double *moments, uint64_t *count,
+                              bis_diag *diag)
+{
+    const bis_status status = know(stage, seed, diag);
+    const bis_pixel_exact *e = &stage->exact;
+    const double *const values[4] = {e->lit.mean, e->lit.se, e->open.mean, e->open.se};
+
+    if (status) return status;
+    for (int k = 0; k < 4; k++) memcpy(value + 4 * k, values[k], 4 * sizeof *value);
+    memcpy(moments, e->variance, sizeof e->variance);
+    memcpy(moments + 3, e->third, sizeof e->third);
+    memcpy(count, (uint64_t[]){e->by_patches, e->patches, e->rays}, 3 * sizeof *count);
+    return BIS_OK;
 }
 
 /* ---- directions of a lat-long field in the light's frame ---- */
 
-/* The axes of the light's frame in world space; a constant has those that the scene gives it. */
-static void axes_of(const bis_flat_stage *stage, vec3 axis[3])
+/* The light's frame in world space; a constant has that which the scene gives it. */
+static frame frame_of(const bis_flat_stage *stage)
 {
     const bis_xform *to_world = &stage->desc.light.to_world;
+    vec3 axis[3];
 
     if (!bis_light_is_constant(stage->scene.light)) bis_light_axes(stage->scene.light, axis);
     else for (int i = 0; i < 3; i++) axis[i] = bis_xform_vector(to_world, vec3_from(i == 0, i == 1, i == 2));
+    return (frame){axis[0], axis[1], axis[2]};
 }
 
-/* The middle of a cell in world space. */
-static vec3 middle_of(const vec3 axis[3], int columns, int rows, int x, int y)
+/* The direction at column u and row v, which count cells. */
+static vec3 at_cell(double u, double v, int columns, int rows)
 {
-    const double theta = PI * (y + 0.5) / rows, phi = 2 * PI * (x + 0.5) / columns;
-    const frame light = {axis[0], axis[1], axis[2]};
-
-    return normalize(to_world(&light, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta))));
+    const double theta = PI * v / rows, phi = 2 * PI * u / columns;
+    return vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
 }
 
-bis_status bis_flat_stage_field(int columns, int rows, bis_diag *diag)
+static bis_status check_field(int columns, int rows, bis_diag *diag)
 {
     if (columns >= 1 && columns <= 4096 && rows >= 1 && rows <= 4096) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "a field of %d x %d: give 1 to 4096 each", columns, rows);
+    return bis_flat_refuse(diag, "a field of %d x %d: give 1 to 4096 each", columns, rows);
 }
 
-int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
-                             float *seen, float *peak, char *say, size_t size)
+bis_status bis_do_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
+                                  float *seen, float *peak, bis_diag *diag)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, q_L, q_f, product, seen, peak);
-    vec3 axis[3];
+    bis_status status = check_field(columns, rows, diag);
 
-    if (!status) status = bis_flat_stage_field(columns, rows, &diag);
-    if (!status) status = bis_flat_stage_hit(stage, &diag);
-    if (status) return bis_flat_end(status, &diag, say, size);
-    axes_of(stage, axis);
+    if (!status) status = bis_flat_stage_hit(stage, diag);
+    if (status) return status;
+    const frame light = frame_of(stage);
     memset(peak, 0, 4 * sizeof *peak);
     for (int i = 0; i < columns * rows; i++) {
-        const vec3 wi = middle_of(axis, columns, rows, i % columns, i / columns);
+        const vec3 w = at_cell(i % columns + 0.5, i / columns + 0.5, columns, rows);
+        const vec3 wi = normalize(to_world(&light, w));
         q_L[i] = (float)bis_light_pdf(stage->pt.light, wi);
         q_f[i] = (float)bis_bsdf_pdf(&stage->pt.bsdf, wi);
         product[i] = (float)bis_pixel_product(&stage->pt, wi);
@@ -192,25 +188,21 @@ int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float
         const float all[4] = {q_L[i], q_f[i], product[i], seen[i]};
         for (int k = 0; k < 4; k++) peak[k] = fmaxf(peak[k], all[k]);
     }
-    return bis_flat_end(BIS_OK, &diag, say, size);
+    return BIS_OK;
 }
 
-int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
-                        char *say, size_t size)
+bis_status bis_do_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
+                             bis_diag *diag)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage);
-    vec3 axis[3];
+    bis_status status = check_field(columns, rows, diag);
 
-    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, wi, cell);
-    if (!status) status = bis_flat_stage_field(columns, rows, &diag);
-    if (!status) axes_of(stage, axis);
-    for (size_t i = 0; !status && i < n; i++) {
-        const frame light = {axis[0], axis[1], axis[2]};
+    if (status) return status;
+    const frame light = frame_of(stage);
+    for (size_t i = 0; i < n; i++) {
         const float *d = wi + 3 * i;
         vec3 w = {0, 0, 0};
-        if (d[0] != 0 || d[1] != 0 || d[2] != 0) status = bis_flat_direction(&w, wi, i, &diag);
-        if (status) break;
+        if (d[0] != 0 || d[1] != 0 || d[2] != 0) status = bis_flat_direction(&w, wi, i, diag);
+        if (status) return status;
         w = to_local(&light, w);
         const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z);
         const double phi = atan2((double)w.y, (double)w.x), turn = phi < 0 ? phi + 2 * PI : phi;
@@ -218,241 +210,115 @@ int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, 
         /* the last edges belong to the last cells, and phi = -tiny rounds to 2 pi */
         cell[i] = (uint32_t)((y < rows ? y : rows - 1) * columns + (x < columns ? x : columns - 1));
     }
-    return bis_flat_end(status, &diag, say, size);
+    return BIS_OK;
 }
 
-/* ---- methods ---- */
+/* q_L (eq. 4.2); f cos, of which eq. 4.3 is the density; the product (eq. 4.4); the part of it that is seen. */
+enum { MAP, BRDF, PRODUCT, SEEN, N_FIELDS };
 
-/* unoccluded draws candidates as sir does. It has no parameter for that in scenes, because it only looks at them. */
-static bis_status set_proposal(bis_settings *s, const char *name, bis_diag *diag)
+static void look_there(double sum[N_FIELDS], const bis_point *pt, vec3 wi, double share)
 {
-    for (bis_proposal p = BIS_PROPOSAL_EM; p <= BIS_PROPOSAL_MIX; p++) {
-        if (strcmp(name, bis_proposal_name(p)) != 0) continue;
-        s->proposal = p;
-        return BIS_OK;
+    double q_L;
+    const rgb Le = bis_light_Le_pdf(pt->light, wi, &q_L);
+    const double cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
+
+    sum[MAP] += share * q_L;
+    if (cos_theta <= 0) return;
+    const rgb f = bis_bsdf_f(&pt->bsdf, wi);
+    const double f_L = (double)f.r * (double)Le.r + (double)f.g * (double)Le.g + (double)f.b * (double)Le.b;
+    const double product = f_L * cos_theta;
+    sum[BRDF] += share * rgb_sum(f) * cos_theta;
+    sum[PRODUCT] += share * product;
+    if (product > 0 && bis_point_sees(pt, wi)) sum[SEEN] += share * product;
+}
+
+/* Fields of so many cells, each cell the mean over sub x sub directions. */
+typedef struct sphere {
+    float *field;
+    int columns, rows, sub;
+} sphere;
+
+static void fill_row(const sphere *s, const bis_xform *light_to_world, const bis_point *pt, int y)
+{
+    const int sub = s->sub;
+    const size_t cells = (size_t)s->columns * (size_t)s->rows;
+
+    for (int x = 0; x < s->columns; x++) {
+        double sum[N_FIELDS] = {0};
+        for (int i = 0; i < sub * sub; i++) {
+            const vec3 w = at_cell(x + (i % sub + 0.5) / sub, y + (i / sub + 0.5) / sub, s->columns, s->rows);
+            look_there(sum, pt, normalize(bis_xform_vector(light_to_world, w)), 1.0 / (sub * sub));
+        }
+        for (size_t k = 0; k < N_FIELDS; k++)
+            s->field[k * cells + (size_t)y * (size_t)s->columns + (size_t)x] = (float)fmin(sum[k], (double)FLT_MAX);
     }
-    return bis_error(diag, BIS_INPUT, nowhere, "proposal is \"%.40s\": integrator \"unoccluded\" takes em, brdf or mix",
-                     name);
 }
 
-bis_status bis_flat_stage_ask(bis_flat_stage *stage, const char *const *settings, bis_diag *diag)
+bis_status bis_do_stage_sphere(bis_flat_stage *stage, int columns, int rows, int sub, float *field, bis_diag *diag)
 {
-    bis_scene_desc *asked = &stage->asked;
+    bis_status status = check_field(columns, rows, diag);
+
+    if (!status) status = bis_flat_stage_hit(stage, diag);
+    if (!status && !(sub >= 1 && sub <= 64))
+        status = bis_flat_refuse(diag, "%d directions a side of a cell: give 1 to 64", sub);
+    if (status) return status;
+    const sphere s = {field, columns, rows, sub};
+#pragma omp parallel for schedule(dynamic, 4)
+    for (int y = 0; y < rows; y++) {
+        bis_counters counters = {0};
+        bis_point mine = stage->pt;
+        mine.counters = &counters;
+        fill_row(&s, &stage->desc.light.to_world, &mine, y);
+    }
+    return BIS_OK;
+}
+
+/* ---- given directions ---- */
+
+/* The i-th direction as a unit vector. What is one already keeps its bits: it may come from here. */
+static bis_status direction(vec3 *w, const float *wi, size_t i, bis_diag *diag)
+{
+    *w = (vec3){wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]};
+    if (fabs(dot(*w, *w) - 1) <= 8 * (double)FLT_EPSILON) return BIS_OK;
+    return bis_flat_direction(w, wi, i, diag);
+}
+
+bis_status bis_do_stage_look(bis_flat_stage *stage, size_t n, const float *wi, double *density, bis_diag *diag)
+{
     bis_status status = bis_flat_stage_hit(stage, diag);
 
-    *asked = stage->desc; /* which is read alone, and never freed */
-    for (int later = 0; later < 2; later++) { /* the integrator first */
-        for (const char *const *s = settings; !status && *s; s++) {
-            const char *const one[] = {*s, NULL};
-            if ((strncmp(*s, "integrator=", 11) != 0) != later) continue;
-            if (asked->view.settings.integrator == &bis_unoccluded && strncmp(*s, "proposal=", 9) == 0)
-                status = set_proposal(&asked->view.settings, *s + 9, diag);
-            else status = bis_flat_apply(asked, one, diag);
-        }
+    for (size_t i = 0; !status && i < n; i++) {
+        vec3 w;
+        status = direction(&w, wi, i, diag);
+        if (status) break;
+        density[3 * i] = bis_light_pdf(stage->pt.light, w);
+        density[3 * i + 1] = bis_bsdf_pdf(&stage->pt.bsdf, w);
+        density[3 * i + 2] = bis_pixel_product(&stage->pt, w);
     }
     return status;
 }
 
-bis_status bis_flat_stage_sir(const bis_flat_stage *stage, size_t room, bis_diag *diag)
+bis_status bis_do_stage_sees(bis_flat_stage *stage, size_t n, const float *wi, uint8_t *seen, bis_diag *diag)
 {
-    const bis_settings *s = &stage->asked.view.settings;
+    bis_status status = bis_flat_stage_hit(stage, diag);
 
-    if (s->integrator != &bis_sir)
-        return bis_error(diag, BIS_INPUT, nowhere, "integrator \"%s\" has no candidates to show: give sir",
-                         s->integrator->name);
-    if (s->candidates > room)
-        return bis_error(diag, BIS_INPUT, nowhere, "%u candidates do not fit into arrays of %zu",
-                         (unsigned)s->candidates, room);
+    for (size_t i = 0; !status && i < n; i++) {
+        vec3 w;
+        status = direction(&w, wi, i, diag);
+        if (!status) seen[i] = bis_point_sees(&stage->pt, w);
+    }
+    return status;
+}
+
+bis_status bis_do_stage_angles(bis_flat_stage *stage, size_t n, const float *wi, double *angle, bis_diag *diag)
+{
+    for (size_t i = 0; i < n; i++) {
+        const vec3 w = {wi[3 * i], wi[3 * i + 1], wi[3 * i + 2]};
+        if (!(isfinite(w.x) && isfinite(w.y) && isfinite(w.z)))
+            return bis_flat_refuse(diag, "direction %zu is not finite", i);
+        const bis_pixel_direction d = bis_pixel_direction_of(&stage->desc.light.to_world, w);
+        angle[2 * i] = d.theta;
+        angle[2 * i + 1] = d.phi;
+    }
     return BIS_OK;
-}
-
-static bis_status draw(bis_pixel_candidates *c, bis_flat_stage *stage, uint32_t seed, uint64_t run, bis_diag *diag)
-{
-    bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = seed};
-    bis_stream stream;
-
-    bis_sampler_set_spp(&sampler, 1);
-    bis_stream_init(&stream, &sampler, run, 0);
-    return bis_pixel_candidates_draw(c, &stage->pt, &stage->asked.view.settings, &stream, diag);
-}
-
-int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room, float *wi,
-                              double *w, uint32_t *chosen, uint32_t *kind, double *sum, char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_pixel_candidates c = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, wi, w, chosen, kind, sum);
-
-    if (!status) status = bis_flat_stage_ask(stage, settings, &diag);
-    if (!status) status = bis_flat_stage_sir(stage, room, &diag);
-    const uint64_t before = status ? 0 : stage->counters.shadow_rays;
-    if (!status) status = draw(&c, stage, seed, 0, &diag);
-    for (size_t i = 0; !status && i < room; i++) {
-        static const bis_pixel_candidate none;
-        const bis_pixel_candidate *x = i < c.M ? &c.c[i] : &none;
-        wi[3 * i] = x->wi.x;
-        wi[3 * i + 1] = x->wi.y;
-        wi[3 * i + 2] = x->wi.z;
-        w[i] = x->w;
-        chosen[i] = x->chosen;
-        kind[i] = (x->from_map ? 1u : 0) | (x->seen ? 2u : 0);
-    }
-    if (!status) /* count_chosen asks for each distinct one once more */
-        memcpy(sum, (double[]){c.M, c.N, c.ess, rgbd_sum(c.L), rgbd_sum(c.L_ns),
-                               (double)(stage->counters.shadow_rays - before - c.distinct)}, 6 * sizeof *sum);
-    bis_pixel_candidates_clear(&c);
-    return bis_flat_end(status, &diag, say, size);
-}
-
-/* n estimates at the point, 2 to `most` of them, by an integrator with these settings; the caller frees *estimate also
- * after an error. */
-static bis_status run(rgb **estimate, bis_counters *counters, bis_flat_stage *stage, const char *const *settings,
-                      uint32_t seed, size_t n, size_t most, bis_diag *diag)
-{
-    if (!(n >= 2 && n <= most))
-        return bis_error(diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to %zu", n, most);
-    const bis_status status = bis_flat_stage_ask(stage, settings, diag);
-    if (status) return status;
-    *estimate = bis_alloc(n, sizeof **estimate);
-    if (!*estimate) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu estimates", n);
-    const bis_view *view = &stage->asked.view;
-    const bis_verify_job job = {&stage->pt, &view->settings, view->sampler.kind, (uint32_t)n, seed, NULL};
-    return bis_verify_runs(*estimate, &job, counters, diag);
-}
-
-static double deviation(const bis_verify_moments *m) { return sqrt(m->m2 / (m->n - 1)); }
-
-int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
-                        double *sum, char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_counters counters = {0};
-    bis_verify_moments all = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, L, sum);
-
-    rgb *estimate = NULL;
-    if (!status) status = run(&estimate, &counters, stage, settings, seed, n, 1000000, &diag);
-    for (size_t i = 0; !status && i < n; i++) bis_verify_add(&all, L[i] = rgb_sum(estimate[i]));
-    if (!status)
-        memcpy(sum, (double[]){all.mean, deviation(&all), (double)counters.shadow_rays / (double)n}, 3 * sizeof *sum);
-    bis_free(estimate);
-    return bis_flat_end(status, &diag, say, size);
-}
-
-int bis_flat_stage_mis(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
-                       char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_pixel_mis mis;
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, sum);
-
-    if (!status && !(n >= 2 && n <= 1000000))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 1000000", n);
-    if (!status) status = bis_flat_stage_ask(stage, settings, &diag);
-    const bis_settings *s = status ? NULL : &stage->asked.view.settings;
-    if (s && s->integrator != &bis_mis)
-        status = bis_error(&diag, BIS_INPUT, nowhere, "integrator \"%s\" does not combine two techniques: give mis",
-                           s->integrator->name);
-    if (!status) status = bis_pixel_mis_of(&mis, &stage->pt, s, n, seed, &diag);
-    if (!status)
-        memcpy(sum, (double[]){mis.mean, sqrt(mis.variance[0]), sqrt(mis.variance[1]), mis.beta, mis.overlap},
-               5 * sizeof *sum);
-    return bis_flat_end(status, &diag, say, size);
-}
-
-/* What the estimate of these candidates is in the mean over the choice of rays: L_ns sum(w V)/sum(w), E31. Its rays are
- * not the estimate's, so they are not counted. */
-static double mean_over_choices(const bis_pixel_candidates *c, const bis_point *pt)
-{
-    bis_counters none = {0};
-    bis_point mine = *pt;
-    double seen = 0;
-
-    mine.counters = &none;
-    for (uint32_t i = 0; i < c->M; i++)
-        if (c->c[i].w > 0 && bis_point_sees(&mine, c->c[i].wi)) seen += c->c[i].w;
-    return c->W > 0 ? rgbd_sum(c->L_ns) * seen / c->W : 0;
-}
-
-int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
-                          char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_verify_moments all = {0}, of_candidates = {0}, of_rays = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, sum);
-
-    if (!status && !(n >= 2 && n <= 100000))
-        status = bis_error(&diag, BIS_INPUT, nowhere, "%zu estimates: give 2 to 100000", n);
-    if (!status) status = bis_flat_stage_ask(stage, settings, &diag);
-    if (!status) status = bis_flat_stage_sir(stage, SIZE_MAX, &diag);
-    const uint64_t before = status ? 0 : stage->counters.shadow_rays;
-    double distinct = 0;
-    for (size_t i = 0; !status && i < n; i++) {
-        bis_pixel_candidates c = {0};
-        status = draw(&c, stage, seed, i, &diag);
-        if (status) break;
-        const double L = rgbd_sum(c.L), expected = mean_over_choices(&c, &stage->pt);
-        bis_verify_add(&all, L);
-        bis_verify_add(&of_candidates, expected);
-        bis_verify_add(&of_rays, L - expected);
-        distinct += c.distinct;
-        bis_pixel_candidates_clear(&c);
-    }
-    if (!status)
-        memcpy(sum, (double[]){all.mean, deviation(&all), deviation(&of_candidates), deviation(&of_rays),
-                               ((double)(stage->counters.shadow_rays - before) - distinct) / (double)n},
-               5 * sizeof *sum);
-    return bis_flat_end(status, &diag, say, size);
-}
-
-/* ---- rejection ---- */
-
-int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, bound);
-
-    if (!status) status = bis_flat_stage_hit(stage, &diag);
-    if (!status) {
-        bound[0] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_EM);
-        bound[1] = bis_candidates_bound(&stage->pt, BIS_PROPOSAL_BRDF);
-    }
-    return bis_flat_end(status, &diag, say, size);
-}
-
-int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
-                          double *height, uint32_t *taken, uint32_t *accepted, char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, proposal, accepted);
-
-    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, w, u, height, taken);
-    if (!status) status = bis_flat_stage_hit(stage, &diag);
-    if (!status && strcmp(proposal, "em") != 0 && strcmp(proposal, "brdf") != 0)
-        status = bis_error(&diag, BIS_INPUT, nowhere, "proposal \"%.40s\" has no bound: give em or brdf", proposal);
-    if (status) return bis_flat_end(status, &diag, say, size);
-    const double B = bis_candidates_bound(&stage->pt, *proposal == 'e' ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF);
-    *accepted = 0;
-    for (size_t i = 0; !status && i < n; i++) {
-        height[i] = u[i] * B;
-        *accepted += taken[i] = height[i] < w[i];
-        if (isnan(u[i]) || isnan(w[i])) status = bis_error(&diag, BIS_INPUT, nowhere, "candidate %zu is no number", i);
-    }
-    return bis_flat_end(status, &diag, say, size);
-}
-
-int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *count,
-                            char *say, size_t size)
-{
-    bis_diag diag = {0};
-    bis_counters counters = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, settings, count);
-
-    rgb *estimate = NULL;
-    if (!status) status = run(&estimate, &counters, stage, settings, seed, n, 100000, &diag);
-    if (!status)
-        memcpy(count, (double[]){(double)counters.accepted / (double)n, stage->asked.view.settings.candidates,
-                                 (double)counters.shadow_rays / (double)n}, 3 * sizeof *count);
-    bis_free(estimate);
-    return bis_flat_end(status, &diag, say, size);
 }

@@ -5,8 +5,7 @@
 
 #include "bis/base/file.h"
 #include "bis/thesis/envmap.h"
-#include "flat/say.h"
-#include "tools/json.h"
+#include "flat/face.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -90,15 +89,6 @@ static void put_hit(bis_json *j, const bis_flat_stage *stage)
     bis_json_close(j);
 }
 
-static void put_parameter(bis_json *j, const bis_parameter *p, const bis_settings *s)
-{
-    const double v = bis_parameter_get(p, s);
-
-    if (p->type == BIS_PARAMETER_BOOL) bis_json_bool(j, p->name, v > 0);
-    else if (p->type == BIS_PARAMETER_CHOICE) bis_json_text(j, p->name, p->names[(unsigned)v]);
-    else bis_json_number(j, p->name, v);
-}
-
 static void put_methods(bis_json *j, const bis_settings *own)
 {
     bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
@@ -113,7 +103,8 @@ static void put_methods(bis_json *j, const bis_settings *own)
         bis_json_bool(j, "without_shadows", list[i].is_open);
         bis_json_open(j, "settings", '{');
         bis_json_text(j, "integrator", s->integrator->name);
-        for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;) put_parameter(j, p, s);
+        for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;)
+            bis_flat_put_parameter(j, p->name, p, bis_parameter_get(p, s));
         bis_json_close(j);
         bis_json_close(j);
     }
@@ -146,22 +137,17 @@ static void put_all(bis_json *j, const bis_flat_stage *stage)
     bis_json_close(j);
 }
 
-int bis_flat_stage_about(bis_flat_stage *stage, const char **text, char *say, size_t size)
+bis_status bis_do_stage_about(bis_flat_stage *stage, const char **text, bis_diag *diag)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_FLAT_GIVEN(&diag, stage, text);
     size_t n;
 
-    if (text) *text = NULL;
-    if (!status && !stage->is_chosen)
-        status = bis_error(&diag, BIS_INPUT, (bis_loc){0}, "no pixel was chosen: choose one first");
-    if (status) return bis_flat_end(status, &diag, say, size);
+    if (!stage->is_chosen) return bis_flat_refuse(diag, "no pixel was chosen: choose one first");
     free(stage->about);
     stage->about = NULL;
     bis_json j = {.out = open_memstream(&stage->about, &n), .keeps_bytes = true};
     if (j.out) put_all(&j, stage);
     if (!j.out || fclose(j.out) != 0)
-        status = bis_error(&diag, BIS_NOMEM, (bis_loc){0}, "no memory for what is known of a pixel");
-    else *text = stage->about;
-    return bis_flat_end(status, &diag, say, size);
+        return bis_error(diag, BIS_NOMEM, nowhere, "no memory for what is known of a pixel");
+    *text = stage->about;
+    return BIS_OK;
 }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "bis/flat/scene.h"
+#include "bis/scene/parameters.h"
 #include "bis/scene/scene.h"
+#include "tools/json.h"
 
 /* What is said of the render and not of the scene. 0 and NULL: nothing is. */
 typedef struct bis_flat_wishes {
@@ -25,12 +27,6 @@ bis_status bis_flat_parse(bis_scene_desc **d, const char *path, const char *cons
 
 /* bis_flat_wish changes a description by settings, and stores in *w what is no part of it. Errors: BIS_INPUT. */
 bis_status bis_flat_wish(bis_scene_desc *d, bis_flat_wishes *w, const char *const *settings, bis_diag *diag);
-
-/* bis_flat_describe does both, where nothing is rendered. */
-bis_status bis_flat_describe(bis_scene_desc **out, const char *path, const char *const *settings, bis_diag *diag);
-
-/* bis_flat_apply changes a description by such settings. Errors: BIS_INPUT. */
-bis_status bis_flat_apply(bis_scene_desc *d, const char *const *settings, bis_diag *diag);
 
 /* bis_flat_setting returns the value of the last setting of this name, or NULL. */
 const char *bis_flat_setting(const char *const *settings, const char *name);
@@ -73,7 +69,5 @@ bis_status bis_flat_scene_given(bis_light **light, bis_scene_desc *d, const bis_
 bis_status bis_flat_scene_light(bis_light **light, bis_flat_scene *s, bis_scene_desc *d, const bis_flat_wishes *w,
                                 bis_diag *diag);
 
-/* bis_flat_scene_picture makes a picture as the settings ask, which begin with those of the scene. Errors: those of
- * bis_render, BIS_INPUT (a setting), BIS_IO (the map is read again). */
-bis_status bis_flat_scene_picture(bis_flat_picture **out, bis_flat_scene *s, const char *const *settings,
-                                  bis_flat_wishes *w, bis_diag *diag);
+/* bis_flat_put_parameter writes the value v of a parameter as JSON. */
+void bis_flat_put_parameter(bis_json *j, const char *key, const bis_parameter *p, double v);

@@ -4,37 +4,33 @@
     lib = native.Library("build/release/library/libbis.so.0.1.0", folder)   # files of calls are looked for in folder
     out, digest = lib.run(calls)                                            # as engine.run of docs/live/engine.js
 
-The letters of a call's arguments are those of docs/live/calls.js, the one list of them."""
+The letters of a call's arguments are those of bis_flat_signatures (include/bis/flat/flat.h)."""
 import ctypes as C
-import json
 import os
-import pathlib
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 ITEM = {"d": C.c_double, "f": C.c_float, "u": C.c_uint32, "b": C.c_uint8, "i": C.c_int}
 SAY = 4096
-
-
-def calls():
-    """calls returns the table of docs/live/calls.js."""
-    text = (ROOT / "docs/live/calls.js").read_text()
-    return json.loads(text[text.index("var bisCalls = ") + 15:text.index("};") + 1])
 
 
 class Library:
     """Library calls libbis.so by lists of calls."""
 
     def __init__(self, path, folder):
-        self.lib, self.folder, self.table, self.opened = C.CDLL(path), folder, calls(), {}
+        self.lib, self.folder, self.table, self.opened = C.CDLL(path), folder, {}, {}
+        self.lib.bis_flat_signatures.restype = C.c_char_p
+        for line in self.lib.bis_flat_signatures().decode().splitlines():
+            name, returns, *taken = line.split(" ")
+            self.table[name] = returns, [one.split(":")[1][0] for one in taken]
+        self.of_libm = [name for name in self.table if self.table[name][0][0] == "~"]
 
     def argument(self, letter, given, done, outs):
         if letter == "i":
             return C.c_int(int(given))
-        if letter == "n":
+        if letter in "nkq":
             return C.c_size_t(int(given))
         if letter == "r":
             return C.c_double(given)
-        if letter == "0":
+        if letter == "p":
             return None
         if letter == "z":
             return C.c_char_p(given.encode())
@@ -62,15 +58,15 @@ class Library:
         os.chdir(self.folder)
         try:
             for name, *given in list_of_calls:
-                returns, letters = self.table[name].lstrip("~").split(" ")
+                returns, letters = self.table[name][0].lstrip("~"), self.table[name][1]
                 rest, outs, say = iter(given), [], C.create_string_buffer(SAY)
-                values = [self.argument(c, None if c == "0" else next(rest), done, outs) for c in letters]
+                values = [self.argument(c, None if c == "p" else next(rest), done, outs) for c in letters]
                 function = self.lib[name]
                 function.restype = {"s": C.c_int, "i": C.c_int, "r": C.c_double, "v": None}[returns]
                 result = function(*values, *((say, C.c_size_t(SAY)) if returns == "s" else ()))
                 if returns == "s" and result:
                     raise RuntimeError(f"{name}: {say.value.decode()}")
-                for o in [] if self.table[name].startswith("~") else outs:
+                for o in [] if name in self.of_libm else outs:
                     self.lib.bis_flat_fnv(digest, C.c_size_t(C.sizeof(o)), o)
                 done.append([result] if returns in "ri" else outs)
         finally:

@@ -9,9 +9,13 @@
  * A function that returns int returns a bis_status: 0 is success, 1 a failure of the disk, 2 no memory, 3 a mistake
  * in the input. It writes its messages to say[size], one a line, cut to the size; after a success these are warnings.
  * Arrays are dense, in the order of C. Values in arrays are checked, because the caller is no C compiler: a NaN must
- * not become an index. NULL where something is due is BIS_INPUT; an array of no items may be NULL, and so may say. A
- * function without a status takes a NULL in the place of what was opened, too: its shape is 0 x 0, it has no pixels,
- * its power is NaN and its text NULL. It does nothing where the array that it should fill is NULL. */
+ * not become an index. NULL where something is due is BIS_INPUT; an array of no items may be NULL, and so may say. What
+ * is opened is NULL after a failure. A function without a status takes a NULL in the place of what was opened, too: its
+ * shape is 0 x 0, it has no pixels, its power is NaN and its text NULL. It does nothing where the array that it should
+ * fill is NULL.
+ *
+ * A prototype and the shapes in its comment, as u[n][4], are the one place where a signature stands: src/flat/face.awk
+ * makes the checks for NULL of it, and what bis_flat_signatures tells other languages. */
 #pragma once
 
 #include "bis/thesis/bsdf.h"
@@ -32,16 +36,29 @@ const char *bis_flat_build(void);
  * forgets them. It returns the size that they need; 0: nothing was cut. say may be NULL, to learn it. */
 size_t bis_flat_said(char *say, size_t size);
 
+/* bis_flat_signatures returns a line for each function of these headers:
+ *
+ *     bis_flat_light_sample s light:h n:n u:d[n] w:F[n] L:F[n] pdf:D[n]
+ *
+ * Behind its name stands what it returns, then each argument with its name. Returned: s a status, v nothing, z a
+ * text, and i, n and r as below. ~ before it: the last bits are those of the C library. After the arguments of a
+ * function with a status come say and size. Taken: i int, n size_t, k uint32_t, q uint64_t, r double; z a text, l a
+ * list of texts that ends with NULL; d double, f float, u uint32_t, b uint8_t, w uint64_t: an array that is read; D,
+ * F, U, B, W, and I int, N size_t, T a text: one that is written; O a pointer that receives what is opened, h what
+ * was opened; p a pointer for C alone: NULL. [n]: it may be NULL where the argument n is 0. ?: it may be NULL. */
+const char *bis_flat_signatures(void);
+
 /* ---- maps ---- */
 
 /* bis_flat_light_open reads a map for drawing directions by its importance. kind is "alias" or "cdf"; area_exponent
- * is b of thesis 3.4, in [0, BIS_AREA_EXPONENT_MAX]. mapping says how the picture covers the sphere ("latlong",
- * "angular" and the others of bis_mapping_names); NULL: as in a scene that does not say it. The frame is the map's own,
+ * is b of thesis 3.4, in [0, BIS_AREA_EXPONENT_MAX]. mapping (may be NULL: as in a scene that does not say it) says how
+ * the picture covers the sphere: "latlong", "angular" and the others of bis_mapping_names. The frame is the map's own,
  * z up. Errors: those of bis_light_load, BIS_INPUT (kind, area_exponent, mapping). */
 int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent,
                         const char *mapping, char *say, size_t size);
 
 /* bis_flat_light_make does the same with radiance in pixels[height][width][3], row 0 at the top, which is copied.
+ * mapping (may be NULL) is as above.
  * Values that a file may hold are accepted as there: NaN, infinite and negative ones become 0, with a warning. Errors:
  * BIS_INPUT (a side below 1 or above BIS_IMAGE_MAX_SIDE), too. */
 int bis_flat_light_make(bis_light **light, int width, int height, const float *pixels, const char *kind,
@@ -76,9 +93,9 @@ int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float 
 int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, char *say,
                          size_t size);
 
-/* bis_flat_alias_sample draws item[m] from u[m], which is uniform in [0,1). It looks at the whole tables first, in
- * O(n + m). Errors: BIS_INPUT (u outside [0,1), n is 0 or above 2^32 - 1, a prob outside [0,1], an alias not below
- * n). */
+/* bis_flat_alias_sample draws item[m] by the tables prob[n] and alias[n] from u[m], which is uniform in [0,1). It
+ * looks at the whole tables first, in O(n + m). Errors: BIS_INPUT (u outside [0,1), n is 0 or above 2^32 - 1, a prob
+ * outside [0,1], an alias not below n). */
 int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
                           uint32_t *item, char *say, size_t size);
 
@@ -91,14 +108,14 @@ int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, con
                        const double *normal, const double *wo, char *say, size_t size);
 
 /* bis_flat_bsdf_metal makes a metal: facets that reflect by Fresnel's equations with the index eta[3] + i k[3] of R, G
- * and B, eta in (0, 1e15], k in [0, 1e15]. roughness and the vectors are as those of bis_flat_bsdf_open. Errors:
+ * and B, eta in (0, 1e15], k in [0, 1e15]. roughness, normal[3] and wo[3] are as those of bis_flat_bsdf_open. Errors:
  * BIS_INPUT (a value out of range), BIS_NOMEM. */
 int bis_flat_bsdf_metal(bis_bsdf **bsdf, const double *eta, const double *k, double roughness, const double *normal,
                         const double *wo, char *say, size_t size);
 
-/* bis_flat_bsdf_read makes a material of its text in a scene, as Material "coateddiffuse" "rgb reflectance" [.5 .4 .3].
- * The vectors are as those of bis_flat_bsdf_open. Errors: those of bis_scene_parse, BIS_INPUT (a texture, because a
- * material on arrays has no place), BIS_NOMEM. */
+/* bis_flat_bsdf_read makes a material of its text in a scene, as Material "coateddiffuse" "rgb reflectance" [.5 .4
+ * .3]. normal[3] and wo[3] are as those of bis_flat_bsdf_open. Errors: those of bis_scene_parse, BIS_INPUT (a
+ * texture, because a material on arrays has no place), BIS_NOMEM. */
 int bis_flat_bsdf_read(bis_bsdf **bsdf, const char *text, const double *normal, const double *wo, char *say,
                        size_t size);
 
@@ -111,7 +128,7 @@ int bis_flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float 
                          size_t size);
 
 /* bis_flat_bsdf_look stores f[n][3] in 1/sr, without the cosine, and the density pdf[n] of drawing wi[n][3], which
- * has any length but 0. Errors: BIS_INPUT (wi is 0 or not finite). */
+ * has any length but 0. The last bits are those of libm. Errors: BIS_INPUT (wi is 0 or not finite). */
 int bis_flat_bsdf_look(const bis_bsdf *bsdf, size_t n, const float *wi, float *f, double *pdf, char *say,
                        size_t size);
 
@@ -139,9 +156,9 @@ int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *c
  * budget that is used, in [0,1], the seconds of rendering, and the seconds that are left (NaN: unknown). */
 typedef void bis_flat_watcher(double share, double seconds, double seconds_left, void *user);
 
-/* bis_flat_render_with does the same under another light, and tells how far it is. The radiance of light (NULL: the
- * scene's own) takes the place of all lights of the scene, upright as with --light; how directions are drawn from it is
- * as the scene says. watcher (may be NULL) is given user. Errors: those of bis_flat_render. */
+/* bis_flat_render_with does the same under another light, and tells how far it is. The radiance of light (may be
+ * NULL: the scene's own) takes the place of all lights of the scene, upright as with --light; how directions are drawn
+ * from it is as the scene says. watcher (may be NULL) is given user. Errors: those of bis_flat_render. */
 int bis_flat_render_with(bis_flat_picture **picture, const char *scene, const char *const *settings,
                          const bis_light *light, bis_flat_watcher *watcher, void *user,
                          const volatile sig_atomic_t *stop, char *say, size_t size);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* image: pictures in files, and how far one is from another, on arrays. The rules of bis/flat/flat.h hold. pixels are
- * float[height][width][3], linear radiance, row 0 at the top. */
+/* image: pictures in files, and how far one is from another, on arrays. The rules of bis/flat/flat.h hold. Pixels are
+ * linear radiance, row 0 at the top. */
 #pragma once
 
 #include "bis/flat/flat.h"
@@ -17,36 +17,38 @@ void bis_flat_image_close(bis_flat_image *image);
  * row of the first one, and width and height of the picture that they are a part of. */
 void bis_flat_image_place(const bis_flat_image *image, int shape[2], int place[4]);
 
-/* bis_flat_image_pixels stores the pixels. */
+/* bis_flat_image_pixels stores pixels[height][width][3]. */
 void bis_flat_image_pixels(const bis_flat_image *image, float *pixels);
 
-/* bis_flat_image_save writes pixels in the format of the ending of path: .exr (float32), .pfm, .hdr, .png. A .png has
- * the exposure, in EV; NaN: that of its own log-average. An .exr has the attributes, a list of "name=text" that ends
- * with NULL, or NULL. Errors: those of bis_image_write, BIS_INPUT (a size, an attribute). */
+/* bis_flat_image_save writes pixels[height][width][3] in the format of the ending of path: .exr (float32), .pfm, .hdr,
+ * .png. A .png has the exposure, in EV; NaN: that of its own log-average. An .exr has the attributes (may be NULL), a
+ * list of "name=text" that ends with NULL. Errors: those of bis_image_write, BIS_INPUT (a size, an attribute). */
 int bis_flat_image_save(const char *path, int width, int height, const float *pixels, double exposure,
                         const char *const *attributes, char *say, size_t size);
 
-/* bis_flat_image_png makes a PNG of pixels in bytes[room], of which *length are used, with the exposure in EV. Errors:
- * BIS_INPUT (a size, too little room), BIS_NOMEM. */
+/* bis_flat_image_png makes a PNG of pixels[height][width][3] in bytes[room], of which *length are used, with the
+ * exposure in EV. Errors: BIS_INPUT (a size, too little room), BIS_NOMEM. */
 int bis_flat_image_png(int width, int height, const float *pixels, double exposure, size_t room, uint8_t *bytes,
                        size_t *length, char *say, size_t size);
 
-/* bis_flat_image_exposure stores the exposure in EV of a .png of pixels: what takes its log-average to middle grey.
- * coverage[height][width] in [0,1] is the weight of each pixel; NULL: all weigh alike. Errors: BIS_INPUT (a size),
- * BIS_NOMEM. */
+/* bis_flat_image_exposure stores *exposure in EV of a .png of pixels[height][width][3]: what takes its log-average to
+ * middle grey. coverage (may be NULL: all weigh alike), coverage[height][width] in [0,1], is the weight of each pixel.
+ * Errors: BIS_INPUT (a size), BIS_NOMEM. */
 int bis_flat_image_exposure(double *exposure, int width, int height, const float *pixels, const float *coverage,
                             char *say, size_t size);
 
 /* So many figures has bis_flat_image_compare. */
 enum { BIS_FLAT_COMPARED = 9 };
 
-/* bis_flat_image_compare stores the figures of `bis compare` of a with the reference b: mean_a, mean_b, bias, bias_se,
+/* bis_flat_image_compare stores figures[BIS_FLAT_COMPARED] as `bis compare` of a[height][width][3] with the reference
+ * b[height][width][3]: mean_a, mean_b, bias, bias_se,
  * rmse, relmse, max_abs, the number of pixels that were compared, and that of those left out because they are not
  * finite. Errors: BIS_INPUT (a size), BIS_NOMEM. */
 int bis_flat_image_compare(double *figures, int width, int height, const float *a, const float *b, char *say,
                            size_t size);
 
-/* bis_flat_image_errors stores the false colours of `bis compare --diff`. Errors: BIS_INPUT (a size), BIS_NOMEM. */
+/* bis_flat_image_errors stores in colours[height][width][3] the false colours of `bis compare --diff` of
+ * a[height][width][3] and b[height][width][3]. Errors: BIS_INPUT (a size), BIS_NOMEM. */
 int bis_flat_image_errors(float *colours, int width, int height, const float *a, const float *b, char *say,
                           size_t size);
 

@@ -29,5 +29,6 @@ void bis_flat_light_angles(const bis_light *light, double *angles);
  * BIS_INPUT (a pixel that the map does not have). */
 int bis_flat_light_centres(const bis_light *light, size_t n, const uint32_t *pixel, float *w, char *say, size_t size);
 
-/* bis_flat_light_draw draws pixel[n] as bis_flat_light_sample draws directions. Errors: as that function. */
+/* bis_flat_light_draw draws pixel[n] from u[n][4] as bis_flat_light_sample draws directions. Errors: as that
+ * function. */
 int bis_flat_light_draw(const bis_light *light, size_t n, const double *u, uint32_t *pixel, char *say, size_t size);

@@ -12,7 +12,7 @@
  * the offset basis. It does nothing where hash is NULL, or bytes is and n is not 0. */
 void bis_flat_fnv(uint32_t hash[2], size_t n, const uint8_t *bytes);
 
-/* bis_flat_uniform stores n numbers of the stream (seed, stream), uniform in [0,1). */
+/* bis_flat_uniform stores u[n] of the stream (seed, stream), uniform in [0,1). */
 void bis_flat_uniform(uint32_t seed, uint32_t stream, size_t n, double *u);
 
 /* bis_flat_points stores points u[n][2] of one camera sample of a pixel, by a sampler of this kind: "random",
@@ -42,13 +42,14 @@ int bis_flat_bits(uint32_t *hash, uint32_t *expected, uint8_t *name, uint32_t *n
 int bis_flat_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *list, uint32_t *length, char *say,
                        size_t size);
 
-/* bis_flat_alias_stage shows how Vose's table fills. order[n] receives the bins in an order in which they can be
- * filled: each after those that it gives to. height[n] receives how high each item's own part stands after the first
- * `steps` of them, 1 being full: N P_i at first, prob[i] in the end. Errors: BIS_INPUT (as bis_flat_alias_sample). */
+/* bis_flat_alias_stage shows how Vose's table of w[n] fills. order[n] receives the bins in an order in which they
+ * can be filled: each after those that it gives to. height[n] receives how high each item's own part stands after
+ * the first `steps` of them, 1 being full: N P_i at first, prob[i] in the end. Errors: BIS_INPUT (as
+ * bis_flat_alias_sample). */
 int bis_flat_alias_stage(size_t n, const double *w, size_t steps, uint32_t *order, double *height, char *say,
                          size_t size);
 
-/* bis_flat_alias_pmf stores the probabilities pmf[n] that tables really give, and in P[n] those of the weights.
+/* bis_flat_alias_pmf stores the probabilities pmf[n] that tables of w[n] really give, and in P[n] those of the weights.
  * Errors: as bis_flat_alias_build. */
 int bis_flat_alias_pmf(size_t n, const double *w, double *pmf, double *P, char *say, size_t size);
 
@@ -70,8 +71,8 @@ int bis_flat_cdf_sample(size_t n, const double *w, size_t m, const double *u, ui
                         uint32_t *first, char *say, size_t size);
 
 /* bis_flat_fit counts m draws item[m] in observed[n] and holds them against the probabilities P[n] by Pearson's
- * chi-square: fit[3] is the statistic, its degrees of freedom and p. Errors: BIS_INPUT (an item not below n; P as the
- * weights of bis_flat_alias_build), BIS_NOMEM. */
+ * chi-square: fit[3] is the statistic, its degrees of freedom and p. The last bits are those of libm. Errors:
+ * BIS_INPUT (an item not below n; P as the weights of bis_flat_alias_build), BIS_NOMEM. */
 int bis_flat_fit(size_t n, const double *P, size_t m, const uint32_t *item, double *observed, double *fit, char *say,
                  size_t size);
 
@@ -107,13 +108,13 @@ int bis_flat_light_regions(const bis_light *light, int levels, double b, uint32_
 
 /* bis_flat_bsdf_albedo stores in sum[3], by the midpoints of n x n cells of equal solid angle about the normal: the
  * share of light that is reflected (mean of R, G, B), the integral of the density over the hemisphere above the
- * horizon, and 1 minus it, which is drawn below the horizon and lost. normal is as for bis_flat_bsdf_open. Errors:
- * BIS_INPUT (n outside [1, 4096], a normal of 0). */
+ * horizon, and 1 minus it, which is drawn below the horizon and lost. normal[3] is as for bis_flat_bsdf_open. The
+ * last bits are those of libm. Errors: BIS_INPUT (n outside [1, 4096], a normal of 0). */
 int bis_flat_bsdf_albedo(const bis_bsdf *bsdf, const double *normal, int n, double *sum, char *say, size_t size);
 
-/* bis_flat_bsdf_plane looks along n directions in the plane of normal and eye, degrees[n] from the normal, negative on
- * the eye's side: f_cos[n], f cos of red in 1/sr, and the density pdf[n]. normal is as for bis_flat_bsdf_open. Errors:
- * BIS_INPUT (an angle that is not finite, a normal of 0). */
+/* bis_flat_bsdf_plane looks along n directions in the plane of normal and eye, degrees[n] from the normal, negative
+ * on the eye's side: f_cos[n], f cos of red in 1/sr, and the density pdf[n]. normal[3] is as for bis_flat_bsdf_open.
+ * The last bits are those of libm. Errors: BIS_INPUT (an angle that is not finite, a normal of 0). */
 int bis_flat_bsdf_plane(const bis_bsdf *bsdf, const double *normal, size_t n, const double *degrees, double *f_cos,
                         double *pdf, char *say, size_t size);
 
@@ -141,10 +142,10 @@ int bis_flat_stage_at(bis_flat_stage *stage, int x, int y, double *found, char *
  * two without V, eq. 4.5. Errors: BIS_NOMEM. */
 int bis_flat_stage_exact(bis_flat_stage *stage, uint32_t seed, double *value, char *say, size_t size);
 
-/* bis_flat_stage_densities stores, for the middle of each cell of a lat-long field of directions [rows][columns] in the
- * light's frame: q_L (eq. 4.2), q_f (4.3), the product phat = f cos Le (4.4, not normalised) and the part of it that
- * is seen; and the largest of each in peak[4]. Floats, because the last bits of a double depend on the C library's pow.
- */
+/* bis_flat_stage_densities stores, for the middle of each cell of a lat-long field of directions in the light's
+ * frame: q_L[rows][columns] (eq. 4.2), q_f[rows][columns] (4.3), product[rows][columns], which is phat = f cos Le
+ * (4.4, not normalised), and seen[rows][columns], the part of it that is seen; and the largest of each in peak[4].
+ * Floats, because the last bits of a double depend on the C library's pow. */
 int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float *q_L, float *q_f, float *product,
                              float *seen, float *peak, char *say, size_t size);
 
@@ -155,22 +156,22 @@ int bis_flat_stage_densities(bis_flat_stage *stage, int columns, int rows, float
 int bis_flat_stage_candidates(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t room, float *wi,
                               double *w, uint32_t *chosen, uint32_t *kind, double *sum, char *say, size_t size);
 
-/* bis_flat_stage_find stores the cell of a field [rows][columns] of the light's frame that each wi[n][3] lies in.
- * The first one is that of (0, 0, 0), which bis_flat_stage_candidates stores where there is no candidate. Errors:
- * BIS_INPUT (columns or rows outside [1, 4096], wi not finite). */
+/* bis_flat_stage_find stores in cell[n] that of a field [rows][columns] of the light's frame that each wi[n][3] lies
+ * in. The first one is that of (0, 0, 0), which bis_flat_stage_candidates stores where there is no candidate.
+ * Errors: BIS_INPUT (columns or rows outside [1, 4096], wi not finite). */
 int bis_flat_stage_find(bis_flat_stage *stage, int columns, int rows, size_t n, const float *wi, uint32_t *cell,
                         char *say, size_t size);
 
-/* bis_flat_stage_runs stores n estimates r+g+b at the point in L[n] by the integrator that settings name, with numbers
- * of the kind of the scene's sampler, each estimate by itself; and in
- * sum[3] their mean, their standard deviation, and shadow rays per estimate. Errors: as bis_flat_render. */
+/* bis_flat_stage_runs stores n estimates r+g+b at the point in L[n] by the integrator that settings name, with
+ * numbers of the kind of the scene's sampler, each estimate by itself; and in sum[3] their mean, their standard
+ * deviation, and shadow rays per estimate. Errors: as bis_flat_render. */
 int bis_flat_stage_runs(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *L,
                         double *sum, char *say, size_t size);
 
 /* bis_flat_stage_mis computes what multiple importance sampling reaches with independent samples, from n times those of
  * integrator "mis" with these settings (docs/theory.md, "The best weights"): sum[5] is the mean of one estimate r+g+b,
  * its standard deviation by the balance heuristic, that by the best weights, beta, and the overlap of the two densities
- * in [0,1]. Errors: BIS_INPUT (another integrator, n outside [2, 1e6]), BIS_NOMEM. */
+ * in [0,1]. The last bits are those of libm. Errors: BIS_INPUT (another integrator, n outside [2, 1e6]), BIS_NOMEM. */
 int bis_flat_stage_mis(bis_flat_stage *stage, const char *const *settings, uint32_t seed, size_t n, double *sum,
                        char *say, size_t size);
 
@@ -185,7 +186,7 @@ int bis_flat_stage_noises(bis_flat_stage *stage, const char *const *settings, ui
 int bis_flat_stage_bounds(bis_flat_stage *stage, double *bound, char *say, size_t size);
 
 /* bis_flat_stage_accept holds candidates of weight w[n] against the bound of their proposal, "em" or "brdf": height[n]
- * receives u times the bound, taken[n] 1 where it lies below w, else 0, and *accepted the number of the former.
+ * receives u[n] times the bound, taken[n] 1 where it lies below w, else 0, and *accepted the number of the former.
  * Errors: BIS_INPUT (another proposal, w or u is NaN). */
 int bis_flat_stage_accept(bis_flat_stage *stage, const char *proposal, size_t n, const double *w, const double *u,
                           double *height, uint32_t *taken, uint32_t *accepted, char *say, size_t size);
@@ -201,6 +202,6 @@ int bis_flat_stage_accepted(bis_flat_stage *stage, const char *const *settings, 
  */
 double bis_flat_picture_pass_seconds(const bis_flat_picture *picture);
 
-/* bis_flat_compare stores in sum[3] the RMSE, the relMSE and the bias of a[height][width][4] against b, as
- * `bis compare`. Errors: BIS_INPUT, BIS_NOMEM. */
+/* bis_flat_compare stores in sum[3] the RMSE, the relMSE and the bias of a[height][width][4] against b, which is
+ * b[height][width][4], as `bis compare`. The last bits are those of libm. Errors: BIS_INPUT, BIS_NOMEM. */
 int bis_flat_compare(int width, int height, const float *a, const float *b, double *sum, char *say, size_t size);

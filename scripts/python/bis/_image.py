@@ -11,16 +11,9 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, Error, Floats, call, declare, real, text_bytes
-from ._library import texts
+from ._library import Error, Floats, call, flat, opened, real, text_bytes, texts
 from ._sampling import _picture, taken
 
-_read = declare("image_read", P, TEXT, *SAY)
-_save = declare("image_save", TEXT, INT, INT, P, D, P, *SAY)
-_png = declare("image_png", INT, INT, P, D, N, P, P, *SAY)
-_exposure = declare("image_exposure", P, INT, INT, P, P, *SAY)
-_compare = declare("image_compare", P, INT, INT, P, P, *SAY)
-_errors = declare("image_errors", P, INT, INT, P, P, *SAY)
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -92,9 +85,7 @@ def read_image(path: Path) -> tuple[Floats, Place]:
     Error
         The file cannot be read, or is no picture.
     """
-    handle = P()
-    call(_read, ctypes.byref(handle), text_bytes("path", path))
-    pixels, place = taken(handle)
+    pixels, place = taken(opened(flat.image_read, text_bytes("path", path)))
     return pixels, Place(*place)
 
 
@@ -121,7 +112,7 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
     a = _picture("pixels", pixels)
     ev = float("nan") if exposure is None else real("exposure", exposure)
     said = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
-    call(_save, text_bytes("path", path), a.shape[1], a.shape[0], a, ev, texts(said))
+    call(flat.image_save, text_bytes("path", path), a.shape[1], a.shape[0], a, ev, texts(said))
 
 
 def png(pixels: ArrayLike, exposure: float) -> bytes:
@@ -130,7 +121,7 @@ def png(pixels: ArrayLike, exposure: float) -> bytes:
     # Three bytes a pixel, and what packing in vain adds.
     room = 4 * a.shape[0] * a.shape[1] + (1 << 16)
     data, length = ctypes.create_string_buffer(room), ctypes.c_size_t()
-    call(_png, a.shape[1], a.shape[0], a, real("exposure", exposure), room, data,
+    call(flat.image_png, a.shape[1], a.shape[0], a, real("exposure", exposure), room, data,
          ctypes.byref(length))
     return data.raw[:length.value]
 
@@ -161,7 +152,7 @@ def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> floa
     if weights is not None and weights.shape != a.shape[:2]:
         raise Error("coverage has the shape %s: give %s" % (weights.shape, a.shape[:2]))
     found = ctypes.c_double()
-    call(_exposure, ctypes.byref(found), a.shape[1], a.shape[0], a, weights)
+    call(flat.image_exposure, ctypes.byref(found), a.shape[1], a.shape[0], a, weights)
     return found.value
 
 
@@ -194,7 +185,7 @@ def compare(a: ArrayLike, b: ArrayLike) -> Comparison:
     """
     a, b = _two(a, b)
     figures = (ctypes.c_double * 9)()
-    call(_compare, figures, a.shape[1], a.shape[0], a, b)
+    call(flat.image_compare, figures, a.shape[1], a.shape[0], a, b)
     return Comparison(*figures[:7], int(figures[7]), int(figures[8]))
 
 
@@ -219,5 +210,5 @@ def compare_colours(a: ArrayLike, b: ArrayLike) -> Floats:
     """
     a, b = _two(a, b)
     colours = np.empty(a.shape, np.float32)
-    call(_errors, colours, a.shape[1], a.shape[0], a, b)
+    call(flat.image_errors, colours, a.shape[1], a.shape[0], a, b)
     return colours

@@ -29,17 +29,50 @@ def _candidates() -> list[str]:
             ctypes.util.find_library("bis") or "libbis.so"]
 
 
-def _load() -> ctypes.CDLL:
+P, D, INT, TEXT = ctypes.c_void_p, ctypes.c_double, ctypes.c_int, ctypes.c_char_p
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+
+# The letters of bis_flat_signatures that are no pointers; what a status returns is one.
+_KINDS: dict[str, Any] = {"i": INT, "s": INT, "n": ctypes.c_size_t, "k": ctypes.c_uint32,
+                          "q": ctypes.c_uint64, "r": D, "z": TEXT, "v": None}
+
+
+class _Flat:
+    """The functions bis_flat_NAME of the library, as attributes: what each takes the library tells
+    itself."""
+
+    def __init__(self, path: str) -> None:
+        self._library = ctypes.CDLL(path)
+        signatures = self._library.bis_flat_signatures
+        signatures.restype = TEXT
+        rows = [row.split() for row in signatures().decode("ascii").splitlines()]
+        self._rows = {name: (returned, arguments) for name, returned, *arguments in rows}
+
+    def __getattr__(self, name: str) -> Any:
+        if "bis_flat_" + name not in self._rows:
+            raise ImportError("the package bis needs another libbis.so than %s (version %s), which "
+                              "has no bis_flat_%s: install both from one source"
+                              % (self._library._name, version(), name))
+        f = self._library["bis_flat_" + name]
+        returned, arguments = self._rows["bis_flat_" + name]
+        f.argtypes = [_KINDS.get(a.split(":")[1][0], P) for a in arguments]
+        if returned[-1] == "s":
+            f.argtypes = [*f.argtypes, TEXT, ctypes.c_size_t]
+        f.restype = _KINDS[returned[-1]]
+        setattr(self, name, f)
+        return f
+
+
+def _load() -> _Flat:
     found = _candidates()[0]
     try:
-        library = ctypes.CDLL(found)
-        library.bis_flat_said.restype = ctypes.c_size_t
-        library.bis_flat_version.restype = library.bis_flat_build.restype = ctypes.c_char_p
+        library = _Flat(found)
     except (OSError, AttributeError) as e:
         raise ImportError("the package bis finds no usable libbis.so (%s): run `make` in the "
                           "repository or `make install`, or set BIS_LIBRARY to its path"
                           % e) from None
-    build = library.bis_flat_build().decode("ascii")
+    build = library.build().decode("ascii")
     if os.environ.get("BIS_BUILD_ID", build) != build:
         # `bis trade` measures what that program is: a student's material, not the installed one.
         raise ImportError("%s is of another build than %s: make both, or install both, from one "
@@ -47,12 +80,7 @@ def _load() -> ctypes.CDLL:
     return library
 
 
-_library = _load()
-P, N, D = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double
-INT, U32, U64, TEXT = ctypes.c_int, ctypes.c_uint32, ctypes.c_uint64, ctypes.c_char_p
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
-SAY = (TEXT, N)  # the buffer of messages and its size
+flat = _load()
 
 
 def version() -> str:
@@ -63,19 +91,7 @@ def version() -> str:
     str
         As "0.1.0".
     """
-    return str(_library.bis_flat_version(), "ascii")
-
-
-def declare(name: str, *arguments: Any, result: Any = INT) -> Any:
-    """The function bis_flat_NAME of the library, with the types of its arguments."""
-    try:
-        f = getattr(_library, "bis_flat_" + name)
-    except AttributeError:
-        raise ImportError("the package bis needs another libbis.so than %s (version %s), which has "
-                          "no bis_flat_%s: install both from one source"
-                          % (_library._name, version(), name)) from None
-    f.argtypes, f.restype = list(arguments), result
-    return f
+    return str(flat.version(), "ascii")
 
 
 def run(f: Callable[..., int], *arguments: Any) -> tuple[int, str]:
@@ -83,10 +99,10 @@ def run(f: Callable[..., int], *arguments: Any) -> tuple[int, str]:
     say = ctypes.create_string_buffer(1 << 12)
     status = f(*[a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments],
                say, len(say))
-    size = _library.bis_flat_said(None, N(0))
+    size = flat.said(None, 0)
     if size:
         say = ctypes.create_string_buffer(size)
-        _library.bis_flat_said(say, N(size))
+        flat.said(say, size)
     return status, say.value.decode("utf-8", "replace")
 
 
@@ -101,6 +117,13 @@ def judge(status: int, text: str) -> None:
 def call(f: Callable[..., int], *arguments: Any) -> None:
     """Call a function that returns a status."""
     judge(*run(f, *arguments))
+
+
+def opened(f: Callable[..., int], *arguments: Any) -> ctypes.c_void_p:
+    """What such a function opens."""
+    handle = P()
+    judge(*run(f, ctypes.byref(handle), *arguments))
+    return handle
 
 
 def given(name: str, a: ArrayLike) -> NDArray[Any]:

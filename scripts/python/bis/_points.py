@@ -7,11 +7,10 @@ from typing import Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from ._library import N, P, SAY, TEXT, U32, U64, call, declare, in_range, text_bytes
+from ._library import call, flat, in_range, text_bytes
 
 _MOST = (1 << 32) - 1
 _CAMERA = _MOST  # as a dimension: places in the pixel
-_points = declare("points", TEXT, U64, U32, U32, U32, U32, N, P, *SAY)
 
 
 def points(kind: str, n: int, seed: int = 0, *, dim: Optional[int] = 0, pixel: int = 0,
@@ -51,5 +50,5 @@ def points(kind: str, n: int, seed: int = 0, *, dim: Optional[int] = 0, pixel: i
              in_range("sample", sample, 0, _MOST), in_range("spp", spp, 0, _MOST),
              _CAMERA if dim is None else in_range("dim", dim, 0, _CAMERA - 1)]
     u = np.empty((count, 2))
-    call(_points, text_bytes("kind", kind), *words, count, u)
+    call(flat.points, text_bytes("kind", kind), *words, count, u)
     return u

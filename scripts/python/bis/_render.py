@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, P, SAY, TEXT, Floats, Handle, WrongType, call, declare, judge, real
-from ._library import filled, run, shape, text_bytes, texts, whole
+from ._library import D, P, TEXT, Floats, Handle, WrongType, call, filled, flat, judge, opened
+from ._library import real, run, shape, text_bytes, texts, whole
 from ._sampling import Envmap
 from ._scene import Camera
 
@@ -25,20 +25,6 @@ if TYPE_CHECKING:
     from ._stage import Stage
 
 _WATCHER = ctypes.CFUNCTYPE(None, D, D, D, P)
-_render = declare("render_with", P, TEXT, P, P, _WATCHER, P, P, *SAY)
-_picture_close = declare("picture_close", P, result=None)
-_picture_shape = declare("picture_shape", P, P, result=None)
-_picture_pixels = declare("picture_pixels", P, P, result=None)
-_picture_layer = declare("picture_layer", P, TEXT, P)
-_picture_figures = declare("picture_figures", P, P, result=None)
-_layer_name = declare("layer_name", INT, result=TEXT)
-_about = declare("about", result=TEXT)
-_scene_open = declare("scene_open", P, TEXT, P, P, *SAY)
-_scene_close = declare("scene_close", P, result=None)
-_scene_render = declare("scene_render", P, P, P, P, _WATCHER, P, P, *SAY)
-_scene_coverage = declare("scene_coverage", P, P, INT, P, *SAY)
-_scene_about = declare("scene_about", P, P, P, *SAY)
-_picture_stats = declare("picture_stats", P, result=TEXT)
 
 Light = Union[None, Envmap, str, "os.PathLike[str]", ArrayLike]
 Asked = Optional[Callable[[], bool]]
@@ -215,15 +201,15 @@ def wait(work: Callable[[], Any], stop: ctypes.c_int, seen: Optional[list[Progre
 def _layers(handle: Any, size: tuple[int, int], names: Sequence[str]) -> dict[str, Floats]:
     found = {}
     for name in names:
-        n = _picture_layer(handle, name.encode(), None)
+        n = flat.picture_layer(handle, name.encode(), None)
         if n:
             found[name] = np.empty(size + (n,) if n > 1 else size, np.float32)
-            _picture_layer(handle, name.encode(), found[name].ctypes.data)
+            flat.picture_layer(handle, name.encode(), found[name].ctypes.data)
     return found
 
 
 LAYERS: tuple[str, ...] = tuple(name.decode() for name in
-                                iter(map(_layer_name, count()).__next__, None))
+                                iter(map(flat.layer_name, count()).__next__, None))
 
 
 def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequence[str]] = None,
@@ -268,7 +254,7 @@ def render(scene: Union[str, os.PathLike[str]], *, layers: Union[None, str, Sequ
     """
     path, said = _opened(scene, approximate, settings)
     how = texts(_said(layers, crop, camera, progress, said))
-    return _picture(_render, path, how, light, progress)
+    return _picture(flat.render_with, path, how, light, progress)
 
 
 def _picture(f: Any, what: Any, how: Any, light: Any, progress: Watcher,
@@ -290,14 +276,15 @@ def _picture(f: Any, what: Any, how: Any, light: Any, progress: Watcher,
     try:
         wait(work, ended, seen, progress, stop)
         judge(*said[0])
-        size = shape(_picture_shape, handle)
-        rgba = filled(_picture_pixels, handle, size + (4,), np.float32)
-        figures = filled(_picture_figures, handle, 10).tolist()
+        size = shape(flat.picture_shape, handle)
+        rgba = filled(flat.picture_pixels, handle, size + (4,), np.float32)
+        figures = filled(flat.picture_figures, handle, 10).tolist()
         return Picture(np.ascontiguousarray(rgba[:, :, :3]), np.ascontiguousarray(rgba[:, :, 3]),
-                       _layers(handle, size, LAYERS), json.loads(_picture_stats(handle).decode()),
+                       _layers(handle, size, LAYERS),
+                       json.loads(flat.picture_stats(handle).decode()),
                        figures[0], *map(int, figures[1:8]), bool(figures[8]), figures[9])
     finally:
-        _picture_close(handle)
+        flat.picture_close(handle)
 
 
 def about() -> dict[str, Any]:
@@ -309,7 +296,7 @@ def about() -> dict[str, Any]:
         "integrators" (a list: name, claim, parameters with type, default, range or choices),
         "layers", "accelerators", "embree_version", "limits", "defaults".
     """
-    return dict(json.loads(_about().decode()))
+    return dict(json.loads(flat.about().decode()))
 
 
 class Scene(Handle):
@@ -336,16 +323,15 @@ class Scene(Handle):
         A mistake in the scene or in a setting; the message names file, line and column.
     """
 
-    _close = staticmethod(_scene_close)
+    _close = staticmethod(flat.scene_close)
     _made = ("_handle",)
 
     def __init__(self, scene: Union[str, os.PathLike[str]], *, approximate: bool = False,
                  light: Light = None, **settings: Any) -> None:
         path, said = _opened(scene, approximate, settings)
-        self._sky, handle = sky_of(light), P()
-        call(_scene_open, ctypes.byref(handle), path, settings_of(said),
-             self._sky and self._sky._handle)
-        self._handle = handle
+        self._sky = sky_of(light)
+        self._handle = opened(flat.scene_open, path, settings_of(said),
+                              self._sky and self._sky._handle)
         self._busy = threading.Lock()
 
     def render(self, *, layers: Union[None, str, Sequence[str]] = None, light: Light = None,
@@ -379,7 +365,7 @@ class Scene(Handle):
         """
         how = texts(_said(layers, crop, camera, progress, settings))
         with self._busy:
-            return _picture(_scene_render, self._handle, how, light, progress, stop)
+            return _picture(flat.scene_render, self._handle, how, light, progress, stop)
 
     def stage(self, light: Light = None) -> Stage:
         """Look at points of the scene.
@@ -416,7 +402,7 @@ class Scene(Handle):
         """
         text = TEXT()
         with self._busy:
-            call(_scene_about, ctypes.byref(text), self._handle, settings_of(settings))
+            call(flat.scene_about, ctypes.byref(text), self._handle, settings_of(settings))
             return dict(json.loads((text.value or b"").decode()))
 
     def coverage(self, side: int = 4, **settings: Any) -> Floats:
@@ -437,6 +423,6 @@ class Scene(Handle):
         film = self.about(**settings)["film"]
         share = np.empty((film["height"], film["width"]), np.float32)
         with self._busy:
-            call(_scene_coverage, self._handle, settings_of(settings),
+            call(flat.scene_coverage, self._handle, settings_of(settings),
                  whole("side", side), share)
         return share

@@ -9,45 +9,14 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, INT, N, P, SAY, TEXT, U32, Doubles, Error, Floats, Handle, Made, WrongType
-from ._library import array, call, declare, filled, given, numbers, real, shape, text_bytes, texts
-from ._library import whole
-
-_uniform = declare("uniform", U32, U32, N, P, result=None)
-_light_open = declare("light_open_as", P, TEXT, P, *SAY)
-_light_make = declare("light_make_as", P, INT, INT, P, P, *SAY)
-_light_close = declare("light_close", P, result=None)
-_light_shape = declare("light_shape", P, P, result=None)
-_light_pixels = declare("light_pixels", P, P, result=None)
-_light_power = declare("light_power", P, result=D)
-_light_sample = declare("light_sample", P, N, P, P, P, P, *SAY)
-_light_look = declare("light_look", P, N, P, P, P, *SAY)
-_light_source = declare("light_source", P, result=TEXT)
-_light_facts = declare("light_facts", P, P, result=None)
-_light_angles = declare("light_angles", P, P, result=None)
-_light_density = declare("light_density", P, P, P, P, *SAY)
-_light_regions = declare("light_regions", P, INT, D, P, P, P, P, P, *SAY)
-_light_find = declare("light_find", P, N, P, P, *SAY)
-_light_centres = declare("light_centres", P, N, P, P, *SAY)
-_light_draw = declare("light_draw", P, N, P, P, *SAY)
-_image_of_light = declare("image_of_light", P, P, TEXT, INT, P, *SAY)
-_image_place = declare("image_place", P, P, P, result=None)
-_image_pixels = declare("image_pixels", P, P, result=None)
-_image_close = declare("image_close", P, result=None)
-_alias_build = declare("alias_build", N, P, P, P, P, *SAY)
-_alias_sample = declare("alias_sample", N, P, P, N, P, P, *SAY)
-_bsdf_open = declare("bsdf_open", P, TEXT, P, P, D, P, P, *SAY)
-_bsdf_metal = declare("bsdf_metal", P, P, P, D, P, P, *SAY)
-_bsdf_read = declare("bsdf_read", P, TEXT, P, P, *SAY)
-_bsdf_close = declare("bsdf_close", P, result=None)
-_bsdf_sample = declare("bsdf_sample", P, N, P, P, P, *SAY)
-_bsdf_look = declare("bsdf_look", P, N, P, P, P, *SAY)
+from ._library import D, INT, Doubles, Error, Floats, Handle, Made, WrongType, array, call, filled
+from ._library import flat, given, numbers, opened, real, shape, text_bytes, texts, whole
 
 
 def uniform(n: int, seed: int = 0, stream: int = 0) -> Doubles:
     """n numbers of the library's own generator, in [0, 1)."""
     u = np.empty(n)
-    _uniform(seed, stream, n, u.ctypes.data)
+    flat.uniform(seed, stream, n, u.ctypes.data)
     return u
 
 
@@ -66,10 +35,10 @@ def taken(handle: Any) -> tuple[Floats, list[int]]:
     """The pixels (h, w, 3) of an image of the library, and their place. The image is freed."""
     size, place = (INT * 2)(), (INT * 4)()
     try:
-        _image_place(handle, size, place)
-        return filled(_image_pixels, handle, (size[1], size[0], 3), np.float32), list(place)
+        flat.image_place(handle, size, place)
+        return filled(flat.image_pixels, handle, (size[1], size[0], 3), np.float32), list(place)
     finally:
-        _image_close(handle)
+        flat.image_close(handle)
 
 
 class Defects(NamedTuple):
@@ -149,13 +118,12 @@ class Envmap(Handle):
         The file cannot be read, or a value is out of its range.
     """
 
-    _close = staticmethod(_light_close)
+    _close = staticmethod(flat.light_close)
     _made = ("_handle", "shape")
 
     def __init__(self, map: Union[str, os.PathLike[str], ArrayLike], table: str = "alias",
                  area_exponent: float = 0.15, mapping: Optional[str] = None, *, levels: int = 8,
                  width: Optional[int] = None) -> None:
-        handle = P()
         said = [b"kind=" + text_bytes("table", table),
                 b"area_exponent=" + repr(real("area_exponent", area_exponent)).encode(),
                 b"levels=%d" % whole("levels", levels)]
@@ -164,31 +132,30 @@ class Envmap(Handle):
         if width is not None:
             said.append(b"width=%d" % whole("width", width))
         if isinstance(map, (str, bytes, os.PathLike)):
-            call(_light_open, ctypes.byref(handle), text_bytes("map", map), texts(said))
+            self._handle = opened(flat.light_open_as, text_bytes("map", map), texts(said))
         else:
             a = _picture("map", map)
-            call(_light_make, ctypes.byref(handle), a.shape[1], a.shape[0], a, texts(said))
-        self._handle = handle
+            self._handle = opened(flat.light_make_as, a.shape[1], a.shape[0], a, texts(said))
         self._levels, self._area_exponent = levels, area_exponent
-        self.shape = shape(_light_shape, handle)
+        self.shape = shape(flat.light_shape, self._handle)
 
     @property
     def pixels(self) -> Floats:
         """A copy of the radiance, (h, w, 3), row 0 at +z."""
-        return filled(_light_pixels, self._handle, self.shape + (3,), np.float32)
+        return filled(flat.light_pixels, self._handle, self.shape + (3,), np.float32)
 
     @property
     def power(self) -> float:
         """The integral of r+g+b over the sphere."""
-        return float(_light_power(self._handle))
+        return float(flat.light_power(self._handle))
 
     @property
     def mapping(self) -> str:
         """How the file covered the sphere. A map that was not "latlong" was resampled to it."""
-        return str(_light_source(self._handle), "ascii")
+        return str(flat.light_source(self._handle), "ascii")
 
     def _facts(self) -> Doubles:
-        return filled(_light_facts, self._handle, 7)
+        return filled(flat.light_facts, self._handle, 7)
 
     @property
     def resampled(self) -> Optional[tuple[float, float]]:
@@ -210,7 +177,7 @@ class Envmap(Handle):
     @property
     def solid_angles(self) -> Doubles:
         """The solid angle in sr of one pixel of each row, (h,)."""
-        return filled(_light_angles, self._handle, self.shape[0])
+        return filled(flat.light_angles, self._handle, self.shape[0])
 
     def density(self) -> Doubles:
         """The density with which `sample` draws directions.
@@ -221,7 +188,7 @@ class Envmap(Handle):
             In 1/sr, inside each pixel.
         """
         pdf, peak, share = np.empty(self.shape), D(), np.empty(self.shape[0])
-        call(_light_density, self._handle, pdf, ctypes.byref(peak), share)
+        call(flat.light_density, self._handle, pdf, ctypes.byref(peak), share)
         return pdf
 
     def regions(self, levels: Optional[int] = None,
@@ -244,7 +211,7 @@ class Envmap(Handle):
         area, factor, n = np.empty(self.shape), np.empty(self.shape), ctypes.c_uint32()
         wanted = whole("levels", self._levels if levels is None else levels)
         # What C's int cannot hold is out of range, too.
-        call(_light_regions, self._handle, min(max(wanted, 0), 255),
+        call(flat.light_regions, self._handle, min(max(wanted, 0), 255),
              real("area_exponent", self._area_exponent if area_exponent is None else area_exponent),
              label, level, area, factor, ctypes.byref(n))
         # Black is 2^32 - 1 there, and -1 as a signed number of as many bits. Few maps have 2^31
@@ -276,7 +243,7 @@ class Envmap(Handle):
         """
         w = array(w, 3, np.float32, "w")
         pixel = np.empty(len(w), np.uint32)
-        call(_light_find, self._handle, len(w), w, pixel)
+        call(flat.light_find, self._handle, len(w), w, pixel)
         return self._pixels(pixel)
 
     def directions(self, rows: ArrayLike, columns: ArrayLike) -> Floats:
@@ -298,7 +265,7 @@ class Envmap(Handle):
             raise Error("rows and columns are no pixels of the map: give as many of each, below %d "
                         "and %d" % self.shape)
         pixel, w = (y * self.shape[1] + x).astype(np.uint32), np.empty((len(y), 3), np.float32)
-        call(_light_centres, self._handle, len(w), pixel, w)
+        call(flat.light_centres, self._handle, len(w), pixel, w)
         return w
 
     def draw(self, n: Optional[int] = None, seed: int = 0, u: Optional[ArrayLike] = None) -> Pixels:
@@ -316,7 +283,7 @@ class Envmap(Handle):
         """
         u = numbers(n, 4, seed, u)
         pixel = np.empty(len(u), np.uint32)
-        call(_light_draw, self._handle, len(u), u, pixel)
+        call(flat.light_draw, self._handle, len(u), u, pixel)
         return self._pixels(pixel)
 
     def to_mapping(self, mapping: str, width: Optional[int] = None) -> tuple[Floats, float, float]:
@@ -336,11 +303,11 @@ class Envmap(Handle):
         before, after : float
             The power of the map and of the new one, which agree but for rounding.
         """
-        handle, power = P(), np.empty(2)
-        call(_image_of_light, ctypes.byref(handle), self._handle, text_bytes("mapping", mapping),
-             0 if width is None else min(max(whole("width", width), -1), 1 << 30), power)
+        power = np.empty(2)
+        image = opened(flat.image_of_light, self._handle, text_bytes("mapping", mapping),
+                       0 if width is None else min(max(whole("width", width), -1), 1 << 30), power)
         before, after = power.tolist()
-        return taken(handle)[0], before, after
+        return taken(image)[0], before, after
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
                u: Optional[ArrayLike] = None) -> tuple[Floats, Floats, Doubles]:
@@ -367,7 +334,7 @@ class Envmap(Handle):
         u = numbers(n, 4, seed, u)
         w, L = np.empty((2, len(u), 3), np.float32)
         pdf = np.empty(len(u))
-        call(_light_sample, self._handle, len(u), u, w, L, pdf)
+        call(flat.light_sample, self._handle, len(u), u, w, L, pdf)
         return w, L, pdf
 
     def look(self, w: ArrayLike) -> tuple[Floats, Doubles]:
@@ -387,7 +354,7 @@ class Envmap(Handle):
         """
         w = array(w, 3, np.float32, "w")
         L, pdf = np.empty((len(w), 3), np.float32), np.empty(len(w))
-        call(_light_look, self._handle, len(w), w, L, pdf)
+        call(flat.light_look, self._handle, len(w), w, L, pdf)
         return L, pdf
 
 
@@ -414,7 +381,7 @@ class AliasTable(Made):
     def __init__(self, weights: ArrayLike) -> None:
         w = array(weights, 0, np.float64, "weights")
         prob, alias, total = np.empty(len(w)), np.empty(len(w), np.uint32), D()
-        call(_alias_build, len(w), w, prob, alias, ctypes.byref(total))
+        call(flat.alias_build, len(w), w, prob, alias, ctypes.byref(total))
         self.prob, self.alias, self.total = prob, alias, total.value
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
@@ -441,7 +408,7 @@ class AliasTable(Made):
             raise Error("prob has %d items and alias has %d" % (len(prob), len(alias)))
         u = numbers(n, 0, seed, u)
         items = np.empty(len(u), np.uint32)
-        call(_alias_sample, len(prob), prob, alias, len(u), u, items)
+        call(flat.alias_sample, len(prob), prob, alias, len(u), u, items)
         return items
 
 
@@ -478,7 +445,7 @@ class Material(Handle):
         by Fresnel's equations.
     """
 
-    _close = staticmethod(_bsdf_close)
+    _close = staticmethod(flat.bsdf_close)
     _made = ("_handle",)
 
     def __init__(self, Kd: Optional[ArrayLike] = None, Ks: Optional[ArrayLike] = None,
@@ -495,13 +462,11 @@ class Material(Handle):
         colours = [_three(name, parts[name]) for name in names]
         vectors = _vectors(normal, wo)
         width = real("exponent", exponent) if roughness is None else real("roughness", roughness)
-        handle = P()
         if is_metal:
-            call(_bsdf_metal, ctypes.byref(handle), *colours, width, *vectors)
+            self._handle = opened(flat.bsdf_metal, *colours, width, *vectors)
         else:
             model = b"phong" if roughness is None else b"microfacet"
-            call(_bsdf_open, ctypes.byref(handle), model, *colours, width, *vectors)
-        self._handle = handle
+            self._handle = opened(flat.bsdf_open, model, *colours, width, *vectors)
 
     @classmethod
     def of(cls, text: str, normal: ArrayLike = (0, 0, 1), wo: ArrayLike = (0, 0, 1)) -> Material:
@@ -520,9 +485,8 @@ class Material(Handle):
             At a point, seen from wo.
         """
         vectors = _vectors(normal, wo)
-        handle, made = P(), cls.__new__(cls)
-        call(_bsdf_read, ctypes.byref(handle), text_bytes("text", text), *vectors)
-        made._handle = handle
+        made = cls.__new__(cls)
+        made._handle = opened(flat.bsdf_read, text_bytes("text", text), *vectors)
         return made
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
@@ -543,7 +507,7 @@ class Material(Handle):
         """
         u = numbers(n, 3, seed, u)
         wi, lobe = np.empty((len(u), 3), np.float32), np.empty(len(u), np.uint8)
-        call(_bsdf_sample, self._handle, len(u), u, wi, lobe)
+        call(flat.bsdf_sample, self._handle, len(u), u, wi, lobe)
         return wi, lobe.astype(bool)
 
     def look(self, wi: ArrayLike) -> tuple[Floats, Doubles]:
@@ -563,5 +527,5 @@ class Material(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         f, pdf = np.empty((len(wi), 3), np.float32), np.empty(len(wi))
-        call(_bsdf_look, self._handle, len(wi), wi, f, pdf)
+        call(flat.bsdf_look, self._handle, len(wi), wi, f, pdf)
         return f, pdf

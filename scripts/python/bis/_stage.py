@@ -11,26 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import Error, WrongType
-from ._library import INT, N, P, SAY, TEXT, U32, U64, Doubles, Floats, Handle, array, call, declare
-from ._library import in_range, judge, run, text_bytes, whole
+from ._library import TEXT, Doubles, Floats, Handle, array, call, flat, in_range, judge, opened
+from ._library import run, text_bytes, whole
 from ._render import Scene, settings_of, sky_of, wait
 
-_of = declare("stage_of", P, P, P, *SAY)
-_close = declare("stage_close", P, result=None)
-_at = declare("stage_at", P, INT, INT, P, *SAY)
-_about = declare("stage_about", P, P, *SAY)
-_truth = declare("stage_truth", P, U64, P, P, P, *SAY)
-_method = declare("stage_method", P, P, U64, N, P, P, P, P, *SAY)
-_estimate = declare("stage_estimate", P, P, U64, N, P, P, P, P, *SAY)
-_rays = declare("stage_rays", P, P, U64, U32, N, P, P, P, *SAY)
-_look = declare("stage_look", P, N, P, P, *SAY)
-_sees = declare("stage_sees", P, N, P, P, *SAY)
-_angles = declare("stage_angles", P, N, P, P, *SAY)
-_sphere = declare("stage_sphere", P, INT, INT, INT, P, *SAY)
-_mis = declare("stage_mis", P, P, U32, N, P, *SAY)
-_noises = declare("stage_noises", P, P, U32, N, P, *SAY)
-_bounds = declare("stage_bounds", P, P, *SAY)
-_accept = declare("stage_accept", P, TEXT, N, P, P, P, P, P, *SAY)
 
 Flags = NDArray[np.bool_]
 
@@ -189,15 +173,14 @@ class Stage(Handle):
         A map in the place of the scene's light.
     """
 
-    _close = staticmethod(_close)
+    _close = staticmethod(flat.stage_close)
     _made = ("_handle", "_scene")
 
     def __init__(self, scene: Scene, light: Any = None) -> None:
         if not isinstance(scene, Scene):
             raise WrongType("scene is %r: give a bis.Scene" % (scene,))
-        sky, handle = sky_of(light), P()
-        call(_of, ctypes.byref(handle), scene._handle, sky and sky._handle)
-        self._handle = handle
+        sky = sky_of(light)
+        self._handle = opened(flat.stage_of, scene._handle, sky and sky._handle)
         self._scene = scene  # the library looks at it
 
     def at(self, x: int, y: int) -> bool:
@@ -214,7 +197,7 @@ class Stage(Handle):
             Whether it sees a surface.
         """
         found = np.empty(8)
-        call(_at, self._handle, whole("x", x), whole("y", y), found)
+        call(flat.stage_at, self._handle, whole("x", x), whole("y", y), found)
         return bool(found[0])
 
     def about(self) -> dict[str, Any]:
@@ -230,7 +213,7 @@ class Stage(Handle):
             with the numbers of the scene's integrator.
         """
         text = TEXT()
-        call(_about, self._handle, ctypes.byref(text))
+        call(flat.stage_about, self._handle, ctypes.byref(text))
         return json.loads((text.value or b"").decode("utf-8"), parse_int=_number)
 
     def exact(self, seed: int = 0) -> Exact:
@@ -247,7 +230,7 @@ class Stage(Handle):
             By colour, with and without visibility.
         """
         value, moments, count = np.empty((2, 8)), np.empty((2, 3)), np.empty(3, np.uint64)
-        self._patiently(_truth, _seed(seed), value, moments, count)
+        self._patiently(flat.stage_truth, _seed(seed), value, moments, count)
         self._knows = True
         return Exact(_radiance(value[0]), _radiance(value[1]), bool(count[0]), int(count[1]),
                      int(count[2]), moments[0], moments[1])
@@ -278,8 +261,8 @@ class Stage(Handle):
             self.exact()
         stop = ctypes.c_int(0)
         estimates, value, figures = np.empty((count, 3), np.float32), np.empty(8), np.empty(6)
-        self._patiently(_method, settings_of(settings), _seed(seed), count, ctypes.byref(stop),
-                        estimates, value, figures, stop=stop)
+        self._patiently(flat.stage_method, settings_of(settings), _seed(seed), count,
+                        ctypes.byref(stop), estimates, value, figures, stop=stop)
         return Runs(estimates, _radiance(value), *figures.tolist())
 
     def candidates(self, seed: int = 0, **settings: Any) -> Candidates:
@@ -304,8 +287,8 @@ class Stage(Handle):
         while True:
             wi, w, total = np.empty((room, 3), np.float32), np.empty(room), np.empty(17)
             counts = np.empty((room, 3), np.uint32)
-            status, said = run(_estimate, self._handle, texts, _seed(seed), room, wi, w, counts,
-                               total)
+            status, said = run(flat.stage_estimate, self._handle, texts, _seed(seed), room, wi, w,
+                               counts, total)
             if status and "do not fit into arrays" in said and room < 1 << 32:
                 room *= 16
                 continue
@@ -347,7 +330,8 @@ class Stage(Handle):
         while n.value > room:
             room = n.value
             wi, which = np.empty((room, 3), np.float32), np.empty((room, 2), np.uint32)
-            call(_rays, self._handle, texts, _seed(seed), count, room, wi, which, ctypes.byref(n))
+            call(flat.stage_rays, self._handle, texts, _seed(seed), count, room, wi, which,
+                 ctypes.byref(n))
         return Rays(wi[:n.value], which[:n.value, 0], which[:n.value, 1] > 0)
 
     def look(self, wi: ArrayLike) -> Densities:
@@ -365,7 +349,7 @@ class Stage(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         density = np.empty((len(wi), 3))
-        call(_look, self._handle, len(wi), wi, density)
+        call(flat.stage_look, self._handle, len(wi), wi, density)
         return Densities(density[:, 0], density[:, 1], density[:, 2])
 
     def sees(self, wi: ArrayLike) -> Flags:
@@ -383,7 +367,7 @@ class Stage(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         seen = np.empty(len(wi), np.uint8)
-        call(_sees, self._handle, len(wi), wi, seen)
+        call(flat.stage_sees, self._handle, len(wi), wi, seen)
         return seen > 0
 
     def angles(self, wi: ArrayLike) -> Doubles:
@@ -401,7 +385,7 @@ class Stage(Handle):
         """
         wi = array(wi, 3, np.float32, "wi")
         angle = np.empty((len(wi), 2))
-        call(_angles, self._handle, len(wi), wi, angle)
+        call(flat.stage_angles, self._handle, len(wi), wi, angle)
         return angle
 
     def sphere(self, columns: int = 720, rows: int = 360, sub: int = 2) -> Sphere:
@@ -424,7 +408,7 @@ class Stage(Handle):
             raise Error("a sphere of %s x %s cells of %s: give 1 to 4096 each"
                         % (columns, rows, sub))
         field = np.empty((4, shape[1], shape[0]), np.float32)
-        self._patiently(_sphere, *shape, field)
+        self._patiently(flat.stage_sphere, *shape, field)
         return Sphere(*field)
 
     def best_weights(self, n: int = 10000, seed: int = 0, **settings: Any) -> BestWeights:
@@ -444,7 +428,7 @@ class Stage(Handle):
         BestWeights
             Of independent samples.
         """
-        return BestWeights(*self._measured(_mis, "mis", n, seed, settings))
+        return BestWeights(*self._measured(flat.stage_mis, "mis", n, seed, settings))
 
     def noises(self, n: int = 1000, seed: int = 0, **settings: Any) -> Noises:
         """Measure the two noises of sir.
@@ -463,7 +447,7 @@ class Stage(Handle):
         Noises
             Of the candidates, and of the choice among them.
         """
-        return Noises(*self._measured(_noises, "sir", n, seed, settings))
+        return Noises(*self._measured(flat.stage_noises, "sir", n, seed, settings))
 
     def _measured(self, f: Any, integrator: str, n: int, seed: int,
                   settings: dict[str, Any]) -> list[float]:
@@ -481,7 +465,7 @@ class Stage(Handle):
             "em" and "brdf": no weight of that proposal is larger.
         """
         bound = np.empty(2)
-        call(_bounds, self._handle, bound)
+        call(flat.stage_bounds, self._handle, bound)
         return {"em": float(bound[0]), "brdf": float(bound[1])}
 
     def accept(self, proposal: str, weight: ArrayLike, u: ArrayLike) -> Acceptance:
@@ -504,9 +488,9 @@ class Stage(Handle):
         w, numbers = array(weight, 0, np.float64, "weight"), array(u, 0, np.float64, "u")
         if len(w) != len(numbers):
             raise Error("weight has %d items and u has %d" % (len(w), len(numbers)))
-        height, taken, count = np.empty(len(w)), np.empty(len(w), np.uint32), U32()
-        call(_accept, self._handle, text_bytes("proposal", proposal), len(w), w, numbers, height,
-             taken, ctypes.byref(count))
+        height, taken = np.empty(len(w)), np.empty(len(w), np.uint32)
+        call(flat.stage_accept, self._handle, text_bytes("proposal", proposal), len(w), w, numbers,
+             height, taken, np.empty(1, np.uint32))
         return Acceptance(height, taken > 0)
 
     def _patiently(self, f: Any, *arguments: Any, stop: Optional[ctypes.c_int] = None) -> None:

@@ -16,14 +16,13 @@ from typing import Callable, Optional
 import numpy as np
 
 from ..._errors import Error
-from ..._library import N, P, declare
+from ..._library import flat
 from .. import text
 from ..files import outfile
 from .files import MOST_SEED, count, real
 from .model import LEVELS, MOST_PASSES, SEEDS, Plan
 from .plan import MOST_PIXELS, Frame, may_be_reference, thinned
 
-_fnv = declare("fnv", P, N, P, result=None)
 _LEAST = 5e-324  # above 0
 _MOST_SIDE = 32768
 _DAMAGED = "the file is damaged, measure into a new folder"
@@ -38,7 +37,7 @@ def fingerprint(version: str, names: list[str], files: list[str]) -> int:
         with open(path, "rb") as f:
             parts.append(f.read())
     for part in parts:
-        _fnv(state.ctypes.data, len(part), part)
+        flat.fnv(state.ctypes.data, len(part), part)
     return int(state[1]) << 32 | int(state[0])
 
 
