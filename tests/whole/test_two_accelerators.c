@@ -205,9 +205,9 @@ static void write_floor(const char *path, double h, double scale, int k, bool ha
 static const double heights[] = {0, 1e-30, 1e-10, 1, -1e5}, scales[] = {1, 1e-6, 1e6};
 static const char path[] = "build/test_two_accelerators.txt";
 
-/* The picture's mean is expected[turn] at all heights up to `farthest` sizes, at all sizes, by all accelerators. 0: what
- * the first one is, which is stored. Without a box to 1e-6; with one to 3e-5, because a ray may pass its edge so closely
- * that floats decide, and one ray is 9e-6. */
+/* The picture's mean is expected[turn] at all heights up to `farthest` sizes, at all sizes, by all accelerators. 0:
+ * what the first one is, which is stored. Without a box to 1e-6; with one to 3e-5, because a ray may pass its edge so
+ * closely that floats decide, and one ray is 9e-6. */
 static void assert_same_everywhere(double expected[3], bool has_box, double farthest)
 {
     for (int j = 0; j < 5 * 3 * 3; j++) {
