@@ -165,7 +165,7 @@ SEEDED := -Wl,--wrap=bis_rng_init
 $(TESTS): $(SUPPORT) $(LIB)
 	$(LINK) $(SEEDED) $(LIBS) -lcmocka
 # A test has a parameter `state`, because cmocka hands one to each; few use it.
-TESTING := -Itests/support -Wno-unused-parameter
+TESTING := -Itests/support -Itests/support/course -Wno-unused-parameter
 $B/tests/%.o: OURS += $(TESTING)
 
 # Which build this is: a sum over the objects of the library.

@@ -872,15 +872,6 @@ static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 29];
-    char labels[N_NAMES][96];
-
-    for (int i = 0; i < N_NAMES; i++) {
-        snprintf(labels[i], sizeof labels[i], "blank_fails_ours_passes_and_wrong_ones_get_part_marks: %s", names[i]);
-        tests[i] =
-            (struct CMUnitTest){.name = labels[i], .test_func = blank_fails_ours_passes_and_wrong_ones_get_part_marks};
-        tests[i].initial_state = (void *)(uintptr_t)names[i];
-    }
     const struct CMUnitTest others[] = {
         cmocka_unit_test(each_has_its_handout_and_its_line_for_the_teacher),
         cmocka_unit_test(a_kit_is_the_project_but_for_its_blanks),
@@ -913,6 +904,15 @@ int main(void)
         cmocka_unit_test(what_a_service_needs_is_in_its_kit),
         cmocka_unit_test(a_class_that_is_stopped_leaves_nothing_behind),
     };
+    struct CMUnitTest tests[N_NAMES + sizeof others / sizeof *others];
+    char labels[N_NAMES][96];
+
+    for (int i = 0; i < N_NAMES; i++) {
+        snprintf(labels[i], sizeof labels[i], "blank_fails_ours_passes_and_wrong_ones_get_part_marks: %s", names[i]);
+        tests[i] =
+            (struct CMUnitTest){.name = labels[i], .test_func = blank_fails_ours_passes_and_wrong_ones_get_part_marks};
+        tests[i].initial_state = (void *)(uintptr_t)names[i];
+    }
     memcpy(tests + N_NAMES, others, sizeof others);
     return cmocka_run_group_tests(tests, prove, NULL);
 }
