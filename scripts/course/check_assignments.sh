@@ -49,7 +49,7 @@ mark() {
 }
 
 # The load that is timed, with this secret: status 8 where the answers are right, 9 where they are not
-# (tests/support/course/mark_run.h).
+# (mark_run.h).
 load() { # VARIANT SECRET STATUS
     said=$("$folder/claims" --work load "$2" 20 plain "$PWD/$folder/$1/student")
     [ $? -eq "$3" ] || say "the load of the $1 one: $said"

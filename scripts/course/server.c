@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* server: the program of a graded hand-in (tests/support/course/answers.h). Before it answers anything it gives up all that
+/* server: the program of a graded hand-in (answers.h). Before it answers anything it gives up all that
  * plain code does not need: it may read and write what is open, take memory, start threads of its own and end. It opens
  * no file and no connection, starts no process and touches none. What else is asked of the kernel fails with EPERM.
  *

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* answers: the process in which a student's functions run, while the claims run in another (tests/support/course/mark.h).
+/* answers: the process in which a student's functions run, while the claims run in another (mark.h).
  *
  * It knows no claim, no expected value and no seed. It reads a question from a socket, calls the functions that the
  * question names, once for each element of the arrays that come with it, and writes the arrays that are asked for. A
@@ -119,7 +119,7 @@ typedef struct ask_header {
     bool taken[ASK_PARTS];
 } ask_header;
 
-/* answers_serve answers questions on descriptor BOX_CHANNEL (tests/support/course/box.h) until there are no more. Returns the
+/* answers_serve answers questions on descriptor BOX_CHANNEL (box.h) until there are no more. Returns the
  * program's exit status. */
 int answers_serve(void);
 

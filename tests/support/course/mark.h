@@ -2,12 +2,12 @@
 /* mark: tests that mark an assignment (docs/assignments/). One program an assignment: claims, each worth some points.
  *
  * The code under test is a student's, and may crash, loop, leak or cheat. So it is in another process than the claim
- * (tests/support/course/answers.h), one for each claim: what a claim wants of it, it asks by mark_ask, and it trusts nothing
+ * (answers.h), one for each claim: what a claim wants of it, it asks by mark_ask, and it trusts nothing
  * but the bytes that come back. A claim holds when its function returns.
  *     PROGRAM                      as cmocka tests, with the kit's seeds and sizes
  *     PROGRAM --check, --clean     points and speed; memory, if the program is sanitized: `make check` in a kit
  *     PROGRAM --list               a line a claim: points, a tab, name
- *     PROGRAM --claim ..., --work  started by mark_judge alone (tests/support/course/mark_run.h)
+ *     PROGRAM --claim ..., --work  started by mark_judge alone (mark_run.h)
  *     PROGRAM --serve              the student's process, in a kit */
 #ifndef TESTS_MARK_H
 #define TESTS_MARK_H

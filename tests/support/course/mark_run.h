@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* mark_run: one claim of a program of claims (tests/support/course/mark.h), judged in a process of its own, which asks a
+/* mark_run: one claim of a program of claims (mark.h), judged in a process of its own, which asks a
  * student's process. Three processes: who asks for the mark, the claim, and the student's code. */
 #ifndef TESTS_MARK_RUN_H
 #define TESTS_MARK_RUN_H
