@@ -341,6 +341,10 @@ static void figures_of_parts_are_added_up(void **state)
     write_two(&w);
     assert_int_equal(merge_paths(m, paths, 3, NULL), BIS_OK); /* the third counts for nothing */
     assert_string_equal(m->about.scene, about_all.scene);
+    assert_string_equal(m->about.command, about_all.command);
+    assert_string_equal(m->about.approximated, about_all.approximated);
+    assert_int_equal(m->about.edge_samples, about_all.edge_samples);
+    assert_true(m->about.edge_light == about_all.edge_light);
     assert_int_equal(m->about.seed, 1);
     assert_true(m->about.seconds.parse == 2 && m->about.seconds.load == 4 && m->about.seconds.envmap == 8 &&
                 m->about.seconds.accel == 16);
