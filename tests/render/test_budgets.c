@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The
- * full experiment is scripts/bench/error_truth.py, its table in docs/trust.md; this is a short one. */
+ * full experiment has its table in docs/data/error-figures.csv; this is a short one. */
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 
