@@ -185,7 +185,7 @@ static void the_pages_say_what_is_in_the_code(void **state)
         {"check_docstrings.sh", "include/bis/thesis/alias.h", "s,^/\\* bis_alias_init ,/* It ,",
          "does not begin with its name"},
         {"check_layers.sh", "src/thesis/sir.c", "1i #include \"bis/scene/scene.h\"", "thesis may not include"},
-        {"check_errata.sh", "docs/errata.md", "s/^| E20 |.*/| E20 | | | |/", "E20 has no test"},
+        {"check_errata.sh", "tests/thesis/errata.md", "s/^| E20 |.*/| E20 | | | |/", "E20 has no twin"},
         {"check_scenes.sh", "docs/scene-format.md", "s/`float fov`/`float gap`/", "\"gap\" stands in no scene"},
     };
     static char text[1 << 16];
