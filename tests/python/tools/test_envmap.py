@@ -333,6 +333,9 @@ class Command(unittest.TestCase):
             self.assertTrue(INTENSITY[int(y), int(x)] > 0 and (y, x) == (int(y), int(x)))
         self.assertEqual(len(data["samples"]), 50)
         self.assertIn('<pre id="text">map         %s, 4 x 2' % self.at("hand.pfm"), page)
+        self.save("faint.pfm", BY_HAND / 4096)
+        self.run_it("{}/faint.pfm", "--levels", "4", "--html", "{}/p.html")
+        self.assertEqual(self.page("p.html")[1]["places"]["picture"], places["picture"])  # whatever the unit
 
     def test_a_page_of_a_large_map_has_some_of_its_pixels(self):
         # Of 1441 columns each third pixel is there, the one in the middle, or the last one. A place has the mean
