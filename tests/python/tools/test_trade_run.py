@@ -557,7 +557,8 @@ class Seconds(unittest.TestCase):
             scene = bis.Scene(os.path.join(folder, "scene.txt"), width=640, height=480, threads=1)
         t = Trade(Options("s", "f", 10), threads=1, view=Clocked(scene, Frame(640, 480)))
         t.plan.settings = [Setting("em 64", "em", {"samples": 64}, 0.15)]
-        t.result = type("Result", (), {"advice": [Advice("final picture", 0.05, 0, 4, seconds=20.0), Advice("none", 0)]})()
+        advice = [Advice("final picture", 0.05, 0, 4, seconds=20.0), Advice("none", 0)]
+        t.result = type("Result", (), {"advice": advice})()
         seconds.time_advice(t)
         start = time.process_time()
         scene.render(integrator="em", samples=64, spp=4, seed=9, threads=1)
