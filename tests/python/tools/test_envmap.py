@@ -310,6 +310,7 @@ class Command(unittest.TestCase):
         self.assertEqual((found["width"], found["height"], found["mapping"]), (8, 4, "angular"))
         self.assertIn("8 x 4, resampled from angular\npower       %.6g before, %.6g after" % (
             found["power_before"], found["power_after"]), words)
+        self.assertRegex(words, r"resampling \([+-]0\.000%\)\n")
         self.assertAlmostEqual(found["power_after"] / found["power_before"], 1, places=5)
 
     def test_a_page_has_levels_regions_and_densities(self):

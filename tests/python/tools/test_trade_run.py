@@ -181,18 +181,22 @@ class ThePlan(unittest.TestCase):
         self.assertGreater(n_refused, 50)
 
     def test_quick_is_never_refused_and_has_something_to_advise(self):
-        n_less = 0
+        n_less = n_alone = 0
         for case in range(self.CASES):
             for times in (1e-3, 1):
                 plan, frame = planned(case, times, quick=True)
                 usual, _ = planned(case, times)
                 self.assertIsNotNone(plan, case)
+                self.assertIn(plan.n_seeds, (1, made_up(case)[2]))
+                n_alone += plan.n_seeds < made_up(case)[2]
+                asked, _ = planned(case, times, quick=True, n_seeds=made_up(case)[2])
+                self.assertEqual(asked.n_seeds, made_up(case)[2])
                 self.assertTrue(any(s.levels and not s.is_biased for s in plan.settings), case)
                 self.assertGreaterEqual(frame.film(plan.step).pixels, min(2400, frame.film(1).pixels) / 2.5)
                 n_less += usual is None
                 if usual:
                     self.assertEqual([s.levels for s in plan.settings], [s.levels for s in usual.settings])
-        self.assertGreater(n_less, 100)
+        self.assertGreater(min(n_less, n_alone), 100)
 
     def test_with_passes_every_setting_gets_as_many_whatever_the_time(self):
         for passes in (1, 2, 3, 4, 100, 1 << 20):
@@ -498,7 +502,8 @@ class Command(unittest.TestCase):
                 ("bare.txt --output n9", 2, "the scene has no surface"),
                 ("- --output n10", 2, "give a file, not -"),
                 ("scene.txt --seeds 17 --output n11", 2, "must be an integer in [1, 16]"),
-                ("scene.txt --time 0 --output n12", 2, "--time is")):
+                ("scene.txt --time 0 --output n12", 2, "--time is"),
+                ("scene.txt --sed 3 --output n13", 2, 'unknown option "--sed" (did you mean "--seed"?)')):
             with self.subTest(arguments):
                 self.assertIn(said, self.run_it(arguments, status)[1])
         self.assertEqual([n for n in os.listdir(self.folder) if re.fullmatch(r"n\d+", n)], [])
