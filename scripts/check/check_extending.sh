@@ -50,7 +50,7 @@ row=$(grep -o '{"moon", [^}]*}' "${EXTENDING_PAGE:-docs/extending.md}" | sed 's/
 test -n "$row" || say "the page has no line for materials[]"
 {
     echo '#include "bis/beyond/again.h"'
-    echo 'extern const bis_bsdf_model bis_moon_model;'
+    grep -o '`extern const bis_bsdf_model [^`]*`' "${EXTENDING_PAGE:-docs/extending.md}" | tr -d '`'
     sed "s/^} materials\[\] = {/&\n    $row,\n    $(echo "$row" | sed 's/moon/again/g'),/" src/parse/parser_world.c
 } >"$root/src/parse/world_again.c"
 grep -q '"again"' "$root/src/parse/world_again.c" || say "parser_world.c has no place for a material"

@@ -348,6 +348,14 @@ class Mistakes(unittest.TestCase):
                 what()
             self.assertIn(text, str(e.exception))
 
+    def test_an_exposure_takes_the_mean_of_what_is_covered_to_middle_grey(self):
+        pixels = np.full((3, 4, 3), 0.18)
+        pixels[0] = 7
+        for scale in (1, 4):
+            self.assertAlmostEqual(bis.exposure_of(scale * pixels, [[0] * 4, [1] * 4, [1] * 4]), -np.log2(scale),
+                                   places=5)
+        self.assert_refused([(lambda: bis.exposure_of(pixels, np.ones(3)), "has the shape (3,): give (3, 4)")])
+
     def test_each_of_a_map_material_or_mesh_has_its_message(self):
         em, nan = bis.Envmap(MAP), float("nan")
         self.assert_refused([

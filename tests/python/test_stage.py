@@ -429,6 +429,7 @@ class Directions(unittest.TestCase):
         for field, expected in ((s.q_map, stage.look(wi).q_map), (s.f_cos, f_cos.sum(1)), (s.product, product),
                                 (s.seen, product * half(wi))):
             np.testing.assert_allclose(field, means(expected), rtol=2e-4, atol=1e-7)
+        self.assertEqual(stage.sphere(sub=1).seen.shape, (360, 720))  # as its page says
 
     def test_a_lamp_of_one_pixel_is_in_its_place(self):
         # A map with 3 x 3 pixels in each place, and a lamp in the middle one: of nine directions one meets it.

@@ -310,6 +310,7 @@ class Command(unittest.TestCase):
         self.assertEqual((found["width"], found["height"], found["mapping"]), (8, 4, "angular"))
         self.assertIn("8 x 4, resampled from angular\npower       %.6g before, %.6g after" % (
             found["power_before"], found["power_after"]), words)
+        self.assertRegex(words, r"resampling \([+-]0\.000%\)\n")
         self.assertAlmostEqual(found["power_after"] / found["power_before"], 1, places=5)
 
     def test_a_page_has_levels_regions_and_densities(self):
@@ -333,6 +334,9 @@ class Command(unittest.TestCase):
             self.assertTrue(INTENSITY[int(y), int(x)] > 0 and (y, x) == (int(y), int(x)))
         self.assertEqual(len(data["samples"]), 50)
         self.assertIn('<pre id="text">map         %s, 4 x 2' % self.at("hand.pfm"), page)
+        self.save("faint.pfm", BY_HAND / 4096)
+        self.run_it("{}/faint.pfm", "--levels", "4", "--html", "{}/p.html")
+        self.assertEqual(self.page("p.html")[1]["places"]["picture"], places["picture"])  # whatever the unit
 
     def test_a_page_of_a_large_map_has_some_of_its_pixels(self):
         # Of 1441 columns each third pixel is there, the one in the middle, or the last one. A place has the mean

@@ -6,9 +6,13 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 PROGRAM = os.path.abspath(os.environ.get("BIS_PROGRAM", "build/release/bis"))
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
+from bis import _library  # noqa: E402
+
 INSTRUMENTS = ("trade", "pixel", "envmap", "tev")
 
 
@@ -66,6 +70,11 @@ class Start(unittest.TestCase):
                               env={**os.environ, "PYTHONPATH": package, "BIS_BUILD_ID": "0" * 16})
         self.assertEqual(done.returncode, 1)
         self.assertIn("another build", done.stderr)
+
+    def test_the_last_place_of_the_library_is_the_systems(self):
+        with mock.patch("ctypes.util.find_library", lambda name: "lib%s.so.0" % name), \
+                mock.patch.dict(os.environ, {"BIS_LIBRARY": ""}):
+            self.assertEqual(_library._candidates()[-1], "libbis.so.0")
 
     def test_a_program_without_its_library_measures_by_no_other_one(self):
         alone = os.path.join(self.folder, "alone", "bis")

@@ -22,6 +22,7 @@ import numpy as np
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
+from bis.tools.scenes import hashed  # noqa: E402
 from bis.tools.trade import check, pilot, planfile, references, seconds, shots, stats, sweep  # noqa: E402
 from bis.tools.trade.model import LEVELS, MOST_PASSES, Advice, Options, Plan, Reference, Setting, Trade  # noqa: E402
 from bis.tools.trade.plan import MAKERS, MOST_PIXELS, Film, Frame, fit_plan  # noqa: E402
@@ -131,6 +132,16 @@ class ThePlan(unittest.TestCase):
                 self.assertLessEqual(taken, REFERENCES * left * TINY)
         self.assertGreater(n_planned, self.CASES / 2)
 
+    def test_between_its_limits_the_film_leaves_the_middle_setting_eight_passes(self):
+        found = []
+        for case in range(self.CASES):
+            plan, frame = planned(case)
+            if plan and frame.step_for(MOST_PIXELS) < plan.step < frame.step_for(4800):
+                best = sorted((s.pass_seconds, s.levels) for s in plan.settings if is_best(plan, s))
+                found.append(best[(len(best) - 1) // 2][1])
+        self.assertGreater(len(found), 20)
+        self.assertEqual((min(found), sorted(found)[len(found) // 2]), (3, 4))  # 1, 2, 4, 8: four budgets
+
     def test_gives_the_better_and_the_cheaper_more(self):
         for case in range(self.CASES):
             plan, _ = planned(case)
@@ -170,18 +181,22 @@ class ThePlan(unittest.TestCase):
         self.assertGreater(n_refused, 50)
 
     def test_quick_is_never_refused_and_has_something_to_advise(self):
-        n_less = 0
+        n_less = n_alone = 0
         for case in range(self.CASES):
             for times in (1e-3, 1):
                 plan, frame = planned(case, times, quick=True)
                 usual, _ = planned(case, times)
                 self.assertIsNotNone(plan, case)
+                self.assertIn(plan.n_seeds, (1, made_up(case)[2]))
+                n_alone += plan.n_seeds < made_up(case)[2]
+                asked, _ = planned(case, times, quick=True, n_seeds=made_up(case)[2])
+                self.assertEqual(asked.n_seeds, made_up(case)[2])
                 self.assertTrue(any(s.levels and not s.is_biased for s in plan.settings), case)
                 self.assertGreaterEqual(frame.film(plan.step).pixels, min(2400, frame.film(1).pixels) / 2.5)
                 n_less += usual is None
                 if usual:
                     self.assertEqual([s.levels for s in plan.settings], [s.levels for s in usual.settings])
-        self.assertGreater(n_less, 100)
+        self.assertGreater(min(n_less, n_alone), 100)
 
     def test_with_passes_every_setting_gets_as_many_whatever_the_time(self):
         for passes in (1, 2, 3, 4, 100, 1 << 20):
@@ -297,10 +312,11 @@ class TheScatter(unittest.TestCase):
     def test_a_reference_knows_its_own_noise(self):
         rng = np.random.default_rng(6)
         right = rng.uniform(1, 2, (60, 80, 3))
-        made = references.combine([(right + 0.3 * rng.standard_normal(right.shape)).astype(np.float32)
-                                   for _ in range(8)])
+        renders = [(right + 0.3 * rng.standard_normal(right.shape)).astype(np.float32) for _ in range(8)]
+        made = references.combine(renders)
         self.assertAlmostEqual(made.relmse / bis.compare(made.image, right).relmse, 1, delta=0.05)
         self.assertLess(abs(made.mean - right.mean()), 4 * made.se)
+        self.assertAlmostEqual(made.se / (np.std([r.mean(dtype=float) for r in renders], ddof=1) / math.sqrt(8)), 1)
         both = references.combine_both(made, Reference(right.astype(np.float32), relmse=made.relmse / 3, mean=1))
         self.assertAlmostEqual(both.relmse / made.relmse, 1 / 4, delta=0.001)
         self.assertTrue(np.allclose(both.image, made.image / 4 + right * 3 / 4, rtol=1e-6))
@@ -388,6 +404,17 @@ class Command(unittest.TestCase):
         whole, rows = table(self.path("whole/runs.csv")), table(self.path("given/runs.csv"))
         self.assertEqual([r["seed"] for r in whole], [r["seed"] for r in rows])
 
+    def test_a_given_crop_must_be_that_of_the_scene(self):
+        lower = np.zeros((8, 24, 3), np.float32), bis.Place(0, 8, 24, 16)
+        with mock.patch.object(references, "read_image", lambda path: lower):
+            for crop in ((0, 1, 0, 0.5), (0, 1, 0.25, 0.75)):
+                with self.assertRaisesRegex(bis.Error, r"the crop at \(0, 8\)"):
+                    references.read_given("crop.exr", Frame(24, 16, crop))
+            self.assertEqual(references.read_given("crop.exr", Frame(24, 16, (0, 1, 0.5, 1))).shape, (8, 24, 3))
+
+    def test_a_seed_is_what_it_was_in_older_folders(self):
+        self.assertEqual(hashed(0x9e3779b97f4a7c15), 0xe220a8397b1dcdaf)  # the first number of SplitMix64 of seed 0
+
     def test_a_run_has_the_pixels_of_the_full_render(self):
         size = "--resolution 240x160"
         full = bis.render(self.path("scene.txt"), integrator="mis", samples=4, spp=4, seed=5, width=240, height=160)
@@ -470,12 +497,13 @@ class Command(unittest.TestCase):
                 ("scene.txt --resume --seeds 2 --output whole", 2, "which --seeds would change"),
                 ("scene.txt --reference tiny.exr --output n5", 2, "the reference has 4 x 3 pixels"),
                 ("scene.txt --reference none.exr --output n6", 1, 'cannot open "none.exr"'),
-                ("none.txt --output n7", 1, "none.txt"),
+                ("none.txt --quiet --output n7", 1, "none.txt"),
                 ("black.txt --output n8", 2, "the scene has no light"),
                 ("bare.txt --output n9", 2, "the scene has no surface"),
                 ("- --output n10", 2, "give a file, not -"),
                 ("scene.txt --seeds 17 --output n11", 2, "must be an integer in [1, 16]"),
-                ("scene.txt --time 0 --output n12", 2, "--time is")):
+                ("scene.txt --time 0 --output n12", 2, "--time is"),
+                ("scene.txt --sed 3 --output n13", 2, 'unknown option "--sed" (did you mean "--seed"?)')):
             with self.subTest(arguments):
                 self.assertIn(said, self.run_it(arguments, status)[1])
         self.assertEqual([n for n in os.listdir(self.folder) if re.fullmatch(r"n\d+", n)], [])
@@ -534,7 +562,8 @@ class Seconds(unittest.TestCase):
             scene = bis.Scene(os.path.join(folder, "scene.txt"), width=640, height=480, threads=1)
         t = Trade(Options("s", "f", 10), threads=1, view=Clocked(scene, Frame(640, 480)))
         t.plan.settings = [Setting("em 64", "em", {"samples": 64}, 0.15)]
-        t.result = type("Result", (), {"advice": [Advice("final picture", 0.05, 0, 4, seconds=20.0)]})()
+        advice = [Advice("final picture", 0.05, 0, 4, seconds=20.0), Advice("none", 0)]
+        t.result = type("Result", (), {"advice": advice})()
         seconds.time_advice(t)
         start = time.process_time()
         scene.render(integrator="em", samples=64, spp=4, seed=9, threads=1)
@@ -715,6 +744,14 @@ class Pilot(unittest.TestCase):
     def test_quick_looks_at_one_of_each_integrator_first(self):
         settings = [Setting("a 1", "a", {}, 1), Setting("a 2", "a", {}, 1), Setting("b 1", "b", {}, 1)]
         self.assertEqual([s.name for s in pilot._order(settings)], ["a 1", "b 1", "a 2"])
+
+    def test_quick_leaves_out_the_further_ones_of_each_integrator(self):
+        world = World(Frame(800, 600), InAWorld.METHODS)
+        t = Trade(Options("s", "f", 0.1, quick=True), view=world, start=world.now)
+        t.plan.settings = [Setting(name, name.split()[0], {}, 1, judge=judge) for name, _, _, judge in world.settings]
+        with mock.patch("time.monotonic", world.clock):
+            left = [s.name for s in pilot.run_pilot(t)]
+        self.assertEqual(left[-2:], ["mis 64", "sir 256/16"])
 
 
 if __name__ == "__main__":

@@ -155,7 +155,7 @@ def read_given(path: str, frame: Frame) -> Image:
     image, at = read_image(path)
     height, width = image.shape[:2]
     film = frame.film(1)
-    if (at.width != width or at.height != height) and at.x != film.x and at.y != film.y:
+    if (at.width, at.height) != (width, height) and (at.x, at.y) != (film.x, film.y):
         raise Error("%s: error: the reference is the crop at (%d, %d), the scene's is at (%d, %d)"
                     % (path, at.x, at.y, film.x, film.y))
     if (width, height) != (film.width, film.height):
