@@ -6,7 +6,6 @@
 #include "bis/base/status.h"
 #include "grow.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -50,11 +49,17 @@ static void append(bis_diag *diag, bool is_error, bis_loc at, const char *fmt, v
     else diag->n_lost++;
 }
 
+bis_status bis_verror(bis_diag *diag, bis_status code, bis_loc at, const char *fmt, va_list args)
+{
+    append(diag, true, at, fmt, args);
+    return code;
+}
+
 bis_status bis_error(bis_diag *diag, bis_status code, bis_loc at, const char *fmt, ...)
 {
     va_list args;
     va_start(args, fmt);
-    append(diag, true, at, fmt, args);
+    bis_verror(diag, code, at, fmt, args);
     va_end(args);
     return code;
 }

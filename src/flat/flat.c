@@ -7,8 +7,6 @@
 #include "flat/say.h"
 
 #include <inttypes.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,13 +50,12 @@ size_t bis_flat_said(char *say, size_t size)
 
 bis_status bis_flat_refuse(bis_diag *diag, const char *fmt, ...)
 {
-    char text[1024];
     va_list args;
 
     va_start(args, fmt);
-    vsnprintf(text, sizeof text, fmt, args);
+    bis_verror(diag, BIS_INPUT, nowhere, fmt, args);
     va_end(args);
-    return bis_error(diag, BIS_INPUT, nowhere, "%s", text);
+    return BIS_INPUT;
 }
 
 /* ---- what callers give ---- */

@@ -6,6 +6,7 @@
  * prints it. */
 #pragma once
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -43,6 +44,9 @@ typedef struct bis_diag {
 /* bis_error adds "FILE:LINE:COLUMN: error: MESSAGE" to diag (may be NULL) and returns code: `return bis_error(...)`.
  * A good message names the thing, the value, the rule and the way out. */
 bis_status bis_error(bis_diag *diag, bis_status code, bis_loc at, const char *fmt, ...) BIS_PRINTF(4, 5);
+
+/* bis_verror does the same with the arguments of a function that has its own `...`. */
+bis_status bis_verror(bis_diag *diag, bis_status code, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(4, 0);
 
 /* bis_warn adds "FILE:LINE:COLUMN: warning: MESSAGE" to diag (may be NULL). */
 void bis_warn(bis_diag *diag, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
