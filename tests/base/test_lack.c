@@ -36,7 +36,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef BIS_JPEG
 #include <jpeglib.h>
+#endif
 
 static bis_envmap map;           /* 16 x 8 random pixels */
 static bis_light *light;
@@ -159,7 +161,9 @@ WRITE_AND_READ(pfm, "pfm")
 WRITE_AND_READ(png, "png")
 ROW(read_tga, bis_image i, bis_image_read_colours(&i, scratch("a.tga"), 1, (bis_loc){0}, diag), bis_image_clear(&i))
 ROW(read_bmp, bis_image i, bis_image_read_colours(&i, scratch("a.bmp"), 1, (bis_loc){0}, diag), bis_image_clear(&i))
+#ifdef BIS_JPEG
 ROW(read_jpg, bis_image i, bis_image_read_colours(&i, scratch("a.jpg"), 1, (bis_loc){0}, diag), bis_image_clear(&i))
+#endif
 ROW(read_ply, bis_mesh m, bis_ply_read_uv(&m, scratch("a.ply"), (bis_loc){0}, diag), bis_mesh_clear(&m))
 ROW(read_strip, bis_mesh m, bis_ply_read(&m, scratch("strip.ply"), (bis_loc){0}, diag), bis_mesh_clear(&m))
 
@@ -283,7 +287,11 @@ static const struct {
 #define R(name) {#name, name}
     R(names), R(threads), R(whole_file), R(compressed_file), R(new_file), R(geometry), R(take_parts), R(grid),
     R(embree), R(subdivided), R(patches), R(height_field), R(revolved), R(written_hdr), R(read_hdr), R(written_exr),
-    R(read_exr), R(written_pfm), R(read_pfm), R(written_png), R(read_png), R(read_tga), R(read_bmp), R(read_jpg),
+    R(read_exr), R(written_pfm), R(read_pfm), R(written_png), R(read_png), R(read_tga), R(read_bmp),
+#ifdef BIS_JPEG
+    R(read_jpg),
+#endif
+   
     R(read_ply), R(read_strip), R(alias), R(cdf), R(marsaglia), R(regions), R(alias_tables), R(cdfs), R(latlong_map),
     R(angular_map), R(octahedral_map), R(scratch_of_sir), R(scratch_of_rejection), R(make_guide), R(make_probe),
     R(pool), R(guess), R(film), R(description), R(approximation), R(built_scene), R(needs), R(check_of_files),
@@ -355,6 +363,7 @@ static const char foreign[] =
     "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] Shape \"objmesh\" \"string filename\" \"%s\"\n"
     "MakeNamedMaterial \"m\" \"string type\" \"matte\" Material \"mix\" \"string materials\" [\"m\" \"m\"]\n";
 
+#ifdef BIS_JPEG
 static void store_jpeg(const char *path)
 {
     struct jpeg_compress_struct jpeg;
@@ -375,6 +384,7 @@ static void store_jpeg(const char *path)
     store(path, out, n);
     free(out);
 }
+#endif
 
 static int prepare(void **state)
 {
@@ -389,7 +399,9 @@ static int prepare(void **state)
     for (int i = 0; i < 8; i++) assert_int_equal(bis_image_save(&image, scratch(images[i]), NULL), BIS_OK);
     store(scratch("a.tga"), tga, sizeof tga - 1);
     store(scratch("a.bmp"), bmp, sizeof bmp);
+#ifdef BIS_JPEG
     store_jpeg(scratch("a.jpg"));
+#endif
     store(scratch("a.gz"), gz, sizeof gz - 1);
     store_text("a.obj", "mtllib a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 1 2\nvt 3 4\nvn 0 0 1\nusemtl a\n"
                         "f 1/1/1 2/2/1 3/1/1\nusemtl b\nf 1/2/1 3/1/1 4/2/1\n");
