@@ -4,7 +4,6 @@
 #include "flat_claims.h"
 
 #include "bis/base/vec.h"
-#include "lack.h"
 #include "program.h"
 
 #define DIR "build/test_flat_stage"
@@ -401,8 +400,9 @@ static void the_best_weights_are_what_they_say(void **state)
 }
 
 /* One step of those that take memory; what it makes is freed. */
-static bis_status step_without_memory(int k, bis_flat_stage *stage)
+static bis_status step_without_memory(int k, void *of)
 {
+    bis_flat_stage *stage = of;
     static double v[64], x[64];
     static uint32_t i[64], j[64];
     static float f[3 * 64];
@@ -425,15 +425,7 @@ static void without_memory_a_step_says_so_and_keeps_none(void **state)
 {
     bis_flat_stage *stage = stage_at(SCENE, 4, 4);
 
-    for (int k = 0; k <= 5; k++) {
-        FOR_LACK(l) {
-            const long live = bis_mem_live();
-            LACK(l, step_without_memory(k, stage));
-            if ((l.status == BIS_NOMEM) != (*say != 0)) fail_msg("step %d: %s", k, say);
-            assert_int_equal(bis_mem_live(), live);
-            assert_true(!l.over || l.k > 1);
-        }
-    }
+    assert_steps_without_memory(step_without_memory, 6, stage);
     bis_flat_stage_close(stage);
 }
 

@@ -6,7 +6,6 @@
 #include "bis/base/vec.h"
 #include "bis/scene/light_load.h"
 #include "bis/thesis/errata.h"
-#include "lack.h"
 #include "program.h"
 #include "tools/verify/verify.h"
 
@@ -558,8 +557,9 @@ static void what_lies_below_the_horizon_is_counted(void **state)
 /* ---- no memory, NULL ---- */
 
 /* One step of those that take memory; what it makes is freed. */
-static bis_status step_without_memory(int k, bis_light *light)
+static bis_status step_without_memory(int k, void *of)
 {
+    bis_light *light = of;
     const double w[3] = {1, 2, 3};
     static double v[128], x[128], y[128];
     static uint32_t i[128], j[128], n;
@@ -587,15 +587,7 @@ static void without_memory_a_step_says_so_and_keeps_none(void **state)
 {
     bis_light *light = map_of("white", NONE);
 
-    for (int k = 0; k <= 10; k++) {
-        FOR_LACK(l) {
-            const long live = bis_mem_live();
-            LACK(l, step_without_memory(k, light));
-            if ((l.status == BIS_NOMEM) != (*say != 0)) fail_msg("step %d: %s", k, say);
-            assert_int_equal(bis_mem_live(), live);
-            assert_true(!l.over || l.k > 1);
-        }
-    }
+    assert_steps_without_memory(step_without_memory, 11, light);
     bis_flat_light_close(light);
 }
 
