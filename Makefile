@@ -86,8 +86,10 @@ program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
 # Tests of the program by Python's standard library: files as other programs write them, and what bis makes of each.
 # Those of tests/python need numpy: the first python3 that has it runs them (PYTHON names another).
-PYTHON  ?= $(shell for p in $$BIS_PYTHON python3 /usr/bin/python3; do \
+ifeq ($(origin PYTHON),undefined)
+PYTHON  := $(shell for p in $$BIS_PYTHON python3 /usr/bin/python3; do \
     $$p -c 'import numpy' 2>/dev/null && echo $$p && break; done)
+endif
 SCRIPTS := $(wildcard tests/foreign/test_*.py tests/whole/test_*.py) \
     $(if $(PYTHON),$(wildcard tests/python/test_*.py tests/python/*/test_*.py))
 # `make test` runs the tests of the renderer, `make test-tools` the long ones: of the instruments, of marks, of what is
@@ -165,7 +167,8 @@ SEEDED := -Wl,--wrap=bis_rng_init
 $(TESTS): $(SUPPORT) $(LIB)
 	$(LINK) $(SEEDED) $(LIBS) -lcmocka
 # A test has a parameter `state`, because cmocka hands one to each; few use it.
-TESTING := -Itests/support -Itests/support/course -Wno-unused-parameter
+SHARED_BY_TESTS := -Itests/support -Itests/support/course
+TESTING := $(SHARED_BY_TESTS) -Wno-unused-parameter
 $B/tests/%.o: OURS += $(TESTING)
 
 # Which build this is: a sum over the objects of the library.

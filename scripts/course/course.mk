@@ -11,8 +11,7 @@
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
 test test-tools lint assignment grade grade-class check: export BIS_BUILD = $B
-test test-tools lint grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) \
-    -Itests/support -Itests/support/course
+test test-tools lint grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) $(SHARED_BY_TESTS)
 test test-tools grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
 test test-tools grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
 test test-tools grade grade-class: export BIS_SERVER = $(SERVER)
@@ -24,10 +23,9 @@ assignment: $(LIB)
 
 # What answers the claims' questions with a student's functions, in a process of its own.
 SERVER := $B/scripts/course/server.o $B/tests/support/course/answers.o $B/tests/support/lit.o
-$B/scripts/course/server.o: OURS += -Itests/support -Itests/support/course
 GRADER := $B/scripts/course/grade.o $B/scripts/course/tokens.o \
     $B/tests/support/course/box.o $B/tests/support/course/mark_run.o
-$B/scripts/course/grade.o: OURS += -Itests/support/course
+$B/scripts/course/server.o $B/scripts/course/grade.o: OURS += $(SHARED_BY_TESTS)
 $B/grade: $(GRADER)
 	$(LINK) -lm
 $(if $(wildcard tests/course),$(if $(filter %/test_assignments,$(CHOSEN)),test) test-tools: $B/grade $(SERVER))

@@ -29,7 +29,7 @@ function note(i, s) { remark[i, ++n_remarks[i]] = s }
 # It comes first, as number 0. The student reads Moodle's, where it is not said.
 function note_likeness(i, s) { if (kind != "moodle") remark[i, 0] = remark[i, 0] (remark[i, 0] == "" ? "" : "; ") s }
 # A hand-in without a line of points was not marked, which is no 0.
-function sum_of(i) { return (i, 1) in points ? sum[i] + 0 : "not marked" }
+function sum_of(i, otherwise) { return (i, 1) in points ? sum[i] + 0 : otherwise }
 function cell(i, c) { return (i, c) in points ? points[i, c] + 0 : "" }
 # The remarks on student i: all, or for a cell of a spreadsheet as many as 200 characters hold, and of the first one
 # what they hold behind who wrote the same.
@@ -66,7 +66,7 @@ END {
             feedback = ""
             for (c = 1; c <= n_criteria; c++)
                 if ((i, c) in points) feedback = feedback points[i, c] + 0 " of " of[c] "  " html(criterion[c]) "<br>"
-            printf "%s,%s,%d,,%s\r\n", csv(identifier(name[i])), (i, 1) in points ? sum[i] + 0 : "", all,
+            printf "%s,%s,%d,,%s\r\n", csv(identifier(name[i])), sum_of(i, ""), all,
                 csv(feedback html(remarks(i)))
         }
     } else if (kind == "csv") {
@@ -74,7 +74,7 @@ END {
         for (c = 1; c <= n_criteria; c++) printf ",%s", csv(criterion[c] " (" of[c] ")")
         printf ",remarks\r\n"
         for (i = 1; i <= n; i++) {
-            printf "%s,%s", csv(name[i]), sum_of(i)
+            printf "%s,%s", csv(name[i]), sum_of(i, "not marked")
             for (c = 1; c <= n_criteria; c++) printf ",%s", cell(i, c)
             printf ",%s\r\n", csv(remarks(i, 1))
         }
@@ -88,7 +88,7 @@ END {
         for (c = 1; c <= n_criteria; c++) printf "<th>%s (%d)</th>", html(criterion[c]), of[c]
         print "<th>remarks</th></tr>"
         for (i = 1; i <= n; i++) {
-            printf "<tr><td>%s</td><td class=\"n\">%s</td>", html(name[i]), sum_of(i)
+            printf "<tr><td>%s</td><td class=\"n\">%s</td>", html(name[i]), sum_of(i, "not marked")
             for (c = 1; c <= n_criteria; c++) printf "<td class=\"n\" title=\"%s\">%s</td>",
                 html(message[i, c]), cell(i, c)
             printf "<td class=\"r\">%s</td></tr>\n", html(remarks(i))
