@@ -1,0 +1,390 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""What mistake makes this picture? Each cause is a picture that bis predicts, with its error.
+
+A wrong density of a light has the mean of a right render under another map: L' = L x (true density
+/ claimed density). So mistakes of the map, of its sampler and of its reader are maps. Others are
+other scenes, other films, or functions of the picture. A mistake of the cosine, or another masking
+of facets, weighs directions: its picture is the right one times a quotient of two sums over shadow
+rays at each pixel's centre.
+
+A cause is held against the picture by the same test as the truth. It is refined while it is not
+rejected, until its own error is small beside that of the picture.
+"""
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Callable, NamedTuple, Optional
+
+import numpy as np
+
+from ... import Envmap, Error, Scene
+from ..._library import Doubles, Floats
+from ..survey import srgb
+from .verdict import Flags, Truth, Verdict, judge, outlines_of
+
+COPIES = 16
+LEVELS = (2, 8, 32, 128)  #: camera samples of a copy
+REJECTED = 1e-5  #: p below which a cause is refined no more
+FINE = 8  #: subpixels along a pixel's side, for films and filters
+RAYS = 512  #: at a pixel, for a quotient
+MOST = 10000  #: pixels of a cause's picture: of larger pictures each k-th pixel is taken
+LAYERS = ("normal", "depth", "unoccluded")
+
+
+class Found(NamedTuple):
+    """A cause that was held against the picture."""
+
+    name: str
+    verdict: Verdict
+    truth: Truth
+
+
+# ---- the pictures ----
+
+class Studio:
+    """Pictures of one scene, by 16 seeds each."""
+
+    def __init__(self, source: str, light: Optional[Envmap], step: int = 1,
+                 approximate: bool = False) -> None:
+        self.source = source  #: of the scene, a file's name or a text
+        self.light = light  #: its map, if it has one
+        self.step = step
+        self.approximate = approximate
+        self.scene = self._open(source)
+        self.spp = LEVELS[0]
+        self._outlines: Optional[Flags] = None
+        self._weights: dict[str, Doubles] = {}
+
+    def _open(self, source: str) -> Scene:
+        return Scene(source, light=self.light, approximate=self.approximate)
+
+    def copies(self, light: Any = None, scene: Optional[Scene] = None, layer: str = "",
+               **how: Any) -> Doubles:
+        """Copies (16, h, w, 3) of the picture, or of a layer, under another light."""
+        scene = scene or self.scene
+        how = {"spp": self.spp, "step": self.step, **how}
+        out = []
+        for i in range(COPIES):
+            p = scene.render(light=light, seed=7919 * self.spp + i, layers=LAYERS, **how)
+            out.append(p.layers[layer] if layer else p.rgb)
+        if self._outlines is None and not layer:
+            self.alpha = p.alpha.astype(float)
+            self._outlines = outlines_of(p.layers["normal"].astype(float),
+                                         p.layers["depth"].astype(float), self.alpha)
+        return np.array(out, float)
+
+    def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
+        """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
+        return Truth(copies, self._outlines | unknown)
+
+    def right(self) -> Truth:
+        """The right picture."""
+        return self.truth(self.copies())
+
+    def under(self, change: Callable[[Floats], Any]) -> Truth:
+        """The picture under a changed map."""
+        pixels = np.ascontiguousarray(change(self.light.pixels), np.float32)
+        return self.truth(self.copies(light=Envmap(pixels)))
+
+    def edited(self, change: Callable[[str], str]) -> Optional[Truth]:
+        """The picture of a changed text; None: the text has nothing to change."""
+        text = self.source
+        if "WorldBegin" not in text:
+            with open(text, encoding="utf-8", errors="surrogateescape") as f:
+                text = f.read()
+        changed = change(text)
+        if changed == text or "Include" in text:
+            return None
+        return self.truth(self.copies(scene=self._open(changed)))
+
+    def fine(self) -> Doubles:
+        """Copies of FINE x FINE subpixels a pixel."""
+        size = self.scene.about()
+        spp = max(self.spp // (FINE * FINE), 1)
+        return self.copies(width=FINE * size["width"], height=FINE * size["height"], spp=spp,
+                           layer="", step=1)
+
+    def filtered(self, taps: Doubles, y: int = 0, x: int = 0) -> Truth:
+        """The picture by a filter along x and y, as weights of subpixels about a place (y, x)
+        subpixels from a pixel's centre. Nothing is said of the rim, where a filter lacks pixels."""
+        c = self.fine()
+        for axis, offset in ((1, y), (2, x)):
+            c = np.moveaxis(c, axis, 0)
+            n, half = len(c), len(taps) // 2
+            reach = half + FINE
+            c = np.pad(c, [(reach, reach)] + [(0, 0)] * 3, mode="edge")
+            start = reach + FINE // 2 - half + offset
+            c = sum(t * c[start + i:start + i + n:FINE] for i, t in enumerate(taps))
+            c = np.moveaxis(c, 0, axis)
+        rim = np.ones(c.shape[1:3], bool)
+        rim[3:-3, 3:-3] = False
+        return self.truth(c, rim)
+
+    def weighed(self, weight: Callable[[Doubles, Doubles, dict[str, Any]], Doubles]) -> Truth:
+        """The picture with f cos times a weight of n.wi (m,), wi (m, 3) and the hit."""
+        copies = self.copies()
+        quotients = np.ones(copies.shape[:3])
+        unknown = (self.alpha > 0) & (self.alpha < 1)
+        stage = self.scene.stage()
+        for y, x in np.argwhere(self.alpha == 1).tolist():
+            place = [self.step * v + self.step // 2 for v in (x, y)]
+            if stage.at(*place):
+                quotients[:, y, x] = _quotient(stage, weight, y * 65537 + x)
+        return self.truth(copies * quotients[..., None], unknown)
+
+
+def _quotient(stage: Any, weight: Any, seed: int) -> Doubles:
+    """How the weight changes the radiance at a stage's point: 16 pseudo-values of a jackknife."""
+    rays = stage.rays(runs=COPIES, seed=seed, integrator="em", samples=RAYS // COPIES)
+    hit = stage.about()["hit"]
+    wi = rays.wi.astype(float)
+    look = stage.look(rays.wi)
+    part = np.divide(look.product * rays.seen, look.q_map, out=np.zeros(len(wi)),
+                     where=look.q_map > 0)
+    both = np.stack([part, part * weight(wi @ np.array(hit["normal"]), wi, hit)])
+    sums = np.stack([np.bincount(rays.sample, b, COPIES) for b in both])
+    total = sums.sum(1, keepdims=True)
+    if total[0, 0] <= 0:
+        return np.ones(COPIES)
+    without = total - sums
+    q = total[1] / total[0]
+    without = np.where(without[0] > 0, without[1] / np.maximum(without[0], 1e-300), q)
+    return COPIES * q - (COPIES - 1) * without
+
+
+# ---- maps ----
+
+def _sines(m: Floats) -> Doubles:
+    return np.sin((np.arange(len(m)) + 0.5) * np.pi / len(m))[:, None, None]
+
+
+def _moved(m: Floats, x: int, y: int) -> Floats:
+    """Moved by halves of a texel to the right and down; the rim's row is repeated."""
+    fine = np.roll(m.repeat(2, 0).repeat(2, 1), x, 1)
+    if y:
+        fine = np.concatenate([fine[:1], fine[:-1]] if y > 0 else [fine[1:], fine[-1:]])
+    return fine
+
+
+def _turned(m: Floats, share: float) -> Floats:
+    return np.roll(m, round(share * m.shape[1]), 1)
+
+
+def _cut(m: Floats, keep: Any) -> Floats:
+    out = np.zeros_like(m)
+    out[keep] = m[keep]
+    return out
+
+
+def _encoded(v: Any) -> Doubles:
+    """Linear values as sRGB's, without an upper end."""
+    v = np.maximum(np.asarray(v, np.float64), 0)
+    return np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
+
+
+def _z_up(m: Floats, sign: int) -> Floats:
+    """A map whose y was taken for z, or the other way round."""
+    fine = m.repeat(max(1024 // len(m), 1), 0).repeat(max(1024 // len(m), 1), 1)
+    h, w = fine.shape[:2]
+    theta = (np.arange(h) + 0.5) * np.pi / h
+    phi = (np.arange(w) + 0.5) * 2 * np.pi / w
+    x, y = np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi)
+    z = np.broadcast_to(np.cos(theta)[:, None], (h, w))
+    y, z = -sign * z, sign * y
+    row = np.minimum(np.arccos(np.clip(z, -1, 1)) * h / np.pi, h - 1).astype(int)
+    column = (np.arctan2(y, x) % (2 * np.pi) * w / (2 * np.pi)).astype(int) % w
+    return fine[row, column]
+
+
+MAPS: dict[str, Callable[[Floats], Any]] = {
+    "the map turned by 90 degrees": lambda m: _turned(m, 0.25),
+    "the map turned by -90 degrees": lambda m: _turned(m, -0.25),
+    "the map turned by 180 degrees": lambda m: _turned(m, 0.5),
+    "the map mirrored": lambda m: m[:, ::-1],
+    "the map mirrored and turned by 90 degrees": lambda m: _turned(m[:, ::-1], 0.25),
+    "the map mirrored and turned by -90 degrees": lambda m: _turned(m[:, ::-1], -0.25),
+    "the map mirrored and turned by 180 degrees": lambda m: _turned(m[:, ::-1], 0.5),
+    "the map upside down": lambda m: m[::-1],
+    "the map upside down and mirrored": lambda m: m[::-1, ::-1],
+    "y of the map taken for z": lambda m: _z_up(m, 1),
+    "z of the map taken for y": lambda m: _z_up(m, -1),
+    "the map half a texel to the right": lambda m: _moved(m, 1, 0),
+    "the map half a texel to the left": lambda m: _moved(m, -1, 0),
+    "the map half a texel down": lambda m: _moved(m, 0, 1),
+    "the map half a texel up": lambda m: _moved(m, 0, -1),
+    "the rows at the poles missing": lambda m: _cut(m, np.s_[1:-1]),
+    "the last column missing (the seam)": lambda m: _cut(m, np.s_[:, :-1]),
+    "sin(theta) missing in the density (1/sin too much light)": lambda m: m / _sines(m),
+    "sin(theta) twice": lambda m: m * _sines(m),
+    "the map decoded from sRGB": srgb,
+    "the map encoded as sRGB": _encoded,
+    "the lower half of the map missing": lambda m: _cut(m, np.s_[:len(m) // 2]),
+    "the upper half of the map missing": lambda m: _cut(m, np.s_[len(m) // 2:]),
+    "the left half of the map missing": lambda m: _cut(m, np.s_[:, m.shape[1] // 2:]),
+    "the right half of the map missing": lambda m: _cut(m, np.s_[:, :m.shape[1] // 2]),
+}
+CHANNELS = {"red and blue": [2, 1, 0], "red and green": [1, 0, 2], "green and blue": [0, 2, 1]}
+CLAMPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+
+# ---- factors ----
+
+FACTORS = {
+    "twice the light (MIS without weights, or +1 EV)": 2.0,
+    "half of the light (one of two samplers lost, or -1 EV)": 0.5,
+    "pi times the light (1/pi of the albedo missing)": math.pi,
+    "1/pi of the light (1/pi twice)": 1 / math.pi,
+    "4 pi times the light": 4 * math.pi, "1/(4 pi) of the light": 1 / (4 * math.pi),
+    "2 pi times the light": 2 * math.pi, "1/(2 pi) of the light": 1 / (2 * math.pi),
+    "four times the light (+2 EV)": 4.0, "a quarter of the light (-2 EV)": 0.25}
+
+
+def _factor(theirs: Doubles, truth: Truth) -> tuple[str, Truth]:
+    """The factor by which they differ, if it is one, and its name."""
+    v = judge(theirs, truth)
+    name = "the light times %.4g +- %.2g" % (v.ratio, v.ratio_se)
+    for known, f in FACTORS.items():
+        if abs(v.ratio - f) <= 3 * v.ratio_se + 1e-4 * f:
+            return known, Truth(truth.copies * f, truth.outlines)
+    return name, Truth(truth.copies * v.ratio, truth.outlines)
+
+
+# ---- scenes and films ----
+
+NUMBER = r"([-+.\deE]+)"
+
+
+def _numbers(names: str, change: Callable[[float], float]) -> Callable[[str], str]:
+    """An edit of a scene's text: the numbers of parameters."""
+    find = re.compile(r'("(?:float|rgb|color|spectrum) (?:%s)"\s*\[?)([-+.\deE\s]+)' % names)
+
+    def each(m: re.Match[str]) -> str:
+        values = [repr(change(float(v))) for v in m.group(2).split()]
+        return m.group(1) + " ".join(values) + " "
+    return lambda text: find.sub(each, text)
+
+
+_ROUGH = "exponent|roughness|uroughness|vroughness"
+_ALBEDO = "Kd|reflectance"
+TEXTS: dict[str, Callable[[str], str]] = {
+    "the roughness (or exponent) squared": _numbers(_ROUGH, lambda v: v * v),
+    "the root of the roughness (or exponent)": _numbers(_ROUGH, math.sqrt),
+    "the albedo decoded from sRGB": _numbers(_ALBEDO, lambda v: float(srgb(v))),
+    "the albedo encoded as sRGB": _numbers(_ALBEDO, lambda v: float(_encoded(v))),
+    "Fresnel missing": lambda text: re.sub(
+        r'"(?:spectrum|rgb|float) eta"\s*(?:\[[^]]*\]|"[^"]*"|[\d.]+)\s*'
+        r'"(?:spectrum|rgb|float) k"\s*(?:\[[^]]*\]|"[^"]*"|[\d.]+)',
+        '"rgb reflectance" [1 1 1]', text),
+}
+_HALF = FINE // 2
+FILMS = {"the film half a pixel to the right": (0, -_HALF),
+         "the film half a pixel to the left": (0, _HALF),
+         "the film half a pixel down": (-_HALF, 0), "the film half a pixel up": (_HALF, 0)}
+
+
+def _gauss(x: Doubles, sigma: float) -> Doubles:
+    return np.exp(-x * x / (2 * sigma * sigma))
+
+
+def _taps(f: Callable[[Doubles], Doubles], radius: float) -> Doubles:
+    """Weights of subpixels of a filter, in pixels from the centre."""
+    n = math.ceil(radius * FINE)
+    x = (np.arange(-n, n) + 0.5) / FINE
+    t = np.where(abs(x) < radius, f(x), 0)
+    return t / t.sum()
+
+
+FILTERS = {
+    "a tent as filter": _taps(lambda x: 1 - abs(x), 1),
+    "a Gaussian as filter (pbrt-v4's)": _taps(lambda x: _gauss(x, .5) - _gauss(1.5, .5), 1.5),
+    "a Gaussian as filter (Mitsuba's)": _taps(lambda x: _gauss(x, .5) - _gauss(2, .5), 2),
+}
+
+
+def _separable(cos: Doubles, wi: Doubles, hit: dict[str, Any]) -> Doubles:
+    """The masking of facets as a product of two, over the one that is correlated in height."""
+    alpha = hit["material"]["alpha"]
+    if alpha is None:
+        return np.ones(len(cos))
+
+    def slope(c: Any) -> Any:
+        return np.sqrt(1 + alpha ** 2 * (1 / np.maximum(c * c, 1e-12) - 1))
+    a, b = slope(cos), slope(hit["cos_wo"])
+    return 2 * (a + b) / ((1 + a) * (1 + b))
+
+
+WEIGHTS: dict[str, Callable[..., Doubles]] = {
+    "the cosine missing": lambda cos, wi, hit: 1 / np.maximum(cos, 1e-6),
+    "the cosine twice": lambda cos, wi, hit: np.maximum(cos, 0)}
+CURVES: dict[str, Callable[[Doubles], Doubles]] = {
+    "sRGB's curve": lambda v: np.minimum(_encoded(v), 1),
+    "a gamma of 2.2": lambda v: np.minimum(np.maximum(v, 0) ** (1 / 2.2), 1),
+    "Reinhard's curve": lambda v: np.maximum(v, 0) / (1 + np.maximum(v, 0)),
+    "values cut off at 1": lambda v: np.minimum(v, 1)}
+
+
+# ---- which of them ----
+
+Make = Callable[[], Optional[Truth]]
+
+
+def _all(studio: Studio, theirs: Doubles) -> Iterator[tuple[str, Make]]:
+    """Names of causes, and what makes their pictures at the studio's number of samples."""
+    def of_picture(change: Callable[[Doubles], Doubles]) -> Make:
+        return lambda: studio.truth(change(studio.copies()))
+
+    yield "factor", studio.right
+    for name, curve in CURVES.items():
+        yield name, of_picture(curve)
+    yield "shadows missing", lambda: studio.truth(np.where(
+        studio.alpha[..., None] > 0, studio.copies(layer="unoccluded"), studio.copies()))
+    yield "surfaces black (as by normals that point inwards)", of_picture(
+        lambda c: c * (1 - studio.alpha[..., None]))
+    yield "the film mirrored", of_picture(lambda c: c[:, :, ::-1])
+    yield "the film upside down", of_picture(lambda c: c[:, ::-1])
+    for name, order in CHANNELS.items():
+        yield name + " exchanged in the picture", of_picture(lambda c, o=order: c[..., o])
+    for name, text in TEXTS.items():
+        yield name, lambda t=text: studio.edited(t)
+    for name, weight in WEIGHTS.items():
+        yield name, lambda w=weight: studio.weighed(w)
+    if studio.light is not None:
+        maps = dict(MAPS)
+        for name, order in CHANNELS.items():
+            maps[name + " exchanged in the map"] = lambda m, o=order: m[..., o]
+        brightest = float(studio.light.pixels.max())
+        for most in CLAMPS:
+            if most < brightest:
+                maps["the map cut off at %g" % most] = lambda m, v=most: np.minimum(m, v)
+        for name, change in maps.items():
+            yield name, lambda c=change: studio.under(c)
+    if studio.step == 1:
+        for name, (y, x) in FILMS.items():
+            yield name, lambda y=y, x=x: studio.filtered(np.ones(FINE) / FINE, y, x)
+        for name, taps in FILTERS.items():
+            yield name, lambda t=taps: studio.filtered(t)
+
+
+def _try(studio: Studio, name: str, make: Make, theirs: Doubles, noise: float) -> Optional[Found]:
+    """Hold a cause against the picture, with more samples while it stands."""
+    found = None
+    for studio.spp in LEVELS:
+        truth = make()
+        if truth is None:
+            return None
+        said = name
+        if name == "factor":
+            said, truth = _factor(theirs, truth)
+        found = Found(said, judge(theirs, truth), truth)
+        if found.verdict.p < REJECTED or found.verdict.own < 0.3 * noise:
+            break
+    return found
+
+
+def search(studio: Studio, theirs: Doubles, noise: float) -> list[Found]:
+    """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
+    share of the mean). Those that stand longest come first."""
+    found = [_try(studio, name, make, theirs, noise) for name, make in _all(studio, theirs)]
+    return sorted((f for f in found if f), key=lambda f: -f.verdict.p)

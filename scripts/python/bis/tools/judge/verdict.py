@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Is a picture right? A test of its differences from a picture whose error is known.
+
+The picture is cut into some 100 tiles. What they tell, in each channel, becomes four p-values: all
+tiles together (the sum of z^2 over them), the worst tile, the mean of the whole, and outlines apart.
+Pixels at outlines are in no tile: there a filter or a film that lies half a pixel off shows, as the
+sum of the differences times the slope of the true picture in x, in y, or times its curvature.
+
+The noise of eight pictures or more is their scatter, and z is Student's. Of fewer, it is estimated
+from the picture: from differences of neighbours for one, from the scatter in each pixel for some.
+This asks that pixels are independent, which a filter wider than a pixel or a denoiser breaks.
+
+The p-values are made one by Cauchy's combination (Liu and Xie 2020), which needs no independence:
+channels, and the four tests, tell much of the same. Without noise nothing could be wrong by less
+than the rounding of floats, so a share `ROUNDING` of a tile's radiance counts as noise.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..._library import Doubles
+
+Flags = NDArray[np.bool_]
+
+TILES = 100
+MANY = 8  #: pictures, from which on their scatter is the noise
+WRONG = 1e-3  #: p below which a picture is called wrong
+ROUNDING = 1e-5  #: of renderers that trace rays in floats, systematic
+HALF = 2.0 ** -11 / math.sqrt(3)  #: the standard error of a value that is rounded to a half
+
+
+class Truth(NamedTuple):
+    """A picture with its error: copies by several seeds, whose mean counts. Pixels of one copy may
+    depend on one another, as those of bis do, which share candidates."""
+
+    copies: Doubles  #: (n, h, w, 3), n >= 2
+    outlines: Flags  #: (h, w)
+
+    @property
+    def mean(self) -> Doubles:
+        """The picture (h, w, 3)."""
+        return self.copies.mean(0)
+
+
+class Part(NamedTuple):
+    """One of the tests."""
+
+    name: str
+    p: float
+
+
+@dataclass
+class Verdict:
+    """What the test tells."""
+
+    p: float  #: of all tests together
+    parts: list[Part]
+    ratio: float  #: of the means, theirs over ours, of what is in tiles
+    ratio_se: float
+    noise: float  #: of their tiles, in the median: standard error as a share of the whole mean
+    own: float  #: of ours
+    z: Doubles  #: (h, w): of each pixel's tile, of the channel that is farthest off; 0 at outlines
+    is_sure_of_noise: bool  #: its noise is known by MANY pictures
+
+    @property
+    def is_right(self) -> bool:
+        """Whether nothing speaks against it."""
+        return self.p >= WRONG
+
+
+# ---- distributions ----
+
+def normal_p(z: Doubles) -> Doubles:
+    """Two-sided p-values of standard normal numbers."""
+    flat = [math.erfc(abs(v) / math.sqrt(2)) for v in np.ravel(z).tolist()]
+    return np.array(flat).reshape(np.shape(z))
+
+
+def student_z(t: Doubles, dof: Doubles) -> Doubles:
+    """Standard normal numbers with the p-values of Student's t, to 0.5 % (Wallace 1959)."""
+    size = np.sqrt(dof * np.log1p(t * t / dof)) * (8 * dof + 1) / (8 * dof + 3)
+    return np.copysign(size, t)
+
+
+def chi_square_p(total: float, dof: int) -> float:
+    """The p-value of a sum of dof squares (Wilson and Hilferty 1931)."""
+    spread = 2 / (9 * dof)
+    z = ((total / dof) ** (1 / 3) - (1 - spread)) / math.sqrt(spread)
+    return math.erfc(z / math.sqrt(2)) / 2
+
+
+def together(p: Doubles) -> float:
+    """One p-value of many, which may depend on one another (Liu and Xie 2020). A p near 1 would
+    outweigh a small one, so .99 is the most."""
+    p = np.clip(p, 1e-300, 0.99)
+    return float(np.arctan2(1.0, np.mean(1 / np.tan(np.pi * p))) / np.pi)
+
+
+# ---- tiles ----
+
+class _Tiles:
+    """Tiles of a picture, and what is in them: pixels that are no outlines."""
+
+    def __init__(self, outlines: Flags) -> None:
+        h, w = outlines.shape
+        rows = min(max(round(math.sqrt(TILES * h / w)), 1), h)
+        columns = min(max(round(TILES / rows), 1), w)
+        y, x = np.arange(h) * rows // h, np.arange(w) * columns // w
+        place = y[:, None] * columns + x
+        count = np.bincount(place[~outlines], minlength=rows * columns)
+        enough = count >= 8
+        number = np.where(enough, np.cumsum(enough) - 1, -1)
+        self.n = int(enough.sum())
+        self.count = count[enough][:, None]  #: pixels, (n, 1)
+        self.of = np.where(outlines, -1, number[place])  #: (h, w): the tile, or -1
+
+    def sums(self, values: Doubles, of: NDArray[np.int64]) -> Doubles:
+        """Sums over tiles (n, 3) of values (h, w, 3), with the tile of each pixel."""
+        inside = of >= 0
+        index = of[inside]
+        return np.stack([np.bincount(index, values[inside][:, c], self.n) for c in range(3)], 1)
+
+    def means(self, values: Doubles) -> Doubles:
+        """Means over tiles (n, 3)."""
+        return self.sums(values, self.of) / self.count
+
+    def noise(self, d: Doubles) -> tuple[Doubles, Doubles]:
+        """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) show it, and
+        degrees of freedom (n, 1)."""
+        k = len(d)
+        if k >= MANY:
+            means = np.stack([self.means(one) for one in d])
+            return means.var(0, ddof=1) / k, np.full((self.n, 1), k - 1.0)
+        if k > 1:
+            return self.means(d.var(0, ddof=1)) / self.count / k, self.count * (k - 1.0)
+        total, pairs = np.zeros((self.n, 3)), np.zeros((self.n, 1))
+        for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
+            same = np.where(self.of[a] == self.of[b], self.of[a], -1)
+            total += self.sums((d[0][a] - d[0][b]) ** 2 / 2, same)
+            pairs += np.bincount(same[same >= 0], minlength=self.n)[:, None]
+        pairs = np.maximum(pairs, 1)
+        # Two pairs a pixel, which share pixels, tell as much as 0.8 independent squares.
+        return total / pairs / self.count, 0.4 * pairs
+
+
+    def skewness(self, d: Doubles) -> Doubles:
+        """The skewness of the tiles' means (n, 3), from that of all pixels about their tiles'."""
+        at = self.of >= 0
+        of = self.of[at]
+        r = np.stack([one[at] - self.means(one)[of] for one in d])
+        square = np.zeros(self.of.shape + (3,))
+        square[at] = np.mean(r * r, 0)
+        spread = np.sqrt(self.means(square))[of]
+        u = np.divide(r, spread, out=np.zeros_like(r), where=spread > 0)
+        return np.mean(u ** 3, axis=(0, 1)) / np.sqrt(self.count * len(d))
+
+
+def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles) -> Flags:
+    """Pixels at outlines: a share is background, or normal or depth leap to a neighbour's."""
+    found = (alpha > 0) & (alpha < 1)
+    for axis in (0, 1):
+        near = [np.moveaxis(a, axis, 0) for a in (normal, depth, alpha)]
+        leap = np.abs(near[0][1:] - near[0][:-1]).max(-1) > 0.25
+        leap |= np.abs(near[1][1:] - near[1][:-1]) > 0.1 * np.maximum(near[1][1:], near[1][:-1])
+        leap |= near[2][1:] != near[2][:-1]
+        out = np.moveaxis(found, axis, 0)
+        out[1:] |= leap
+        out[:-1] |= leap
+    return found
+
+
+# ---- the tests ----
+
+def _welch(d: Doubles, errors: list[tuple[Doubles, Any]], skewness: Any = 0.0) -> Doubles:
+    """z of differences d with independent errors, a list of variances and degrees of freedom (Welch
+    and Satterthwaite), for a skewness of their sum (Hall 1992). No error at all tells nothing: z is
+    0."""
+    total = sum(v for v, _ in errors)
+    known = total > 0
+    safe = np.where(known, total, 1.0)
+    dof = safe ** 2 / np.maximum(sum(v * v / k for v, k in errors), 1e-9 * safe ** 2)
+    t = d / np.sqrt(safe)
+    t = t + skewness * (1 + 2 * t * t) / 6 + skewness ** 2 * t ** 3 / 27
+    return np.where(known, student_z(t, dof), 0.0)
+
+def _slopes(mean: Doubles) -> list[Doubles]:
+    """How a picture changes if it is moved in x, in y, or blurred."""
+    around = np.pad(mean, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    left, right, up, down = (around[1:-1, :-2], around[1:-1, 2:], around[:-2, 1:-1],
+                             around[2:, 1:-1])
+    return [(right - left) / 2, (down - up) / 2, left + right + up + down - 4 * mean]
+
+
+def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
+    """z of the sums over outlines of d times what a shift or a blur would be; none without them."""
+    at = truth.outlines
+    z = []
+    for slope in _slopes(truth.mean):
+        u = np.sum(d[:, at] * slope[at], axis=-1)  # (k, pixels)
+        own = np.sum(truth.copies[:, at] * slope[at], axis=(1, 2)).var(ddof=1) / len(truth.copies)
+        if len(d) >= MANY:
+            x = u.sum(1)
+            size = math.sqrt(x.var(ddof=1) / len(d) + own)
+            dof = len(d) - 1
+        else:
+            x = u.mean(0)
+            size = math.sqrt(float(np.sum(x * x)) + own)
+            dof = len(x)
+        total = float(x.mean() if len(d) >= MANY else x.sum())
+        if size > 0:
+            z.append(float(student_z(np.float64(total / size), np.float64(dof))))
+    return np.array(z)
+
+
+def judge(theirs: Doubles, truth: Truth) -> Verdict:
+    """Test pictures (k, h, w, 3) of one scene, by other seeds, against the truth."""
+    d = theirs - truth.mean
+    tiles = _Tiles(truth.outlines)
+    radiance = np.abs(tiles.means(truth.mean))
+    noise, dof = tiles.noise(d)
+    own = np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
+    rounding = (ROUNDING * radiance) ** 2
+    total = noise + own + rounding
+    tile_d = np.stack([tiles.means(one) for one in d]).mean(0)
+    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (rounding, math.inf)]
+    z = _welch(tile_d, errors, tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5)
+    share = tiles.count / tiles.count.sum()
+    mean_d, mean_v = np.sum(share * tile_d, 0), np.sum(share ** 2 * total, 0)
+    if len(d) >= MANY:
+        each = np.stack([np.sum(share * tiles.means(one), 0) for one in d])
+        mean_v = each.var(0, ddof=1) / len(d) + np.sum(share ** 2 * (own + rounding), 0)
+    mean_z = student_z(mean_d / np.sqrt(np.maximum(mean_v, 1e-300)),
+                       np.full(3, len(d) - 1.0 if len(d) >= MANY else float(dof.sum())))
+    parts = [
+        Part("all tiles", together(np.array([chi_square_p(float(np.sum(z[:, c] ** 2)), tiles.n)
+                                             for c in range(3)]))),
+        Part("worst tile", together(normal_p(z))),
+        Part("mean", together(normal_p(mean_z)))]
+    edge = _outlines_z(d, truth)
+    if len(edge):
+        parts.append(Part("outlines", together(normal_p(edge))))
+    mean = float(np.sum(share * tiles.means(truth.mean)))
+    ratio_se = math.sqrt(float(mean_v.sum())) / mean if mean > 0 else math.inf
+    farthest = np.take_along_axis(z, np.abs(z).argmax(1)[:, None], 1)[:, 0]
+    picture = np.where(tiles.of >= 0, farthest[tiles.of], 0.0)
+    return Verdict(together(np.array([part.p for part in parts])), parts,
+                   1 + float(mean_d.sum()) / mean if mean > 0 else math.inf, ratio_se,
+                   *(float(np.median(np.sqrt(v))) / max(mean / 3, 1e-300) for v in (noise, own)),
+                   picture, len(d) >= MANY)
