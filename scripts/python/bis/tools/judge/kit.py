@@ -8,7 +8,7 @@ right-handed, and z is up."""
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, NamedTuple, Union
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,8 +97,8 @@ MAPS: dict[str, list[Lamp]] = {
     "day": [Lamp(0, 8, 0, 32, .4), Lamp(0, 3, 6, 16, .8), Lamp(8, 16, 0, 32, .12),
             Lamp(8, 16, 20, 26, .3), Lamp(5, 6, 27, 28, 90), Lamp(6, 8, 12, 14, 5)],
     "low": [Lamp(0, 16, 0, 32, .05), Lamp(7, 8, 5, 6, 120), Lamp(6, 7, 26, 27, 70)],
-    "poles": [Lamp(0, 16, 0, 32, .2), Lamp(0, 1, 0, 32, 12), Lamp(0, 1, 4, 13, 60),
-              Lamp(15, 16, 0, 32, 9), Lamp(15, 16, 18, 26, 40)],
+    "poles": [Lamp(0, 16, 0, 32, .2), Lamp(0, 2, 0, 32, 4), Lamp(0, 2, 4, 13, 20),
+              Lamp(14, 16, 0, 32, 3), Lamp(14, 16, 18, 26, 12)],
     "seam": [Lamp(0, 16, 0, 32, .15), Lamp(5, 7, 31, 32, 25), Lamp(5, 7, 0, 1, 50),
              Lamp(9, 10, 31, 32, 14)],
     "ground": [Lamp(0, 16, 0, 32, .1), Lamp(9, 11, 3, 7, 9), Lamp(11, 14, 20, 29, 3),
@@ -153,7 +153,7 @@ SCENES: dict[str, Row] = {
         "Floors of .05, .2, .5 and .8 show an albedo in sRGB, a curve of tone, a mirrored film."),
     "die-lamps": Row("die", "lamps", "grey", (3, -4, 2), (0, 0, .05), 28,
         "Nothing is shadowed, each face has one value: the map's orientation, channels, cosine."),
-    "die-day": Row("die", "day", "red", (-3, -3, 1), (0, .05, 0), 28,
+    "die-day": Row("die", "day", "red", (-3, -3, 2.4), (0, .05, 0), 28,
         "A coloured die: channels of an albedo, an albedo in sRGB, the cosine."),
     "die-below": Row("die", "poles", "grey", (-2, 3, -3), (0, 0, 0), 28,
         "The die from below, under bright poles: upside down, poles, the sine, half a sphere."),
@@ -197,6 +197,42 @@ SCENES: dict[str, Row] = {
 NAMES = tuple(SCENES)
 PBRT = ('Sampler "independent" "integer pixelsamples" 1024\n'
         'Integrator "path" "integer maxdepth" 1')
+
+_INTRO = """\
+# The kit: 24 scenes with known pictures
+
+NAME.txt is for bis, NAME.xml for Mitsuba 3, NAME.pbrt for pbrt-v4. Scenes with a Phong material
+have NAME.txt alone. Everything that a scene is stands below, for all other renderers.
+
+- **Pictures**: 64 x 48 pixels, linear radiance in float32 (EXR, PFM or .npy) without a tone curve.
+  Each pixel is the mean over its own square (a box filter of one pixel). Row 0 is at the top.
+- **Light**: one bounce. A surface reflects what comes straight from the map, with shadows.
+  A camera ray that hits nothing sees the map.
+- **World**: right-handed, z is up: x forward, y to the left, z up. The camera is a pinhole.
+  `fov` is the angle in degrees that 48 pixels see. Pictures are not mirrored.
+- **Surfaces**: triangles are flat. Both sides of a surface reflect.
+- **Map**: maps/MAP.exr has 256 x 128 pixels, latitude and longitude. Row i looks at the angle
+  180 (i + 1/2) / 128 degrees from +z; column j looks at the azimuth 360 (j + 1/2) / 256 degrees,
+  from +x towards +y. So column 64 looks along +y. The map is not turned in any scene.
+  A map is made of 16 x 32 cells of 8 x 8 equal pixels, so nearest and bilinear look-ups agree.
+  maps/MAP-mitsuba.exr has the rows where Mitsuba has them, at 180 i / 128 degrees.
+  maps/MAP-square.exr is the equal-area square of pbrt-v4.
+- **Diffuse**: f = albedo / pi.
+- **Conductor**: f = F D G / (4 cos_i cos_o), GGX with `alpha`, which is the width itself
+  (not squared, not remapped), D = alpha^2 / (pi ((alpha^2 - 1) cos_h^2 + 1)^2), and Smith's G.
+  G may be that of both directions together or a product of two. F is Fresnel's for eta = 1 and
+  k = 2 sqrt(r / (1 - r)); r is what it reflects head on.
+- **Phong**: f = Kd / pi + Ks (n + 1) / (2 pi) cos^n(angle between light and mirror direction).
+- Colours are linear. One number is grey. In a scene either the map or the materials are grey.
+
+## Maps
+
+A map begins black. Then its cells are set in this order; later ones replace earlier ones.
+Rows and columns are those of cells, the first and the last; a cell is 11.25 degrees wide.
+
+| map | rows | columns | radiance |
+| --- | --- | --- | --- |
+"""
 
 
 def about(name: str) -> str:
@@ -362,5 +398,32 @@ def write(folder: str) -> None:
             bis.save_image(os.path.join(folder, "maps", map + ending + ".exr"), a)
 
 
+def _shape(shape: Shape) -> str:
+    if shape.radius:
+        return "sphere about (%s), radius %g" % (_words(shape.points), shape.radius)
+    return "triangles %s over the points %s" % (
+        " ".join("(%d %d %d)" % face for face in shape.faces),
+        " ".join("(%s)" % _words(p) for p in shape.points))
+
+
 def page() -> str:
-    return ""
+    """README.md: what a renderer that reads none of the three languages needs."""
+    lines = ["| %s | %d to %d | %d to %d | %s |"
+             % (name, a.top, a.bottom - 1, a.left, a.right - 1, _words(a.radiance))
+             for name, lamps in MAPS.items() for a in lamps]
+    lines += ["", "## Materials", "", "| name | kind | values |", "| --- | --- | --- |"]
+    meaning = {"diffuse": "albedo %s", "conductor": "r %s, alpha %s",
+               "phong": "Kd %s, Ks %s, n %s"}
+    lines += ["| %s | %s | %s |" % (name, kind, meaning[kind] % tuple(map(_words, values)))
+              for name, (kind, *values) in MATERIALS.items()]
+    lines += ["", "## Shapes", "", "The number is that of the scene's material, from 0."]
+    for name, shapes in GEOMETRIES.items():
+        lines += ["", "### " + name, ""]
+        lines += ["- %d: %s" % (shape.material, _shape(shape)) for shape in shapes]
+    lines += ["", "## Scenes", ""]
+    for name, row in SCENES.items():
+        lines += ["- **%s**: shapes `%s`, map `%s`, materials %s. Camera at (%s), looks at (%s), "
+                  "up (0 0 1), fov %g. %s"
+                  % (name, row.geometry, row.map, row.materials, _words(row.eye), _words(row.look),
+                     row.fov, row.about)]
+    return _INTRO + "\n".join(lines) + "\n"
