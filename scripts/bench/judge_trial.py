@@ -26,7 +26,7 @@ from bis.tools.judge import kit
 
 mi.set_variant('llvm_ad_rgb')
 dr.set_thread_count(2)
-WRONG_SEEDS, WRONG_SPP = 8, 256
+WRONG_SEEDS, WRONG_SPP = 4, 256
 NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 100th picture has .003
 METHODS = (('sir', .003), ('mis', .03), ('em', .03), ('sir', .01))  # of bis, in turn
 MOST_SPP, CHUNK = 40000, 2048  # camera samples of a picture; of one call of Mitsuba
