@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """judge_trial: right and wrong pictures of the kit's scenes, by Mitsuba 3 and by bis, for a trial of `bis judge`.
 
-    python3 scripts/bench/judge_trial.py right OUT N      N right pictures of each scene by each program
-    python3 scripts/bench/judge_trial.py wrong OUT        8 pictures of each scene with each mistake that changes it
+    python3 scripts/bench/judge_trial.py right OUT N [FIRST]   N right pictures of each scene by Mitsuba, N/4 by bis
+    python3 scripts/bench/judge_trial.py wrong OUT             4 pictures of each scene with each mistake that changes it
+
+FIRST is the first seed (1); others go into NAME-PROGRAM-FIRST.npy. Of Phong's scenes bis makes all N.
 
 Writes OUT/right/NAME-PROGRAM.npy and OUT/wrong/NAME-MISTAKE.npy, float32 (n, 48, 64, 3), and OUT/right.csv and
 OUT/wrong.csv with a row for each picture. Files that exist are not made again. The mistakes are made in what Mitsuba is
@@ -27,7 +29,7 @@ from bis.tools.judge import kit
 mi.set_variant('llvm_ad_rgb')
 dr.set_thread_count(2)
 WRONG_SEEDS, WRONG_SPP = 4, 256
-NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 100th picture has .003
+NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 48th picture has .003
 METHODS = (('sir', .003), ('mis', .03), ('em', .03), ('sir', .01))  # of bis, in turn
 MOST_SPP, CHUNK = 40000, 2048  # camera samples of a picture; of one call of Mitsuba
 MOST_BIS = 32
@@ -189,16 +191,16 @@ def samples_for(render, noise):
     return int(np.clip(16 * (now / noise) ** 2, 16, MOST_SPP))
 
 
-def right_by_mitsuba(folder, name, n):
+def right_by_mitsuba(folder, name, n, first):
     """Pictures and rows of the CSV."""
     scene = Mitsuba(folder, name)
     spp = {noise: samples_for(scene.render, noise) for noise in set(NOISES) | {.003}}
     for i in range(n):
-        noise = .003 if i % 100 == 99 else NOISES[i % len(NOISES)]
-        yield scene.render(spp[noise], i + 1), ('mitsuba', 'direct', i + 1, spp[noise], noise)
+        noise = .003 if i % 48 == 47 else NOISES[i % len(NOISES)]
+        yield scene.render(spp[noise], first + i), ('mitsuba', 'direct', first + i, spp[noise], noise)
 
 
-def right_by_bis(folder, name, n):
+def right_by_bis(name, n, first):
     """Pictures and rows of the CSV."""
     scene = Bis(name)
     spp = {(m, noise): min(MOST_BIS, samples_for(lambda n, seed: scene.render(n, seed, integrator=m), noise))
@@ -206,7 +208,7 @@ def right_by_bis(folder, name, n):
     for i in range(n):
         method, noise = METHODS[i % len(METHODS)]
         samples = spp[method, noise]
-        yield (scene.render(samples, 7001 + i, integrator=method), ('bis', method, 7001 + i, samples, noise))
+        yield scene.render(samples, first + i, integrator=method), ('bis', method, first + i, samples, noise)
 
 
 def wrong(folder, name):
@@ -251,10 +253,11 @@ def main():
     os.makedirs(f'{out}/{mode}', exist_ok=True)
     for name in kit.NAMES:
         if mode == 'right':
-            n = int(sys.argv[3])
-            keep(out, mode, name + '-bis', right_by_bis(folder, name, n if kit.is_phong(name) else n // 4))
+            n, first = int(sys.argv[3]), int(sys.argv[4]) if len(sys.argv) > 4 else 1
+            more = f'-{first}' if first > 1 else ''
+            keep(out, mode, name + '-bis' + more, right_by_bis(name, n if kit.is_phong(name) else n // 4, first))
             if not kit.is_phong(name):
-                keep(out, mode, name + '-mitsuba', right_by_mitsuba(folder, name, n))
+                keep(out, mode, name + '-mitsuba' + more, right_by_mitsuba(folder, name, n, first))
             continue
         program, spp = ('bis', 16) if kit.is_phong(name) else ('mitsuba', WRONG_SPP)
         for k, (mistake, render) in enumerate(wrong(folder, name)):
