@@ -36,7 +36,7 @@ ln -sf "$shared" "$lib/libbis.so.${version%.*}"
 ln -sf "libbis.so.${version%.*}" "$lib/libbis.so"
 # The instruments: programs of Python, and the library that they load, which is that of the program.
 package=$to/libexec/bis/python/bis
-for file in $(cd scripts/python && find bis -name '*.py' -o -name py.typed -o -path '*/pages/*.html'); do
+for file in $(cd scripts/python && find bis -name '*.py' -o -name py.typed -o -name kit.md -o -name '*.html'); do
     mkdir -p "$to/libexec/bis/python/${file%/*}"
     install -m 644 "scripts/python/$file" "$to/libexec/bis/python/$file"
 done
